@@ -1,0 +1,167 @@
+"""The five dyads in closed form: positions, then first and second derivatives over the crank angle, all exact.
+
+Vectors are pairs (x, y) of floats or arrays of one shape. A pose is (x, y, c, s): origin and cosine and sine of the
+frame's angle. A rate is (x', y', θ'), an acceleration (x'', y'', θ''); primes are d/dφ. Each dyad is solved by
+the vector method of the articles (chained vectors, sign W); the derivatives come from differentiating the closure
+equations once and twice, which are linear in the unknown rates.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from analytic.linkage import Vector
+
+Scalar = Any  # a float or an array; the arithmetic is the same
+Pair = tuple[Scalar, Scalar]
+Pose = tuple[Scalar, Scalar, Scalar, Scalar]
+Rate = tuple[Scalar, Scalar, Scalar]
+
+
+def arm(pose: Pose, local: Vector) -> Pair:
+    """Vector from a frame's origin to a point of its body, in the ground frame."""
+    c, s = pose[2], pose[3]
+    a, b = local
+    if b == 0.0:
+        return (c * a, s * a) if a != 0.0 else (0.0, 0.0)
+    if a == 0.0:
+        return (s * -b, c * b)
+    return (c * a - s * b, s * a + c * b)
+
+
+def point(pose: Pose, local: Vector) -> Pair:
+    """Position of a point of a body."""
+    if local == (0.0, 0.0):
+        return (pose[0], pose[1])
+    r = arm(pose, local)
+    return (pose[0] + r[0], pose[1] + r[1])
+
+
+def point_rate(pose: Pose, rate: Rate, local: Vector) -> Pair:
+    """First derivative of a point of a body."""
+    if local == (0.0, 0.0):
+        return (rate[0], rate[1])
+    r = arm(pose, local)
+    return (rate[0] - rate[2] * r[1], rate[1] + rate[2] * r[0])
+
+
+def point_acceleration(pose: Pose, rate: Rate, acceleration: Rate, local: Vector) -> Pair:
+    """Second derivative of a point of a body."""
+    if local == (0.0, 0.0):
+        return (acceleration[0], acceleration[1])
+    r = arm(pose, local)
+    square = rate[2] * rate[2]
+    return (
+        acceleration[0] - acceleration[2] * r[1] - square * r[0],
+        acceleration[1] + acceleration[2] * r[0] - square * r[1],
+    )
+
+
+def turned(pose: Pose, turn: Vector) -> Pair:
+    """Cosine and sine of a body's angle plus a constant angle (cos, sin)."""
+    c, s = pose[2], pose[3]
+    if turn == (1.0, 0.0):
+        return (c, s)
+    return (c * turn[0] - s * turn[1], s * turn[0] + c * turn[1])
+
+
+def pose_through(position: Pair, direction: Pair, local: Vector) -> Pose:
+    """Pose of a body whose angle is known and whose point ``local`` lies at ``position``."""
+    r = arm((0.0, 0.0, *direction), local)
+    return (position[0] - r[0], position[1] - r[1], *direction)
+
+
+def rate_through(pose: Pose, velocity: Pair, turn_rate: Scalar, local: Vector) -> Rate:
+    """Rate of a body whose point ``local`` has the given derivative."""
+    r = arm(pose, local)
+    return (velocity[0] + turn_rate * r[1], velocity[1] - turn_rate * r[0], turn_rate)
+
+
+def acceleration_through(pose: Pose, second: Pair, turn_rate: Scalar, turn_second: Scalar, local: Vector) -> Rate:
+    """Second derivative of a body whose point ``local`` has the given second derivative."""
+    r = arm(pose, local)
+    square = turn_rate * turn_rate
+    return (
+        second[0] + turn_second * r[1] + square * r[0],
+        second[1] - turn_second * r[0] + square * r[1],
+        turn_second,
+    )
+
+
+def minus(a: Pair, b: Pair) -> Pair:
+    """Difference of two vectors."""
+    return (a[0] - b[0], a[1] - b[1])
+
+
+def dot(a: Pair, b: Pair) -> Scalar:
+    """Scalar product."""
+    return a[0] * b[0] + a[1] * b[1]
+
+
+def cross(a: Pair, b: Pair) -> Scalar:
+    """z component of the vector product."""
+    return a[0] * b[1] - a[1] * b[0]
+
+
+def carried_rate(pose: Pose, rate: Rate, position: Pair) -> Pair:
+    """Derivative of the point of a body that is just now at ``position``."""
+    r = (position[0] - pose[0], position[1] - pose[1])
+    return (rate[0] - rate[2] * r[1], rate[1] + rate[2] * r[0])
+
+
+def carried_acceleration(pose: Pose, rate: Rate, acceleration: Rate, position: Pair) -> Pair:
+    """Second derivative of the point of a body that is just now at ``position``."""
+    r = (position[0] - pose[0], position[1] - pose[1])
+    square = rate[2] * rate[2]
+    return (
+        acceleration[0] - acceleration[2] * r[1] - square * r[0],
+        acceleration[1] + acceleration[2] * r[0] - square * r[1],
+    )
+
+
+def two_circles(a: Pair, b: Pair, radius_a: float, radius_b: float, sign: int) -> tuple[Pair, Scalar]:
+    """RRR: the vector from A to the inner pin on two circles, and the radicand that decides the assembly.
+
+    The pin lies left of A→B for sign +1. The radicand is (h/L)², h the pin's distance from the line AB; it is
+    formed as a product (Heron), not as a difference of squares, to stay accurate near the limit positions.
+    """
+    d = minus(b, a)
+    square = dot(d, d)
+    along = 0.5 + (radius_a - radius_b) * (radius_a + radius_b) * 0.5 / square
+    spread = (radius_a + radius_b) ** 2
+    gap = (radius_a - radius_b) ** 2
+    radicand = (spread - square) * (square - gap) / (4.0 * square * square)
+    across = sign * np.sqrt(np.maximum(radicand, 0.0))
+    return (along * d[0] - across * d[1], along * d[1] + across * d[0]), radicand
+
+
+def circle_and_line(a: Pair, base: Pair, direction: Pair, radius: float, sign: int) -> tuple[Pair, Scalar]:
+    """RRP: the vector from A to the inner pin on a circle about A and on a line, and the radicand.
+
+    The sign is that of the vector's component along the line's direction.
+    """
+    offset = cross(direction, minus(base, a))
+    radicand = (radius - offset) * (radius + offset)
+    along = sign * np.sqrt(np.maximum(radicand, 0.0))
+    return (along * direction[0] - offset * direction[1], along * direction[1] + offset * direction[0]), radicand
+
+
+def line_through(d: Pair, offset: float, sign: int) -> tuple[Pair, Scalar, Scalar]:
+    """RPR: direction of a line at a fixed offset from B on which A lies, d = A − B.
+
+    Returns the direction, A's coordinate along it from B's foot, and the radicand |d|² − offset².
+    """
+    square = dot(d, d)
+    radicand = square - offset * offset
+    along = sign * np.sqrt(np.maximum(radicand, 0.0))
+    if offset == 0.0:
+        return (d[0] / along, d[1] / along), along, radicand
+    return ((along * d[0] + offset * d[1]) / square, (along * d[1] - offset * d[0]) / square), along, radicand
+
+
+def two_lines(gap: Pair, one: Pair, two: Pair) -> tuple[Scalar, Scalar]:
+    """Solve t·one − u·two = gap for (t, u): where two lines meet, or the rates of sliding along them."""
+    determinant = cross(one, two)
+    return cross(gap, two) / determinant, cross(gap, one) / determinant

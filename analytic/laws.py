@@ -1,0 +1,48 @@
+"""A load as a function of the crank angle: constant, or a table over φ closed into a periodic cubic spline."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+if TYPE_CHECKING:
+    from scipy.interpolate import CubicSpline
+
+FULL_TURN = 2.0 * np.pi
+
+
+@dataclass(frozen=True)
+class Law:
+    """A scalar or a vector that depends on the crank angle alone.
+
+    ``values`` has shape (k,) for a constant of k components; with ``angles`` of shape (n,), rad, increasing and
+    spanning less than one turn, it has shape (n, k) and the law is the periodic cubic spline through it.
+    """
+
+    values: NDArray[np.float64]
+    angles: NDArray[np.float64] | None = field(default=None)
+
+    @property
+    def is_constant(self) -> bool:
+        """Whether the law ignores φ, so that an engine can set it once."""
+        return self.angles is None
+
+    @cached_property
+    def _spline(self) -> CubicSpline:
+        from scipy.interpolate import CubicSpline  # a scene without tables does not pay for the import
+
+        assert self.angles is not None
+        knots = np.append(self.angles, self.angles[0] + FULL_TURN)
+        return CubicSpline(knots, np.vstack([self.values, self.values[:1]]), bc_type="periodic")
+
+    def __call__(self, angle: ArrayLike, order: int = 0) -> NDArray[np.float64]:
+        """Value (or its derivative of the given order over φ) at each angle; shape (k, *angle.shape)."""
+        angle = np.asarray(angle, dtype=float)
+        if self.angles is None:
+            values = self.values if order == 0 else np.zeros_like(self.values)
+            return np.broadcast_to(values.reshape(-1, *([1] * angle.ndim)), (len(values), *angle.shape))
+        return np.moveaxis(np.asarray(self._spline(angle, order)), -1, 0)

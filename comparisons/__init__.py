@@ -1,0 +1,1 @@
+"""Engines against the reference: quantities, deviations, limits, invariants, campaigns that write records."""

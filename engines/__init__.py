@@ -1,0 +1,1 @@
+"""Third-party multibody engines behind one small contract."""

@@ -1,0 +1,251 @@
+"""The contract between the suite and an engine: a scene of rigid bodies goes in, histories or a reason come out.
+
+Everything is SI and planar. A body's frame sits at its mass centre; ``angle`` is the angle of the link's own
+frame against the ground, so local anchors turn with it. Counter-clockwise is positive.
+
+An adapter receives data only. It never imports the closed forms, never prints, never raises for what a simulation can
+do wrong (that is an :class:`Outcome`), and returns the raw motion: every judgement is made by the suite.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from enum import StrEnum
+from typing import Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from analytic.laws import Law
+from analytic.linkage import GROUND, Vector
+from analytic.regimes import CrankMotion
+
+
+Array = NDArray[np.float64]
+
+
+class Setting(StrEnum):
+    """How an engine is used."""
+
+    NAIVE = "naive"  # what a newcomer would write, the engine's defaults wherever it has any
+    TUNED = "tuned"  # the default: accurate for its price
+    BEST = "best"  # the most accurate the adapter can do
+
+
+class Channel(StrEnum):
+    """What a run must hand back; an adapter records nothing that is not asked for."""
+
+    POSITION = "position"
+    VELOCITY = "velocity"
+    ACCELERATION = "acceleration"
+    TORQUE = "torque"
+    JOINT_FORCE = "joint_force"
+
+
+class Outcome(StrEnum):
+    """How a run ended."""
+
+    FINISHED = "finished"
+    DIVERGED = "diverged"
+    UNSUPPORTED = "unsupported"
+    UNAVAILABLE = "unavailable"
+
+
+@dataclass(frozen=True)
+class Body:
+    """A moving rigid body in its start state; ``inertia`` is None where it cannot turn.
+
+    ``position`` is the mass centre's; velocity and acceleration are its first and second time derivative.
+    """
+
+    name: str
+    mass: float
+    inertia: float | None
+    position: Vector
+    angle: float
+    velocity: Vector
+    angular_velocity: float
+    acceleration: Vector
+    angular_acceleration: float
+
+
+@dataclass(frozen=True)
+class PinJoint:
+    """Revolute joint between two bodies; anchors in body frames, in ground coordinates for the ground.
+
+    The joint force is the force the joint exerts on ``first``.
+    """
+
+    name: str
+    first: str
+    second: str
+    first_anchor: Vector
+    second_anchor: Vector
+
+
+@dataclass(frozen=True)
+class SliderJoint:
+    """Prismatic joint: ``body`` does not turn against ``host`` and keeps ``anchor`` on the host's line."""
+
+    name: str
+    body: str
+    anchor: Vector
+    host: str
+    through: Vector
+    along: Vector
+
+
+@dataclass(frozen=True)
+class SlotJoint:
+    """Pin in a slot: ``anchor`` of ``body`` stays on the host's line; body and host turn freely."""
+
+    name: str
+    body: str
+    anchor: Vector
+    host: str
+    through: Vector
+    along: Vector
+
+
+@dataclass(frozen=True)
+class AppliedForce:
+    """Force on a body at an anchor; two components in the ground frame over the crank angle."""
+
+    body: str
+    anchor: Vector
+    force: Law
+
+
+@dataclass(frozen=True)
+class AppliedTorque:
+    """Torque on a body over the crank angle, one component."""
+
+    body: str
+    torque: Law
+
+
+@dataclass(frozen=True)
+class PointSpring:
+    """Linear spring and dashpot between two anchors (either body may be the ground)."""
+
+    first: str
+    second: str
+    first_anchor: Vector
+    second_anchor: Vector
+    stiffness: float
+    length: float
+    damping: float
+
+
+@dataclass(frozen=True)
+class TurnDamper:
+    """Viscous damper on the relative angular velocity of two bodies (either may be the ground)."""
+
+    first: str
+    second: str
+    coefficient: float
+
+
+@dataclass(frozen=True)
+class Prescribed:
+    """The crank follows ``motion`` exactly; the torque this takes is the drive torque."""
+
+    motion: CrankMotion
+
+
+@dataclass(frozen=True)
+class Free:
+    """The crank is moved by a constant torque (and the scene's loads) for ``duration`` seconds."""
+
+    torque: float
+    duration: float
+
+
+Drive = Prescribed | Free
+
+
+@dataclass(frozen=True)
+class Scene:
+    """All an engine is told. ``crank`` names the driven body, which is pinned to the ground.
+
+    ``crank_angle`` is φ at the start (the crank body's ``angle``, unwrapped).
+    """
+
+    crank: str
+    bodies: tuple[Body, ...]
+    pins: tuple[PinJoint, ...]
+    sliders: tuple[SliderJoint, ...]
+    slots: tuple[SlotJoint, ...]
+    gravity: Vector
+    drive: Drive
+    channels: frozenset[Channel]
+    forces: tuple[AppliedForce, ...] = ()
+    torques: tuple[AppliedTorque, ...] = ()
+    springs: tuple[PointSpring, ...] = ()
+    dampers: tuple[TurnDamper, ...] = ()
+
+    @property
+    def crank_angle(self) -> float:
+        """φ at the start, rad."""
+        return next(body.angle for body in self.bodies if body.name == self.crank)
+
+
+@dataclass(frozen=True)
+class Signal:
+    """Samples over time: ``time`` (n,), s, increasing; ``values`` (n, ...)."""
+
+    time: Array
+    values: Array
+
+
+@dataclass(frozen=True)
+class History:
+    """The raw motion an engine computed, each channel on its own clock; None where it was not asked for.
+
+    ``position`` values (n, bodies, 3): mass centre x, y, m, and angle, rad, unwrapped; ``velocity`` and
+    ``acceleration`` likewise; bodies in the scene's order. ``torque`` values (n,): what the drive exerts on the
+    crank, N m. ``joint_force``: one signal (n, 2), N, per joint name, acting on the joint's first body (the pin's
+    ``first``, the slider's or slot's ``body``), ground frame.
+    """
+
+    position: Signal | None = None
+    velocity: Signal | None = None
+    acceleration: Signal | None = None
+    torque: Signal | None = None
+    joint_force: Mapping[str, Signal] = field(default_factory=dict)
+
+
+@dataclass(frozen=True)
+class Run:
+    """What came of a run: an outcome with its reason, and the history if it finished.
+
+    ``seconds`` is wall time of the stepping alone, ``setup_seconds`` of building the model; ``steps`` counts
+    every time step taken, over all passes of an extrapolation. ``details`` states the settings actually used.
+    """
+
+    outcome: Outcome
+    reason: str = ""
+    history: History | None = None
+    seconds: float = 0.0
+    setup_seconds: float = 0.0
+    steps: int = 0
+    details: Mapping[str, str | int | float] = field(default_factory=dict)
+
+
+class Engine(Protocol):
+    """One engine behind the contract. Adapters are found through the entry-point group ``linkproof.engines``."""
+
+    name: str
+
+    def version(self) -> str | None:
+        """Version of the installed engine, or None where it is not installed."""
+        ...
+
+    def obstacle(self, scene: Scene) -> str | None:
+        """Why this engine cannot hold the scene, in one sentence; None where it can."""
+        ...
+
+    def run(self, scene: Scene, setting: Setting) -> Run:
+        """Build the scene, step it through its drive and return the motion; never raises for a bad simulation."""
+        ...
