@@ -7,6 +7,7 @@ from collections.abc import Iterable
 import numpy as np
 
 from analytic.dyads import Pair
+from analytic.dynamics import damping_coefficient, generalised_force, half_inertia_slope, reduced_inertia
 from analytic.mechanism import Mechanism
 from analytic.sweep import Sweep
 from engines.contract import Channel, Drive, Prescribed, Scene
@@ -43,8 +44,6 @@ def scene(
     Under a prescribed motion the start state is the motion's; a free one starts at ``start_angle`` (rad) with crank
     speed ``speed`` (rad/s), its accelerations taken from the equation of motion.
     """
-    from analytic.dynamics import damping_coefficient, generalised_force, half_inertia_slope, reduced_inertia
-
     if isinstance(drive, Prescribed):
         motion = drive.motion
         sweep = mechanism.sweep(np.asarray(motion.angle(0.0)))

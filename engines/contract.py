@@ -18,9 +18,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from analytic.laws import Law
-from analytic.linkage import GROUND, Vector
+from analytic.linkage import Vector
 from analytic.regimes import CrankMotion
-
 
 Array = NDArray[np.float64]
 

@@ -1,0 +1,240 @@
+"""A campaign: every mechanism under every regime in every engine and setting, judged into records."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Iterator
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+
+from analytic.errors import UnknownNameError
+from analytic.linkage import Linkage
+from analytic.mechanism import Mechanism
+from analytic.regimes import CrankMotion
+from comparisons import baseline, invariants
+from comparisons.deviations import Deviation, deviation, near_jumps
+from comparisons.limits import limit
+from comparisons.motion import ObservedMotion
+from comparisons.quantities import QUANTITIES, Case, Quantity, quantity
+from comparisons.records import Record, Verdict
+from comparisons.scenes import scene
+from engines.contract import Channel, Outcome, Prescribed, Run, Setting, Signal
+from engines.registry import engine, engine_names
+
+
+@dataclass(frozen=True)
+class Request:
+    """What to compare. ``conditions`` words the regimes' speed, times, direction and start angle, the same for all."""
+
+    linkages: tuple[Linkage, ...]
+    motions: tuple[CrankMotion, ...]
+    conditions: str
+    engines: tuple[str, ...]
+    settings: tuple[Setting, ...] = (Setting.TUNED,)
+    quantities: tuple[str, ...] = tuple(QUANTITIES)
+    with_invariants: bool = True
+
+
+@dataclass(frozen=True)
+class RunResult:
+    """One run, judged: its records, its invariants, and the curves behind them by quantity."""
+
+    records: tuple[Record, ...]
+    invariants: tuple[Record, ...]
+    deviations: dict[str, Deviation] = field(default_factory=dict)
+    details: dict[str, str | int | float] = field(default_factory=dict)
+
+
+@dataclass(frozen=True)
+class _Task:
+    """One run still to be made."""
+
+    case: Case
+    conditions: str
+    engine: str
+    setting: Setting
+
+    @property
+    def label(self) -> str:
+        return f"{self.case.mechanism.linkage.name}, {self.case.motion.regime}: {self.engine} {self.setting}"
+
+
+def tasks(request: Request) -> list[_Task]:
+    """The runs of a request, in a stable order.
+
+    Raises UnknownNameError, AssemblyError or StructureError before any run is made.
+    """
+    for name in request.engines:
+        if name not in engine_names():
+            raise UnknownNameError("engine", name, engine_names())
+    wanted = [quantity(name) for name in request.quantities]
+    cases = []
+    for linkage in request.linkages:
+        mechanism = Mechanism(linkage)
+        mechanism.check_full_turn()
+        cases += [Case(mechanism, motion) for motion in request.motions]
+        if any(q.name in ("S", "v", "a") for q in wanted):
+            _ = cases[-1].output
+    return [
+        _Task(case, request.conditions, name, setting)
+        for case in cases
+        for name in request.engines
+        for setting in request.settings
+    ]
+
+
+def compare(request: Request, announce: Callable[[str, int, int], None] = lambda *_: None) -> Iterator[RunResult]:
+    """Make the runs one by one; ``announce`` hears a label, the number of the run and how many there are."""
+    todo = tasks(request)
+    for number, task in enumerate(todo):
+        announce(task.label, number, len(todo))
+        yield _judged(task, request)
+    announce("", len(todo), len(todo))
+
+
+def _channels(quantities: Iterable[Quantity], with_invariants: bool) -> frozenset[Channel]:
+    """What the engine has to record: what the quantities need, and for the invariants everything but joint forces."""
+    needed = frozenset(channel for q in quantities for channel in q.channels)
+    return needed | frozenset().union(*invariants.INVARIANTS.values()) if with_invariants else needed
+
+
+def _judged(task: _Task, request: Request) -> RunResult:
+    wanted = [quantity(name) for name in request.quantities]
+    adapter = engine(task.engine)
+    version = adapter.version()
+    blank = _blank(task, version or "")
+    if version is None:
+        reason = f"engine '{task.engine}' is not installed; install it with: pip install 'linkproof[{task.engine}]'"
+        return _all_alike(blank, wanted, Verdict.UNAVAILABLE, reason)
+    model = scene(task.case.mechanism, Prescribed(task.case.motion), _channels(wanted, request.with_invariants))
+    obstacle = adapter.obstacle(model)
+    if obstacle is not None:
+        return _all_alike(blank, wanted, Verdict.UNSUPPORTED, obstacle)
+    run = adapter.run(model, task.setting)
+    blank = replace(blank, seconds=run.seconds, setup_seconds=run.setup_seconds, steps=run.steps)
+    if run.outcome is not Outcome.FINISHED or run.history is None:
+        return _all_alike(blank, wanted, Verdict(run.outcome.value), run.reason)
+    return _measured(
+        task, wanted, run, ObservedMotion(model, run.history), blank, with_invariants=request.with_invariants
+    )
+
+
+def _measured(
+    task: _Task, wanted: list[Quantity], run: Run, motion: ObservedMotion, blank: Record, *, with_invariants: bool
+) -> RunResult:
+    deviations = {q.name: deviation(task.case, q, motion) for q in wanted}
+    records = tuple(_record(replace(blank, quantity=q.name, unit=q.unit), deviations[q.name]) for q in wanted)
+    checks = _invariants(task.case, motion, blank) if with_invariants else ()
+    return RunResult(records, checks, deviations, dict(run.details))
+
+
+def _blank(task: _Task, version: str) -> Record:
+    linkage = task.case.mechanism.linkage
+    return Record(
+        mechanism=linkage.name,
+        variant=linkage.variant,
+        regime=task.case.motion.regime,
+        conditions=task.conditions,
+        engine=task.engine,
+        engine_version=version,
+        setting=task.setting.value,
+        quantity="",
+        unit="",
+        error_max=None,
+        error_rms=None,
+        limit=None,
+        baseline=None,
+        outcome=Verdict.PASSED.value,
+        detail="",
+        peak=None,
+        worst_time=None,
+        samples=0,
+        left_out=0,
+        seconds=0.0,
+        setup_seconds=0.0,
+        steps=0,
+    )
+
+
+def _all_alike(blank: Record, wanted: list[Quantity], verdict: Verdict, reason: str) -> RunResult:
+    """The records of a run that gave no motion."""
+    return RunResult(
+        tuple(replace(blank, quantity=q.name, unit=q.unit, outcome=verdict.value, detail=reason) for q in wanted), ()
+    )
+
+
+def _record(blank: Record, found: Deviation) -> Record:
+    return judge(
+        replace(
+            blank,
+            error_max=found.error_max,
+            error_rms=found.error_rms,
+            peak=found.peak,
+            worst_time=found.worst_time,
+            samples=found.samples,
+            left_out=found.left_out,
+        )
+    )
+
+
+def judge(record: Record) -> Record:
+    """Hold a record's error against its limit and against three times its recorded value."""
+    error = record.error_max
+    assert error is not None
+    bound = limit(record.quantity, record.setting, record.regime).value
+    grown = baseline.allowed(replace(record, limit=bound))
+    record = replace(record, limit=bound, baseline=grown)
+    if not error <= bound:
+        detail = f"error {error:.2g} of peak is over its limit {bound:.2g}"
+    elif grown is not None and error > grown:
+        detail = (
+            f"error {error:.2g} of peak is within its limit {bound:.2g} but over {grown:.2g}, three times its "
+            "recorded value"
+        )
+    else:
+        return record
+    return replace(record, outcome=Verdict.OVER_LIMIT.value, detail=detail)
+
+
+def _invariants(case: Case, motion: ObservedMotion, blank: Record) -> tuple[Record, ...]:
+    """Joint gaps, energy balance and the torque by two routes, as records of their own."""
+    gaps = invariants.joint_gaps(motion)
+    energy = invariants.energy_balance(motion)
+    routes = _two_routes(case, motion)
+    torque_peak = float(np.max(np.abs(motion.signal(Channel.TORQUE).values)))
+    kinetic_peak = float(np.max(motion.kinetic_energy().values))
+    accelerations = len(motion.signal(Channel.ACCELERATION).time)
+
+    def check(name: str, unit: str, signal: Signal, scale: float, total: int) -> Record:
+        return _check(replace(blank, quantity=name, unit=unit), signal, scale, total)
+
+    return (
+        check("joint_gap", "m", gaps, case.mechanism.linkage.shortest_length(), len(gaps.time)),
+        check("energy_balance", "J", energy, kinetic_peak, len(energy.time)),
+        check("torque_two_routes", "N m", routes, torque_peak, accelerations),
+    )
+
+
+def _two_routes(case: Case, motion: ObservedMotion) -> Signal:
+    """Torque by power balance less torque by constraint, away from standstill and acceleration jumps."""
+    by_power = invariants.power_torque(motion, case.least_speed)
+    torque = motion.on_clock(Channel.TORQUE, by_power.time)
+    kept = ~near_jumps(by_power.time, case.motion.jumps)
+    return Signal(by_power.time[kept], (by_power.values - torque)[kept])
+
+
+def _check(blank: Record, signal: Signal, scale: float, total: int) -> Record:
+    """A record of a signal that should be zero everywhere, relative to a scale."""
+    relative = np.abs(signal.values) / (scale or 1.0)
+    worst = int(np.argmax(relative))
+    return judge(
+        replace(
+            blank,
+            error_max=float(relative[worst]),
+            error_rms=float(np.sqrt(np.mean(relative**2))),
+            peak=scale,
+            worst_time=float(signal.time[worst]),
+            samples=len(relative),
+            left_out=total - len(relative),
+        )
+    )

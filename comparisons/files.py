@@ -1,0 +1,34 @@
+"""Writing files so that nothing is ever half-written: to a neighbour first, then renamed into place."""
+
+from __future__ import annotations
+
+import os
+import tempfile
+from collections.abc import Callable
+from pathlib import Path
+
+from analytic.errors import LinkproofError
+
+
+def write_text(path: Path, text: str) -> None:
+    """Replace a file by this text in one step."""
+    write_file(path, lambda target: target.write_text(text, encoding="utf-8"))
+
+
+def write_file(path: Path, write: Callable[[Path], object]) -> None:
+    """Let ``write`` fill a neighbour of ``path``, then rename it into place; raises LinkproofError if it cannot."""
+    try:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        handle, name = tempfile.mkstemp(dir=path.parent, prefix=f".{path.name}.", suffix=path.suffix)
+        os.close(handle)
+    except OSError as error:
+        raise LinkproofError(f"cannot write '{path}': {error.strerror}; give a place that can be written") from error
+    temporary = Path(name)
+    try:
+        write(temporary)
+        temporary.chmod(0o644)
+        os.replace(temporary, path)
+    except OSError as error:
+        raise LinkproofError(f"cannot write '{path}': {error.strerror}; give a place that can be written") from error
+    finally:
+        temporary.unlink(missing_ok=True)

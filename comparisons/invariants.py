@@ -1,0 +1,74 @@
+"""What must hold in any true motion, checked on the engine's own: joints closed, energy and power balanced.
+
+No closed form enters here, so that a wrong motion is caught even where no reference exists.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import numpy as np
+from numpy.typing import NDArray
+
+from analytic.linkage import GROUND, Vector
+from comparisons.loads import conservative_power, other_power, potential_energy
+from comparisons.motion import ObservedMotion
+from engines.contract import Channel, Signal, SliderJoint, SlotJoint
+
+Array = NDArray[np.float64]
+
+INVARIANTS: Mapping[str, frozenset[Channel]] = {
+    "joint_gap": frozenset({Channel.POSITION}),
+    "energy_balance": frozenset({Channel.POSITION, Channel.VELOCITY, Channel.TORQUE}),
+    "torque_two_routes": frozenset({Channel.POSITION, Channel.VELOCITY, Channel.ACCELERATION, Channel.TORQUE}),
+}
+
+
+def joint_gaps(motion: ObservedMotion) -> Signal:
+    """Largest opening of any joint, m, over time: pins apart, sliders and slot pins off their line."""
+    time = motion.signal(Channel.POSITION).time
+    worst = np.zeros(len(time))
+    for pin in motion.scene.pins:
+        first = motion.point(pin.first, pin.first_anchor, time)
+        gap = first - motion.point(pin.second, pin.second_anchor, time)
+        worst = np.maximum(worst, np.hypot(*gap.T))
+    lines: list[SliderJoint | SlotJoint] = [*motion.scene.sliders, *motion.scene.slots]
+    for joint in lines:
+        gap_vector = motion.point(joint.body, joint.anchor, time) - motion.point(joint.host, joint.through, time)
+        x, y = _direction(motion, joint.host, joint.along, time)
+        worst = np.maximum(worst, np.abs(x * gap_vector[:, 1] - y * gap_vector[:, 0]))
+    return Signal(time, worst)
+
+
+def _direction(motion: ObservedMotion, host: str, along: Vector, time: Array) -> tuple[Array, Array]:
+    if host == GROUND:
+        return np.full(len(time), along[0]), np.full(len(time), along[1])
+    return motion.arm(host, along, time)
+
+
+def energy_balance(motion: ObservedMotion) -> Signal:
+    """Energy gained beyond the work put in, J: T + V − (T + V)₀ − ∫ (Mkr ω + loads) dt, on the torque's clock."""
+    torque = motion.signal(Channel.TORQUE)
+    time = torque.time
+    work = _cumulative(time, torque.values * motion.crank(Channel.VELOCITY, time) + other_power(motion, time))
+    velocity = motion.on_clock(Channel.VELOCITY, time)
+    kinetic = 0.5 * np.einsum("nbk,bk->n", velocity**2, motion.masses)
+    energy = kinetic + potential_energy(motion, time)
+    return Signal(time, energy - energy[0] - work)
+
+
+def _cumulative(time: Array, power: Array) -> Array:
+    """∫ power dt by the trapezoid rule with its end correction, fourth order on smooth stretches."""
+    step = np.diff(time)
+    slope = np.gradient(power, time, edge_order=2)
+    parts = step * (power[1:] + power[:-1]) / 2.0 + step**2 * (slope[:-1] - slope[1:]) / 12.0
+    return np.concatenate([[0.0], np.cumsum(parts)])
+
+
+def power_torque(motion: ObservedMotion, least_speed: float) -> Signal:
+    """The drive torque by the other route, N m: (dT/dt − power of all loads) / ω, where the crank is fast enough."""
+    time = motion.signal(Channel.ACCELERATION).time
+    speed = motion.crank(Channel.VELOCITY, time)
+    power = motion.kinetic_power(time) - conservative_power(motion, time) - other_power(motion, time)
+    fast = np.abs(speed) >= least_speed
+    return Signal(time[fast], power[fast] / speed[fast])
