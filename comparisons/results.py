@@ -1,0 +1,139 @@
+"""The results of a campaign as one labelled dataset: every curve, every record, and all a report needs besides."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Sequence
+from dataclasses import asdict, dataclass
+from functools import cached_property
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from analytic.errors import LinkproofError
+from analytic.linkage import Linkage
+from analytic.loading import parse
+from analytic.regimes import CrankMotion, Segment
+from comparisons.campaign import Request, RunResult
+from comparisons.environment import environment
+from comparisons.files import write_file
+from comparisons.records import Record, from_rows, to_json
+
+if TYPE_CHECKING:
+    import xarray
+
+DATASET = "curves.nc"
+RECORDS = "records.json"
+LABELS = ("mechanism", "variant", "regime", "engine", "setting")
+
+
+@dataclass(frozen=True)
+class Results:
+    """A finished campaign. ``curves`` holds time, observed and reference over (run, quantity, sample), NaN-padded."""
+
+    document: dict[str, Any]
+    curves: xarray.Dataset
+
+    @cached_property
+    def records(self) -> tuple[Record, ...]:
+        """One record per run and quantity."""
+        return from_rows(self.document["records"])
+
+    @cached_property
+    def invariants(self) -> tuple[Record, ...]:
+        """One record per run and invariant."""
+        return from_rows(self.document["invariants"])
+
+    @cached_property
+    def linkages(self) -> tuple[Linkage, ...]:
+        """The linkages as they were described when the campaign ran."""
+        return tuple(parse(d["text"], d["name"], d["name"], d["variant"]) for d in self.document["descriptions"])
+
+    @cached_property
+    def motions(self) -> tuple[CrankMotion, ...]:
+        """The crank motions of the campaign's regimes."""
+        return tuple(
+            CrankMotion(m["regime"], tuple(Segment(s[0], s[1], tuple(s[2])) for s in m["segments"]))
+            for m in self.document["motions"]
+        )
+
+    def curve(self, run: Sequence[str], quantity: str) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Time, observed and reference of one run (mechanism, variant, regime, engine, setting) and quantity."""
+        chosen = self.curves.sel(run="/".join(run), quantity=quantity)
+        time, observed, reference = (chosen[name].values for name in ("time", "observed", "reference"))
+        kept = ~np.isnan(time)
+        return time[kept], observed[kept], reference[kept]
+
+
+def document(request: Request, results: Sequence[RunResult], texts: Sequence[str], command: str) -> dict[str, Any]:
+    """Everything but the curves, as JSON-ready data; ``texts`` are the linkage files in the request's order."""
+    return {
+        "format": 1,
+        "command": command,
+        "conditions": request.conditions,
+        "environment": environment(),
+        "records": [asdict(record) for result in results for record in result.records],
+        "invariants": [asdict(record) for result in results for record in result.invariants],
+        "details": {"/".join(r.records[0].run): r.details for r in results if r.records},
+        "motions": [
+            {"regime": m.regime, "segments": [[s.start, s.end, list(s.coefficients)] for s in m.segments]}
+            for m in request.motions
+        ],
+        "descriptions": [
+            {"name": linkage.name, "variant": linkage.variant, "text": text}
+            for linkage, text in zip(request.linkages, texts, strict=True)
+        ],
+    }
+
+
+def dataset(results: Sequence[RunResult], told: dict[str, Any]) -> xarray.Dataset:
+    """The curves of all runs that finished, labelled, with the document beside them."""
+    import xarray  # noqa: PLC0415  half a second that a run without --out does not pay
+
+    finished = [result for result in results if result.deviations]
+    quantities = list(dict.fromkeys(name for result in finished for name in result.deviations))
+    length = max((len(d.time) for result in finished for d in result.deviations.values()), default=0)
+    shape = (len(finished), len(quantities), length)
+    arrays = {name: np.full(shape, np.nan) for name in ("time", "observed", "reference")}
+    for i, result in enumerate(finished):
+        for name, found in result.deviations.items():
+            place = (i, quantities.index(name), slice(len(found.time)))
+            for array, values in arrays.items():
+                values[place] = getattr(found, array)
+    runs = [result.records[0].run for result in finished]
+    units = {record.quantity: record.unit for result in finished for record in result.records}
+    return xarray.Dataset(
+        {name: (("run", "quantity", "sample"), values) for name, values in arrays.items()},
+        coords={
+            "run": ["/".join(run) for run in runs],
+            "quantity": quantities,
+            "unit": ("quantity", [units[name] for name in quantities]),
+            **{label: ("run", [run[i] for run in runs]) for i, label in enumerate(LABELS)},
+        },
+        attrs={"title": "linkproof: engines against the closed form", "document": to_json(told)},
+    )
+
+
+def save(folder: Path, results: Sequence[RunResult], told: dict[str, Any]) -> Results:
+    """Write ``curves.nc`` and ``records.json`` into a folder, each in one step."""
+    curves = dataset(results, told)
+    write_file(folder / DATASET, lambda path: curves.to_netcdf(path, engine="scipy", format="NETCDF3_64BIT"))
+    write_file(folder / RECORDS, lambda path: path.write_text(to_json(told), encoding="utf-8"))
+    return Results(told, curves)
+
+
+def load(folder: Path) -> Results:
+    """Read a saved campaign back, from its folder or from the dataset itself; no engine is imported."""
+    import xarray  # noqa: PLC0415
+
+    path = folder / DATASET if folder.is_dir() else folder
+    if not path.is_file():
+        raise LinkproofError(f"no saved curves at '{path}': expected the folder given to --out, or its {DATASET}")
+    try:
+        with xarray.open_dataset(path, engine="scipy") as opened:
+            curves = opened.load()
+        told = json.loads(curves.attrs["document"])
+    except (OSError, ValueError, KeyError, TypeError) as error:
+        raise LinkproofError(f"'{path}' is no dataset of a campaign ({error}); run compare with --out again") from error
+    return Results(told, curves)
