@@ -73,8 +73,8 @@ def tasks(request: Request) -> list[_Task]:
         mechanism = Mechanism(linkage)
         mechanism.check_full_turn()
         cases += [Case(mechanism, motion) for motion in request.motions]
-        if any(q.name in ("S", "v", "a") for q in wanted):
-            _ = cases[-1].output
+        if any(q.needs_output for q in wanted):
+            _ = cases[-1].output  # raises here, before any run, where the linkage names none
     return [
         _Task(case, request.conditions, name, setting)
         for case in cases

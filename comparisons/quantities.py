@@ -77,6 +77,7 @@ class Quantity:
     reference: Callable[[Case, Array], Array]
     observed: Callable[[Case, ObservedMotion], Signal]
     holds_acceleration: bool = False
+    needs_output: bool = False
 
 
 def _inertia(case: Case, motion: ObservedMotion) -> Signal:
@@ -84,10 +85,6 @@ def _inertia(case: Case, motion: ObservedMotion) -> Signal:
     speed = motion.crank(Channel.VELOCITY, energy.time)
     fast = np.abs(case.motion.speed(energy.time)) >= case.least_speed
     return Signal(energy.time[fast], 2.0 * energy.values[fast] / speed[fast] ** 2)
-
-
-def _torque(case: Case, motion: ObservedMotion) -> Signal:
-    return motion.signal(Channel.TORQUE)
 
 
 def _power(case: Case, motion: ObservedMotion) -> Signal:
@@ -115,70 +112,80 @@ def _true_torque(case: Case, time: Array) -> Array:
     return dynamics.drive_torque(case.sweep(time), case.motion.speed(time), case.motion.acceleration(time))
 
 
-def _output_coordinate(case: Case, sweep: Sweep, order: int) -> Array:
-    return case.along(np.stack(np.broadcast_arrays(*sweep.point(case.output.point, order)), axis=-1))
-
-
 def _true_displacement(case: Case, time: Array) -> Array:
-    return top_dead_centre(case.mechanism).coordinate - _output_coordinate(case, case.sweep(time), 0)
-
-
-def _true_velocity(case: Case, time: Array) -> Array:
-    return -_output_coordinate(case, case.sweep(time), 1) * case.motion.speed(time)
+    return top_dead_centre(case.mechanism).coordinate - case.sweep(time).output()
 
 
 def _true_acceleration(case: Case, time: Array) -> Array:
     sweep, speed = case.sweep(time), case.motion.speed(time)
-    second = _output_coordinate(case, sweep, 2) * speed**2
-    return -(second + _output_coordinate(case, sweep, 1) * case.motion.acceleration(time))
+    second = sweep.output(2) * speed**2
+    return -(second + sweep.output(1) * case.motion.acceleration(time))
 
 
 QUANTITIES: Mapping[str, Quantity] = {
     quantity.name: quantity
     for quantity in (
         Quantity(
-            "Jeq",
-            "kg m²",
-            "reduced moment of inertia",
-            frozenset({Channel.VELOCITY}),
-            lambda case, time: dynamics.reduced_inertia(case.sweep(time)),
-            _inertia,
+            name="Jeq",
+            unit="kg m²",
+            title="reduced moment of inertia",
+            channels=frozenset({Channel.VELOCITY}),
+            reference=lambda case, time: dynamics.reduced_inertia(case.sweep(time)),
+            observed=_inertia,
         ),
         Quantity(
-            "Teq",
-            "J",
-            "kinetic energy",
-            frozenset({Channel.VELOCITY}),
-            lambda case, time: dynamics.kinetic_energy(case.sweep(time), case.motion.speed(time)),
-            lambda case, motion: motion.kinetic_energy(),
-        ),
-        Quantity("Mkr", "N m", "crank torque", frozenset({Channel.TORQUE}), _true_torque, _torque, True),
-        Quantity(
-            "Peq",
-            "W",
-            "drive power",
-            frozenset({Channel.TORQUE, Channel.VELOCITY}),
-            lambda case, time: _true_torque(case, time) * case.motion.speed(time),
-            _power,
-            True,
-        ),
-        Quantity("S", "m", "output displacement", frozenset({Channel.POSITION}), _true_displacement, _displacement),
-        Quantity(
-            "v",
-            "m/s",
-            "output velocity",
-            frozenset({Channel.POSITION, Channel.VELOCITY}),
-            _true_velocity,
-            _velocity,
+            name="Teq",
+            unit="J",
+            title="kinetic energy",
+            channels=frozenset({Channel.VELOCITY}),
+            reference=lambda case, time: dynamics.kinetic_energy(case.sweep(time), case.motion.speed(time)),
+            observed=lambda case, motion: motion.kinetic_energy(),
         ),
         Quantity(
-            "a",
-            "m/s²",
-            "output acceleration",
-            frozenset({Channel.POSITION, Channel.VELOCITY, Channel.ACCELERATION}),
-            _true_acceleration,
-            _acceleration,
-            True,
+            name="Mkr",
+            unit="N m",
+            title="crank torque",
+            channels=frozenset({Channel.TORQUE}),
+            reference=_true_torque,
+            observed=lambda case, motion: motion.signal(Channel.TORQUE),
+            holds_acceleration=True,
+        ),
+        Quantity(
+            name="Peq",
+            unit="W",
+            title="drive power",
+            channels=frozenset({Channel.TORQUE, Channel.VELOCITY}),
+            reference=lambda case, time: _true_torque(case, time) * case.motion.speed(time),
+            observed=_power,
+            holds_acceleration=True,
+        ),
+        Quantity(
+            name="S",
+            unit="m",
+            title="output displacement",
+            channels=frozenset({Channel.POSITION}),
+            reference=_true_displacement,
+            observed=_displacement,
+            needs_output=True,
+        ),
+        Quantity(
+            name="v",
+            unit="m/s",
+            title="output velocity",
+            channels=frozenset({Channel.POSITION, Channel.VELOCITY}),
+            reference=lambda case, time: -case.sweep(time).output(1) * case.motion.speed(time),
+            observed=_velocity,
+            needs_output=True,
+        ),
+        Quantity(
+            name="a",
+            unit="m/s²",
+            title="output acceleration",
+            channels=frozenset({Channel.POSITION, Channel.VELOCITY, Channel.ACCELERATION}),
+            reference=_true_acceleration,
+            observed=_acceleration,
+            holds_acceleration=True,
+            needs_output=True,
         ),
     )
 }

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -48,7 +48,10 @@ class Results:
     @cached_property
     def linkages(self) -> tuple[Linkage, ...]:
         """The linkages as they were described when the campaign ran."""
-        return tuple(parse(d["text"], d["name"], d["name"], d["variant"]) for d in self.document["descriptions"])
+        return tuple(
+            replace(parse(d["text"], d["name"], d["name"], d["variant"]), gravity=(d["gravity"][0], d["gravity"][1]))
+            for d in self.document["descriptions"]
+        )
 
     @cached_property
     def motions(self) -> tuple[CrankMotion, ...]:
@@ -81,7 +84,7 @@ def document(request: Request, results: Sequence[RunResult], texts: Sequence[str
             for m in request.motions
         ],
         "descriptions": [
-            {"name": linkage.name, "variant": linkage.variant, "text": text}
+            {"name": linkage.name, "variant": linkage.variant, "gravity": list(linkage.gravity), "text": text}
             for linkage, text in zip(request.linkages, texts, strict=True)
         ],
     }

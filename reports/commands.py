@@ -1,0 +1,104 @@
+"""What the commands do, once their words are parsed: load, compute, print, write."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Mapping, Sequence
+from dataclasses import asdict
+from pathlib import Path
+from typing import Any
+
+from rich.console import Console
+
+from analytic.loading import catalogue, load
+from comparisons import baseline
+from comparisons.campaign import compare as run_campaign
+from comparisons.files import write_text
+from comparisons.published import all_variants, compare_published
+from comparisons.records import Record, Verdict, to_json
+from comparisons.results import document, save
+from comparisons.results import load as load_results
+from engines.contract import Setting
+from reports import tables
+from reports.portrait import portrait
+from reports.progress import progress
+from reports.requests import Choice, request, texts
+
+PAGE, SUMMARY = "index.html", "RESULTS.md"
+FAILED = (Verdict.OVER_LIMIT, Verdict.DIVERGED)
+
+
+def _write_json(target: str, data: Mapping[str, Any]) -> None:
+    text = to_json(data)
+    if target == "-":
+        sys.stdout.write(text)
+    else:
+        write_text(Path(target), text)
+
+
+def list_mechanisms(target: str | None) -> None:
+    """Print or write the catalogue."""
+    linkages = [load(name) for name in catalogue()]
+    if target is None:
+        Console().print(tables.catalogue(linkages))
+        return
+    rows = [{"mechanism": k.name, "title": k.title, "source": k.source, "variants": list(k.variants)} for k in linkages]
+    _write_json(target, {"records": rows})
+
+
+def show(name: str, variant: str | None, target: str | None) -> None:
+    """Print or write the portrait of a mechanism."""
+    facts = portrait(load(name, variant))
+    if target is None:
+        Console().print(tables.portrait(facts))
+    else:
+        _write_json(target, facts)
+
+
+def published(names: Sequence[str], target: str | None) -> None:
+    """Print or write the published figures beside ours."""
+    linkages = [linkage for name in names or catalogue() for linkage in all_variants(name)]
+    records = compare_published(linkages)
+    if target is None:
+        Console().print(tables.published(records))
+    else:
+        _write_json(target, {"records": [asdict(record) for record in records]})
+
+
+def compare(choice: Choice, out: Path | None, target: str | None, *, record_baseline: bool) -> int:
+    """Run a campaign, print its table, write what was asked for; returns the exit code."""
+    wanted = request(choice)
+    with progress() as announce:
+        results = list(run_campaign(wanted, announce))
+    records = [record for result in results for record in (*result.records, *result.invariants)]
+    if record_baseline:
+        baseline.record_all(records)
+    command = choice.command + (" --out DIR" if out else "")
+    if target != "-":
+        Console().print(tables.campaign(results))
+    if target or out:
+        told = document(wanted, results, texts(choice, wanted.linkages), command)
+        if target:
+            _write_json(target, told)
+        if out:
+            save(out, results, told)
+            rebuild(out, None)
+    return exit_code(records)
+
+
+def exit_code(records: Sequence[Record]) -> int:
+    """1 if any record failed; naive ones count only where nothing else ran."""
+    judged = [record for record in records if record.setting != Setting.NAIVE] or records
+    return int(any(record.outcome in FAILED for record in judged))
+
+
+def rebuild(saved: Path, out: Path | None) -> None:
+    """Write the page and the summary of a saved campaign."""
+    from reports.page import write_page  # noqa: PLC0415  figures cost a second that other commands do not pay
+    from reports.summary import markdown  # noqa: PLC0415
+
+    results = load_results(saved)
+    folder = out or (saved if saved.is_dir() else saved.parent)
+    write_page(results, folder / PAGE)
+    write_text(folder / SUMMARY, markdown(results))
+    Console(stderr=True).print(f"report: {folder / PAGE}", highlight=False)

@@ -1,0 +1,63 @@
+"""The portrait of a mechanism: what ``linkproof show`` tells of it, as plain data."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+
+from analytic import dynamics
+from analytic.extremes import Extremes, extremes
+from analytic.harmonics import bottom_dead_centre, stroke, top_dead_centre
+from analytic.linkage import Linkage
+from analytic.mechanism import Mechanism
+
+
+def portrait(linkage: Linkage) -> dict[str, Any]:
+    """Structure, inertia and accuracy of a linkage in SI units and degrees, ready for JSON."""
+    mechanism = Mechanism(linkage)
+    mechanism.check_full_turn()
+    facts: dict[str, Any] = {
+        "mechanism": linkage.name,
+        "title": linkage.title,
+        "source": linkage.source,
+        "variant": linkage.variant,
+        "variants": list(linkage.variants),
+        "structure": mechanism.structure.formula,
+        "signs": {dyad.name: dyad.sign for dyad in mechanism.structure.dyads if dyad.sign},
+        "Jeq": _extremes(extremes(lambda phi: dynamics.reduced_inertia(mechanism.sweep(phi)))),
+        "links": {name: _link(mechanism, name) for name in linkage.links},
+        "notes": list(linkage.notes),
+        "closure_error": float(np.max(mechanism.turn.closure_error())),
+    }
+    if linkage.output is not None:
+        facts["output"] = {
+            "point": linkage.output.point,
+            "stroke": stroke(mechanism),
+            "top_dead_centre": math.degrees(top_dead_centre(mechanism).angle),
+            "bottom_dead_centre": math.degrees(bottom_dead_centre(mechanism).angle),
+        }
+    return facts
+
+
+def _extremes(found: Extremes) -> dict[str, float]:
+    return {
+        "mean": found.mean,
+        "max": found.maximum,
+        "min": found.minimum,
+        "pulsation": found.relative_pulsation,
+        "max_at": math.degrees(found.maximum_angle),
+        "min_at": math.degrees(found.minimum_angle),
+    }
+
+
+def _link(mechanism: Mechanism, name: str) -> dict[str, Any]:
+    link = mechanism.linkage.links[name]
+    return {
+        "points": {point: list(local) for point, local in link.points.items()},
+        "mass": link.mass,
+        "centre": list(link.centre),
+        "inertia": link.inertia,
+        "Jeq_mean": extremes(lambda phi: dynamics.link_inertia(mechanism.sweep(phi), name)).mean,
+    }

@@ -1,0 +1,149 @@
+"""From the words of the command line to a campaign's request, every name checked before anything runs."""
+
+from __future__ import annotations
+
+import math
+import shlex
+from dataclasses import dataclass, replace
+
+from analytic.errors import LinkproofError, UnknownNameError
+from analytic.linkage import Linkage
+from analytic.loading import catalogue, find, load
+from analytic.regimes import REGIMES, RPM, CrankMotion, crank_motion
+from comparisons.campaign import Request
+from comparisons.quantities import QUANTITIES, quantity
+from engines.contract import Setting
+from engines.registry import engine, engine_names
+
+EVERYTHING = "all"
+
+
+@dataclass(frozen=True)
+class Choice:
+    """What was asked for, in the user's words: names, rpm, seconds and degrees; empty means the default."""
+
+    mechanisms: tuple[str, ...] = ()
+    variant: str | None = None
+    regimes: tuple[str, ...] = ()
+    engines: tuple[str, ...] = ()
+    settings: tuple[str, ...] = ()
+    quantities: tuple[str, ...] = ()
+    speed: float = 1000.0
+    ramp_time: float = 0.6
+    hold_time: float = 0.1
+    start_angle: float = 0.0
+    clockwise: bool = False
+    gravity: bool = True
+
+    @property
+    def conditions(self) -> str:
+        """Speed, times, direction, start angle and gravity, in words that tell two campaigns apart."""
+        words = [
+            f"{self.speed:g} rpm {'clockwise' if self.clockwise else 'counter-clockwise'}",
+            f"{self.ramp_time:g} s + {self.hold_time:g} s",
+            f"from {self.start_angle:g}°",
+            "gravity on" if self.gravity else "gravity off",
+        ]
+        return ", ".join(words)
+
+    @property
+    def command(self) -> str:
+        """The command that asks for the same."""
+        words = ["linkproof", "compare", *self.mechanisms]
+        words += ["--variant", self.variant] if self.variant else []
+        for option, values in (
+            ("--regime", self.regimes),
+            ("--engine", self.engines),
+            ("--setting", self.settings),
+            ("--quantity", self.quantities),
+        ):
+            words += [word for value in values for word in (option, value)]
+        default = Choice()
+        for name in ("speed", "ramp_time", "hold_time", "start_angle"):
+            if getattr(self, name) != getattr(default, name):
+                words += [f"--{name.replace('_', '-')}", f"{getattr(self, name):g}"]
+        words += ["--clockwise"] if self.clockwise else []
+        words += [] if self.gravity else ["--no-gravity"]
+        return shlex.join(words)
+
+
+def linkages(choice: Choice) -> tuple[Linkage, ...]:
+    """The linkages asked for; all of the catalogue that have the variant, where none is named."""
+    names = tuple(dict.fromkeys(choice.mechanisms or catalogue()))
+    found = [load(name) for name in names]
+    if choice.variant is not None:
+        having = [name for name, one in zip(names, found, strict=True) if choice.variant in one.variants]
+        if not choice.mechanisms and having:
+            names = tuple(having)
+        found = [load(name, choice.variant) for name in names]
+    if not choice.gravity:
+        found = [replace(linkage, gravity=(0.0, 0.0)) for linkage in found]
+    _check_names_differ(found)
+    return tuple(found)
+
+
+def _check_names_differ(found: list[Linkage]) -> None:
+    seen: set[str] = set()
+    for linkage in found:
+        if linkage.name in seen:
+            raise LinkproofError(f"two linkage files are both called '{linkage.name}': rename one of them")
+        seen.add(linkage.name)
+
+
+def texts(choice: Choice, found: tuple[Linkage, ...]) -> list[str]:
+    """The files behind the linkages, in the same order."""
+    paths = {linkage.name: linkage.name for linkage in found} | {find(n).stem: n for n in choice.mechanisms}
+    return [find(paths[linkage.name]).read_text(encoding="utf-8") for linkage in found]
+
+
+def motions(choice: Choice) -> tuple[CrankMotion, ...]:
+    """The crank motions asked for."""
+    names = REGIMES if EVERYTHING in choice.regimes else tuple(dict.fromkeys(choice.regimes)) or ("run-up",)
+    return tuple(
+        crank_motion(
+            name,
+            speed=choice.speed * RPM,
+            ramp_time=choice.ramp_time,
+            hold_time=choice.hold_time,
+            clockwise=choice.clockwise,
+            start_angle=math.radians(choice.start_angle),
+        )
+        for name in names
+    )
+
+
+def _engines(choice: Choice) -> tuple[str, ...]:
+    """Engine names; one that is named but not installed is an error, one of the default set is a record."""
+    for name in choice.engines:
+        if engine(name).version() is None:
+            raise LinkproofError(
+                f"engine '{name}' is not installed: install it with: pip install 'linkproof[{name}]', or leave it out"
+            )
+    return tuple(dict.fromkeys(choice.engines)) or engine_names()
+
+
+def _settings(choice: Choice) -> tuple[Setting, ...]:
+    if EVERYTHING in choice.settings:
+        return tuple(Setting)
+    for name in choice.settings:
+        if name not in list(Setting):
+            raise UnknownNameError("setting", name, [*Setting, EVERYTHING])
+    return tuple(Setting(name) for name in dict.fromkeys(choice.settings)) or (Setting.TUNED,)
+
+
+def request(choice: Choice) -> Request:
+    """The campaign's request; raises LinkproofError for anything that does not exist or cannot be."""
+    wanted = tuple(quantity(name).name for name in dict.fromkeys(choice.quantities))
+    found = linkages(choice)
+    if not wanted:
+        lacking = [linkage.name for linkage in found if linkage.output is None]
+        wanted = tuple(n for n in QUANTITIES if not (lacking and QUANTITIES[n].needs_output))
+    return Request(
+        linkages=found,
+        motions=motions(choice),
+        conditions=choice.conditions,
+        engines=_engines(choice),
+        settings=_settings(choice),
+        quantities=wanted,
+        with_invariants=not choice.quantities,
+    )

@@ -1,0 +1,146 @@
+"""Tables for a terminal; each stands alone at 100 columns."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from itertools import groupby
+from typing import Any
+
+from rich.console import Group, RenderableType
+from rich.table import Table
+from rich.text import Text
+
+from analytic.linkage import Linkage
+from comparisons.campaign import RunResult
+from comparisons.published import PublishedRecord
+from comparisons.records import Record, Verdict
+
+SIGNS = {
+    Verdict.PASSED.value: ("✓", "green"),
+    Verdict.OVER_LIMIT.value: ("✗", "red"),
+    Verdict.DIVERGED.value: ("diverged", "red"),
+    Verdict.UNSUPPORTED.value: ("unsupported", "yellow"),
+    Verdict.UNAVAILABLE.value: ("not installed", "yellow"),
+}
+
+
+def catalogue(linkages: Iterable[Linkage]) -> Table:
+    """Mechanisms with their variants and sources."""
+    table = Table("mechanism", "what", "variants", "source", box=None, pad_edge=False)
+    for linkage in linkages:
+        table.add_row(linkage.name, linkage.title, ", ".join(linkage.variants), linkage.source)
+    return table
+
+
+def portrait(facts: Mapping[str, Any]) -> Group:
+    """A mechanism's structure and figures."""
+    inertia = facts["Jeq"]
+    lines = [
+        Text(f"{facts['mechanism']} ({facts['variant']}): {facts['title']}", style="bold"),
+        Text(f"source     {facts['source']}"),
+        Text(f"variants   {', '.join(facts['variants'])}"),
+        Text(f"structure  {facts['structure']}"),
+        Text(f"Jeq        mean {inertia['mean']:.4g}, max {inertia['max']:.4g} at {inertia['max_at']:.1f}°, "
+             f"min {inertia['min']:.4g} at {inertia['min_at']:.1f}° kg m²; pulsation {inertia['pulsation']:.2%}"),
+    ]  # fmt: skip
+    if "output" in facts:
+        out = facts["output"]
+        lines.append(
+            Text(
+                f"output     {out['point']}, stroke {out['stroke'] * 1e3:.4g} mm, top dead centre "
+                f"{out['top_dead_centre']:.4g}°, bottom {out['bottom_dead_centre']:.4g}°"
+            )
+        )
+    lines.append(Text(f"closure    joints closed to {facts['closure_error']:.1e} m over the whole turn"))
+    table = Table("link", "mass kg", "inertia kg m²", "mean Jeq kg m²", "points", box=None, pad_edge=False)
+    for name, link in facts["links"].items():
+        inertia_text = "-" if link["inertia"] is None else f"{link['inertia']:.4g}"
+        table.add_row(name, f"{link['mass']:.4g}", inertia_text, f"{link['Jeq_mean']:.4g}", ", ".join(link["points"]))
+    notes = [Text(f"note: {note}") for note in facts["notes"]]
+    return Group(*lines, Text(""), table, *notes)
+
+
+def published(records: Sequence[PublishedRecord]) -> Table:
+    """Printed figures beside ours."""
+    table = Table("mechanism", "variant", "quantity", "published", "ours", "off", "verdict", "place", box=None)
+    for number in (3, 4, 5):
+        table.columns[number].justify = "right"
+    colours = {"reproduced": "green", "not reproduced": "red"}
+    for record in records:
+        unit = f" {record.unit}" if record.unit else ""
+        table.add_row(
+            record.mechanism,
+            record.variant,
+            record.quantity,
+            f"{record.published:.4g}{unit}",
+            f"{record.ours:.4g}",
+            f"{record.deviation:+.1%}",
+            Text(record.verdict, style=colours.get(record.verdict, "")),
+            record.source + (f"; {record.note}" if record.note else ""),
+        )
+    return table
+
+
+def campaign(results: Sequence[RunResult]) -> Group:
+    """One table per mechanism and regime, quantities down, engines and settings across, and a closing line."""
+    blocks: list[RenderableType] = []
+    kept = [result for result in results if result.records]
+    for _, part in groupby(kept, key=lambda result: result.records[0].run[:3]):
+        blocks += [_mechanism_table(list(part)), Text("")]
+    return Group(*blocks, *_reasons(results), _closing_line(results))
+
+
+def _mechanism_table(results: Sequence[RunResult]) -> Table:
+    first = results[0].records[0]
+    title = f"{first.mechanism} ({first.variant}), {first.regime}: {first.conditions}"
+    table = Table(title=title, title_justify="left", title_style="bold", box=None, pad_edge=False)
+    table.add_column("error over peak")
+    table.add_column("limit", justify="right")
+    for result in results:
+        record = result.records[0]
+        table.add_column(f"{record.engine}\n{record.setting}", justify="right")
+    rows = list(dict.fromkeys(r.quantity for result in results for r in (*result.records, *result.invariants)))
+    for quantity in rows:
+        found = [_find(result, quantity) for result in results]
+        table.add_row(quantity, _limits(found), *[_cell(record) for record in found])
+    table.add_row("seconds, stepping", "", *[f"{r.records[0].seconds:.3f}" for r in results])
+    table.add_row("steps", "", *[f"{r.records[0].steps}" for r in results])
+    return table
+
+
+def _find(result: RunResult, quantity: str) -> Record | None:
+    return next((r for r in (*result.records, *result.invariants) if r.quantity == quantity), None)
+
+
+def _limits(records: Sequence[Record | None]) -> str:
+    limits = sorted({r.limit for r in records if r is not None and r.limit is not None}, reverse=True)
+    return ", ".join(f"{limit:.0e}" for limit in limits)
+
+
+def _cell(record: Record | None) -> Text:
+    if record is None:
+        return Text("")
+    sign, style = SIGNS[record.outcome]
+    return Text(sign if record.error_max is None else f"{record.error_max:.1e} {sign}", style=style)
+
+
+def _reasons(results: Sequence[RunResult]) -> list[Text]:
+    """Why runs gave nothing, and which records the baseline rather than the limit caught; each once."""
+    told = {}
+    for result in results:
+        for record in (*result.records, *result.invariants):
+            past_baseline = (
+                record.error_max is not None and record.limit is not None and record.error_max <= record.limit
+            )
+            if record.detail and (record.error_max is None or past_baseline):
+                told[f"{record.engine} {record.setting}, {record.mechanism}: {record.detail}"] = None
+    return [Text(line) for line in told]
+
+
+def _closing_line(results: Sequence[RunResult]) -> Text:
+    records = [record for result in results for record in (*result.records, *result.invariants)]
+    counts = {verdict: sum(r.outcome == verdict.value for r in records) for verdict in Verdict}
+    left_out = sum(record.left_out for record in records)
+    words = [f"{count} {verdict.value}" for verdict, count in counts.items() if count]
+    note = f"; {left_out} samples at acceleration jumps or near standstill left out" if left_out else ""
+    return Text(f"{len(records)} deviations: {', '.join(words)}{note}")

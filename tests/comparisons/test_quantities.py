@@ -1,0 +1,51 @@
+"""The quantities, read from a perfect motion, are the closed form's."""
+
+import dataclasses
+
+import pytest
+
+from analytic.errors import LinkproofError, UnknownNameError
+from analytic.loading import load
+from analytic.mechanism import Mechanism
+from analytic.regimes import crank_motion
+from comparisons.deviations import deviation
+from comparisons.quantities import QUANTITIES, Case, quantity
+from tests.comparisons.perfect_engine import perfect_motion
+
+
+@pytest.fixture(scope="module", params=["juki-mf7923d", "rimoldi-164"])
+def case(request):
+    return Case(Mechanism(load(request.param)), crank_motion("run-up-quintic"))
+
+
+@pytest.fixture(scope="module")
+def motion(case):
+    return perfect_motion(case.mechanism, case.motion)
+
+
+@pytest.mark.parametrize("name", QUANTITIES)
+def test_a_perfect_motion_has_no_deviation(case, motion, name):
+    assert deviation(case, quantity(name), motion).error_max < 1e-12
+
+
+@pytest.mark.parametrize("name", ["Jeq", "Teq", "v"])
+def test_velocities_on_a_clock_of_their_own_are_compared_at_their_own_times(case, name):
+    shifted = perfect_motion(case.mechanism, case.motion, shift=0.5)
+    assert deviation(case, quantity(name), shifted).error_max < 1e-12
+
+
+def test_displacement_counts_from_top_dead_centre(case, motion):
+    found = deviation(case, quantity("S"), motion)
+    assert found.observed.min() >= -1e-12
+    assert 0.0 < found.observed.max() < 0.04
+
+
+def test_an_unknown_quantity_names_the_nearest():
+    with pytest.raises(UnknownNameError, match="did you mean 'Jeq'"):
+        quantity("jeq")
+
+
+def test_a_linkage_without_output_says_what_to_add():
+    bare = Mechanism(dataclasses.replace(load("juki-mf7923d"), output=None))
+    with pytest.raises(LinkproofError, match=r"add output = \{ point"):
+        _ = Case(bare, crank_motion()).output
