@@ -13,12 +13,13 @@ from analytic.mechanism import Mechanism
 from analytic.regimes import CrankMotion
 from comparisons import baseline, invariants
 from comparisons.deviations import Deviation, deviation, near_jumps
+from comparisons.interpolation import POINTS
 from comparisons.limits import limit
 from comparisons.motion import ObservedMotion
 from comparisons.quantities import QUANTITIES, Case, Quantity, quantity
 from comparisons.records import Record, Verdict
 from comparisons.scenes import scene
-from engines.contract import Channel, Outcome, Prescribed, Run, Setting, Signal
+from engines.contract import Channel, Engine, Outcome, Prescribed, Run, Scene, Setting, Signal
 from engines.registry import engine, engine_names
 
 
@@ -110,13 +111,37 @@ def _judged(task: _Task, request: Request) -> RunResult:
     obstacle = adapter.obstacle(model)
     if obstacle is not None:
         return _all_alike(blank, wanted, Verdict.UNSUPPORTED, obstacle)
-    run = adapter.run(model, task.setting)
+    run = _checked(_guarded(adapter, model, task.setting), model)
     blank = replace(blank, seconds=run.seconds, setup_seconds=run.setup_seconds, steps=run.steps)
     if run.outcome is not Outcome.FINISHED or run.history is None:
         return _all_alike(blank, wanted, Verdict(run.outcome.value), run.reason)
     return _measured(
         task, wanted, run, ObservedMotion(model, run.history), blank, with_invariants=request.with_invariants
     )
+
+
+def _guarded(adapter: Engine, model: Scene, setting: Setting) -> Run:
+    """A run whose every exception is a failed run: one engine's fault may not end the others' campaign."""
+    try:
+        return adapter.run(model, setting)
+    except Exception as error:
+        return Run(Outcome.DIVERGED, f"{adapter.name} raised {type(error).__name__}: {error}")
+
+
+def _checked(run: Run, model: Scene) -> Run:
+    """A run that claims to have finished, held to having returned every channel asked for, finite throughout."""
+    if run.outcome is not Outcome.FINISHED:
+        return run
+    history = run.history
+    for channel in sorted(model.channels - {Channel.JOINT_FORCE}):
+        signal: Signal | None = getattr(history, channel.value, None)
+        if signal is None or len(signal.time) < POINTS:
+            return replace(run, outcome=Outcome.DIVERGED, reason=f"finished without recording {channel.value}")
+        finite = np.isfinite(signal.values).reshape(len(signal.time), -1).all(axis=1)
+        if not finite.all():
+            at = float(signal.time[int(np.argmin(finite))])
+            return replace(run, outcome=Outcome.DIVERGED, reason=f"{channel.value} is not finite from {at:.4g} s on")
+    return run
 
 
 def _measured(

@@ -94,9 +94,12 @@ def dataset(results: Sequence[RunResult], told: dict[str, Any]) -> xarray.Datase
     """The curves of all runs that finished, labelled, with the document beside them."""
     import xarray  # noqa: PLC0415  half a second that a run without --out does not pay
 
+    attributes = {"title": "linkproof: engines against the closed form", "document": to_json(told)}
     finished = [result for result in results if result.deviations]
+    if not finished:
+        return xarray.Dataset(attrs=attributes)
     quantities = list(dict.fromkeys(name for result in finished for name in result.deviations))
-    length = max((len(d.time) for result in finished for d in result.deviations.values()), default=0)
+    length = max(len(d.time) for result in finished for d in result.deviations.values())
     shape = (len(finished), len(quantities), length)
     arrays = {name: np.full(shape, np.nan) for name in ("time", "observed", "reference")}
     for i, result in enumerate(finished):
@@ -114,7 +117,7 @@ def dataset(results: Sequence[RunResult], told: dict[str, Any]) -> xarray.Datase
             "unit": ("quantity", [units[name] for name in quantities]),
             **{label: ("run", [run[i] for run in runs]) for i, label in enumerate(LABELS)},
         },
-        attrs={"title": "linkproof: engines against the closed form", "document": to_json(told)},
+        attrs=attributes,
     )
 
 
@@ -134,7 +137,7 @@ def load(folder: Path) -> Results:
     if not path.is_file():
         raise LinkproofError(f"no saved curves at '{path}': expected the folder given to --out, or its {DATASET}")
     try:
-        with xarray.open_dataset(path, engine="scipy") as opened:
+        with xarray.open_dataset(path, engine="scipy", mmap=False) as opened:
             curves = opened.load()
         told = json.loads(curves.attrs["document"])
     except (OSError, ValueError, KeyError, TypeError) as error:

@@ -1,0 +1,169 @@
+"""A campaign judges what engines return and survives what they do."""
+
+import dataclasses
+
+import numpy as np
+import pytest
+
+from analytic.errors import AssemblyError, LinkproofError, UnknownNameError
+from analytic.loading import load
+from analytic.mechanism import Mechanism
+from analytic.regimes import crank_motion
+from comparisons import campaign
+from comparisons.campaign import Request, compare
+from comparisons.records import Verdict
+from engines.contract import Channel, Outcome, Run, Setting, Signal
+from tests.comparisons.perfect_engine import perfect_motion
+
+JUKI = load("juki-mf7923d")
+MOTION = crank_motion("run-up-quintic")
+HISTORY = perfect_motion(Mechanism(JUKI), MOTION).history
+
+
+class Scripted:
+    """An engine that does as it is told."""
+
+    name = "scripted"
+
+    def __init__(self, act, version="1.0", obstacle=None):
+        self.act, self._version, self._obstacle = act, version, obstacle
+        self.scenes = []
+
+    def version(self):
+        return self._version
+
+    def obstacle(self, scene):
+        return self._obstacle
+
+    def run(self, scene, setting):
+        self.scenes.append(scene)
+        return self.act(scene)
+
+
+@pytest.fixture
+def with_engine(monkeypatch):
+    def install(engine):
+        monkeypatch.setattr(campaign, "engine_names", lambda: ("scripted",))
+        monkeypatch.setattr(campaign, "engine", lambda name: engine)
+        return engine
+
+    return install
+
+
+def _request(**changes):
+    request = Request((JUKI,), (MOTION,), "as tested", ("scripted",))
+    return dataclasses.replace(request, **changes)
+
+
+def _finished(scene, **changes):
+    return Run(Outcome.FINISHED, history=dataclasses.replace(HISTORY, **changes), seconds=0.5, steps=1400)
+
+
+def test_a_perfect_engine_passes_everything(with_engine):
+    with_engine(Scripted(_finished))
+    (result,) = compare(_request())
+    assert {r.outcome for r in (*result.records, *result.invariants)} == {"passed"}
+    assert {r.quantity for r in result.records} == {"Jeq", "Teq", "Mkr", "Peq", "S", "v", "a"}
+    assert all(r.limit is not None and r.seconds == 0.5 and r.steps == 1400 for r in result.records)
+
+
+def test_a_wrong_motion_that_claims_success_is_over_its_limit(with_engine):
+    slow = Signal(HISTORY.velocity.time, 0.99 * HISTORY.velocity.values)
+    with_engine(Scripted(lambda scene: _finished(scene, velocity=slow)))
+    (result,) = compare(_request())
+    outcomes = {r.quantity: r.outcome for r in (*result.records, *result.invariants)}
+    assert outcomes["Teq"] == outcomes["v"] == outcomes["energy_balance"] == Verdict.OVER_LIMIT
+    assert outcomes["S"] == Verdict.PASSED
+    assert "over its limit" in next(r.detail for r in result.records if r.quantity == "Teq")
+
+
+def test_nan_is_divergence_with_its_time(with_engine):
+    values = HISTORY.torque.values.copy()
+    values[700:] = np.nan
+    with_engine(Scripted(lambda scene: _finished(scene, torque=Signal(HISTORY.torque.time, values))))
+    (result,) = compare(_request())
+    assert {r.outcome for r in result.records} == {"diverged"}
+    assert result.records[0].detail == "torque is not finite from 0.35 s on"
+
+
+def test_a_channel_that_was_not_recorded_is_noticed(with_engine):
+    with_engine(Scripted(lambda scene: _finished(scene, acceleration=None)))
+    (result,) = compare(_request())
+    assert result.records[0].detail == "finished without recording acceleration"
+
+
+def test_an_exception_in_an_engine_costs_its_own_row(with_engine):
+    def fail(scene):
+        raise RuntimeError("matrix is singular")
+
+    with_engine(Scripted(fail))
+    (result,) = compare(_request())
+    assert {r.outcome for r in result.records} == {"diverged"}
+    assert result.records[0].detail == "scripted raised RuntimeError: matrix is singular"
+
+
+@pytest.mark.parametrize(
+    ("engine", "outcome", "words"),
+    [
+        (Scripted(_finished, version=None), "unavailable", "pip install"),
+        (Scripted(_finished, obstacle="cannot hold springs"), "unsupported", "cannot hold springs"),
+        (Scripted(lambda scene: Run(Outcome.DIVERGED, "crank ran away")), "diverged", "crank ran away"),
+    ],
+)
+def test_what_an_engine_cannot_do_is_a_record(with_engine, engine, outcome, words):
+    with_engine(engine)
+    (result,) = compare(_request())
+    assert {r.outcome for r in result.records} == {outcome}
+    assert words in result.records[0].detail
+    assert all(r.error_max is None for r in result.records)
+
+
+def test_a_scene_records_only_what_is_asked_for(with_engine):
+    engine = with_engine(Scripted(_finished))
+    list(compare(_request(quantities=("Jeq",), with_invariants=False)))
+    assert engine.scenes[0].channels == {Channel.VELOCITY}
+
+
+def test_deviations_three_times_their_record_fail_within_the_limit(with_engine, monkeypatch):
+    off = Signal(HISTORY.torque.time, HISTORY.torque.values * (1.0 + 5e-5))
+    with_engine(Scripted(lambda scene: _finished(scene, torque=off)))
+    monkeypatch.setattr(campaign.baseline, "recorded", lambda: {})
+    (free,) = compare(_request(quantities=("Mkr",), with_invariants=False))
+    assert free.records[0].outcome == "passed"
+    key = campaign.baseline.key(free.records[0])
+    monkeypatch.setattr(campaign.baseline, "recorded", lambda: {key: {"Mkr": 1e-5}})
+    (held,) = compare(_request(quantities=("Mkr",), with_invariants=False))
+    assert held.records[0].outcome == "over-limit"
+    assert held.records[0].baseline == pytest.approx(3e-5)
+    assert "three times its recorded value" in held.records[0].detail
+
+
+def test_unknown_engines_are_refused_before_any_run(with_engine):
+    engine = with_engine(Scripted(_finished))
+    with pytest.raises(UnknownNameError, match="scripted"):
+        list(compare(_request(engines=("scripted", "scriptd"))))
+    assert engine.scenes == []
+
+
+def test_a_linkage_that_cannot_turn_is_refused_before_any_run(with_engine):
+    engine = with_engine(Scripted(_finished))
+    link = JUKI.links["coupler"]
+    short = dataclasses.replace(link, points={"A": (0.0, 0.0), "D": (0.0100, 0.0)})
+    broken = dataclasses.replace(JUKI, links={**JUKI.links, "coupler": short}, sketch_angle=np.pi / 2)
+    with pytest.raises(AssemblyError, match="cannot be assembled at"):
+        list(compare(_request(linkages=(JUKI, broken))))
+    assert engine.scenes == []
+
+
+def test_output_quantities_need_an_output(with_engine):
+    with_engine(Scripted(_finished))
+    with pytest.raises(LinkproofError, match="names no output"):
+        list(compare(_request(linkages=(dataclasses.replace(JUKI, output=None),))))
+
+
+def test_every_setting_is_run_in_order(with_engine):
+    with_engine(Scripted(_finished))
+    heard = []
+    results = list(compare(_request(settings=tuple(Setting)), lambda *words: heard.append(words)))
+    assert [r.records[0].setting for r in results] == ["naive", "tuned", "best"]
+    assert heard[-1][1:] == (3, 3)
