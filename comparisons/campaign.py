@@ -85,8 +85,14 @@ def tasks(request: Request) -> list[_Task]:
 
 
 def compare(request: Request, announce: Callable[[str, int, int], None] = lambda *_: None) -> Iterator[RunResult]:
-    """Make the runs one by one; ``announce`` hears a label, the number of the run and how many there are."""
-    todo = tasks(request)
+    """Make the runs one by one; ``announce`` hears a label, the number of the run and how many there are.
+
+    What ``tasks`` raises is raised at once, before the first run is asked for.
+    """
+    return _runs(tasks(request), request, announce)
+
+
+def _runs(todo: list[_Task], request: Request, announce: Callable[[str, int, int], None]) -> Iterator[RunResult]:
     for number, task in enumerate(todo):
         announce(task.label, number, len(todo))
         yield _judged(task, request)
@@ -108,10 +114,7 @@ def _judged(task: _Task, request: Request) -> RunResult:
         reason = f"engine '{task.engine}' is not installed; install it with: pip install 'linkproof[{task.engine}]'"
         return _all_alike(blank, wanted, Verdict.UNAVAILABLE, reason)
     model = scene(task.case.mechanism, Prescribed(task.case.motion), _channels(wanted, request.with_invariants))
-    obstacle = adapter.obstacle(model)
-    if obstacle is not None:
-        return _all_alike(blank, wanted, Verdict.UNSUPPORTED, obstacle)
-    run = _checked(_guarded(adapter, model, task.setting), model)
+    run = _checked(_attempt(adapter, model, task.setting), model)
     blank = replace(blank, seconds=run.seconds, setup_seconds=run.setup_seconds, steps=run.steps)
     if run.outcome is not Outcome.FINISHED or run.history is None:
         return _all_alike(blank, wanted, Verdict(run.outcome.value), run.reason)
@@ -120,10 +123,11 @@ def _judged(task: _Task, request: Request) -> RunResult:
     )
 
 
-def _guarded(adapter: Engine, model: Scene, setting: Setting) -> Run:
+def _attempt(adapter: Engine, model: Scene, setting: Setting) -> Run:
     """A run whose every exception is a failed run: one engine's fault may not end the others' campaign."""
     try:
-        return adapter.run(model, setting)
+        obstacle = adapter.obstacle(model)
+        return adapter.run(model, setting) if obstacle is None else Run(Outcome.UNSUPPORTED, obstacle)
     except Exception as error:
         return Run(Outcome.DIVERGED, f"{adapter.name} raised {type(error).__name__}: {error}")
 
@@ -224,7 +228,7 @@ def judge(record: Record) -> Record:
 def _invariants(case: Case, motion: ObservedMotion, blank: Record) -> tuple[Record, ...]:
     """Joint gaps, energy balance and the torque by two routes, as records of their own."""
     gaps = invariants.joint_gaps(motion)
-    energy = invariants.energy_balance(motion)
+    energy = _away_from_jumps(case, invariants.energy_balance(motion))
     routes = _two_routes(case, motion)
     torque_peak = float(np.max(np.abs(motion.signal(Channel.TORQUE).values)))
     kinetic_peak = float(np.max(motion.kinetic_energy().values))
@@ -235,7 +239,7 @@ def _invariants(case: Case, motion: ObservedMotion, blank: Record) -> tuple[Reco
 
     return (
         check("joint_gap", "m", gaps, case.mechanism.linkage.shortest_length(), len(gaps.time)),
-        check("energy_balance", "J", energy, kinetic_peak, len(energy.time)),
+        check("energy_balance", "J", energy, kinetic_peak, len(motion.signal(Channel.TORQUE).time)),
         check("torque_two_routes", "N m", routes, torque_peak, accelerations),
     )
 
@@ -244,8 +248,13 @@ def _two_routes(case: Case, motion: ObservedMotion) -> Signal:
     """Torque by power balance less torque by constraint, away from standstill and acceleration jumps."""
     by_power = invariants.power_torque(motion, case.least_speed)
     torque = motion.on_clock(Channel.TORQUE, by_power.time)
-    kept = ~near_jumps(by_power.time, case.motion.jumps)
-    return Signal(by_power.time[kept], (by_power.values - torque)[kept])
+    return _away_from_jumps(case, Signal(by_power.time, by_power.values - torque))
+
+
+def _away_from_jumps(case: Case, signal: Signal) -> Signal:
+    """A signal without its samples at acceleration jumps, where interpolating between samples means nothing."""
+    kept = ~near_jumps(signal.time, case.motion.jumps)
+    return Signal(signal.time[kept], signal.values[kept])
 
 
 def _check(blank: Record, signal: Signal, scale: float, total: int) -> Record:

@@ -15,6 +15,15 @@ def write_text(path: Path, text: str) -> None:
     write_file(path, lambda target: target.write_text(text, encoding="utf-8"))
 
 
+def check_writable(path: Path) -> None:
+    """Raise LinkproofError now, rather than after an hour's work, if a file could not be written at ``path``."""
+    nearest = next(folder for folder in (path.parent, *path.parent.parents) if folder.exists())
+    if path.is_dir() or not nearest.is_dir() or not os.access(nearest, os.W_OK):
+        raise LinkproofError(
+            f"cannot write '{path}': expected a file in a folder that can be written; give another place"
+        )
+
+
 def write_file(path: Path, write: Callable[[Path], object]) -> None:
     """Let ``write`` fill a neighbour of ``path``, then rename it into place; raises LinkproofError if it cannot."""
     try:

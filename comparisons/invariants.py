@@ -5,15 +5,17 @@ No closed form enters here, so that a wrong motion is caught even where no refer
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Mapping
 
 import numpy as np
 from numpy.typing import NDArray
 
 from analytic.linkage import GROUND, Vector
+from comparisons.interpolation import resample
 from comparisons.loads import conservative_power, other_power, potential_energy
 from comparisons.motion import ObservedMotion
-from engines.contract import Channel, Signal, SliderJoint, SlotJoint
+from engines.contract import Channel, Prescribed, Signal, SliderJoint, SlotJoint
 
 Array = NDArray[np.float64]
 
@@ -50,15 +52,39 @@ def energy_balance(motion: ObservedMotion) -> Signal:
     """Energy gained beyond the work put in, J: T + V − (T + V)₀ − ∫ (Mkr ω + loads) dt, on the torque's clock."""
     torque = motion.signal(Channel.TORQUE)
     time = torque.time
-    work = _cumulative(time, torque.values * motion.crank(Channel.VELOCITY, time) + other_power(motion, time))
+    power = torque.values * motion.crank(Channel.VELOCITY, time) + other_power(motion, time)
+    drive = motion.scene.drive
+    work = integral(Signal(time, power), drive.motion.jumps if isinstance(drive, Prescribed) else ())
     velocity = motion.on_clock(Channel.VELOCITY, time)
     kinetic = 0.5 * np.einsum("nbk,bk->n", velocity**2, motion.masses)
     energy = kinetic + potential_energy(motion, time)
     return Signal(time, energy - energy[0] - work)
 
 
+def integral(signal: Signal, jumps: tuple[float, ...]) -> Array:
+    """∫ dt from the first sample to each, fourth order between the times at which the signal jumps.
+
+    A sample on a jump has two values, so that it is dropped and both sides are extrapolated to it.
+    """
+    time = signal.time
+    near = 1e-6 * float(time[1] - time[0])
+    on_jump = np.any([np.abs(time - jump) <= near for jump in jumps] or [np.zeros(len(time), dtype=bool)], axis=0)
+    borders = [float(time[0]), *(jump for jump in jumps if time[0] < jump < time[-1]), float(time[-1])]
+    result = np.zeros(len(time))
+    total = 0.0
+    for start, end in itertools.pairwise(borders):
+        inside = (time >= start) & (time <= end) & ~on_jump
+        stretch = Signal(time[inside], signal.values[inside])
+        nodes = np.unique(np.concatenate([[start], stretch.time, [end]]))
+        sums = total + _cumulative(nodes, resample(stretch, nodes))
+        here = (time >= start - near) & (time <= end + near)
+        result[here] = sums[np.clip(np.searchsorted(nodes, time[here] - near), 0, len(nodes) - 1)]
+        total = float(sums[-1])
+    return result
+
+
 def _cumulative(time: Array, power: Array) -> Array:
-    """∫ power dt by the trapezoid rule with its end correction, fourth order on smooth stretches."""
+    """∫ power dt by the trapezoid rule with its end correction, fourth order where the power is smooth."""
     step = np.diff(time)
     slope = np.gradient(power, time, edge_order=2)
     parts = step * (power[1:] + power[:-1]) / 2.0 + step**2 * (slope[:-1] - slope[1:]) / 12.0

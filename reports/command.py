@@ -1,4 +1,4 @@
-"""The command line: ``linkproof list | show | published | compare | report``.
+"""The command line: ``linkproof list | show | published | compare | report | targets``.
 
 Exit codes: 0 all within limits, 1 a limit exceeded or a run that failed, 2 misuse or bad input.
 """
@@ -117,6 +117,14 @@ def report(
     from reports import commands
 
     commands.rebuild(saved, out)
+
+
+@app.command()
+def targets(json: JsonOption = None) -> None:
+    """Measure every figure the suite promises of itself and hold it against what is owed and aimed at."""
+    from reports import commands
+
+    raise typer.Exit(commands.targets(json))
 
 
 def main() -> None:

@@ -13,12 +13,14 @@ from rich.console import Console
 from analytic.loading import catalogue, load
 from comparisons import baseline
 from comparisons.campaign import compare as run_campaign
-from comparisons.files import write_text
+from comparisons.files import check_writable, write_text
 from comparisons.published import all_variants, compare_published
 from comparisons.records import Record, Verdict, to_json
 from comparisons.results import document, save
 from comparisons.results import load as load_results
+from comparisons.targets import measure
 from engines.contract import Setting
+from engines.registry import engine, engine_names
 from reports import tables
 from reports.portrait import portrait
 from reports.progress import progress
@@ -68,6 +70,8 @@ def published(names: Sequence[str], target: str | None) -> None:
 def compare(choice: Choice, out: Path | None, target: str | None, *, record_baseline: bool) -> int:
     """Run a campaign, print its table, write what was asked for; returns the exit code."""
     wanted = request(choice)
+    for path in (*([Path(target)] if target not in (None, "-") else []), *([out / PAGE] if out else [])):
+        check_writable(path)
     with progress() as announce:
         results = list(run_campaign(wanted, announce))
     records = [record for result in results for record in (*result.records, *result.invariants)]
@@ -84,6 +88,22 @@ def compare(choice: Choice, out: Path | None, target: str | None, *, record_base
             save(out, results, told)
             rebuild(out, None)
     return exit_code(records)
+
+
+def targets(target: str | None) -> int:
+    """Measure what the suite promises of itself; returns 1 if anything owed was missed."""
+    engines = [name for name in engine_names() if engine(name).version() is not None]
+    linkages = [linkage for linkage in map(load, catalogue()) if linkage.output is not None]
+    with progress() as announce:
+        figures = []
+        for number, figure in enumerate(measure(linkages, engines)):
+            announce(figure.target.name, number, number + 1)
+            figures.append(figure)
+    if target is None:
+        Console().print(tables.targets(figures))
+    else:
+        _write_json(target, {"records": [{**asdict(figure), "verdict": figure.verdict} for figure in figures]})
+    return int(any(figure.verdict == "missed" for figure in figures))
 
 
 def exit_code(records: Sequence[Record]) -> int:

@@ -8,10 +8,19 @@ ABSENT = "–"
 
 
 def figure(value: float | None, digits: int = 4) -> str:
-    """A value to so many significant digits, its exponent without padding: 8.339e-5, 0.2704, 31."""
+    """A value to so many significant digits, its exponent without padding: 8.339e-5, 0.2704, 31.00."""
     if value is None or not math.isfinite(value):
         return ABSENT
-    mantissa, _, exponent = f"{value:.{digits}g}".partition("e")
+    if value == 0.0:
+        return "0"
+    mantissa, _, exponent = f"{value:#.{digits}g}".partition("e")
+    mantissa = mantissa.removesuffix(".")
+    return f"{mantissa}e{int(exponent)}" if exponent else mantissa
+
+
+def printed(value: float) -> str:
+    """A figure as a source prints it, without digits it does not have: 8.3e-5, 0.16, 24."""
+    mantissa, _, exponent = f"{value:.6g}".partition("e")
     return f"{mantissa}e{int(exponent)}" if exponent else mantissa
 
 

@@ -14,6 +14,7 @@ from analytic.linkage import Linkage
 from comparisons.campaign import RunResult
 from comparisons.published import PublishedRecord
 from comparisons.records import Record, Verdict
+from comparisons.targets import Figure
 
 SIGNS = {
     Verdict.PASSED.value: ("✓", "green"),
@@ -81,19 +82,37 @@ def published(records: Sequence[PublishedRecord]) -> Table:
     return table
 
 
+def targets(figures: Sequence[Figure]) -> Table:
+    """Promised figures beside what was reached."""
+    table = Table("figure", "of", "must", "aim", "reached", "", box=None, pad_edge=False)
+    for number in (2, 3, 4):
+        table.columns[number].justify = "right"
+    words = {"aim": ("aim reached", "green"), "must": ("owed and reached", "green"), "missed": ("missed", "red")}
+    for figure in figures:
+        target = figure.target
+        word, style = words[figure.verdict]
+        unit = "" if target.unit == "of peak" else f" {target.unit}"
+        numbers = (f"{target.must:g}", f"{target.aim:g}", f"{figure.reached:.2g}{unit}")
+        table.add_row(target.name, figure.subject, *numbers, Text(word, style=style))
+    return table
+
+
 def campaign(results: Sequence[RunResult]) -> Group:
     """One table per mechanism and regime, quantities down, engines and settings across, and a closing line."""
     blocks: list[RenderableType] = []
     kept = [result for result in results if result.records]
     for _, part in groupby(kept, key=lambda result: result.records[0].run[:3]):
-        blocks += [_mechanism_table(list(part)), Text("")]
+        together = list(part)
+        blocks += [_heading(together[0].records[0]), _mechanism_table(together), Text("")]
     return Group(*blocks, *_reasons(results), _closing_line(results))
 
 
+def _heading(record: Record) -> Text:
+    return Text(f"{record.mechanism} ({record.variant}), {record.regime}: {record.conditions}", style="bold")
+
+
 def _mechanism_table(results: Sequence[RunResult]) -> Table:
-    first = results[0].records[0]
-    title = f"{first.mechanism} ({first.variant}), {first.regime}: {first.conditions}"
-    table = Table(title=title, title_justify="left", title_style="bold", box=None, pad_edge=False)
+    table = Table(box=None, pad_edge=False)
     table.add_column("error over peak")
     table.add_column("limit", justify="right")
     for result in results:
@@ -126,7 +145,7 @@ def _cell(record: Record | None) -> Text:
 
 def _reasons(results: Sequence[RunResult]) -> list[Text]:
     """Why runs gave nothing, and which records the baseline rather than the limit caught; each once."""
-    told = {}
+    told: dict[str, None] = {}
     for result in results:
         for record in (*result.records, *result.invariants):
             past_baseline = (

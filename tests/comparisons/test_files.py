@@ -3,7 +3,7 @@
 import pytest
 
 from analytic.errors import LinkproofError
-from comparisons.files import write_file, write_text
+from comparisons.files import check_writable, write_file, write_text
 
 
 def test_text_replaces_what_was_there(tmp_path):
@@ -32,3 +32,12 @@ def test_a_place_that_cannot_be_written_is_the_users_to_mend(tmp_path):
     (tmp_path / "file").write_text("")
     with pytest.raises(LinkproofError, match="cannot write"):
         write_text(tmp_path / "file" / "inside.txt", "x")
+
+
+def test_places_are_tried_before_the_work_starts(tmp_path):
+    (tmp_path / "file").write_text("")
+    for path in (tmp_path, tmp_path / "file" / "inside.txt"):
+        with pytest.raises(LinkproofError, match="give another place"):
+            check_writable(path)
+    check_writable(tmp_path / "new" / "folder" / "r.json")
+    assert [p.name for p in tmp_path.iterdir()] == ["file"]

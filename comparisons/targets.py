@@ -1,0 +1,143 @@
+"""What the suite promises of itself, measured anew: errors, overhead, cost of the closed form, whole processes."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+import time
+import tomllib
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from analytic.evaluation import evaluate
+from analytic.linkage import Linkage
+from analytic.mechanism import Mechanism
+from analytic.regimes import crank_motion
+from comparisons.campaign import Request, RunResult, compare
+from comparisons.scenes import scene
+from engines.contract import Channel, Prescribed, Setting
+from engines.registry import engine
+
+TABLE = Path(__file__).with_name("targets.toml")
+REPEATS = 5
+
+
+@dataclass(frozen=True)
+class Target:
+    """A promised figure: ``kind`` says how it is measured, with ``arguments``."""
+
+    name: str
+    unit: str
+    must: float
+    aim: float
+    kind: str
+    arguments: Any
+
+
+@dataclass(frozen=True)
+class Figure:
+    """A target with what was reached, its smallest repeat and all of them; ``subject`` is an engine or a mechanism."""
+
+    target: Target
+    subject: str
+    reached: float
+    repeats: tuple[float, ...] = ()
+
+    @property
+    def verdict(self) -> str:
+        """``aim``, ``must`` or ``missed``."""
+        if self.reached <= self.target.aim:
+            return "aim"
+        return "must" if self.reached <= self.target.must else "missed"
+
+
+def targets() -> tuple[Target, ...]:
+    """The table of targets."""
+    rows = tomllib.loads(TABLE.read_text(encoding="utf-8"))["target"]
+    common = {"name", "unit", "must", "aim"}
+    found = []
+    for row in rows:
+        (kind,) = set(row) - common
+        found.append(Target(row["name"], row.get("unit", "of peak"), row["must"], row["aim"], kind, row[kind]))
+    return tuple(found)
+
+
+def measure(linkages: Sequence[Linkage], engines: Sequence[str]) -> Iterator[Figure]:
+    """Measure every target in turn; errors of each engine over all linkages given."""
+    results = list(_campaign(linkages, engines))
+    kinds: Mapping[str, Callable[[Target], Iterator[Figure]]] = {
+        "errors": lambda target: _errors(target, results, engines),
+        "overhead": lambda target: _overheads(target, linkages, engines),
+        "closed_form": lambda target: _closed_form(target, linkages),
+        "process": _process,
+    }
+    for target in targets():
+        yield from kinds[target.kind](target)
+
+
+def _campaign(linkages: Sequence[Linkage], engines: Sequence[str]) -> Iterator[RunResult]:
+    motions = (crank_motion("run-up"), crank_motion("run-up-quintic"))
+    settings = (Setting.TUNED, Setting.BEST)
+    return compare(Request(tuple(linkages), motions, "as promised", tuple(engines), settings))
+
+
+def _errors(target: Target, results: Sequence[RunResult], engines: Sequence[str]) -> Iterator[Figure]:
+    """The worst error of each engine among the records the target speaks of."""
+    for name in engines:
+        found = [
+            record.error_max if record.error_max is not None else np.inf
+            for result in results
+            for record in (*result.records, *result.invariants)
+            if record.engine == name and all(getattr(record, key) == value for key, value in target.arguments.items())
+        ]
+        if found:
+            yield Figure(target, name, max(found))
+
+
+def _overheads(target: Target, linkages: Sequence[Linkage], engines: Sequence[str]) -> Iterator[Figure]:
+    """Wall time of a run less its set-up, over the stepping of the same scene with nothing recorded, pair by pair."""
+    motion, setting = crank_motion(target.arguments["regime"]), Setting(target.arguments["setting"])
+    for name in engines:
+        adapter = engine(name)
+        ratios = []
+        for linkage in linkages:
+            full = scene(Mechanism(linkage), Prescribed(motion), frozenset(Channel) - {Channel.JOINT_FORCE})
+            bare = replace(full, channels=frozenset())
+            for _ in range(REPEATS):
+                begun = time.perf_counter()
+                run = adapter.run(full, setting)
+                spent = time.perf_counter() - begun - run.setup_seconds
+                ratios.append(spent / adapter.run(bare, setting).seconds)
+        yield Figure(target, name, float(np.median(ratios)), tuple(ratios))
+
+
+def _closed_form(target: Target, linkages: Sequence[Linkage]) -> Iterator[Figure]:
+    count = target.arguments["angles"]
+    angle = np.linspace(0.0, 100.0, count)
+    for linkage in linkages:
+        mechanism = Mechanism(linkage)
+        work = partial(evaluate, mechanism, angle, ("S", "v", "a", "Jeq", "Mkr"), speed=100.0)
+        spent = _timed(work)
+        each = tuple(seconds / count * 1e6 for seconds in spent)
+        yield Figure(target, linkage.name, min(each), each)
+
+
+def _process(target: Target) -> Iterator[Figure]:
+    command = [sys.executable, "-m", "reports.command", *target.arguments]
+    spent = _timed(lambda: subprocess.run(command, capture_output=True, check=True))
+    yield Figure(target, "median", float(np.median(spent)), spent)
+
+
+def _timed(work: Callable[[], object]) -> tuple[float, ...]:
+    """Seconds of every repeat after one that warms up."""
+    spent = []
+    for _ in range(REPEATS + 1):
+        begun = time.perf_counter()
+        work()
+        spent.append(time.perf_counter() - begun)
+    return tuple(spent[1:])

@@ -1,0 +1,121 @@
+"""The report as one self-contained page: opens offline, prints on paper, needs no script and no engine."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+import jinja2
+import numpy as np
+from markupsafe import Markup
+
+from comparisons.files import write_text
+from comparisons.quantities import QUANTITIES
+from comparisons.results import Results
+from reports import matrix, numbers
+from reports.readings import OTHERWISE, VERDICT_SIGNS, met, readings, worded
+from reports.sections import Section, section
+from reports.views import View, columns, views
+
+TEMPLATES = Path(__file__).with_name("templates")
+
+
+@dataclass(frozen=True)
+class Used:
+    """How one run was made, and what it cost."""
+
+    run: tuple[str, str, str, str, str]
+    steps: int
+    seconds: str
+    setup: str
+    settings: str
+
+
+def write_page(results: Results, path: Path) -> None:
+    """Write the report of a campaign to ``path``, in one step."""
+    write_text(path, page(results))
+
+
+def page(results: Results) -> str:
+    """The report's HTML."""
+    every = views(results)
+    quantities, invariants = columns(results)
+    return _environment().get_template("page.html").render(
+        style=Markup((TEMPLATES / "style.css").read_text(encoding="utf-8")),
+        results=results,
+        environment=results.document["environment"],
+        command=results.document["command"],
+        conditions=results.document["conditions"],
+        regimes=[motion.regime for motion in results.motions],
+        engines=_engine_versions(results),
+        quantities=[(name, QUANTITIES[name].title, QUANTITIES[name].unit) for name in quantities],
+        invariants=invariants,
+        blocks=matrix.blocks(results),
+        standings=matrix.standings(results),
+        past_baseline=matrix.past_baseline(results),
+        sections=list(_sections(results, every)),
+        used=_used(results),
+        limits=matrix.limit_rows(results),
+        left_out=sum(record.left_out for record in results.records),
+        samples=sum(record.samples for record in results.records),
+        closure=max((float(np.max(view.mechanism.turn.closure_error())) for view in every), default=0.0),
+        notes=[(view.linkage.title, view.linkage.notes) for view in every if view.linkage.notes],
+        met=met,
+    )  # fmt: skip
+
+
+def _sections(results: Results, every: tuple[View, ...]) -> Iterator[Section]:
+    """Printed figures stand in a mechanism's first section only, whatever variants ran."""
+    tables = readings(results)
+    for view in every:
+        yield section(view, tables.pop(view.linkage.name, None))
+
+
+def _engine_versions(results: Results) -> list[tuple[str, str]]:
+    found = {record.engine: record.engine_version for record in results.records}
+    return [(name, found[name] or "not installed") for name in sorted(found)]
+
+
+def _used(results: Results) -> list[Used]:
+    """One row per run that was made, in the matrix's order."""
+    firsts = {record.run: record for record in reversed(matrix.every_record(results))}
+    details = results.document["details"]
+    return [
+        Used(run, one.steps, numbers.seconds(one.seconds), numbers.seconds(one.setup_seconds), told(details.get("/".join(run), {})))
+        for run, one in reversed(firsts.items())
+        if one.steps
+    ]
+
+
+def told(details: dict[str, Any]) -> str:
+    """Settings as an engine's adapter states them: "step 1e-4, scheme …"."""
+    return ", ".join(f"{name.replace('_', ' ')} {_value(value)}" for name, value in details.items())
+
+
+def _value(value: str | int | float) -> str:
+    return numbers.printed(value) if isinstance(value, float) else str(value)
+
+
+@cache
+def _environment() -> jinja2.Environment:
+    environment = jinja2.Environment(
+        loader=jinja2.FileSystemLoader(TEMPLATES),
+        autoescape=True,
+        undefined=jinja2.StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
+    )
+    environment.filters.update(
+        figure=numbers.figure,
+        printed=numbers.printed,
+        error=numbers.error,
+        per_cent=numbers.per_cent,
+        worded=worded,
+        plain=lambda name: name.replace("_", " "),
+        verdict_sign=lambda verdict: VERDICT_SIGNS.get(verdict, OTHERWISE)[0],
+        verdict_style=lambda verdict: VERDICT_SIGNS.get(verdict, OTHERWISE)[1],
+    )
+    return environment

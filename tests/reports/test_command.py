@@ -1,0 +1,190 @@
+"""The command line as a user meets it: whole processes, exit codes, JSON, one sentence for every fault."""
+
+import json
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+JUKI = Path(__file__).parents[2] / "analytic" / "catalogue" / "juki-mf7923d.toml"
+
+
+def linkproof(*words, cwd=None):
+    command = [sys.executable, "-m", "reports.command", *map(str, words)]
+    return subprocess.run(command, capture_output=True, text=True, cwd=cwd, timeout=120, check=False)
+
+
+def refused(*words, cwd=None):
+    """Run a command that has to fail with exit code 2, nothing on stdout and one sentence on stderr."""
+    done = linkproof(*words, cwd=cwd)
+    assert done.returncode == 2, done.stderr
+    assert done.stdout == ""
+    assert "Traceback" not in done.stderr
+    assert done.stderr.startswith("linkproof: ")
+    assert done.stderr.count("\n") == 1
+    return done.stderr
+
+
+def test_help_imports_nothing_heavy():
+    script = (
+        "import sys; sys.argv = ['linkproof', '--help']\n"
+        "from reports.command import main\n"
+        "try:\n main()\nexcept SystemExit: pass\n"
+        "print([m for m in ('numpy', 'scipy', 'pydantic', 'exudyn', 'pymunk', 'matplotlib') if m in sys.modules])"
+    )
+    done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=True)
+    assert "compare" in done.stdout
+    assert done.stdout.strip().endswith("[]")
+
+
+def test_list_names_the_catalogue():
+    rows = json.loads(linkproof("list", "--json", "-").stdout)["records"]
+    assert {"juki-mf7923d", "rimoldi-164"} <= {row["mechanism"] for row in rows}
+    assert all(row["source"] and row["variants"] for row in rows)
+    assert "juki-mf7923d" in linkproof("list").stdout
+
+
+def test_show_gives_the_reduced_inertia_of_a_variant():
+    facts = json.loads(linkproof("show", "juki-mf7923d", "--variant", "as-printed", "--json", "-").stdout)
+    assert facts["Jeq"]["mean"] == pytest.approx(8.339e-5, rel=1e-4)
+    assert facts["Jeq"]["max"] == pytest.approx(9.128e-5, rel=1e-4)
+    assert facts["Jeq"]["min"] < facts["Jeq"]["mean"]
+    assert "RRP" in facts["structure"]
+    text = linkproof("show", "juki-mf7923d").stdout
+    assert "stroke 31 mm" in text
+
+
+def test_published_lists_every_figure_in_every_variant():
+    rows = json.loads(linkproof("published", "rimoldi-164", "--json", "-").stdout)["records"]
+    fields = {"mechanism", "variant", "quantity", "published", "ours", "deviation", "verdict", "source"}
+    assert all(fields <= set(row) for row in rows)
+    assert {"as-built", "as-printed"} <= {row["variant"] for row in rows}
+
+
+def test_compare_writes_json_records_and_exits_0(tmp_path):
+    done = linkproof("compare", "juki-mf7923d", "--engine", "direct", "--json", tmp_path / "r.json")
+    assert done.returncode == 0, done.stdout + done.stderr
+    assert "direct" in done.stdout
+    rows = json.loads((tmp_path / "r.json").read_text())["records"]
+    fields = {
+        "mechanism", "variant", "regime", "engine", "setting", "quantity", "unit", "error_max", "error_rms", "limit",
+        "outcome", "seconds", "steps",
+    }  # fmt: skip
+    assert all(fields <= set(row) for row in rows)
+    assert [row["quantity"] for row in rows] == ["Jeq", "Teq", "Mkr", "Peq", "S", "v", "a"]
+    assert {(r["variant"], r["regime"], r["setting"]) for r in rows} == {("as-built", "run-up", "tuned")}
+
+
+def test_json_on_stdout_is_nothing_but_json():
+    done = linkproof("compare", "juki-mf7923d", "--engine", "direct", "--quantity", "Jeq", "--json", "-")
+    assert [row["quantity"] for row in json.loads(done.stdout)["records"]] == ["Jeq"]
+
+
+def test_naive_alone_over_its_limit_exits_1():
+    done = linkproof("compare", "juki-mf7923d", "--engine", "direct", "--setting", "naive")
+    assert done.returncode == 1
+    assert "over-limit" in done.stdout
+
+
+def test_a_users_own_file_runs_from_where_it_lies(tmp_path):
+    mine = tmp_path / "mine.toml"
+    mine.write_text(JUKI.read_text())
+    done = linkproof("compare", "mine.toml", "--engine", "direct", "--quantity", "Mkr", "--json", "-", cwd=tmp_path)
+    (record,) = json.loads(done.stdout)["records"]
+    assert record["mechanism"] == "mine"
+    assert record["outcome"] == "passed"
+
+
+def test_out_holds_all_and_the_report_is_rebuilt_from_it(tmp_path):
+    done = linkproof("compare", "juki-mf7923d", "--engine", "direct", "--out", tmp_path / "out")
+    assert done.returncode == 0, done.stderr
+    names = {"RESULTS.md", "curves.nc", "index.html", "records.json"}
+    assert {path.name for path in (tmp_path / "out").iterdir()} == names
+    page = (tmp_path / "out" / "index.html").read_text()
+    (tmp_path / "out" / "index.html").unlink()
+    assert linkproof("report", tmp_path / "out").returncode == 0
+    assert (tmp_path / "out" / "index.html").read_text() == page
+
+
+@pytest.mark.parametrize(
+    ("words", "sentence"),
+    [
+        (["show", "juki"], "did you mean 'juki-mf7923d'?"),
+        (["show", "juki-mf7923d", "--variant", "as-bilt"], "did you mean 'as-built'?"),
+        (["compare", "juki-mf7923d", "--quantity", "Jek"], "did you mean 'Jeq'?"),
+        (["compare", "juki-mf7923d", "--regime", "runup"], "did you mean 'run-up'?"),
+        (["compare", "juki-mf7923d", "--engine", "exodyn"], "did you mean 'exudyn'?"),
+        (["compare", "juki-mf7923d", "--setting", "tunned"], "did you mean 'tuned'?"),
+        (["compare", "no/such.toml"], "got 'no/such.toml', which is no file"),
+        (["compare", "juki-mf7923d", "--speed", "-5"], "expected a positive finite number"),
+        (["compare", "juki-mf7923d", "--speed", "nan"], "expected a positive finite number"),
+        (["compare", "juki-mf7923d", "--ramp-time", "0"], "expected a positive finite number"),
+        (["report", "no/such/folder"], "no saved curves"),
+        (["compare", "juki-mf7923d", "--engine", "direct", "--json", "/dev/null/r.json"], "cannot write"),
+    ],
+)
+def test_misuse_is_one_sentence_and_exit_code_2(words, sentence):
+    assert sentence in refused(*words)
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "sentence"),
+    [
+        ("mass    = 0.03", "mass    = -0.03", "got -0.03"),
+        ("mass    = 0.03", "mass    = 0", "got 0"),
+        ("mass    = 0.03", "mass    = nan", "got nan"),
+        ("mass    = 0.03\n", "", "mass is missing"),
+        ("inertia = 0.19e-4", "inertia = 0", "links.coupler.inertia"),
+        ("inertia = 0.19e-4\n", "", "links.coupler.inertia is missing"),
+        ("D = [54.5, 0]", "D = [0, 0]", "got 0; move one of them"),
+        ("D = [54.5, 0]", "D = [10.0, 0]", "cannot be assembled at"),
+        ('length = "mm"', 'length = "mmm"', "did you mean 'mm'?"),
+        ("[links.coupler]", "[links.coupler", "line 2"),
+        ("mass    = 0.03", "mas     = 0.03", "did you mean 'mass'?"),
+        ('crank   = "crank"', 'crank   = "crnk"', "did you mean 'crank'?"),
+    ],
+)
+def test_a_bad_file_is_one_sentence_and_nothing_is_written(tmp_path, old, new, sentence):
+    text = JUKI.read_text()
+    assert old in text
+    (tmp_path / "mine.toml").write_text(text.replace(old, new))
+    assert sentence in refused("compare", "mine.toml", "--out", "out", "--json", "r.json", cwd=tmp_path)
+    assert [path.name for path in tmp_path.iterdir()] == ["mine.toml"]
+
+
+BLOCKED = """
+import importlib.metadata, runpy, sys
+known = importlib.metadata.version
+def version(name):
+    if name == "pymunk":
+        raise importlib.metadata.PackageNotFoundError(name)
+    return known(name)
+importlib.metadata.version = version
+class Absent:
+    def find_spec(self, name, path=None, target=None):
+        if name.split(".")[0] == "pymunk":
+            raise ModuleNotFoundError("No module named 'pymunk'", name="pymunk")
+sys.meta_path.insert(0, Absent())
+sys.argv = ["linkproof", "compare", "juki-mf7923d", *sys.argv[1:]]
+runpy.run_module("reports.command", run_name="__main__")
+"""
+
+
+def without_pymunk(*words):
+    command = [sys.executable, "-c", BLOCKED, *words]
+    return subprocess.run(command, capture_output=True, text=True, timeout=120, check=False)
+
+
+def test_an_engine_that_is_not_installed_is_refused_where_it_is_named():
+    done = without_pymunk("--engine", "pymunk")
+    assert done.returncode == 2
+    assert "engine 'pymunk' is not installed: install it with: pip install 'linkproof[pymunk]'" in done.stderr
+
+
+def test_an_engine_that_is_not_installed_is_a_visible_row_where_it_is_not_named():
+    done = without_pymunk("--quantity", "Jeq", "--json", "-")
+    outcomes = {row["engine"]: row["outcome"] for row in json.loads(done.stdout)["records"]}
+    assert outcomes["pymunk"] == "unavailable"
+    assert outcomes["direct"] == "passed"
+    assert done.returncode == 0

@@ -1,0 +1,60 @@
+"""What keeps N linkages and M engines from becoming N × M."""
+
+import ast
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from analytic.loading import catalogue
+from engines.contract import Engine
+from engines.registry import engine, engine_names
+
+ROOT = Path(__file__).parents[1]
+SOURCES = [p for folder in ("analytic", "engines", "comparisons", "reports") for p in (ROOT / folder).rglob("*.py")]
+
+
+def _strings(path):
+    """All string constants of a file but its docstrings."""
+    tree = ast.parse(path.read_text())
+    documented = (ast.Module, ast.ClassDef, ast.FunctionDef, ast.AsyncFunctionDef)
+    docs = {ast.get_docstring(node, clean=False) for node in ast.walk(tree) if isinstance(node, documented)}
+    return {n.value for n in ast.walk(tree) if isinstance(n, ast.Constant) and isinstance(n.value, str)} - docs
+
+
+@pytest.mark.parametrize("path", SOURCES, ids=lambda p: str(p.relative_to(ROOT)))
+def test_no_code_names_a_mechanism(path):
+    assert not _strings(path) & set(catalogue())
+
+
+@pytest.mark.parametrize("path", SOURCES, ids=lambda p: str(p.relative_to(ROOT)))
+def test_no_code_outside_an_adapter_compares_with_an_engines_name(path):
+    if path.name.startswith(tuple(engine_names())) or path.name == "environment.py":
+        return
+    compared = [
+        constant.value
+        for node in ast.walk(ast.parse(path.read_text()))
+        if isinstance(node, ast.Compare)
+        for constant in ast.walk(node)
+        if isinstance(constant, ast.Constant)
+    ]
+    assert not set(engine_names()) & {value for value in compared if isinstance(value, str)}
+
+
+@pytest.mark.parametrize("name", engine_names())
+def test_every_announced_engine_keeps_the_contract(name):
+    adapter: Engine = engine(name)
+    assert adapter.name == name
+    assert adapter.version() is None or isinstance(adapter.version(), str)
+
+
+@pytest.mark.parametrize("name", engine_names())
+def test_finding_an_adapter_imports_no_engine(name):
+    others = ["exudyn", "pymunk"]
+    script = (
+        f"import sys; from engines.registry import engine; engine({name!r}); "
+        f"print([m for m in {others!r} if m in sys.modules])"
+    )
+    done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=True, cwd=ROOT)
+    assert done.stdout.strip() == "[]"
