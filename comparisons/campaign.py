@@ -12,27 +12,32 @@ from analytic.linkage import Linkage
 from analytic.mechanism import Mechanism
 from analytic.regimes import CrankMotion
 from comparisons import baseline, invariants
+from comparisons.case import Case, own_case
 from comparisons.deviations import Deviation, deviation, near_jumps
 from comparisons.interpolation import POINTS
 from comparisons.limits import limit
 from comparisons.motion import ObservedMotion
-from comparisons.quantities import QUANTITIES, Case, Quantity, quantity
+from comparisons.quantities import Quantity, chosen_quantities
 from comparisons.records import Record, Verdict
-from comparisons.scenes import scene
-from engines.contract import Channel, Engine, Outcome, Prescribed, Run, Scene, Setting, Signal
+from engines.contract import Channel, Engine, History, Outcome, Run, Scene, Setting, Signal
 from engines.registry import engine, engine_names
 
 
 @dataclass(frozen=True)
 class Request:
-    """What to compare. ``conditions`` words the regimes' speed, times, direction and start angle, the same for all."""
+    """What to compare. ``conditions`` words the motions' speed, times, direction and start angle, the same for all.
+
+    ``own_regimes`` names regimes that a linkage's own file may define; linkages without them are not run in them. No
+    quantities means all that are results.
+    """
 
     linkages: tuple[Linkage, ...]
     motions: tuple[CrankMotion, ...]
     conditions: str
     engines: tuple[str, ...]
     settings: tuple[Setting, ...] = (Setting.TUNED,)
-    quantities: tuple[str, ...] = tuple(QUANTITIES)
+    quantities: tuple[str, ...] = ()
+    own_regimes: tuple[str, ...] = ()
     with_invariants: bool = True
 
 
@@ -51,9 +56,9 @@ class _Task:
     """One run still to be made."""
 
     case: Case
-    conditions: str
     engine: str
     setting: Setting
+    quantities: tuple[Quantity, ...]
 
     @property
     def label(self) -> str:
@@ -68,20 +73,25 @@ def tasks(request: Request) -> list[_Task]:
     for name in request.engines:
         if name not in engine_names():
             raise UnknownNameError("engine", name, engine_names())
-    wanted = [quantity(name) for name in request.quantities]
-    cases = []
-    for linkage in request.linkages:
-        mechanism = Mechanism(linkage)
-        mechanism.check_full_turn()
-        cases += [Case(mechanism, motion) for motion in request.motions]
-        if any(q.needs_output for q in wanted):
-            _ = cases[-1].output  # raises here, before any run, where the linkage names none
+    chosen = [(case, tuple(chosen_quantities(case, request.quantities))) for case in cases(request)]
     return [
-        _Task(case, request.conditions, name, setting)
-        for case in cases
+        _Task(case, name, setting, quantities)
+        for case, quantities in chosen
         for name in request.engines
         for setting in request.settings
     ]
+
+
+def cases(request: Request) -> list[Case]:
+    """Every linkage under every motion asked for, then in those of its own regimes that are asked for."""
+    found = []
+    for linkage in request.linkages:
+        mechanism = Mechanism(linkage)
+        if request.motions:
+            mechanism.check_full_turn()
+        found += [Case(mechanism, motion, conditions=request.conditions) for motion in request.motions]
+        found += [own_case(mechanism, own) for own in linkage.regimes if own.name in request.own_regimes]
+    return found
 
 
 def compare(request: Request, announce: Callable[[str, int, int], None] = lambda *_: None) -> Iterator[RunResult]:
@@ -106,14 +116,14 @@ def _channels(quantities: Iterable[Quantity], with_invariants: bool) -> frozense
 
 
 def _judged(task: _Task, request: Request) -> RunResult:
-    wanted = [quantity(name) for name in request.quantities]
+    wanted = list(task.quantities)
     adapter = engine(task.engine)
     version = adapter.version()
     blank = _blank(task, version or "")
     if version is None:
         reason = f"engine '{task.engine}' is not installed; install it with: pip install 'linkproof[{task.engine}]'"
         return _all_alike(blank, wanted, Verdict.UNAVAILABLE, reason)
-    model = scene(task.case.mechanism, Prescribed(task.case.motion), _channels(wanted, request.with_invariants))
+    model = task.case.scene(_channels(wanted, request.with_invariants))
     run = _checked(_attempt(adapter, model, task.setting), model)
     blank = replace(blank, seconds=run.seconds, setup_seconds=run.setup_seconds, steps=run.steps)
     if run.outcome is not Outcome.FINISHED or run.history is None:
@@ -137,15 +147,23 @@ def _checked(run: Run, model: Scene) -> Run:
     if run.outcome is not Outcome.FINISHED:
         return run
     history = run.history
-    for channel in sorted(model.channels - {Channel.JOINT_FORCE}):
-        signal: Signal | None = getattr(history, channel.value, None)
+    for channel, signal in _signals(history, model):
         if signal is None or len(signal.time) < POINTS:
-            return replace(run, outcome=Outcome.DIVERGED, reason=f"finished without recording {channel.value}")
+            return replace(run, outcome=Outcome.DIVERGED, reason=f"finished without recording {channel}")
         finite = np.isfinite(signal.values).reshape(len(signal.time), -1).all(axis=1)
         if not finite.all():
             at = float(signal.time[int(np.argmin(finite))])
-            return replace(run, outcome=Outcome.DIVERGED, reason=f"{channel.value} is not finite from {at:.4g} s on")
+            return replace(run, outcome=Outcome.DIVERGED, reason=f"{channel} is not finite from {at:.4g} s on")
     return run
+
+
+def _signals(history: History | None, model: Scene) -> Iterator[tuple[str, Signal | None]]:
+    """Every signal a scene asks for, by name; None where the history lacks it."""
+    for channel in sorted(model.channels - {Channel.JOINT_FORCE}):
+        yield channel.value, getattr(history, channel.value, None)
+    if Channel.JOINT_FORCE in model.channels:
+        for name in [j.name for j in model.pins] + [j.name for j in model.sliders] + [j.name for j in model.slots]:
+            yield f"the force of joint {name}", history.joint_force.get(name) if history else None
 
 
 def _measured(
@@ -163,7 +181,7 @@ def _blank(task: _Task, version: str) -> Record:
         mechanism=linkage.name,
         variant=linkage.variant,
         regime=task.case.motion.regime,
-        conditions=task.conditions,
+        conditions=task.case.conditions,
         engine=task.engine,
         engine_version=version,
         setting=task.setting.value,
@@ -230,7 +248,7 @@ def _invariants(case: Case, motion: ObservedMotion, blank: Record) -> tuple[Reco
     gaps = invariants.joint_gaps(motion)
     energy = _away_from_jumps(case, invariants.energy_balance(motion))
     routes = _two_routes(case, motion)
-    torque_peak = float(np.max(np.abs(motion.signal(Channel.TORQUE).values)))
+    torque_peak = _torque_scale(case, motion)
     kinetic_peak = float(np.max(motion.kinetic_energy().values))
     accelerations = len(motion.signal(Channel.ACCELERATION).time)
 
@@ -242,6 +260,17 @@ def _invariants(case: Case, motion: ObservedMotion, blank: Record) -> tuple[Reco
         check("energy_balance", "J", energy, kinetic_peak, len(motion.signal(Channel.TORQUE).time)),
         check("torque_two_routes", "N m", routes, torque_peak, accelerations),
     )
+
+
+def _torque_scale(case: Case, motion: ObservedMotion) -> float:
+    """Peak drive torque, N m; of a crank that nothing drives, the peak torque that accelerates the links."""
+    peak = float(np.max(np.abs(motion.signal(Channel.TORQUE).values)))
+    if peak > 0.0:
+        return peak
+    time = motion.signal(Channel.ACCELERATION).time
+    speed = motion.crank(Channel.VELOCITY, time)
+    fast = np.abs(speed) >= case.least_speed
+    return float(np.max(np.abs(motion.kinetic_power(time)[fast] / speed[fast])))
 
 
 def _two_routes(case: Case, motion: ObservedMotion) -> Signal:

@@ -7,8 +7,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from comparisons.case import Case
 from comparisons.motion import ObservedMotion
-from comparisons.quantities import Case, Quantity
+from comparisons.quantities import Quantity
+from engines.contract import Channel
 
 Array = NDArray[np.float64]
 
@@ -18,7 +20,10 @@ JUMP_STEPS = 2.0
 
 @dataclass(frozen=True)
 class Deviation:
-    """One quantity of one run against the truth; errors are relative to the truth's peak over the run."""
+    """One quantity of one run against the truth; errors are relative to the truth's peak over the run.
+
+    ``observed`` and ``reference`` of a vector are its magnitudes; its errors are those of the vector.
+    """
 
     time: Array
     observed: Array
@@ -38,25 +43,24 @@ def deviation(case: Case, quantity: Quantity, motion: ObservedMotion) -> Deviati
     those of Jeq near standstill.
     """
     signal = quantity.observed(case, motion)
-    total = _clock_length(quantity, motion)
     reference = quantity.reference(case, signal.time)
     kept = np.ones(len(signal.time), dtype=bool)
     if quantity.holds_acceleration:
         kept &= ~near_jumps(signal.time, case.motion.jumps)
-    difference = (signal.values - reference)[kept]
-    peak = float(np.max(np.abs(reference[kept])))
+    difference = _size(signal.values - reference)[kept]
+    peak = float(np.max(_size(reference)[kept]))
     scale = peak or 1.0
-    worst = int(np.argmax(np.abs(difference)))
+    worst = int(np.argmax(difference))
     return Deviation(
         time=signal.time,
-        observed=signal.values,
-        reference=reference,
+        observed=signal.values if signal.values.ndim == 1 else _size(signal.values),
+        reference=reference if reference.ndim == 1 else _size(reference),
         peak=peak,
-        error_max=float(np.abs(difference[worst]) / scale),
+        error_max=float(difference[worst] / scale),
         error_rms=float(np.sqrt(np.mean(difference**2)) / scale),
         worst_time=float(signal.time[kept][worst]),
         samples=len(difference),
-        left_out=total - len(difference),
+        left_out=len(_clock(quantity, motion)) - len(difference),
     )
 
 
@@ -69,8 +73,13 @@ def near_jumps(time: Array, jumps: tuple[float, ...]) -> NDArray[np.bool_]:
     return near
 
 
-def _clock_length(quantity: Quantity, motion: ObservedMotion) -> int:
-    """Samples on the clock the quantity lives on."""
-    order = ("torque", "acceleration", "velocity", "position")
-    channel = next(c for c in order if any(c == wanted.value for wanted in quantity.channels))
-    return len(getattr(motion.history, channel).time)
+def _size(values: Array) -> Array:
+    """Magnitude of every sample: of a number, or of a vector along the last axis."""
+    return np.abs(values) if values.ndim == 1 else np.asarray(np.hypot(*values.T))
+
+
+def _clock(quantity: Quantity, motion: ObservedMotion) -> Array:
+    """Times at which the engine has samples of a quantity, those left out included."""
+    if quantity.clock is Channel.JOINT_FORCE:
+        return next(iter(motion.history.joint_force.values())).time
+    return motion.signal(quantity.clock).time

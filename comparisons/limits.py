@@ -7,6 +7,9 @@ from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
 
+from analytic.regimes import REGIMES
+
+OWN = "own"  # stands in the table for every regime of a linkage's own
 TABLE = Path(__file__).with_name("limits.toml")
 
 
@@ -48,7 +51,11 @@ def _rows() -> tuple[_Row, ...]:
 
 
 def limit(quantity: str, setting: str, regime: str) -> Limit:
-    """The limit a record is held against; raises LookupError for a quantity the table does not cover."""
+    """The limit a record is held against; raises LookupError for a quantity the table does not cover.
+
+    Forces of all joints share a limit, and so do all regimes that linkages define for themselves.
+    """
+    quantity, regime = quantity.partition(":")[0], regime if regime in REGIMES else OWN
     for row in _rows():
         if row.fits(quantity, setting, regime):
             return row.limit

@@ -1,13 +1,15 @@
 """The quantities that are compared: what each is in the closed form, and how it is read from an engine's motion.
 
 A quantity is one row of ``QUANTITIES``; adding one adds nothing elsewhere. S is the output's displacement from its top
-dead centre (positive away from it), v and a its time derivatives, as in article 003.
+dead centre (positive away from it), v and a its time derivatives, as in article 003. Joint forces have a row for every
+joint of the linkage at hand, ``joint_force:JOINT``.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,69 +17,45 @@ from numpy.typing import NDArray
 from analytic import dynamics
 from analytic.errors import LinkproofError, UnknownNameError
 from analytic.harmonics import top_dead_centre
-from analytic.linkage import Output, Vector
-from analytic.mechanism import Mechanism
-from analytic.regimes import CrankMotion
-from analytic.sweep import Sweep
+from analytic.kinetostatics import joint_forces
+from comparisons.case import Case
 from comparisons.motion import ObservedMotion
 from engines.contract import Channel, Signal
 
 Array = NDArray[np.float64]
 
-# Jeq = 2T/ω² says nothing near standstill: samples slower than this share of the peak speed are left out.
-SLOW_SHARE = 0.05
-
-
-@dataclass(frozen=True)
-class Case:
-    """One mechanism under one prescribed crank motion: the truth an engine is held against."""
-
-    mechanism: Mechanism
-    motion: CrankMotion
-
-    @property
-    def output(self) -> Output:
-        """The linkage's output; S, v and a need one."""
-        output = self.mechanism.linkage.output
-        if output is None:
-            raise LinkproofError(
-                f"'{self.mechanism.linkage.name}' names no output, so S, v and a are undefined: add "
-                "output = { point = ..., along = [x, y] } to its file, or leave these quantities out"
-            )
-        return output
-
-    @property
-    def least_speed(self) -> float:
-        """Crank speed, rad/s, below which quantities divided by ω are left out."""
-        return SLOW_SHARE * self.motion.peak_speed
-
-    def sweep(self, time: Array) -> Sweep:
-        """The closed form along the motion."""
-        return self.mechanism.sweep(self.motion.angle(time))
-
-    def output_anchor(self) -> Vector:
-        """The output point relative to its link's mass centre, link frame, m."""
-        link = self.mechanism.linkage.links[self.output.link]
-        point = link.points[self.output.point]
-        return (point[0] - link.centre[0], point[1] - link.centre[1])
-
-    def along(self, vectors: Array) -> Array:
-        """Component of (n, 2) vectors along the output's direction."""
-        return np.asarray(vectors @ np.asarray(self.output.along))
+JOINT_FORCE = "joint_force:"
 
 
 @dataclass(frozen=True)
 class Quantity:
-    """A compared quantity: ``reference(case, time)`` is the truth, ``observed(case, motion)`` what the engine did."""
+    """A compared quantity: ``reference(case, time)`` is the truth, ``observed(case, motion)`` what the engine did.
+
+    Values are (n,), or (n, 2) for a vector. ``prescribed`` and ``free`` say under which drive it is a result rather
+    than given; ``clock`` is the channel whose samples it has.
+    """
 
     name: str
     unit: str
     title: str
-    channels: frozenset[Channel]
+    clock: Channel
     reference: Callable[[Case, Array], Array]
     observed: Callable[[Case, ObservedMotion], Signal]
+    also: frozenset[Channel] = frozenset()
     holds_acceleration: bool = False
     needs_output: bool = False
+    prescribed: bool = True
+    free: bool = True
+
+    @property
+    def channels(self) -> frozenset[Channel]:
+        """What an engine has to record for it."""
+        return self.also | {self.clock}
+
+    def fits(self, case: Case) -> bool:
+        """Whether it is a result of the case's drive and its linkage has what it needs."""
+        wanted = self.prescribed if case.is_prescribed else self.free
+        return wanted and not (self.needs_output and case.mechanism.linkage.output is None)
 
 
 def _inertia(case: Case, motion: ObservedMotion) -> Signal:
@@ -108,6 +86,11 @@ def _acceleration(case: Case, motion: ObservedMotion) -> Signal:
     return Signal(time, -case.along(motion.point_acceleration(case.output.link, case.output_anchor(), time)))
 
 
+def _crank(channel: Channel, case: Case, motion: ObservedMotion) -> Signal:
+    time = motion.signal(channel).time
+    return Signal(time, motion.crank(channel, time))
+
+
 def _true_torque(case: Case, time: Array) -> Array:
     return dynamics.drive_torque(case.sweep(time), case.motion.speed(time), case.motion.acceleration(time))
 
@@ -118,18 +101,62 @@ def _true_displacement(case: Case, time: Array) -> Array:
 
 def _true_acceleration(case: Case, time: Array) -> Array:
     sweep, speed = case.sweep(time), case.motion.speed(time)
-    second = sweep.output(2) * speed**2
-    return -(second + sweep.output(1) * case.motion.acceleration(time))
+    return -(sweep.output(2) * speed**2 + sweep.output(1) * case.motion.acceleration(time))
+
+
+def _true_joint_force(joint: str, case: Case, time: Array) -> Array:
+    forces = joint_forces(case.sweep(time), case.motion.speed(time), case.motion.acceleration(time))
+    return np.asarray(forces[joint].T)
+
+
+def _joint_force(joint: str) -> Quantity:
+    return Quantity(
+        name=JOINT_FORCE + joint,
+        unit="N",
+        title=f"force in joint {joint}",
+        clock=Channel.JOINT_FORCE,
+        reference=partial(_true_joint_force, joint),
+        observed=lambda case, motion: motion.history.joint_force[joint],
+        holds_acceleration=True,
+    )
 
 
 QUANTITIES: Mapping[str, Quantity] = {
     quantity.name: quantity
     for quantity in (
         Quantity(
+            name="phi",
+            unit="rad",
+            title="crank angle",
+            clock=Channel.POSITION,
+            reference=lambda case, time: case.motion.angle(time),
+            observed=partial(_crank, Channel.POSITION),
+            prescribed=False,
+        ),
+        Quantity(
+            name="omega",
+            unit="rad/s",
+            title="crank speed",
+            clock=Channel.VELOCITY,
+            reference=lambda case, time: case.motion.speed(time),
+            observed=partial(_crank, Channel.VELOCITY),
+            prescribed=False,
+        ),
+        Quantity(
+            name="epsilon",
+            unit="rad/s²",
+            title="crank acceleration",
+            clock=Channel.ACCELERATION,
+            reference=lambda case, time: case.motion.acceleration(time),
+            observed=partial(_crank, Channel.ACCELERATION),
+            holds_acceleration=True,
+            prescribed=False,
+        ),
+        Quantity(
             name="Jeq",
             unit="kg m²",
             title="reduced moment of inertia",
-            channels=frozenset({Channel.VELOCITY}),
+            clock=Channel.VELOCITY,
             reference=lambda case, time: dynamics.reduced_inertia(case.sweep(time)),
             observed=_inertia,
         ),
@@ -137,7 +164,7 @@ QUANTITIES: Mapping[str, Quantity] = {
             name="Teq",
             unit="J",
             title="kinetic energy",
-            channels=frozenset({Channel.VELOCITY}),
+            clock=Channel.VELOCITY,
             reference=lambda case, time: dynamics.kinetic_energy(case.sweep(time), case.motion.speed(time)),
             observed=lambda case, motion: motion.kinetic_energy(),
         ),
@@ -145,25 +172,28 @@ QUANTITIES: Mapping[str, Quantity] = {
             name="Mkr",
             unit="N m",
             title="crank torque",
-            channels=frozenset({Channel.TORQUE}),
+            clock=Channel.TORQUE,
             reference=_true_torque,
             observed=lambda case, motion: motion.signal(Channel.TORQUE),
             holds_acceleration=True,
+            free=False,
         ),
         Quantity(
             name="Peq",
             unit="W",
             title="drive power",
-            channels=frozenset({Channel.TORQUE, Channel.VELOCITY}),
+            clock=Channel.TORQUE,
+            also=frozenset({Channel.VELOCITY}),
             reference=lambda case, time: _true_torque(case, time) * case.motion.speed(time),
             observed=_power,
             holds_acceleration=True,
+            free=False,
         ),
         Quantity(
             name="S",
             unit="m",
             title="output displacement",
-            channels=frozenset({Channel.POSITION}),
+            clock=Channel.POSITION,
             reference=_true_displacement,
             observed=_displacement,
             needs_output=True,
@@ -172,7 +202,8 @@ QUANTITIES: Mapping[str, Quantity] = {
             name="v",
             unit="m/s",
             title="output velocity",
-            channels=frozenset({Channel.POSITION, Channel.VELOCITY}),
+            clock=Channel.VELOCITY,
+            also=frozenset({Channel.POSITION}),
             reference=lambda case, time: -case.sweep(time).output(1) * case.motion.speed(time),
             observed=_velocity,
             needs_output=True,
@@ -181,7 +212,8 @@ QUANTITIES: Mapping[str, Quantity] = {
             name="a",
             unit="m/s²",
             title="output acceleration",
-            channels=frozenset({Channel.POSITION, Channel.VELOCITY, Channel.ACCELERATION}),
+            clock=Channel.ACCELERATION,
+            also=frozenset({Channel.POSITION, Channel.VELOCITY}),
             reference=_true_acceleration,
             observed=_acceleration,
             holds_acceleration=True,
@@ -191,8 +223,36 @@ QUANTITIES: Mapping[str, Quantity] = {
 }
 
 
-def quantity(name: str) -> Quantity:
-    """The quantity of that name; raises UnknownNameError with the nearest known one."""
+def all_quantities(case: Case) -> dict[str, Quantity]:
+    """Every quantity that is a result of a case, those of its joints among them."""
+    joints = [_joint_force(joint) for joint in case.joint_names()]
+    return {q.name: q for q in (*QUANTITIES.values(), *joints) if q.fits(case)}
+
+
+def chosen_quantities(case: Case, names: Iterable[str]) -> list[Quantity]:
+    """The quantities of these names, in this order; all that fit the case if none is named.
+
+    ``joint_force`` stands for the forces of all joints. Raises UnknownNameError for a name that no case has, and
+    LinkproofError for one that this case has not.
+    """
+    known = all_quantities(case)
+    found: dict[str, Quantity] = {}
+    for name in names:
+        if name == JOINT_FORCE.rstrip(":"):
+            found |= {key: known[key] for key in known if key.startswith(JOINT_FORCE)}
+        elif name in known:
+            found[name] = known[name]
+        else:
+            _refuse(case, name, known)
+    return list((found or known).values())
+
+
+def _refuse(case: Case, name: str, known: Mapping[str, Quantity]) -> None:
     if name not in QUANTITIES:
-        raise UnknownNameError("quantity", name, QUANTITIES)
-    return QUANTITIES[name]
+        raise UnknownNameError("quantity", name, [*QUANTITIES, JOINT_FORCE.rstrip(":"), *known])
+    if QUANTITIES[name].needs_output:
+        _ = case.output
+    raise LinkproofError(
+        f"{name} is given, not a result, in regime '{case.motion.regime}' of '{case.mechanism.linkage.name}': ask for "
+        f"one of {', '.join(known)}"
+    )

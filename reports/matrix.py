@@ -10,7 +10,7 @@ from comparisons.limits import limit
 from comparisons.records import Record, Verdict
 from comparisons.results import Results
 from reports.numbers import bound, error
-from reports.views import SETTINGS, columns, ordered
+from reports.views import SETTINGS, anchor, columns, family, ordered, worst
 
 # Sign, word and style class of each outcome: the sign and the word carry the meaning, the colour only helps.
 SIGNS: dict[str, tuple[str, str, str]] = {
@@ -24,9 +24,9 @@ SIGNS: dict[str, tuple[str, str, str]] = {
 
 @dataclass(frozen=True)
 class Cell:
-    """One deviation: what is written, its sign, its limit, and the sentence behind it."""
+    """One deviation: the largest error, its sign, its limit, and the sentence behind it."""
 
-    text: str
+    error: float | None
     sign: str
     style: str
     limit: str
@@ -55,6 +55,11 @@ class Block:
     conditions: str
     rows: tuple[Row, ...]
 
+    @property
+    def anchor(self) -> str:
+        """Where the page tells more of the mechanism."""
+        return anchor(self.mechanism, self.variant)
+
 
 def blocks(results: Results) -> tuple[Block, ...]:
     """The whole matrix, in stable order."""
@@ -80,21 +85,26 @@ def _row(records: Sequence[Record], names: Sequence[str]) -> Row:
         sign, word, style = SIGNS[first.outcome]
         failure = f"{sign} {word}" + (f": {first.detail}" if first.detail else "")
         return Row(first.engine, first.engine_version, first.setting, (), style, failure)
-    by_name = {record.quantity: record for record in records}
-    cells = tuple(_cell(by_name[name]) if name in by_name else None for name in names)
+    families: dict[str, list[Record]] = {}
+    for record in records:
+        families.setdefault(family(record.quantity), []).append(record)
+    cells = tuple(_cell(families[name]) if name in families else None for name in names)
     return Row(first.engine, first.engine_version, first.setting, cells)
 
 
-def _cell(record: Record) -> Cell:
+def _cell(records: Sequence[Record]) -> Cell:
+    """The worst of a family: of the forces in all joints, say."""
+    record = worst(records)
     sign, word, style = SIGNS[record.outcome]
-    told = f"{record.quantity}: {word}"
+    told = f"worst of {len(records)}, " if len(records) > 1 else ""
+    told += f"{record.quantity}: {word}"
     if record.error_max is not None:
         told += f"; largest {error(record.error_max)}, rms {error(record.error_rms)} of the peak"
         told += f", worst at {record.worst_time:.4g} s" if record.worst_time is not None else ""
         told += f"; {record.samples} samples" + (f", {record.left_out} left out" if record.left_out else "")
     if record.detail:
         told += f". {record.detail}"
-    return Cell(error(record.error_max), sign, style, bound(record.limit), told)
+    return Cell(record.error_max, sign, style, bound(record.limit), told)
 
 
 @dataclass(frozen=True)
@@ -165,7 +175,7 @@ def limit_rows(results: Results) -> tuple[LimitRow, ...]:
         groups.setdefault((value, reason), []).append(record)
     rows = []
     for (value, reason), records in groups.items():
-        held = {record.quantity for record in records}
+        held = {family(record.quantity) for record in records}
         settings, regimes = {r.setting for r in records}, {r.regime for r in records}
         words = ", ".join(name for name in names if name in held)
         order = [s for s in SETTINGS if s in settings]

@@ -5,31 +5,40 @@ from __future__ import annotations
 import math
 
 ABSENT = "–"
+SMALLEST, LARGEST = 1e-3, 1e6
 
 
 def figure(value: float | None, digits: int = 4) -> str:
-    """A value to so many significant digits, its exponent without padding: 8.339e-5, 0.2704, 31.00."""
+    """A value to so many significant digits: 8.339e-5, 0.2704, 31.00."""
     if value is None or not math.isfinite(value):
         return ABSENT
-    if value == 0.0:
-        return "0"
-    mantissa, _, exponent = f"{value:#.{digits}g}".partition("e")
-    mantissa = mantissa.removesuffix(".")
-    return f"{mantissa}e{int(exponent)}" if exponent else mantissa
+    return "0" if value == 0.0 else _plain(value, f"#.{digits}")
 
 
 def printed(value: float) -> str:
-    """A figure as a source prints it, without digits it does not have: 8.3e-5, 0.16, 24."""
-    mantissa, _, exponent = f"{value:.6g}".partition("e")
-    return f"{mantissa}e{int(exponent)}" if exponent else mantissa
+    """A given figure without digits it does not have: 8.3e-5, 0.16, 24."""
+    return "0" if value == 0.0 else _plain(value, ".6")
+
+
+def _plain(value: float, form: str) -> str:
+    """Without an exponent from a thousandth to a million; the exponent is never padded."""
+    if not SMALLEST <= abs(value) < LARGEST:
+        mantissa, exponent = f"{value:{_scientific(form)}}".split("e")
+        mantissa = mantissa if form.startswith("#") else mantissa.rstrip("0").removesuffix(".")
+        return f"{mantissa}e{int(exponent)}"
+    return f"{value:{form}g}".removesuffix(".")
+
+
+def _scientific(form: str) -> str:
+    return f".{int(form.rpartition('.')[2]) - 1}e"
 
 
 def error(value: float | None) -> str:
-    """A deviation to two digits, always with an exponent: 1.2e-5."""
+    """A deviation to two digits, with an exponent below one: 1.2e-5, 1.9."""
     if value is None or not math.isfinite(value):
         return ABSENT
-    if value == 0.0:
-        return "0"
+    if value == 0.0 or 1.0 <= value < 100.0:
+        return f"{value:#.2g}".removesuffix(".") if value else "0"
     mantissa, exponent = f"{value:.1e}".split("e")
     return f"{mantissa}e{int(exponent)}"
 
@@ -43,8 +52,8 @@ def bound(value: float | None) -> str:
 
 
 def per_cent(ratio: float) -> str:
-    """A signed ratio in per cent to one decimal: +4.2 %."""
-    return f"{100.0 * ratio:+.1f} %"
+    """A signed ratio in per cent to one decimal: +4.2 %, −0.3 %."""
+    return f"{100.0 * ratio:+.1f} %".replace("-", "−")
 
 
 def seconds(value: float) -> str:

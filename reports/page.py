@@ -13,12 +13,11 @@ import numpy as np
 from markupsafe import Markup
 
 from comparisons.files import write_text
-from comparisons.quantities import QUANTITIES
 from comparisons.results import Results
 from reports import matrix, numbers
 from reports.readings import OTHERWISE, VERDICT_SIGNS, met, readings, worded
 from reports.sections import Section, section
-from reports.views import View, columns, views
+from reports.views import View, columns, family, title, views
 
 TEMPLATES = Path(__file__).with_name("templates")
 
@@ -46,12 +45,11 @@ def page(results: Results) -> str:
     return _environment().get_template("page.html").render(
         style=Markup((TEMPLATES / "style.css").read_text(encoding="utf-8")),
         results=results,
-        environment=results.document["environment"],
+        facts=_facts(results),
         command=results.document["command"],
-        conditions=results.document["conditions"],
-        regimes=[motion.regime for motion in results.motions],
+        regimes=list(dict.fromkeys((record.regime, record.conditions) for record in matrix.every_record(results))),
         engines=_engine_versions(results),
-        quantities=[(name, QUANTITIES[name].title, QUANTITIES[name].unit) for name in quantities],
+        quantities=[(name, title(name), _unit(results, name)) for name in quantities],
         invariants=invariants,
         blocks=matrix.blocks(results),
         standings=matrix.standings(results),
@@ -61,7 +59,7 @@ def page(results: Results) -> str:
         limits=matrix.limit_rows(results),
         left_out=sum(record.left_out for record in results.records),
         samples=sum(record.samples for record in results.records),
-        closure=max((float(np.max(view.mechanism.turn.closure_error())) for view in every), default=0.0),
+        closure=_closure(every),
         notes=[(view.linkage.title, view.linkage.notes) for view in every if view.linkage.notes],
         met=met,
     )  # fmt: skip
@@ -74,6 +72,25 @@ def _sections(results: Results, every: tuple[View, ...]) -> Iterator[Section]:
         yield section(view, tables.pop(view.linkage.name, None))
 
 
+def _unit(results: Results, name: str) -> str:
+    return next(record.unit for record in results.records if family(record.quantity) == name)
+
+
+def _closure(every: tuple[View, ...]) -> float:
+    """Largest gap of any joint in the closed form over a turn, m."""
+    turning = [view.mechanism.turn for view in every if view.makes_full_turn]
+    return max((float(np.max(turn.closure_error())) for turn in turning), default=0.0)
+
+
+def _facts(results: Results) -> list[tuple[str, str]]:
+    """Date, machine and commit, then the versions of everything else on one line."""
+    told = dict(results.document["environment"])
+    engines = {record.engine for record in results.records}
+    first = [(name.capitalize(), told.pop(name)) for name in ("date", "machine", "commit") if name in told]
+    rest = ", ".join(f"{name} {version}" for name, version in told.items() if name not in engines)
+    return [*first, ("Versions", rest)]
+
+
 def _engine_versions(results: Results) -> list[tuple[str, str]]:
     found = {record.engine: record.engine_version for record in results.records}
     return [(name, found[name] or "not installed") for name in sorted(found)]
@@ -84,7 +101,13 @@ def _used(results: Results) -> list[Used]:
     firsts = {record.run: record for record in reversed(matrix.every_record(results))}
     details = results.document["details"]
     return [
-        Used(run, one.steps, numbers.seconds(one.seconds), numbers.seconds(one.setup_seconds), told(details.get("/".join(run), {})))
+        Used(
+            run,
+            one.steps,
+            numbers.seconds(one.seconds),
+            numbers.seconds(one.setup_seconds),
+            told(details.get("/".join(run), {})),
+        )
         for run, one in reversed(firsts.items())
         if one.steps
     ]
@@ -110,6 +133,7 @@ def _environment() -> jinja2.Environment:
     )
     environment.filters.update(
         figure=numbers.figure,
+        bound=numbers.bound,
         printed=numbers.printed,
         error=numbers.error,
         per_cent=numbers.per_cent,

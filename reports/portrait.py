@@ -30,6 +30,7 @@ def portrait(linkage: Linkage) -> dict[str, Any]:
         "links": {name: _link(mechanism, name) for name in linkage.links},
         "notes": list(linkage.notes),
         "closure_error": float(np.max(mechanism.turn.closure_error())),
+        "error_bound": dict(zip(("position", "first", "second"), mechanism.error_bound(), strict=True)),
     }
     if linkage.output is not None:
         facts["output"] = {

@@ -38,10 +38,10 @@ def readings(results: Results) -> dict[str, Readings]:
     """The printed figures of every mechanism of a campaign, by its name, in the order of its file."""
     texts = {entry["name"]: entry["text"] for entry in results.document["descriptions"]}
     found = {}
-    for name in texts:
+    for name, text in texts.items():
         first = next(linkage for linkage in results.linkages if linkage.name == name)
         if first.published:
-            linkages = [parse(texts[name], name, name, variant) for variant in first.variants]
+            linkages = [parse(text, name, name, variant) for variant in first.variants]
             found[name] = _table(linkages)
     return found
 

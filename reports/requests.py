@@ -11,11 +11,11 @@ from analytic.linkage import Linkage
 from analytic.loading import catalogue, find, load
 from analytic.regimes import REGIMES, RPM, CrankMotion, crank_motion
 from comparisons.campaign import Request
-from comparisons.quantities import QUANTITIES, quantity
 from engines.contract import Setting
 from engines.registry import engine, engine_names
 
 EVERYTHING = "all"
+OWN = "own"  # every regime that a linkage defines for itself
 
 
 @dataclass(frozen=True)
@@ -97,8 +97,8 @@ def texts(choice: Choice, found: tuple[Linkage, ...]) -> list[str]:
 
 
 def motions(choice: Choice) -> tuple[CrankMotion, ...]:
-    """The crank motions asked for."""
-    names = REGIMES if EVERYTHING in choice.regimes else tuple(dict.fromkeys(choice.regimes)) or ("run-up",)
+    """The prescribed crank motions asked for."""
+    names = REGIMES if EVERYTHING in choice.regimes else choice.regimes or ("run-up",)
     return tuple(
         crank_motion(
             name,
@@ -108,8 +108,20 @@ def motions(choice: Choice) -> tuple[CrankMotion, ...]:
             clockwise=choice.clockwise,
             start_angle=math.radians(choice.start_angle),
         )
-        for name in names
+        for name in dict.fromkeys(names)
+        if name in REGIMES
     )
+
+
+def own_regimes(choice: Choice, found: tuple[Linkage, ...]) -> tuple[str, ...]:
+    """Regimes asked for that the linkages define for themselves; ``own`` and ``all`` ask for every one of them."""
+    known = sorted({regime.name for linkage in found for regime in linkage.regimes})
+    for name in choice.regimes:
+        if name not in (*REGIMES, *known, OWN, EVERYTHING):
+            raise UnknownNameError("regime", name, [*REGIMES, *known, OWN, EVERYTHING])
+    if {OWN, EVERYTHING} & set(choice.regimes):
+        return tuple(known)
+    return tuple(name for name in known if name in choice.regimes)
 
 
 def _engines(choice: Choice) -> tuple[str, ...]:
@@ -133,17 +145,14 @@ def _settings(choice: Choice) -> tuple[Setting, ...]:
 
 def request(choice: Choice) -> Request:
     """The campaign's request; raises LinkproofError for anything that does not exist or cannot be."""
-    wanted = tuple(quantity(name).name for name in dict.fromkeys(choice.quantities))
     found = linkages(choice)
-    if not wanted:
-        lacking = [linkage.name for linkage in found if linkage.output is None]
-        wanted = tuple(n for n in QUANTITIES if not (lacking and QUANTITIES[n].needs_output))
     return Request(
         linkages=found,
         motions=motions(choice),
         conditions=choice.conditions,
         engines=_engines(choice),
         settings=_settings(choice),
-        quantities=wanted,
+        quantities=tuple(dict.fromkeys(choice.quantities)),
+        own_regimes=own_regimes(choice, found),
         with_invariants=not choice.quantities,
     )

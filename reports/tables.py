@@ -13,6 +13,7 @@ from rich.text import Text
 from analytic.linkage import Linkage
 from comparisons.campaign import RunResult
 from comparisons.published import PublishedRecord
+from comparisons.quantities import JOINT_FORCE
 from comparisons.records import Record, Verdict
 from comparisons.targets import Figure
 
@@ -52,7 +53,14 @@ def portrait(facts: Mapping[str, Any]) -> Group:
                 f"{out['top_dead_centre']:.4g}°, bottom {out['bottom_dead_centre']:.4g}°"
             )
         )
-    lines.append(Text(f"closure    joints closed to {facts['closure_error']:.1e} m over the whole turn"))
+    bound = facts["error_bound"]
+    lines += [
+        Text(f"closure    joints closed to {facts['closure_error']:.1e} m over the whole turn"),
+        Text(
+            f"accuracy   closed form within {bound['position']:.0e} of peak, its first derivative within "
+            f"{bound['first']:.0e}, its second within {bound['second']:.0e}"
+        ),
+    ]
     table = Table("link", "mass kg", "inertia kg m²", "mean Jeq kg m²", "points", box=None, pad_edge=False)
     for name, link in facts["links"].items():
         inertia_text = "-" if link["inertia"] is None else f"{link['inertia']:.4g}"
@@ -61,25 +69,34 @@ def portrait(facts: Mapping[str, Any]) -> Group:
     return Group(*lines, Text(""), table, *notes)
 
 
-def published(records: Sequence[PublishedRecord]) -> Table:
-    """Printed figures beside ours."""
-    table = Table("mechanism", "variant", "quantity", "published", "ours", "off", "verdict", "place", box=None)
-    for number in (3, 4, 5):
-        table.columns[number].justify = "right"
-    colours = {"reproduced": "green", "not reproduced": "red"}
-    for record in records:
-        unit = f" {record.unit}" if record.unit else ""
-        table.add_row(
-            record.mechanism,
-            record.variant,
-            record.quantity,
-            f"{record.published:.4g}{unit}",
-            f"{record.ours:.4g}",
-            f"{record.deviation:+.1%}",
-            Text(record.verdict, style=colours.get(record.verdict, "")),
-            record.source + (f"; {record.note}" if record.note else ""),
-        )
+VERDICTS = {"reproduced": ("=", "green"), "within 6 %": ("≈", ""), "not reproduced": ("≠", "red")}
+
+
+def published(records: Sequence[PublishedRecord]) -> Group:
+    """Printed figures beside ours, a table per mechanism with a column per variant."""
+    blocks: list[RenderableType] = []
+    for mechanism, part in groupby(records, key=lambda record: record.mechanism):
+        together = list(part)
+        noted = dict.fromkeys(f"{r.quantity} {r.published:.4g} {r.unit}: {r.note}" for r in together if r.note)
+        blocks += [Text(mechanism, style="bold"), _published_table(together), *map(Text, noted), Text("")]
+    signs = "; ".join(f"{sign} {words}" for words, (sign, _) in VERDICTS.items())
+    return Group(*blocks, Text(f"{signs} (reproduced: to the printed digits)"))
+
+
+def _published_table(records: Sequence[PublishedRecord]) -> Table:
+    variants = list(dict.fromkeys(record.variant for record in records))
+    table = Table("quantity", "printed", *variants, "place", box=None, pad_edge=False)
+    figures = list(dict.fromkeys((r.quantity, r.unit, r.published, r.source) for r in records))
+    for quantity, unit, value, source in figures:
+        ours = {r.variant: r for r in records if (r.quantity, r.published, r.source) == (quantity, value, source)}
+        cells = [_ours(ours[variant]) if variant in ours else Text("") for variant in variants]
+        table.add_row(quantity, f"{value:.4g} {unit}".strip(), *cells, source)
     return table
+
+
+def _ours(record: PublishedRecord) -> Text:
+    sign, style = VERDICTS[record.verdict]
+    return Text(f"{record.ours:.4g} {sign}\n{record.deviation:+.1%}", style=style)
 
 
 def targets(figures: Sequence[Figure]) -> Table:
@@ -118,17 +135,24 @@ def _mechanism_table(results: Sequence[RunResult]) -> Table:
     for result in results:
         record = result.records[0]
         table.add_column(f"{record.engine}\n{record.setting}", justify="right")
-    rows = list(dict.fromkeys(r.quantity for result in results for r in (*result.records, *result.invariants)))
+    rows = list(dict.fromkeys(_row(r) for result in results for r in (*result.records, *result.invariants)))
     for quantity in rows:
-        found = [_find(result, quantity) for result in results]
+        found = [_worst(result, quantity) for result in results]
         table.add_row(quantity, _limits(found), *[_cell(record) for record in found])
     table.add_row("seconds, stepping", "", *[f"{r.records[0].seconds:.3f}" for r in results])
     table.add_row("steps", "", *[f"{r.records[0].steps}" for r in results])
     return table
 
 
-def _find(result: RunResult, quantity: str) -> Record | None:
-    return next((r for r in (*result.records, *result.invariants) if r.quantity == quantity), None)
+def _row(record: Record) -> str:
+    """The row a record stands in: forces of all joints share one."""
+    return JOINT_FORCE.rstrip(":") if record.quantity.startswith(JOINT_FORCE) else record.quantity
+
+
+def _worst(result: RunResult, row: str) -> Record | None:
+    """The record of a run that stands in a row; of several the one nearest to or farthest over its limit."""
+    found = [record for record in (*result.records, *result.invariants) if _row(record) == row]
+    return max(found, key=lambda record: record.error_max or 0.0, default=None)
 
 
 def _limits(records: Sequence[Record | None]) -> str:

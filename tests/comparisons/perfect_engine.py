@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from analytic import dynamics
+from analytic.kinetostatics import joint_forces
 from analytic.mechanism import Mechanism
 from analytic.regimes import CrankMotion
 from comparisons.motion import ObservedMotion
@@ -18,14 +19,16 @@ def perfect_motion(
     """The true motion; ``shift`` moves the velocity's clock against the others, as a leapfrog engine does."""
     time = np.linspace(0.0, motion.duration, samples)
     later = np.clip(time[:-1] + shift * (time[1] - time[0]), 0.0, motion.duration)
-    model = scene(mechanism, Prescribed(motion), frozenset(Channel) - {Channel.JOINT_FORCE})
+    model = scene(mechanism, Prescribed(motion), frozenset(Channel))
     states = [_states(mechanism, motion, clock) for clock in (time, later if shift else time)]
     torque = dynamics.drive_torque(mechanism.sweep(motion.angle(time)), motion.speed(time), motion.acceleration(time))
+    forces = joint_forces(mechanism.sweep(motion.angle(time)), motion.speed(time), motion.acceleration(time))
     history = History(
         position=Signal(time, states[0][0]),
         velocity=Signal(later if shift else time, states[1][1]),
         acceleration=Signal(time, states[0][2]),
         torque=Signal(time, torque),
+        joint_force={name: Signal(time, force.T) for name, force in forces.items()},
     )
     return ObservedMotion(model, history)
 

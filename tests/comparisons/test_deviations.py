@@ -8,9 +8,10 @@ import pytest
 from analytic.loading import load
 from analytic.mechanism import Mechanism
 from analytic.regimes import crank_motion
+from comparisons.case import Case
 from comparisons.deviations import deviation, near_jumps
 from comparisons.motion import ObservedMotion
-from comparisons.quantities import Case, quantity
+from comparisons.quantities import QUANTITIES
 from engines.contract import Signal
 from tests.comparisons.perfect_engine import perfect_motion
 
@@ -33,7 +34,7 @@ def _with_torque(motion, torque):
 def test_a_known_error_is_found_where_it_is(case, motion):
     torque = motion.history.torque.values.copy()
     torque[700] += 1e-3
-    found = deviation(case, quantity("Mkr"), _with_torque(motion, torque))
+    found = deviation(case, QUANTITIES["Mkr"], _with_torque(motion, torque))
     assert found.error_max == pytest.approx(1e-3 / found.peak)
     assert found.worst_time == motion.history.torque.time[700]
     assert found.error_rms == pytest.approx(1e-3 / found.peak / np.sqrt(found.samples))
@@ -43,19 +44,19 @@ def test_samples_near_acceleration_jumps_are_left_out_and_counted(case, motion):
     torque = motion.history.torque.values.copy()
     kink = int(np.argmin(np.abs(motion.history.torque.time - 0.6)))
     torque[kink] = 99.0
-    found = deviation(case, quantity("Mkr"), _with_torque(motion, torque))
+    found = deviation(case, QUANTITIES["Mkr"], _with_torque(motion, torque))
     assert found.error_max < 1e-12
     assert found.left_out == 3 + 5  # t = 0 has samples on one side only
 
 
 def test_a_smooth_ramp_leaves_nothing_out(case):
     smooth = Case(case.mechanism, crank_motion("run-up-quintic"))
-    found = deviation(smooth, quantity("Mkr"), perfect_motion(smooth.mechanism, smooth.motion, 701))
+    found = deviation(smooth, QUANTITIES["Mkr"], perfect_motion(smooth.mechanism, smooth.motion, 701))
     assert found.left_out == 0
 
 
 def test_reduced_inertia_is_not_asked_of_a_crank_at_rest(case, motion):
-    found = deviation(case, quantity("Jeq"), motion)
+    found = deviation(case, QUANTITIES["Jeq"], motion)
     assert 0 < found.left_out < 0.1 * found.samples
 
 

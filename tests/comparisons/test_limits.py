@@ -1,7 +1,5 @@
 """Every quantity has a limit with a reason in every setting and regime."""
 
-import itertools
-
 import pytest
 
 from analytic.regimes import REGIMES
@@ -10,11 +8,15 @@ from comparisons.limits import limit
 from comparisons.quantities import QUANTITIES
 from engines.contract import Setting
 
+GIVEN = {"Mkr", "Peq"}  # by the drive of a released crank, not results
 
-@pytest.mark.parametrize(
-    ("quantity", "setting", "regime"), list(itertools.product([*QUANTITIES, *INVARIANTS], Setting, REGIMES))
-)
+
+@pytest.mark.parametrize("quantity", [*QUANTITIES, *INVARIANTS, "joint_force:A"])
+@pytest.mark.parametrize("setting", Setting)
+@pytest.mark.parametrize("regime", [*REGIMES, "a-regime-of-its-own"])
 def test_the_table_is_complete(quantity, setting, regime):
+    if quantity in GIVEN and regime not in REGIMES:
+        return
     found = limit(quantity, setting, regime)
     assert 0.0 < found.value < 0.02  # nothing may be looser than what the sources claim of themselves
     assert len(found.reason.split()) > 4

@@ -1,0 +1,205 @@
+"""The parts of a mechanism's section: figures under one heading, each with the sentence that says what to see."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from markupsafe import Markup
+from matplotlib.figure import Figure
+
+from analytic.dynamics import reduced_inertia
+from analytic.extremes import extremes
+from analytic.harmonics import stroke, unit_functions
+from analytic.regimes import RPM
+from reports.figures import errors, inertia, kinematics, run_up
+from reports.figures.panels import LEAST_ERROR
+from reports.figures.style import picture
+from reports.numbers import bound, error, figure
+from reports.views import Regime, Trace, View, anchor, family, title
+
+
+@dataclass(frozen=True)
+class Shown:
+    """A figure: the sentence before it, its drawing, and whether it takes the page's whole width."""
+
+    lead: str
+    drawing: Markup
+    wide: bool = False
+
+
+@dataclass(frozen=True)
+class Part:
+    """Figures under one heading, with a sentence before them."""
+
+    heading: str
+    lead: str
+    figures: tuple[Shown, ...]
+
+
+def shown(
+    view: View, name: str, lead: str, draw: Callable[[], Figure], description: str, *, wide: bool = False
+) -> Shown:
+    """A figure of a mechanism; ``description`` is what a reader without pictures gets."""
+    key = anchor(view.key, name)
+    alt = f"{view.linkage.title} ({view.linkage.variant}): {description}"
+    return Shown(lead, picture(draw(), key, alt), wide)
+
+
+def kinematics_part(view: View) -> Part:
+    """S, v, a, and the unit functions against harmonics."""
+    _, values = kinematics.turn_at_final_speed(view)
+    fastest, hardest = (float(np.max(np.abs(values[name]))) for name in ("v", "a"))
+    point = view.linkage.output.point if view.linkage.output else ""
+    speed = f"{abs(view.final_speed) / RPM:.4g} rpm" + (" clockwise" if view.final_speed < 0.0 else "")
+    means = unit_functions(view.mechanism).deviations
+    named = ", ".join(f"{name} {100.0 * mean:.2f} %" for name, mean in zip("Sva", means, strict=True))
+    figures = (
+        shown(
+            view,
+            "output",
+            f"S from top dead centre, v and a over the crank angle at {speed}; dots mark the extremes.",
+            lambda: kinematics.output_figure(view),
+            "displacement, velocity and acceleration of the output over the crank angle",
+        ),
+        shown(
+            view,
+            "units",
+            "Freed of stroke and speed: unit functions against a harmonic motion (dashed).",
+            lambda: kinematics.unit_figure(view),
+            "unit functions of the output against harmonics",
+        ),
+        shown(
+            view,
+            "differences",
+            f"Unit function less harmonic; mean absolute difference over the turn: {named}.",
+            lambda: kinematics.difference_figure(view),
+            "differences of unit functions and harmonics",
+            wide=True,
+        ),
+    )
+    lead = (
+        f"At {speed} the output {point} has a stroke of {figure(stroke(view.mechanism) * 1e3)} mm and reaches "
+        f"{figure(fastest)} m/s and {figure(hardest)} m/s² at most; all curves are the closed form."
+    )
+    return Part("Motion of the output", lead, figures)
+
+
+def inertia_part(view: View) -> Part:
+    """Jeq by all methods, by group and by link."""
+    found = extremes(lambda phi: reduced_inertia(view.mechanism.sweep(phi)))
+    lead = (
+        f"Jeq lies between {figure(found.minimum)} kg m² at {math.degrees(found.minimum_angle):.1f}° and "
+        f"{figure(found.maximum)} kg m² at {math.degrees(found.maximum_angle):.1f}°, mean {figure(found.mean)} kg m², "
+        f"relative pulsation {100.0 * found.relative_pulsation:.2f} %."
+    )
+    figures = (
+        *_methods(view),
+        shown(
+            view,
+            "groups",
+            "Where Jeq comes from: the class I crank and each Assur group, one on the other.",
+            lambda: inertia.groups_figure(view),
+            "Jeq by Assur group over the crank angle",
+        ),
+        shown(
+            view,
+            "links",
+            f"What varies: Jeq of each link by itself.{_constant_share(view)}",
+            lambda: inertia.links_figure(view),
+            "Jeq by link over the crank angle",
+        ),
+    )
+    return Part("Reduced moment of inertia Jeq", lead, figures)
+
+
+def _methods(view: View) -> list[Shown]:
+    """Jeq by every method, where the campaign asked for it."""
+    if not any(record.quantity == "Jeq" for record in view.records):
+        return []
+    regime = view.regimes[0]
+    lead = f"Jeq by every method over the last turn of {regime.name}, and beneath how far each is off. "
+    return [
+        shown(
+            view,
+            "methods",
+            lead + _largest(view, view.traces(regime, "Jeq")),
+            lambda: inertia.methods_figure(view),
+            "Jeq of all methods and their deviation over the crank angle",
+            wide=True,
+        )
+    ]
+
+
+def _constant_share(view: View) -> str:
+    parts = inertia.links_inertia(view, np.linspace(0.0, 2.0 * np.pi, 25))
+    constant = [name.replace("_", " ") for name, values in parts.items() if not inertia.varies(values)]
+    return f" The constant share ({', '.join(constant)}) is left out." if constant else ""
+
+
+def regime_part(view: View, regime: Regime) -> Part:
+    """Every deviation of a regime, and the histories behind them."""
+    figures = [*_deviations(view, regime), *(_history(view, regime, name) for name in run_up.histories(view, regime))]
+    jumps = " Dotted uprights are jumps of the crank's acceleration." if regime.jumps else ""
+    forces = (
+        " Of a force the curves are magnitudes, the largest deviation is the vector's." if _has_forces(view) else ""
+    )
+    lead = (
+        f"{regime.conditions[:1].upper()}{regime.conditions[1:]}. Grey is the closed form, dashed the engines at setting "
+        f"{view.setting}; beneath stands the upper envelope of |error| over the peak, on a logarithmic scale, for every "
+        f"setting that ran.{jumps}{forces}"
+    )
+    return Part(f"Regime {regime.name}", lead, tuple(figures))
+
+
+def _has_forces(view: View) -> bool:
+    return any(record.quantity != family(record.quantity) for record in view.records)
+
+
+def _deviations(view: View, regime: Regime) -> list[Shown]:
+    """All deviations at a glance, where any run gave one."""
+    found = [r.error_max for r in view.records if r.regime == regime.name and r.error_max is not None]
+    if not found:
+        return []
+    zeros = f" Smaller than {bound(LEAST_ERROR)} is drawn there." if min(found) < LEAST_ERROR else ""
+    return [
+        shown(
+            view,
+            f"{regime.name}-errors",
+            f"Every deviation of this regime at a glance: the further left of its limit (red stroke), the better.{zeros}",
+            lambda: errors.errors_figure(view, regime),
+            f"largest deviation of every run by quantity, {regime.name}",
+            wide=True,
+        )
+    ]
+
+
+def _history(view: View, regime: Regime, quantity: str) -> Shown:
+    _, values = run_up.truth(view, regime, quantity)
+    unit = next((record.unit for record in view.records if record.quantity == quantity), "")
+    name = run_up.symbol(quantity)
+    span = f"{name}, {title(quantity)}"
+    if len(values):
+        span += f", between {_signed(float(np.min(values)))} and {_signed(float(np.max(values)))} {unit}"
+    return shown(
+        view,
+        f"{regime.name}-{quantity}",
+        f"{span}. {_largest(view, view.traces(regime, quantity))}",
+        lambda: run_up.history_figure(view, regime, quantity),
+        f"{quantity} over time by the closed form and the engines, {regime.name}",
+    )
+
+
+def _signed(value: float) -> str:
+    return f"−{figure(-value)}" if value < 0.0 else figure(value)
+
+
+def _largest(view: View, traces: list[Trace]) -> str:
+    """The largest deviation of each engine at the view's setting, over the whole regime."""
+    mine = [trace.record for trace in traces if trace.record.setting == view.setting]
+    if not mine:
+        return f"No engine gave a curve at setting {view.setting}."
+    words = ", ".join(f"{record.engine} {error(record.error_max)}" for record in mine)
+    return f"Largest deviation at {view.setting}: {words}."

@@ -1,0 +1,107 @@
+"""The summary in Markdown: the same rows in the same order with the same digits, so that two of them diff cleanly.
+
+What changes from run to run although no result did (date, machine, times) stands in one section at the end.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+
+from comparisons.results import Results
+from reports import matrix
+from reports.matrix import Block, Cell, Row
+from reports.numbers import bound, error, figure, per_cent, printed, seconds
+from reports.readings import Readings, readings, worded
+from reports.views import columns
+
+ROUND_OFF = 1e-13
+
+
+def markdown(results: Results) -> str:
+    """The summary of a campaign."""
+    parts = [
+        "# Engines against the closed form",
+        f"Largest error over the reference's peak, two digits, round-off as < {bound(ROUND_OFF)}; ✓ within its limit, "
+        "✗ over it. Written by "
+        f"`{results.document['command']}`; the page beside it has the curves.",
+        *_matrix(results),
+        *_published(results),
+        *_limits(results),
+        *_environment(results),
+    ]
+    return "\n\n".join(parts) + "\n"
+
+
+def table(head: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
+    """A Markdown table; bars inside a cell are escaped."""
+    lines = [head, ["---"] * len(head), *rows]
+    return "\n".join("| " + " | ".join(cell.replace("|", "\\|") for cell in line) + " |" for line in lines)
+
+
+def _matrix(results: Results) -> list[str]:
+    names = [name for part in columns(results) for name in part]
+    parts = ["## Deviations"]
+    for block in matrix.blocks(results):
+        parts += [
+            f"### {block.mechanism} ({block.variant}), {block.regime}",
+            f"{block.conditions}.",
+            _block(block, names),
+        ]
+    return parts
+
+
+def _block(block: Block, names: Sequence[str]) -> str:
+    head = ["engine", "setting", *(name.replace("_", " ") for name in names)]
+    return table(head, [_row(row, len(names)) for row in block.rows])
+
+
+def _row(row: Row, count: int) -> list[str]:
+    if row.failure:
+        return [row.engine, row.setting, row.failure, *[""] * (count - 1)]
+    return [row.engine, row.setting, *(f"{cell.sign} {_steady(cell)}" if cell else "–" for cell in row.cells)]
+
+
+def _steady(cell: Cell) -> str:
+    """The deviation, unless it is round-off, whose digits say nothing and differ from machine to machine."""
+    small = cell.error is not None and cell.error < ROUND_OFF
+    return f"< {bound(ROUND_OFF)}" if small else error(cell.error)
+
+
+def _published(results: Results) -> list[str]:
+    tables = readings(results)
+    parts = ["## Published figures against ours"] if tables else []
+    for name, found in tables.items():
+        parts += [f"### {name}", _readings(found)]
+    return parts
+
+
+def _readings(found: Readings) -> str:
+    head = ["figure", "published", *found.variants, "place"]
+    rows = []
+    for row in found.rows:
+        ours = [f"{figure(one.ours)} ({per_cent(one.deviation)}, {one.verdict})" if one else "–" for one in row.ours]
+        unit = f", {row.unit}" if row.unit else ""
+        place = row.source + (f"; {row.note}" if row.note else "")
+        rows.append([worded(row.quantity) + unit, printed(row.published), *ours, place])
+    return table(head, rows)
+
+
+def _limits(results: Results) -> list[str]:
+    rows = [
+        [row.quantities.replace("_", " "), row.settings, row.regimes, row.value, row.reason]
+        for row in matrix.limit_rows(results)
+    ]
+    return ["## Limits", table(["quantities", "settings", "regimes", "limit", "reason"], rows)]
+
+
+def _environment(results: Results) -> list[str]:
+    """Everything that may differ between two runs of the same results."""
+    facts = [[name, value] for name, value in results.document["environment"].items()]
+    seen = {record.run: record for record in reversed(matrix.every_record(results))}
+    costs = [
+        [f"{run[0]} ({run[1]})", *run[2:], str(one.steps), seconds(one.seconds), seconds(one.setup_seconds)]
+        for run, one in reversed(seen.items())
+        if one.steps
+    ]
+    head = ["mechanism", "regime", "engine", "setting", "steps", "stepping", "set-up"]
+    return ["## Environment and times", table(["what", "value"], facts), *([table(head, costs)] if costs else [])]

@@ -1,0 +1,39 @@
+"""The promised figures: a complete table, errors as the records say; times are measured, never asserted."""
+
+import dataclasses
+
+from analytic.loading import load
+from comparisons import targets
+from comparisons.campaign import RunResult
+from tests.comparisons.test_baseline import RECORD
+
+
+def test_every_target_can_be_measured_and_aims_higher_than_it_owes():
+    for target in targets.targets():
+        assert target.kind in {"errors", "overhead", "closed_form", "process"}
+        assert 0.0 < target.aim <= target.must
+
+
+def test_the_worst_matching_error_of_each_engine_counts():
+    target = targets.Target("t", "of peak", 1.0, 0.1, "errors", {"quantity": "Mkr", "setting": "tuned"})
+    records = [
+        dataclasses.replace(RECORD, error_max=error, setting=setting)
+        for error, setting in ((1e-3, "tuned"), (2e-3, "tuned"), (0.5, "best"))
+    ]
+    (figure,) = targets._errors(target, [RunResult(tuple(records), ())], ["e", "absent"])
+    assert (figure.subject, figure.reached, figure.verdict) == ("e", 2e-3, "aim")
+
+
+def test_a_failed_run_misses_its_target():
+    target = targets.Target("t", "of peak", 1.0, 0.1, "errors", {"quantity": "Mkr"})
+    failed = dataclasses.replace(RECORD, error_max=None, outcome="diverged")
+    (figure,) = targets._errors(target, [RunResult((failed,), ())], ["e"])
+    assert figure.verdict == "missed"
+
+
+def test_times_keep_every_repeat():
+    target = next(t for t in targets.targets() if t.kind == "closed_form")
+    small = dataclasses.replace(target, arguments={"angles": 100})
+    (figure,) = targets._closed_form(small, [load("juki-mf7923d")])
+    assert len(figure.repeats) == targets.REPEATS
+    assert figure.reached == min(figure.repeats) > 0.0
