@@ -205,7 +205,8 @@ class History:
     ``position`` values (n, bodies, 3): mass centre x, y, m, and angle, rad, unwrapped; ``velocity`` and
     ``acceleration`` likewise; bodies in the scene's order. ``torque`` values (n,): what the drive exerts on the
     crank, N m. ``joint_force``: one signal (n, 2), N, per joint name, acting on the joint's first body (the pin's
-    ``first``, the slider's or slot's ``body``), ground frame.
+    ``first``, the slider's or slot's ``body``), ground frame. Torque and joint forces may lack a sample at the start
+    or at a jump of the prescribed acceleration, where they have two values; kinematics carry the value just after it.
     """
 
     position: Signal | None = None
@@ -220,7 +221,8 @@ class Run:
     """What came of a run: an outcome with its reason, and the history if it finished.
 
     ``seconds`` is wall time of the stepping alone, ``setup_seconds`` of building the model; ``steps`` counts
-    every time step taken, over all passes of an extrapolation. ``details`` states the settings actually used.
+    every time step taken, over all passes of an extrapolation and every trial of a step. ``details`` states the
+    settings actually used.
     """
 
     outcome: Outcome

@@ -70,7 +70,8 @@ def test_the_command_asks_for_the_same(choice):
     options = {"--variant": "variant", "--speed": "speed", "--ramp-time": "ramp_time", "--start-angle": "start_angle"}
     for option, name in options.items():
         if option in words:
-            assert words[words.index(option) + 1] in (str(getattr(choice, name)), f"{getattr(choice, name):g}")
+            value = getattr(choice, name)
+            assert words[words.index(option) + 1] == (value if isinstance(value, str) else f"{value:g}")
     assert ("--clockwise" in words) == choice.clockwise
     assert ("--no-gravity" in words) != choice.gravity
     assert [w for w in words[2:] if w in choice.mechanisms] == list(choice.mechanisms)

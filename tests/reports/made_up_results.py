@@ -1,0 +1,155 @@
+"""Results of engines that do not exist: the closed form with a ripple of known size, for tests of the report."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+
+import numpy as np
+
+from analytic.linkage import Linkage
+from analytic.loading import load
+from analytic.mechanism import Mechanism
+from analytic.regimes import CrankMotion, crank_motion
+from comparisons.campaign import Request, RunResult, judge
+from comparisons.case import Case
+from comparisons.deviations import Deviation, near_jumps
+from comparisons.invariants import INVARIANTS
+from comparisons.quantities import QUANTITIES
+from comparisons.records import Record, Verdict
+from comparisons.results import Results, dataset, document
+from engines.contract import Setting
+
+SIZES = {Setting.NAIVE: 2e-2, Setting.TUNED: 1.3e-5, Setting.BEST: 4e-8}
+PRESCRIBED = tuple(name for name, quantity in QUANTITIES.items() if quantity.prescribed)
+CONDITIONS = "1000 rpm counter-clockwise, 0.6 s + 0.1 s, from 0°, gravity on"
+
+
+def made_up_results(
+    linkages: Sequence[Linkage] | None = None,
+    texts: Sequence[str] | None = None,
+    *,
+    regimes: Iterable[str] = ("run-up",),
+    engines: Sequence[str] = ("alpha", "beta"),
+    settings: Sequence[Setting] = tuple(Setting),
+    broken: dict[str, Verdict] | None = None,
+    samples: int = 701,
+    clockwise: bool = False,
+    quantities: Sequence[str] = PRESCRIBED,
+) -> Results:
+    """A campaign of these engines; those in ``broken`` gave no motion, with a reason."""
+    if linkages is None or texts is None:
+        linkages = [load("juki-mf7923d")]
+        texts = [text_of("juki-mf7923d")]
+    motions = tuple(crank_motion(name, clockwise=clockwise) for name in regimes)
+    request = Request(tuple(linkages), motions, CONDITIONS, tuple(engines), tuple(settings), tuple(quantities))
+    runs = [
+        _run(Case(Mechanism(linkage), motion), engine, setting, request, broken or {}, samples)
+        for linkage in linkages
+        for motion in motions
+        for engine in engines
+        for setting in settings
+    ]
+    told = document(request, runs, texts, "linkproof compare juki-mf7923d --setting all")
+    return Results(told, dataset(runs, told))
+
+
+def text_of(name: str) -> str:
+    """The file of a catalogue mechanism."""
+    from analytic.loading import find  # noqa: PLC0415
+
+    return find(name).read_text(encoding="utf-8")
+
+
+def _run(
+    case: Case, engine: str, setting: Setting, request: Request, broken: dict[str, Verdict], samples: int
+) -> RunResult:
+    blank = _blank(case, engine, setting, request.conditions)
+    if engine in broken:
+        reason = f"{engine} <cannot> hold this scene"
+        return RunResult(
+            tuple(_named(blank, q, outcome=broken[engine].value, detail=reason) for q in request.quantities), ()
+        )
+    size = SIZES[setting] * (1.0 + 0.7 * request.engines.index(engine))
+    deviations = {name: _deviation(case, name, size, samples) for name in request.quantities}
+    records = tuple(
+        judge(
+            _named(
+                blank,
+                name,
+                error_max=found.error_max,
+                error_rms=found.error_rms,
+                peak=found.peak,
+                worst_time=found.worst_time,
+                samples=found.samples,
+                left_out=found.left_out,
+            )
+        )
+        for name, found in deviations.items()
+    )
+    invariants = tuple(
+        judge(_named(blank, name, error_max=0.3 * size, error_rms=0.1 * size, peak=1.0, samples=samples))
+        for name in INVARIANTS
+    )
+    return RunResult(records, invariants, deviations, {"step": 1e-4, "scheme": "made up", "passes": 2})
+
+
+def _deviation(case: Case, name: str, size: float, samples: int) -> Deviation:
+    time = np.linspace(0.0, case.motion.duration, samples)
+    if name == "Jeq":
+        time = time[np.abs(case.motion.speed(time)) >= case.least_speed]
+    reference = QUANTITIES[name].reference(case, time)
+    peak = float(np.max(np.abs(reference)))
+    kept = np.ones(len(time), dtype=bool)
+    if QUANTITIES[name].holds_acceleration:
+        kept = ~near_jumps(time, case.motion.jumps)
+    ripple = size * peak * np.sin(37.0 * case.motion.angle(time)) * (0.3 + 0.7 * time / time[-1])
+    relative = np.abs(ripple[kept]) / peak
+    return Deviation(
+        time=time,
+        observed=reference + ripple,
+        reference=reference,
+        peak=peak,
+        error_max=float(np.max(relative)),
+        error_rms=float(np.sqrt(np.mean(relative**2))),
+        worst_time=float(time[kept][np.argmax(relative)]),
+        samples=int(kept.sum()),
+        left_out=samples - int(kept.sum()),
+    )
+
+
+def _blank(case: Case, engine: str, setting: Setting, conditions: str) -> dict[str, object]:
+    linkage = case.mechanism.linkage
+    return {
+        "mechanism": linkage.name,
+        "variant": linkage.variant,
+        "regime": case.motion.regime,
+        "conditions": conditions,
+        "engine": engine,
+        "engine_version": "1.0",
+        "setting": setting.value,
+        "seconds": 0.0123,
+        "setup_seconds": 0.004,
+        "steps": 7000,
+    }
+
+
+def _named(blank: dict[str, object], name: str, **values: object) -> Record:
+    unit = QUANTITIES[name].unit if name in QUANTITIES else "m"
+    rest = {
+        "error_max": None,
+        "error_rms": None,
+        "limit": None,
+        "baseline": None,
+        "outcome": Verdict.PASSED.value,
+        "detail": "",
+        "peak": None,
+        "worst_time": None,
+        "samples": 0,
+        "left_out": 0,
+    }
+    return Record(**{**blank, **rest, "quantity": name, "unit": unit, **values})  # type: ignore[arg-type]
+
+
+def motion_of(results: Results) -> CrankMotion:
+    """The first regime's motion."""
+    return results.motions[0]
