@@ -19,6 +19,8 @@ Pair = tuple[Scalar, Scalar]
 Pose = tuple[Scalar, Scalar, Scalar, Scalar]
 Rate = tuple[Scalar, Scalar, Scalar]
 
+STILL: Rate = (0.0, 0.0, 0.0)  # the ground's; compared by identity, to skip work with zeros
+
 
 def arm(pose: Pose, local: Vector) -> Pair:
     """Vector from a frame's origin to a point of its body, in the ground frame."""
@@ -101,18 +103,22 @@ def dot(a: Pair, b: Pair) -> Scalar:
 
 
 def cross(a: Pair, b: Pair) -> Scalar:
-    """z component of the vector product."""
+    """Vector product, its component out of the plane."""
     return a[0] * b[1] - a[1] * b[0]
 
 
 def carried_rate(pose: Pose, rate: Rate, position: Pair) -> Pair:
     """Derivative of the point of a body that is just now at ``position``."""
+    if rate is STILL:
+        return (0.0, 0.0)
     r = (position[0] - pose[0], position[1] - pose[1])
     return (rate[0] - rate[2] * r[1], rate[1] + rate[2] * r[0])
 
 
 def carried_acceleration(pose: Pose, rate: Rate, acceleration: Rate, position: Pair) -> Pair:
     """Second derivative of the point of a body that is just now at ``position``."""
+    if acceleration is STILL:
+        return (0.0, 0.0)
     r = (position[0] - pose[0], position[1] - pose[1])
     square = rate[2] * rate[2]
     return (
@@ -121,47 +127,48 @@ def carried_acceleration(pose: Pose, rate: Rate, acceleration: Rate, position: P
     )
 
 
-def two_circles(a: Pair, b: Pair, radius_a: float, radius_b: float, sign: int) -> tuple[Pair, Scalar]:
-    """RRR: the vector from A to the inner pin on two circles, and the radicand that decides the assembly.
+def two_circles(a: Pair, b: Pair, radius_a: float, radius_b: float, sign: int) -> tuple[Pair, Scalar, Scalar]:
+    """RRR: the vectors from A to the inner pin C on two circles about A and B.
 
-    The pin lies left of A→B for sign +1. The radicand is (h/L)², h the pin's distance from the line AB; it is
-    formed as a product (Heron), not as a difference of squares, to stay accurate near the limit positions.
+    Returns AC, the determinant AC × BC of the closure equations, which is |AB| times C's distance from the line AB, and
+    the radicand. C lies left of A→B for sign +1. The radicand is formed as a product (Heron), not as a difference of
+    squares, to stay accurate near the dead positions. Where A is on B, C is left undefined (nan).
     """
     d = minus(b, a)
     square = dot(d, d)
-    along = 0.5 + (radius_a - radius_b) * (radius_a + radius_b) * 0.5 / square
     spread = (radius_a + radius_b) ** 2
     gap = (radius_a - radius_b) ** 2
-    radicand = (spread - square) * (square - gap) / (4.0 * square * square)
-    across = sign * np.sqrt(np.maximum(radicand, 0.0))
-    return (along * d[0] - across * d[1], along * d[1] + across * d[0]), radicand
+    radicand = (spread - square) * (square - gap)
+    determinant = (0.5 * sign) * np.sqrt(np.maximum(radicand, 0.0))
+    with np.errstate(divide="ignore", invalid="ignore"):
+        along = 0.5 + (radius_a - radius_b) * (radius_a + radius_b) * 0.5 / square
+        across = determinant / square
+    return (along * d[0] - across * d[1], along * d[1] + across * d[0]), determinant, radicand
 
 
-def circle_and_line(a: Pair, base: Pair, direction: Pair, radius: float, sign: int) -> tuple[Pair, Scalar]:
-    """RRP: the vector from A to the inner pin on a circle about A and on a line, and the radicand.
+def circle_and_line(a: Pair, base: Pair, direction: Pair, radius: float, sign: int) -> tuple[Pair, Scalar, Scalar]:
+    """RRP: the vector from A to the inner pin on a circle about A and on a line.
 
-    The sign is that of the vector's component along the line's direction.
+    Returns it with its component along the line, which has the given sign and is the determinant of the closure
+    equations, and the radicand.
     """
     offset = cross(direction, minus(base, a))
     radicand = (radius - offset) * (radius + offset)
     along = sign * np.sqrt(np.maximum(radicand, 0.0))
-    return (along * direction[0] - offset * direction[1], along * direction[1] + offset * direction[0]), radicand
+    vector = (along * direction[0] - offset * direction[1], along * direction[1] + offset * direction[0])
+    return vector, along, radicand
 
 
 def line_through(d: Pair, offset: float, sign: int) -> tuple[Pair, Scalar, Scalar]:
     """RPR: direction of a line at a fixed offset from B on which A lies, d = A − B.
 
-    Returns the direction, A's coordinate along it from B's foot, and the radicand |d|² − offset².
+    Returns the direction, A's coordinate along it from B's foot, which is the determinant of the closure equations, and
+    the radicand |d|² − offset². Where A passes through B the direction is left undefined (nan).
     """
     square = dot(d, d)
     radicand = square - offset * offset
     along = sign * np.sqrt(np.maximum(radicand, 0.0))
-    if offset == 0.0:
-        return (d[0] / along, d[1] / along), along, radicand
-    return ((along * d[0] + offset * d[1]) / square, (along * d[1] - offset * d[0]) / square), along, radicand
-
-
-def two_lines(gap: Pair, one: Pair, two: Pair) -> tuple[Scalar, Scalar]:
-    """Solve t·one − u·two = gap for (t, u): where two lines meet, or the rates of sliding along them."""
-    determinant = cross(one, two)
-    return cross(gap, two) / determinant, cross(gap, one) / determinant
+    with np.errstate(divide="ignore", invalid="ignore"):
+        if offset == 0.0:
+            return (d[0] / along, d[1] / along), along, radicand
+        return ((along * d[0] + offset * d[1]) / square, (along * d[1] - offset * d[0]) / square), along, radicand

@@ -99,18 +99,18 @@ def generalised_force(sweep: Sweep) -> Array:
 
 
 def spring_length(sweep: Sweep, number: int) -> tuple[Array, Array]:
-    """Length of a spring, m, and its derivative over φ."""
+    """Length of a spring, m, and its derivative over φ; none where its ends meet and it has no line to act along."""
     spring = sweep.linkage.springs[number]
     ends = [(body, sweep.linkage.local(point, body)) for point, body in zip(spring.points, spring.links, strict=True)]
     (b1, p1), (b2, p2) = ends
     span = dyads.minus(sweep.local_point(b1, p1), sweep.local_point(b2, p2))
     rate = dyads.minus(sweep.local_point(b1, p1, 1), sweep.local_point(b2, p2, 1))
-    length = np.hypot(*span)
-    return length, dyads.dot(span, rate) / length
+    length = np.asarray(np.hypot(*span))
+    return length, np.divide(dyads.dot(span, rate), length, out=np.zeros_like(length), where=length > 0.0)
 
 
 def damping_coefficient(sweep: Sweep) -> Array:
-    """b reduced to the crank, N m s: the drag torque is b φ̇; constant when the only damper sits on the crank."""
+    """Damping b reduced to the crank, N m s: the drag torque is b φ̇; constant if the only damper sits on the crank."""
     linkage = sweep.linkage
     total = np.zeros(sweep.angle.shape)
     for damper in linkage.dampers:
@@ -144,7 +144,7 @@ def drive_torque(sweep: Sweep, speed: ArrayLike, acceleration: ArrayLike) -> Arr
 
     ``speed`` (rad/s) and ``acceleration`` (rad/s²) of the crank, signed, of the sweep's shape or scalar.
     """
-    speed = np.asarray(speed, dtype=float)
+    speed, acceleration = np.asarray(speed, dtype=float), np.asarray(acceleration, dtype=float)
     torque = reduced_inertia(sweep) * acceleration + half_inertia_slope(sweep) * speed * speed
     torque -= generalised_force(sweep)
     if sweep.linkage.dampers or any(spring.damping for spring in sweep.linkage.springs):
@@ -153,6 +153,6 @@ def drive_torque(sweep: Sweep, speed: ArrayLike, acceleration: ArrayLike) -> Arr
 
 
 def is_conservative(linkage: Linkage) -> bool:
-    """Whether gravity and springs are the only loads, so that kinetic plus potential energy balances the drive's work."""
+    """Whether gravity and springs are the only loads, so that the drive's work is the gain of energy."""
     damped = bool(linkage.dampers) or any(spring.damping for spring in linkage.springs)
     return not (linkage.forces or linkage.torques or damped)

@@ -27,6 +27,7 @@ class UnknownNameError(LinkproofError):
 
     def __init__(self, kind: str, name: str, known: Iterable[str]) -> None:
         choices = sorted(known)
-        near = difflib.get_close_matches(name, choices, n=1, cutoff=0.5)
+        same = [choice for choice in choices if name and choice.lower().startswith(name.lower())]
+        near = same or difflib.get_close_matches(name, choices, n=1, cutoff=0.5)
         hint = f"did you mean '{near[0]}'? " if near else ""
         super().__init__(f"unknown {kind} '{name}': {hint}known are {', '.join(choices) or 'none'}")

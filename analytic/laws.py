@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 FULL_TURN = 2.0 * np.pi
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Law:
     """A scalar or a vector that depends on the crank angle alone.
 
@@ -33,7 +33,7 @@ class Law:
 
     @cached_property
     def _spline(self) -> CubicSpline:
-        from scipy.interpolate import CubicSpline  # a scene without tables does not pay for the import
+        from scipy.interpolate import CubicSpline  # noqa: PLC0415 - a linkage without tables does not pay for it
 
         assert self.angles is not None
         knots = np.append(self.angles, self.angles[0] + FULL_TURN)

@@ -8,6 +8,8 @@ angle of the crank's x axis against the ground's x axis.
 
 from __future__ import annotations
 
+import itertools
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Final
@@ -121,6 +123,20 @@ class Output:
 
 
 @dataclass(frozen=True)
+class OwnRegime:
+    """A regime of the linkage's own: the crank is released and moved by a constant torque, N m, and the loads.
+
+    Starts at crank angle ``start_angle``, rad, with crank speed ``start_speed``, rad/s; lasts ``duration``, s.
+    """
+
+    name: str
+    torque: float
+    start_angle: float
+    start_speed: float
+    duration: float
+
+
+@dataclass(frozen=True)
 class Published:
     """A figure printed in a source, in SI units or as a plain ratio."""
 
@@ -156,6 +172,7 @@ class Linkage:
     springs: tuple[Spring, ...] = ()
     dampers: tuple[RotaryDamper, ...] = ()
     output: Output | None = None
+    regimes: tuple[OwnRegime, ...] = ()
     published: tuple[Published, ...] = ()
     notes: tuple[str, ...] = field(default=())
 
@@ -164,11 +181,18 @@ class Linkage:
         return self.ground[point] if body == GROUND else self.links[body].points[point]
 
     def shortest_length(self) -> float:
-        """Smallest distance between two named points of one moving link, m: the scale of joint gaps."""
+        """Smallest distance between two named points of one moving link, m: the scale of joint gaps.
+
+        A linkage whose links carry one point each has only its drawing for a scale.
+        """
         lengths = [
-            ((a[0] - b[0]) ** 2 + (a[1] - b[1]) ** 2) ** 0.5
-            for link in self.links.values()
-            for i, a in enumerate(link.points.values())
-            for b in list(link.points.values())[:i]
+            math.dist(a, b) for link in self.links.values() for a, b in itertools.combinations(link.points.values(), 2)
         ]
-        return min(length for length in lengths if length > 0.0)
+        return min(lengths, default=self.extent())
+
+    def extent(self) -> float:
+        """Largest coordinate in the description, m: the scale of the drawing."""
+        guides = [slider.guide for slider in self.sliders] + [slot.guide for slot in self.slots]
+        places = [place for link in self.links.values() for place in (*link.points.values(), link.centre)]
+        places += [*self.ground.values(), *(guide.through for guide in guides)]
+        return max(abs(coordinate) for place in places for coordinate in place)

@@ -10,7 +10,8 @@ from typing import Any
 
 from pydantic import ValidationError
 
-from analytic.document import EXPECTED, Document
+from analytic.diagnosis import Source, sentence, shown
+from analytic.document import Document
 from analytic.errors import DescriptionError, UnknownNameError
 from analytic.interpretation import interpret
 from analytic.linkage import Linkage
@@ -26,13 +27,23 @@ def catalogue() -> tuple[str, ...]:
 def find(name: str) -> Path:
     """Path of a mechanism: a catalogue name, or the path of a user's own ``.toml`` file."""
     path = Path(name)
-    if path.suffix == ".toml" or path.parent != Path():
-        if not path.is_file():
-            raise DescriptionError(f"no linkage file at '{name}': give the path of a .toml file that exists")
+    if path.suffix.lower() == ".toml" or path.parent != Path():
+        if not _is_file(path):
+            raise DescriptionError(
+                f"expected the path of a linkage file, got '{name}', which is no file; give the path of a .toml file "
+                f"that exists, or one of the mechanisms {', '.join(catalogue())}"
+            )
         return path
     if name not in catalogue():
         raise UnknownNameError("mechanism", name, catalogue())
     return CATALOGUE / f"{name}.toml"
+
+
+def _is_file(path: Path) -> bool:
+    try:
+        return path.is_file()
+    except (OSError, ValueError):  # a name too long for the system, or with a null character
+        return False
 
 
 def load(name: str, variant: str | None = None) -> Linkage:
@@ -42,44 +53,69 @@ def load(name: str, variant: str | None = None) -> Linkage:
     """
     path = find(str(name))
     try:
-        text = path.read_text(encoding="utf-8")
-    except (OSError, UnicodeDecodeError) as error:
-        raise DescriptionError(f"{path}: expected a readable UTF-8 text file ({error}); check the path") from error
+        text = path.read_text(encoding="utf-8-sig")
+    except UnicodeDecodeError as error:
+        raise DescriptionError(f"{path}: expected a text file in UTF-8, got other bytes; save it as UTF-8") from error
+    except OSError as error:
+        raise DescriptionError(f"{path}: expected a readable file, got '{error.strerror}'; check it") from error
     return parse(text, path.stem, str(path) if path.parent != CATALOGUE else path.name, variant)
 
 
 @lru_cache(maxsize=64)
 def parse(text: str, name: str, origin: str, variant: str | None = None) -> Linkage:
     """Turn a file's text into a Linkage; ``origin`` names the file in messages."""
-    try:
-        raw = tomllib.loads(text)
-    except tomllib.TOMLDecodeError as error:
-        raise DescriptionError(f"{origin}: not valid TOML: {error}; correct that line") from error
+    raw = _tables(text, origin)
     overlays = raw.pop("variants", {})
     base_name = str(raw.get("variant", "base"))
     if not isinstance(overlays, dict) or not all(isinstance(part, dict) for part in overlays.values()):
         raise DescriptionError(
-            f"{origin}: variants: expected tables [variants.NAME...], got {overlays!r}; write them so"
+            f"{origin}: variants: expected tables [variants.NAME], got {shown(overlays)}; write them so"
+        )
+    if base_name in overlays:
+        raise DescriptionError(
+            f"{origin}: variants: expected other names than '{base_name}', which is the file itself (key variant), got "
+            f"[variants.{base_name}]; rename one of them"
         )
     names = (base_name, *sorted(overlays))
     chosen = base_name if variant is None else variant
     if chosen not in names:
         raise UnknownNameError(f"variant of '{name}'", chosen, names)
     if chosen != base_name:
-        raw = _overlaid(raw, overlays[chosen], f"{origin}: variant '{chosen}'")
+        _check_links(raw.get("links"), overlays[chosen].get("links"), f"{origin}: variant '{chosen}'")
+        raw = _merged(raw, overlays[chosen])
         raw["variant"] = chosen
-    return interpret(_validated(raw, text, origin), name, names, origin)
+    source = Source(origin, text, None if chosen == base_name else chosen)
+    return interpret(_validated(raw, source), name, names, source)
 
 
-def _overlaid(base: Mapping[str, Any], over: Mapping[str, Any], where: str) -> dict[str, Any]:
-    """The base document with a variant's keys laid over it, table by table; lists are replaced whole."""
-    for link in over.get("links", {}):
-        if link not in base.get("links", {}) and "points" not in over["links"][link]:
-            raise DescriptionError(f"{where}: {UnknownNameError('link', link, base.get('links', {}))}")
-    return _merged(base, over)
+def _tables(text: str, origin: str) -> dict[str, Any]:
+    """The file as nested dictionaries."""
+    if not text.strip():
+        raise DescriptionError(
+            f"{origin}: expected a linkage description, got an empty file; start from a catalogue file"
+        )
+    try:
+        return tomllib.loads(text)
+    except tomllib.TOMLDecodeError as error:
+        raise DescriptionError(
+            f"{origin}: expected valid TOML, got a slip of syntax: {error}; correct it there"
+        ) from error
+    except RecursionError:
+        raise DescriptionError(
+            f"{origin}: expected tables and short lists, got very deep nesting; flatten it"
+        ) from None
+
+
+def _check_links(base: object, over: object, where: str) -> None:
+    """A variant's link of another name is a slip, unless it is a whole new link."""
+    if isinstance(base, dict) and isinstance(over, dict):
+        for link, table in over.items():
+            if link not in base and not (isinstance(table, dict) and "mass" in table):
+                raise DescriptionError(f"{where}: {UnknownNameError('link', link, base)}")
 
 
 def _merged(base: Mapping[str, Any], over: Mapping[str, Any]) -> dict[str, Any]:
+    """The base document with a variant's keys laid over it, table by table; lists are replaced whole."""
     result = dict(base)
     for key, value in over.items():
         mergeable = isinstance(value, dict) and isinstance(result.get(key), dict)
@@ -87,59 +123,8 @@ def _merged(base: Mapping[str, Any], over: Mapping[str, Any]) -> dict[str, Any]:
     return result
 
 
-def _validated(raw: Mapping[str, Any], text: str, origin: str) -> Document:
+def _validated(raw: Mapping[str, Any], source: Source) -> Document:
     try:
         return Document.model_validate(raw)
     except ValidationError as error:
-        raise DescriptionError(_sentence(error, text, origin)) from None
-
-
-def _sentence(error: ValidationError, text: str, origin: str) -> str:
-    """The first fault of a document as one sentence: where, what was expected, what was got."""
-    fault = error.errors(include_url=False)[0]
-    keys = [str(key) for key in fault["loc"] if str(key) not in ("Polar",) and not str(key).startswith("tuple[")]
-    where = f"{origin}{_line(text, keys)}: {'.'.join(keys)}"
-    if fault["type"] == "extra_forbidden":
-        known = _known_keys(keys[:-1])
-        return f"{where}: {UnknownNameError('key', keys[-1], known)}"
-    expected = next((EXPECTED[key] for key in reversed(keys) if key in EXPECTED), "")
-    if fault["type"] == "missing":
-        return f"{where} is missing: expected {expected or 'a value'}; add it"
-    return f"{where}: expected {expected or fault['msg'].lower()}, got {fault['input']!r}; correct it"
-
-
-def _known_keys(parents: list[str]) -> list[str]:
-    """Keys that are allowed where an unknown one was found."""
-    model: Any = Document
-    for key in parents:
-        fields = getattr(model, "model_fields", {})
-        if key in fields:
-            model = _table_of(fields[key].annotation)
-    return sorted(getattr(model, "model_fields", {}))
-
-
-def _table_of(annotation: Any) -> Any:
-    """The table model inside an annotation such as ``dict[str, LinkTable]`` or ``Sketch | None``."""
-    if hasattr(annotation, "model_fields"):
-        return annotation
-    inner = [_table_of(argument) for argument in getattr(annotation, "__args__", ())]
-    return next((model for model in inner if hasattr(model, "model_fields")), None)
-
-
-def _line(text: str, keys: list[str]) -> str:
-    """Where a key stands in the file: the deepest header that matches, then the key below it; '' if not found."""
-    lines = text.splitlines()
-    names = [key for key in keys if not key.isdigit()]
-    depth, start = 0, 0
-    for number, line in enumerate(lines):
-        header = line.strip().strip("[]").replace('"', "").split(".") if line.strip().startswith("[") else []
-        if header and header == names[: len(header)] and len(header) > depth:
-            depth, start = len(header), number
-    for key in reversed(names[depth:]):
-        for number in range(start, len(lines)):
-            if number > start and lines[number].strip().startswith("["):
-                break
-            words = lines[number].split("#")[0].replace('"', " ").replace("{", " ").replace(",", " ").split()
-            if key in [word.split("=")[0] for word in words]:
-                return f", line {number + 1}"
-    return f", line {start + 1}" if depth else ""
+        raise DescriptionError(sentence(error, source)) from None

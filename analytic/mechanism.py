@@ -10,15 +10,18 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from analytic import dyads
+from analytic.accuracy import relative_bounds
+from analytic.assembly import check_assembly
 from analytic.dyads import Pose
 from analytic.errors import StructureError
 from analytic.groups import group
 from analytic.linkage import GROUND, Linkage, Vector
 from analytic.structure import Dyad, Structure, find_structure
-from analytic.sweep import Sweep, assembled, crank_pose
+from analytic.sweep import Sweep, crank_pose
 
 # Two assembly modes closer to the sketch than this ratio of each other are not told apart by it.
 AMBIGUITY = 0.9
+TELLING = 1e-6  # share of the drawing's size by which the modes must differ at a point for the sketch to show it
 FULL_TURN = 2.0 * np.pi
 
 
@@ -42,6 +45,13 @@ class Mechanism:
         """One full turn in half-degree steps: extremes are refined from here."""
         return self.sweep(np.linspace(0.0, FULL_TURN, 720, endpoint=False))
 
+    def error_bound(self) -> tuple[float, float, float]:
+        """Bounds on the closed form's own error over a turn: positions, first and second derivatives.
+
+        Relative to the peaks; see ``analytic.accuracy``. Near a dead position they grow, as the true error does.
+        """
+        return relative_bounds(self.turn)
+
     def check_full_turn(self) -> None:
         """Raise AssemblyError where the crank cannot make a full turn."""
         for body in self.structure.bodies:
@@ -55,49 +65,53 @@ def _signed(linkage: Linkage, structure: Structure) -> Structure:
         linkage.crank: crank_pose(structure.pivot, linkage.sketch_angle),
     }
     signs = []
-    for dyad in structure.dyads:
-        dyad = _nearest_mode(linkage, structure, dyad, poses)
+    for open_dyad in structure.dyads:
+        dyad = _nearest_mode(linkage, structure, open_dyad, poses)
         signs.append(dyad.sign)
         poses[dyad.first], poses[dyad.second] = group(dyad).poses(poses)
     return structure.with_signs(tuple(signs))
 
 
 def _nearest_mode(linkage: Linkage, structure: Structure, dyad: Dyad, poses: dict[str, Pose]) -> Dyad:
+    """The dyad in the assembly mode that the sketch means."""
     if not dyad.has_two_modes:
         return dyad
-    modes = {sign: _mode(dyad, sign) for sign in (1, -1)}
-    distance = {}
-    for sign, mode in modes.items():
+    modes = [replace(dyad, sign=sign) for sign in (1, -1)]
+    places = []
+    for mode in modes:
         solver = group(mode)
-        pair = dict(zip((mode.first, mode.second), solver.poses(poses), strict=True))
-        assembled(linkage, structure, solver, mode, poses, np.asarray(linkage.sketch_angle))
-        distance[sign] = _distance_to_sketch(linkage, structure, pair)
-    nearer, farther = sorted(modes, key=lambda sign: distance[sign])
-    if not distance[nearer] < AMBIGUITY * distance[farther]:
-        raise StructureError(
-            f"the sketch of '{linkage.name}' leaves open how '{dyad.first}' and '{dyad.second}' are assembled: give a "
-            f"rough position at crank angle {math.degrees(linkage.sketch_angle):g}° of "
-            f"{_helpful_points(structure, dyad)}"
-        )
+        pair = dict(zip(mode.links, solver.poses(poses), strict=True))
+        check_assembly(linkage, solver, np.asarray(linkage.sketch_angle))
+        places.append(_points(structure, pair))
+    distances = [_distance_to_sketch(linkage, place) for place in places]
+    nearer, farther = sorted((0, 1), key=lambda index: distances[index])
+    if not distances[nearer] < AMBIGUITY * distances[farther]:
+        raise StructureError(_ambiguous(linkage, dyad, *places))
     return modes[nearer]
 
 
-def _mode(dyad: Dyad, sign: int) -> Dyad:
-    """The dyad in one of its two assembly modes."""
-    return replace(dyad, sign=sign)
-
-
-def _distance_to_sketch(linkage: Linkage, structure: Structure, pair: dict[str, Pose]) -> float:
-    square = 0.0
+def _points(structure: Structure, pair: dict[str, Pose]) -> dict[str, Vector]:
+    """Named points of a dyad's links."""
+    found = {}
     for name, pose in pair.items():
         for point, local in structure.bodies[name].points.items():
-            if point in linkage.sketch:
-                x, y = dyads.point(pose, local)
-                target: Vector = linkage.sketch[point]
-                square += float((x - target[0]) ** 2 + (y - target[1]) ** 2)
-    return math.sqrt(square)
+            x, y = dyads.point(pose, local)
+            found[point] = (float(x), float(y))
+    return found
 
 
-def _helpful_points(structure: Structure, dyad: Dyad) -> str:
-    points = sorted({p for name in (dyad.first, dyad.second) for p in structure.bodies[name].points})
-    return "one of " + ", ".join(f"'{p}'" for p in points)
+def _distance_to_sketch(linkage: Linkage, places: dict[str, Vector]) -> float:
+    return math.hypot(*(math.dist(place, linkage.sketch[p]) for p, place in places.items() if p in linkage.sketch))
+
+
+def _ambiguous(linkage: Linkage, dyad: Dyad, one: dict[str, Vector], two: dict[str, Vector]) -> str:
+    """What to add to the sketch: only points that tell the two modes apart are of use."""
+    telling = sorted(point for point in one if math.dist(one[point], two[point]) > TELLING * linkage.extent())
+    wanted = f"the rough position of {' or '.join(map(repr, telling))}" if telling else "a point that tells them apart"
+    cure = (
+        "add it under [sketch.points]" if telling else "name a further point on one of them, and place it in [sketch]"
+    )
+    return (
+        f"sketch of '{linkage.name}': expected {wanted} at crank angle {math.degrees(linkage.sketch_angle):g}°, got a "
+        f"sketch that leaves open how '{dyad.first}' and '{dyad.second}' are assembled; {cure}"
+    )

@@ -19,6 +19,7 @@ RAMPS: dict[str, tuple[float, ...]] = {
     "run-up-cubic": (0.0, 0.0, 3.0, -2.0),
     "run-up-quintic": (0.0, 0.0, 0.0, 10.0, -15.0, 6.0),
 }
+LARGEST = 1e12  # rad/s, s or rad: beyond it the polynomials of time keep no digit of the crank angle
 REGIMES = (*RAMPS, "constant-speed")
 
 
@@ -58,7 +59,7 @@ class CrankMotion:
         """Times at which the acceleration jumps, s, the start from rest included."""
         before = [0.0] + [float(s.value(s.end, 2)) for s in self.segments[:-1]]
         after = [float(s.value(s.start, 2)) for s in self.segments]
-        scale = max(map(abs, before + after)) or 1.0
+        scale = self.peak_speed / self.duration
         pairs = zip(self.segments, before, after, strict=True)
         return tuple(s.start for s, left, right in pairs if abs(left - right) > 1e-9 * scale)
 
@@ -85,6 +86,12 @@ class CrankMotion:
         return self._evaluate(time, 2)
 
 
+def _check(name: str, value: float, unit: str, least: float) -> None:
+    if not least <= value <= LARGEST:  # written so that nan fails too
+        kind = "finite" if least < 0.0 else "positive finite" if least else "finite, not negative"
+        raise LinkproofError(f"{name}: expected a {kind} number of {unit}, got {value:g}; correct it")
+
+
 def crank_motion(
     regime: str = "run-up",
     *,
@@ -102,9 +109,10 @@ def crank_motion(
     """
     if regime not in REGIMES:
         raise UnknownNameError("regime", regime, REGIMES)
-    for name, value, least in (("speed", speed, 0.0), ("ramp time", ramp_time, 0.0), ("hold time", hold_time, -1.0)):
-        if not (np.isfinite(value) and value > least):
-            raise LinkproofError(f"{name}: expected a positive finite number, got {value:g}; give one that is")
+    _check("speed", speed, "rad/s", 1.0 / LARGEST)
+    _check("ramp time", ramp_time, "s", 1.0 / LARGEST)
+    _check("hold time", hold_time, "s", 0.0)
+    _check("start angle", start_angle, "rad", -LARGEST)
     signed = -speed if clockwise else speed
     if regime == "constant-speed":
         return CrankMotion(regime, (Segment(0.0, ramp_time + hold_time, (start_angle, signed)),))

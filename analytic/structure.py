@@ -1,15 +1,16 @@
 """Taking a linkage apart: a class I crank, then Assur groups of two links, found from the description alone.
 
 Every joint is one of two kinds. A *turning* joint (R) joins all bodies that carry a point of one name. A *sliding*
-joint (P) lets a body translate along a line of its host without turning against it; a pin in a slot is a massless slider
-with an R joint at the pin. A dyad is two unknown links joined to each other by one joint and by one joint each to
-bodies already placed; its kind names the three joints in order (outer, inner, outer).
+joint (P) lets a body translate along a line of its host without turning against it; a pin in a slot is a massless
+slider with an R joint at the pin. A dyad is two unknown links joined to each other by one joint and by one joint each
+to bodies already placed; its kind names the three joints in order (outer, inner, outer).
 """
 
 from __future__ import annotations
 
+import itertools
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 from analytic.errors import StructureError
@@ -29,10 +30,18 @@ class Turning:
     near_local: Vector
     far_local: Vector
 
+    @property
+    def name(self) -> str:
+        """The joint, for a reader."""
+        return f"pin '{self.point}'"
+
 
 @dataclass(frozen=True)
 class Sliding:
-    """A P joint seen from ``near``: the frame of ``far`` lies at ``origin + t·along``, turned by ``turn`` (cos, sin)."""
+    """A P joint seen from ``near``: the frame of ``far`` lies at ``origin + t·along``, turned by ``turn``.
+
+    All three are in the frame of ``near``.
+    """
 
     slider: str
     near: str
@@ -40,6 +49,11 @@ class Sliding:
     turn: Vector
     origin: Vector
     along: Vector
+
+    @property
+    def name(self) -> str:
+        """The joint, for a reader."""
+        return f"slide of '{self.near}' and '{self.far}'"
 
 
 Joint = Turning | Sliding
@@ -66,6 +80,16 @@ class Dyad:
     def has_two_modes(self) -> bool:
         """Whether the closure equations of this kind are quadratic."""
         return self.kind in ("RRR", "RRP", "RPR")
+
+    @property
+    def links(self) -> tuple[str, str]:
+        """The two links."""
+        return (self.first, self.second)
+
+    @property
+    def joints(self) -> tuple[Joint, Joint, Joint]:
+        """The three joints in the order of the kind's name."""
+        return (self.first_joint, self.inner_joint, self.second_joint)
 
     @property
     def name(self) -> str:
@@ -144,6 +168,11 @@ class _Search:
             if {near, far} == {slider.link, slider.guide.host}:
                 yield sliding_joint(slider, self.local(slider.point, slider.link), near)
 
+    def carriers(self, point: str) -> list[str]:
+        """Bodies that carry a point, the ground included."""
+        names = [name for name, body in self.bodies.items() if point in body.points]
+        return names + ([GROUND] if point in self.linkage.ground else [])
+
     def outer_joints(self, body: str) -> list[Joint]:
         """Joints of an unplaced body to placed ones; several placed bodies on one pin are one joint."""
         found: dict[str, Joint] = {}
@@ -153,53 +182,56 @@ class _Search:
                 found.setdefault(key, joint)
         return list(found.values())
 
+    def inner_joints(self, second: str, first: str) -> list[Joint]:
+        """Joints between two unplaced bodies; a pin that a placed body carries is an outer joint of both instead."""
+        held = {pin.point for pin in self.pins if self.placed.intersection(pin.links)}
+        return [j for j in self.joints(second, first) if not (isinstance(j, Turning) and j.point in held)]
+
     def next_dyad(self) -> Dyad | None:
+        """Two unplaced bodies joined to each other and each to a placed one, the first such pair by name."""
         unplaced = sorted(set(self.bodies) - self.placed)
         outer = {name: self.outer_joints(name) for name in unplaced}
         for name in unplaced:
             if len(outer[name]) > 1:
-                raise StructureError(self._overconstrained([name]))
-        candidates = [name for name in unplaced if outer[name]]
-        for i, first in enumerate(candidates):
-            for second in candidates[i + 1 :]:
-                inner = list(self.joints(second, first))
-                if len(inner) > 1:
-                    raise StructureError(self._overconstrained([first, second]))
-                if inner:
-                    return self._dyad(first, second, outer[first][0], inner[0], outer[second][0])
+                raise StructureError(self._overconstrained(name, outer[name]))
+        for first, second in itertools.combinations([name for name in unplaced if outer[name]], 2):
+            inner = self.inner_joints(second, first)
+            if len(inner) > 1:
+                raise StructureError(self._overconstrained(first, [*outer[first], *inner]))
+            if inner:
+                return self._dyad(first, second, (outer[first][0], inner[0], outer[second][0]))
         return None
 
-    def _dyad(self, first: str, second: str, one: Joint, inner: Joint, two: Joint) -> Dyad:
-        kind = "".join("R" if isinstance(joint, Turning) else "P" for joint in (one, inner, two))
+    def _dyad(self, first: str, second: str, joints: tuple[Joint, Joint, Joint]) -> Dyad:
+        kind = "".join("R" if isinstance(joint, Turning) else "P" for joint in joints)
         if kind in KINDS:
-            return Dyad(kind, first, second, one, inner, two)
+            return Dyad(kind, first, second, *joints)
         if kind[::-1] in KINDS:
-            swapped = next(iter(self.joints(first, second)))
-            return Dyad(kind[::-1], second, first, two, swapped, one)
+            return Dyad(kind[::-1], second, first, joints[2], self.inner_joints(first, second)[0], joints[0])
         raise StructureError(
-            f"links '{first}' and '{second}' of '{self.linkage.name}' are joined by three sliding joints (PPP), which "
-            "fixes no position: make one of the three a revolute joint"
+            f"'{first}' and '{second}' of '{self.linkage.name}' are held by three sliding joints (PPP), which fix no "
+            "position: expected at least one revolute joint among the three; pin one of them instead"
         )
 
-    def _overconstrained(self, names: list[str]) -> str:
-        which = " and ".join(f"'{name}'" for name in names)
+    def _overconstrained(self, name: str, joints: Sequence[Joint]) -> str:
+        listed = ", ".join(joint.name for joint in joints)
         return (
-            f"{which} of '{self.linkage.name}' is held by more joints than a dyad has, so the linkage cannot move or "
-            "is not built of dyads: expected one joint to the rest of the linkage per link and one between the two"
+            f"'{name}' of '{self.linkage.name}' is held by too many joints ({listed}), so the linkage is locked or not "
+            "built of two-link groups: expected one joint to the links before it and one to its partner; leave one out"
         )
 
 
 def find_structure(linkage: Linkage) -> Structure:
     """Take the linkage apart; signs are left 0.
 
-    Raises StructureError naming the links that are left when no further dyad can be found.
+    Raises StructureError where the crank has not exactly one joint, its pivot, or where no further dyad can be found.
     """
     search = _Search(linkage)
-    pivots = [j for j in search.joints(GROUND, linkage.crank) if isinstance(j, Turning)]
-    if len(pivots) != 1:
+    pivots = list(search.joints(GROUND, linkage.crank))
+    if len(pivots) != 1 or not isinstance(pivots[0], Turning):
         raise StructureError(
-            f"crank '{linkage.crank}' of '{linkage.name}': expected one revolute joint to the ground, got {len(pivots)}; "
-            "give the crank and [ground] one common point"
+            f"crank '{linkage.crank}' of '{linkage.name}': expected one pin to the ground and no other joint to it, "
+            f"got {', '.join(joint.name for joint in pivots) or 'none'}; give it just one point that [ground] has too"
         )
     dyads = []
     while len(search.placed) <= len(search.bodies):
@@ -212,19 +244,23 @@ def find_structure(linkage: Linkage) -> Structure:
 
 
 def _leftover(search: _Search) -> str:
+    """Why the bodies that are left form no dyad: too many or too few joints, or a group of a higher class."""
     left = sorted(set(search.bodies) - search.placed)
     moving = len(search.bodies)
     lower_pairs = sum(len(pin.links) - 1 for pin in search.pins) + len(search.sliders)
     mobility = 3 * moving - 2 * lower_pairs
     named = ", ".join(f"'{name}'" for name in left)
     if mobility != 1:
+        single = [p for name in left for p in search.bodies[name].points if len(search.carriers(p)) == 1]
+        loose = f"; on one link only: {', '.join(sorted(map(repr, single)))}" if single and mobility > 1 else ""
         return (
-            f"'{search.linkage.name}' has mobility {mobility} (3·{moving} links - 2·{lower_pairs} joints), expected 1: "
-            f"check the joints of {named}"
+            f"'{search.linkage.name}': expected mobility 1, got {mobility} (3·{moving} links - 2·{lower_pairs} joints); "
+            f"{'add a joint to' if mobility > 1 else 'leave out a joint of'} {named} (a point of one name on two links "
+            f"is a joint{loose})"
         )
     return (
-        f"{named} of '{search.linkage.name}' form no group of two links (class II); groups of a higher class are not "
-        "supported: check for a missing or misspelt point, or split the group"
+        f"{named} of '{search.linkage.name}' form no group of two links (class II), and groups of a higher class "
+        "are not supported; check for a missing or misspelt point, or drive the linkage by another crank"
     )
 
 

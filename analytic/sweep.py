@@ -2,22 +2,19 @@
 
 from __future__ import annotations
 
-import math
-from collections.abc import Mapping
-
 import numpy as np
 from numpy.typing import NDArray
 
 from analytic import dyads
+from analytic.assembly import check_assembly, check_motion
+from analytic.closure import Group
 from analytic.dyads import Pair, Pose, Rate, Scalar
-from analytic.errors import AssemblyError, UnknownNameError
-from analytic.groups import Group, group
+from analytic.errors import LinkproofError, UnknownNameError
+from analytic.groups import group
 from analytic.linkage import GROUND, Linkage, Vector
 from analytic.structure import Dyad, Structure, Turning
 
 Array = NDArray[np.float64]
-
-STILL: Rate = (0.0, 0.0, 0.0)
 
 
 def crank_pose(pivot: Turning, angle: Scalar) -> Pose:
@@ -38,13 +35,17 @@ class Sweep:
         self.structure = structure
         self.angle = angle
         self._groups: dict[str, tuple[Dyad, Group]] = {}
+        self._centres: dict[tuple[str, int], Pair] = {}
         self._needs = {name: dyad for dyad in structure.dyads for name in (dyad.first, dyad.second)}
         crank = crank_pose(structure.pivot, angle)
         self._poses: dict[str, Pose] = {GROUND: (0.0, 0.0, 1.0, 0.0), linkage.crank: crank}
         local = structure.pivot.far_local
-        self._rates: dict[str, Rate] = {GROUND: STILL, linkage.crank: dyads.rate_through(crank, (0.0, 0.0), 1.0, local)}
+        self._rates: dict[str, Rate] = {
+            GROUND: dyads.STILL,
+            linkage.crank: dyads.rate_through(crank, (0.0, 0.0), 1.0, local),
+        }
         self._accelerations: dict[str, Rate] = {
-            GROUND: STILL,
+            GROUND: dyads.STILL,
             linkage.crank: dyads.acceleration_through(crank, (0.0, 0.0), 1.0, 0.0, local),
         }
 
@@ -61,7 +62,7 @@ class Sweep:
                 self.poses(joint.near)
             solver = group(dyad)
             self._poses[dyad.first], self._poses[dyad.second] = solver.poses(self._poses)
-            assembled(self.linkage, self.structure, solver, dyad, self._poses, self.angle)
+            check_assembly(self.linkage, solver, self.angle)
             self._groups[dyad.first] = self._groups[dyad.second] = (dyad, solver)
         return self._poses[body]
 
@@ -72,6 +73,7 @@ class Sweep:
             dyad, solver = self._groups[body]
             for joint in (dyad.first_joint, dyad.second_joint):
                 self.rates(joint.near)
+            check_motion(self.linkage, solver, self.angle)
             self._rates[dyad.first], self._rates[dyad.second] = solver.rates(self._poses, self._rates)
         return self._rates[body]
 
@@ -87,7 +89,7 @@ class Sweep:
         return self._accelerations[body]
 
     def local_point(self, body: str, local: Vector, order: int = 0) -> Pair:
-        """x and y of a point given in a body's frame, or their derivative of order 1 or 2 over φ."""
+        """Coordinates x and y of a point given in a body's frame, or their derivative of order 1 or 2 over φ."""
         if order == 0:
             return dyads.point(self.poses(body), local)
         if order == 1:
@@ -111,18 +113,32 @@ class Sweep:
         raise UnknownNameError("point", name, points)
 
     def angles(self, body: str) -> Array:
-        """Angle of a link's frame, rad, unwrapped along the first axis of the crank angles; the crank's is φ."""
+        """Angle of a link's frame, rad, unwrapped along the last axis of the crank angles; the crank's is φ."""
         if body == self.linkage.crank:
             return self.angle
         _, _, c, s = self.poses(body)
         return np.unwrap(np.broadcast_to(np.arctan2(s, c), self.angle.shape)) if self.angle.ndim else np.arctan2(s, c)
 
     def centre(self, body: str, order: int = 0) -> Pair:
-        """Mass centre of a link, or a derivative of it."""
-        return self.local_point(body, self.linkage.links[body].centre, order)
+        """Mass centre of a link, or a derivative of it; kept, since all of the dynamics asks for it."""
+        if (body, order) not in self._centres:
+            self._centres[body, order] = self.local_point(body, self.linkage.links[body].centre, order)
+        return self._centres[body, order]
 
     def _full(self, pair: Pair) -> Array:
         return np.stack([np.broadcast_to(np.asarray(part, dtype=float), self.angle.shape) for part in pair])
+
+    def output(self, order: int = 0) -> Array:
+        """The linkage's output point along the output's direction, m, or a derivative of it; shape of the angles."""
+        output = self.linkage.output
+        if output is None:
+            raise LinkproofError(
+                f"'{self.linkage.name}' names no output, so its S, v and a are undefined: add "
+                "output = { point = ..., along = [x, y] } to its file"
+            )
+        x, y = self.local_point(output.link, self.linkage.local(output.point, output.link), order)
+        along = dyads.dot(output.along, (x, y))
+        return np.broadcast_to(np.asarray(along, dtype=float), self.angle.shape)
 
     def closure_error(self) -> Array:
         """Largest distance between the two ends of any joint, m, per crank angle: loop closure on trial."""
@@ -142,61 +158,3 @@ class Sweep:
                         worst, np.abs(dyads.cross(dyads.arm((0.0, 0.0, near[2], near[3]), joint.along), gap))
                     )
         return worst
-
-
-def assembled(
-    linkage: Linkage, structure: Structure, solver: Group, dyad: Dyad, poses: Mapping[str, Pose], angle: Array
-) -> None:
-    """Raise AssemblyError at the worst crank angle if the dyad's links cannot meet somewhere."""
-    if solver.radicand is None or np.all(solver.radicand >= 0.0):
-        return
-    radicand = np.broadcast_to(solver.radicand, angle.shape).ravel()
-    worst = int(np.nanargmin(radicand)) if not np.all(np.isnan(radicand)) else 0
-    at = float(angle.ravel()[worst])
-    detail = _shortfall(linkage, structure, dyad, at)
-    raise AssemblyError(f"'{linkage.name}' cannot be assembled at {math.degrees(at) % 360.0:.4g}°: {detail}")
-
-
-def _shortfall(linkage: Linkage, structure: Structure, dyad: Dyad, angle: float) -> str:
-    """Which link misses by how much, recomputed at one crank angle."""
-    sweep = Sweep(linkage, structure, np.asarray(angle))
-    solver = group(dyad)
-    try:
-        placed = {joint.near: sweep.poses(joint.near) for joint in (dyad.first_joint, dyad.second_joint)}
-    except AssemblyError:
-        return f"{dyad.name} has no place"
-    one, two = dyad.first_joint, dyad.second_joint
-    if dyad.kind == "RRR":
-        assert isinstance(one, Turning) and isinstance(two, Turning)
-        a, b = dyads.point(placed[one.near], one.near_local), dyads.point(placed[two.near], two.near_local)
-        gap = math.hypot(float(a[0] - b[0]), float(a[1] - b[1]))
-        first, second = solver.lengths  # type: ignore[attr-defined]
-        if gap > first + second:
-            return (
-                f"'{dyad.first}' ({_mm(first)}) and '{dyad.second}' ({_mm(second)}) together are "
-                f"{_mm(gap - first - second)} shorter than the gap of {_mm(gap)} between '{one.point}' and '{two.point}'; "
-                "lengthen one of them or shorten the crank"
-            )
-        return (
-            f"'{dyad.first}' ({_mm(first)}) and '{dyad.second}' ({_mm(second)}) differ by "
-            f"{_mm(abs(first - second) - gap)} more than the gap of {_mm(gap)} between '{one.point}' and '{two.point}'; "
-            "bring their lengths closer together"
-        )
-    solver.poses(placed)
-    if dyad.kind == "RRP":
-        length = solver.length  # type: ignore[attr-defined]
-        missing = length - math.sqrt(max(length * length - float(solver.radicand), 0.0))
-        return (
-            f"'{dyad.first}' ({_mm(length)}) is {_mm(-missing)} too short to reach the guide of '{dyad.second}'; "
-            "lengthen it or move the guide"
-        )
-    offset = abs(solver.offset)  # type: ignore[attr-defined]
-    distance = math.sqrt(max(float(solver.radicand) + offset * offset, 0.0))
-    return (
-        f"the slot between '{dyad.first}' and '{dyad.second}' is offset by {_mm(offset)}, which is "
-        f"{_mm(offset - distance)} more than the distance between their pins; move the slot nearer to its pivot"
-    )
-
-
-def _mm(length: float) -> str:
-    return f"{length * 1e3:.4g} mm"

@@ -1,0 +1,76 @@
+"""Crank angles at which a linkage stays at rest under its loads and a crank torque, and whether it returns to them."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Final, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from analytic import dynamics
+from analytic.equation_of_motion import crank_torque
+from analytic.errors import AssemblyError
+from analytic.extremes import grid
+from analytic.laws import FULL_TURN, Law
+from analytic.mechanism import Mechanism
+
+Array = NDArray[np.float64]
+
+# A moment smaller than this share of what the links' weights could make is rounding: the linkage is balanced.
+BALANCED: Final = 1e-12
+
+
+class Equilibrium(NamedTuple):
+    """A crank angle, rad in [0, 2π), where Q + M1 = 0; stable where the moment drives the crank back to it."""
+
+    angle: float
+    stable: bool
+
+
+def equilibria(mechanism: Mechanism, torque: float | Law = 0.0) -> tuple[Equilibrium, ...]:
+    """Every angle at which the moment on the crank changes sign, in increasing order.
+
+    ``torque`` is M1, N m, a number or a law of φ. Empty where nothing holds the crank: the torque outweighs the loads, or
+    there is no moment at any angle. A crank that cannot make a full turn is looked at where it can stand; two angles
+    nearer to each other than half a degree may be missed.
+    """
+    from scipy.optimize import brentq  # noqa: PLC0415 - who asks for no equilibrium does not pay for it
+
+    law = crank_torque(torque)
+
+    def moment(angle: Array | float) -> Array:
+        return dynamics.generalised_force(mechanism.sweep(angle)) + law(angle)[0]
+
+    start = grid()
+    before = _where_assembled(moment, start)
+    peak = float(np.nanmax(np.abs(before), initial=0.0))
+    if peak <= BALANCED * _weight(mechanism):
+        return ()
+    after = np.roll(before, -1)
+    changes = np.flatnonzero((np.signbit(before) != np.signbit(after)) & np.isfinite(before) & np.isfinite(after))
+    found = []
+    for change in changes:
+        left, right = float(start[change]), float(start[change]) + FULL_TURN / len(start)
+        root = float(brentq(moment, left, right, xtol=1e-15, rtol=4.0 * np.finfo(float).eps))
+        ends = max(abs(before[change]), abs(after[change]))
+        if abs(float(moment(root))) <= ends:  # else it passes through infinity, at a dead position
+            found.append(Equilibrium(root % FULL_TURN, bool(after[change] < before[change])))
+    return tuple(sorted(found))
+
+
+def _where_assembled(moment: Callable[[Array], Array], angle: Array) -> Array:
+    """The moment at every angle, nan where the linkage cannot be assembled or cannot move."""
+    try:
+        return moment(angle)
+    except AssemblyError:
+        if len(angle) == 1:
+            return np.full(1, np.nan)
+        half = len(angle) // 2
+        return np.concatenate([_where_assembled(moment, angle[:half]), _where_assembled(moment, angle[half:])])
+
+
+def _weight(mechanism: Mechanism) -> float:
+    """Moment of all links' weights at the largest lever arm in the drawing, N m."""
+    linkage = mechanism.linkage
+    return float(sum(link.mass for link in linkage.links.values()) * np.hypot(*linkage.gravity) * linkage.extent())

@@ -1,0 +1,149 @@
+"""The motion of a crank that is not prescribed: moved by its torque and the linkage's own loads, damping included.
+
+Article 000, eq (32): Jeq φ̈ + ½ Jeq' φ̇² + b φ̇ = Q + M1. The motion can be asked for at any instant, like the prescribed
+ones of ``analytic.regimes``, and says how far it can be from the exact solution.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import Final
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from analytic import dynamics
+from analytic.collocation import Windows, gauss_scheme, integrate
+from analytic.equation_of_motion import EquationOfMotion, equation_of_motion
+from analytic.errors import LinkproofError
+from analytic.laws import Law
+from analytic.mechanism import Mechanism
+from analytic.sweep import Sweep
+
+Array = NDArray[np.float64]
+
+TOLERANCE: Final = 1e-12
+NODES: Final = 20
+# The motion that the error bound is taken from shares neither steps nor order nor table with the one it judges.
+CONTROL_NODES, CONTROL_DEGREE, TIGHTENED = 16, 10, 0.1
+SAMPLES: Final = 5  # instants per window at which the two are compared
+EPS: Final = float(np.finfo(float).eps)
+
+
+@dataclass(frozen=True)
+class FreeMotion:
+    """A crank motion that solves the equation of motion; made by ``free_motion``."""
+
+    regime: str
+    duration: float
+    equation: EquationOfMotion
+    windows: Windows
+    tolerance: float
+
+    def angle(self, time: ArrayLike) -> Array:
+        """φ(t), rad."""
+        return self.windows.angle_at(np.asarray(time, dtype=float))
+
+    def speed(self, time: ArrayLike) -> Array:
+        """ω(t), rad/s."""
+        return self.windows.speed_at(np.asarray(time, dtype=float))
+
+    def acceleration(self, time: ArrayLike) -> Array:
+        """ε(t), rad/s², from the equation of motion at φ(t) and ω(t)."""
+        return self.equation.acceleration(self.angle(time), self.speed(time))
+
+    @property
+    def jumps(self) -> tuple[float, ...]:
+        """Times at which the acceleration jumps: none."""
+        return ()
+
+    @cached_property
+    def peak_speed(self) -> float:
+        """Largest |ω|, rad/s."""
+        return float(np.max(np.abs(self.speed(self._instants(2 * NODES)))))
+
+    def _instants(self, count: int) -> Array:
+        """``count`` instants in each window and all windows' ends, s."""
+        starts = self.windows.starts
+        inside = starts[:-1, None] + np.diff(starts)[:, None] * np.linspace(0.0, 1.0, count, endpoint=False)
+        return np.append(inside.ravel(), starts[-1])
+
+    @cached_property
+    def error_bound(self) -> float:
+        """Bound on the error of φ at any instant, rad.
+
+        Twice the largest difference from a second integration of another order, with tighter tolerance and a table of
+        its own, and the rounding of φ itself. What both share is the closed form, with its few roundings: see
+        ``energy_imbalance``.
+        """
+        tight = replace(self.equation, table=None).tabulated(CONTROL_DEGREE)
+        first, last = (self.windows.angle_at(self.windows.starts[[0, -1]]), self.windows.speed_at(np.zeros(1)))
+        control = integrate(
+            tight.acceleration, float(first[0]), float(last[0]), self.duration, TIGHTENED * self.tolerance, CONTROL_NODES
+        )
+        time = self._instants(SAMPLES)
+        angle = self.angle(time)
+        difference = np.max(np.abs(angle - control.angle_at(time)))
+        return float(2.0 * difference + 4.0 * EPS * np.max(np.abs(angle)))
+
+    @cached_property
+    def energy_imbalance(self) -> float:
+        """Largest gap between the energy gained and the work of torque, forces and damping, over the energy at play.
+
+        Energies come from the closed form at the angles and speeds of the motion, the work from Gauss quadrature along
+        it; neither uses ½ Jeq' or the equation of motion. A wrong model shows here: it makes energy out of nothing.
+        """
+        mechanism, starts = self.equation.mechanism, self.windows.starts
+        ends = mechanism.sweep(self.angle(starts))
+        kinetic, potential = dynamics.kinetic_energy(ends, self.speed(starts)), dynamics.potential_energy(ends)
+        gained = kinetic + potential - (kinetic[0] + potential[0])
+        scheme = gauss_scheme(NODES)
+        time = starts[:-1, None] + np.diff(starts)[:, None] * scheme.nodes
+        work = np.append(0.0, np.cumsum(np.diff(starts) * (self._power(time) @ scheme.end_once)))
+        at_play = np.max(kinetic) + np.ptp(potential) + np.max(np.abs(work))
+        return float(np.max(np.abs(gained - work)) / at_play) if at_play > 0.0 else 0.0
+
+    def _power(self, time: Array) -> Array:
+        """Power of what is not in the potential energy, W."""
+        mechanism, angle, speed = self.equation.mechanism, self.angle(time), self.speed(time)
+        linkage = replace(mechanism.linkage, springs=(), dampers=())
+        force = dynamics.load_force(Sweep(linkage, mechanism.structure, angle)) + self.equation.torque(angle)[0]
+        return np.asarray((force - dynamics.damping_coefficient(mechanism.sweep(angle)) * speed) * speed)
+
+
+def free_motion(
+    mechanism: Mechanism,
+    *,
+    torque: float | Law = 0.0,
+    start_angle: float = 0.0,
+    start_speed: float = 0.0,
+    duration: float,
+    half_slope: str = "exact",
+    tolerance: float = TOLERANCE,
+) -> FreeMotion:
+    """Let the linkage go at crank angle ``start_angle`` (rad) with ``start_speed`` (rad/s), for ``duration`` seconds.
+
+    ``torque`` is M1 on the crank, N m, a number or a law of φ; the linkage's loads act besides. ``half_slope`` names
+    the model of ½ Jeq': ``exact``, or ``moduli`` as printed in article 000. ``tolerance`` is the error of the speed
+    within one window of integration, relative to it. Raises LinkproofError where the motion cannot be followed.
+    """
+    for name, value in (("start angle", start_angle), ("start speed", start_speed)):
+        if not math.isfinite(value):
+            raise LinkproofError(f"{name}: expected a finite number, got {value:g}; give one that is")
+    for name, value in (("duration", duration), ("tolerance", tolerance)):
+        if not (math.isfinite(value) and value > 0.0):
+            raise LinkproofError(f"{name}: expected a positive finite number, got {value:g}; give one that is")
+    equation = equation_of_motion(mechanism, torque, half_slope)
+    mechanism.sweep(np.asarray(start_angle)).closure_error()  # a start that cannot be assembled says so
+    return follow(equation.tabulated(), start_angle, start_speed, duration, tolerance)
+
+
+def follow(
+    equation: EquationOfMotion, start_angle: float, start_speed: float, duration: float, tolerance: float
+) -> FreeMotion:
+    """The motion of an equation that is ready to be integrated; arguments as for ``free_motion``."""
+    windows = integrate(equation.acceleration, start_angle, start_speed, duration, tolerance, NODES)
+    regime = "driven" if np.any(equation.torque.values) else "free"
+    return FreeMotion(regime, duration, equation, windows, tolerance)

@@ -1,0 +1,210 @@
+"""A second derivation of every reference quantity, in 50 digits, that shares no formula with the closed form.
+
+The linkage becomes rigid bodies in absolute coordinates (x, y, θ of every link's frame) with one equation per pin
+component, slider, slot and for the crank's angle. Newton's iteration solves them, from a rounded start, with a Jacobian
+of double precision: each step gains some fifteen digits. All derivatives over φ are central differences of such
+solutions, and the reduced quantities follow from energies and virtual work.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+from functools import lru_cache
+
+import numpy as np
+from mpmath import mp, mpf
+
+from analytic.linkage import GROUND, Guide, Linkage, Vector
+from analytic.mechanism import Mechanism
+from analytic.sweep import Sweep
+
+DIGITS = 50
+STEP = mpf(10) ** -12  # of φ: central differences err by its square and lose 24 digits of 50
+STENCIL = range(-2, 3)
+
+
+class Frames:
+    """Where every link is: x, y, θ and the cosine and sine of θ."""
+
+    def __init__(self, linkage: Linkage, coordinates: Sequence[mpf]) -> None:
+        self.linkage = linkage
+        self.coordinates = list(coordinates)
+        self.of = {GROUND: (mpf(0), mpf(0), mpf(0), mpf(1), mpf(0))}
+        for number, name in enumerate(linkage.links):
+            x, y, angle = self.coordinates[3 * number : 3 * number + 3]
+            self.of[name] = (x, y, angle, *mp.cos_sin(angle))
+
+    def turned(self, body: str, local: Vector) -> tuple[mpf, mpf]:
+        """A vector of a body in the ground frame."""
+        *_, c, s = self.of[body]
+        a, b = map(mpf, local)
+        return c * a - s * b, s * a + c * b
+
+    def place(self, body: str, local: Vector) -> tuple[mpf, mpf]:
+        """A point of a body in the ground frame."""
+        x, y, *_ = self.of[body]
+        a, b = self.turned(body, local)
+        return x + a, y + b
+
+    def named(self, point: str, body: str) -> tuple[mpf, mpf]:
+        """A named point as a body carries it."""
+        return self.place(body, self.linkage.local(point, body))
+
+    def angle(self, body: str) -> mpf:
+        """Angle of a body."""
+        return self.of[body][2]
+
+    def length(self, points: tuple[str, str], links: tuple[str, str]) -> mpf:
+        """Distance between two named points."""
+        (x, y), (u, v) = (self.named(point, body) for point, body in zip(points, links, strict=True))
+        return mp.sqrt((x - u) ** 2 + (y - v) ** 2)
+
+    def potential(self) -> mpf:
+        """Energy of gravity and springs."""
+        gx, gy = map(mpf, self.linkage.gravity)
+        total = mpf(0)
+        for name, link in self.linkage.links.items():
+            x, y = self.place(name, link.centre)
+            total -= mpf(link.mass) * (gx * x + gy * y)
+        for spring in self.linkage.springs:
+            stretch = self.length(spring.points, spring.links) - mpf(spring.length)
+            total += mpf(spring.stiffness) * stretch**2 / 2
+        return total
+
+
+class Exact:
+    """One linkage at one crank angle, in the assembly mode of the sweep it starts from."""
+
+    def __init__(self, sweep: Sweep) -> None:
+        mp.dps = DIGITS
+        self.linkage: Linkage = sweep.linkage
+        self.angle = mpf(float(sweep.angle))
+        start = _start(sweep)
+        self.inverse = np.linalg.inv(_jacobian(self.linkage, start))
+        self.states = {k: self._solved(start, self.angle + k * STEP) for k in STENCIL}
+
+    def _solved(self, start: Sequence[float], angle: mpf) -> Frames:
+        """Newton's iteration with one Jacobian, until the equations hold to the last digits."""
+        frames = Frames(self.linkage, [mpf(q) for q in start])
+        for _ in range(30):
+            residual = list(equations(frames, angle))
+            size = max(map(abs, residual))
+            if size < mpf(10) ** (4 - DIGITS):
+                return frames
+            change = self.inverse @ np.array([float(r / size) for r in residual])
+            moved = [q - size * mpf(float(d)) for q, d in zip(frames.coordinates, change, strict=True)]
+            frames = Frames(self.linkage, moved)
+        raise ArithmeticError(f"Newton's iteration of '{self.linkage.name}' does not converge: {size}")
+
+    def differences(self, quantity: Callable[[Frames], mpf]) -> tuple[mpf, mpf, mpf]:
+        """A quantity with its first and second derivative over φ."""
+        before, here, after = (quantity(self.states[k]) for k in (-1, 0, 1))
+        return here, (after - before) / (2 * STEP), (after - 2 * here + before) / STEP**2
+
+    def point(self, body: str, local: Vector) -> tuple[tuple[mpf, mpf, mpf], ...]:
+        """Coordinates x and y of a point, each with two derivatives."""
+        before, here, after = (self.states[k].place(body, local) for k in (-1, 0, 1))
+        return tuple(
+            (q, (r - p) / (2 * STEP), (r - 2 * q + p) / STEP**2) for p, q, r in zip(before, here, after, strict=True)
+        )
+
+    def turn(self, body: str) -> tuple[mpf, mpf, mpf]:
+        """Angle of a body with two derivatives."""
+        return self.differences(lambda frames: frames.angle(body))
+
+    def inertia(self, at: int = 0) -> mpf:
+        """Jeq = 2 T / ω², from the velocities for unit crank speed at a place of the stencil."""
+        ends = self.states[at - 1], self.states[at + 1]
+        total = mpf(0)
+        for name, link in self.linkage.links.items():
+            before, after = ((*frames.place(name, link.centre), frames.angle(name)) for frames in ends)
+            vx, vy, w = ((b - a) / (2 * STEP) for a, b in zip(before, after, strict=True))
+            total += mpf(link.mass) * (vx**2 + vy**2) + mpf(link.inertia or 0.0) * w**2
+        return total
+
+    def half_slope(self) -> mpf:
+        """½ Jeq', a difference of Jeq itself."""
+        return (self.inertia(1) - self.inertia(-1)) / (4 * STEP)
+
+    def force(self) -> mpf:
+        """Q: minus the slope of the potential, plus the virtual work of forces and torques."""
+        total = -self.differences(Frames.potential)[1]
+        angle = float(self.angle)
+        for force in self.linkage.forces:
+            x, y = self.point(force.link, self.linkage.local(force.point, force.link))
+            fx, fy = (mpf(float(part)) for part in force.force(angle))
+            total += fx * x[1] + fy * y[1]
+        for torque in self.linkage.torques:
+            total += mpf(float(torque.torque(angle)[0])) * self.turn(torque.link)[1]
+        return total
+
+    def damping(self) -> mpf:
+        """Damping reduced to the crank: twice the dissipation at unit speed."""
+        total = mpf(0)
+        for damper in self.linkage.dampers:
+            one, two = (self.turn(body)[1] for body in damper.links)
+            total += mpf(damper.coefficient) * (one - two) ** 2
+        for spring in self.linkage.springs:
+            rate = self.differences(lambda frames, s=spring: frames.length(s.points, s.links))[1]
+            total += mpf(spring.damping) * rate**2
+        return total
+
+    def torque(self, speed: float, acceleration: float) -> mpf:
+        """Mkr that the crank's motion takes."""
+        moving = self.inertia() * mpf(acceleration) + self.half_slope() * mpf(speed) ** 2
+        return moving + self.damping() * mpf(speed) - self.force()
+
+
+@lru_cache(maxsize=512)
+def exact(mechanism: Mechanism, angle: float) -> Exact:
+    """A linkage in its own assembly mode at one crank angle, rad; kept, since several tests look at the same ones."""
+    return Exact(mechanism.sweep(angle))
+
+
+def equations(frames: Frames, angle: mpf) -> Iterator[mpf]:
+    """What has to vanish: 2 per body on a pin after the first, 2 per slider, 1 per slot, and the crank's angle."""
+    linkage = frames.linkage
+    for pin in linkage.pins:
+        ends = [frames.named(pin.point, body) for body in pin.links]
+        for x, y in ends[1:]:
+            yield x - ends[0][0]
+            yield y - ends[0][1]
+    for slider in linkage.sliders:
+        yield _off(frames, frames.named(slider.point, slider.link), slider.guide)
+        tilt = frames.angle(slider.link) - frames.angle(slider.guide.host)
+        tilt -= mp.atan2(*map(mpf, reversed(slider.guide.along)))
+        yield tilt - 2 * mp.pi * mp.nint(tilt / (2 * mp.pi))
+    for slot in linkage.slots:
+        carriers = [name for name, link in linkage.links.items() if slot.point in link.points]
+        carrier = GROUND if slot.point in linkage.ground else carriers[0]
+        yield _off(frames, frames.named(slot.point, carrier), slot.guide)
+    yield frames.angle(linkage.crank) - angle
+
+
+def _off(frames: Frames, place: tuple[mpf, mpf], guide: Guide) -> mpf:
+    """Distance of a place from a guide's line."""
+    x, y = frames.place(guide.host, guide.through)
+    c, s = frames.turned(guide.host, guide.along)
+    return (c * (place[1] - y) - s * (place[0] - x)) / mp.hypot(c, s)
+
+
+def _start(sweep: Sweep) -> list[float]:
+    """The closed form's poses in single precision: near enough to stay in the assembly mode, no nearer."""
+    start: list[float] = []
+    for name in sweep.linkage.links:
+        x, y, c, s = (float(part) for part in sweep.poses(name))
+        angle = float(sweep.angle) if name == sweep.linkage.crank else np.arctan2(s, c)
+        start += [float(np.float32(part)) for part in (x, y, angle)]
+    return start
+
+
+def _jacobian(linkage: Linkage, start: Sequence[float]) -> np.ndarray:
+    """Derivatives of the equations by the coordinates, by differences."""
+    tiny = mpf(10) ** -20
+    state = [mpf(q) for q in start]
+    zero = list(equations(Frames(linkage, state), mpf(0)))
+    columns = []
+    for i in range(len(state)):
+        moved = list(equations(Frames(linkage, [*state[:i], state[i] + tiny, *state[i + 1 :]]), mpf(0)))
+        columns.append([float((a - b) / tiny) for a, b in zip(moved, zero, strict=True)])
+    return np.array(columns).T

@@ -1,0 +1,175 @@
+"""Positions and derivatives of whole linkages against 50 digits, special cases with known answers, loop closure."""
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from mpmath import mp
+
+from analytic.errors import AssemblyError, LinkproofError, UnknownNameError
+from tests.analytic.fifty_digits import Exact, exact
+from tests.analytic.linkages import (
+    EVERY,
+    FULL_TURN,
+    angles,
+    four_bars,
+    from_text,
+    mechanism,
+    modes,
+    slider_cranks,
+    text_of,
+)
+from tests.analytic.tolerances import CLOSURE, EPS, FEW_ROUNDINGS, FIFTY_DIGITS
+
+
+def _motion(sweep):
+    """Everything there is to know of the motion: (order, coordinate, angle); θ itself as cosine and sine."""
+    links = sweep.linkage.links
+    places = [(name, local) for name, link in links.items() for local in (*link.points.values(), link.centre)]
+    points = [[part for place in places for part in sweep.local_point(*place, order)] for order in range(3)]
+    turns = [[sweep.poses(n)[i] for i in (2, 3) for n in links]] + [
+        [motion(n)[2] for n in links] * 2 for motion in (sweep.rates, sweep.accelerations)
+    ]
+    shape = sweep.angle.shape
+    return [[np.broadcast_to(row, shape) for row in (*points[k], *turns[k])] for k in range(3)]
+
+
+def _exact_motion(sweep, truth):
+    links = sweep.linkage.links
+    places = [(name, local) for name, link in links.items() for local in (*link.points.values(), link.centre)]
+    points = [part for place in places for part in truth.point(*place)]
+    turns = [truth.turn(n) for n in links]
+    circle = [mp.cos(turn[0]) for turn in turns] + [mp.sin(turn[0]) for turn in turns]
+    return [[p[0] for p in points] + circle] + [[q[k] for q in points] + [q[k] for q in turns] * 2 for k in (1, 2)]
+
+
+def _peaks(motion, places):
+    """Largest coordinate and largest turn of each order, in every column; the crank itself turns by 1 rad per rad."""
+    sizes = np.abs(np.array(motion)).max(axis=2)
+    sizes[:, :places] = sizes[:, :places].max(axis=1, keepdims=True)
+    sizes[:, places:] = np.maximum(sizes[:, places:].max(axis=1, keepdims=True), 1.0)
+    return sizes
+
+
+@pytest.mark.parametrize(("name", "variant"), EVERY)
+def test_points_and_angles_agree_with_fifty_digits_in_every_assembly_mode(name, variant):
+    sample = mechanism(name, variant)
+    places = 2 * sum(len(link.points) + 1 for link in sample.linkage.links.values())
+    peaks = _peaks(_motion(sample.turn), places) if (name, variant) in FULL_TURN else 0.0
+    for angle in angles(6):
+        for sweep in modes(sample, angle):
+            truth = exact(sample, angle) if sweep.structure == sample.structure else Exact(sweep)
+            got = np.array(_motion(sweep))
+            errors = np.abs(np.array(_exact_motion(sweep, truth)) - got).astype(float)
+            own = _peaks(got[..., None], places)
+            assert np.all(errors <= FIFTY_DIGITS * np.maximum(own, peaks))
+
+
+@pytest.mark.parametrize(("name", "variant"), FULL_TURN)
+def test_every_loop_closes_to_a_few_roundings(name, variant):
+    sweep = mechanism(name, variant).turn
+    assert np.max(sweep.closure_error()) <= CLOSURE * mechanism(name, variant).linkage.extent()
+
+
+@settings(max_examples=40, deadline=None)
+@given(four_bars())
+def test_random_crank_rockers_close(four_bar):
+    sample = from_text(four_bar.text(shift=(0.1, -0.3), turn=0.4))
+    assert np.max(sample.turn.closure_error()) <= CLOSURE * sample.linkage.extent()
+
+
+@settings(max_examples=40, deadline=None)
+@given(slider_cranks())
+def test_random_slider_cranks_close(text):
+    sample = from_text(text)
+    assert np.max(sample.turn.closure_error()) <= CLOSURE * sample.linkage.extent()
+
+
+def test_parallelogram_turns_its_rocker_with_the_crank():
+    angle = np.linspace(0.02, np.pi - 0.02, 90)
+    sweep = mechanism("parallelogram").sweep(angle)
+    assert np.allclose(sweep.angles("rocker"), angle, rtol=0.0, atol=100 * EPS)
+    away = np.sin(angle) > 0.5  # of the change points, where errors grow
+    assert np.allclose(sweep.rates("rocker")[2][away], 1.0, rtol=0.0, atol=FEW_ROUNDINGS)
+    assert np.allclose(sweep.rates("coupler")[2][away], 0.0, rtol=0.0, atol=FEW_ROUNDINGS)
+    assert np.allclose(sweep.accelerations("rocker")[2][away], 0.0, rtol=0.0, atol=FEW_ROUNDINGS)
+
+
+@pytest.mark.parametrize("degrees", [0.0, 180.0, 360.0])
+def test_change_point_has_poses_but_refuses_velocities(degrees):
+    sweep = mechanism("parallelogram").sweep(np.radians(degrees))
+    assert np.allclose(sweep.point("B"), sweep.point("A") + np.array([0.06, 0.0]), rtol=0.0, atol=1e-9)
+    with pytest.raises(AssemblyError, match=r"dead position at .*velocities are undefined; choose other crank angles"):
+        sweep.rates("rocker")
+
+
+def test_centric_slider_crank_at_both_dead_centres():
+    crank, rod = 0.05, 0.2
+    sweep = mechanism("centric-slider-crank").sweep(np.array([0.0, np.pi]))
+    assert np.allclose(sweep.output(), [rod + crank, rod - crank], rtol=4 * EPS)
+    assert np.allclose(sweep.output(1), 0.0, rtol=0.0, atol=EPS * crank)
+    assert np.allclose(sweep.output(2), [-crank - crank**2 / rod, crank - crank**2 / rod], rtol=8 * EPS)
+
+
+def test_scotch_yoke_is_a_cosine():
+    angle = angles(200)
+    sweep = mechanism("scotch-yoke").sweep(angle)
+    for order, truth in enumerate((np.cos(angle), -np.sin(angle), -np.cos(angle))):
+        assert np.allclose(sweep.output(order), 0.02 * truth, rtol=0.0, atol=2 * EPS * 0.02)
+
+
+def test_inverted_slider_crank_follows_its_arctangent():
+    # The shaper's slot passes through both pivots' pins: tan of the rocker's angle is known in the crank angle.
+    angle = angles(100)
+    x, y = 22.0 * np.cos(angle), 22.0 * np.sin(angle) + 50.0
+    ratio = 22.0 * (22.0 + 50.0 * np.sin(angle)) / (x * x + y * y)  # d/dφ atan2(y, x)
+    sweep = mechanism("shaper").sweep(angle)
+    assert np.allclose(np.cos(sweep.angles("rocker") - np.arctan2(y, x)), 1.0, rtol=4 * EPS)
+    assert np.allclose(sweep.rates("rocker")[2], ratio, rtol=0.0, atol=16 * EPS)
+
+
+def test_derivatives_of_a_body_at_rest_are_plain_zeros():
+    sweep = mechanism("juki-mf7923d").sweep(angles(4))
+    assert sweep.rates("needle_bar")[2] == 0.0
+    assert np.all(sweep.point("O1", 1) == 0.0)
+
+
+def test_any_shape_of_angles_is_kept():
+    sweep = mechanism("rimoldi-164").sweep(angles(6).reshape(2, 3))
+    assert sweep.output(2).shape == (2, 3)
+    assert sweep.point("C", 1).shape == (2, 2, 3)
+    assert mechanism("rimoldi-164").sweep(0.3).output().shape == ()
+
+
+def test_a_point_is_the_same_on_every_link_that_carries_it():
+    sweep = mechanism("three-on-one-pin").sweep(angles(20))
+    for body in ("right_rod", "rocker", "link"):
+        local = sweep.linkage.local("B", body)
+        for order in range(3):
+            point = sweep.point("B", order)
+            close = {"rtol": 0.0, "atol": FEW_ROUNDINGS * np.max(np.abs(point))}
+            assert np.allclose(sweep.local_point(body, local, order), point, **close)
+
+
+def test_nothing_is_solved_that_is_not_asked_for():
+    sweep = mechanism("rimoldi-164").sweep(angles(4))
+    sweep.poses("rocker")
+    assert set(sweep._poses) == {"ground", "crank", "rod", "rocker"}
+    assert set(sweep._rates) == {"ground", "crank"}
+
+
+@pytest.mark.parametrize(
+    ("call", "message"),
+    [
+        (lambda sweep: sweep.poses("rokcer"), "unknown link 'rokcer': did you mean 'rocker'"),
+        (lambda sweep: sweep.point("Q"), "unknown point 'Q'"),
+    ],
+)
+def test_unknown_names(call, message):
+    with pytest.raises(UnknownNameError, match=message):
+        call(mechanism("rimoldi-164").sweep(0.0))
+
+
+def test_an_output_that_the_file_does_not_name():
+    text = text_of("scotch-yoke").replace('output  = { point = "Y" }', "")
+    with pytest.raises(LinkproofError, match=r"names no output.*add output"):
+        from_text(text).sweep(0.0).output()
