@@ -1,0 +1,148 @@
+"""The motion of a scene under its drive: sampled instants solved exactly, or the naive setting's time steps."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from engines.contract import Free, History, Prescribed, Setting
+from engines.direct_assembly import UnsolvableError
+from engines.direct_collocation import integrate
+from engines.direct_equations import Equations, Reals
+from engines.direct_free import equation_of_motion
+from engines.direct_instants import Crank, Instants, history, solve
+from engines.direct_path import FULL_TURN, LARGEST_STEP, Path, reach
+from engines.direct_stepping import step_through
+
+BLOCK = 512  # instants solved at once: their matrices stay in a processor's cache
+LEAST_SAMPLES = 1400
+SAMPLES_PER_TURN = 120
+FREE_SPACING = 1e-3  # s
+NAIVE_SPACING = 1e-3  # s
+ATTEMPTS = 6  # at halving the path's steps, where Newton's method does not converge from its quintics
+
+Details = dict[str, str | int | float]
+Result = tuple[History, int, Details]
+
+
+@dataclass(frozen=True)
+class Recipe:
+    """How a setting solves: floating type and refinements of each instant, tolerance of a free crank's integration."""
+
+    precision: type[np.floating[Any]]
+    refinements: int
+    tolerance: float
+
+
+RECIPES = {
+    Setting.TUNED: Recipe(np.float64, 2, 1e-12),
+    Setting.BEST: Recipe(np.longdouble, 3, 1e-13),
+}
+
+
+def motion(equations: Equations, setting: Setting) -> Result:
+    """History, number of instants or time steps, and settings used; raises UnsolvableError with the reason."""
+    if setting is Setting.NAIVE:
+        return _stepped(equations)
+    if isinstance(equations.scene.drive, Prescribed):
+        return _prescribed(equations, equations.scene.drive, RECIPES[setting])
+    return _free(equations, equations.scene.drive, RECIPES[setting])
+
+
+def _stepped(equations: Equations) -> Result:
+    drive = equations.scene.drive
+    duration = drive.motion.duration if isinstance(drive, Prescribed) else drive.duration
+    time = _clock(duration, round(duration / NAIVE_SPACING))
+    found = step_through(equations, time)
+    details: Details = {
+        "method": "accelerations and joint forces from one system (index 1), Runge-Kutta 4, no stabilisation",
+        "step_s": float(time[1]),
+    }
+    return history(time, found, equations.joints, equations.scene.channels), len(time) - 1, details
+
+
+def _clock(duration: float, steps: int) -> Reals:
+    return np.linspace(0.0, duration, max(steps, 1) + 1)
+
+
+def _samples(turns: float) -> int:
+    return max(LEAST_SAMPLES, round(SAMPLES_PER_TURN * turns))
+
+
+def _prescribed(equations: Equations, drive: Prescribed, recipe: Recipe) -> Result:
+    crank = drive.motion
+    turns = crank.duration * crank.peak_speed / FULL_TURN
+    time = _clock(crank.duration, _samples(turns))
+    angle = crank.angle(time)
+    known = Crank(angle, crank.speed(time), crank.acceleration(time))
+
+    def path(largest: float) -> Path:
+        found = reach(equations, float(np.min(angle)), float(np.max(angle)), largest)
+        _check_reach(found, time, angle)
+        return found
+
+    return _sampled(equations, path, time, known, recipe)
+
+
+def _check_reach(path: Path, time: Reals, angle: Reals) -> None:
+    """Raise UnsolvableError with the first instant whose crank angle the path does not hold."""
+    if path.turns is not None:
+        return
+    outside = (angle < path.angle[0]) | (angle > path.angle[-1])
+    if np.any(outside):
+        first = int(np.argmax(outside))
+        end = path.angle[0] if angle[first] < path.angle[0] else path.angle[-1]
+        raise UnsolvableError(
+            f"the joints cannot be closed at {time[first]:.4g} s: the linkage locks at a crank angle of "
+            f"{math.degrees(end):.4g}°"
+        )
+
+
+def _sampled(equations: Equations, path: Callable[[float], Path], time: Reals, crank: Crank, recipe: Recipe) -> Result:
+    """Every instant of the clock solved, along a path fine enough."""
+    for attempt in range(ATTEMPTS):
+        followed = path(LARGEST_STEP / 2.0**attempt)
+        try:
+            blocks = _solved_blocks(equations, followed, crank, recipe)
+            break
+        except UnsolvableError:
+            if attempt == ATTEMPTS - 1:
+                raise
+    details: Details = {
+        "method": "each instant by Newton's method and one inverted matrix, refined",
+        "rounding": float(np.finfo(recipe.precision).eps),
+        "refinements": recipe.refinements,
+        "instants": len(time),
+        "spacing_s": float(time[1]),
+        "path_poses": len(followed.angle),
+    }
+    return history(time, blocks, equations.joints, equations.scene.channels), len(time), details
+
+
+def _solved_blocks(equations: Equations, path: Path, crank: Crank, recipe: Recipe) -> list[Instants]:
+    found = []
+    for start in range(0, len(crank.angle), BLOCK):
+        part = crank.part(slice(start, start + BLOCK))
+        closed = path.closed(part.angle, recipe.precision)
+        found.append(solve(equations, closed, part, equations.scene.channels, recipe.refinements))
+    return found
+
+
+def _free(equations: Equations, drive: Free, recipe: Recipe) -> Result:
+    start = equations.scene.crank_angle
+    speed = equations.scene.bodies[equations.crank].angular_velocity
+    path = reach(equations, start - FULL_TURN, start + FULL_TURN, LARGEST_STEP)
+    law = equation_of_motion(equations, path, drive.torque)
+    trajectory = integrate(law, start, speed, drive.duration, recipe.tolerance)
+    turns = drive.duration * float(np.max(np.abs(trajectory.speed))) / FULL_TURN
+    time = _clock(drive.duration, max(round(drive.duration / FREE_SPACING), _samples(turns)))
+    angle, speeds = trajectory(time)
+    crank = Crank(angle, speeds, None, drive.torque)
+    result, _, details = _sampled(equations, lambda _: path, time, crank, recipe)
+    steps = len(trajectory.angle)
+    details |= {"integrator": "Gauss collocation, 16 points", "tolerance": recipe.tolerance, "windows": steps}
+    return result, steps, details

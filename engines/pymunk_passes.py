@@ -1,0 +1,161 @@
+"""One pass of a scene through pymunk at one step, prescribed or free, on the way to second order and beyond.
+
+With every joint's ``error_bias`` at 0 each step closes the joints to first order (a linearised SHAKE), which makes the
+motion second order in the step with terms of every higher order behind it; any other bias leaves it at first order.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from time import perf_counter
+
+import numpy as np
+from numpy.typing import NDArray
+
+from analytic.regimes import CrankMotion, Segment
+from engines.contract import History, Scene
+from engines.pymunk_checks import check_crank, check_impulses, check_joints
+from engines.pymunk_layout import Layout
+from engines.pymunk_loads import StepLoads
+from engines.pymunk_recording import Clock, Recording, joined, looks
+from engines.pymunk_space import World, add_motor, add_torque, build_world
+from engines.pymunk_stepping import Calls, calls, march, place
+
+Array = NDArray[np.float64]
+
+# Steps before the first sample of a segment, in which what the start got wrong dies away: first with more iterations, then
+# with those of all later steps, so that the change of effort has died away too.
+RUN_IN = 20
+COLD_STEPS = 10
+
+# Times the iterations of a normal step that are spent where there is no good guess of the impulses.
+COLD = 4
+
+# Fewest samples of a segment, however short it is.
+LEAST_SAMPLES = 4
+
+
+# Powers of the step in the error of a pass; the read-outs are centred, the closing of the joints is not.
+ORDERS = (2, 3, 4, 5)
+
+
+@dataclass(frozen=True)
+class Plan:
+    """How a setting is stepped.
+
+    ``samples_per_turn`` at the peak speed (``least_samples`` in all), the ``ratios`` of steps to samples of the passes
+    that are extrapolated, and the share ``remaining`` of an impulse's change that the solver may leave wrong in a step.
+    For a free crank, ``doubt`` is how far the angle may move, rad, when the coarsest pass is left out.
+    """
+
+    samples_per_turn: int
+    least_samples: int
+    ratios: tuple[int, ...]
+    remaining: float
+    doubt: float = math.inf
+
+
+@dataclass(frozen=True)
+class Pass:
+    """What one pass gave: the history at its samples, seconds of stepping and of building, and the steps taken."""
+
+    step: float
+    history: History
+    seconds: float
+    setup_seconds: float
+    steps: int
+
+
+def clocks(motion: CrankMotion, step: float, ratio: int) -> list[tuple[Segment, Clock]]:
+    """Cut every segment into equal steps of at most ``step`` seconds, so that each kink falls on a sample.
+
+    A segment has its start among its samples; the last one has its end as well.
+    """
+    result = []
+    for segment in motion.segments:
+        count = step_count(segment.end - segment.start, step)
+        last = count if segment is motion.segments[-1] else count - 1
+        clock = Clock(segment.start, (segment.end - segment.start) / count, last + 1, count, ratio)
+        result.append((segment, clock))
+    return result
+
+
+def step_count(duration: float, step: float) -> int:
+    """Number of equal steps of at most ``step`` seconds that make up a duration."""
+    return max(LEAST_SAMPLES, math.ceil(duration / step * (1.0 - 1e-9)))
+
+
+def mean_speeds(segment: Segment, start: float, step: float, count: int) -> Array:
+    """Mean crank speed over consecutive steps, rad/s, exact: Gauss-Legendre quadrature of the speed's polynomial."""
+    nodes, shares = np.polynomial.legendre.leggauss(max(1, (len(segment.coefficients) + 1) // 2))
+    times = start + step * (np.arange(count)[:, None] + 0.5 * (nodes + 1.0))
+    return np.asarray(segment.value(times, 1) @ (0.5 * shares))
+
+
+def torque_bound(scene: Scene, layout: Layout, motion: CrankMotion) -> float:
+    """A torque well above any that the drive can need, N m: all mass at the scene's size, at the peak of the motion."""
+    times = np.linspace(0.0, motion.duration, 101)
+    rate = float(np.max(np.abs(motion.acceleration(times)))) + motion.peak_speed**2
+    size = layout.reach
+    weight = sum(part.mass for part in layout.parts)
+    bound = rate * (weight * size**2 + sum(part.inertia or 0.0 for part in layout.parts))
+    bound += weight * math.hypot(*scene.gravity) * size
+    bound += sum(float(np.max(np.abs(load.force.values))) for load in scene.forces) * size
+    bound += sum(float(np.max(np.abs(load.torque.values))) for load in scene.torques)
+    bound += sum(damper.coefficient for damper in scene.dampers) * motion.peak_speed
+    bound += sum(spring.stiffness + spring.damping * motion.peak_speed for spring in scene.springs) * size**2
+    return bound
+
+
+def prescribed_pass(
+    scene: Scene, layout: Layout, motion: CrankMotion, step: float, ratio: int, iterations: int
+) -> Pass:
+    """Drive the crank through its motion, every segment on its own.
+
+    A segment is entered along its own polynomial continued backwards, so that its first samples already show the motion
+    after the kink. The motor's impulse is known to its size alone: a constant torque on the crank, above any that the
+    drive can need, keeps its sign. Raises DivergedError.
+    """
+    begun = perf_counter()
+    world = build_world(scene, layout, iterations=iterations, error_bias=0.0)
+    offset = torque_bound(scene, layout, motion)
+    add_torque(world, world.crank, offset)
+    on = calls(world, add_motor(world))
+    built, seconds, steps = perf_counter() - begun, 0.0, 0
+    recordings = []
+    for segment, clock in clocks(motion, step, ratio):
+        begun = perf_counter()
+        recording, taken = _driven(scene, world, on, segment, clock, offset, iterations)
+        seconds, steps = seconds + perf_counter() - begun, steps + taken
+        check_joints(recording, layout)
+        check_crank(recording, layout, segment)
+        check_impulses(recording, offset)
+        recordings.append(recording)
+    return Pass(step / ratio, joined([r.history(scene, layout) for r in recordings]), seconds, built, steps)
+
+
+def _driven(
+    scene: Scene, world: World, on: Calls, segment: Segment, clock: Clock, offset: float, iterations: int
+) -> tuple[Recording, int]:
+    fine = clock.fine
+    steps = looks(clock, scene.channels)
+    count = RUN_IN + int(steps[-1]) + 1
+    rates = -mean_speeds(segment, clock.start - RUN_IN * fine, fine, count)
+    world.space.iterations = COLD * iterations
+    taken = place(world, on, fine, float(segment.value(clock.start - RUN_IN * fine)))
+    loads = StepLoads(world, scene, fine, ahead=True)
+    impulses: list[float] = []
+    marks = marks_of(steps, -RUN_IN, count)
+    for part, effort in ((slice(COLD_STEPS), COLD * iterations), (slice(COLD_STEPS, None), iterations)):
+        world.space.iterations = effort
+        impulses += march(on, fine, rates[part].tolist(), marks[part], loads if loads else None)
+    recording = Recording(clock, steps, on.collected(), offset - np.array(impulses) / fine)
+    return recording, taken + count
+
+
+def marks_of(steps: NDArray[np.intp], first: int, count: int) -> list[int]:
+    """1 for each of ``count`` steps from number ``first`` after which a look is wanted, else 0."""
+    marks = np.zeros(count, dtype=np.intp)
+    marks[steps - first] = 1
+    return [int(mark) for mark in marks]
