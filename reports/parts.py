@@ -147,9 +147,9 @@ def regime_part(view: View, regime: Regime) -> Part:
         " Of a force the curves are magnitudes, the largest deviation is the vector's." if _has_forces(view) else ""
     )
     lead = (
-        f"{regime.conditions[:1].upper()}{regime.conditions[1:]}. Grey is the closed form, dashed the engines at setting "
-        f"{view.setting}; beneath stands the upper envelope of |error| over the peak, on a logarithmic scale, for every "
-        f"setting that ran.{jumps}{forces}"
+        f"{regime.conditions[:1].upper()}{regime.conditions[1:]}. Grey is the closed form, dashed the engines at "
+        f"setting {view.setting}; beneath stands the upper envelope of |error| over the peak, on a logarithmic scale, "
+        f"for every setting that ran.{jumps}{forces}"
     )
     return Part(f"Regime {regime.name}", lead, tuple(figures))
 
@@ -168,7 +168,7 @@ def _deviations(view: View, regime: Regime) -> list[Shown]:
         shown(
             view,
             f"{regime.name}-errors",
-            f"Every deviation of this regime at a glance: the further left of its limit (red stroke), the better.{zeros}",
+            f"Every deviation of this regime: the further left of its limit (red stroke), the better.{zeros}",
             lambda: errors.errors_figure(view, regime),
             f"largest deviation of every run by quantity, {regime.name}",
             wide=True,

@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 
+from analytic.errors import LinkproofError
 from analytic.linkage import Link
 from reports.figures import inertia, scheme
 from reports.numbers import ABSENT, printed
@@ -40,9 +43,9 @@ class Section:
 
 def section(view: View, readings: Readings | None) -> Section:
     """Build a mechanism's section."""
-    parts = [kinematics_part(view)] if view.has_output else []
-    parts += [inertia_part(view)] if view.makes_full_turn else []
-    parts += [regime_part(view, regime) for regime in view.regimes]
+    parts = [_attempt("Motion of the output", partial(kinematics_part, view))] if view.has_output else []
+    parts += [_attempt("Reduced moment of inertia Jeq", partial(inertia_part, view))] if view.makes_full_turn else []
+    parts += [_attempt(f"Regime {regime.name}", partial(regime_part, view, regime)) for regime in view.regimes]
     return Section(
         key=view.key,
         view=view,
@@ -52,6 +55,14 @@ def section(view: View, readings: Readings | None) -> Section:
         parts=tuple(parts),
         readings=readings,
     )
+
+
+def _attempt(heading: str, build: Callable[[], Part]) -> Part:
+    """A part, or why there is none: a linkage may have velocities everywhere but in a dead position."""
+    try:
+        return build()
+    except LinkproofError as error:
+        return Part(heading, f"Not to be had: {error}.", ())
 
 
 def _scheme(view: View) -> Shown:
@@ -68,9 +79,10 @@ def _scheme(view: View) -> Shown:
 
 
 def _links(view: View) -> tuple[LinkRow, ...]:
-    if not view.makes_full_turn:
+    try:
+        parts = inertia.links_inertia(view, np.linspace(0.0, 2.0 * np.pi, 720, endpoint=False))
+    except LinkproofError:
         return tuple(_link_row(link, None) for link in view.linkage.links.values())
-    parts = inertia.links_inertia(view, np.linspace(0.0, 2.0 * np.pi, 720, endpoint=False))
     whole = sum(float(np.mean(values)) for values in parts.values())
     return tuple(_link_row(view.linkage.links[name], float(np.mean(values)) / whole) for name, values in parts.items())
 

@@ -144,7 +144,7 @@ class View:
         return Trace(record, time, observed, reference, error)
 
     def angle(self, regime: Regime, trace: Trace) -> Array | None:
-        """The crank angle along a trace, rad: as prescribed, else by the closed form's φ; None where neither is known."""
+        """Crank angle along a trace, rad: as prescribed, else by the closed form's φ; None where neither is known."""
         if regime.motion is not None:
             return regime.motion.angle(trace.time)
         truths = self.traces(regime, CRANK_ANGLE)

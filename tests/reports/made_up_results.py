@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
 
 import numpy as np
 
 from analytic.linkage import Linkage
-from analytic.loading import load
+from analytic.loading import find, load
 from analytic.mechanism import Mechanism
-from analytic.regimes import CrankMotion, crank_motion
+from analytic.regimes import crank_motion
 from comparisons.campaign import Request, RunResult, judge
 from comparisons.case import Case
 from comparisons.deviations import Deviation, near_jumps
@@ -43,7 +44,7 @@ def made_up_results(
     motions = tuple(crank_motion(name, clockwise=clockwise) for name in regimes)
     request = Request(tuple(linkages), motions, CONDITIONS, tuple(engines), tuple(settings), tuple(quantities))
     runs = [
-        _run(Case(Mechanism(linkage), motion), engine, setting, request, broken or {}, samples)
+        _run(Case(Mechanism(linkage), motion), Maker(engine, setting, samples), request, broken or {})
         for linkage in linkages
         for motion in motions
         for engine in engines
@@ -55,20 +56,24 @@ def made_up_results(
 
 def text_of(name: str) -> str:
     """The file of a catalogue mechanism."""
-    from analytic.loading import find  # noqa: PLC0415
-
     return find(name).read_text(encoding="utf-8")
 
 
-def _run(
-    case: Case, engine: str, setting: Setting, request: Request, broken: dict[str, Verdict], samples: int
-) -> RunResult:
+@dataclass(frozen=True)
+class Maker:
+    """Who makes a run up, and how finely."""
+
+    engine: str
+    setting: Setting
+    samples: int
+
+
+def _run(case: Case, maker: Maker, request: Request, broken: dict[str, Verdict]) -> RunResult:
+    engine, setting, samples = maker.engine, maker.setting, maker.samples
     blank = _blank(case, engine, setting, request.conditions)
     if engine in broken:
-        reason = f"{engine} <cannot> hold this scene"
-        return RunResult(
-            tuple(_named(blank, q, outcome=broken[engine].value, detail=reason) for q in request.quantities), ()
-        )
+        told = {"outcome": broken[engine].value, "detail": f"{engine} <cannot> hold this scene"}
+        return RunResult(tuple(_named(blank, name, **told) for name in request.quantities), ())
     size = SIZES[setting] * (1.0 + 0.7 * request.engines.index(engine))
     deviations = {name: _deviation(case, name, size, samples) for name in request.quantities}
     records = tuple(
@@ -148,8 +153,3 @@ def _named(blank: dict[str, object], name: str, **values: object) -> Record:
         "left_out": 0,
     }
     return Record(**{**blank, **rest, "quantity": name, "unit": unit, **values})  # type: ignore[arg-type]
-
-
-def motion_of(results: Results) -> CrankMotion:
-    """The first regime's motion."""
-    return results.motions[0]

@@ -1,0 +1,182 @@
+"""How every figure looks: colours that a colour-blind reader can tell apart, sizes that stay legible on paper.
+
+Figures are drawn through matplotlib's object interface, with the fonts it brings along, so that two reports of the same
+results are the same text. Nothing here knows an engine by name: colours and dashes go by name order.
+"""
+
+from __future__ import annotations
+
+import base64
+import io
+import math
+import re
+from collections.abc import Callable, Sequence
+from html import escape
+from typing import Any
+
+import matplotlib
+from markupsafe import Markup
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.ticker import FuncFormatter, LogLocator, MultipleLocator, NullFormatter
+
+# Okabe and Ito, the darker ones first; the closed form is always ink.
+PALETTE = ("#0072b2", "#d55e00", "#009e73", "#aa4499", "#56b4e9", "#997700")
+Dashes = tuple[int, tuple[float, ...]]
+DASHES: tuple[Dashes, ...] = ((0, (5, 2.2)), (0, (1.4, 1.4)), (0, (7, 2, 1.4, 2)), (0, (3, 1, 1, 1, 1, 1)))
+SETTING_LINES: dict[str, Any] = {"naive": (0, (1, 1.3)), "tuned": "-", "best": (0, (5, 1.6))}
+INK, MUTED, FAINT, REFERENCE = "#1d2733", "#5b6673", "#d8dde3", "#a9b3bf"
+LIMIT_COLOUR = "#8a1c1c"
+
+# Inches of a figure that shares the page's width with another, and of one that has it to itself.
+WIDTH, FULL_WIDTH = 4.4, 9.2
+# An inline drawing beyond this many characters goes into the page as a picture instead.
+LARGEST_DRAWING = 300_000
+DOTS_PER_INCH = 160
+
+# Typed loosely: which keys matplotlib's own stubs know changes from release to release.
+_STYLE: Any = {
+    "font.family": "DejaVu Sans",
+    "font.size": 8.5,
+    "axes.titlesize": 9.0,
+    "axes.titlelocation": "left",
+    "axes.titlepad": 5.0,
+    "axes.labelsize": 8.5,
+    "axes.labelcolor": INK,
+    "axes.edgecolor": MUTED,
+    "axes.linewidth": 0.6,
+    "axes.spines.top": False,
+    "axes.spines.right": False,
+    "axes.grid": True,
+    "axes.axisbelow": True,
+    "axes.unicode_minus": True,
+    "grid.color": FAINT,
+    "grid.linewidth": 0.5,
+    "xtick.color": MUTED,
+    "ytick.color": MUTED,
+    "xtick.labelcolor": INK,
+    "ytick.labelcolor": INK,
+    "xtick.labelsize": 8.0,
+    "ytick.labelsize": 8.0,
+    "xtick.major.size": 2.5,
+    "ytick.major.size": 2.5,
+    "xtick.major.width": 0.6,
+    "ytick.major.width": 0.6,
+    "xtick.minor.size": 0.0,
+    "ytick.minor.size": 0.0,
+    "legend.frameon": False,
+    "legend.fontsize": 8.0,
+    "lines.linewidth": 1.3,
+    "text.color": INK,
+    "svg.fonttype": "none",
+    "svg.hashsalt": "linkproof",
+    "path.simplify": True,
+    "path.simplify_threshold": 0.2,
+}
+
+_COORDINATES = re.compile(r'\b(?:d|x|y|x1|x2|y1|y2|width|height|transform|points)="[^"]*"')
+_LONG_NUMBER = re.compile(r"(\d\.\d\d)\d+")
+_PROLOGUE = re.compile(r"^.*?(?=<svg)", re.DOTALL)
+_METADATA = re.compile(r"<metadata>.*?</metadata>|<style.*?</style>", re.DOTALL)
+_SIZE = re.compile(r'<svg ([^>]*?)width="[\d.]+pt"', re.DOTALL)
+_HEIGHT = re.compile(r'(<svg [^>]*?)height="[\d.]+pt" ?', re.DOTALL)
+
+
+def colour(engine: str, engines: Sequence[str]) -> str:
+    """An engine's colour, by its place among the names."""
+    return PALETTE[engines.index(engine) % len(PALETTE)]
+
+
+def dashes(engine: str, engines: Sequence[str]) -> Dashes:
+    """An engine's dash pattern, by its place among the names, for readers without colour."""
+    return DASHES[engines.index(engine) % len(DASHES)]
+
+
+def drawn(width: float, height: float, draw: Callable[[Figure], None]) -> Figure:
+    """A figure of so many inches, drawn in the house style."""
+    with matplotlib.rc_context(_STYLE):
+        figure = Figure(figsize=(width, height))
+        draw(figure)
+    return figure
+
+
+def picture(figure: Figure, key: str, description: str) -> Markup:
+    """The figure for a page: an inline drawing, or a picture where the drawing would be too large."""
+    with matplotlib.rc_context(_STYLE):
+        drawing = _drawing(figure, key, description)
+        if len(drawing) <= LARGEST_DRAWING:
+            return Markup(drawing)
+        buffer = io.BytesIO()
+        figure.savefig(buffer, format="png", dpi=DOTS_PER_INCH, metadata={"Software": None})
+    data = base64.b64encode(buffer.getvalue()).decode("ascii")
+    width = figure.get_figwidth() * 96.0
+    return Markup(f'<img width="{width:.0f}" alt="{escape(description)}" src="data:image/png;base64,{data}">')
+
+
+def _drawing(figure: Figure, key: str, description: str) -> str:
+    """SVG fit to stand inside a page: no prologue, ids of its own, short numbers, the page's fonts."""
+    buffer = io.StringIO()
+    figure.savefig(buffer, format="svg", metadata={"Date": None, "Creator": None})
+    text = _PROLOGUE.sub("", buffer.getvalue(), count=1)
+    text = _METADATA.sub("", text)
+    text = _COORDINATES.sub(lambda found: _LONG_NUMBER.sub(r"\1", found[0]), text)
+    text = text.replace("'DejaVu Sans'", "var(--sans)").replace(", sans-serif", "")
+    text = re.sub(r'\bid="', f'id="{key}-', text)
+    text = text.replace("url(#", f"url(#{key}-").replace('xlink:href="#', f'xlink:href="#{key}-')
+    width = figure.get_figwidth() * 96.0
+    text = _HEIGHT.sub(r"\1", _SIZE.sub(rf'<svg \1style="max-width:{width * 1.25:.0f}px"', text, count=1), count=1)
+    title = f'role="img" aria-labelledby="{key}-title"><title id="{key}-title">{escape(description)}</title>'
+    return text.replace(">", f" {title}", 1)
+
+
+def over_turn(axes: Axes, label: str = "crank angle φ, °") -> None:
+    """A turn on the x axis, in degrees."""
+    axes.set_xlim(0.0, 360.0)
+    axes.xaxis.set_major_locator(MultipleLocator(60.0))
+    axes.set_xlabel(label)
+
+
+def error_scale(axes: Axes, lowest: float, highest: float) -> None:
+    """A logarithmic y axis over whole decades, labelled as powers of ten."""
+    axes.set_yscale("log")
+    bottom, top = math.floor(math.log10(lowest)), math.ceil(math.log10(highest) + 0.05)
+    axes.set_ylim(10.0**bottom, 10.0**top)
+    axes.yaxis.set_major_locator(LogLocator(base=10.0, numticks=6))
+    axes.yaxis.set_major_formatter(FuncFormatter(power_of_ten))
+    axes.yaxis.set_minor_formatter(NullFormatter())
+
+
+def power_of_ten(value: float, _: int = 0) -> str:
+    """10 to a whole power, in plain characters: 10⁻⁵."""
+    exponent = round(math.log10(value)) if value > 0.0 else 0
+    raised = str(exponent).translate(str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹"))
+    return f"10{raised}"
+
+
+def label_ends(axes: Axes, ends: Sequence[tuple[float, str, str]], size: float = 7.5, lines: int = 1) -> None:
+    """Write names at the right end of their curves, (height, name, colour) each, moved apart where they would touch."""
+    if not ends:
+        return
+    box = axes.get_position()
+    figure_height = axes.get_figure(root=True).get_figheight()  # type: ignore[union-attr]
+    gap = lines * size * 1.25 / (72.0 * box.height * figure_height)
+    to_axes = axes.transLimits
+    order = sorted(ends, key=lambda end: end[0])
+    heights = [float((axes.transScale + to_axes).transform((1.0, end[0]))[1]) for end in order]
+    for place, (_, name, ink) in zip(spread(heights, gap), order, strict=True):
+        axes.annotate(name, (1.0, place), xycoords="axes fraction", xytext=(4.0, 0.0), textcoords="offset points",
+                      color=ink, fontsize=size, va="center", ha="left", annotation_clip=False)  # fmt: skip
+
+
+def spread(heights: Sequence[float], gap: float) -> list[float]:
+    """Increasing heights moved as little as needed to lie at least ``gap`` apart, within 0 and 1 if they fit."""
+    room = max(1.0, gap * (len(heights) - 1))
+    placed: list[float] = []
+    for height in heights:
+        inside = min(max(height, 0.0), room)
+        placed.append(max(inside, placed[-1] + gap) if placed else inside)
+    excess = room
+    for number in range(len(placed) - 1, -1, -1):
+        placed[number] = min(placed[number], excess)
+        excess = placed[number] - gap
+    return placed
