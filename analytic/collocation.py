@@ -25,9 +25,12 @@ Acceleration = Callable[[Array, Array], Array]
 MOST_ITERATIONS: Final = 30
 MOST_WINDOWS: Final = 200_000  # some ten thousand turns
 LEAST_WINDOW: Final = 1e-12  # of the duration
-SAFETY, MOST_GROWTH, LEAST_GROWTH = 0.85, 2.0, 0.2
+SAFETY, MOST_GROWTH, LEAST_GROWTH, MOST_RETRY = 0.85, 2.0, 0.2, 0.7
+ALL_BUT: Final = 0.999  # of the rest of the time: no sliver of a window is left over
+TINY: Final = float(np.finfo(float).tiny)
 FIRST_ANGLE: Final = 0.3  # rad, the first window's guess
 EPS: Final = float(np.finfo(float).eps)
+LEAST_TOLERANCE: Final = 64.0 * EPS  # the last coefficients of a series never fall below a few roundings
 
 
 class Scheme(NamedTuple):
@@ -111,41 +114,67 @@ class _Carried:
         self.value = total
 
 
+class _Path:
+    """The windows done so far and the state at their end."""
+
+    def __init__(self, scheme: Scheme, angle: float, speed: float) -> None:
+        self.scheme = scheme
+        self.angle, self.speed = _Carried(angle), _Carried(speed)
+        self.starts = [0.0]
+        self.base: list[float] = []
+        self.angles: list[Array] = []
+        self.speeds: list[Array] = []
+
+    def add(self, found: Array, length: float, end: float) -> None:
+        """Append a window of a length, up to the time ``end``, from the accelerations at its nodes."""
+        angle, speed = length**2 * (self.scheme.angle @ found), length * (self.scheme.speed @ found)
+        speed[0] += self.speed.value
+        angle[:2] += 0.5 * length * self.speed.value  # the line from 0 to ω·length over [-1, 1]
+        self.base.append(self.angle.value)
+        self.angles.append(angle)
+        self.speeds.append(speed)
+        self.starts.append(end)
+        self.angle.add(length * self.speed.value + length**2 * float(self.scheme.end_twice @ found))
+        self.speed.add(length * float(self.scheme.end_once @ found))
+
+    def windows(self) -> Windows:
+        return Windows(
+            np.array(self.starts), np.array(self.base), np.stack(self.angles, axis=1), np.stack(self.speeds, axis=1)
+        )
+
+
 def integrate(
     acceleration: Acceleration, angle: float, speed: float, duration: float, tolerance: float, count: int
 ) -> Windows:
-    """Integrate from (φ, ω) for ``duration`` seconds; ``tolerance`` is of the speed in a window, ``count`` the nodes."""
-    scheme = gauss_scheme(count)
-    phi, omega = _Carried(angle), _Carried(speed)
-    time, length = 0.0, _first_window(acceleration, angle, speed, duration)
-    guess = acceleration(np.full(count, angle), np.full(count, speed))
-    starts, base, angles, speeds = [0.0], [], [], []
-    while time < duration:
-        length, last = (duration - time, True) if length >= 0.999 * (duration - time) else (length, False)
-        found = _solve(acceleration, scheme, phi.value, omega.value, length, guess)
-        error = np.inf if found is None else _error(scheme, found, omega.value, length)
-        growth = np.clip(SAFETY * (tolerance / max(error, 1e-300)) ** (1.0 / count), LEAST_GROWTH, MOST_GROWTH)
-        if found is None or error > tolerance:
-            length *= min(float(growth), 0.7)
-            _check(length, duration, time, phi.value)
-            guess = acceleration(np.full(count, phi.value), np.full(count, omega.value))
-            continue
-        base.append(phi.value)
-        angles.append(_plus_line(length**2 * (scheme.angle @ found), length * omega.value))
-        speeds.append(length * (scheme.speed @ found))
-        speeds[-1][0] += omega.value
-        phi.add(length * omega.value + length**2 * float(scheme.end_twice @ found))
-        omega.add(length * float(scheme.end_once @ found))
-        time = duration if last else time + length
-        starts.append(time)
-        if len(starts) > MOST_WINDOWS:
-            raise LinkproofError(
-                f"motion: expected at most {MOST_WINDOWS} windows of integration, got more by t = {time:.4g} s of "
-                f"{duration:g} s; shorten the duration"
-            )
-        guess = _continued(scheme, found, float(growth))
-        length *= float(growth)
-    return Windows(np.array(starts), np.array(base), np.stack(angles, axis=1), np.stack(speeds, axis=1))
+    """Integrate from (φ, ω) for ``duration`` seconds; ``tolerance`` is of the speed in a window, ``count`` the nodes.
+
+    Raises LinkproofError where the motion cannot be followed.
+    """
+    tolerance, scheme = max(tolerance, LEAST_TOLERANCE), gauss_scheme(count)
+    path, length = _Path(scheme, angle, speed), _first_window(acceleration, angle, speed, duration)
+    guess = _constant(acceleration, path)
+    while path.starts[-1] < duration:
+        rest = duration - path.starts[-1]
+        last = length >= ALL_BUT * rest
+        length = rest if last else length
+        found = _solve(acceleration, path, length, guess)
+        error = np.inf if found is None else _error(path, found, length)
+        growth = float(np.clip(SAFETY * (tolerance / max(error, TINY)) ** (1.0 / count), LEAST_GROWTH, MOST_GROWTH))
+        if found is not None and error <= tolerance:
+            path.add(found, length, duration if last else path.starts[-1] + length)
+            guess = _continued(scheme, found, growth)
+        else:
+            growth = min(growth, MOST_RETRY)
+            guess = _constant(acceleration, path)
+        length *= growth
+        _check(path, length, duration)
+    return path.windows()
+
+
+def _constant(acceleration: Acceleration, path: _Path) -> Array:
+    """The acceleration at the path's end, for every node."""
+    count = len(path.scheme.nodes)
+    return acceleration(np.full(count, path.angle.value), np.full(count, path.speed.value))
 
 
 def _first_window(acceleration: Acceleration, angle: float, speed: float, duration: float) -> float:
@@ -155,11 +184,10 @@ def _first_window(acceleration: Acceleration, angle: float, speed: float, durati
     return min(duration, FIRST_ANGLE / rate) if rate > 0.0 else duration
 
 
-def _solve(
-    acceleration: Acceleration, scheme: Scheme, angle: float, speed: float, length: float, guess: Array
-) -> Array | None:
+def _solve(acceleration: Acceleration, path: _Path, length: float, guess: Array) -> Array | None:
     """Accelerations at the nodes, or None where the iteration does not settle."""
-    ahead = angle + speed * length * scheme.nodes
+    scheme, speed = path.scheme, path.speed.value
+    ahead = path.angle.value + speed * length * scheme.nodes
     once, twice = length * scheme.once, length**2 * scheme.twice
     found, before = guess, np.inf
     for _ in range(MOST_ITERATIONS):
@@ -178,18 +206,12 @@ def _solve(
     return None
 
 
-def _error(scheme: Scheme, found: Array, speed: float, length: float) -> float:
+def _error(path: _Path, found: Array, length: float) -> float:
     """Error of the speed's polynomial over the speed in the window, from the last terms of the acceleration's series."""
+    scheme, speed = path.scheme, path.speed.value
     tail = np.abs(scheme.series[-2:] @ found).max() * length
     scale = max(abs(speed), abs(speed + length * float(scheme.end_once @ found)), length * float(np.abs(found).max()))
     return float(tail / scale) if scale > 0.0 else 0.0
-
-
-def _plus_line(series: Array, rise: float) -> Array:
-    """A Legendre series plus the straight line from 0 to ``rise``."""
-    series[0] += 0.5 * rise
-    series[1] += 0.5 * rise
-    return series
 
 
 def _continued(scheme: Scheme, found: Array, growth: float) -> Array:
@@ -198,10 +220,15 @@ def _continued(scheme: Scheme, found: Array, growth: float) -> Array:
     return np.asarray(legendre.legval(1.0 + 2.0 * growth * scheme.nodes, (scheme.series @ found)[:kept]))
 
 
-def _check(length: float, duration: float, time: float, angle: float) -> None:
+def _check(path: _Path, length: float, duration: float) -> None:
     if length < LEAST_WINDOW * duration:
         raise LinkproofError(
-            f"motion: expected a smooth motion of the crank, got one that cannot be followed beyond t = {time:.6g} s at "
-            f"crank angle {np.degrees(angle) % 360.0:.4g}°, a dead position or an unbounded speed; shorten the duration "
-            "or change the loads"
+            f"motion: expected one that is smooth, got one that cannot be followed beyond t = {path.starts[-1]:.6g} s at "
+            f"crank angle {np.degrees(path.angle.value) % 360.0:.4g}°, a dead position or an unbounded speed; shorten "
+            "the duration or change the loads"
+        )
+    if len(path.base) > MOST_WINDOWS:
+        raise LinkproofError(
+            f"motion: expected at most {MOST_WINDOWS} windows of integration, got more by t = {path.starts[-1]:.4g} s of "
+            f"{duration:g} s; shorten the duration"
         )

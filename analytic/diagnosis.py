@@ -137,12 +137,15 @@ def line_of(text: str, keys: Sequence[str], variant: str | None = None) -> str:
 
 
 def _line_in(section: Section, names: Sequence[str]) -> int | None:
-    """The first line of a section that writes all of these keys, or as many of them from the left as any line does."""
-    for depth in range(len(names), 0, -1):
-        for number, line in enumerate(section.lines):
-            if set(names[:depth]) <= set(_keys_written(line)):
-                return section.start + number
-    return None
+    """The line of a section that writes the last of these keys, each looked for from where the one before it stands."""
+    found, at = None, 0
+    for name in names:
+        at = next(
+            (n for n in range(at, len(section.lines)) if name in _keys_written(section.lines[n])), len(section.lines)
+        )
+        if at < len(section.lines):
+            found = section.start + at
+    return found
 
 
 def _sections(text: str) -> list[Section]:

@@ -130,6 +130,17 @@ class RegimeTable(Table):
     duration: Positive
 
 
+class ErratumTable(Table):
+    """A model as printed, by its ½ Jeq' or as a variant, to be held against this file's in one of its own regimes."""
+
+    name: str
+    place: str
+    regime: str
+    half_slope: Literal["exact", "moduli"] = "exact"
+    variant: str | None = None
+    note: str = ""
+
+
 class PublishedTable(Table):
     """A printed figure: SI units, ratios as plain numbers; ``half_digit`` is half a unit of its last printed digit."""
 
@@ -161,6 +172,7 @@ class Document(Table):
     output: OutputTable | None = None
     sketch: Sketch = Sketch()
     regimes: dict[str, RegimeTable] = Field(default_factory=dict)
+    errata: list[ErratumTable] = Field(default_factory=list)
     published: list[PublishedTable] = Field(default_factory=list)
     notes: list[str] = Field(default_factory=list)
     format: Literal[1] = 1

@@ -143,7 +143,7 @@ def two_circles(a: Pair, b: Pair, radius_a: float, radius_b: float, sign: int) -
     with np.errstate(divide="ignore", invalid="ignore"):
         along = 0.5 + (radius_a - radius_b) * (radius_a + radius_b) * 0.5 / square
         across = determinant / square
-    return (along * d[0] - across * d[1], along * d[1] + across * d[0]), determinant, radicand
+        return (along * d[0] - across * d[1], along * d[1] + across * d[0]), determinant, radicand
 
 
 def circle_and_line(a: Pair, base: Pair, direction: Pair, radius: float, sign: int) -> tuple[Pair, Scalar, Scalar]:

@@ -105,8 +105,8 @@ def spring_length(sweep: Sweep, number: int) -> tuple[Array, Array]:
     (b1, p1), (b2, p2) = ends
     span = dyads.minus(sweep.local_point(b1, p1), sweep.local_point(b2, p2))
     rate = dyads.minus(sweep.local_point(b1, p1, 1), sweep.local_point(b2, p2, 1))
-    length = np.asarray(np.hypot(*span))
-    return length, np.divide(dyads.dot(span, rate), length, out=np.zeros_like(length), where=length > 0.0)
+    length, stretch = np.broadcast_arrays(np.hypot(*span), dyads.dot(span, rate))
+    return length, np.divide(stretch, length, out=np.zeros_like(length), where=length > 0.0)
 
 
 def damping_coefficient(sweep: Sweep) -> Array:

@@ -14,6 +14,7 @@ from analytic.errors import AssemblyError
 from analytic.extremes import grid
 from analytic.laws import FULL_TURN, Law
 from analytic.mechanism import Mechanism
+from analytic.roots import root
 
 Array = NDArray[np.float64]
 
@@ -35,11 +36,9 @@ def equilibria(mechanism: Mechanism, torque: float | Law = 0.0) -> tuple[Equilib
     there is no moment at any angle. A crank that cannot make a full turn is looked at where it can stand; two angles
     nearer to each other than half a degree may be missed.
     """
-    from scipy.optimize import brentq  # noqa: PLC0415 - who asks for no equilibrium does not pay for it
-
     law = crank_torque(torque)
 
-    def moment(angle: Array | float) -> Array:
+    def moment(angle: Array) -> Array:
         return dynamics.generalised_force(mechanism.sweep(angle)) + law(angle)[0]
 
     start = grid()
@@ -52,10 +51,10 @@ def equilibria(mechanism: Mechanism, torque: float | Law = 0.0) -> tuple[Equilib
     found = []
     for change in changes:
         left, right = float(start[change]), float(start[change]) + FULL_TURN / len(start)
-        root = float(brentq(moment, left, right, xtol=1e-15, rtol=4.0 * np.finfo(float).eps))
+        angle = root(lambda phi: float(moment(np.asarray(phi))), left, right)
         ends = max(abs(before[change]), abs(after[change]))
-        if abs(float(moment(root))) <= ends:  # else it passes through infinity, at a dead position
-            found.append(Equilibrium(root % FULL_TURN, bool(after[change] < before[change])))
+        if abs(float(moment(np.asarray(angle)))) <= ends:  # else it passes through infinity, at a dead position
+            found.append(Equilibrium(angle % FULL_TURN, bool(after[change] < before[change])))
     return tuple(sorted(found))
 
 

@@ -34,9 +34,13 @@ EPS: Final = float(np.finfo(float).eps)
 
 @dataclass(frozen=True)
 class FreeMotion:
-    """A crank motion that solves the equation of motion; made by ``free_motion``."""
+    """A crank motion that solves the equation of motion; made by ``free_motion``.
+
+    ``regime`` is ``driven`` under a crank torque, else ``free``; ``start`` holds φ, rad, and ω, rad/s, at t = 0.
+    """
 
     regime: str
+    start: tuple[float, float]
     duration: float
     equation: EquationOfMotion
     windows: Windows
@@ -78,11 +82,9 @@ class FreeMotion:
         its own, and the rounding of φ itself. What both share is the closed form, with its few roundings: see
         ``energy_imbalance``.
         """
-        tight = replace(self.equation, table=None).tabulated(CONTROL_DEGREE)
-        first, last = (self.windows.angle_at(self.windows.starts[[0, -1]]), self.windows.speed_at(np.zeros(1)))
-        control = integrate(
-            tight.acceleration, float(first[0]), float(last[0]), self.duration, TIGHTENED * self.tolerance, CONTROL_NODES
-        )
+        equation = replace(self.equation, table=None).tabulated(CONTROL_DEGREE)
+        tolerance = TIGHTENED * self.tolerance
+        control = integrate(equation.acceleration, *self.start, self.duration, tolerance, CONTROL_NODES)
         time = self._instants(SAMPLES)
         angle = self.angle(time)
         difference = np.max(np.abs(angle - control.angle_at(time)))
@@ -136,7 +138,6 @@ def free_motion(
         if not (math.isfinite(value) and value > 0.0):
             raise LinkproofError(f"{name}: expected a positive finite number, got {value:g}; give one that is")
     equation = equation_of_motion(mechanism, torque, half_slope)
-    mechanism.sweep(np.asarray(start_angle)).closure_error()  # a start that cannot be assembled says so
     return follow(equation.tabulated(), start_angle, start_speed, duration, tolerance)
 
 
@@ -146,4 +147,4 @@ def follow(
     """The motion of an equation that is ready to be integrated; arguments as for ``free_motion``."""
     windows = integrate(equation.acceleration, start_angle, start_speed, duration, tolerance, NODES)
     regime = "driven" if np.any(equation.torque.values) else "free"
-    return FreeMotion(regime, duration, equation, windows, tolerance)
+    return FreeMotion(regime, (start_angle, start_speed), duration, equation, windows, tolerance)

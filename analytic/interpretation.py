@@ -49,6 +49,7 @@ def interpret(document: doc.Document, name: str, variants: tuple[str, ...], sour
         dampers=loads.dampers(reader),
         output=_output(reader),
         regimes=_regimes(reader),
+        errata=_errata(reader, variants),
         published=tuple(lk.Published(**entry.model_dump()) for entry in document.published),
         notes=tuple(document.notes),
     )
@@ -67,6 +68,18 @@ def _regimes(reader: Reader) -> tuple[lk.OwnRegime, ...]:
         start = reader.number(table.start_angle, "angle", f"{where}.start_angle")
         found.append(lk.OwnRegime(name, torque, start, table.start_speed, table.duration))
     return tuple(found)
+
+
+def _errata(reader: Reader, variants: tuple[str, ...]) -> tuple[lk.Erratum, ...]:
+    """Printed models; each names a regime of the file and, if it is one, a variant of it."""
+    regimes = reader.document.regimes
+    for number, table in enumerate(reader.document.errata):
+        where = f"errata.{number}"
+        if table.regime not in regimes:
+            raise reader.fail(f"{where}: {UnknownNameError('regime of its own', table.regime, regimes)}")
+        if table.variant is not None and table.variant not in variants:
+            raise reader.fail(f"{where}: {UnknownNameError('variant', table.variant, variants)}")
+    return tuple(lk.Erratum(**table.model_dump()) for table in reader.document.errata)
 
 
 def _link(reader: Reader, name: str) -> lk.Link:

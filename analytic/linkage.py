@@ -150,6 +150,21 @@ class Published:
 
 
 @dataclass(frozen=True)
+class Erratum:
+    """A model as printed in a source, to be held against this description in one of the linkage's own regimes.
+
+    It differs by its model of ½ Jeq' (``half_slope``: ``exact`` or ``moduli``) or by being a variant of the linkage.
+    """
+
+    name: str
+    place: str
+    regime: str
+    half_slope: str = "exact"
+    variant: str | None = None
+    note: str = ""
+
+
+@dataclass(frozen=True)
 class Linkage:
     """A planar linkage of one degree of freedom with its loads; every mapping is sorted by name."""
 
@@ -173,6 +188,7 @@ class Linkage:
     dampers: tuple[RotaryDamper, ...] = ()
     output: Output | None = None
     regimes: tuple[OwnRegime, ...] = ()
+    errata: tuple[Erratum, ...] = ()
     published: tuple[Published, ...] = ()
     notes: tuple[str, ...] = field(default=())
 

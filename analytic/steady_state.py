@@ -20,13 +20,14 @@ from analytic.extremes import extremes, grid, periodic_mean
 from analytic.free_motion import TOLERANCE, FreeMotion, follow
 from analytic.laws import FULL_TURN, Law
 from analytic.mechanism import Mechanism
+from analytic.roots import root
 
 Array = NDArray[np.float64]
 
 # Shares of the mean speed to start the search from: at the first angle the crank may be faster than in the mean.
 GUESSES: Final = (1.0, 1.5, 2.5)
 MOST_TURNS: Final = 60
-SETTLED: Final = 1e-12  # change of the speed over a turn, relative
+SETTLED: Final = 1e-10  # step of the search, relative: a secant's error is far below its step
 SLOWEST: Final = 8.0  # times the guessed time of a turn: slower is a stall
 SAMPLES: Final = 720  # per turn
 
@@ -72,15 +73,13 @@ def _rotation(motion: FreeMotion, start: float, end: float, turns: int) -> Rotat
 
 def _instant(motion: FreeMotion, angle: float) -> float | None:
     """The last time at which the crank passes an angle, s."""
-    from scipy.optimize import brentq  # noqa: PLC0415 - who prescribes the motion does not pay for it
-
     times = motion.windows.starts
     ahead = motion.angle(times) >= angle
     changes = np.flatnonzero(ahead[1:] != ahead[:-1])
     if not len(changes):
         return None
     left, right = times[changes[-1]], times[changes[-1] + 1]
-    return float(brentq(lambda time: float(motion.angle(time)) - angle, left, right, xtol=1e-15 * motion.duration))
+    return root(lambda time: float(motion.angle(time)) - angle, float(left), float(right))
 
 
 def steady_state(mechanism: Mechanism, torque: float | Law, half_slope: str = "exact") -> Rotation:
@@ -117,12 +116,12 @@ def _repeating(equation: EquationOfMotion, speed: float) -> Rotation | None:
             return None
         motion, end = turn
         gain = float(motion.speed(end)) - speed
-        if abs(gain) <= SETTLED * abs(speed):
-            return _rotation(motion, 0.0, end, 1)
         following = speed + gain
         if earlier is not None and gain != earlier[1]:
             secant = speed - gain * (speed - earlier[0]) / (gain - earlier[1])
             following = secant if 0.5 < secant / speed < 2.0 else following
+            if abs(following - speed) <= SETTLED * abs(speed):
+                return _rotation(motion, 0.0, end, 1)
         earlier, speed = (speed, gain), following
     return None
 

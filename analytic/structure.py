@@ -254,8 +254,8 @@ def _leftover(search: _Search) -> str:
         single = [p for name in left for p in search.bodies[name].points if len(search.carriers(p)) == 1]
         loose = f"; on one link only: {', '.join(sorted(map(repr, single)))}" if single and mobility > 1 else ""
         return (
-            f"'{search.linkage.name}': expected mobility 1, got {mobility} (3·{moving} links - 2·{lower_pairs} joints); "
-            f"{'add a joint to' if mobility > 1 else 'leave out a joint of'} {named} (a point of one name on two links "
+            f"'{search.linkage.name}': expected mobility 1, got {mobility} (3·{moving} links - 2·{lower_pairs} joints)"
+            f"; {'add a joint to' if mobility > 1 else 'leave out a joint of'} {named} (a point of one name on two links "
             f"is a joint{loose})"
         )
     return (

@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Protocol
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from analytic.errors import LinkproofError
+from analytic.free_motion import FreeMotion, free_motion
 from analytic.kinetostatics import joint_forces
 from analytic.linkage import Output, OwnRegime, Vector
 from analytic.mechanism import Mechanism
@@ -124,18 +125,22 @@ class Case:
         return np.asarray(vectors @ np.asarray(self.output.along))
 
 
-def own_case(mechanism: Mechanism, own: OwnRegime) -> Case:
-    """The case of a regime of the linkage's own: a released crank, its motion by the equation of motion."""
-    from analytic.free_motion import free_motion
-
+def own_motion(mechanism: Mechanism, own: OwnRegime, half_slope: str = "exact") -> FreeMotion:
+    """The motion of a regime of the linkage's own; ``half_slope`` names the model of ½ Jeq'."""
     motion = free_motion(
         mechanism,
         torque=own.torque,
         start_angle=own.start_angle,
         start_speed=own.start_speed,
         duration=own.duration,
-        regime=own.name,
+        half_slope=half_slope,
     )
+    return replace(motion, regime=own.name)
+
+
+def own_case(mechanism: Mechanism, own: OwnRegime) -> Case:
+    """The case of a regime of the linkage's own: a released crank, its motion by the equation of motion."""
+    motion = own_motion(mechanism, own)
     conditions = (
         f"released at {math.degrees(own.start_angle):g}° with {own.start_speed:g} rad/s, crank torque {own.torque:g} "
         f"N m, {own.duration:g} s, {'gravity on' if any(mechanism.linkage.gravity) else 'gravity off'}"

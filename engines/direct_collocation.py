@@ -8,6 +8,7 @@ as at them, so that the motion can be asked for at any instant.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from dataclasses import dataclass
 
@@ -19,7 +20,7 @@ from engines.direct_assembly import UnsolvableError
 
 Array = NDArray[np.float64]
 
-POINTS = 16
+POINTS = 24
 ITERATIONS = 40
 NARROWEST = 1e-12  # of the duration: a window that has to be narrower than this finds no way on
 TAIL = 3  # coefficients at the end of a series that tell how well it has converged
@@ -52,9 +53,13 @@ Equation = Callable[[Array, Array], Slope]
 
 @dataclass(frozen=True)
 class Trajectory:
-    """The motion found: window starts (w + 1,), φ and φ̇ there (w,), φ̈ at the windows' points (w, points)."""
+    """The motion found: window starts (w + 1,), φ and φ̇ there (w,), φ̈ at the windows' points (w, points).
+
+    ``turns`` (w,), rad, is to be added to φ: it is kept small, as what depends on it is the noisier the larger it is.
+    """
 
     starts: Array
+    turns: Array
     angle: Array
     speed: Array
     acceleration: Array
@@ -70,16 +75,19 @@ class Trajectory:
             for order, part in ((1, _FIRST), (2, _SECOND))
         )
         speed = self.speed[window]
-        return self.angle[window] + elapsed * speed + 0.25 * width**2 * twice, speed + 0.5 * width * once
+        angle = self.angle[window] + elapsed * speed + 0.25 * width**2 * twice
+        return self.turns[window] + angle, speed + 0.5 * width * once
 
 
-def integrate(equation: Equation, angle: float, speed: float, duration: float, tolerance: float) -> Trajectory:
+def integrate(
+    equation: Equation, angle: float, speed: float, duration: float, tolerance: float, period: float = np.inf
+) -> Trajectory:
     """Follow φ̈ = equation(φ, φ̇) from a start for ``duration`` seconds; raises UnsolvableError where there is no way on.
 
-    ``tolerance`` is what a window's series may end in, relative to the terms of φ̈.
+    ``tolerance`` is what a window's series may end in, relative to the terms of φ̈; ``period`` is the equation's in φ.
     """
     starts, found = [0.0], []
-    width = duration / 16.0
+    turns, width = 0.0, duration / 16.0
     while starts[-1] < duration:
         left = duration - starts[-1]
         width = min(width, left)
@@ -87,15 +95,16 @@ def integrate(equation: Equation, angle: float, speed: float, duration: float, t
         tail = np.inf if attempt is None else _tail(attempt)
         if attempt is not None and tail <= tolerance:
             starts.append(duration if width == left else starts[-1] + width)
-            found.append((angle, speed, attempt.acceleration))
+            found.append((turns, angle, speed, attempt.acceleration))
             angle += width * speed + 0.25 * width**2 * float(_AT_END[1] @ attempt.acceleration)
             speed += 0.5 * width * float(_AT_END[0] @ attempt.acceleration)
+            if abs(angle) > period:
+                turns, angle = turns + math.copysign(period, angle), angle - math.copysign(period, angle)
         elif width <= NARROWEST * duration:
             equation(np.array([angle]), np.array([speed]))  # says why, where the motion has left its bounds
             raise UnsolvableError(f"the free crank's motion cannot be followed beyond {starts[-1]:.4g} s")
         width *= min(2.0, max(0.3, 0.9 * (tolerance / max(tail, 1e-300)) ** (1.0 / POINTS)))
-    angles, speeds, accelerations = zip(*found, strict=True)
-    return Trajectory(np.array(starts), np.array(angles), np.array(speeds), np.stack(accelerations))
+    return Trajectory(np.array(starts), *(np.array(part) for part in zip(*found, strict=True)))
 
 
 def _tail(slope: Slope) -> float:

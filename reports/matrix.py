@@ -104,7 +104,21 @@ def _cell(records: Sequence[Record]) -> Cell:
         told += f"; {record.samples} samples" + (f", {record.left_out} left out" if record.left_out else "")
     if record.detail:
         told += f". {record.detail}"
-    return Cell(record.error_max, sign, style, bound(record.limit), told)
+    return Cell(record.error_max, sign, style, _bound(record), told)
+
+
+def _bound(record: Record) -> str:
+    """The limit, or what the baseline allows where that is what the record is over."""
+    if caught_by_baseline(record):
+        return f"{bound(float(f'{record.baseline:.1e}'))} recorded"
+    return bound(record.limit)
+
+
+def caught_by_baseline(record: Record) -> bool:
+    """Whether a record is within its limit but has grown too far over its recorded value."""
+    if record.outcome != Verdict.OVER_LIMIT.value or record.error_max is None or not record.limit:
+        return False
+    return record.baseline is not None and record.error_max <= record.limit
 
 
 @dataclass(frozen=True)
@@ -149,7 +163,7 @@ def past_baseline(results: Results) -> tuple[str, ...]:
     return tuple(
         f"{r.mechanism} ({r.variant}), {r.regime}, {r.engine} {r.setting}, {r.quantity}: {r.detail}"
         for r in every_record(results)
-        if r.outcome == Verdict.OVER_LIMIT.value and r.error_max is not None and r.limit and r.error_max <= r.limit
+        if caught_by_baseline(r)
     )
 
 

@@ -60,6 +60,7 @@ def page(results: Results) -> str:
         left_out=sum(record.left_out for record in results.records),
         samples=sum(record.samples for record in results.records),
         closure=_closure(every),
+        released=list(dict.fromkeys(one.name for view in every for one in view.regimes if one.motion is None)),
         notes=[(view.linkage.title, view.linkage.notes) for view in every if view.linkage.notes],
         met=met,
     )  # fmt: skip
@@ -129,6 +130,7 @@ def _environment() -> jinja2.Environment:
         autoescape=True,
         undefined=jinja2.StrictUndefined,
         trim_blocks=True,
+        keep_trailing_newline=True,
         lstrip_blocks=True,
     )
     environment.filters.update(

@@ -147,9 +147,9 @@ def regime_part(view: View, regime: Regime) -> Part:
         " Of a force the curves are magnitudes, the largest deviation is the vector's." if _has_forces(view) else ""
     )
     lead = (
-        f"{regime.conditions[:1].upper()}{regime.conditions[1:]}. Grey is the closed form, dashed the engines at "
-        f"setting {view.setting}; beneath stands the upper envelope of |error| over the peak, on a logarithmic scale, "
-        f"for every setting that ran.{jumps}{forces}"
+        f"{regime.conditions[:1].upper()}{regime.conditions[1:]}. Grey is the closed form, the engines at setting "
+        f"{view.setting} are dashed; beneath stands the upper envelope of |error| over the peak, on a logarithmic "
+        f"scale, for every setting that ran.{jumps}{forces}"
     )
     return Part(f"Regime {regime.name}", lead, tuple(figures))
 
@@ -179,8 +179,7 @@ def _deviations(view: View, regime: Regime) -> list[Shown]:
 def _history(view: View, regime: Regime, quantity: str) -> Shown:
     _, values = run_up.truth(view, regime, quantity)
     unit = next((record.unit for record in view.records if record.quantity == quantity), "")
-    name = run_up.symbol(quantity)
-    span = f"{name}, {title(quantity)}"
+    span = f"{run_up.symbol(quantity)}, {title(quantity)}"
     if len(values):
         span += f", between {_signed(float(np.min(values)))} and {_signed(float(np.max(values)))} {unit}"
     return shown(

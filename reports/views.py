@@ -172,7 +172,7 @@ def family(quantity: str) -> str:
 def title(quantity: str) -> str:
     """What a quantity is, in words."""
     known = QUANTITIES.get(quantity)
-    return known.title if known else quantity.replace("_", " ").replace(":", " ")
+    return known.title if known else quantity.replace("_", " ").replace(":", " in ")
 
 
 def holds_acceleration(quantity: str) -> bool:

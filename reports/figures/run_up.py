@@ -63,9 +63,9 @@ def draw_history(upper: Axes, lower: Axes, view: View, regime: Regime, quantity:
 
 
 def symbol(quantity: str) -> str:
-    """How a quantity is written on an axis."""
+    """How a quantity is written on an axis; a force is drawn by its magnitude."""
     if quantity != family(quantity):
-        return f"|force| {quantity.partition(':')[2]}"
+        return "|F|"
     return {"phi": "φ", "omega": "ω", "epsilon": "ε"}.get(quantity, quantity)
 
 

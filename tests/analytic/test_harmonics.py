@@ -92,5 +92,5 @@ def test_a_linkage_without_output_has_no_unit_functions():
 
 def test_an_output_that_does_not_move_has_no_dead_centres():
     text = text_of("scotch-yoke").replace('{ point = "Y" }', '{ point = "Y", along = [0, 1] }')
-    with pytest.raises(LinkproofError, match=r"expected a point that moves along its direction, got 'Y', which stands still"):
+    with pytest.raises(LinkproofError, match=r"expected a point that moves along its direction, got 'Y'"):
         harmonics.dead_centres(from_text(text))

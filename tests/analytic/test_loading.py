@@ -117,7 +117,7 @@ FAULTS = {
     "slides on itself": (
         "through = [0, 0]",
         'on = "needle_bar", through = [0, 0]',
-        "slides.on: expected a host that does not itself hang on 'needle_bar', got a circle of needle_bar on needle_bar",
+        "expected a host that does not itself hang on 'needle_bar', got a circle of needle_bar on needle_bar; let",
     ),
     "no links": (JUKI[JUKI.index("[links.crank]") :], "", "links is missing: expected a table [links.NAME] for every"),
     "title a number": ('title   = "', 'title = 3 # "', "title: expected a title in quotes, got 3"),

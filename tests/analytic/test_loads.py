@@ -84,8 +84,8 @@ def test_a_load_may_name_its_link_or_leave_it_where_there_is_only_one():
 
 
 def test_units_of_loads():
-    units = 'angle = "deg", force = "kN", torque = "N*mm", stiffness = "N/mm", damping = "N*s/mm", turn_damping = "N*mm*s" }'
-    text = JUKI.replace('angle = "deg" }', units) + FORCE + SPRING + "length = 5\ndamping = 2\n"
+    units = 'force = "kN", torque = "N*mm", stiffness = "N/mm", damping = "N*s/mm", turn_damping = "N*mm*s" }'
+    text = JUKI.replace('angle = "deg" }', f'angle = "deg", {units}') + FORCE + SPRING + "length = 5\ndamping = 2\n"
     text += '\n[[torques]]\nlink = "crank"\ntorque = [1, 2, 3]\nangle = [0, 90, 180]\n'
     text += '\n[[dampers]]\nbetween = ["crank", "ground"]\ncoefficient = 3\n'
     linkage = parse(text, "sample", "sample.toml")

@@ -32,4 +32,4 @@ def test_a_free_crank_has_histories_without_a_prescribed_motion():
 
 
 def test_symbols_are_the_fields_own():
-    assert [run_up.symbol(name) for name in ("phi", "Mkr", "joint_force:A")] == ["φ", "Mkr", "|force| A"]
+    assert [run_up.symbol(name) for name in ("phi", "Mkr", "joint_force:A")] == ["φ", "Mkr", "|F|"]

@@ -68,7 +68,11 @@ def test_limits_carry_their_reasons(results):
 
 
 def test_what_only_the_baseline_caught_is_told(results):
-    grown = replace(results.records[-1], outcome=Verdict.OVER_LIMIT.value, detail="three times its recorded value")
-    rows = [*results.document["records"][:-1], asdict(grown)]
-    (sentence,) = matrix.past_baseline(Results({**results.document, "records": rows}, results.curves))
+    grown = {"outcome": Verdict.OVER_LIMIT.value, "detail": "three times its recorded value", "baseline": 2.16e-6}
+    tuned = next(record for record in results.records if record.outcome == Verdict.PASSED.value)
+    rows = [asdict(r if r != tuned else replace(r, **grown)) for r in results.records]
+    found = Results({**results.document, "records": rows}, results.curves)
+    (sentence,) = matrix.past_baseline(found)
     assert sentence.endswith("three times its recorded value")
+    cells = [cell for block in matrix.blocks(found) for row in block.rows for cell in row.cells]
+    assert [cell.limit for cell in cells if "recorded" in cell.limit] == ["2.2e-6 recorded"]

@@ -1,0 +1,142 @@
+"""Printed models put to the engines: which of two closed forms a simulation supports, and by how much.
+
+An engine knows nothing of either model. It simulates the linkage as described, and its crank speed is held against the
+corrected closed form and against the printed one.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from analytic.linkage import Erratum, Linkage
+from analytic.loading import load
+from analytic.mechanism import Mechanism
+from comparisons.case import Case, Motion, own_case, own_motion
+from comparisons.motion import ObservedMotion
+from engines.contract import Channel, Outcome, Setting, Signal
+from engines.registry import engine
+
+Array = NDArray[np.float64]
+
+# The share of a regime, from its end, over which mean speeds are taken: the last 2 s of 10.
+LAST_SHARE = 0.2
+# An engine supports a model if it is this many times nearer to it than to the other.
+NEARER = 10.0
+
+
+@dataclass(frozen=True)
+class ErratumRecord:
+    """One engine's judgement of a printed model; deviations are of crank speed, error_max over the corrected peak.
+
+    Mean speeds, rad/s, are over the last fifth of the regime; ``supports`` is ``corrected``, ``as-printed`` or
+    ``neither``.
+    """
+
+    mechanism: str
+    erratum: str
+    place: str
+    regime: str
+    engine: str
+    outcome: str
+    supports: str
+    deviation_corrected: float | None
+    deviation_printed: float | None
+    mean_speed: float | None
+    mean_speed_corrected: float
+    mean_speed_printed: float
+    note: str
+
+    @property
+    def sentence(self) -> str:
+        """The judgement in one line."""
+        if self.deviation_corrected is None or self.deviation_printed is None:
+            return f"{self.mechanism}, {self.erratum} ({self.place}): {self.engine} gave no motion, {self.outcome}"
+        return (
+            f"{self.mechanism}, {self.erratum} ({self.place}): {self.engine} supports the {self.supports} model; its "
+            f"crank speed is off by {self.deviation_corrected:.1e} of peak from the corrected one, by "
+            f"{self.deviation_printed:.1e} from the printed one (mean at the end {self.mean_speed:.4g}, corrected "
+            f"{self.mean_speed_corrected:.4g}, printed {self.mean_speed_printed:.4g} rad/s)"
+        )
+
+
+def judge_errata(linkages: Iterable[Linkage], engines: Sequence[str]) -> Iterator[ErratumRecord]:
+    """Put every printed model of these linkages to every engine, tuned."""
+    for linkage in linkages:
+        runs: dict[tuple[str, str], tuple[str, Signal | None]] = {}
+        for erratum in linkage.errata:
+            case, printed = _models(linkage, erratum)
+            for name in engines:
+                if (erratum.regime, name) not in runs:
+                    runs[erratum.regime, name] = _crank_speed(case, name)
+                yield _record(linkage, erratum, name, (case.motion, printed), runs[erratum.regime, name])
+
+
+def _models(linkage: Linkage, erratum: Erratum) -> tuple[Case, Motion]:
+    """The corrected case, which the engines run, and the motion by the printed model."""
+    own = next(regime for regime in linkage.regimes if regime.name == erratum.regime)
+    mechanism = Mechanism(linkage)
+    printed = Mechanism(load(linkage.name, erratum.variant)) if erratum.variant else mechanism
+    return own_case(mechanism, own), own_motion(printed, own, erratum.half_slope)
+
+
+def _crank_speed(case: Case, name: str) -> tuple[str, Signal | None]:
+    """How an engine's run ended, and its crank speed over time."""
+    adapter = engine(name)
+    model = case.scene({Channel.VELOCITY})
+    obstacle = adapter.obstacle(model)
+    if obstacle is not None:
+        return Outcome.UNSUPPORTED.value, None
+    run = adapter.run(model, Setting.TUNED)
+    if run.outcome is not Outcome.FINISHED or run.history is None:
+        return run.outcome.value, None
+    velocity = run.history.velocity
+    assert velocity is not None
+    return run.outcome.value, Signal(
+        velocity.time, ObservedMotion(model, run.history).crank(Channel.VELOCITY, velocity.time)
+    )
+
+
+def _record(
+    linkage: Linkage, erratum: Erratum, name: str, models: tuple[Motion, Motion], run: tuple[str, Signal | None]
+) -> ErratumRecord:
+    (corrected, printed), (outcome, speed) = models, run
+    peak = corrected.peak_speed
+    off = [float(np.max(np.abs(speed.values - m.speed(speed.time)))) / peak for m in models] if speed else []
+    return ErratumRecord(
+        mechanism=linkage.name,
+        erratum=erratum.name,
+        place=erratum.place,
+        regime=erratum.regime,
+        engine=name,
+        outcome=outcome,
+        supports=_supported(*off) if off else "neither",
+        deviation_corrected=off[0] if off else None,
+        deviation_printed=off[1] if off else None,
+        mean_speed=_observed_mean(speed, corrected.duration) if speed else None,
+        mean_speed_corrected=_mean_speed(corrected),
+        mean_speed_printed=_mean_speed(printed),
+        note=erratum.note,
+    )
+
+
+def _supported(corrected: float, printed: float) -> str:
+    if NEARER * corrected < printed:
+        return "corrected"
+    return "as-printed" if NEARER * printed < corrected else "neither"
+
+
+def _mean_speed(motion: Motion) -> float:
+    """Mean crank speed at the end, rad/s: angle gained over time, no quadrature."""
+    start = (1.0 - LAST_SHARE) * motion.duration
+    gained = motion.angle(np.asarray(motion.duration)) - motion.angle(np.asarray(start))
+    return float(gained) / (LAST_SHARE * motion.duration)
+
+
+def _observed_mean(speed: Signal, duration: float) -> float:
+    late = speed.time >= (1.0 - LAST_SHARE) * duration
+    time, values = speed.time[late], speed.values[late]
+    return float(np.trapezoid(values, time) / (time[-1] - time[0]))

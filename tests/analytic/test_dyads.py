@@ -1,0 +1,41 @@
+"""Vectors of bodies: points and their derivatives, there and back."""
+
+import numpy as np
+import pytest
+
+from analytic import dyads
+from tests.analytic.tolerances import FEW_ROUNDINGS
+
+ANGLE = np.linspace(0.3, 5.0, 5)
+POSE = (0.2 + 0.1 * ANGLE, -0.4 * np.ones(5), np.cos(ANGLE), np.sin(ANGLE))
+RATE = (np.full(5, 0.1), np.zeros(5), np.ones(5))
+BEND = (np.full(5, 0.3), np.full(5, -0.2), np.full(5, 0.7))
+
+
+@pytest.mark.parametrize("local", [(0.0, 0.0), (0.3, 0.0), (0.0, -0.2), (0.3, -0.2)])
+def test_a_body_is_found_again_from_any_of_its_points(local):
+    place = dyads.point(POSE, local)
+    assert np.allclose(dyads.pose_through(place, POSE[2:], local), POSE, atol=FEW_ROUNDINGS)
+    velocity = dyads.point_rate(POSE, RATE, local)
+    assert np.allclose(dyads.rate_through(POSE, velocity, RATE[2], local), RATE, atol=FEW_ROUNDINGS)
+    second = dyads.point_acceleration(POSE, RATE, BEND, local)
+    assert np.allclose(dyads.acceleration_through(POSE, second, RATE[2], BEND[2], local), BEND, atol=FEW_ROUNDINGS)
+
+
+@pytest.mark.parametrize("local", [(0.3, 0.0), (0.3, -0.2)])
+def test_a_point_of_a_body_and_the_point_just_there_move_alike(local):
+    place = dyads.point(POSE, local)
+    assert np.allclose(dyads.carried_rate(POSE, RATE, place), dyads.point_rate(POSE, RATE, local), atol=FEW_ROUNDINGS)
+    carried = dyads.carried_acceleration(POSE, RATE, BEND, place)
+    assert np.allclose(carried, dyads.point_acceleration(POSE, RATE, BEND, local), atol=FEW_ROUNDINGS)
+
+
+def test_what_the_ground_carries_stands_still():
+    assert dyads.carried_rate((0.0, 0.0, 1.0, 0.0), dyads.STILL, (3.0, 4.0)) == (0.0, 0.0)
+    assert dyads.carried_acceleration((0.0, 0.0, 1.0, 0.0), dyads.STILL, dyads.STILL, (3.0, 4.0)) == (0.0, 0.0)
+
+
+def test_products_of_vectors():
+    assert dyads.dot((1.0, 2.0), (3.0, 4.0)) == 11.0
+    assert dyads.cross((1.0, 2.0), (3.0, 4.0)) == -2.0
+    assert dyads.turned((0.0, 0.0, 0.0, 1.0), (0.0, 1.0)) == (-1.0, 0.0)
