@@ -22,6 +22,8 @@ from analytic.sweep import Sweep
 
 Array = NDArray[np.float64]
 ORDERS: Final = 3
+SHIFTS: Final = [0, 1, 3, 4]  # columns of (x, y, θ) of a dyad's two links
+TURNS: Final = [2, 5]
 
 # The residual of one joint equation over the sum of its terms: two roundings of half an eps each. Over random linkages
 # the true error stays below a third of the bound that follows.
@@ -98,7 +100,8 @@ class ErrorBounds:
             residual = self._residuals(dyad, order)
             found[order] = np.einsum("nij,nj->ni", inverse, residual)
             if order == 0:
-                found[0] = _curved(inverse, residual, found[0], self._reach(dyad))
+                distances = np.ravel([(1.0, 1.0 if isinstance(joint, Turning) else 0.0) for joint in dyad.joints])
+                found[0] = _curved(inverse, found[0], self._reach(dyad), distances)
             found[order][np.isnan(found[order])] = np.inf
             for name, at in zip(dyad.links, (0, 3), strict=True):
                 origin = np.hypot(found[..., at], found[..., at + 1])
@@ -212,9 +215,9 @@ class ErrorBounds:
         """Magnitudes of the first and second derivative of the travel along a P joint's line, m."""
         (x, y, *_), (u, v, *_) = self.motion(near).pose, self.motion(far).pose
         dx, dy = u - x, v - y
-        (p, q, w), (r, s, _) = (_full_rate(self, self.sweep.rates(name)) for name in (near, far))
+        (p, q, w), (r, s, _) = (map(self._full, self.sweep.rates(name)) for name in (near, far))
         first = (r - p + w * dy, s - q - w * dx)
-        (p, q, a), (r, s, _) = (_full_rate(self, self.sweep.accelerations(name)) for name in (near, far))
+        (p, q, a), (r, s, _) = (map(self._full, self.sweep.accelerations(name)) for name in (near, far))
         second = (
             r - p + a * dy + w * w * dx + 2.0 * w * first[1],
             s - q - a * dx + w * w * dy - 2.0 * w * first[0],
@@ -222,18 +225,16 @@ class ErrorBounds:
         return np.hypot(*first), np.hypot(*second)
 
 
-def _full_rate(bounds: ErrorBounds, rate: tuple[object, object, object]) -> tuple[Array, Array, Array]:
-    x, y, turn = (bounds._full(part) for part in rate)
-    return x, y, turn
+def _curved(inverse: Array, linear: Array, reach: Array, distances: Array) -> Array:
+    """The bound on the poses with the curvature of the equations for distances added; infinite where that is not small.
 
-
-def _curved(inverse: Array, residual: Array, linear: Array, reach: Array) -> Array:
-    """The bound on the poses with the equations' curvature added; infinite where that is no longer small."""
-    turn = np.maximum(linear[:, 2], linear[:, 5])
-    bend = (reach * turn + linear.max(axis=1)) * turn
-    whole = np.einsum("nij,nj->ni", inverse, residual + bend[:, None])
-    trusted = np.all(whole <= 1.5 * linear, axis=1)
-    return np.where(trusted[:, None], whole, np.inf)
+    ``linear`` (n, 6) is the bound without it, ``distances`` (6,) marks those equations among the six.
+    """
+    turn = np.max(linear[:, TURNS], axis=1)
+    bend = (reach * turn + np.max(linear[:, SHIFTS], axis=1)) * turn
+    more = np.einsum("nij,nj->ni", inverse, bend[:, None] * distances)
+    small = [np.max(more[:, part], axis=1) <= 0.5 * np.max(linear[:, part], axis=1) for part in (SHIFTS, TURNS)]
+    return np.where(np.all(small, axis=0)[:, None], linear + more, np.inf)
 
 
 def relative_bounds(sweep: Sweep) -> tuple[float, float, float]:

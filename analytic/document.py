@@ -22,10 +22,11 @@ class Table(BaseModel):
 
 
 class Polar(Table):
-    """A point by its distance from the frame's origin and its direction."""
+    """A point by its distance and direction from ``about``, the frame's origin if that is not given."""
 
     radius: Positive
     angle: Finite
+    about: Pair = (0.0, 0.0)
 
 
 Place = Pair | Polar

@@ -22,6 +22,11 @@ Rate = tuple[Scalar, Scalar, Scalar]
 STILL: Rate = (0.0, 0.0, 0.0)  # the ground's; compared by identity, to skip work with zeros
 
 
+def _none(scalar: Scalar) -> bool:
+    """Whether a factor or summand is a plain zero, as on guides along an axis: most of its work can then be left out."""
+    return type(scalar) is float and scalar == 0.0
+
+
 def arm(pose: Pose, local: Vector) -> Pair:
     """Vector from a frame's origin to a point of its body, in the ground frame."""
     c, s = pose[2], pose[3]
@@ -43,7 +48,7 @@ def point(pose: Pose, local: Vector) -> Pair:
 
 def point_rate(pose: Pose, rate: Rate, local: Vector) -> Pair:
     """First derivative of a point of a body."""
-    if local == (0.0, 0.0):
+    if local == (0.0, 0.0) or _none(rate[2]):
         return (rate[0], rate[1])
     r = arm(pose, local)
     return (rate[0] - rate[2] * r[1], rate[1] + rate[2] * r[0])
@@ -51,7 +56,7 @@ def point_rate(pose: Pose, rate: Rate, local: Vector) -> Pair:
 
 def point_acceleration(pose: Pose, rate: Rate, acceleration: Rate, local: Vector) -> Pair:
     """Second derivative of a point of a body."""
-    if local == (0.0, 0.0):
+    if local == (0.0, 0.0) or (_none(rate[2]) and _none(acceleration[2])):
         return (acceleration[0], acceleration[1])
     r = arm(pose, local)
     square = rate[2] * rate[2]
@@ -71,18 +76,21 @@ def turned(pose: Pose, turn: Vector) -> Pair:
 
 def pose_through(position: Pair, direction: Pair, local: Vector) -> Pose:
     """Pose of a body whose angle is known and whose point ``local`` lies at ``position``."""
-    r = arm((0.0, 0.0, *direction), local)
-    return (position[0] - r[0], position[1] - r[1], *direction)
+    return (*minus(position, arm((0.0, 0.0, *direction), local)), *direction)
 
 
 def rate_through(pose: Pose, velocity: Pair, turn_rate: Scalar, local: Vector) -> Rate:
     """Rate of a body whose point ``local`` has the given derivative."""
+    if local == (0.0, 0.0) or _none(turn_rate):
+        return (*velocity, turn_rate)
     r = arm(pose, local)
     return (velocity[0] + turn_rate * r[1], velocity[1] - turn_rate * r[0], turn_rate)
 
 
 def acceleration_through(pose: Pose, second: Pair, turn_rate: Scalar, turn_second: Scalar, local: Vector) -> Rate:
     """Second derivative of a body whose point ``local`` has the given second derivative."""
+    if local == (0.0, 0.0) or (_none(turn_rate) and _none(turn_second)):
+        return (*second, turn_second)
     r = arm(pose, local)
     square = turn_rate * turn_rate
     return (
@@ -94,16 +102,30 @@ def acceleration_through(pose: Pose, second: Pair, turn_rate: Scalar, turn_secon
 
 def minus(a: Pair, b: Pair) -> Pair:
     """Difference of two vectors."""
-    return (a[0] - b[0], a[1] - b[1])
+    return (a[0] if _none(b[0]) else a[0] - b[0], a[1] if _none(b[1]) else a[1] - b[1])
+
+
+def ahead(place: Pair, travel: Scalar, direction: Pair) -> Pair:
+    """The place a travel along a direction leads to."""
+    x, y = direction
+    return (place[0] if _none(x) else place[0] + travel * x, place[1] if _none(y) else place[1] + travel * y)
 
 
 def dot(a: Pair, b: Pair) -> Scalar:
     """Scalar product."""
+    if _none(a[0]) or _none(b[0]):
+        return a[1] * b[1]
+    if _none(a[1]) or _none(b[1]):
+        return a[0] * b[0]
     return a[0] * b[0] + a[1] * b[1]
 
 
 def cross(a: Pair, b: Pair) -> Scalar:
     """Vector product, its component out of the plane."""
+    if _none(a[0]) or _none(b[1]):
+        return -a[1] * b[0]
+    if _none(a[1]) or _none(b[0]):
+        return a[0] * b[1]
     return a[0] * b[1] - a[1] * b[0]
 
 
@@ -155,8 +177,12 @@ def circle_and_line(a: Pair, base: Pair, direction: Pair, radius: float, sign: i
     offset = cross(direction, minus(base, a))
     radicand = (radius - offset) * (radius + offset)
     along = sign * np.sqrt(np.maximum(radicand, 0.0))
-    vector = (along * direction[0] - offset * direction[1], along * direction[1] + offset * direction[0])
-    return vector, along, radicand
+    x, y = direction
+    if _none(x):
+        return (-offset * y, along * y), along, radicand
+    if _none(y):
+        return (along * x, offset * x), along, radicand
+    return (along * x - offset * y, along * y + offset * x), along, radicand
 
 
 def line_through(d: Pair, offset: float, sign: int) -> tuple[Pair, Scalar, Scalar]:

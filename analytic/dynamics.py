@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from analytic import dyads
-from analytic.dyads import Pair
+from analytic.dyads import Pair, Scalar
 from analytic.linkage import Linkage
 from analytic.sweep import Sweep
 
@@ -21,13 +21,20 @@ Array = NDArray[np.float64]
 
 def link_inertia(sweep: Sweep, link: str) -> Array:
     """Reduced moment of inertia of one link, m |S'|² + J θ'², kg m²."""
+    return np.broadcast_to(np.asarray(_link_inertia(sweep, link), dtype=float), sweep.angle.shape)
+
+
+def _link_inertia(sweep: Sweep, link: str) -> Scalar:
     body = sweep.linkage.links[link]
+    if link == sweep.linkage.crank:  # turns about a fixed point, so its part is a constant
+        x, y = dyads.minus(body.centre, sweep.structure.pivot.far_local)
+        return body.mass * (x * x + y * y) + (body.inertia or 0.0)
     velocity = sweep.centre(link, 1)
     total = body.mass * dyads.dot(velocity, velocity)
     if body.inertia is not None:
         turn = sweep.rates(link)[2]
-        total = total + body.inertia * turn * turn
-    return np.broadcast_to(np.asarray(total, dtype=float), sweep.angle.shape)
+        total = total + body.inertia * (turn * turn)
+    return total
 
 
 def reduced_inertia(sweep: Sweep, links: Iterable[str] | None = None) -> Array:
@@ -35,7 +42,7 @@ def reduced_inertia(sweep: Sweep, links: Iterable[str] | None = None) -> Array:
     names = list(sweep.linkage.links) if links is None else list(links)
     total = np.zeros(sweep.angle.shape)
     for name in names:
-        total += link_inertia(sweep, name)
+        total += _link_inertia(sweep, name)
     return total
 
 
@@ -52,9 +59,11 @@ def half_inertia_slope(sweep: Sweep) -> Array:
     """½ Jeq' = Σ m S'·S'' + J θ' θ'', kg m²/rad: the dot product, not the product of the moduli."""
     total = np.zeros(sweep.angle.shape)
     for name, body in sweep.linkage.links.items():
+        if name == sweep.linkage.crank:  # its part of Jeq is a constant
+            continue
         total += body.mass * dyads.dot(sweep.centre(name, 1), sweep.centre(name, 2))
         if body.inertia is not None:
-            total += body.inertia * sweep.rates(name)[2] * sweep.accelerations(name)[2]
+            total += body.inertia * (sweep.rates(name)[2] * sweep.accelerations(name)[2])
     return total
 
 
@@ -95,7 +104,9 @@ def load_force(sweep: Sweep) -> Array:
 
 def generalised_force(sweep: Sweep) -> Array:
     """Q, N m: gravity and every load that does not depend on speed."""
-    return gravity_force(sweep) + load_force(sweep)
+    linkage = sweep.linkage
+    loaded = linkage.forces or linkage.torques or linkage.springs
+    return gravity_force(sweep) + load_force(sweep) if loaded else gravity_force(sweep)
 
 
 def spring_length(sweep: Sweep, number: int) -> tuple[Array, Array]:
@@ -144,15 +155,23 @@ def drive_torque(sweep: Sweep, speed: ArrayLike, acceleration: ArrayLike) -> Arr
 
     ``speed`` (rad/s) and ``acceleration`` (rad/s²) of the crank, signed, of the sweep's shape or scalar.
     """
-    speed, acceleration = np.asarray(speed, dtype=float), np.asarray(acceleration, dtype=float)
-    torque = reduced_inertia(sweep) * acceleration + half_inertia_slope(sweep) * speed * speed
+    return balance(sweep, reduced_inertia(sweep), np.asarray(speed, dtype=float), np.asarray(acceleration, dtype=float))
+
+
+def balance(sweep: Sweep, inertia: Array, speed: Array, acceleration: Array) -> Array:
+    """Mkr as ``drive_torque`` has it, where Jeq is known already."""
+    torque = inertia * acceleration + half_inertia_slope(sweep) * (speed * speed)
     torque -= generalised_force(sweep)
-    if sweep.linkage.dampers or any(spring.damping for spring in sweep.linkage.springs):
+    if is_damped(sweep.linkage):
         torque += damping_coefficient(sweep) * speed
     return np.asarray(torque)
 
 
+def is_damped(linkage: Linkage) -> bool:
+    """Whether there are any dampers or dashpots."""
+    return bool(linkage.dampers) or any(spring.damping for spring in linkage.springs)
+
+
 def is_conservative(linkage: Linkage) -> bool:
     """Whether gravity and springs are the only loads, so that the drive's work is the gain of energy."""
-    damped = bool(linkage.dampers) or any(spring.damping for spring in linkage.springs)
-    return not (linkage.forces or linkage.torques or damped)
+    return not (linkage.forces or linkage.torques or is_damped(linkage))

@@ -50,7 +50,11 @@ class EquationOfMotion:
     table: PeriodicTable | None = None
 
     def terms(self, angle: Array) -> Array:
-        """(Q + M1)/Jeq, b/Jeq and ½Jeq'/Jeq from the closed form; shape (3, *angle.shape)."""
+        """(Q + M1)/Jeq, b/Jeq and ½Jeq'/Jeq at crank angles, rad; shape (3, *angle.shape)."""
+        return self.closed_form(angle) if self.table is None else self.table(angle)
+
+    def closed_form(self, angle: Array) -> Array:
+        """The same from the closed form, whether there is a table or not."""
         sweep = self.mechanism.sweep(angle)
         inertia = dynamics.reduced_inertia(sweep)
         moment = dynamics.generalised_force(sweep) + self.torque(angle)[0]
@@ -60,13 +64,13 @@ class EquationOfMotion:
     def acceleration(self, angle: ArrayLike, speed: ArrayLike) -> Array:
         """φ̈, rad/s², at crank angles φ, rad, and speeds φ̇, rad/s, of one shape."""
         angle, speed = np.asarray(angle, dtype=float), np.asarray(speed, dtype=float)
-        moment, damping, slope = self.terms(angle) if self.table is None else self.table(angle)
+        moment, damping, slope = self.terms(angle)
         return np.asarray(moment - speed * (damping + slope * speed))
 
     def tabulated(self, degree: int = DEGREE) -> EquationOfMotion:
         """The same equation read from a table over one turn; unchanged if the crank cannot make a full turn."""
         try:
-            return replace(self, table=tabulate(self.terms, degree))
+            return replace(self, table=tabulate(self.closed_form, degree))
         except AssemblyError:
             return self
 

@@ -32,14 +32,14 @@ class Equilibrium(NamedTuple):
 def equilibria(mechanism: Mechanism, torque: float | Law = 0.0) -> tuple[Equilibrium, ...]:
     """Every angle at which the moment on the crank changes sign, in increasing order.
 
-    ``torque`` is M1, N m, a number or a law of φ. Empty where nothing holds the crank: the torque outweighs the loads, or
-    there is no moment at any angle. A crank that cannot make a full turn is looked at where it can stand; two angles
+    ``torque`` is M1, N m, a number or a law of φ. Empty where nothing holds the crank: the torque outweighs the loads,
+    or there is no moment at any angle. A crank that cannot make a full turn is looked at where it can stand; two angles
     nearer to each other than half a degree may be missed.
     """
     law = crank_torque(torque)
 
     def moment(angle: Array) -> Array:
-        return dynamics.generalised_force(mechanism.sweep(angle)) + law(angle)[0]
+        return np.asarray(dynamics.generalised_force(mechanism.sweep(angle)) + law(angle)[0])
 
     start = grid()
     before = _where_assembled(moment, start)
@@ -54,7 +54,7 @@ def equilibria(mechanism: Mechanism, torque: float | Law = 0.0) -> tuple[Equilib
         angle = root(lambda phi: float(moment(np.asarray(phi))), left, right)
         ends = max(abs(before[change]), abs(after[change]))
         if abs(float(moment(np.asarray(angle)))) <= ends:  # else it passes through infinity, at a dead position
-            found.append(Equilibrium(angle % FULL_TURN, bool(after[change] < before[change])))
+            found.append(Equilibrium(float(angle % FULL_TURN), bool(after[change] < before[change])))
     return tuple(sorted(found))
 
 

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass
+from functools import cached_property
 from typing import Final
 
 import numpy as np
@@ -14,23 +16,47 @@ from analytic.mechanism import Mechanism
 from analytic.sweep import Sweep
 
 Array = NDArray[np.float64]
-Evaluation = Callable[[Sweep, Array, Array], Array]
 
 # Crank angles per piece. Measured on six-bars: 4096 doubles keep every intermediate array in the second-level cache and
 # make NumPy's cost per call small; half or double that costs up to 40 % more.
 PIECE: Final = 4096
 
+
+@dataclass(frozen=True)
+class Instants:
+    """A piece of the crank angles with the crank's speed, rad/s, and acceleration, rad/s², at each."""
+
+    sweep: Sweep
+    speed: Array
+    acceleration: Array
+
+    @cached_property
+    def inertia(self) -> Array:
+        """Jeq, which Teq and Mkr need as well."""
+        return dynamics.reduced_inertia(self.sweep)
+
+    @cached_property
+    def torque(self) -> Array:
+        """Mkr, which Peq needs as well."""
+        return dynamics.balance(self.sweep, self.inertia, self.speed, self.acceleration)
+
+    @cached_property
+    def squared_speed(self) -> Array:
+        """ω²."""
+        return self.speed * self.speed
+
+
 # S, v and a are the output's coordinate along its direction and its time derivatives, not counted from a dead centre.
-QUANTITIES: Final[Mapping[str, Evaluation]] = {
-    "Jeq": lambda sweep, _speed, _acceleration: dynamics.reduced_inertia(sweep),
-    "half_slope": lambda sweep, _speed, _acceleration: dynamics.half_inertia_slope(sweep),
-    "Q": lambda sweep, _speed, _acceleration: dynamics.generalised_force(sweep),
-    "Mkr": dynamics.drive_torque,
-    "Teq": lambda sweep, speed, _acceleration: dynamics.kinetic_energy(sweep, speed),
-    "Peq": lambda sweep, speed, acceleration: dynamics.drive_torque(sweep, speed, acceleration) * speed,
-    "S": lambda sweep, _speed, _acceleration: sweep.output(),
-    "v": lambda sweep, speed, _acceleration: sweep.output(1) * speed,
-    "a": lambda sweep, speed, acceleration: sweep.output(2) * speed * speed + sweep.output(1) * acceleration,
+QUANTITIES: Final[Mapping[str, Callable[[Instants], Array]]] = {
+    "Jeq": lambda at: at.inertia,
+    "half_slope": lambda at: dynamics.half_inertia_slope(at.sweep),
+    "Q": lambda at: dynamics.generalised_force(at.sweep),
+    "Mkr": lambda at: at.torque,
+    "Teq": lambda at: 0.5 * at.inertia * at.squared_speed,
+    "Peq": lambda at: at.torque * at.speed,
+    "S": lambda at: at.sweep.output(),
+    "v": lambda at: at.sweep.output(1) * at.speed,
+    "a": lambda at: at.sweep.output(2) * at.squared_speed + at.sweep.output(1) * at.acceleration,
 }
 """What can be asked for: Jeq kg m², half_slope ½Jeq' kg m², Q N m, Mkr N m, Teq J, Peq W, S m, v m/s, a m/s²."""
 
@@ -63,10 +89,9 @@ def evaluate(
     found = {name: np.empty(flat.shape) for name in names}
     for start in range(0, flat.size, PIECE):
         here = slice(start, start + PIECE)
-        sweep = mechanism.sweep(flat[here])
-        piece = [move[here] if move.ndim else move for move in moves]
+        at = Instants(mechanism.sweep(flat[here]), *(move[here] if move.ndim else move for move in moves))
         for name in names:
-            found[name][here] = QUANTITIES[name](sweep, piece[0], piece[1])
+            found[name][here] = QUANTITIES[name](at)
     return {name: values.reshape(angle.shape) for name, values in found.items()}
 
 

@@ -77,7 +77,8 @@ def tabulate(functions: Functions, degree: int = DEGREE) -> PeriodicTable:
         peak = np.maximum(np.abs(values).max(axis=(1, 2)), 0.0 if peak is None else peak)
         # Two products: in one, the large entries of the conversion to powers would amplify roundings of the values.
         coefficients = np.moveaxis((values @ analysis.T) @ powers.T, 0, -1)
-        deviation = np.abs(checked @ coefficients - np.moveaxis(_on(functions, left, right, between), 0, -1)).max(axis=1)
+        true = np.moveaxis(_on(functions, left, right, between), 0, -1)
+        deviation = np.abs(checked @ coefficients - true).max(axis=1)
         error = (deviation / np.where(peak > 0.0, peak, 1.0)).max(axis=1)
         kept = (error <= TOLERANCE) | ((error < SMALL) & (error > PROGRESS * parents)) | last
         done.append((left[kept], coefficients[kept], error[kept]))

@@ -57,7 +57,8 @@ class Reader:
         if isinstance(place, doc.Polar):
             radius = self.number(place.radius, "length", where)
             angle = place.angle * self.scale["angle"]
-            return (radius * math.cos(angle), radius * math.sin(angle))
+            about = [self.number(part, "length", where) for part in place.about]
+            return (about[0] + radius * math.cos(angle), about[1] + radius * math.sin(angle))
         return (self.number(place[0], "length", where), self.number(place[1], "length", where))
 
     def direction(self, pair: tuple[float, float], where: str) -> Vector:

@@ -1,4 +1,4 @@
-"""Required against actual feed of thread: the curve a stitch needs, from the user's file, beside the mechanism's own."""
+"""Required against actual feed of thread: the curve a stitch needs, from the user's file, beside the mechanism's."""
 
 from __future__ import annotations
 

@@ -72,7 +72,7 @@ class PinnedOnSlider(CrossingLines):
         self.cross_lines(dyads.arm((0.0, 0.0, host[2], host[3]), self.rail.along), (-f[0], -f[1]))
         slide, _ = self.slides(dyads.minus(a, dyads.point(host, self.start)))
         home = dyads.point(host, self.rail.origin)
-        self.at = (home[0] + slide * self.e[0], home[1] + slide * self.e[1])
+        self.at = dyads.ahead(home, slide, self.e)
         self.pin = a
         two = (*self.at, *turn)
         one = dyads.pose_through(a, dyads.turned(two, self.inner.turn), self.a.far_local)
@@ -86,7 +86,7 @@ class PinnedOnSlider(CrossingLines):
         self.travel = self.slides(dyads.minus(a, dyads.carried_rate(poses[host], rates[host], self.pin)))
         carried = dyads.carried_rate(poses[host], rates[host], self.at)
         slide, w = self.travel[0], rates[host][2]
-        two = (carried[0] + slide * self.e[0], carried[1] + slide * self.e[1], w)
+        two = (*dyads.ahead(carried, slide, self.e), w)
         return dyads.rate_through(self.own[0], a, w, self.a.far_local), two
 
     def accelerations(self, poses: Poses, rates: Rates, accelerations: Rates) -> tuple[Rate, Rate]:
@@ -127,7 +127,7 @@ class TwoSliders(CrossingLines):
         self.cross_lines(e, f)
         one, two = (dyads.point(host, base) for host, base in zip(hosts, self.bases, strict=True))
         slide, _ = self.slides(dyads.minus(two, one))
-        self.c = (one[0] + slide * self.e[0], one[1] + slide * self.e[1])
+        self.c = dyads.ahead(one, slide, self.e)
         first, second = (
             dyads.pose_through(self.c, dyads.turned(host, rail.turn), local)
             for host, rail, local in zip(hosts, self.rails, self.locals, strict=True)
@@ -141,7 +141,7 @@ class TwoSliders(CrossingLines):
         a = dyads.carried_rate(poses[one], rates[one], self.c)
         b = dyads.carried_rate(poses[two], rates[two], self.c)
         self.travel = self.slides(dyads.minus(b, a))
-        c = (a[0] + self.travel[0] * self.e[0], a[1] + self.travel[0] * self.e[1])
+        c = dyads.ahead(a, self.travel[0], self.e)
         return (
             dyads.rate_through(self.own[0], c, rates[one][2], self.locals[0]),
             dyads.rate_through(self.own[1], c, rates[two][2], self.locals[1]),
@@ -156,7 +156,7 @@ class TwoSliders(CrossingLines):
             coriolis = 2.0 * rates[near][2] * slide
             ends.append((carried[0] - coriolis * direction[1], carried[1] + coriolis * direction[0]))
         slide, _ = self.slides(dyads.minus(ends[1], ends[0]))
-        c = (ends[0][0] + slide * self.e[0], ends[0][1] + slide * self.e[1])
+        c = dyads.ahead(ends[0], slide, self.e)
         one, two = (rail.near for rail in self.rails)
         return (
             dyads.acceleration_through(self.own[0], c, rates[one][2], accelerations[one][2], self.locals[0]),

@@ -7,6 +7,7 @@ over the time of a turn, is a little less, since the crank dwells where it is sl
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from typing import Final
 
@@ -30,6 +31,7 @@ MOST_TURNS: Final = 60
 SETTLED: Final = 1e-10  # step of the search, relative: a secant's error is far below its step
 SLOWEST: Final = 8.0  # times the guessed time of a turn: slower is a stall
 SAMPLES: Final = 720  # per turn
+NO_TORQUE: Final = 1e-12  # a mean moment of this share of the largest is rounding
 
 
 @dataclass(frozen=True)
@@ -66,8 +68,8 @@ def _rotation(motion: FreeMotion, start: float, end: float, turns: int) -> Rotat
 
     found, time = extremes(speed, SAMPLES * turns), end - start
     travelled = float(motion.angle(end) - motion.angle(start))
-    squares = np.trapezoid(motion.speed(np.linspace(start, end, 8 * SAMPLES * turns + 1)) ** 2) * time
-    over_angle = float(squares) / (8 * SAMPLES * turns) / travelled
+    square = motion.speed(np.linspace(start, end, 8 * SAMPLES * turns + 1)) ** 2  # dφ = ω dt
+    over_angle = float(np.mean(0.5 * (square[1:] + square[:-1]))) * time / travelled
     return Rotation(travelled / time, over_angle, found.maximum, found.minimum)
 
 
@@ -89,9 +91,9 @@ def steady_state(mechanism: Mechanism, torque: float | Law, half_slope: str = "e
     """
     equation = equation_of_motion(mechanism, torque, half_slope)
     sweep = mechanism.sweep(grid())
-    moment = periodic_mean(dynamics.generalised_force(sweep) + equation.torque(sweep.angle)[0])
-    damping = periodic_mean(dynamics.damping_coefficient(sweep))
-    if damping <= 0.0 or moment == 0.0:
+    moments = dynamics.generalised_force(sweep) + equation.torque(sweep.angle)[0]
+    moment, damping = periodic_mean(moments), periodic_mean(dynamics.damping_coefficient(sweep))
+    if damping <= 0.0 or abs(moment) <= NO_TORQUE * float(np.max(np.abs(moments))):
         raise LinkproofError(
             f"steady rotation of '{mechanism.linkage.name}': expected a damper and a torque that is not zero in the "
             f"mean, got a mean damping of {damping:g} N m s and a mean torque of {moment:g} N m; add what is missing"
@@ -102,8 +104,8 @@ def steady_state(mechanism: Mechanism, torque: float | Law, half_slope: str = "e
         if found is not None:
             return found
     raise LinkproofError(
-        f"steady rotation of '{mechanism.linkage.name}': expected a crank that keeps turning, got one that stalls under "
-        f"a mean torque of {moment:g} N m; raise the torque"
+        f"steady rotation of '{mechanism.linkage.name}': expected a crank that keeps turning, got one that stalls "
+        f"under a mean torque of {moment:g} N m; raise the torque"
     )
 
 
@@ -111,7 +113,7 @@ def _repeating(equation: EquationOfMotion, speed: float) -> Rotation | None:
     """Search the speed at φ = 0 that a turn brings back, by secants of the turn's map; None if the crank stalls."""
     earlier: tuple[float, float] | None = None
     for _ in range(MOST_TURNS):
-        turn = _turn(equation, speed)
+        turn = None if _stalls(equation, speed) else _turn(equation, speed)
         if turn is None:
             return None
         motion, end = turn
@@ -136,3 +138,26 @@ def _turn(equation: EquationOfMotion, speed: float) -> tuple[FreeMotion, float] 
             return motion, end
         duration *= 2.0
     return None
+
+
+def _stalls(equation: EquationOfMotion, speed: float) -> bool:
+    """Whether the crank comes to rest within the turn that it starts at φ = 0: ω² over φ, by the Runge-Kutta method.
+
+    Over φ a stall takes no longer than a turn; over time the crank would swing in its dwell for ever.
+    """
+    angle = np.copysign(np.linspace(0.0, FULL_TURN, 2 * SAMPLES + 1), speed)
+    moment, damping, slope = (term.tolist() for term in equation.terms(angle))
+    step, square = float(angle[2]), speed * speed
+
+    def gain(at: int, value: float) -> float:
+        drag = math.copysign(damping[at] * math.sqrt(max(value, 0.0)), speed)
+        return 2.0 * step * (moment[at] - drag - slope[at] * value)
+
+    for at in range(0, 2 * SAMPLES, 2):
+        first = gain(at, square)
+        second = gain(at + 1, square + 0.5 * first)
+        third = gain(at + 1, square + 0.5 * second)
+        square += (first + 2.0 * (second + third) + gain(at + 2, square + third)) / 6.0
+        if square <= 0.0:
+            return True
+    return False

@@ -253,10 +253,10 @@ def _leftover(search: _Search) -> str:
     if mobility != 1:
         single = [p for name in left for p in search.bodies[name].points if len(search.carriers(p)) == 1]
         loose = f"; on one link only: {', '.join(sorted(map(repr, single)))}" if single and mobility > 1 else ""
+        cure = "add a joint to" if mobility > 1 else "leave out a joint of"
         return (
             f"'{search.linkage.name}': expected mobility 1, got {mobility} (3·{moving} links - 2·{lower_pairs} joints)"
-            f"; {'add a joint to' if mobility > 1 else 'leave out a joint of'} {named} (a point of one name on two links "
-            f"is a joint{loose})"
+            f"; {cure} {named} (a point of one name on two links is a joint{loose})"
         )
     return (
         f"{named} of '{search.linkage.name}' form no group of two links (class II), and groups of a higher class "

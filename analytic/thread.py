@@ -26,7 +26,7 @@ POINTS = 720
 
 @dataclass(frozen=True)
 class EyeTravel:
-    """Crank angles, rad in [0, 2π), at which an eye is highest and lowest (φ_top, φ_bottom), and its heights there, m."""
+    """Crank angles, rad in [0, 2π), where an eye is highest and lowest (φ_top, φ_bottom), and its heights there, m."""
 
     top_angle: float
     bottom_angle: float
@@ -85,8 +85,8 @@ def eye_travel(mechanism: Mechanism, eye: str) -> EyeTravel:
     angles = zeros(lambda phi: mechanism.sweep(phi).point(eye, 1)[1], lambda phi: mechanism.sweep(phi).point(eye, 2)[1])
     if not len(angles):
         raise LinkproofError(
-            f"thread: expected an eye that moves up and down, got '{eye}' of '{mechanism.linkage.name}', which does not; "
-            "name another point"
+            f"thread: expected an eye that moves up and down, got '{eye}' of '{mechanism.linkage.name}', which does "
+            "not; name another point"
         )
     heights = mechanism.sweep(angles).point(eye)[1]
     top, bottom = int(np.argmax(heights)), int(np.argmin(heights))

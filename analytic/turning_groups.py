@@ -145,7 +145,7 @@ class ArmAndSlider:
         self.scale = 1.0 / self.determinant
         self.w = dyads.cross(self.e, apart) * self.scale
         self.slide = -dyads.dot(apart, self.e) + self.w * dyads.cross(self.r, self.e)
-        c = (carried[0] + self.slide * self.e[0], carried[1] + self.slide * self.e[1])
+        c = dyads.ahead(carried, self.slide, self.e)
         return (
             dyads.rate_through(self.own[0], a, self.w, self.a.far_local),
             dyads.rate_through(self.own[1], c, rates[host][2], self.inner),
@@ -156,13 +156,14 @@ class ArmAndSlider:
         near, host = self.a.near, self.rail.near
         a = dyads.point_acceleration(poses[near], rates[near], accelerations[near], self.a.near_local)
         carried = dyads.carried_acceleration(poses[host], rates[host], accelerations[host], self.c)
-        coriolis = 2.0 * rates[host][2] * self.slide
-        carried = (carried[0] - coriolis * self.e[1], carried[1] + coriolis * self.e[0])
+        if rates[host] is not dyads.STILL:
+            coriolis = 2.0 * rates[host][2] * self.slide
+            carried = (carried[0] - coriolis * self.e[1], carried[1] + coriolis * self.e[0])
         square = self.w * self.w
         apart = (carried[0] - a[0] + square * self.r[0], carried[1] - a[1] + square * self.r[1])
         turn = dyads.cross(self.e, apart) * self.scale
         slide = -dyads.dot(apart, self.e) + turn * dyads.cross(self.r, self.e)
-        c = (carried[0] + slide * self.e[0], carried[1] + slide * self.e[1])
+        c = dyads.ahead(carried, slide, self.e)
         return (
             dyads.acceleration_through(self.own[0], a, self.w, turn, self.a.far_local),
             dyads.acceleration_through(self.own[1], c, rates[host][2], accelerations[host][2], self.inner),

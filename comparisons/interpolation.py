@@ -1,4 +1,4 @@
-"""Values between samples: four-point Lagrange interpolation on any increasing clock."""
+"""Values between samples: six-point Lagrange interpolation on any increasing clock."""
 
 from __future__ import annotations
 
@@ -9,11 +9,11 @@ from engines.contract import Signal
 
 Array = NDArray[np.float64]
 
-POINTS = 4
+POINTS = 6
 
 
 def resample(signal: Signal, time: Array) -> Array:
-    """Values of a signal at other times, (len(time), ...); fourth order inside, cubic extrapolation at the ends.
+    """Values of a signal at other times, (len(time), ...); sixth order inside, a quintic at the ends.
 
     On the signal's own clock the values come back untouched.
     """

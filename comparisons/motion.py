@@ -38,7 +38,7 @@ class ObservedMotion:
         return signal
 
     def on_clock(self, channel: Channel, time: Array) -> Array:
-        """A channel's values at other times, interpolated to fourth order between its samples."""
+        """A channel's values at other times, interpolated to sixth order between its samples."""
         return resample(self.signal(channel), time)
 
     def crank(self, channel: Channel, time: Array) -> Array:

@@ -2,19 +2,22 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Iterable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from analytic import dynamics
-from analytic.errors import UnknownNameError
+from analytic.equilibrium import equilibria
+from analytic.errors import LinkproofError, UnknownNameError
 from analytic.extremes import Extremes, extremes
 from analytic.harmonics import unit_functions
 from analytic.linkage import Linkage, Published
 from analytic.loading import load
 from analytic.mechanism import Mechanism
 from analytic.regimes import crank_motion
+from comparisons.case import own_motion
 
 # The sources call their own methods in agreement "within 2-6 %": that is the width of a figure that is met.
 CLAIMED = 0.06
@@ -55,6 +58,21 @@ def _run_up_peaks(mechanism: Mechanism) -> tuple[float, float]:
     return float(np.max(np.abs(torque))), float(np.max(torque * speed))
 
 
+def _resting_angle(mechanism: Mechanism) -> float:
+    """The stable equilibrium of the undriven crank with the least potential energy, degrees."""
+    stable = [found.angle for found in equilibria(mechanism) if found.stable]
+    if not stable:
+        raise LinkproofError(f"'{mechanism.linkage.name}' has no stable equilibrium: its loads hold no angle")
+    lowest = min(stable, key=lambda angle: float(dynamics.potential_energy(mechanism.sweep(angle))))
+    return math.degrees(lowest) % 360.0
+
+
+def _start_acceleration(mechanism: Mechanism, regime: str) -> float:
+    """Crank acceleration at the start of a regime of the linkage's own, rad/s²."""
+    own = next(own for own in mechanism.linkage.regimes if own.name == regime)
+    return float(own_motion(mechanism, replace(own, duration=SHORT)).acceleration(np.zeros(())))
+
+
 FIGURES: Mapping[str, tuple[str, Figure]] = {
     "Jeq.mean": ("kg m²", lambda m: _inertia(m).mean),
     "Jeq.max": ("kg m²", lambda m: _inertia(m).maximum),
@@ -63,6 +81,7 @@ FIGURES: Mapping[str, tuple[str, Figure]] = {
     "Jeq.pulsation": ("", lambda m: _inertia(m).relative_pulsation),
     "Mkr.peak": ("N m", lambda m: _run_up_peaks(m)[0]),
     "Peq.peak": ("W", lambda m: _run_up_peaks(m)[1]),
+    "equilibrium": ("°", _resting_angle),
     "S.harmonic_deviation": ("", lambda m: unit_functions(m).deviations[0]),
     "v.harmonic_deviation": ("", lambda m: unit_functions(m).deviations[1]),
     "a.harmonic_deviation": ("", lambda m: unit_functions(m).deviations[2]),
@@ -70,6 +89,8 @@ FIGURES: Mapping[str, tuple[str, Figure]] = {
 
 # "Jeq:LINK.mean" is the mean reduced inertia of one link.
 LINK_PREFIX, LINK_SUFFIX = "Jeq:", ".mean"
+# "start_acceleration:REGIME" is the crank's at the start of a regime of the linkage's own.
+START_PREFIX, SHORT = "start_acceleration:", 1e-3
 
 
 def figure(mechanism: Mechanism, name: str) -> tuple[str, float]:
@@ -80,8 +101,11 @@ def figure(mechanism: Mechanism, name: str) -> tuple[str, float]:
     link = name.removeprefix(LINK_PREFIX).removesuffix(LINK_SUFFIX)
     if name == f"{LINK_PREFIX}{link}{LINK_SUFFIX}" and link in mechanism.linkage.links:
         return "kg m²", _inertia(mechanism, link).mean
+    regimes = [f"{START_PREFIX}{own.name}" for own in mechanism.linkage.regimes]
+    if name in regimes:
+        return "rad/s²", _start_acceleration(mechanism, name.removeprefix(START_PREFIX))
     links = [f"{LINK_PREFIX}{link}{LINK_SUFFIX}" for link in mechanism.linkage.links]
-    raise UnknownNameError("published quantity", name, [*FIGURES, *links])
+    raise UnknownNameError("published quantity", name, [*FIGURES, *links, *regimes])
 
 
 def compare_published(linkages: Iterable[Linkage]) -> tuple[PublishedRecord, ...]:

@@ -33,6 +33,7 @@ POINTS = 16
 PANELS = 24
 HALVINGS = 12
 TAIL = 1e-14  # of a coefficient's largest value: where a panel's series may end
+NOISE = 1e-9  # likewise, where rounding keeps it from ending in less
 
 
 @dataclass(frozen=True)
@@ -80,8 +81,8 @@ def tabulate(columns: Callable[[Reals], Reals], path: Path) -> Table:
         largest = np.maximum(largest, sizes) if len(largest) else sizes
         tails = np.max(np.abs(series[:, :, -2:]) / np.where(largest > 0.0, largest, 1.0)[:, None], axis=(1, 2))
         before = np.array([tail for *_, tail in todo])
-        # What does not get smaller by halving is rounding already, or has no series at all, as at a dead point.
-        ended = (tails <= TAIL) | (tails > 0.5 * before) | (halving == HALVINGS)
+        # What is small and does not get smaller by halving is rounding.
+        ended = (tails <= TAIL) | ((tails <= NOISE) & (tails > 0.5 * before)) | (halving == HALVINGS)
         done += [(todo[i][0], series[i]) for i in np.flatnonzero(ended)]
         todo = [half for i in np.flatnonzero(~ended) for half in _halves(*todo[i][:2], float(tails[i]))]
         if not todo:
@@ -117,6 +118,11 @@ class EquationOfMotion:
     table: Table
     laws: tuple[Law, ...]
     torque: float
+
+    @property
+    def breaks(self) -> Reals:
+        """Angles of one turn at which a load over φ is not smooth, rad."""
+        return np.unique(np.concatenate([[], *(law.angles for law in self.laws if law.angles is not None)]))
 
     def __call__(self, angle: Reals, speed: Reals) -> Slope:
         """For an integrator; raises UnsolvableError outside the table."""

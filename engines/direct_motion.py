@@ -11,7 +11,7 @@ import numpy as np
 
 from engines.contract import Free, History, Prescribed, Setting
 from engines.direct_assembly import UnsolvableError
-from engines.direct_collocation import POINTS, integrate
+from engines.direct_collocation import POINTS, Problem, integrate
 from engines.direct_equations import Equations, Reals
 from engines.direct_free import equation_of_motion
 from engines.direct_instants import Crank, Instants, history, solve
@@ -138,13 +138,14 @@ def _free(equations: Equations, drive: Free, recipe: Recipe) -> Result:
     path = reach(equations, start - FULL_TURN, start + FULL_TURN, LARGEST_STEP)
     law = equation_of_motion(equations, path, drive.torque)
     period = FULL_TURN if path.turns is not None else math.inf
-    trajectory = integrate(law, start, speed, drive.duration, recipe.tolerance, period)
-    turns = drive.duration * float(np.max(np.abs(trajectory.speed))) / FULL_TURN
+    problem = Problem(law, recipe.tolerance, period, law.breaks)
+    trajectory = integrate(problem, start, speed, drive.duration)
+    turns = drive.duration * trajectory.peak_speed / FULL_TURN
     time = _clock(drive.duration, max(round(drive.duration / FREE_SPACING), _samples(turns)))
     angle, speeds = trajectory(time)
     crank = Crank(angle, speeds, None, drive.torque)
     result, _, details = _sampled(equations, lambda _: path, time, crank, recipe)
-    steps = len(trajectory.angle)
+    steps = len(trajectory.windows)
     details |= {
         "integrator": f"Gauss collocation, {POINTS} points a window",
         "tolerance": recipe.tolerance,

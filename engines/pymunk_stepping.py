@@ -133,14 +133,14 @@ def march(
     return impulses
 
 
-def place(world: World, on: Calls, step: float, angle: float) -> int:
+def place(world: World, on: Calls, step: float, angle: float, settling: int = SETTLING_STEPS) -> int:
     """Bring the crank to an angle and everything to rest there; returns the steps it took."""
     rates = [0.0, 0.0]  # the first of them still moves with the old velocities
     _rest(on, step, rates)
     taken = len(rates)
     way = angle - world.crank.angle
     moves = max(1, math.ceil(abs(way) / PLACING_STEP))
-    rates = [-way / moves / step] * moves + [0.0] * SETTLING_STEPS
+    rates = [-way / moves / step] * moves + [0.0] * settling
     _rest(on, step, rates)
     return taken + len(rates)
 

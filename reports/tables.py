@@ -17,6 +17,8 @@ from comparisons.quantities import JOINT_FORCE
 from comparisons.records import Record, Verdict
 from comparisons.targets import Figure
 
+ACROSS = 4  # runs side by side in a table of 80 columns
+
 SIGNS = {
     Verdict.PASSED.value: ("✓", "green"),
     Verdict.OVER_LIMIT.value: ("✗", "red"),
@@ -120,7 +122,9 @@ def campaign(results: Sequence[RunResult]) -> Group:
     kept = [result for result in results if result.records]
     for _, part in groupby(kept, key=lambda result: result.records[0].run[:3]):
         together = list(part)
-        blocks += [_heading(together[0].records[0]), _mechanism_table(together), Text("")]
+        blocks.append(_heading(together[0].records[0]))
+        for start in range(0, len(together), ACROSS):
+            blocks += [_mechanism_table(together[start : start + ACROSS]), Text("")]
     return Group(*blocks, *_reasons(results), _closing_line(results))
 
 

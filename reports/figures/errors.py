@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from itertools import groupby
 from typing import Literal
 
+import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
-from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
+from matplotlib.ticker import FuncFormatter, LogLocator, NullLocator
 
 from comparisons.records import Record
 from reports.figures.panels import LEAST_ERROR
@@ -37,34 +39,37 @@ def errors_figure(view: View, regime: Regime) -> Figure:
 
 def draw_errors(axes: Axes, view: View, regime: Regime) -> None:
     """One row per quantity, one lane per engine within it, the marker's filling for the setting."""
-    names = engines(view.results)
     quantities, invariants = _rows(view, regime)
     rows = [*quantities, *invariants]
     records = worst_of_families([r for r in view.records if r.regime == regime.name and r.error_max is not None])
     lanes = sorted({record.engine for record in records})
     many = len({record.setting for record in records}) > 1
-    for row in range(len(rows)):
-        if row % 2:
-            axes.axhspan(row - 0.5, row + 0.5, color=FAINT, alpha=0.35, linewidth=0.0, zorder=0.5)
-    for record in records:
-        lane = (lanes.index(record.engine) + 0.5) / len(lanes) - 0.5
-        height = rows.index(family(record.quantity)) + 0.72 * lane
-        _dot(axes, record, height, names, many)
-        if record.limit is not None and record.setting == view.setting:
-            axes.plot([record.limit], [height], marker="|", markersize=9, markeredgewidth=1.4, color=LIMIT_COLOUR,
-                      zorder=2.0)  # fmt: skip
+
+    def height(record: Record) -> float:
+        return rows.index(family(record.quantity)) + 0.72 * ((lanes.index(record.engine) + 0.5) / len(lanes) - 0.5)
+
+    _draw_limits(axes, [record for record in records if record.setting == view.setting], height)
+    for _, run in groupby(records, key=lambda record: record.run):
+        _draw_run(axes, view, list(run), height, many)
+    for row in range(1, len(rows), 2):
+        axes.axhspan(row - 0.5, row + 0.5, color=FAINT, alpha=0.35, linewidth=0.0, zorder=0.5)
+    if invariants:
+        axes.axhline(len(quantities) - 0.5, color=MUTED, linewidth=0.8)
+    _scales(axes, rows)
+    _key(axes, view, many)
+
+
+def _scales(axes: Axes, rows: list[str]) -> None:
+    """Decades across, the rows' names down."""
     axes.set_xscale("log")
     axes.xaxis.set_major_locator(LogLocator(base=10.0, numticks=20))
     axes.xaxis.set_major_formatter(FuncFormatter(power_of_ten))
-    axes.xaxis.set_minor_formatter(NullFormatter())
+    axes.xaxis.set_minor_locator(NullLocator())
+    axes.set_xlabel("largest |error| / peak")
     axes.grid(visible=False, axis="y")
     axes.set_yticks(range(len(rows)), [name.replace("_", " ") for name in rows])
     axes.set_ylim(len(rows) - 0.5, -0.5)
     axes.tick_params(axis="y", length=0)
-    if len(invariants):
-        axes.axhline(len(quantities) - 0.5, color=MUTED, linewidth=0.8)
-    axes.set_xlabel("largest |error| / peak")
-    _key(axes, view, many)
 
 
 def _rows(view: View, regime: Regime) -> tuple[list[str], list[str]]:
@@ -82,19 +87,28 @@ def worst_of_families(records: Sequence[Record]) -> list[Record]:
     return [worst(group) for group in groups.values()]
 
 
-def _dot(axes: Axes, record: Record, height: float, names: tuple[str, ...], many: bool) -> None:
-    ink = colour(record.engine, names)
-    error = max(record.error_max or 0.0, LEAST_ERROR)
-    filling = _filling(record.setting, many)
+def _draw_limits(axes: Axes, records: Sequence[Record], height: Callable[[Record], float]) -> None:
+    """The limits of these records as strokes."""
+    held = [(record.limit, height(record)) for record in records if record.limit is not None]
+    places = np.array(held, dtype=float).reshape(-1, 2)
     axes.plot(
-        [error],
-        [height],
-        marker=MARKERS[names.index(record.engine) % len(MARKERS)],
+        *places.T, linestyle="none", marker="|", markersize=9, markeredgewidth=1.4, color=LIMIT_COLOUR, zorder=2.0
+    )
+
+
+def _draw_run(axes: Axes, view: View, records: Sequence[Record], height: Callable[[Record], float], many: bool) -> None:
+    """The deviations of one run as dots."""
+    first, names = records[0], engines(view.results)
+    axes.plot(
+        [max(record.error_max or 0.0, LEAST_ERROR) for record in records],
+        [height(record) for record in records],
+        linestyle="none",
+        marker=MARKERS[names.index(first.engine) % len(MARKERS)],
         markersize=5.4,
-        color=ink,
+        color=colour(first.engine, names),
         markerfacecoloralt="white",
         markeredgewidth=1.0,
-        fillstyle=filling,
+        fillstyle=_filling(first.setting, many),
         zorder=3.0,
     )
 

@@ -18,7 +18,7 @@ import matplotlib
 from markupsafe import Markup
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.ticker import FuncFormatter, LogLocator, MultipleLocator, NullFormatter
+from matplotlib.ticker import FuncFormatter, LogLocator, MultipleLocator, NullLocator
 
 # Okabe and Ito, the darker ones first; the closed form is always ink.
 PALETTE = ("#0072b2", "#d55e00", "#009e73", "#aa4499", "#56b4e9", "#997700")
@@ -70,6 +70,7 @@ _STYLE: Any = {
     "text.color": INK,
     "svg.fonttype": "none",
     "svg.hashsalt": "linkproof",
+    "text.parse_math": False,
     "path.simplify": True,
     "path.simplify_threshold": 0.2,
 }
@@ -143,7 +144,7 @@ def error_scale(axes: Axes, lowest: float, highest: float) -> None:
     axes.set_ylim(10.0**bottom, 10.0**top)
     axes.yaxis.set_major_locator(LogLocator(base=10.0, numticks=6))
     axes.yaxis.set_major_formatter(FuncFormatter(power_of_ten))
-    axes.yaxis.set_minor_formatter(NullFormatter())
+    axes.yaxis.set_minor_locator(NullLocator())
 
 
 def power_of_ten(value: float, _: int = 0) -> str:

@@ -97,10 +97,11 @@ def acceleration(phi, omega, torque, damping):
     return (force + torque - omega * (damping + half_slope * omega)) / jeq
 
 
-def motion(times, start_angle, torque, damping, steps):
-    """φ at increasing times from rest, rad, by ``steps`` steps of Gragg's rule, extrapolated, between two of them."""
+def motion(times, start_angle, torque, damping, steps_per_second):
+    """φ at increasing times from rest, rad, by extrapolated steps of Gragg's rule."""
     state, time, found = np.array([start_angle, 0], dtype=Long), Long(0), []
     for instant in times:
+        steps = int(np.ceil(float(Long(instant) - time) * steps_per_second))
         step = (Long(instant) - time) / steps
         for _ in range(steps):
             state = _extrapolated(state, step, torque, damping)

@@ -27,7 +27,7 @@ def test_pieces_make_up_the_whole(count):
     assert np.array_equal(found["Peq"], found["Mkr"] * speed)
     assert np.array_equal(found["S"], sweep.output())
     assert np.array_equal(found["v"], sweep.output(1) * speed)
-    assert np.array_equal(found["a"], sweep.output(2) * speed * speed + sweep.output(1) * acceleration)
+    assert np.array_equal(found["a"], sweep.output(2) * (speed * speed) + sweep.output(1) * acceleration)
 
 
 def test_shapes_are_kept_and_scalars_spread():
@@ -69,7 +69,6 @@ def test_only_what_is_asked_for_is_computed_and_only_once(solved, quantities, ex
     sample.sweep(0.0)
     solved.update(dict.fromkeys(solved, 0))
     found = evaluate(sample, angles(10), quantities, speed=1.0, acceleration=1.0)
-    # Peq takes Mkr, which sums the dynamics again, but of dyads already solved.
     assert solved == expected
     assert list(found) == quantities
 

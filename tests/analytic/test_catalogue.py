@@ -1,0 +1,90 @@
+"""The catalogue's files against the articles' formulas, evaluated by themselves in 50 digits."""
+
+import numpy as np
+import pytest
+from mpmath import mp, mpf
+
+from analytic import dynamics
+from analytic.extremes import zeros
+from analytic.loading import catalogue, load
+from tests.analytic.articles import FORMULAS, reduced_inertia
+from tests.analytic.fifty_digits import DIGITS
+from tests.analytic.linkages import angles, mechanism
+from tests.analytic.tolerances import FIFTY_DIGITS
+
+
+@pytest.fixture(autouse=True)
+def _fifty_digits():
+    mp.dps = DIGITS
+
+
+def test_every_file_and_variant_has_its_formulas():
+    # y-along is a second reading of Table 1 that leaves Jeq and all positions as they are.
+    known = {(name, variant) for name in catalogue() for variant in load(name).variants}
+    assert known - set(FORMULAS) == {("rimoldi-164", "y-along")}
+
+
+@pytest.mark.parametrize(("name", "variant"), FORMULAS)
+def test_points_and_mass_centres_are_the_articles(name, variant):
+    for angle in angles(4):
+        drawn = FORMULAS[name, variant](mpf(float(angle)))
+        sweep = mechanism(name, variant).sweep(angle)
+        pairs = [(sweep.point(point), place) for point, place in drawn.points.items()]
+        pairs += [(sweep.centre(link), centre) for link, (_, _, centre, _) in drawn.links.items()]
+        limit = FIFTY_DIGITS * mechanism(name, variant).linkage.extent()
+        for (x, y), place in pairs:
+            assert abs(float(place.real / 1000 - mpf(float(x)))) <= limit
+            assert abs(float(place.imag / 1000 - mpf(float(y)))) <= limit
+
+
+@pytest.mark.parametrize(("name", "variant"), [pair for pair in FORMULAS if pair[0] != "fork-takeup"])
+def test_reduced_inertia_is_the_articles(name, variant):
+    got = dynamics.reduced_inertia(mechanism(name, variant).sweep(angles(4)))
+    exact = [float(reduced_inertia(FORMULAS[name, variant], mpf(float(angle)))) for angle in angles(4)]
+    assert got == pytest.approx(exact, rel=FIFTY_DIGITS)
+
+
+@pytest.mark.parametrize(
+    ("name", "variant", "degrees"),
+    [
+        ("slotted-takeup", "corrected", 268.77),
+        ("two-crank-takeup", "corrected", 105.42),
+        ("two-crank-takeup", "as-printed", 102.09),
+    ],
+)
+def test_gravity_equilibria_are_the_specifications(name, variant, degrees):
+    # Article 000 prints 269.18°, article 001 101°; the specification finds 268.77° and 102-105°.
+    sample, step = mechanism(name, variant), 1e-6
+
+    def force(phi):
+        return dynamics.gravity_force(sample.sweep(phi))
+
+    found = zeros(force, lambda phi: (force(phi + step) - force(phi - step)) / (2.0 * step))
+    assert np.min(np.abs(np.degrees(found) - degrees)) <= 0.005  # two decimals
+
+
+def test_the_two_readings_of_rimoldis_table_differ_in_gravity_alone():
+    built, along = (mechanism("rimoldi-164", variant).sweep(angles(20)) for variant in ("as-built", "y-along"))
+    assert np.allclose(dynamics.reduced_inertia(built), dynamics.reduced_inertia(along), rtol=FIFTY_DIGITS)
+    assert not np.allclose(dynamics.gravity_force(built), dynamics.gravity_force(along), rtol=1e-3)
+
+
+def test_published_runs_of_the_take_ups():
+    regimes = {r.name: r for r in load("slotted-takeup").regimes}
+    assert regimes["driven"].torque == 0.025
+    assert (regimes["free"].duration, regimes["driven"].duration) == (10.0, 10.0)
+    assert np.degrees(regimes["free"].start_angle) == pytest.approx(280.0)
+    assert np.degrees(regimes["driven"].start_angle) == pytest.approx(269.18)
+    assert [r.name for r in load("two-crank-takeup").regimes] == ["driven"]
+    assert mechanism("slotted-takeup").linkage.dampers[0].coefficient == 2e-4
+    assert mechanism("two-crank-takeup").linkage.dampers[0].coefficient == pytest.approx(1e-5)
+
+
+def test_errata_name_their_regimes():
+    assert [(e.half_slope, e.regime) for e in load("slotted-takeup").errata] == [("moduli", "driven")]
+    assert [(e.variant, e.regime) for e in load("two-crank-takeup").errata] == [("as-printed", "driven")]
+
+
+def test_what_is_ours_is_marked_as_such():
+    assert "representative values of ours" in load("fork-takeup").source
+    assert any("representative value of ours" in note for note in load("slotted-takeup").notes)
