@@ -131,6 +131,31 @@ class RegimeTable(Table):
     duration: Positive
 
 
+class StopTable(Table):
+    """A stop of the thread: a fixed ``guide`` [x, y, z] with a name, or an ``eye``, a named point, at height ``z``."""
+
+    guide: tuple[Finite, Finite, Finite] | None = None
+    name: str = ""
+    eye: str | None = None
+    z: Finite = 0.0
+
+
+class ReferenceTable(Table):
+    """The crank angle at which an eye is highest or lowest."""
+
+    eye: str
+    extreme: Literal["highest", "lowest"]
+
+
+class ThreadTable(Table):
+    """The thread's way, its stretch, and how its feed is counted."""
+
+    stops: list[StopTable] = Field(min_length=2)
+    stretch: NotNegative = 0.0
+    feed: Literal["shortening", "lengthening"] = "shortening"
+    reference: Finite | ReferenceTable = 0.0
+
+
 class ErratumTable(Table):
     """A model as printed, by its ½ Jeq' or as a variant, to be held against this file's in one of its own regimes."""
 
@@ -173,6 +198,7 @@ class Document(Table):
     output: OutputTable | None = None
     sketch: Sketch = Sketch()
     regimes: dict[str, RegimeTable] = Field(default_factory=dict)
+    thread: ThreadTable | None = None
     errata: list[ErratumTable] = Field(default_factory=list)
     published: list[PublishedTable] = Field(default_factory=list)
     notes: list[str] = Field(default_factory=list)

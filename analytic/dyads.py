@@ -23,7 +23,7 @@ STILL: Rate = (0.0, 0.0, 0.0)  # the ground's; compared by identity, to skip wor
 
 
 def _none(scalar: Scalar) -> bool:
-    """Whether a factor or summand is a plain zero, as on guides along an axis: most of its work can then be left out."""
+    """Whether a factor or summand is a plain zero, as on a guide along an axis: its work can then be left out."""
     return type(scalar) is float and scalar == 0.0
 
 

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import Final
 
 import numpy as np
@@ -16,9 +17,11 @@ from numpy.typing import ArrayLike, NDArray
 
 from analytic import dynamics
 from analytic.errors import AssemblyError, LinkproofError, UnknownNameError
+from analytic.extremes import grid
 from analytic.laws import Law
 from analytic.mechanism import Mechanism
 from analytic.periodic_table import DEGREE, PeriodicTable, tabulate
+from analytic.reach import where_assembled
 from analytic.sweep import Sweep
 
 Array = NDArray[np.float64]
@@ -60,6 +63,11 @@ class EquationOfMotion:
         moment = dynamics.generalised_force(sweep) + self.torque(angle)[0]
         slope = HALF_SLOPES[self.half_slope](sweep)
         return np.stack([moment, dynamics.damping_coefficient(sweep), slope]) / inertia
+
+    @cached_property
+    def peak_moment(self) -> float:
+        """Largest |Q + M1|/Jeq over the angles that the crank can reach, rad/s²."""
+        return float(np.nanmax(np.abs(where_assembled(lambda angle: self.terms(angle)[0], grid())), initial=0.0))
 
     def acceleration(self, angle: ArrayLike, speed: ArrayLike) -> Array:
         """φ̈, rad/s², at crank angles φ, rad, and speeds φ̇, rad/s, of one shape."""

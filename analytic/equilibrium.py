@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from typing import Final, NamedTuple
 
 import numpy as np
@@ -10,10 +9,10 @@ from numpy.typing import NDArray
 
 from analytic import dynamics
 from analytic.equation_of_motion import crank_torque
-from analytic.errors import AssemblyError
 from analytic.extremes import grid
 from analytic.laws import FULL_TURN, Law
 from analytic.mechanism import Mechanism
+from analytic.reach import where_assembled
 from analytic.roots import root
 
 Array = NDArray[np.float64]
@@ -42,7 +41,7 @@ def equilibria(mechanism: Mechanism, torque: float | Law = 0.0) -> tuple[Equilib
         return np.asarray(dynamics.generalised_force(mechanism.sweep(angle)) + law(angle)[0])
 
     start = grid()
-    before = _where_assembled(moment, start)
+    before = where_assembled(moment, start)
     peak = float(np.nanmax(np.abs(before), initial=0.0))
     if peak <= BALANCED * _weight(mechanism):
         return ()
@@ -56,17 +55,6 @@ def equilibria(mechanism: Mechanism, torque: float | Law = 0.0) -> tuple[Equilib
         if abs(float(moment(np.asarray(angle)))) <= ends:  # else it passes through infinity, at a dead position
             found.append(Equilibrium(float(angle % FULL_TURN), bool(after[change] < before[change])))
     return tuple(sorted(found))
-
-
-def _where_assembled(moment: Callable[[Array], Array], angle: Array) -> Array:
-    """The moment at every angle, nan where the linkage cannot be assembled or cannot move."""
-    try:
-        return moment(angle)
-    except AssemblyError:
-        if len(angle) == 1:
-            return np.full(1, np.nan)
-        half = len(angle) // 2
-        return np.concatenate([_where_assembled(moment, angle[:half]), _where_assembled(moment, angle[half:])])
 
 
 def _weight(mechanism: Mechanism) -> float:

@@ -33,6 +33,7 @@ CONTROL_NODES, CONTROL_DEGREE, TIGHTENED = 16, 10, 0.1
 SAMPLES: Final = 5  # instants per window at which the two are compared
 # Relative disturbance of the equation's terms whose effect is still in proportion, and what it need be integrated to.
 DISTURBANCE, LOOSE = 1e-7, 1e-10
+ROUNDINGS: Final = 64.0  # of the largest moment, in any one: the closed form's and the table's
 SEEN: Final = 720  # instants at which the closed form's own error is looked at
 LOOK, LOOKS = 16, 5  # each look at the peak shrinks its bracket 16-fold
 EPS: Final = float(np.finfo(float).eps)
@@ -101,8 +102,7 @@ class FreeMotion:
 
     def _integration_error(self, time: Array, angle: Array) -> float:
         equation = replace(self.equation, table=None).tabulated(CONTROL_DEGREE)
-        scheme, tolerance = gauss_scheme(CONTROL_NODES), TIGHTENED * self.tolerance
-        control = integrate(equation.acceleration, self.start, self.duration, tolerance, scheme)
+        control = _integrated(equation, self.start, self.duration, CONTROL_NODES, TIGHTENED * self.tolerance)
         return float(np.max(np.abs(angle - control.angle_at(time))))
 
     def _closed_form_error(self, time: Array, angle: Array) -> float:
@@ -110,14 +110,16 @@ class FreeMotion:
         seen = np.linspace(0.0, self.duration, SEEN)
         path = self.equation.mechanism.sweep(self.angle(seen))
         _, first, second = relative_bounds(path)
-        peak = float(np.max(np.abs(self.equation.terms(path.angle)[0])))
+        push = DISTURBANCE * self.equation.peak_moment
 
         def disturbed(angle: Array, speed: Array) -> Array:
             moment, damping, slope = self.equation.terms(angle)
             more, less = 1.0 + DISTURBANCE, 1.0 - DISTURBANCE
-            return np.asarray(moment + DISTURBANCE * peak - speed * (less * damping + more * slope * speed))
+            return np.asarray(moment + push - speed * (less * damping + more * slope * speed))
 
-        moved = integrate(disturbed, self.start, self.duration, LOOSE, gauss_scheme(NODES))
+        moved = integrate(
+            disturbed, self.start, self.duration, gauss_scheme(NODES), tolerance=LOOSE, rounding=DISTURBANCE * push
+        )
         response = float(np.max(np.abs(angle - moved.angle_at(time)))) / DISTURBANCE
         return response * (3.0 * first + second)
 
@@ -177,6 +179,15 @@ def follow(
 ) -> FreeMotion:
     """The motion of an equation that is ready to be integrated; arguments as for ``free_motion``."""
     start = (start_angle, start_speed)
-    windows = integrate(equation.acceleration, start, duration, tolerance, gauss_scheme(NODES))
+    windows = _integrated(equation, start, duration, NODES, tolerance)
     regime = "driven" if np.any(equation.torque.values) else "free"
     return FreeMotion(regime, start, duration, equation, windows, tolerance)
+
+
+def _integrated(
+    equation: EquationOfMotion, start: tuple[float, float], duration: float, nodes: int, tolerance: float
+) -> Windows:
+    """The windows of a motion; near an equilibrium the moment is a small difference, with the rounding of its peak."""
+    rounding = ROUNDINGS * EPS * equation.peak_moment
+    scheme = gauss_scheme(nodes)
+    return integrate(equation.acceleration, start, duration, scheme, tolerance=tolerance, rounding=rounding)

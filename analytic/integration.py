@@ -77,11 +77,18 @@ class _Path:
 
 
 def integrate(
-    acceleration: Acceleration, start: tuple[float, float], duration: float, tolerance: float, scheme: Scheme
+    acceleration: Acceleration,
+    start: tuple[float, float],
+    duration: float,
+    scheme: Scheme,
+    *,
+    tolerance: float,
+    rounding: float,
 ) -> Windows:
     """Integrate from ``start``, (φ, ω), for ``duration`` seconds; ``tolerance`` is of the speed within a window.
 
-    Raises LinkproofError where the motion cannot be followed.
+    ``rounding`` is what of an acceleration is noise, rad/s²: no window is made smaller to follow it. Raises
+    LinkproofError where the motion cannot be followed.
     """
     tolerance, count = max(tolerance, LEAST_TOLERANCE), len(scheme.nodes)
     path, length = _Path(scheme, *start), _first_window(acceleration, *start, duration)
@@ -91,8 +98,8 @@ def integrate(
         rest = duration - path.starts[-1]
         last = length >= ALL_BUT * rest
         length = rest if last else length
-        found = _solve(acceleration, path, length, guess)
-        error = np.inf if found is None else _error(path, found, length)
+        found = _solve(acceleration, path, length, guess, rounding)
+        error = np.inf if found is None else _error(path, found, length, rounding)
         growth = float(np.clip(SAFETY * (tolerance / max(error, TINY)) ** (1.0 / count), LEAST_GROWTH, MOST_GROWTH))
         if found is not None and error <= tolerance:
             path.add(found, length, duration if last else path.starts[-1] + length)
@@ -119,7 +126,7 @@ def _first_window(acceleration: Acceleration, angle: float, speed: float, durati
     return min(duration, FIRST_ANGLE / rate) if rate > 0.0 else duration
 
 
-def _solve(acceleration: Acceleration, path: _Path, length: float, guess: Array) -> Array | None:
+def _solve(acceleration: Acceleration, path: _Path, length: float, guess: Array, rounding: float) -> Array | None:
     """Accelerations at the nodes, or None where the iteration does not settle."""
     scheme, speed = path.scheme, path.speed.value
     ahead = path.angle.value + speed * length * scheme.nodes
@@ -135,18 +142,18 @@ def _solve(acceleration: Acceleration, path: _Path, length: float, guess: Array)
             return None
         found, least = following, min(least, change)
         # Settled: down to rounding, or no longer shrinking close to it.
-        if change <= 4.0 * EPS * peak or (change >= 0.5 * before and change <= 1e4 * EPS * peak):
+        if change <= 4.0 * EPS * peak + rounding or (change >= 0.5 * before and change <= 1e4 * EPS * peak):
             return found
         before = change
     return None
 
 
-def _error(path: _Path, found: Array, length: float) -> float:
+def _error(path: _Path, found: Array, length: float, rounding: float) -> float:
     """Error of the speed over the speed in a window, from the last terms of the acceleration's series."""
     scheme, speed = path.scheme, path.speed.value
-    tail = np.abs(scheme.series[-2:] @ found).max() * length
+    tail = max(float(np.abs(scheme.series[-2:] @ found).max()) - rounding, 0.0) * length
     scale = max(abs(speed), abs(speed + length * float(scheme.end_once @ found)), length * float(np.abs(found).max()))
-    return float(tail / scale) if scale > 0.0 else 0.0
+    return tail / scale if scale > 0.0 else 0.0
 
 
 def _continued(scheme: Scheme, found: Array, growth: float) -> Array:

@@ -13,6 +13,7 @@ from analytic.errors import UnknownNameError
 from analytic.linkage import GROUND, Linkage, Vector
 from analytic.reader import Reader, reader_of
 from analytic.regimes import REGIMES
+from analytic.thread_path import EyeReference, ThreadEye, ThreadGuide, ThreadPath
 
 # Points of one link nearer to each other than this share of the drawing's size are one point written twice.
 COINCIDENT = 1e-12
@@ -48,6 +49,7 @@ def interpret(document: doc.Document, name: str, variants: tuple[str, ...], sour
         springs=loads.springs(reader),
         dampers=loads.dampers(reader),
         output=_output(reader),
+        thread=_thread(reader),
         regimes=_regimes(reader),
         errata=_errata(reader, variants),
         published=tuple(lk.Published(**entry.model_dump()) for entry in document.published),
@@ -68,6 +70,36 @@ def _regimes(reader: Reader) -> tuple[lk.OwnRegime, ...]:
         start = reader.number(table.start_angle, "angle", f"{where}.start_angle")
         found.append(lk.OwnRegime(name, torque, start, table.start_speed, table.duration))
     return tuple(found)
+
+
+def _thread(reader: Reader) -> ThreadPath | None:
+    """The thread's way in m and rad; every eye is a point of the linkage."""
+    table = reader.document.thread
+    if table is None:
+        return None
+    stops = tuple(_stop(reader, stop, f"thread.stops.{number}") for number, stop in enumerate(table.stops))
+    if isinstance(table.reference, doc.ReferenceTable):
+        _check_eye(reader, table.reference.eye, "thread.reference")
+        reference: float | EyeReference = EyeReference(table.reference.eye, table.reference.extreme)
+    else:
+        reference = table.reference * reader.scale["angle"]
+    return ThreadPath(stops, reader.number(table.stretch, "length", "thread.stretch"), table.feed, reference)
+
+
+def _stop(reader: Reader, stop: doc.StopTable, where: str) -> ThreadGuide | ThreadEye:
+    if (stop.guide is None) == (stop.eye is None):
+        raise reader.fail(f"{where}: expected either guide = [x, y, z] or eye = 'POINT', got both or none; give one")
+    if stop.eye is not None:
+        _check_eye(reader, stop.eye, where)
+        return ThreadEye(stop.eye, reader.number(stop.z, "length", where))
+    assert stop.guide is not None
+    x, y, z = (reader.number(part, "length", where) for part in stop.guide)
+    return ThreadGuide(stop.name, (x, y, z))
+
+
+def _check_eye(reader: Reader, eye: str, where: str) -> None:
+    if eye not in reader.all_points():
+        raise reader.fail(f"{where}: {UnknownNameError('point', eye, reader.all_points())}")
 
 
 def _errata(reader: Reader, variants: tuple[str, ...]) -> tuple[lk.Erratum, ...]:

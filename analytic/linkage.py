@@ -15,6 +15,7 @@ from dataclasses import dataclass, field
 from typing import Final
 
 from analytic.laws import Law
+from analytic.thread_path import ThreadPath
 
 GROUND: Final = "ground"
 
@@ -187,6 +188,7 @@ class Linkage:
     springs: tuple[Spring, ...] = ()
     dampers: tuple[RotaryDamper, ...] = ()
     output: Output | None = None
+    thread: ThreadPath | None = None
     regimes: tuple[OwnRegime, ...] = ()
     errata: tuple[Erratum, ...] = ()
     published: tuple[Published, ...] = ()

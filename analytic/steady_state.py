@@ -146,7 +146,8 @@ def _stalls(equation: EquationOfMotion, speed: float) -> bool:
     Over φ a stall takes no longer than a turn; over time the crank would swing in its dwell for ever.
     """
     angle = np.copysign(np.linspace(0.0, FULL_TURN, 2 * SAMPLES + 1), speed)
-    moment, damping, slope = (term.tolist() for term in equation.terms(angle))
+    terms: list[list[float]] = equation.terms(angle).tolist()
+    moment, damping, slope = terms
     step, square = float(angle[2]), speed * speed
 
     def gain(at: int, value: float) -> float:

@@ -103,9 +103,13 @@ def reference_angle(mechanism: Mechanism, path: ThreadPath) -> float:
 
 def feed(mechanism: Mechanism, path: ThreadPath, angle: ArrayLike) -> Array:
     """Actual feed Pd(φ), m, at crank angles of any shape, rad."""
+    return feed_of_length(mechanism, path, contour_length(mechanism.sweep(angle), path))
+
+
+def feed_of_length(mechanism: Mechanism, path: ThreadPath, length: ArrayLike) -> Array:
+    """Feed, m, of a contour of the given length, m: wherever that length was measured."""
     start = contour_length(mechanism.sweep(reference_angle(mechanism, path)), path)
-    change = contour_length(mechanism.sweep(angle), path) - start
-    return np.asarray(_sign(path) * change + path.stretch)
+    return np.asarray(_sign(path) * (np.asarray(length) - start) + path.stretch)
 
 
 def _sign(path: ThreadPath) -> float:

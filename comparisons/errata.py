@@ -66,6 +66,8 @@ class ErratumRecord:
 def judge_errata(linkages: Iterable[Linkage], engines: Sequence[str]) -> Iterator[ErratumRecord]:
     """Put every printed model of these linkages to every engine, tuned."""
     for linkage in linkages:
+        if linkage.variant != linkage.variants[0]:
+            continue  # printed models are held against the file's own values
         runs: dict[tuple[str, str], tuple[str, Signal | None]] = {}
         for erratum in linkage.errata:
             case, printed = _models(linkage, erratum)

@@ -18,6 +18,8 @@ from analytic import dynamics
 from analytic.errors import LinkproofError, UnknownNameError
 from analytic.harmonics import top_dead_centre
 from analytic.kinetostatics import joint_forces
+from analytic.thread import feed, feed_of_length
+from analytic.thread_path import ThreadEye, ThreadPath
 from comparisons.case import Case
 from comparisons.motion import ObservedMotion
 from engines.contract import Channel, Signal
@@ -44,6 +46,7 @@ class Quantity:
     also: frozenset[Channel] = frozenset()
     holds_acceleration: bool = False
     needs_output: bool = False
+    needs_thread: bool = False
     prescribed: bool = True
     free: bool = True
 
@@ -55,7 +58,9 @@ class Quantity:
     def fits(self, case: Case) -> bool:
         """Whether it is a result of the case's drive and its linkage has what it needs."""
         wanted = self.prescribed if case.is_prescribed else self.free
-        return wanted and not (self.needs_output and case.mechanism.linkage.output is None)
+        linkage = case.mechanism.linkage
+        lacks = (self.needs_output and linkage.output is None) or (self.needs_thread and linkage.thread is None)
+        return wanted and not lacks
 
 
 def _inertia(case: Case, motion: ObservedMotion) -> Signal:
@@ -119,6 +124,33 @@ def _joint_force(joint: str) -> Quantity:
         observed=lambda case, motion: motion.history.joint_force[joint],
         holds_acceleration=True,
     )
+
+
+def _thread(case: Case) -> ThreadPath:
+    thread = case.mechanism.linkage.thread
+    if thread is None:
+        raise LinkproofError(
+            f"'{case.mechanism.linkage.name}' has no thread, so it feeds none: add a [thread] to its file, or leave "
+            "thread_feed out"
+        )
+    return thread
+
+
+def _thread_feed(case: Case, motion: ObservedMotion) -> Signal:
+    """Feed from where the engine has the eyes; the reference length is geometry, the same for all."""
+    path, linkage = _thread(case), case.mechanism.linkage
+    time = motion.signal(Channel.POSITION).time
+    corners = []
+    for stop in path.stops:
+        if isinstance(stop, ThreadEye):
+            link = next(name for name, body in linkage.links.items() if stop.point in body.points)
+            local, centre = linkage.links[link].points[stop.point], linkage.links[link].centre
+            place = motion.point(link, (local[0] - centre[0], local[1] - centre[1]), time)
+            corners.append(np.column_stack([place, np.full(len(time), stop.z)]))
+        else:
+            corners.append(np.broadcast_to(np.asarray(stop.position), (len(time), 3)))
+    length = np.linalg.norm(np.diff(np.stack(corners), axis=0), axis=-1).sum(axis=0)
+    return Signal(time, feed_of_length(case.mechanism, path, length))
 
 
 QUANTITIES: Mapping[str, Quantity] = {
@@ -219,6 +251,15 @@ QUANTITIES: Mapping[str, Quantity] = {
             holds_acceleration=True,
             needs_output=True,
         ),
+        Quantity(
+            name="thread_feed",
+            unit="m",
+            title="thread feed",
+            clock=Channel.POSITION,
+            reference=lambda case, time: feed(case.mechanism, _thread(case), case.motion.angle(time)),
+            observed=_thread_feed,
+            needs_thread=True,
+        ),
     )
 }
 
@@ -252,6 +293,8 @@ def _refuse(case: Case, name: str, known: Mapping[str, Quantity]) -> None:
         raise UnknownNameError("quantity", name, [*QUANTITIES, JOINT_FORCE.rstrip(":"), *known])
     if QUANTITIES[name].needs_output:
         _ = case.output
+    if QUANTITIES[name].needs_thread:
+        _thread(case)
     raise LinkproofError(
         f"{name} is given, not a result, in regime '{case.motion.regime}' of '{case.mechanism.linkage.name}': ask for "
         f"one of {', '.join(known)}"

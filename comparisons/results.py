@@ -17,6 +17,7 @@ from analytic.loading import parse
 from analytic.regimes import CrankMotion, Segment
 from comparisons.campaign import Request, RunResult
 from comparisons.environment import environment
+from comparisons.errata import ErratumRecord
 from comparisons.files import write_file
 from comparisons.records import Record, from_rows, to_json
 
@@ -69,7 +70,13 @@ class Results:
         return time[kept], observed[kept], reference[kept]
 
 
-def document(request: Request, results: Sequence[RunResult], texts: Sequence[str], command: str) -> dict[str, Any]:
+def document(
+    request: Request,
+    results: Sequence[RunResult],
+    texts: Sequence[str],
+    command: str,
+    errata: Sequence[ErratumRecord] = (),
+) -> dict[str, Any]:
     """Everything but the curves, as JSON-ready data; ``texts`` are the linkage files in the request's order."""
     return {
         "format": 1,
@@ -78,6 +85,7 @@ def document(request: Request, results: Sequence[RunResult], texts: Sequence[str
         "environment": environment(),
         "records": [asdict(record) for result in results for record in result.records],
         "invariants": [asdict(record) for result in results for record in result.invariants],
+        "errata": [{**asdict(record), "sentence": record.sentence} for record in errata],
         "details": {"/".join(r.records[0].run): r.details for r in results if r.records},
         "motions": [
             {"regime": m.regime, "segments": [[s.start, s.end, list(s.coefficients)] for s in m.segments]}

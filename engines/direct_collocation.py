@@ -13,6 +13,7 @@ import math
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 from numpy.polynomial import legendre
@@ -20,7 +21,7 @@ from numpy.typing import NDArray
 
 from engines.direct_assembly import UnsolvableError
 
-Array = NDArray[np.float64]
+Array = NDArray[np.floating[Any]]
 
 FULL_TURN = 2.0 * math.pi
 POINTS = 24
@@ -77,11 +78,11 @@ class Window:
     width: float
     slope: Slope
 
-    def at(self, x: Array | float) -> tuple[Array, Array]:
-        """φ and φ̇ at places in the window, -1 its start and 1 its end."""
-        half = 0.5 * self.width
-        acceleration = self.slope.acceleration
-        once, twice = legendre.legval(x, _ONCE @ acceleration), legendre.legval(x, _TWICE @ acceleration)
+    def at(self, x: Array) -> tuple[Array, Array]:
+        """φ and φ̇ at places (n,) in the window, -1 its start and 1 its end."""
+        half, terms = 0.5 * self.width, legendre.legvander(x, POINTS + 1)
+        once = terms[:, :-1] @ (_ONCE @ self.slope.acceleration)
+        twice = terms @ (_TWICE @ self.slope.acceleration)
         return self.angle + half * (x + 1.0) * self.speed + half * half * twice, self.speed + half * once
 
     @cached_property
@@ -98,19 +99,21 @@ class Window:
         angle = self.at(x)[0]
         levels = breaks + FULL_TURN * np.round((angle[POINTS // 2] - breaks) / FULL_TURN)
         level, before = np.nonzero(np.diff(np.sign(angle - levels[:, None]), axis=1))
-        parts = [0.5 * (1.0 + self._crossing(levels[i], x[j], x[j + 1])) for i, j in zip(level, before, strict=True)]
-        return min((part for part in parts if AT_BREAK < part < 1.0 - AT_BREAK), default=None)
+        if not len(level):
+            return None
+        places = self._crossings(levels[level], x[before], x[before + 1])
+        parts = 0.5 * (1.0 + places)
+        inside = parts[(parts > AT_BREAK) & (parts < 1.0 - AT_BREAK)]
+        return float(np.min(inside)) if len(inside) else None
 
-    def _crossing(self, level: float, left: float, right: float) -> float:
-        """Where φ is ``level`` between two places, by bisection."""
-        side = np.sign(self.at(left)[0] - level)
-        for _ in range(40):
-            middle = 0.5 * (left + right)
-            if np.sign(self.at(middle)[0] - level) == side:
-                left = middle
-            else:
-                right = middle
-        return right
+    def _crossings(self, levels: Array, left: Array, right: Array) -> Array:
+        """Where φ passes each level between two places, by Newton's method kept between them."""
+        places = 0.5 * (left + right)
+        for _ in range(6):
+            angle, speed = self.at(places)
+            step = (levels - angle) / np.where(speed == 0.0, 1.0, 0.5 * self.width * speed)
+            places = np.clip(places + step, left, right)
+        return places
 
 
 @dataclass(frozen=True)
@@ -161,7 +164,7 @@ def integrate(problem: Problem, angle: float, speed: float, duration: float) -> 
         if window is not None and (tail <= problem.tolerance or 0.5 * rejected <= tail <= NOISE):
             starts.append(duration if width == left else starts[-1] + width)
             windows.append(window)
-            end, speed = (float(value) for value in window.at(1.0))
+            end, speed = (float(values[0]) for values in window.at(np.ones(1)))
             whole = math.copysign(problem.period, end) if abs(end) > problem.period else 0.0
             angle = end - whole
             turns.append(turns[-1] + whole)
@@ -170,7 +173,10 @@ def integrate(problem: Problem, angle: float, speed: float, duration: float) -> 
             width, uncut, rejected = growth * width, 0.0, tail
         else:
             problem.equation(np.array([angle]), np.array([speed]))  # says why, where the motion has left its bounds
-            raise UnsolvableError(f"the free crank's motion cannot be followed beyond {starts[-1]:.4g} s")
+            raise UnsolvableError(
+                f"the free crank cannot be followed beyond {starts[-1]:.4g} s: at {math.degrees(angle) % 360.0:.4g}° the "
+                "linkage locks or all but does"
+            )
     return Trajectory(np.array(starts), windows, np.array(turns[:-1]))
 
 
@@ -178,7 +184,7 @@ def _growth(tolerance: float, tail: float) -> float:
     """By how much the next window may be wider than one that ends in ``tail``."""
     if tail <= 1e-3 * tolerance:
         return 2.0  # it has ended long before the last coefficients
-    return min(2.0, max(0.3, 0.9 * (tolerance / tail) ** (1.0 / POINTS)))
+    return float(min(2.0, max(0.3, 0.9 * (tolerance / tail) ** (1.0 / POINTS))))
 
 
 def _solved(problem: Problem, angle: float, speed: float, width: float) -> Window | None:

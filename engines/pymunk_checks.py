@@ -17,7 +17,7 @@ from analytic.linkage import GROUND
 from analytic.regimes import Segment
 from engines.consistency import start_misfit
 from engines.contract import Free, Scene
-from engines.pymunk_layout import Kind, Layout, LayoutError, exact_layout, turns
+from engines.pymunk_layout import Kind, Layout, exact_layout, turns
 from engines.pymunk_reactions import gaps
 from engines.pymunk_recording import WATCHED, Recording
 
@@ -46,12 +46,7 @@ def _obstacles(scene: Scene) -> Iterator[str]:
     misfit = start_misfit(scene)
     if misfit is not None:
         yield misfit
-    try:
-        layout = exact_layout(scene)
-    except LayoutError as error:
-        yield str(error)
-        return
-    surplus = _freedom(layout) - 1
+    surplus = _freedom(exact_layout(scene)) - 1
     if surplus:
         yield f"the joints leave {surplus + 1} degrees of freedom by count, where a linkage has one"
 

@@ -1,10 +1,11 @@
-"""How a scene is cut into pymunk bodies and constraints; plain data, so that it can be checked and solved without pymunk.
+"""How a scene is cut into pymunk bodies and constraints; plain data, to be checked and solved without pymunk.
 
-pymunk's ``GrooveJoint`` solves both directions of its contact and then drops the part along the groove. That is right only
-where the two do not couple: the mass centre of the groove's body has to lie on the groove's line, and that of the pin's
-body at the pin (or the body must not turn). Elsewhere it settles on a wrong velocity, silently. A body that breaks this
-is cut in two: a point mass that is pinned to it, chosen so that what is left has its mass centre where the groove wants
-it. Mass, mass centre and inertia of the pair are those of the body, so the motion is exactly the same.
+pymunk's ``GrooveJoint`` solves both directions of its contact and then drops the part along the groove. That is right
+only where the two do not couple: the mass centre of the groove's body has to lie on the groove's line, and that of the
+pin's body at the pin (or the body must not turn). Elsewhere it settles on a wrong velocity, silently. A body that breaks
+this is cut in two: a point mass that is pinned to it, chosen so that what is left has its mass centre where the groove
+wants it. A host of several grooves gets a rail for each line its centre cannot be put on: a part of its own, pinned and
+geared to it. Mass, mass centre and inertia of the parts together are those of the body, so the motion is exactly the same.
 """
 
 from __future__ import annotations
@@ -26,10 +27,6 @@ STILL: Final = -1  # the number that stands for the ground among the parts
 CLOSE = 1e-12
 
 
-class LayoutError(Exception):
-    """A scene that cannot be cut so that pymunk's grooves are right; the message says why."""
-
-
 class Kind(StrEnum):
     """What a hold keeps."""
 
@@ -40,7 +37,7 @@ class Kind(StrEnum):
 
 @dataclass(frozen=True)
 class Part:
-    """One body of the engine: what carries a scene body, or a point mass cut off it.
+    """One body of the engine: what carries a scene body, or a point mass or rail cut off it.
 
     ``offset`` is its centre from the owner's mass centre, in the owner's frame, m; ``inertia`` is None where the part
     cannot turn.
@@ -91,10 +88,7 @@ def plain_layout(scene: Scene) -> Layout:
 
 
 def exact_layout(scene: Scene) -> Layout:
-    """The scene cut so that every groove is exact.
-
-    Raises LayoutError where a host has more slots than its mass centre can lie on.
-    """
+    """The scene cut so that every groove is exact."""
     return _Cutter(scene, cut=True).layout()
 
 
@@ -133,6 +127,14 @@ def without_point(part: Part, point: Vector) -> tuple[Part, Part]:
     return rest, Part(part.owner, cut, None, point)
 
 
+def without_rail(part: Part, centre: Vector) -> tuple[Part, Part]:
+    """Cut off a part that can turn, its centre at ``centre``. Returns the rest and the rail."""
+    assert part.inertia is not None
+    share = part.inertia / 4.0
+    rest, point = without_point(replace(part, inertia=part.inertia - share), centre)
+    return rest, replace(point, inertia=share)
+
+
 def with_centre(part: Part, centre: Vector) -> tuple[Part, Part]:
     """Cut a point mass off so that the centre of what is left lies at ``centre``. Returns the rest and the point."""
     assert part.inertia is not None
@@ -155,8 +157,9 @@ class _Cutter:
         self.number[GROUND] = STILL
         self.reach = reach(scene)
         self.carriers: dict[str, Part] = {}
-        self.points: list[Part] = []
+        self.cut_off: list[Part] = []
         self.shoes: dict[str, int] = {}  # slot name -> number of the point mass that is its pin
+        self.rails: dict[str, int] = {}  # slot or slider name -> number of the rail that has its line
 
     def layout(self) -> Layout:
         for body in self.scene.bodies:
@@ -165,11 +168,12 @@ class _Cutter:
         holds = [self._pin(*pin) for pin in self._pins()]
         holds += [hold for slider in self.scene.sliders for hold in self._slider(slider)]
         holds += [self._slot(slot) for slot in self.scene.slots]
-        holds += [
-            Hold(Kind.PIN, None, len(carriers) + k, p.owner, (0.0, 0.0), _minus(p.offset, carriers[p.owner].offset))
-            for k, p in enumerate(self.points)
-        ]
-        return Layout((*carriers, *self.points), tuple(holds), self.number[self.scene.crank], self.reach)
+        for number, part in enumerate(self.cut_off, len(carriers)):
+            anchor = _minus(part.offset, carriers[part.owner].offset)
+            holds.append(Hold(Kind.PIN, None, number, part.owner, (0.0, 0.0), anchor))
+            if part.inertia is not None:
+                holds.append(Hold(Kind.GEAR, None, number, part.owner))
+        return Layout((*carriers, *self.cut_off), tuple(holds), self.number[self.scene.crank], self.reach)
 
     def carrier(self, name: str) -> Part:
         """The part that carries a body; sliders come before their hosts, whose lines depend on them."""
@@ -183,29 +187,38 @@ class _Cutter:
     def _cut(self, name: str, part: Part) -> Part:
         for slot in self.scene.slots:
             if slot.body == name and math.dist(slot.anchor, part.offset) > CLOSE * self.reach:
-                part, point = without_point(part, slot.anchor)
-                self.shoes[slot.name] = len(self.scene.bodies) + len(self.points)
-                self.points.append(point)
-        centre = self._centre_on_lines(name, part.offset)
+                part, shoe = without_point(part, slot.anchor)
+                self.shoes[slot.name] = self._keep(shoe)
+        lines = self._lines(name)
+        while (centre := self._nearest(list(lines.values()), part.offset)) is None:
+            joint, line = lines.popitem()
+            own = self._nearest([line], part.offset)
+            assert own is not None
+            part, rail = without_rail(part, own)
+            self.rails[joint] = self._keep(rail)
         if math.dist(centre, part.offset) > CLOSE * self.reach:
             part, point = with_centre(part, centre)
-            self.points.append(point)
+            self._keep(point)
         return part
 
-    def _centre_on_lines(self, host: str, centre: Vector) -> Vector:
-        """The point nearest to ``centre`` that lies on all the grooves of a host."""
-        lines = [(j.through, j.along) for j in self.scene.slots if j.host == host]
-        lines += [(self._groove_point(j), j.along) for j in self.scene.sliders if j.host == host]
+    def _keep(self, part: Part) -> int:
+        self.cut_off.append(part)
+        return len(self.scene.bodies) + len(self.cut_off) - 1
+
+    def _lines(self, host: str) -> dict[str, tuple[Vector, Vector]]:
+        """A point and the direction of every groove's line on a host, by joint."""
+        lines = {j.name: (j.through, j.along) for j in self.scene.slots if j.host == host}
+        return lines | {j.name: (self._groove_point(j), j.along) for j in self.scene.sliders if j.host == host}
+
+    def _nearest(self, lines: Sequence[tuple[Vector, Vector]], centre: Vector) -> Vector | None:
+        """The point nearest to ``centre`` that lies on all lines; None where they have none in common."""
         if not lines:
             return centre
         normals = np.array([_turned(_unit(along), math.pi / 2.0) for _, along in lines])
         distances = np.einsum("ik,ik->i", normals, np.subtract([through for through, _ in lines], centre))
         shift = np.linalg.lstsq(normals, distances, rcond=1e-9)[0]
-        if np.max(np.abs(normals @ shift - distances)) > 1e-9 * self.reach:
-            raise LayoutError(
-                f"body '{host}' has slots on several lines without a common point, and pymunk's GrooveJoint is right "
-                "only for slots that the body's mass centre can be put on; use another engine for this linkage"
-            )
+        if np.max(np.abs(normals @ shift - distances)) > 1e-9 * self.reach or np.linalg.norm(shift) > self.reach:
+            return None
         return (centre[0] + float(shift[0]), centre[1] + float(shift[1]))
 
     def _groove_point(self, slider: SliderJoint) -> Vector:
@@ -231,10 +244,10 @@ class _Cutter:
     def _slider(self, slider: SliderJoint) -> list[Hold]:
         first, second = self.number[slider.body], self.number[slider.host]
         if not self.cut or slider.host == GROUND:
-            anchors = self._anchor(slider.body, slider.anchor), self._anchor(slider.host, slider.through)
+            anchor, through = self._anchor(slider.body, slider.anchor), slider.through
         else:
-            anchors = (0.0, 0.0), self._anchor(slider.host, self._groove_point(slider))
-        groove = Hold(Kind.GROOVE, slider.name, first, second, *anchors, along=_unit(slider.along))
+            anchor, through = (0.0, 0.0), self._groove_point(slider)
+        groove = self._groove(slider, first, anchor, through)
         if not turns(self.scene, self.scene.bodies[first]):
             return [groove]
         return [groove, Hold(Kind.GEAR, None, first, second, turn=self._turn(slider))]
@@ -243,8 +256,15 @@ class _Cutter:
         first, anchor = self.number[slot.body], self._anchor(slot.body, slot.anchor)
         if slot.name in self.shoes:
             first, anchor = self.shoes[slot.name], (0.0, 0.0)
-        through = self._anchor(slot.host, slot.through)
-        return Hold(Kind.GROOVE, slot.name, first, self.number[slot.host], anchor, through, _unit(slot.along))
+        return self._groove(slot, first, anchor, slot.through)
+
+    def _groove(self, joint: SliderJoint | SlotJoint, first: int, anchor: Vector, through: Vector) -> Hold:
+        """A groove in the joint's host, or in the host's rail; ``through`` from the host's mass centre."""
+        second, start = self.number[joint.host], self._anchor(joint.host, through)
+        if joint.name in self.rails:
+            second = self.rails[joint.name]
+            start = _minus(through, self.cut_off[second - len(self.scene.bodies)].offset)
+        return Hold(Kind.GROOVE, joint.name, first, second, anchor, start, _unit(joint.along))
 
 
 def reach(scene: Scene) -> float:

@@ -13,6 +13,7 @@ from rich.console import Console
 from analytic.loading import catalogue, load
 from comparisons import baseline
 from comparisons.campaign import compare as run_campaign
+from comparisons.errata import judge_errata
 from comparisons.files import check_writable, write_text
 from comparisons.published import all_variants, compare_published
 from comparisons.records import Record, Verdict, to_json
@@ -61,10 +62,21 @@ def published(names: Sequence[str], target: str | None) -> None:
     """Print or write the published figures beside ours."""
     linkages = [linkage for name in names or catalogue() for linkage in all_variants(name)]
     records = compare_published(linkages)
+    with progress() as announce:
+        errata = []
+        for number, record in enumerate(judge_errata(linkages, installed(engine_names()))):
+            announce(f"{record.mechanism}: {record.engine}", number, number + 1)
+            errata.append(record)
     if target is None:
-        Console().print(tables.published(records))
+        Console().print(tables.published(records), *(record.sentence for record in errata), sep="\n", highlight=False)
     else:
-        _write_json(target, {"records": [asdict(record) for record in records]})
+        rows = [{**asdict(record), "sentence": record.sentence} for record in errata]
+        _write_json(target, {"records": [asdict(record) for record in records], "errata": rows})
+
+
+def installed(engines: Sequence[str]) -> list[str]:
+    """Those of the engines that are installed."""
+    return [name for name in engines if engine(name).version() is not None]
 
 
 def compare(choice: Choice, out: Path | None, target: str | None, *, record_baseline: bool) -> int:
@@ -81,7 +93,8 @@ def compare(choice: Choice, out: Path | None, target: str | None, *, record_base
     if target != "-":
         Console().print(tables.campaign(results))
     if target or out:
-        told = document(wanted, results, texts(choice, wanted.linkages), command)
+        errata = list(judge_errata(wanted.linkages, installed(wanted.engines))) if wanted.own_regimes else []
+        told = document(wanted, results, texts(choice, wanted.linkages), command, errata)
         if target:
             _write_json(target, told)
         if out:
@@ -92,7 +105,7 @@ def compare(choice: Choice, out: Path | None, target: str | None, *, record_base
 
 def targets(target: str | None) -> int:
     """Measure what the suite promises of itself; returns 1 if anything owed was missed."""
-    engines = [name for name in engine_names() if engine(name).version() is not None]
+    engines = installed(engine_names())
     linkages = [linkage for linkage in map(load, catalogue()) if linkage.output is not None]
     with progress() as announce:
         figures = []

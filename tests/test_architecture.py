@@ -3,6 +3,7 @@
 import ast
 import subprocess
 import sys
+import tomllib
 from pathlib import Path
 
 import pytest
@@ -58,3 +59,13 @@ def test_finding_an_adapter_imports_no_engine(name):
     )
     done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=True, cwd=ROOT)
     assert done.stdout.strip() == "[]"
+
+
+DATA_MODULES = {"__init__", "linkage", "laws", "regimes", "errors", "thread_path"}
+
+
+def test_engines_are_kept_from_every_module_of_the_closed_form():
+    contracts = tomllib.loads((ROOT / "pyproject.toml").read_text())["tool"]["importlinter"]["contracts"]
+    (forbidden,) = (contract["forbidden_modules"] for contract in contracts if contract["type"] == "forbidden")
+    closed_form = {f"analytic.{path.stem}" for path in (ROOT / "analytic").glob("*.py") if path.stem not in DATA_MODULES}
+    assert set(forbidden) == closed_form

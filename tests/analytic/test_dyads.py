@@ -39,3 +39,17 @@ def test_products_of_vectors():
     assert dyads.dot((1.0, 2.0), (3.0, 4.0)) == 11.0
     assert dyads.cross((1.0, 2.0), (3.0, 4.0)) == -2.0
     assert dyads.turned((0.0, 0.0, 0.0, 1.0), (0.0, 1.0)) == (-1.0, 0.0)
+
+
+@pytest.mark.parametrize("zero", range(4))
+def test_a_plain_zero_saves_work_but_changes_nothing(zero):
+    parts = [ANGLE, ANGLE + 1.0, ANGLE - 2.0, 3.0 * ANGLE]
+    plain = [0.0 if k == zero else part for k, part in enumerate(parts)]
+    whole = [np.zeros(5) if k == zero else part for k, part in enumerate(parts)]
+    for product in (dyads.dot, dyads.cross, dyads.minus):
+        assert np.array_equal(product(plain[:2], plain[2:]), product(whole[:2], whole[2:]))
+    assert np.array_equal(dyads.ahead(plain[:2], 2.0, plain[2:]), dyads.ahead(whole[:2], 2.0, whole[2:]))
+    if zero < 2:
+        for sign in (1, -1):
+            short, long = (dyads.circle_and_line((0.1, 0.2), (0.3, ANGLE), p[:2], 40.0, sign) for p in (plain, whole))
+            assert np.array_equal(short[0], long[0])

@@ -1,6 +1,7 @@
 """Equilibria against extended precision and energy, and steady rotation against the balance of work."""
 
 import dataclasses
+import itertools
 import math
 
 import numpy as np
@@ -16,12 +17,19 @@ from analytic.roots import root
 from analytic.steady_state import last_turns, steady_state
 from tests.analytic import article_000
 from tests.analytic.linkages import FULL_TURN, from_text, mechanism
-from tests.analytic.test_free_motion import DOUBLE_ROCKER, PENDULUM, ROTOR, needs_extended_precision
+from tests.analytic.textbook import DOUBLE_ROCKER, PENDULUM, ROTOR, needs_extended_precision
 
 # rad. A moment of a few roundings over its slope.
 ANGLE = 1e-13
+ROUNDING = 1e-15
 # The balance of work over a turn, relative: the speed is settled to 1e-10, its mean is a sum of many samples.
 WORK = 1e-8
+# rad. Steps to either side of an equilibrium: for a slope, for a look at the energy, for a release.
+TINY, SMALL, NEAR = 1e-6, 1e-4, 1e-3
+# Relative, of moments that cancel.
+CANCELLED = 1e-12
+# Of a motion only looked at.
+GLANCE = 1e-9
 # Degrees; the specification prints 268.77.
 PRINTED = 0.005
 
@@ -34,16 +42,16 @@ def test_slotted_takeup_rests_near_the_published_angle():
     for place in found:
         angle = article_000.Long(place.angle)
         force = article_000.acceleration(angle, article_000.Long(0), 0, 0)
-        slope = (article_000.acceleration(angle + 1e-6, article_000.Long(0), 0, 0) - force) / 1e-6
+        slope = (article_000.acceleration(angle + TINY, article_000.Long(0), 0, 0) - force) / TINY
         assert abs(force / slope) < ANGLE
 
 
 @pytest.mark.parametrize("torque", [0.0, 0.005, -0.01])
 @pytest.mark.parametrize("name", ["slotted-takeup", "two-crank-takeup", "spring-and-damper"])
 def test_equilibria_are_the_extremes_of_energy(name, torque):
-    sample, small = mechanism(name), 1e-4
+    sample = mechanism(name)
     for place in equilibria(sample, torque):
-        around = sample.sweep(place.angle + small * np.arange(-1.0, 2.0))
+        around = sample.sweep(place.angle + SMALL * np.arange(-1.0, 2.0))
         energy = dynamics.potential_energy(around) - torque * around.angle
         assert (min(energy[0], energy[2]) > energy[1]) == place.stable
         assert (max(energy[0], energy[2]) < energy[1]) != place.stable
@@ -53,15 +61,15 @@ def test_equilibria_are_the_extremes_of_energy(name, torque):
 def test_stable_and_unstable_angles_take_turns(name, variant):
     stable = [place.stable for place in equilibria(mechanism(name, variant))]
     assert len(stable) % 2 == 0
-    assert all(one != two for one, two in zip(stable, stable[1:], strict=False))
+    assert all(one != two for one, two in itertools.pairwise(stable))
 
 
 def test_a_crank_released_near_equilibrium_stays_or_leaves():
     sample = mechanism("slotted-takeup")
     for place in equilibria(sample):
-        motion = free_motion(sample, start_angle=place.angle + 1e-3, duration=3.0)
+        motion = free_motion(sample, start_angle=place.angle + NEAR, duration=3.0)
         away = np.max(np.abs(motion.angle(np.linspace(0.0, 3.0, 301)) - place.angle))
-        assert (away < 2e-3) == place.stable
+        assert (away < 2.0 * NEAR) == place.stable
 
 
 def test_a_torque_over_the_angle_moves_the_equilibrium():
@@ -84,16 +92,16 @@ def test_a_crank_that_only_swings_is_looked_at_where_it_can_stand():
     found = equilibria(sample)
     assert any(place.stable for place in found)
     for place in found:
-        moments = dynamics.generalised_force(sample.sweep(place.angle + np.array([-1e-3, 0.0, 1e-3])))
-        assert abs(moments[1]) < 1e-12 * np.max(np.abs(moments)) + 1e-15
+        moments = dynamics.generalised_force(sample.sweep(place.angle + np.array([-NEAR, 0.0, NEAR])))
+        assert abs(moments[1]) < CANCELLED * np.max(np.abs(moments))
         assert (moments[0] > 0.0 > moments[2]) == place.stable
 
 
 def test_roots_are_found_to_the_last_digits():
-    assert root(math.cos, 1.0, 2.0) == pytest.approx(0.5 * math.pi, abs=2e-16)
-    assert root(lambda x: x**9, -1.0, 2.0) == pytest.approx(0.0, abs=1e-3)
+    assert root(math.cos, 1.0, 2.0) == pytest.approx(0.5 * math.pi, abs=ROUNDING)
+    assert root(lambda x: x**9, -1.0, 2.0) == pytest.approx(0.0, abs=NEAR)
     assert root(lambda x: x, 0.0, 2.0) == 0.0
-    assert root(lambda x: math.copysign(1.0, x - 0.3), 1.0, 0.0) == pytest.approx(0.3, abs=1e-15)
+    assert root(lambda x: math.copysign(1.0, x - 0.3), 1.0, 0.0) == pytest.approx(0.3, abs=ROUNDING)
 
 
 @pytest.mark.parametrize("torque", [0.025, -0.1])
@@ -112,7 +120,7 @@ def test_the_steady_state_is_where_the_motion_ends_up():
     sample = mechanism("slotted-takeup")
     steady = steady_state(sample, 0.025)
     assert steady.mean_speed == pytest.approx(125.0, rel=0.005)  # the specification's M1/b to half a per cent
-    long = free_motion(sample, torque=0.025, start_speed=120.0, duration=40.0, tolerance=1e-9)
+    long = free_motion(sample, torque=0.025, start_speed=120.0, duration=40.0, tolerance=GLANCE)
     ended = last_turns(long, 3)
     assert dataclasses.astuple(ended) == pytest.approx(dataclasses.astuple(steady), rel=WORK)
     turns = last_turns(free_motion(sample, torque=0.025, start_angle=1.0, start_speed=120.0, duration=1.0), 5)

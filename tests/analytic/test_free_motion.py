@@ -1,4 +1,4 @@
-"""Forward dynamics of the reference on trial: exact solutions, extended precision, a second integrator, conservation."""
+"""Forward dynamics of the reference: exact solutions, extended precision, a second integrator, conservation."""
 
 import dataclasses
 import math
@@ -17,6 +17,13 @@ from analytic.laws import Law
 from analytic.mechanism import Mechanism
 from tests.analytic import article_000
 from tests.analytic.linkages import from_text, mechanism
+from tests.analytic.textbook import (
+    DOUBLE_ROCKER,
+    PENDULUM,
+    PENDULUM_RATE,
+    ROTOR,
+    needs_extended_precision,
+)
 
 # rad. What the reference aims at over the published 10 s; the engines it judges reach 5e-7 and 1e-6.
 FREE, DRIVEN = 1e-11, 1e-8
@@ -26,74 +33,20 @@ EXACT, AFTER_A_DWELL = 1e-12, 1e-9
 SECOND_INTEGRATOR = 1e-9
 # Energy balance over the energy at play: quadrature and a few roundings of a thousand windows.
 BALANCE = 1e-12
-# rad/s² over the peak: the slope of the dense output against the equation of motion. Differentiation costs n² roundings.
-DENSE = 1e-9
+# rad/s² over the peak: the slope of the dense output, by differences over this many seconds, against the equation.
+DENSE, HALF_STEP = 1e-9, 1e-4
+# Tolerances of a user in a hurry.
+LOOSE = (1e-4, 1e-6, 1e-8)
+# Ours for a motion that is only looked at.
+GLANCE = 1e-9
+# What samples 0.2 ms apart miss of a peak, relative.
+PEAK = 1e-6
 # An honest bound holds, and does not exceed the error by more than this.
 BOUND_OVER_ERROR = 1e3
 # The equation read from its table, over each term's peak.
 TABLE = 1e-14
 # The same with a load that is a spline: its knots have no fourth derivative.
 SPLINE_TABLE = 1e-10
-
-needs_extended_precision = pytest.mark.skipif(
-    np.finfo(np.longdouble).eps > 1e-18, reason="this machine's long double is a double"
-)
-
-PENDULUM = """
-title = "pendulum"
-source = "textbook"
-units = { length = "m", mass = "kg", inertia = "kg*m^2", angle = "rad" }
-crank = "crank"
-gravity = [0, -9.81]
-ground = { O = [0, 0] }
-[links.crank]
-points = { O = [0, 0], A = [1, 0] }
-mass = 2
-centre = [0.5, 0]
-inertia = 0.1
-"""
-PENDULUM_RATE = math.sqrt(2 * 9.81 * 0.5 / (0.1 + 2 * 0.25))  # rad/s, of small oscillations
-
-ROTOR = """
-title = "balanced rotor with a damper"
-source = "textbook"
-units = { length = "m", mass = "kg", inertia = "kg*m^2", angle = "rad" }
-crank = "crank"
-gravity = [0, -9.81]
-ground = { O = [0, 0] }
-dampers = [{ between = ["crank", "ground"], coefficient = 0.05 }]
-[links.crank]
-points = { O = [0, 0], A = [1, 0] }
-mass = 2
-inertia = 0.1
-"""
-
-# Its crank swings between limits on both sides; turned upside down it has a place to rest.
-DOUBLE_ROCKER = """
-title = "double rocker"
-source = "drawn for the tests"
-units = { length = "mm", mass = "kg", inertia = "kg*m^2", angle = "deg" }
-crank = "crank"
-gravity = [0, 9.81]
-ground = { O = [0, 0], B = [100, 0] }
-[links.crank]
-points = { O = [0, 0], A = [80, 0] }
-mass = 0.1
-inertia = 1e-4
-[links.coupler]
-points = { A = [0, 0], C = [60, 0] }
-mass = 0.1
-centre = [30, 0]
-inertia = 1e-4
-[links.rocker]
-points = { B = [0, 0], C = [90, 0] }
-mass = 0.1
-centre = [30, 0]
-inertia = 1e-4
-[sketch]
-angle = 70
-points = { C = [86, 90] }
-"""
 
 SLOTTED_FREE = {"start_angle": math.radians(280), "duration": 10.0}
 SLOTTED_DRIVEN = {"torque": 0.025, "start_angle": math.radians(269.18), "duration": 10.0}
@@ -218,7 +171,7 @@ def test_energy_is_kept_and_the_way_back_leads_to_the_start(name, speed):
 @pytest.mark.parametrize("regime", [SLOTTED_FREE, SLOTTED_DRIVEN])
 def test_dense_output_obeys_the_equation_of_motion_everywhere(regime):
     motion = free_motion(mechanism("slotted-takeup"), **{**regime, "duration": 1.5})
-    half = 1e-4
+    half = HALF_STEP
     time = np.random.default_rng(5).uniform(3 * half, 1.5 - 3 * half, 200)
     slope = sum(
         weight * (motion.speed(time + k * half) - motion.speed(time - k * half))
@@ -230,7 +183,7 @@ def test_dense_output_obeys_the_equation_of_motion_everywhere(regime):
     assert slope == pytest.approx(truth, abs=DENSE * np.max(np.abs(truth)))
 
 
-@pytest.mark.parametrize("tolerance", [1e-4, 1e-6, 1e-8])
+@pytest.mark.parametrize("tolerance", LOOSE)
 def test_the_stated_bound_holds_at_every_tolerance(tolerance):
     sample, time = mechanism("two-crank-takeup"), np.linspace(0.0, 0.5, 2001)
     regime = {"torque": 0.05, "start_angle": math.radians(101), "duration": 0.5}
@@ -242,14 +195,15 @@ def test_the_stated_bound_holds_at_every_tolerance(tolerance):
 def test_what_a_motion_tells_of_itself():
     free = free_motion(mechanism("slotted-takeup"), **SLOTTED_FREE)
     assert (free.regime, free.duration, free.jumps) == ("free", 10.0, ())
-    assert free.peak_speed >= np.max(np.abs(free.speed(np.linspace(0.0, 10.0, 5001)))) * (1.0 - 1e-5)
+    seen = np.max(np.abs(free.speed(np.linspace(0.0, 10.0, 50001))))
+    assert seen <= free.peak_speed <= seen * (1.0 + PEAK)
     assert free_motion(mechanism("slotted-takeup"), torque=0.1, duration=0.1).regime == "driven"
     assert float(free.angle(0.0)) == math.radians(280)
     assert free.angle(np.zeros((2, 3))).shape == (2, 3)
 
 
 def test_the_printed_half_slope_makes_energy_out_of_nothing():
-    printed = free_motion(mechanism("slotted-takeup"), **SLOTTED_DRIVEN, half_slope="moduli", tolerance=1e-9)
+    printed = free_motion(mechanism("slotted-takeup"), **SLOTTED_DRIVEN, half_slope="moduli", tolerance=GLANCE)
     late = printed.speed(np.linspace(8.0, 10.0, 2001))
     # Specification: the printed form settles near 22-26 rad/s, the right one near M1/b = 125 rad/s.
     assert (late.min(), late.max()) == pytest.approx((22.0, 26.0), abs=0.5)
@@ -299,7 +253,7 @@ def test_the_table_follows_the_kinks_of_the_printed_half_slope():
 def test_bad_input_is_told_in_one_sentence():
     sample = mechanism("slotted-takeup")
     for wrong in ({"duration": 0.0}, {"duration": math.nan}, {"duration": 1.0, "start_speed": math.inf}):
-        with pytest.raises(LinkproofError, match="expected a .*finite number"):
+        with pytest.raises(LinkproofError, match=r"expected a .*finite number"):
             free_motion(sample, **wrong)
     with pytest.raises(LinkproofError, match="crank torque: expected finite numbers"):
         free_motion(sample, duration=1.0, torque=math.nan)

@@ -1,0 +1,23 @@
+"""Functions of the crank angle over a turn, of a crank that may not be able to make one."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+from numpy.typing import NDArray
+
+from analytic.errors import AssemblyError
+
+Array = NDArray[np.float64]
+
+
+def where_assembled(function: Callable[[Array], Array], angle: Array) -> Array:
+    """A function at every crank angle (n,), rad, nan where the linkage cannot be assembled or cannot move; (n,)."""
+    try:
+        return function(angle)
+    except AssemblyError:
+        if len(angle) == 1:
+            return np.full(1, np.nan)
+        half = len(angle) // 2
+        return np.concatenate([where_assembled(function, angle[:half]), where_assembled(function, angle[half:])])
