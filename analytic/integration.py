@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 from analytic.collocation import Scheme, Windows
 from analytic.errors import AssemblyError, LinkproofError
+from analytic.laws import FULL_TURN
 
 Array = NDArray[np.float64]
 Acceleration = Callable[[Array, Array], Array]
@@ -48,11 +49,15 @@ class _Carried:
 
 
 class _Path:
-    """The windows done so far and the state at their end."""
+    """The windows done so far and the state at their end.
+
+    The angle is carried less its whole turns: their digits would be lost to those that the equation depends on.
+    """
 
     def __init__(self, scheme: Scheme, angle: float, speed: float) -> None:
         self.scheme = scheme
         self.angle, self.speed = _Carried(angle), _Carried(speed)
+        self.turns = 0
         self.starts = [0.0]
         self.base: list[float] = []
         self.angles: list[Array] = []
@@ -63,12 +68,15 @@ class _Path:
         angle, speed = length**2 * (self.scheme.angle @ found), length * (self.scheme.speed @ found)
         speed[0] += self.speed.value
         angle[:2] += 0.5 * length * self.speed.value  # the line from 0 to ω·length over [-1, 1]
-        self.base.append(self.angle.value)
+        self.base.append(self.angle.value + self.turns * FULL_TURN)
         self.angles.append(angle)
         self.speeds.append(speed)
         self.starts.append(end)
         self.angle.add(length * self.speed.value + length**2 * float(self.scheme.end_twice @ found))
         self.speed.add(length * float(self.scheme.end_once @ found))
+        whole = int(self.angle.value / FULL_TURN)
+        self.turns += whole
+        self.angle.value -= whole * FULL_TURN
 
     def windows(self) -> Windows:
         return Windows(

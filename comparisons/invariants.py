@@ -15,7 +15,7 @@ from analytic.linkage import GROUND, Vector
 from comparisons.interpolation import resample
 from comparisons.loads import conservative_power, other_power, potential_energy
 from comparisons.motion import ObservedMotion
-from engines.contract import Channel, Prescribed, Signal, SliderJoint, SlotJoint
+from engines.contract import Channel, Prescribed, Signal
 
 Array = NDArray[np.float64]
 
@@ -34,8 +34,7 @@ def joint_gaps(motion: ObservedMotion) -> Signal:
         first = motion.point(pin.first, pin.first_anchor, time)
         gap = first - motion.point(pin.second, pin.second_anchor, time)
         worst = np.maximum(worst, np.hypot(*gap.T))
-    lines: list[SliderJoint | SlotJoint] = [*motion.scene.sliders, *motion.scene.slots]
-    for joint in lines:
+    for joint in motion.scene.guided:
         gap_vector = motion.point(joint.body, joint.anchor, time) - motion.point(joint.host, joint.through, time)
         x, y = _direction(motion, joint.host, joint.along, time)
         worst = np.maximum(worst, np.abs(x * gap_vector[:, 1] - y * gap_vector[:, 0]))

@@ -60,7 +60,7 @@ def misfits(scene: Scene, states: Mapping[str, State], orders: int = 3) -> Itera
         second = _anchor(everyone[pin.second], pin.second_anchor)
         for order in range(orders):
             yield Misfit(pin.name, order, math.dist(first[order], second[order]))
-    for joint in (*scene.sliders, *scene.slots):
+    for joint in scene.guided:
         body, host = everyone[joint.body], everyone[joint.host]
         for order, size in enumerate(_offsets(joint, body, host)[:orders]):
             yield Misfit(joint.name, order, abs(size))

@@ -185,6 +185,11 @@ class Scene:
     dampers: tuple[TurnDamper, ...] = ()
 
     @property
+    def guided(self) -> tuple[SliderJoint | SlotJoint, ...]:
+        """The joints that keep a point of a body on a line of its host: sliders, then slots."""
+        return (*self.sliders, *self.slots)
+
+    @property
     def crank_angle(self) -> float:
         """φ at the start, rad."""
         return next(body.angle for body in self.bodies if body.name == self.crank)

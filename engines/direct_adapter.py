@@ -1,9 +1,9 @@
 """The suite's own second derivation as an engine: constrained bodies, every instant solved exactly, NumPy alone.
 
-It shares no formula with the closed form: no Assur groups, no angles from triangles, no reduced quantities; only joints
-as equations between bodies. So where the two agree to rounding, both are right. A prescribed motion needs no time
-steps: positions, velocities, accelerations and forces of an instant depend on nothing but that instant. A free crank is
-integrated by Dormand and Prince's method of order 8 on the same equations (``engines.direct_free``).
+It shares no formula with the closed form: no Assur groups, no angles from triangles, no transfer functions in closed
+form; only joints as equations between bodies (``engines.direct_equations``). So where the two agree to rounding, both
+are right. A prescribed motion needs no time steps: positions, velocities, accelerations and forces of an instant depend
+on nothing but that instant. A free crank follows the bodies' own equation of motion (``engines.direct_free``).
 """
 
 from __future__ import annotations

@@ -174,8 +174,8 @@ def integrate(problem: Problem, angle: float, speed: float, duration: float) -> 
         else:
             problem.equation(np.array([angle]), np.array([speed]))  # says why, where the motion has left its bounds
             raise UnsolvableError(
-                f"the free crank cannot be followed beyond {starts[-1]:.4g} s: at {math.degrees(angle) % 360.0:.4g}° the "
-                "linkage locks or all but does"
+                f"the free crank cannot be followed beyond {starts[-1]:.4g} s: the linkage locks, or all but locks, at "
+                f"{math.degrees(angle) % 360.0:.4g}°"
             )
     return Trajectory(np.array(starts), windows, np.array(turns[:-1]))
 

@@ -26,7 +26,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from analytic.linkage import GROUND, Vector
-from engines.contract import Scene, SliderJoint, SlotJoint
+from engines.contract import Scene
 
 Reals = NDArray[np.floating[Any]]
 
@@ -93,16 +93,15 @@ class Equations:
     def __init__(self, scene: Scene) -> None:
         self.scene = scene
         self.index = {**{body.name: number for number, body in enumerate(scene.bodies)}, GROUND: len(scene.bodies)}
-        lines: list[SliderJoint | SlotJoint] = [*scene.sliders, *scene.slots]
-        self.pins, self.lines = len(scene.pins), len(lines)
-        self.joints = (*(pin.name for pin in scene.pins), *(line.name for line in lines))
-        self.body = self._numbers([*(pin.first for pin in scene.pins), *(line.body for line in lines)])
-        self.host = self._numbers([*(pin.second for pin in scene.pins), *(line.host for line in lines)])
-        body_anchor = _table([*(pin.first_anchor for pin in scene.pins), *(line.anchor for line in lines)])
-        host_anchor = _table([*(pin.second_anchor for pin in scene.pins), *(line.through for line in lines)])
+        self.pins, self.lines = len(scene.pins), len(scene.guided)
+        self.joints = (*(pin.name for pin in scene.pins), *(line.name for line in scene.guided))
+        self.body = self._numbers([*(pin.first for pin in scene.pins), *(line.body for line in scene.guided)])
+        self.host = self._numbers([*(pin.second for pin in scene.pins), *(line.host for line in scene.guided)])
+        body_anchor = _table([*(pin.first_anchor for pin in scene.pins), *(line.anchor for line in scene.guided)])
+        host_anchor = _table([*(pin.second_anchor for pin in scene.pins), *(line.through for line in scene.guided)])
         self.unit = _power_of_two(np.concatenate([body_anchor, host_anchor]))
         self.body_anchor, self.host_anchor = body_anchor / self.unit, host_anchor / self.unit
-        self.along = _table([line.along for line in lines])
+        self.along = _table([line.along for line in scene.guided])
         self._count_coordinates()
         self._count_rows()
         self._template = self._constant_entries()

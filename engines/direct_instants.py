@@ -62,7 +62,9 @@ def solve(equations: Equations, closed: Closed, crank: Crank, wanted: frozenset[
     if wanted <= {Channel.POSITION, Channel.VELOCITY, Channel.ACCELERATION}:
         return Instants(position, velocity, acceleration)
     multipliers = reactions(equations, solver, equations.mass * acceleration - loads)
-    torque = multipliers[:, equations.crank_row] * equations.unit + crank.torque
+    torque = multipliers[:, equations.crank_row] * equations.unit
+    if crank.acceleration is None:
+        torque = np.full_like(crank.speed, crank.torque)  # the row of the crank takes nothing: rounding, no torque
     return Instants(position, velocity, acceleration, torque, joint_forces(equations, closed.arms, multipliers))
 
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
@@ -14,8 +13,8 @@ from engines.direct_assembly import UnsolvableError
 from engines.direct_collocation import POINTS, Problem, integrate
 from engines.direct_equations import Equations, Reals
 from engines.direct_free import equation_of_motion
-from engines.direct_instants import Crank, Instants, history, solve
-from engines.direct_path import FULL_TURN, LARGEST_STEP, Path, reach
+from engines.direct_instants import Crank, history, solve
+from engines.direct_path import FULL_TURN, Path, reach
 from engines.direct_stepping import step_through
 
 BLOCK = 512  # instants solved at once: their matrices stay in a processor's cache
@@ -23,7 +22,6 @@ LEAST_SAMPLES = 1400
 SAMPLES_PER_TURN = 120
 FREE_SPACING = 1e-3  # s
 NAIVE_SPACING = 1e-3  # s
-ATTEMPTS = 6  # at halving the path's steps, where Newton's method does not converge from its quintics
 
 Details = dict[str, str | int | float]
 Result = tuple[History, int, Details]
@@ -79,13 +77,9 @@ def _prescribed(equations: Equations, drive: Prescribed, recipe: Recipe) -> Resu
     time = _clock(crank.duration, _samples(turns))
     angle = crank.angle(time)
     known = Crank(angle, crank.speed(time), crank.acceleration(time))
-
-    def path(largest: float) -> Path:
-        found = reach(equations, float(np.min(angle)), float(np.max(angle)), largest)
-        _check_reach(found, time, angle)
-        return found
-
-    return _sampled(equations, path, time, known, recipe)
+    path = reach(equations, float(np.min(angle)), float(np.max(angle)))
+    _check_reach(path, time, angle)
+    return _sampled(path, time, known, recipe)
 
 
 def _check_reach(path: Path, time: Reals, angle: Reals) -> None:
@@ -102,40 +96,28 @@ def _check_reach(path: Path, time: Reals, angle: Reals) -> None:
         )
 
 
-def _sampled(equations: Equations, path: Callable[[float], Path], time: Reals, crank: Crank, recipe: Recipe) -> Result:
-    """Every instant of the clock solved, along a path fine enough."""
-    for attempt in range(ATTEMPTS):
-        followed = path(LARGEST_STEP / 2.0**attempt)
-        try:
-            blocks = _solved_blocks(equations, followed, crank, recipe)
-            break
-        except UnsolvableError:
-            if attempt == ATTEMPTS - 1:
-                raise
+def _sampled(path: Path, time: Reals, crank: Crank, recipe: Recipe) -> Result:
+    """Every instant of the clock solved, in blocks."""
+    equations, found = path.equations, []
+    for start in range(0, len(time), BLOCK):
+        part = crank.part(slice(start, start + BLOCK))
+        closed = path.closed(part.angle, recipe.precision)
+        found.append(solve(equations, closed, part, equations.scene.channels, recipe.refinements))
     details: Details = {
         "method": "each instant by Newton's method and one inverted matrix, refined",
         "rounding": float(np.finfo(recipe.precision).eps),
         "refinements": recipe.refinements,
         "instants": len(time),
         "spacing_s": float(time[1]),
-        "path_poses": len(followed.angle),
+        "path_poses": len(path.angle),
     }
-    return history(time, blocks, equations.joints, equations.scene.channels), len(time), details
-
-
-def _solved_blocks(equations: Equations, path: Path, crank: Crank, recipe: Recipe) -> list[Instants]:
-    found = []
-    for start in range(0, len(crank.angle), BLOCK):
-        part = crank.part(slice(start, start + BLOCK))
-        closed = path.closed(part.angle, recipe.precision)
-        found.append(solve(equations, closed, part, equations.scene.channels, recipe.refinements))
-    return found
+    return history(time, found, equations.joints, equations.scene.channels), len(time), details
 
 
 def _free(equations: Equations, drive: Free, recipe: Recipe) -> Result:
     start = equations.scene.crank_angle
     speed = equations.scene.bodies[equations.crank].angular_velocity
-    path = reach(equations, start - FULL_TURN, start + FULL_TURN, LARGEST_STEP)
+    path = reach(equations, start - FULL_TURN, start + FULL_TURN)
     law = equation_of_motion(equations, path, drive.torque)
     period = FULL_TURN if path.turns is not None else math.inf
     problem = Problem(law, recipe.tolerance, period, law.breaks)
@@ -144,7 +126,7 @@ def _free(equations: Equations, drive: Free, recipe: Recipe) -> Result:
     time = _clock(drive.duration, max(round(drive.duration / FREE_SPACING), _samples(turns)))
     angle, speeds = trajectory(time)
     crank = Crank(angle, speeds, None, drive.torque)
-    result, _, details = _sampled(equations, lambda _: path, time, crank, recipe)
+    result, _, details = _sampled(path, time, crank, recipe)
     steps = len(trajectory.windows)
     details |= {
         "integrator": f"Gauss collocation, {POINTS} points a window",

@@ -20,6 +20,7 @@ FULL_TURN = 2.0 * math.pi
 LARGEST_STEP = FULL_TURN / 24.0  # rad of crank between two poses of a path
 FARTHEST = 1e-3  # units and rad that a predicted pose may be off; farther, another solution may be nearer
 LEAST_STEP = 1e-5  # rad; a path that has to go slower than this has come to its end
+ATTEMPTS = 5
 SHUT = 1e-9  # units and rad between the two ends of a full turn
 
 
@@ -145,11 +146,24 @@ def _predicted(equations: Equations, nodes: list[Node], crank: float) -> Pose:
     return Pose(state[None, :, :2], angle, np.cos(angle), np.sin(angle))
 
 
-def reach(equations: Equations, low: float, high: float, largest: float = LARGEST_STEP) -> Path:
+def reach(equations: Equations, low: float, high: float) -> Path:
     """The path that holds all crank angles from ``low`` to ``high``, or as much of it as can be reached.
 
-    The start state lies between them. A path of a full turn is followed for one turn only if its ends meet.
+    The start state lies between them. A path of a full turn is followed for one turn only if its ends meet. Its steps
+    are halved until the quintics lead Newton's method to the path in the middle between its poses.
     """
+    largest = LARGEST_STEP
+    for _ in range(ATTEMPTS):
+        path = _followed(equations, low, high, largest)
+        try:
+            path.closed(0.5 * (path.angle[1:] + path.angle[:-1]) if len(path.angle) > 1 else path.angle)
+            break
+        except UnsolvableError:
+            largest *= 0.5
+    return path
+
+
+def _followed(equations: Equations, low: float, high: float, largest: float) -> Path:
     start = node(equations, equations.start())
     if high - low >= FULL_TURN:
         nodes, whole = follow(equations, start, start.angle + FULL_TURN, largest)

@@ -141,9 +141,9 @@ class Assembly:
 
     def _needs_frame(self, body: str) -> bool:
         """Whether a joint asks for the body's orientation, which a point mass cannot give."""
-        moving = [joint for joint in self.scene.sliders if joint.host != GROUND]
-        hosts = {joint.host for joint in (*moving, *self.scene.slots)}
-        return body in hosts | {joint.body for joint in (*moving, *self.scene.slots)}
+        fixed = [joint for joint in self.scene.sliders if joint.host == GROUND]
+        asking = [joint for joint in self.scene.guided if joint not in fixed]
+        return any(body in (joint.host, joint.body) for joint in asking)
 
     def _turned_by_joint(self, joints: list[SliderJoint]) -> bool:
         """Whether a prismatic joint already holds the body's angle."""

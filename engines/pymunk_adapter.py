@@ -11,21 +11,20 @@ from collections.abc import Mapping
 from importlib import metadata
 from time import perf_counter
 
-from analytic.laws import FULL_TURN
 from engines import pymunk_checks
 from engines.contract import Outcome, Prescribed, Run, Scene, Setting
 from engines.pymunk_checks import DivergedError
+from engines.pymunk_doubt import Pass, extrapolated
 from engines.pymunk_free import free_passes
 from engines.pymunk_layout import exact_layout
 from engines.pymunk_naive import naive_pass
-from engines.pymunk_passes import ORDERS, Pass, Plan, prescribed_pass
-from engines.pymunk_solver import iterations_for
-from engines.richardson import extrapolate
+from engines.pymunk_passes import Plan, prescribed_passes
+from engines.pymunk_solver import SlowSolverError, iterations_for
 
 
 PRESCRIBED: Mapping[Setting, Plan] = {
-    Setting.TUNED: Plan(150, 200, (1, 3, 5), 0.03),
-    Setting.BEST: Plan(200, 200, (1, 3, 5, 7), 0.01),
+    Setting.TUNED: Plan(150, 200, (1, 3, 5), 0.03, 1e-4),
+    Setting.BEST: Plan(200, 200, (1, 3, 5, 7), 0.01, 1e-6),
 }
 
 # A free crank adds up its error of phase over all turns, and a prescribed one has none: it takes smaller steps.
@@ -63,6 +62,8 @@ class PymunkEngine:
             return _naive(scene) if setting is Setting.NAIVE else _extrapolated(scene, setting)
         except DivergedError as error:
             return Run(Outcome.DIVERGED, str(error))
+        except SlowSolverError as error:
+            return Run(Outcome.UNSUPPORTED, str(error))
 
 
 def _naive(scene: Scene) -> Run:
@@ -74,24 +75,22 @@ def _naive(scene: Scene) -> Run:
 def _extrapolated(scene: Scene, setting: Setting) -> Run:
     begun = perf_counter()
     layout = exact_layout(scene)
-    plan = (PRESCRIBED if isinstance(scene.drive, Prescribed) else FREE)[setting]
+    drive = scene.drive
+    plan = (PRESCRIBED if isinstance(drive, Prescribed) else FREE)[setting]
     iterations = iterations_for(scene, layout, plan.remaining)
     built = perf_counter() - begun
-    if isinstance(scene.drive, Prescribed):
-        motion = scene.drive.motion
-        step = min(FULL_TURN / motion.peak_speed / plan.samples_per_turn, motion.duration / plan.least_samples)
-        passes = [prescribed_pass(scene, layout, motion, step, ratio, iterations) for ratio in plan.ratios]
-        trials: list[Pass] = []
+    trials: list[Pass] = []
+    if isinstance(drive, Prescribed):
+        passes = prescribed_passes(scene, layout, drive.motion, plan, iterations)
     else:
-        trials, passes = free_passes(scene, layout, scene.drive, plan, iterations)
-    history = extrapolate([(p.step, p.history) for p in passes], ORDERS)
+        trials, passes = free_passes(scene, layout, drive, plan, iterations)
     details: dict[str, str | int | float] = {
         "sample_step": passes[0].step * plan.ratios[0],
-        "ratios": " ".join(map(str, plan.ratios)),
+        "ratios": " ".join(str(round(passes[0].step * plan.ratios[0] / done.step)) for done in passes),
         "iterations": iterations,
-        "point_masses": len(layout.parts) - len(scene.bodies),
+        "cut_off_parts": len(layout.parts) - len(scene.bodies),
     }
     everything = (*trials, *passes)
     seconds, setup_seconds = sum(p.seconds for p in everything), built + sum(p.setup_seconds for p in everything)
     steps = sum(p.steps for p in everything)
-    return Run(Outcome.FINISHED, "", history, seconds, setup_seconds, steps, details)
+    return Run(Outcome.FINISHED, "", extrapolated(passes), seconds, setup_seconds, steps, details)

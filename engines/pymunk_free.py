@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
 from dataclasses import replace
 from time import perf_counter
 
@@ -12,13 +11,13 @@ import numpy as np
 from analytic.laws import FULL_TURN
 from engines.contract import Body, Channel, Free, History, Scene
 from engines.pymunk_checks import DivergedError, check_joints
+from engines.pymunk_doubt import Pass, angle_doubt
 from engines.pymunk_layout import Layout
 from engines.pymunk_loads import StepLoads
-from engines.pymunk_passes import COLD, COLD_STEPS, ORDERS, Pass, Plan, marks_of, step_count
+from engines.pymunk_passes import COLD, COLD_STEPS, Plan, marks_of, step_count
 from engines.pymunk_recording import Clock, Recording, looks
 from engines.pymunk_space import World, add_torque, build_world
 from engines.pymunk_stepping import calls, march
-from engines.richardson import extrapolate
 
 # A step is cut by no more than this at a time: the pace seen with too long a step may be nonsense.
 STEP_CUT = 8.0
@@ -77,7 +76,7 @@ def free_passes(
         except DivergedError:
             step /= STEP_CUT
             continue
-        doubt = _doubt(passes, layout.crank)
+        doubt = angle_doubt(passes, layout.crank)
         if doubt <= plan.doubt:
             return tried, [_without_watch(done, scene) for done in passes]
         tried += passes
@@ -93,14 +92,6 @@ def _without_watch(done: Pass, scene: Scene) -> Pass:
     if Channel.POSITION in scene.channels:
         return done
     return replace(done, history=replace(done.history, position=None))
-
-
-def _doubt(passes: Sequence[Pass], crank: int) -> float:
-    """How far the extrapolated crank angle moves when the coarsest pass is left out, rad."""
-    levels = [(done.step, History(position=done.history.position)) for done in passes]
-    full, finer = (extrapolate(part, ORDERS).position for part in (levels, levels[1:]))
-    assert full is not None and finer is not None
-    return float(np.max(np.abs(full.values[:, crank, 2] - finer.values[:, crank, 2])))
 
 
 def _pace(history: History, crank: int) -> float:

@@ -217,7 +217,9 @@ class _Cutter:
         normals = np.array([_turned(_unit(along), math.pi / 2.0) for _, along in lines])
         distances = np.einsum("ik,ik->i", normals, np.subtract([through for through, _ in lines], centre))
         shift = np.linalg.lstsq(normals, distances, rcond=1e-9)[0]
-        if np.max(np.abs(normals @ shift - distances)) > 1e-9 * self.reach or np.linalg.norm(shift) > self.reach:
+        if len(lines) > 1 and (
+            np.max(np.abs(normals @ shift - distances)) > 1e-9 * self.reach or np.linalg.norm(shift) > self.reach
+        ):
             return None
         return (centre[0] + float(shift[0]), centre[1] + float(shift[1]))
 

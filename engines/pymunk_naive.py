@@ -8,11 +8,11 @@ from time import perf_counter
 import numpy as np
 from numpy.typing import NDArray
 
-from engines.contract import Channel, Free, History, Prescribed, Scene, Signal
+from engines.contract import Channel, Free, History, Scene, Signal
 from engines.pymunk_checks import DivergedError
+from engines.pymunk_doubt import Pass
 from engines.pymunk_layout import Layout, plain_layout
 from engines.pymunk_loads import StepLoads, loads_on_parts
-from engines.pymunk_passes import Pass
 from engines.pymunk_reactions import joint_forces
 from engines.pymunk_space import World, add_motor, add_torque, build_world
 from engines.pymunk_stepping import public_calls

@@ -13,9 +13,11 @@ from time import perf_counter
 import numpy as np
 from numpy.typing import NDArray
 
+from analytic.laws import FULL_TURN
 from analytic.regimes import CrankMotion, Segment
-from engines.contract import History, Scene
-from engines.pymunk_checks import check_crank, check_impulses, check_joints
+from engines.contract import Scene
+from engines.pymunk_checks import DivergedError, check_crank, check_impulses, check_joints
+from engines.pymunk_doubt import Pass, doubt
 from engines.pymunk_layout import Layout
 from engines.pymunk_loads import StepLoads
 from engines.pymunk_recording import Clock, Recording, joined, looks
@@ -32,12 +34,14 @@ COLD_STEPS = 10
 # Times the iterations of a normal step that are spent where there is no good guess of the impulses.
 COLD = 4
 
+# Passes of a prescribed motion at most, what another one has to make of their disagreement to be followed by more, and
+# how far they may disagree in the end.
+MOST_PASSES = 7
+WORTHWHILE = 0.5
+LARGEST_DOUBT = 0.05
+
 # Fewest samples of a segment, however short it is.
 LEAST_SAMPLES = 4
-
-
-# Powers of the step in the error of a pass; the read-outs are centred, the closing of the joints is not.
-ORDERS = (2, 3, 4, 5)
 
 
 @dataclass(frozen=True)
@@ -46,25 +50,14 @@ class Plan:
 
     ``samples_per_turn`` at the peak speed (``least_samples`` in all), the ``ratios`` of steps to samples of the passes
     that are extrapolated, and the share ``remaining`` of an impulse's change that the solver may leave wrong in a step.
-    For a free crank, ``doubt`` is how far the angle may move, rad, when the coarsest pass is left out.
+    ``doubt`` is how far the result may depend on the coarsest pass (see pymunk_doubt; the angle of a free crank, rad).
     """
 
     samples_per_turn: int
     least_samples: int
     ratios: tuple[int, ...]
     remaining: float
-    doubt: float = math.inf
-
-
-@dataclass(frozen=True)
-class Pass:
-    """What one pass gave: the history at its samples, seconds of stepping and of building, and the steps taken."""
-
-    step: float
-    history: History
-    seconds: float
-    setup_seconds: float
-    steps: int
+    doubt: float
 
 
 def clocks(motion: CrankMotion, step: float, ratio: int) -> list[tuple[Segment, Clock]]:
@@ -106,6 +99,27 @@ def torque_bound(scene: Scene, layout: Layout, motion: CrankMotion) -> float:
     bound += sum(damper.coefficient for damper in scene.dampers) * motion.peak_speed
     bound += sum(spring.stiffness + spring.damping * motion.peak_speed for spring in scene.springs) * size**2
     return bound
+
+
+def prescribed_passes(scene: Scene, layout: Layout, motion: CrankMotion, plan: Plan, iterations: int) -> list[Pass]:
+    """The passes to extrapolate: those of the plan, and finer ones until they agree as far as the plan wants.
+
+    Raises DivergedError where they do not agree at all.
+    """
+    step = min(FULL_TURN / motion.peak_speed / plan.samples_per_turn, motion.duration / plan.least_samples)
+    ratios = list(plan.ratios)
+    passes = [prescribed_pass(scene, layout, motion, step, ratio, iterations) for ratio in ratios]
+    found, before = doubt(passes, layout), math.inf
+    while plan.doubt < found.size < WORTHWHILE * before and len(passes) < MOST_PASSES:
+        ratios.append(ratios[-1] + 2)
+        passes.append(prescribed_pass(scene, layout, motion, step, ratios[-1], iterations))
+        found, before = doubt(passes, layout), found.size
+    if found.size > LARGEST_DOUBT:
+        raise DivergedError(
+            f"runs at different steps do not agree: {found.about} differs by {found.size:.2g} of its scale at "
+            f"{found.time:.4g} s"
+        )
+    return passes
 
 
 def prescribed_pass(

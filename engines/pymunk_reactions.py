@@ -127,16 +127,14 @@ def joint_forces(layout: Layout, state: Array, acceleration: Array, load: Array)
     return result
 
 
-def contraction(layout: Layout, state: Array) -> float:
-    """Factor by which one iteration of pymunk's solver shrinks its error at worst over the given positions.
+def contraction(layout: Layout, state: Array) -> Array:
+    """Factor by which one iteration of pymunk's solver shrinks its error in the long run, (n,), at given positions.
 
-    The solver is a block Gauss-Seidel iteration on A = G M⁻¹ Gᵀ, constraint by constraint in the order of the holds, the
-    motor last; this is the spectral radius of its iteration matrix.
+    The solver is a block Gauss-Seidel iteration on A = G M⁻¹ Gᵀ, constraint by constraint in the order of the holds,
+    the motor last; this is the spectral radius of its iteration matrix. Raises LinAlgError where A has an empty row.
     """
     rows, starts = directions(layout, state)
     mobility = np.einsum("nipk,pk,njpk->nij", rows, 1.0 / _inertias(layout), rows)
     block = np.repeat(np.arange(len(starts)), np.diff([*starts, rows.shape[1]]))
     lower = np.where(block[:, None] >= block[None, :], mobility, 0.0)
-    return float(np.max(np.abs(np.linalg.eigvals(np.linalg.solve(lower, lower - mobility)))))
-
-
+    return np.asarray(np.max(np.abs(np.linalg.eigvals(np.linalg.solve(lower, lower - mobility))), axis=1))

@@ -33,7 +33,7 @@ def weights(steps: Sequence[float], orders: Sequence[int]) -> Array:
     rows = [np.ones_like(relative), *(relative**order for order in orders[: len(steps) - 1])]
     right = np.zeros(len(steps))
     right[0] = 1.0
-    return np.linalg.solve(np.array(rows), right)
+    return np.asarray(np.linalg.solve(np.array(rows), right), dtype=np.float64)
 
 
 def extrapolate(levels: Sequence[tuple[float, History]], orders: Sequence[int] = (2, 4, 6, 8)) -> History:
@@ -58,7 +58,9 @@ def change(one: History, other: History) -> float:
     Taken in accelerations and torque, which integrators find hardest, or in what else was recorded; 0 if nothing was.
     """
     hard = [(one.acceleration, other.acceleration), (one.torque, other.torque)]
-    easy = [(one.joint_force[name], other.joint_force[name]) for name in one.joint_force]
+    easy: list[tuple[Signal | None, Signal | None]] = [
+        (one.joint_force[name], other.joint_force[name]) for name in one.joint_force
+    ]
     easy += [(one.velocity, other.velocity), (one.position, other.position)]
     for pairs in (hard, easy):
         present = [(a, b) for a, b in pairs if a is not None and b is not None]

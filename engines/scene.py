@@ -1,4 +1,4 @@
-"""From a linkage and a start state to the scene an engine is given, with nothing in it that the motion does not need."""
+"""From a linkage and a start state to the scene an engine is given, with nothing in it that its motion can spare."""
 
 from __future__ import annotations
 
@@ -85,7 +85,8 @@ def _is_pin_mass(linkage: Linkage, slider: Slider) -> bool:
         and link.points[slider.point] == link.centre
         and len(link.points) == 1
         and any(slider.link in pin.links for pin in linkage.pins)
-        and not any(slider.link == other.guide.host for other in (*linkage.sliders, *linkage.slots))
+        and not any(slider.link == other.guide.host for other in linkage.sliders)
+        and not any(slider.link == slot.guide.host for slot in linkage.slots)
         and not any(slider.link == torque.link for torque in linkage.torques)
         and not any(slider.link in damper.links for damper in linkage.dampers)
     )

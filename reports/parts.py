@@ -13,7 +13,6 @@ from matplotlib.figure import Figure
 from analytic.dynamics import reduced_inertia
 from analytic.extremes import extremes
 from analytic.harmonics import stroke, unit_functions
-from analytic.regimes import RPM
 from reports.figures import errors, inertia, kinematics, run_up
 from reports.figures.panels import LEAST_ERROR
 from reports.figures.style import picture
@@ -53,7 +52,7 @@ def kinematics_part(view: View) -> Part:
     _, values = kinematics.turn_at_final_speed(view)
     fastest, hardest = (float(np.max(np.abs(values[name]))) for name in ("v", "a"))
     point = view.linkage.output.point if view.linkage.output else ""
-    speed = f"{abs(view.final_speed) / RPM:.4g} rpm" + (" clockwise" if view.final_speed < 0.0 else "")
+    speed = view.speed_words
     means = unit_functions(view.mechanism).deviations
     named = ", ".join(f"{name} {100.0 * mean:.2f} %" for name, mean in zip("Sva", means, strict=True))
     figures = (

@@ -73,6 +73,12 @@ class View:
         """A name fit for an anchor."""
         return anchor(self.linkage.name, self.linkage.variant)
 
+    @property
+    def text(self) -> str:
+        """The linkage's file as it was when the campaign ran."""
+        entries = self.results.document["descriptions"]
+        return str(next(entry["text"] for entry in entries if entry["name"] == self.linkage.name))
+
     @cached_property
     def mechanism(self) -> Mechanism:
         """The closed form."""
@@ -117,6 +123,11 @@ class View:
         """Crank speed at the end of the first prescribed regime, rad/s, signed."""
         motion = next((regime.motion for regime in self.regimes if regime.motion), None)
         return float(motion.speed(motion.duration)) if motion else NOMINAL_SPEED
+
+    @property
+    def speed_words(self) -> str:
+        """The final speed for a reader: "1000 rpm clockwise"."""
+        return f"{abs(self.final_speed) / RPM:.4g} rpm" + (" clockwise" if self.final_speed < 0.0 else "")
 
     @cached_property
     def setting(self) -> str:

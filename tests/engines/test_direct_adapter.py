@@ -5,15 +5,17 @@ import math
 
 import numpy as np
 import pytest
-from scipy.integrate import solve_ivp
+from scipy.integrate import cumulative_simpson, solve_ivp
 
-from analytic import dynamics, kinetostatics
+from analytic import dynamics
+from analytic.free_motion import free_motion
 from analytic.laws import Law
 from analytic.linkage import GROUND
 from analytic.regimes import CrankMotion, Segment, crank_motion
 from comparisons import invariants
 from comparisons.case import Case
 from comparisons.deviations import deviation
+from comparisons.loads import other_power, potential_energy
 from comparisons.motion import ObservedMotion
 from comparisons.quantities import chosen_quantities
 from comparisons.scenes import scene
@@ -47,7 +49,9 @@ SLIGHT = 1e-9  # a change of one mass that has to be noticed
 ROUGH = 1e-5  # a newcomer's integration is further off than this, and not much further than
 OFF = 1e-1
 TOLD_APART = 1e-8  # m that the naive setting's joints drift at least
-FREE_ANGLE = {Setting.TUNED: 1e-9, Setting.BEST: 1e-11}  # rad after one second
+FREE_ANGLE = 1e-11  # rad after half a second
+FREE_SPEED = 1e-9  # rad/s after half a second
+LONG_ANGLE = 1e-9  # rad after ten seconds and 160 turns
 SLOW_CRANK = 1e-9  # rad/s: at rest
 
 SAMPLES = [*FULL_TURN, *((name, None) for name in ODD)]
@@ -79,13 +83,9 @@ def _limit(name):
 def test_every_linkage_agrees_with_the_closed_form_in_motion_torque_and_joint_forces(name, variant, is_laden):
     sample, motion = on_trial(name, variant, is_laden), _motion()
     model, run = _run(sample, motion)
-    assert max(_errors(sample, motion, model, run).values()) <= _limit(name)
-    time = run.history.torque.time
-    truth = kinetostatics.joint_forces(sample.sweep(motion.angle(time)), motion.speed(time), motion.acceleration(time))
-    assert set(run.history.joint_force) == set(truth)
-    for joint, force in truth.items():
-        difference = run.history.joint_force[joint].values - force.T
-        assert np.max(np.abs(difference)) <= _limit(name) * np.max(np.abs(force)), joint
+    errors = _errors(sample, motion, model, run)
+    assert max(errors.values()) <= _limit(name)
+    assert {f"joint_force:{joint.name}" for joint in (*model.pins, *model.sliders, *model.slots)} <= set(errors)
 
 
 @pytest.mark.parametrize("setting", [Setting.TUNED, Setting.BEST])
@@ -101,10 +101,10 @@ def test_best_solves_in_the_widest_floating_type_of_the_machine():
 
 
 @pytest.mark.parametrize("sample", [takeup(SLOTTED), takeup(TWO_CRANK)], ids=["slotted", "two-crank"])
-@pytest.mark.parametrize("changes", [{"clockwise": True}, {"start_angle": 4.0}, {"speed": 3.0}, {"hold_time": 6.0}])
+@pytest.mark.parametrize("changes", [{"clockwise": True}, {"start_angle": 4.0}, {"speed": 3.0}, {"hold_time": 3.0}])
 def test_direction_start_angle_and_many_turns_cost_no_accuracy(sample, changes):
     motion = _motion(**changes)
-    model, run = _run(sample, motion, channels=EVERYTHING - {Channel.JOINT_FORCE})
+    model, run = _run(sample, motion)
     assert max(_errors(sample, motion, model, run).values()) <= SAME
 
 
@@ -118,6 +118,14 @@ def test_angles_are_unwrapped_over_the_turns():
     assert abs(angles[-1, 2] - angles[0, 2] - turned) < 2.0 * math.pi, "the rocker of a double crank turns with it"
 
 
+def _energy_out_of_nothing(seen):
+    """Largest energy gained beyond the work of drive and loads, J, by Simpson's rule."""
+    time = seen.signal(Channel.TORQUE).time
+    power = seen.signal(Channel.TORQUE).values * seen.crank(Channel.VELOCITY, time) + other_power(seen, time)
+    energy = seen.kinetic_energy().values + potential_energy(seen, time)
+    return np.max(np.abs(energy - energy[0] - cumulative_simpson(power, x=time, initial=0.0)))
+
+
 @pytest.mark.parametrize("name", ["rimoldi-164", "carried-slider", "ground-pin-in-slot", "shaper"])
 def test_the_motion_keeps_the_laws_of_mechanics_by_itself(name):
     sample = on_trial(name, None, name != "shaper")
@@ -125,8 +133,7 @@ def test_the_motion_keeps_the_laws_of_mechanics_by_itself(name):
     seen = ObservedMotion(model, run.history)
     gap = np.max(invariants.joint_gaps(seen).values)
     assert gap <= ROUNDING * sample.linkage.extent()
-    energy = np.max(np.abs(invariants.energy_balance(seen).values))
-    assert energy <= WORK * np.max(seen.kinetic_energy().values)
+    assert _energy_out_of_nothing(seen) <= WORK * np.max(seen.kinetic_energy().values)
     by_power = invariants.power_torque(seen, SLOW_CRANK)
     difference = by_power.values - seen.on_clock(Channel.TORQUE, by_power.time)
     assert np.max(np.abs(difference)) <= BALANCE * np.max(np.abs(run.history.torque.values))
@@ -275,11 +282,20 @@ def test_a_free_crank_moves_as_the_equation_of_motion_has_it(sample, torque, deg
     seen = ObservedMotion(model, run.history)
     time = run.history.position.time
     angle, speed = _true_free_motion(sample, torque, math.radians(degrees), 0.0, time[::20])
-    assert np.max(np.abs(seen.crank(Channel.POSITION, time)[::20] - angle)) <= FREE_ANGLE[setting]
-    assert np.max(np.abs(seen.crank(Channel.VELOCITY, time)[::20] - speed)) <= FREE_ANGLE[setting] * 100.0
+    assert np.max(np.abs(seen.crank(Channel.POSITION, time)[::20] - angle)) <= FREE_ANGLE
+    assert np.max(np.abs(seen.crank(Channel.VELOCITY, time)[::20] - speed)) <= FREE_SPEED
     assert run.history.torque.values == pytest.approx(torque, abs=BALANCE)
-    energy = np.max(np.abs(invariants.energy_balance(seen).values))
-    assert energy <= WORK * np.max(seen.kinetic_energy().values)
+    assert _energy_out_of_nothing(seen) <= WORK * np.max(seen.kinetic_energy().values)
+
+
+@pytest.mark.parametrize(("torque", "degrees"), [(0.0, 280.0), (0.025, 269.18)], ids=["free", "driven"])
+def test_ten_seconds_of_the_slotted_take_up_are_those_of_the_reference(torque, degrees):
+    sample, start = takeup(SLOTTED), math.radians(degrees)
+    truth = free_motion(sample, torque=torque, start_angle=start, duration=10.0)
+    model = scene(sample, Free(torque, 10.0), {Channel.POSITION}, start_angle=start)
+    position = ENGINE.run(model, Setting.TUNED).history.position
+    crank = [body.name for body in model.bodies].index(model.crank)
+    assert np.max(np.abs(position.values[:, crank, 2] - truth.angle(position.time))) <= LONG_ANGLE
 
 
 def test_loads_over_the_crank_angle_act_on_a_free_crank():
@@ -289,7 +305,7 @@ def test_loads_over_the_crank_angle_act_on_a_free_crank():
     time = run.history.position.time
     angle, _ = _true_free_motion(sample, 0.0, 0.5, 30.0, time[::40])
     crank = ObservedMotion(model, run.history).crank(Channel.POSITION, time)
-    assert np.max(np.abs(crank[::40] - angle)) <= 10.0 * FREE_ANGLE[Setting.TUNED]
+    assert np.max(np.abs(crank[::40] - angle)) <= FREE_ANGLE
 
 
 def test_a_naive_free_crank_is_rough_too():
