@@ -263,14 +263,14 @@ def _invariants(case: Case, motion: ObservedMotion, blank: Record) -> tuple[Reco
 
 
 def _torque_scale(case: Case, motion: ObservedMotion) -> float:
-    """Peak drive torque, N m; of a crank that nothing drives, the peak torque that accelerates the links."""
+    """Peak drive torque, N m; of a released crank the peak torque that accelerates the links, if that is larger."""
     peak = float(np.max(np.abs(motion.signal(Channel.TORQUE).values)))
-    if peak > 0.0:
+    if case.is_prescribed:
         return peak
     time = motion.signal(Channel.ACCELERATION).time
     speed = motion.crank(Channel.VELOCITY, time)
     fast = np.abs(speed) >= case.least_speed
-    return float(np.max(np.abs(motion.kinetic_power(time)[fast] / speed[fast])))
+    return max(peak, float(np.max(np.abs(motion.kinetic_power(time)[fast] / speed[fast]))))
 
 
 def _two_routes(case: Case, motion: ObservedMotion) -> Signal:

@@ -19,6 +19,8 @@ from analytic.linkage import Linkage
 from analytic.mechanism import Mechanism
 from analytic.regimes import crank_motion
 from comparisons.campaign import Request, RunResult, compare
+from comparisons.case import own_motion
+from comparisons.records import Record
 from comparisons.scenes import scene
 from engines.contract import Channel, Prescribed, Setting
 from engines.registry import engine
@@ -70,8 +72,11 @@ def targets() -> tuple[Target, ...]:
 def measure(linkages: Sequence[Linkage], engines: Sequence[str]) -> Iterator[Figure]:
     """Measure every target in turn; errors of each engine over all linkages given."""
     results = list(_campaign(linkages, engines))
+    own = list(_own_campaign(linkages, engines))
     kinds: Mapping[str, Callable[[Target], Iterator[Figure]]] = {
         "errors": lambda target: _errors(target, results, engines),
+        "own_errors": lambda target: _errors(target, own, engines),
+        "reference": lambda target: _reference(target, linkages),
         "overhead": lambda target: _overheads(target, linkages, engines),
         "closed_form": lambda target: _closed_form(target, linkages),
         "process": _process,
@@ -86,17 +91,57 @@ def _campaign(linkages: Sequence[Linkage], engines: Sequence[str]) -> Iterator[R
     return compare(Request(tuple(linkages), motions, "as promised", tuple(engines), settings))
 
 
+def _own_campaign(linkages: Sequence[Linkage], engines: Sequence[str]) -> Iterator[RunResult]:
+    """The linkages' own regimes, in the settings that targets speak of, for the crank's motion alone."""
+    for target in targets():
+        if target.kind == "own_errors":
+            asked = target.arguments
+            chosen = tuple(linkage for linkage in linkages if linkage.name == asked["mechanism"])
+            request = Request(
+                chosen,
+                (),
+                "",
+                tuple(engines),
+                (Setting(asked["setting"]),),
+                (asked["quantity"],),
+                (asked["regime"],),
+                with_invariants=False,
+            )
+            yield from compare(request)
+
+
 def _errors(target: Target, results: Sequence[RunResult], engines: Sequence[str]) -> Iterator[Figure]:
-    """The worst error of each engine among the records the target speaks of."""
-    for name in engines:
+    """The worst error of each engine among the records the target speaks of; in the quantity's unit if it says so."""
+    asked = dict(target.arguments)
+    only, absolute = asked.pop("engine", None), asked.pop("absolute", False)
+    for name in engines if only is None else [only]:
         found = [
-            record.error_max if record.error_max is not None else np.inf
+            _error(record, absolute=absolute)
             for result in results
             for record in (*result.records, *result.invariants)
-            if record.engine == name and all(getattr(record, key) == value for key, value in target.arguments.items())
+            if record.engine == name and all(_speaks_of(record, key, value) for key, value in asked.items())
         ]
         if found:
             yield Figure(target, name, max(found))
+
+
+def _speaks_of(record: Record, key: str, value: str) -> bool:
+    """Whether a record is one of those a target names; ``joint_force`` stands for the forces of all joints."""
+    return str(getattr(record, key)).partition(":")[0] == value
+
+
+def _error(record: Record, *, absolute: bool) -> float:
+    if record.error_max is None or record.peak is None:
+        return np.inf
+    return record.error_max * (record.peak if absolute else 1.0)
+
+
+def _reference(target: Target, linkages: Sequence[Linkage]) -> Iterator[Figure]:
+    """The closed form's own bound on the error of a released crank's angle, rad."""
+    for linkage in linkages:
+        for own in linkage.regimes:
+            if (linkage.name, own.name) == (target.arguments["mechanism"], target.arguments["regime"]):
+                yield Figure(target, linkage.name, own_motion(Mechanism(linkage), own).error_bound)
 
 
 def _overheads(target: Target, linkages: Sequence[Linkage], engines: Sequence[str]) -> Iterator[Figure]:
