@@ -157,13 +157,14 @@ class ThreadTable(Table):
 
 
 class ErratumTable(Table):
-    """A model as printed, by its ½ Jeq' or as a variant, to be held against this file's in one of its own regimes."""
+    """A model as printed, by its ½ Jeq', as a variant or by fixed Runge-Kutta ``steps``, held against this file's."""
 
     name: str
     place: str
     regime: str
     half_slope: Literal["exact", "moduli"] = "exact"
     variant: str | None = None
+    steps: Annotated[int, Field(gt=9)] | None = None
     note: str = ""
 
 

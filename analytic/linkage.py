@@ -154,7 +154,8 @@ class Published:
 class Erratum:
     """A model as printed in a source, to be held against this description in one of the linkage's own regimes.
 
-    It differs by its model of ½ Jeq' (``half_slope``: ``exact`` or ``moduli``) or by being a variant of the linkage.
+    It differs by its model of ½ Jeq' (``half_slope``: ``exact`` or ``moduli``), by being a variant of the linkage, or
+    by being integrated in ``steps`` fixed Runge-Kutta steps.
     """
 
     name: str
@@ -162,6 +163,7 @@ class Erratum:
     regime: str
     half_slope: str = "exact"
     variant: str | None = None
+    steps: int | None = None
     note: str = ""
 
 

@@ -8,14 +8,17 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
+from typing import Protocol
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
-from analytic.linkage import Erratum, Linkage
+from analytic.fixed_step import fixed_step
+from analytic.linkage import Erratum, Linkage, OwnRegime
 from analytic.loading import load
 from analytic.mechanism import Mechanism
 from comparisons.case import Case, Motion, own_case, own_motion
+from comparisons.interpolation import resample
 from comparisons.motion import ObservedMotion
 from engines.contract import Channel, Outcome, Setting, Signal
 from engines.registry import engine
@@ -63,6 +66,34 @@ class ErratumRecord:
         )
 
 
+class Spin(Protocol):
+    """A crank motion whose angle and speed can be asked for at any time."""
+
+    def angle(self, time: ArrayLike) -> Array:
+        """φ(t), rad."""
+        ...
+
+    def speed(self, time: ArrayLike) -> Array:
+        """ω(t), rad/s."""
+        ...
+
+
+@dataclass(frozen=True)
+class Stepped:
+    """A motion known at the fixed steps of an integrator, interpolated between them."""
+
+    angles: Signal
+    speeds: Signal
+
+    def angle(self, time: ArrayLike) -> Array:
+        """φ(t), rad."""
+        return resample(self.angles, np.atleast_1d(np.asarray(time, dtype=float)))
+
+    def speed(self, time: ArrayLike) -> Array:
+        """ω(t), rad/s."""
+        return resample(self.speeds, np.atleast_1d(np.asarray(time, dtype=float)))
+
+
 def judge_errata(linkages: Iterable[Linkage], engines: Sequence[str]) -> Iterator[ErratumRecord]:
     """Put every printed model of these linkages to every engine, tuned."""
     for linkage in linkages:
@@ -77,12 +108,29 @@ def judge_errata(linkages: Iterable[Linkage], engines: Sequence[str]) -> Iterato
                 yield _record(linkage, erratum, name, (case.motion, printed), runs[erratum.regime, name])
 
 
-def _models(linkage: Linkage, erratum: Erratum) -> tuple[Case, Motion]:
+def _models(linkage: Linkage, erratum: Erratum) -> tuple[Case, Spin]:
     """The corrected case, which the engines run, and the motion by the printed model."""
     own = next(regime for regime in linkage.regimes if regime.name == erratum.regime)
     mechanism = Mechanism(linkage)
-    printed = Mechanism(load(linkage.name, erratum.variant)) if erratum.variant else mechanism
-    return own_case(mechanism, own), own_motion(printed, own, erratum.half_slope)
+    return own_case(mechanism, own), printed_motion(mechanism, own, erratum)
+
+
+def printed_motion(mechanism: Mechanism, own: OwnRegime, erratum: Erratum) -> Spin:
+    """The crank's motion by the printed model, in the printed integrator where that is what is on trial."""
+    if erratum.variant:
+        mechanism = Mechanism(load(mechanism.linkage.name, erratum.variant))
+    if erratum.steps is None:
+        return own_motion(mechanism, own, erratum.half_slope)
+    stepped = fixed_step(
+        mechanism,
+        torque=own.torque,
+        start_angle=own.start_angle,
+        start_speed=own.start_speed,
+        duration=own.duration,
+        steps=erratum.steps,
+        half_slope=erratum.half_slope,
+    )
+    return Stepped(Signal(stepped.time, stepped.angle), Signal(stepped.time, stepped.speed))
 
 
 def _crank_speed(case: Case, name: str) -> tuple[str, Signal | None]:
@@ -103,7 +151,7 @@ def _crank_speed(case: Case, name: str) -> tuple[str, Signal | None]:
 
 
 def _record(
-    linkage: Linkage, erratum: Erratum, name: str, models: tuple[Motion, Motion], run: tuple[str, Signal | None]
+    linkage: Linkage, erratum: Erratum, name: str, models: tuple[Motion, Spin], run: tuple[str, Signal | None]
 ) -> ErratumRecord:
     (corrected, printed), (outcome, speed) = models, run
     peak = corrected.peak_speed
@@ -119,8 +167,8 @@ def _record(
         deviation_corrected=off[0] if off else None,
         deviation_printed=off[1] if off else None,
         mean_speed=_observed_mean(speed, corrected.duration) if speed else None,
-        mean_speed_corrected=_mean_speed(corrected),
-        mean_speed_printed=_mean_speed(printed),
+        mean_speed_corrected=_mean_speed(corrected, corrected.duration),
+        mean_speed_printed=_mean_speed(printed, corrected.duration),
         note=erratum.note,
     )
 
@@ -131,11 +179,11 @@ def _supported(corrected: float, printed: float) -> str:
     return "as-printed" if NEARER * printed < corrected else "neither"
 
 
-def _mean_speed(motion: Motion) -> float:
+def _mean_speed(motion: Spin, duration: float) -> float:
     """Mean crank speed at the end, rad/s: angle gained over time, no quadrature."""
-    start = (1.0 - LAST_SHARE) * motion.duration
-    gained = motion.angle(np.asarray(motion.duration)) - motion.angle(np.asarray(start))
-    return float(gained) / (LAST_SHARE * motion.duration)
+    start = (1.0 - LAST_SHARE) * duration
+    gained = motion.angle(np.asarray(duration)) - motion.angle(np.asarray(start))
+    return float(np.squeeze(gained)) / (LAST_SHARE * duration)
 
 
 def _observed_mean(speed: Signal, duration: float) -> float:

@@ -20,7 +20,7 @@ from engines.pymunk_layout import exact_layout
 from engines.pymunk_naive import naive_pass
 from engines.pymunk_passes import Plan, prescribed_passes
 from engines.pymunk_solver import SlowSolverError, iterations_for
-
+from engines.pymunk_space import Rig
 
 PRESCRIBED: Mapping[Setting, Plan] = {
     Setting.TUNED: Plan(150, 200, (1, 3, 5), 0.03, 1e-4),
@@ -77,17 +77,17 @@ def _extrapolated(scene: Scene, setting: Setting) -> Run:
     layout = exact_layout(scene)
     drive = scene.drive
     plan = (PRESCRIBED if isinstance(drive, Prescribed) else FREE)[setting]
-    iterations = iterations_for(scene, layout, plan.remaining)
+    rig = Rig(scene, layout, iterations_for(scene, layout, plan.remaining))
     built = perf_counter() - begun
     trials: list[Pass] = []
     if isinstance(drive, Prescribed):
-        passes = prescribed_passes(scene, layout, drive.motion, plan, iterations)
+        passes = prescribed_passes(rig, drive.motion, plan)
     else:
-        trials, passes = free_passes(scene, layout, drive, plan, iterations)
+        trials, passes = free_passes(rig, drive, plan)
     details: dict[str, str | int | float] = {
         "sample_step": passes[0].step * plan.ratios[0],
         "ratios": " ".join(str(round(passes[0].step * plan.ratios[0] / done.step)) for done in passes),
-        "iterations": iterations,
+        "iterations": rig.iterations,
         "cut_off_parts": len(layout.parts) - len(scene.bodies),
     }
     everything = (*trials, *passes)

@@ -1,8 +1,8 @@
-"""What pymunk does not tell: scenes that would end the process or run on as nonsense, and motions that are not the scene's.
+"""What pymunk does not tell: scenes that end the process or run on as nonsense, and motions that are not the scene's.
 
-pymunk's C core aborts the interpreter on masses, moments and iteration counts it does not like, and runs on with nan, with
-joints that cannot close and with a crank that does not follow its motor. So data are checked before anything is built,
-and the motion after every pass.
+pymunk's C core aborts the interpreter on masses, moments and iteration counts it does not like, and runs on with nan,
+with joints that cannot close and with a crank that does not follow its motor. So data are checked before anything is
+built, and the motion after every pass.
 """
 
 from __future__ import annotations
@@ -22,6 +22,7 @@ from engines.pymunk_reactions import gaps
 from engines.pymunk_recording import WATCHED, Recording
 
 # A joint open by more than this share of the scene's size, or a crank off by more than this, rad, is another motion.
+# The suite has closer limits; these are for motions that no longer are a linkage's.
 OPEN_JOINT = 1e-2
 LOST_CRANK = 0.05
 

@@ -1,7 +1,7 @@
 """How far passes at different steps agree: the extrapolation with the coarsest pass against the one without it.
 
-That is an estimate of the error of the latter, so a generous one of the former. Where passes do not agree at all, each of
-them went its own way, as beyond an angle at which the linkage can change its assembly, and none is to be believed.
+That is an estimate of the error of the latter, so a generous one of the former. Where passes do not agree at all, each
+of them went its own way, as beyond an angle at which the linkage can change its assembly; none is to be believed.
 """
 
 from __future__ import annotations
@@ -35,7 +35,7 @@ class Pass:
 
 @dataclass(frozen=True)
 class Doubt:
-    """The largest disagreement, and what it is about; relative to the peak, angles in rad, positions to the scene's size."""
+    """A disagreement and what it is about: over the peak, for positions over the scene's size, for angles in rad."""
 
     size: float
     about: str

@@ -2,10 +2,11 @@
 
 pymunk's ``GrooveJoint`` solves both directions of its contact and then drops the part along the groove. That is right
 only where the two do not couple: the mass centre of the groove's body has to lie on the groove's line, and that of the
-pin's body at the pin (or the body must not turn). Elsewhere it settles on a wrong velocity, silently. A body that breaks
-this is cut in two: a point mass that is pinned to it, chosen so that what is left has its mass centre where the groove
-wants it. A host of several grooves gets a rail for each line its centre cannot be put on: a part of its own, pinned and
-geared to it. Mass, mass centre and inertia of the parts together are those of the body, so the motion is exactly the same.
+pin's body at the pin (or the body must not turn). Elsewhere it settles on a wrong velocity, silently. A body that
+breaks this is cut in two: a point mass that is pinned to it, chosen so that what is left has its mass centre where the groove
+wants it. A host of several grooves gets a rail for each line its centre cannot be put on: a part of its own, pinned
+and geared to it. Mass, mass centre and inertia of the parts together are those of the body, so that the motion is the
+same.
 """
 
 from __future__ import annotations
@@ -53,8 +54,8 @@ class Part:
 class Hold:
     """One constraint between two parts, anchors from the parts' centres in the owner's frame.
 
-    A groove keeps ``first_anchor`` on the line of ``second`` through ``second_anchor`` along ``along``; a gear keeps the
-    angle of ``first`` at ``turn`` over that of ``second``. ``joint`` names the scene's joint whose force it carries.
+    A groove keeps ``first_anchor`` on the line of ``second`` through ``second_anchor`` along ``along``; a gear keeps
+    the angle of ``first`` at ``turn`` over that of ``second``. ``joint`` is the scene's joint whose force it carries.
     """
 
     kind: Kind
@@ -75,11 +76,6 @@ class Layout:
     holds: tuple[Hold, ...]
     crank: int
     reach: float
-
-    @property
-    def names(self) -> range:
-        """Numbers of the parts."""
-        return range(len(self.parts))
 
 
 def plain_layout(scene: Scene) -> Layout:
@@ -116,7 +112,7 @@ def _unit(vector: Vector) -> Vector:
 
 
 def without_point(part: Part, point: Vector) -> tuple[Part, Part]:
-    """Cut a point mass off at ``point``; what is left keeps at least half the inertia. Returns the rest and the point."""
+    """Cut a point mass off at ``point``; the rest keeps at least half the inertia. Returns the rest and the point."""
     assert part.inertia is not None
     away = _minus(part.offset, point)
     moment = part.mass * (away[0] ** 2 + away[1] ** 2)

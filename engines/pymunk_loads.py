@@ -1,8 +1,8 @@
-"""Loads that change from step to step, and all loads of a scene as forces on the parts of its layout.
+"""Loads that change from step to step and have to be set before each.
 
-A step of pymunk first moves the bodies, then asks for forces. So what is set before a step has to be that of the positions
-it will reach: the present ones moved on by the present velocities. Velocities at that instant lie half a step ahead of the
-last ones known and are extrapolated from the last two, 1.5 v₁ − 0.5 v₂, which keeps dampers of second order.
+A step of pymunk first moves the bodies, then asks for forces. So what is set before a step has to be that of the
+positions it will reach: the present ones moved on by the present velocities. Velocities at that instant lie half a step
+ahead of the last ones known and are extrapolated from the last two, 1.5 v₁ − 0.5 v₂, so that dampers are of second order.
 """
 
 from __future__ import annotations
@@ -12,21 +12,14 @@ from bisect import bisect_right
 from collections.abc import Callable
 from typing import TYPE_CHECKING
 
-import numpy as np
-from numpy.typing import NDArray
-
 from analytic.laws import FULL_TURN, Law
-from analytic.linkage import GROUND, Vector
-from engines.contract import PointSpring, Scene, TurnDamper
-from engines.pymunk_layout import STILL, Layout
-from engines.pymunk_reactions import across, turned
+from analytic.linkage import GROUND
+from engines.contract import Scene, TurnDamper
+from engines.pymunk_layout import STILL
 from engines.pymunk_space import World, carried_anchor, part_number
 
 if TYPE_CHECKING:
     import pymunk
-
-Array = NDArray[np.float64]
-Add = Callable[["pymunk.Body", float, float, float], None]
 
 
 def scalar_law(law: Law, component: int) -> Callable[[float], float]:
@@ -164,62 +157,3 @@ class StepLoads:
             engine.rest_length = (spring.length if spring.stiffness else now) - stretch * speed
 
         return add
-
-
-def loads_on_parts(scene: Scene, layout: Layout, state: Array, velocity: Array) -> Array:
-    """Forces and torques of all loads on the parts, (n, parts, 3), at positions ``state`` and velocities ``velocity``."""
-    total = np.zeros_like(state)
-    masses = np.array([part.mass for part in layout.parts])
-    total[:, :, :2] = masses[:, None] * np.asarray(scene.gravity)
-    angle = state[:, layout.crank, 2]
-    for force in scene.forces:
-        _add_force(layout, state, total, part_number(scene, force.body), force.anchor, force.force(angle).T)
-    for torque in scene.torques:
-        _add_torque(total, part_number(scene, torque.body), torque.torque(angle)[0])
-    for damper in scene.dampers:
-        first, second = part_number(scene, damper.first), part_number(scene, damper.second)
-        moment = damper.coefficient * (_turn_rate(velocity, second) - _turn_rate(velocity, first))
-        _add_torque(total, first, moment)
-        _add_torque(total, second, -moment)
-    for spring in scene.springs:
-        _add_spring(scene, layout, state, velocity, total, spring)
-    return total
-
-
-def _turn_rate(velocity: Array, number: int) -> Array:
-    return np.zeros(len(velocity)) if number == STILL else velocity[:, number, 2]
-
-
-def _add_torque(total: Array, number: int, torque: Array) -> None:
-    if number != STILL:
-        total[:, number, 2] += torque
-
-
-def _add_force(layout: Layout, state: Array, total: Array, number: int, anchor: Vector, force: Array) -> None:
-    if number != STILL:
-        arm = turned(carried_anchor(layout, number, anchor), state[:, number, 2])
-        total[:, number, :2] += force
-        total[:, number, 2] += np.sum(across(arm) * force, axis=-1)
-
-
-def _add_spring(
-    scene: Scene, layout: Layout, state: Array, velocity: Array, total: Array, spring: PointSpring
-) -> None:
-    ends = (spring.first, spring.first_anchor), (spring.second, spring.second_anchor)
-    places, rates = [], []
-    for name, anchor in ends:
-        number = part_number(scene, name)
-        if number == STILL:
-            places.append(np.broadcast_to(np.asarray(anchor), (len(state), 2)))
-            rates.append(np.zeros((len(state), 2)))
-            continue
-        arm = turned(carried_anchor(layout, number, anchor), state[:, number, 2])
-        places.append(state[:, number, :2] + arm)
-        rates.append(velocity[:, number, :2] + velocity[:, number, 2:] * across(arm))
-    span = places[1] - places[0]
-    length = np.linalg.norm(span, axis=-1, keepdims=True)
-    way = span / length
-    speed = np.sum(way * (rates[1] - rates[0]), axis=-1, keepdims=True)
-    pull = way * (spring.stiffness * (length - spring.length) + spring.damping * speed)
-    for (name, anchor), force in zip(ends, (pull, -pull), strict=True):
-        _add_force(layout, state, total, part_number(scene, name), anchor, force)

@@ -1,4 +1,4 @@
-"""The scene as a newcomer would run it: pymunk's defaults wherever it has any, and every read-out taken at face value."""
+"""The scene as a newcomer would run it: pymunk's defaults wherever it has any, every read-out taken at face value."""
 
 from __future__ import annotations
 
@@ -12,7 +12,8 @@ from engines.contract import Channel, Free, History, Scene, Signal
 from engines.pymunk_checks import DivergedError
 from engines.pymunk_doubt import Pass
 from engines.pymunk_layout import Layout, plain_layout
-from engines.pymunk_loads import StepLoads, loads_on_parts
+from engines.pymunk_load_sums import loads_on_parts
+from engines.pymunk_loads import StepLoads
 from engines.pymunk_reactions import joint_forces
 from engines.pymunk_space import World, add_motor, add_torque, build_world
 from engines.pymunk_stepping import public_calls

@@ -1,4 +1,4 @@
-"""One pass of a scene through pymunk at one step, prescribed or free, on the way to second order and beyond.
+"""Passes of a scene through pymunk under a prescribed crank, on the way to second order and beyond.
 
 With every joint's ``error_bias`` at 0 each step closes the joints to first order (a linearised SHAKE), which makes the
 motion second order in the step with terms of every higher order behind it; any other bias leaves it at first order.
@@ -20,18 +20,16 @@ from engines.pymunk_checks import DivergedError, check_crank, check_impulses, ch
 from engines.pymunk_doubt import Pass, doubt
 from engines.pymunk_layout import Layout
 from engines.pymunk_loads import StepLoads
-from engines.pymunk_recording import Clock, Recording, joined, looks
-from engines.pymunk_space import World, add_motor, add_torque, build_world
+from engines.pymunk_recording import Clock, Recording, joined, looks, marks
+from engines.pymunk_space import Rig, World, add_motor, add_torque, build_world
 from engines.pymunk_stepping import Calls, calls, march, place
 
 Array = NDArray[np.float64]
 
-# Steps before the first sample of a segment, in which what the start got wrong dies away: first with more iterations, then
-# with those of all later steps, so that the change of effort has died away too.
+# Steps before the first sample of a segment, in which what the start got wrong dies away: first with COLD times as many
+# iterations, there being no good guess of the impulses, then as later, so that the change of effort dies away too.
 RUN_IN = 20
 COLD_STEPS = 10
-
-# Times the iterations of a normal step that are spent where there is no good guess of the impulses.
 COLD = 4
 
 # Passes of a prescribed motion at most, what another one has to make of their disagreement to be followed by more, and
@@ -60,6 +58,11 @@ class Plan:
     doubt: float
 
 
+def step_count(duration: float, step: float) -> int:
+    """Number of equal steps of at most ``step`` seconds that make up a duration."""
+    return max(LEAST_SAMPLES, math.ceil(duration / step * (1.0 - 1e-9)))
+
+
 def clocks(motion: CrankMotion, step: float, ratio: int) -> list[tuple[Segment, Clock]]:
     """Cut every segment into equal steps of at most ``step`` seconds, so that each kink falls on a sample.
 
@@ -68,15 +71,9 @@ def clocks(motion: CrankMotion, step: float, ratio: int) -> list[tuple[Segment, 
     result = []
     for segment in motion.segments:
         count = step_count(segment.end - segment.start, step)
-        last = count if segment is motion.segments[-1] else count - 1
-        clock = Clock(segment.start, (segment.end - segment.start) / count, last + 1, count, ratio)
-        result.append((segment, clock))
+        samples = count + 1 if segment is motion.segments[-1] else count
+        result.append((segment, Clock(segment.start, (segment.end - segment.start) / count, samples, count, ratio)))
     return result
-
-
-def step_count(duration: float, step: float) -> int:
-    """Number of equal steps of at most ``step`` seconds that make up a duration."""
-    return max(LEAST_SAMPLES, math.ceil(duration / step * (1.0 - 1e-9)))
 
 
 def mean_speeds(segment: Segment, start: float, step: float, count: int) -> Array:
@@ -101,19 +98,19 @@ def torque_bound(scene: Scene, layout: Layout, motion: CrankMotion) -> float:
     return bound
 
 
-def prescribed_passes(scene: Scene, layout: Layout, motion: CrankMotion, plan: Plan, iterations: int) -> list[Pass]:
+def prescribed_passes(rig: Rig, motion: CrankMotion, plan: Plan) -> list[Pass]:
     """The passes to extrapolate: those of the plan, and finer ones until they agree as far as the plan wants.
 
     Raises DivergedError where they do not agree at all.
     """
     step = min(FULL_TURN / motion.peak_speed / plan.samples_per_turn, motion.duration / plan.least_samples)
     ratios = list(plan.ratios)
-    passes = [prescribed_pass(scene, layout, motion, step, ratio, iterations) for ratio in ratios]
-    found, before = doubt(passes, layout), math.inf
+    passes = [prescribed_pass(rig, motion, step, ratio) for ratio in ratios]
+    found, before = doubt(passes, rig.layout), math.inf
     while plan.doubt < found.size < WORTHWHILE * before and len(passes) < MOST_PASSES:
         ratios.append(ratios[-1] + 2)
-        passes.append(prescribed_pass(scene, layout, motion, step, ratios[-1], iterations))
-        found, before = doubt(passes, layout), found.size
+        passes.append(prescribed_pass(rig, motion, step, ratios[-1]))
+        found, before = doubt(passes, rig.layout), found.size
     if found.size > LARGEST_DOUBT:
         raise DivergedError(
             f"runs at different steps do not agree: {found.about} differs by {found.size:.2g} of its scale at "
@@ -122,54 +119,47 @@ def prescribed_passes(scene: Scene, layout: Layout, motion: CrankMotion, plan: P
     return passes
 
 
-def prescribed_pass(
-    scene: Scene, layout: Layout, motion: CrankMotion, step: float, ratio: int, iterations: int
-) -> Pass:
-    """Drive the crank through its motion, every segment on its own.
+def prescribed_pass(rig: Rig, motion: CrankMotion, step: float, ratio: int) -> Pass:
+    """Drive the crank through its motion, every segment on its own, ``ratio`` steps to a sample.
 
     A segment is entered along its own polynomial continued backwards, so that its first samples already show the motion
     after the kink. The motor's impulse is known to its size alone: a constant torque on the crank, above any that the
     drive can need, keeps its sign. Raises DivergedError.
     """
     begun = perf_counter()
-    world = build_world(scene, layout, iterations=iterations, error_bias=0.0)
-    offset = torque_bound(scene, layout, motion)
+    world = build_world(rig.scene, rig.layout, iterations=rig.iterations, error_bias=0.0)
+    offset = torque_bound(rig.scene, rig.layout, motion)
     add_torque(world, world.crank, offset)
     on = calls(world, add_motor(world))
     built, seconds, steps = perf_counter() - begun, 0.0, 0
     recordings = []
     for segment, clock in clocks(motion, step, ratio):
         begun = perf_counter()
-        recording, taken = _driven(scene, world, on, segment, clock, offset, iterations)
+        recording, taken = _driven(rig, world, on, segment=segment, clock=clock, offset=offset)
         seconds, steps = seconds + perf_counter() - begun, steps + taken
-        check_joints(recording, layout)
-        check_crank(recording, layout, segment)
+        check_joints(recording, rig.layout)
+        check_crank(recording, rig.layout, segment)
         check_impulses(recording, offset)
         recordings.append(recording)
-    return Pass(step / ratio, joined([r.history(scene, layout) for r in recordings]), seconds, built, steps)
+    history = joined([recording.history(rig.scene, rig.layout) for recording in recordings])
+    return Pass(step / ratio, history, seconds, built, steps)
 
 
 def _driven(
-    scene: Scene, world: World, on: Calls, segment: Segment, clock: Clock, offset: float, iterations: int
+    rig: Rig, world: World, on: Calls, *, segment: Segment, clock: Clock, offset: float
 ) -> tuple[Recording, int]:
+    """Drive one segment; returns what was seen of it and the number of steps taken."""
     fine = clock.fine
-    steps = looks(clock, scene.channels)
+    steps = looks(clock, rig.scene.channels)
     count = RUN_IN + int(steps[-1]) + 1
-    rates = -mean_speeds(segment, clock.start - RUN_IN * fine, fine, count)
-    world.space.iterations = COLD * iterations
+    rates = (-mean_speeds(segment, clock.start - RUN_IN * fine, fine, count)).tolist()
+    marked = marks(steps + RUN_IN, count)
+    world.space.iterations = COLD * rig.iterations
     taken = place(world, on, fine, float(segment.value(clock.start - RUN_IN * fine)))
-    loads = StepLoads(world, scene, fine, ahead=True)
+    loads = StepLoads(world, rig.scene, fine, ahead=True)
     impulses: list[float] = []
-    marks = marks_of(steps, -RUN_IN, count)
-    for part, effort in ((slice(COLD_STEPS), COLD * iterations), (slice(COLD_STEPS, None), iterations)):
-        world.space.iterations = effort
-        impulses += march(on, fine, rates[part].tolist(), marks[part], loads if loads else None)
+    for part, effort in ((slice(COLD_STEPS), COLD), (slice(COLD_STEPS, None), 1)):
+        world.space.iterations = effort * rig.iterations
+        impulses += march(on, fine, rates[part], marked[part], loads if loads else None)
     recording = Recording(clock, steps, on.collected(), offset - np.array(impulses) / fine)
     return recording, taken + count
-
-
-def marks_of(steps: NDArray[np.intp], first: int, count: int) -> list[int]:
-    """1 for each of ``count`` steps from number ``first`` after which a look is wanted, else 0."""
-    marks = np.zeros(count, dtype=np.intp)
-    marks[steps - first] = 1
-    return [int(mark) for mark in marks]

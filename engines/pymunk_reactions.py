@@ -1,9 +1,9 @@
 """The constraints of a layout as linear algebra: joint gaps, joint forces, and how fast pymunk's solver converges.
 
-pymunk tells the magnitude of a constraint's impulse, not its direction. The vectors follow from what the solver did to the
-bodies: over one step every part obeys m (v⁺ − v⁻)/h = load + Σ joint forces, with the joints' directions at the positions
-of that instant, and a linkage whose crank is driven has exactly as many unknown forces as equations. The solution is the
-impulses that the solver applied, to rounding.
+pymunk tells the magnitude of a constraint's impulse, not its direction. The vectors follow from what the solver did to
+the bodies: over one step every part obeys m (v⁺ − v⁻)/h = load + Σ joint forces, with the joints' directions at the
+positions of that instant, and a linkage whose crank is driven has exactly as many unknown forces as equations. The
+solution is the impulses that the solver applied, to rounding.
 """
 
 from __future__ import annotations

@@ -1,8 +1,8 @@
 """What is looked at during a pass, and how it becomes the history of the scene's own bodies.
 
-A pass takes ``ratio`` steps (an odd number) from sample to sample, so that passes of different ratio share both the sample
-times and the middles between them. After a step pymunk holds positions of tₙ and velocities of tₙ + h/2: the velocity signal
-therefore lives on the middles, and the acceleration at a sample is (v⁺ − v⁻)/h across it.
+A pass takes ``ratio`` steps (an odd number) from sample to sample, so that passes of different ratio share both the
+sample times and the middles between them. After a step pymunk holds positions of tₙ and velocities of tₙ + h/2: the
+velocity signal therefore lives on the middles, and the acceleration at a sample is (v⁺ − v⁻)/h across it.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from engines.contract import Channel, History, Scene, Signal
 from engines.pymunk_layout import Layout
-from engines.pymunk_loads import loads_on_parts
+from engines.pymunk_load_sums import loads_on_parts
 from engines.pymunk_reactions import across, joint_forces
 
 Array = NDArray[np.float64]
@@ -26,7 +26,7 @@ WATCHED = 64
 
 @dataclass(frozen=True)
 class Clock:
-    """Samples ``start + k·step``, k = 0, 1, …, and the middles of the steps, each divided into ``ratio`` of the engine."""
+    """Samples ``start + k·step``, k = 0, 1, …, and the middles between them, ``ratio`` engine steps apart."""
 
     start: float
     step: float
@@ -71,9 +71,20 @@ def looks(clock: Clock, channels: frozenset[Channel]) -> NDArray[np.intp]:
     return np.unique(np.concatenate(wanted))
 
 
+def marks(steps: NDArray[np.intp], count: int) -> list[int]:
+    """1 for each of ``count`` steps whose number is among ``steps``, else 0."""
+    result = np.zeros(count, dtype=np.intp)
+    result[steps] = 1
+    return [int(mark) for mark in result]
+
+
 @dataclass(frozen=True)
 class Recording:
-    """All looks of a pass over one stretch: ``steps`` (n,) numbers them, ``seen`` (n, parts, 2, 3) is state and rates."""
+    """All looks of a pass over one stretch.
+
+    ``steps`` (n,) are the engine's steps they followed, ``seen`` (n, parts, 2, 3) the parts' positions and rates,
+    ``torque`` (n,) the drive's.
+    """
 
     clock: Clock
     steps: NDArray[np.intp]

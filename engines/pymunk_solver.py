@@ -43,9 +43,9 @@ class SlowSolverError(Exception):
 def iterations_for(scene: Scene, layout: Layout, remaining: float) -> int:
     """Iterations after which no more than ``remaining`` of an impulse's change over a step is left wrong.
 
-    The linkage is turned through the crank angles of its motion, and the worst convergence met on the way counts. A free
-    crank may not reach them all: those at which the joints do not close are left out. Raises SlowSolverError where a
-    motion leads through an angle at which no number of iterations will do.
+    The linkage is turned through the crank angles of its motion, and the worst convergence met on the way counts. A
+    free crank may not reach them all: those at which the joints do not close are left out. Raises SlowSolverError where
+    a motion leads through an angle at which no number of iterations will do.
     """
     states = turned_through(scene, layout)
     try:
@@ -82,7 +82,7 @@ def _angles(scene: Scene) -> Array:
 
 
 def turned_through(scene: Scene, layout: Layout) -> Array:
-    """States of the parts, (n, parts, 3), at crank angles of the motion; the start comes first and is always among them."""
+    """States of the parts, (n, parts, 3), at crank angles of the motion, that of the start always among them."""
     closed = np.ones(1, dtype=bool)
     states = np.zeros((1, len(layout.parts), 3))
     for settling, iterations in EFFORTS:

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, Final
+from typing import TYPE_CHECKING, Final
 
 from analytic.linkage import GROUND, Vector
-from engines.contract import Scene
+from engines.contract import AppliedForce, PointSpring, Scene, TurnDamper
 from engines.pymunk_layout import STILL, Hold, Kind, Layout
 
 if TYPE_CHECKING:
@@ -15,6 +15,15 @@ if TYPE_CHECKING:
 
 # Where a spring's far end lies, m or rad: any motion is nothing against it, so that its pull is constant to rounding.
 FAR: Final = 1e15
+
+
+@dataclass(frozen=True)
+class Rig:
+    """A scene made ready for pymunk: how it is cut into parts, and the solver's iterations per step."""
+
+    scene: Scene
+    layout: Layout
+    iterations: int
 
 
 @dataclass(frozen=True)
@@ -47,9 +56,8 @@ def build_world(
 ) -> World:
     """Build the space in the scene's start state, at rest; None leaves pymunk's default.
 
-    ``native_damping`` lets pymunk's springs damp, which they do to first order; else dashpots are stepped beside them.
-
-    No shapes, hence no collisions. Gravity is set only where there is any.
+    No shapes, hence no collisions; gravity only where there is any. ``native_damping`` lets pymunk's own springs damp,
+    which they do to first order; else dampers and dashpots are stepped beside them (see pymunk_loads).
     """
     import pymunk
 
@@ -58,20 +66,19 @@ def build_world(
         space.iterations = iterations
     if scene.gravity != (0.0, 0.0):
         space.gravity = scene.gravity
-    bodies = tuple(_body(pymunk, scene, layout, number) for number in layout.names)
-    world = World(layout, space, bodies, (), ())
-    springs = tuple(_spring(pymunk, world, scene, number, native_damping) for number in range(len(scene.springs)))
-    constraints = tuple(_constraint(pymunk, world, hold) for hold in layout.holds)
+    bodies = tuple(_body(scene, layout, number) for number in range(len(layout.parts)))
+    bare = World(layout, space, bodies, (), ())
+    springs = tuple(_spring(bare, scene, spring, native_damping) for spring in scene.springs)
+    constraints = tuple(_constraint(bare, hold) for hold in layout.holds)
     if error_bias is not None:
         for constraint in constraints:
             constraint.error_bias = error_bias
-    pushes = [_push(pymunk, world, scene, number) for number, f in enumerate(scene.forces) if f.force.is_constant]
-    space.add(*bodies, *springs, *pushes, *constraints)
-    if native_damping:
-        space.add(*(_damper(pymunk, world, scene, number) for number in range(len(scene.dampers))))
-    for torque in scene.torques:
-        if torque.torque.is_constant and torque.body != GROUND:
-            add_torque(world, world.bodies[part_number(scene, torque.body)], float(torque.torque.values[0]))
+    pushes = [_push(bare, scene, load) for load in scene.forces if load.force.is_constant]
+    dampers = [_damper(bare, scene, damper) for damper in scene.dampers if native_damping]
+    space.add(*bodies, *springs, *pushes, *dampers, *constraints)
+    for load in scene.torques:
+        if load.torque.is_constant and load.body != GROUND:
+            add_torque(bare, bodies[part_number(scene, load.body)], float(load.torque.values[0]))
     return World(layout, space, bodies, constraints, springs)
 
 
@@ -88,7 +95,9 @@ def carried_anchor(layout: Layout, number: int, anchor: Vector) -> Vector:
     return (anchor[0] - offset[0], anchor[1] - offset[1])
 
 
-def _body(pymunk: Any, scene: Scene, layout: Layout, number: int) -> pymunk.Body:
+def _body(scene: Scene, layout: Layout, number: int) -> pymunk.Body:
+    import pymunk
+
     part = layout.parts[number]
     owner = scene.bodies[part.owner]
     body = pymunk.Body(part.mass, math.inf if part.inertia is None else part.inertia)
@@ -99,7 +108,9 @@ def _body(pymunk: Any, scene: Scene, layout: Layout, number: int) -> pymunk.Body
     return body
 
 
-def _constraint(pymunk: Any, world: World, hold: Hold) -> pymunk.Constraint:
+def _constraint(world: World, hold: Hold) -> pymunk.Constraint:
+    import pymunk
+
     first, second = world.part(hold.first), world.part(hold.second)
     if hold.kind is Kind.PIN:
         return pymunk.PivotJoint(first, second, hold.first_anchor, hold.second_anchor)
@@ -110,35 +121,39 @@ def _constraint(pymunk: Any, world: World, hold: Hold) -> pymunk.Constraint:
     return pymunk.GrooveJoint(second, first, start, end, hold.first_anchor)
 
 
-def _spring(pymunk: Any, world: World, scene: Scene, number: int, native_damping: bool) -> pymunk.DampedSpring:
-    spring = scene.springs[number]
+def _spring(world: World, scene: Scene, spring: PointSpring, native_damping: bool) -> pymunk.DampedSpring:
+    import pymunk
+
     first, second = part_number(scene, spring.first), part_number(scene, spring.second)
+    # A dashpot alone is stepped as a change of rest length, which needs some stiffness to act on.
+    stiffness = spring.stiffness if native_damping else spring.stiffness or spring.damping
     return pymunk.DampedSpring(
         world.part(first),
         world.part(second),
         carried_anchor(world.layout, first, spring.first_anchor),
         carried_anchor(world.layout, second, spring.second_anchor),
         spring.length,
-        spring.stiffness if native_damping else spring.stiffness or spring.damping,
+        stiffness,
         spring.damping if native_damping else 0.0,
     )
 
 
-def _damper(pymunk: Any, world: World, scene: Scene, number: int) -> pymunk.DampedRotarySpring:
-    damper = scene.dampers[number]
+def _damper(world: World, scene: Scene, damper: TurnDamper) -> pymunk.DampedRotarySpring:
+    import pymunk
+
     ends = (world.part(part_number(scene, name)) for name in (damper.first, damper.second))
     return pymunk.DampedRotarySpring(*ends, 0.0, 0.0, damper.coefficient)
 
 
-def _push(pymunk: Any, world: World, scene: Scene, number: int) -> pymunk.DampedSpring:
-    """A constant force, as the pull of a spring whose other end is far away: pymunk forgets set forces at every step."""
-    load = scene.forces[number]
+def _push(world: World, scene: Scene, load: AppliedForce) -> pymunk.DampedSpring:
+    """A constant force, as the pull of a spring whose other end is far away: a force that is set lasts one step."""
+    import pymunk
+
     x, y = (float(v) for v in load.force.values)
     size = math.hypot(x, y) or 1.0
-    body = part_number(scene, load.body)
-    far = (FAR * x / size, FAR * y / size)
-    anchor = carried_anchor(world.layout, body, load.anchor)
-    return pymunk.DampedSpring(world.space.static_body, world.part(body), far, anchor, 0.0, math.hypot(x, y) / FAR, 0.0)
+    number = part_number(scene, load.body)
+    ends = (FAR * x / size, FAR * y / size), carried_anchor(world.layout, number, load.anchor)
+    return pymunk.DampedSpring(world.space.static_body, world.part(number), *ends, 0.0, math.hypot(x, y) / FAR, 0.0)
 
 
 def add_torque(world: World, body: pymunk.Body, torque: float) -> None:

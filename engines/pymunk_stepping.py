@@ -1,7 +1,7 @@
 """Stepping a world: driving the crank, and reading the parts' state back in one buffer for the whole run.
 
-pymunk moves the bodies first and solves for velocities then, so after a step the positions are those of tₙ, the velocities
-those of tₙ + h/2, and impulses over h the loads at tₙ.
+pymunk moves the bodies first and solves for velocities then, so after a step the positions are those of tₙ, the
+velocities those of tₙ + h/2, and impulses over h the loads at tₙ.
 """
 
 from __future__ import annotations
@@ -33,8 +33,8 @@ SETTLING_STEPS = 4
 class Calls:
     """The calls a run consists of.
 
-    ``look`` notes every part's x, y, θ and their rates; ``collected`` hands over what was noted since it was last called,
-    (looks, parts, 2, 3).
+    ``look`` notes every part's x, y, θ and their rates; ``collected`` hands over what was noted since it was last
+    called, (looks, parts, 2, 3).
     """
 
     step: Callable[[float], object]
@@ -45,7 +45,7 @@ class Calls:
 
 
 def calls(world: World, motor: pymunk.SimpleMotor | None) -> Calls:
-    """pymunk's own C functions where this version has them as known, else its public methods.
+    """The C functions behind pymunk's methods where this version has them as known, else the methods.
 
     The methods do housekeeping at every step (late removals, callbacks, type checks) that a space nobody touches does
     not need; without them a step of a small linkage takes about two thirds of the time. Results are identical.

@@ -1,4 +1,4 @@
-"""The command line: ``linkproof list | show | published | compare | report | targets``.
+"""The command line: ``linkproof list | show | thread | published | compare | report | targets``.
 
 Exit codes: 0 all within limits, 1 a limit exceeded or a run that failed, 2 misuse or bad input.
 """
@@ -48,6 +48,21 @@ def show(
     from reports import commands
 
     commands.show(mechanism, variant, json)
+
+
+@app.command()
+def thread(
+    mechanism: Annotated[str, typer.Argument(help="Catalogue name or path of a .toml file with a [thread].")],
+    variant: Annotated[str | None, typer.Option(help="Parameter variant; default: the file's own.")] = None,
+    required: Annotated[
+        Path | None, typer.Option(metavar="CSV", help="Required feed: columns phi_deg, feed_mm.")
+    ] = None,
+    json: JsonOption = None,
+) -> None:
+    """Show a mechanism's thread feed, and hold it against a required curve."""
+    from reports import commands
+
+    commands.thread(mechanism, variant, required, json)
 
 
 @app.command()

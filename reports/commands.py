@@ -8,9 +8,13 @@ from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 from rich.console import Console
 
+from analytic.errors import LinkproofError
 from analytic.loading import catalogue, load
+from analytic.mechanism import Mechanism
+from analytic.required_feed import compare_feed, read_required_feed
 from comparisons import baseline
 from comparisons.campaign import compare as run_campaign
 from comparisons.errata import judge_errata
@@ -23,7 +27,7 @@ from comparisons.targets import measure
 from engines.contract import Setting
 from engines.registry import engine, engine_names
 from reports import tables
-from reports.portrait import portrait
+from reports.portrait import portrait, thread_facts
 from reports.progress import progress
 from reports.requests import Choice, request, texts
 
@@ -56,6 +60,32 @@ def show(name: str, variant: str | None, target: str | None) -> None:
         Console().print(tables.portrait(facts))
     else:
         _write_json(target, facts)
+
+
+def thread(name: str, variant: str | None, required: Path | None, target: str | None) -> None:
+    """Print or write contour and feed of a mechanism's thread, and its difference from a required curve."""
+    linkage = load(name, variant)
+    if linkage.thread is None:
+        raise LinkproofError(f"'{linkage.name}' has no thread: add a [thread] with its stops to its file")
+    mechanism = Mechanism(linkage)
+    facts = {"mechanism": linkage.name, "variant": linkage.variant, **thread_facts(mechanism, linkage.thread)}
+    held = compare_feed(mechanism, linkage.thread, read_required_feed(required)) if required else None
+    if target is not None:
+        curves = (
+            {}
+            if held is None
+            else {
+                "angle": np.degrees(held.angle).tolist(),
+                "required": held.required.tolist(),
+                "actual": held.actual.tolist(),
+                "difference": held.difference.tolist(),
+            }
+        )
+        _write_json(target, {**facts, **({"comparison": curves} if held else {})})
+        return
+    Console().print(*tables.thread_lines(facts), sep="\n", highlight=False)
+    if held is not None:
+        Console().print(tables.feed_table(held))
 
 
 def published(names: Sequence[str], target: str | None) -> None:

@@ -6,6 +6,7 @@ import math
 
 ABSENT = "–"
 SMALLEST, LARGEST = 1e-3, 1e6
+ROUND_OFF = 1e-13
 
 
 def figure(value: float | None, digits: int = 4) -> str:
@@ -41,6 +42,11 @@ def error(value: float | None) -> str:
         return f"{value:#.2g}".removesuffix(".") if value else "0"
     mantissa, exponent = f"{value:.1e}".split("e")
     return f"{mantissa}e{int(exponent)}"
+
+
+def steady_error(value: float | None) -> str:
+    """A deviation, unless it is round-off, whose digits say nothing and differ from machine to machine."""
+    return f"< {bound(ROUND_OFF)}" if value is not None and value < ROUND_OFF else error(value)
 
 
 def bound(value: float | None) -> str:

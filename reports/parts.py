@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 from markupsafe import Markup
@@ -13,10 +14,14 @@ from matplotlib.figure import Figure
 from analytic.dynamics import reduced_inertia
 from analytic.extremes import extremes
 from analytic.harmonics import stroke, unit_functions
+from analytic.regimes import RPM
 from reports.figures import errors, inertia, kinematics, run_up
+from reports.figures.last_turn import last_turn_figure
 from reports.figures.panels import LEAST_ERROR
 from reports.figures.style import picture
+from reports.joint_rows import joint_rows
 from reports.numbers import bound, error, figure
+from reports.released import STEPS, Released, released, sentences
 from reports.views import Regime, Trace, View, anchor, family, title
 
 
@@ -30,12 +35,23 @@ class Shown:
 
 
 @dataclass(frozen=True)
+class Table:
+    """A small table and the sentence before it."""
+
+    lead: str
+    head: tuple[str, ...]
+    rows: tuple[tuple[str, ...], ...]
+
+
+@dataclass(frozen=True)
 class Part:
-    """Figures under one heading, with a sentence before them."""
+    """Figures under one heading, with a sentence before them, ``lines`` of a list and a table after those."""
 
     heading: str
     lead: str
     figures: tuple[Shown, ...]
+    lines: tuple[str, ...] = ()
+    table: Table | None = None
 
 
 def shown(
@@ -140,17 +156,41 @@ def _constant_share(view: View) -> str:
 
 def regime_part(view: View, regime: Regime) -> Part:
     """Every deviation of a regime, and the histories behind them."""
+    found = released(view, regime)
     figures = [*_deviations(view, regime), *(_history(view, regime, name) for name in run_up.histories(view, regime))]
+    figures += _last_turn(view, regime, found) if found else []
     jumps = " Dotted uprights are jumps of the crank's acceleration." if regime.jumps else ""
     forces = (
-        " Of a force the curves are magnitudes, the largest deviation is the vector's." if _has_forces(view) else ""
+        " Of the joint forces the one nearest its limit is drawn: magnitudes, while the largest deviation is the "
+        "vector's."
+        if _has_forces(view)
+        else ""
     )
+    coarse = f" The thin black line is the articles' integrator, {STEPS}." if found and found.coarse else ""
     lead = (
         f"{regime.conditions[:1].upper()}{regime.conditions[1:]}. Grey is the closed form, the engines at setting "
         f"{view.setting} are dashed; beneath stands the upper envelope of |error| over the peak, on a logarithmic "
-        f"scale, for every setting that ran.{jumps}{forces}"
+        f"scale, for every setting that ran.{jumps}{coarse}{forces}"
     )
-    return Part(f"Regime {regime.name}", lead, tuple(figures))
+    lines = tuple(sentences(found)) if found else ()
+    return Part(f"Regime {regime.name}", lead, tuple(figures), lines, _joint_table(view, regime))
+
+
+def _joint_table(view: View, regime: Regime) -> Table | None:
+    rows = joint_rows(view, regime)
+    if rows is None:
+        return None
+    return Table("Joint forces: peak by the closed form, and the largest error of every run over it.", *rows)
+
+
+def _last_turn(view: View, regime: Regime, found: Released) -> list[Shown]:
+    """Speed and acceleration over the last turn, where the crank ends in one."""
+    if found.ending is None:
+        return []
+    lead = f"The last full turn: n between {found.ending.smallest / RPM:.1f} and {found.ending.largest / RPM:.1f} rpm."
+    draw = partial(last_turn_figure, view, regime, found)
+    words = f"crank speed and acceleration over the last turn, {regime.name}"
+    return [shown(view, f"{regime.name}-last-turn", lead, draw, words, wide=True)]
 
 
 def _has_forces(view: View) -> bool:

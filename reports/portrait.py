@@ -8,10 +8,13 @@ from typing import Any
 import numpy as np
 
 from analytic import dynamics
+from analytic.equilibrium import equilibria
 from analytic.extremes import Extremes, extremes
 from analytic.harmonics import bottom_dead_centre, stroke, top_dead_centre
 from analytic.linkage import Linkage
 from analytic.mechanism import Mechanism
+from analytic.thread import eye_travel, feed_diagram
+from analytic.thread_path import ThreadPath
 
 
 def portrait(linkage: Linkage) -> dict[str, Any]:
@@ -32,6 +35,12 @@ def portrait(linkage: Linkage) -> dict[str, Any]:
         "closure_error": float(np.max(mechanism.turn.closure_error())),
         "error_bound": dict(zip(("position", "first", "second"), mechanism.error_bound(), strict=True)),
     }
+    if any(linkage.gravity) or linkage.springs:
+        facts["equilibria"] = [
+            {"angle": math.degrees(found.angle), "stable": bool(found.stable)} for found in equilibria(mechanism)
+        ]
+    if linkage.thread is not None:
+        facts["thread"] = thread_facts(mechanism, linkage.thread)
     if linkage.output is not None:
         facts["output"] = {
             "point": linkage.output.point,
@@ -40,6 +49,21 @@ def portrait(linkage: Linkage) -> dict[str, Any]:
             "bottom_dead_centre": math.degrees(bottom_dead_centre(mechanism).angle),
         }
     return facts
+
+
+def thread_facts(mechanism: Mechanism, path: ThreadPath) -> dict[str, Any]:
+    """Contour and feed of the thread over a turn, m and degrees."""
+    diagram = feed_diagram(mechanism, path)
+    eyes = {stop.point: eye_travel(mechanism, stop.point) for stop in path.eyes}
+    return {
+        "contour": {"min": diagram.length_extremes.minimum, "max": diagram.length_extremes.maximum},
+        "feed": {"min": float(np.min(diagram.feed)), "max": float(np.max(diagram.feed)), "total": diagram.total_feed},
+        "reference_angle": math.degrees(diagram.reference_angle),
+        "eyes": {
+            eye: {"top": math.degrees(travel.top_angle), "bottom": math.degrees(travel.bottom_angle)}
+            for eye, travel in eyes.items()
+        },
+    }
 
 
 def _extremes(found: Extremes) -> dict[str, float]:

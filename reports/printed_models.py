@@ -7,7 +7,7 @@ from functools import lru_cache
 from typing import Any
 
 from analytic.free_motion import FreeMotion
-from analytic.linkage import Erratum
+from analytic.linkage import Erratum, OwnRegime
 from analytic.loading import parse
 from analytic.mechanism import Mechanism
 from comparisons.case import own_motion
@@ -32,13 +32,13 @@ def printed_motion(view: View, erratum: Erratum) -> FreeMotion:
     """The crank's motion by a model as printed."""
     linkage = view.linkage
     variant = erratum.variant or linkage.variant
-    return _printed(view.text, linkage.name, variant, linkage.gravity, erratum.regime, erratum.half_slope)
+    own = next(own for own in linkage.regimes if own.name == erratum.regime)
+    return _printed(view.text, linkage.name, variant, linkage.gravity, own, erratum.half_slope)
 
 
 @lru_cache(maxsize=32)
 def _printed(
-    text: str, name: str, variant: str, gravity: tuple[float, float], regime: str, half_slope: str
+    text: str, name: str, variant: str, gravity: tuple[float, float], own: OwnRegime, half_slope: str
 ) -> FreeMotion:
     linkage = replace(parse(text, name, name, variant), gravity=gravity)
-    own = next(own for own in linkage.regimes if own.name == regime)
     return own_motion(Mechanism(linkage), own, half_slope)

@@ -11,8 +11,10 @@ import numpy as np
 from analytic.errors import LinkproofError
 from analytic.linkage import Link
 from reports.figures import inertia, scheme
+from reports.model_parts import forces_part, printed_part, thread_part
 from reports.numbers import ABSENT, printed
 from reports.parts import Part, Shown, inertia_part, kinematics_part, regime_part, shown
+from reports.printed_models import judgements
 from reports.readings import Readings
 from reports.views import View
 
@@ -45,7 +47,13 @@ def section(view: View, readings: Readings | None) -> Section:
     """Build a mechanism's section."""
     parts = [_attempt("Motion of the output", partial(kinematics_part, view))] if view.has_output else []
     parts += [_attempt("Reduced moment of inertia Jeq", partial(inertia_part, view))] if view.makes_full_turn else []
+    if view.makes_full_turn:
+        parts += [_attempt("Forces in the joints and on the frame", partial(forces_part, view))]
+    if view.linkage.thread is not None and view.makes_full_turn:
+        parts += [_attempt("Thread", partial(thread_part, view))]
     parts += [_attempt(f"Regime {regime.name}", partial(regime_part, view, regime)) for regime in view.regimes]
+    if judgements(view):
+        parts += [_attempt("Printed models put to the engines", partial(printed_part, view))]
     return Section(
         key=view.key,
         view=view,

@@ -6,15 +6,19 @@ What changes from run to run although no result did (date, machine, times) stand
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
+from contextlib import suppress
 
+from analytic.errors import LinkproofError
 from comparisons.results import Results
-from reports import matrix
-from reports.matrix import Block, Cell, Row
-from reports.numbers import bound, error, figure, per_cent, printed, seconds
+from reports import force_facts, matrix, thread_facts
+from reports.force_facts import TurnForces
+from reports.joint_rows import joint_rows
+from reports.matrix import Block, Row
+from reports.numbers import ROUND_OFF, bound, figure, per_cent, printed, seconds, steady_error
+from reports.printed_models import judgements
 from reports.readings import Readings, readings, worded
-from reports.views import columns
-
-ROUND_OFF = 1e-13
+from reports.released import released, sentences
+from reports.views import View, columns, views
 
 
 def markdown(results: Results) -> str:
@@ -25,6 +29,7 @@ def markdown(results: Results) -> str:
         "✗ over it. Written by "
         f"`{results.document['command']}`; the page beside it has the curves.",
         *_matrix(results),
+        *_models(results),
         *_published(results),
         *_limits(results),
         *_environment(results),
@@ -58,13 +63,46 @@ def _block(block: Block, names: Sequence[str]) -> str:
 def _row(row: Row, count: int) -> list[str]:
     if row.failure:
         return [row.engine, row.setting, row.failure, *[""] * (count - 1)]
-    return [row.engine, row.setting, *(f"{cell.sign} {_steady(cell)}" if cell else "–" for cell in row.cells)]
+    return [
+        row.engine,
+        row.setting,
+        *(f"{cell.sign} {steady_error(cell.error)}" if cell else "–" for cell in row.cells),
+    ]
 
 
-def _steady(cell: Cell) -> str:
-    """The deviation, unless it is round-off, whose digits say nothing and differ from machine to machine."""
-    small = cell.error is not None and cell.error < ROUND_OFF
-    return f"< {bound(ROUND_OFF)}" if small else error(cell.error)
+def _models(results: Results) -> list[str]:
+    """What the page says of every mechanism's own forces, thread, released crank and printed models."""
+    parts = ["## Mechanisms"]
+    for view in views(results):
+        told = [*_model_lines(view), *(row["sentence"] for row in judgements(view))]
+        parts += [f"### {view.linkage.name} ({view.linkage.variant})"]
+        parts += ["\n".join(f"- {line}" for line in told)] if told else []
+        parts += _joints(view)
+    return parts
+
+
+def _model_lines(view: View) -> list[str]:
+    """A sentence or a few per part; a dead position leaves some of them unsaid."""
+    lines = []
+    if view.makes_full_turn:
+        with suppress(LinkproofError):
+            lines.append(force_facts.lead(TurnForces(view)))
+    if view.linkage.thread is not None and view.makes_full_turn:
+        with suppress(LinkproofError):
+            lines.append(thread_facts.lead(view))
+    for regime in view.regimes:
+        found = released(view, regime)
+        lines += [f"{regime.name}: {line}" for line in sentences(found)] if found else []
+    return lines
+
+
+def _joints(view: View) -> list[str]:
+    """Peak force of every joint and the error of every run, regime by regime."""
+    parts = []
+    for regime in view.regimes:
+        rows = joint_rows(view, regime)
+        parts += [f"Joint forces, {regime.name}:", table(*rows)] if rows else []
+    return parts
 
 
 def _published(results: Results) -> list[str]:

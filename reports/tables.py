@@ -2,15 +2,18 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable, Mapping, Sequence
 from itertools import groupby
 from typing import Any
 
+import numpy as np
 from rich.console import Group, RenderableType
 from rich.table import Table
 from rich.text import Text
 
 from analytic.linkage import Linkage
+from analytic.required_feed import FeedComparison
 from comparisons.campaign import RunResult
 from comparisons.published import PublishedRecord
 from comparisons.quantities import JOINT_FORCE
@@ -55,6 +58,7 @@ def portrait(facts: Mapping[str, Any]) -> Group:
                 f"{out['top_dead_centre']:.4g}°, bottom {out['bottom_dead_centre']:.4g}°"
             )
         )
+    lines += [Text(line) for line in (*_equilibrium_lines(facts), *thread_lines(facts.get("thread")))]
     bound = facts["error_bound"]
     lines += [
         Text(f"closure    joints closed to {facts['closure_error']:.1e} m over the whole turn"),
@@ -69,6 +73,40 @@ def portrait(facts: Mapping[str, Any]) -> Group:
         table.add_row(name, f"{link['mass']:.4g}", inertia_text, f"{link['Jeq_mean']:.4g}", ", ".join(link["points"]))
     notes = [Text(f"note: {note}") for note in facts["notes"]]
     return Group(*lines, Text(""), table, *notes)
+
+
+def _equilibrium_lines(facts: Mapping[str, Any]) -> list[str]:
+    found = [f"{e['angle']:.2f}° ({'stable' if e['stable'] else 'unstable'})" for e in facts.get("equilibria", [])]
+    return [f"rests at   {', '.join(found)}"] if found else []
+
+
+def thread_lines(thread: Mapping[str, Any] | None) -> list[str]:
+    """Contour, feed and eyes of a thread in words; nothing without one."""
+    if thread is None:
+        return []
+    contour, feed = thread["contour"], thread["feed"]
+    eyes = [f"{eye} highest at {at['top']:.2f}°, lowest at {at['bottom']:.2f}°" for eye, at in thread["eyes"].items()]
+    return [
+        f"thread     contour {contour['min'] * 1e3:.2f} to {contour['max'] * 1e3:.2f} mm, feed "
+        f"{feed['min'] * 1e3:.2f} to {feed['max'] * 1e3:.2f} mm, {feed['total'] * 1e3:.2f} mm a turn",
+        f"eyes       {'; '.join(eyes)}",
+    ]
+
+
+def feed_table(comparison: FeedComparison) -> Group:
+    """Required against actual feed, and the worst of it."""
+    table = Table("φ °", "required mm", "actual mm", "difference mm", box=None, pad_edge=False)
+    rows = zip(comparison.angle, comparison.required, comparison.actual, comparison.difference, strict=True)
+    for angle, required, actual, difference in rows:
+        table.add_row(f"{math.degrees(angle):.1f}", *(f"{value * 1e3:.3f}" for value in (required, actual, difference)))
+    for column in table.columns:
+        column.justify = "right"
+    worst = int(np.argmax(np.abs(comparison.difference)))
+    line = (
+        f"largest difference {comparison.difference[worst] * 1e3:+.3f} mm at "
+        f"{math.degrees(comparison.angle[worst]):.1f}°, RMS {float(np.sqrt(np.mean(comparison.difference**2))) * 1e3:.3f} mm"
+    )
+    return Group(table, Text(line))
 
 
 VERDICTS = {"reproduced": ("=", "green"), "within 6 %": ("≈", ""), "not reproduced": ("≠", "red")}

@@ -48,6 +48,6 @@ def lead(view: View) -> str:
         f"The total feed is {figure(found.total_feed * MM)} mm a turn: the contour is between "
         f"{figure(ends.minimum * MM)} mm long at {math.degrees(ends.minimum_angle):.2f}° and "
         f"{figure(ends.maximum * MM)} mm at {math.degrees(ends.maximum_angle):.2f}°. Pd counts from φ_ref = "
-        f"{math.degrees(found.reference_angle):.2f}°, where it is the stretch of {thread.stretch * MM:g} mm; {counted}; "
-        f"{eyes}."
+        f"{math.degrees(found.reference_angle):.2f}°, where it is the stretch of {thread.stretch * MM:g} mm; "
+        f"{counted}; {eyes}."
     )

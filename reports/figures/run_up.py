@@ -8,17 +8,23 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 from numpy.typing import NDArray
 
+from analytic.regimes import RPM
 from comparisons.case import Case
 from comparisons.quantities import QUANTITIES
+from reports.figures.curves import envelope, thinned
 from reports.figures.inertia import power_for
-from reports.figures.panels import draw_errors_beneath, draw_methods
-from reports.figures.style import MUTED, WIDTH, drawn
+from reports.figures.panels import LEAST_ERROR, draw_errors_beneath, draw_methods
+from reports.figures.style import INK, MUTED, WIDTH, drawn, error_scale
+from reports.joint_rows import worst_joint
+from reports.released import released
 from reports.views import Regime, View, family
 
 Array = NDArray[np.float64]
 
 # Quantities whose history is drawn, in this order; S, v and a are drawn over the crank angle instead.
 SHOWN = ("phi", "omega", "epsilon", "Mkr", "Teq", "Peq", "Jeq")
+# What the articles' integrator is drawn for beside the engines.
+COARSE, SPEED = ("phi", "omega", "epsilon"), "omega"
 HEIGHT = 3.5
 POINTS_PER_TURN, LEAST_POINTS = 180, 1500
 # Below this an axis counts in a power of ten.
@@ -26,10 +32,9 @@ SMALL = 1e-2
 
 
 def histories(view: View, regime: Regime) -> list[str]:
-    """The quantities of a regime whose histories are drawn, forces in the joints last."""
+    """The quantities of a regime whose histories are drawn, the worst of the forces in the joints last."""
     names = [record.quantity for record in view.records if record.regime == regime.name]
-    parts = sorted({name for name in names if name != family(name)})
-    return [name for name in SHOWN if name in names] + parts
+    return [name for name in SHOWN if name in names] + worst_joint(view, regime)
 
 
 def history_figure(view: View, regime: Regime, quantity: str) -> Figure:
@@ -37,8 +42,10 @@ def history_figure(view: View, regime: Regime, quantity: str) -> Figure:
 
     def draw(figure: Figure) -> None:
         upper, lower = figure.subplots(2, 1, sharex=True, gridspec_kw={"height_ratios": (1.35, 1), "hspace": 0.12})
-        figure.subplots_adjust(left=0.155, right=0.77, top=0.97, bottom=0.12)
+        figure.subplots_adjust(left=0.155, right=0.67 if quantity == SPEED else 0.77, top=0.97, bottom=0.12)
         draw_history(upper, lower, view, regime, quantity)
+        if quantity == SPEED:
+            _count_turns(upper)
 
     return drawn(WIDTH, HEIGHT, draw)
 
@@ -54,12 +61,40 @@ def draw_history(upper: Axes, lower: Axes, view: View, regime: Regime, quantity:
             axes.axvline(jump, color=MUTED, linewidth=0.7, linestyle=(0, (1, 2)), zorder=1.0)
     draw_methods(upper, view, (time, values), traces, factor)
     draw_errors_beneath(lower, view, traces)
+    if quantity in COARSE:
+        _draw_coarse(upper, lower, view, regime, quantity)
     unit = next((record.unit for record in view.records if record.quantity == quantity), "")
     upper.set_ylabel(f"{symbol(quantity)}, {prefix}{unit}")
     upper.yaxis.set_major_locator(MaxNLocator(5))
     lower.set_xlim(0.0, float(time[-1]) if len(time) else 1.0)
     lower.xaxis.set_major_locator(MaxNLocator(8))
     lower.set_xlabel("time, s")
+
+
+def _draw_coarse(upper: Axes, lower: Axes, view: View, regime: Regime, quantity: str) -> None:
+    """The articles' integrator beside a released crank's motion: its curve above, its error beneath."""
+    found = released(view, regime)
+    missed = found.coarse_error(quantity) if found else None
+    if found is None or found.coarse is None or missed is None:
+        return
+    values = {"phi": found.coarse.angle, "omega": found.coarse.speed, "epsilon": found.coarse.acceleration}[quantity]
+    upper.plot(*thinned(found.coarse.time, values), color=INK, linewidth=0.6, zorder=4.0)
+    peak = max((trace.record.peak or 0.0 for trace in view.traces(regime, quantity)), default=0.0)
+    relative = missed[1] / (peak or float(np.max(np.abs(values))) or 1.0)
+    time, error = envelope(missed[0], np.maximum(relative, LEAST_ERROR))
+    lower.plot(time, error, color=INK, linewidth=0.8)
+    if lower.get_yscale() == "log" and float(error.max()) > lower.get_ylim()[1]:
+        error_scale(lower, lower.get_ylim()[0], float(error.max()))
+
+
+def _count_turns(axes: Axes) -> None:
+    """The crank speed in rpm on the right, the key beyond it."""
+    scale = axes.secondary_yaxis("right", functions=(lambda speed: speed / RPM, lambda rpm: rpm * RPM))
+    scale.set_ylabel("n, rpm", labelpad=2.0)
+    scale.yaxis.set_major_locator(MaxNLocator(5))
+    key = axes.get_legend()
+    if key is not None:
+        key.set_bbox_to_anchor((1.26, 1.04))
 
 
 def symbol(quantity: str) -> str:

@@ -129,11 +129,16 @@ def draw_scheme(axes: Axes, view: View, size: float) -> None:
     axes.yaxis.set_major_locator(MaxNLocator(8, steps=[1, 2, 5, 10]))
     _ghosts(axes, scheme)
     _paths(axes, scheme, view)
+    taken = draw_position(axes, scheme, size)
+    _crank_numbers(axes, scheme, size, taken)
+
+
+def draw_position(axes: Axes, scheme: Scheme, size: float) -> Array:
+    """The position drawn out, with guides, links, joints and names; returns where the names stand, (names, 2), mm."""
     _guides(axes, scheme, size)
     _links(axes, scheme, size)
     _joints(axes, scheme, size)
-    taken = _names(axes, scheme, size)
-    _crank_numbers(axes, scheme, size, taken)
+    return _names(axes, scheme, size)
 
 
 def _ghosts(axes: Axes, scheme: Scheme) -> None:
