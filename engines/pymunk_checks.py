@@ -11,6 +11,7 @@ import math
 from collections.abc import Iterator
 
 import numpy as np
+from numpy.typing import NDArray
 
 from analytic.laws import Law
 from analytic.linkage import GROUND
@@ -21,10 +22,15 @@ from engines.pymunk_layout import Kind, Layout, exact_layout, turns
 from engines.pymunk_reactions import gaps
 from engines.pymunk_recording import WATCHED, Recording
 
+Array = NDArray[np.float64]
+
 # A joint open by more than this share of the scene's size, or a crank off by more than this, rad, is another motion.
 # The suite has closer limits; these are for motions that no longer are a linkage's.
 OPEN_JOINT = 1e-2
 LOST_CRANK = 0.05
+
+# Masses and inertias beyond these, SI, are taken for slips: their products and quotients are no longer finite.
+LEAST, LARGEST = 1e-60, 1e60
 
 # Share of the torque added for its sign below which the drive's impulse leaves the sign in doubt.
 DOUBT = 0.05
@@ -61,10 +67,12 @@ def _body_obstacles(scene: Scene) -> Iterator[str]:
     if len({*names, GROUND}) != len(names) + 1:
         yield f"the bodies' names are not distinct: {', '.join(names)}"
     for body in scene.bodies:
-        if not (_finite(body.mass) and body.mass > 0.0):
+        if not LEAST < body.mass < LARGEST:
             yield f"body '{body.name}' has mass {body.mass:g} kg; pymunk needs a finite positive one"
-        if body.inertia is not None and not (_finite(body.inertia) and body.inertia > 0.0):
+        if body.inertia is not None and not LEAST < body.inertia < LARGEST:
             yield f"body '{body.name}' has inertia {body.inertia:g} kg m²; pymunk needs a finite positive one"
+        if body.inertia is None and body.name == scene.crank:
+            yield f"the crank '{body.name}' has no inertia, so that pymunk cannot turn it"
         start = (*body.position, body.angle, *body.velocity, body.angular_velocity)
         if not _finite(*start, *body.acceleration, body.angular_acceleration):
             yield f"body '{body.name}' has a start state that is not finite"
@@ -139,18 +147,20 @@ def _freedom(layout: Layout) -> int:
     return coordinates - sum(rows[hold.kind] for hold in layout.holds)
 
 
-def check_joints(recording: Recording, layout: Layout) -> None:
-    """Raise DivergedError where a state is not finite or a joint has opened; looks are thinned out for the latter."""
-    finite = np.isfinite(recording.seen).all(axis=(1, 2, 3)) & np.isfinite(recording.torque)
+def check_joints(times: Array, seen: Array, layout: Layout, share: float = OPEN_JOINT) -> None:
+    """Raise DivergedError where the parts' states (n, parts, 2, 3) are not finite or a joint is open.
+
+    ``share`` of the scene's size is what a joint may be open. Looks are thinned out: a joint that opens stays open.
+    """
+    finite = np.isfinite(seen).all(axis=(1, 2, 3))
     if not finite.all():
-        time = recording.times[np.argmin(finite)]
-        raise DivergedError(f"the motion is not finite from {time:.4g} s on")
-    thin = slice(None, None, max(1, len(recording.steps) // WATCHED))
-    opened = gaps(layout, recording.state[thin])
+        raise DivergedError(f"the motion is not finite from {times[np.argmin(finite)]:.4g} s on")
+    thin = slice(None, None, max(1, len(times) // WATCHED))
+    opened = gaps(layout, seen[thin, :, 0])
     look, hold = np.unravel_index(np.argmax(opened), opened.shape)
-    if opened[look, hold] > OPEN_JOINT * layout.reach:
-        joint, time = layout.holds[hold].joint, recording.times[thin][look]
-        raise DivergedError(f"joint '{joint}' is open by {opened[look, hold]:.2g} m at {time:.4g} s")
+    if opened[look, hold] > share * layout.reach:
+        joint = layout.holds[hold].joint or "within a body"
+        raise DivergedError(f"joint '{joint}' is open by {opened[look, hold]:.2g} m at {times[thin][look]:.4g} s")
 
 
 def check_crank(recording: Recording, layout: Layout, segment: Segment) -> None:

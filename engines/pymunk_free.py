@@ -102,7 +102,7 @@ def free_pass(rig: Rig, drive: Free, step: float, ratio: int) -> Pass:
         march(on, clock.fine, [0.0] * len(marked[part]), marked[part], loads if loads else None)
     recording = Recording(clock, steps, on.collected(), np.full(len(steps), drive.torque))
     seconds = perf_counter() - begun
-    check_joints(recording, rig.layout)
+    check_joints(recording.times, recording.seen, rig.layout)
     return Pass(clock.fine, recording.history(rig.scene, rig.layout), seconds, built, total)
 
 

@@ -137,7 +137,7 @@ def prescribed_pass(rig: Rig, motion: CrankMotion, step: float, ratio: int) -> P
         begun = perf_counter()
         recording, taken = _driven(rig, world, on, segment=segment, clock=clock, offset=offset)
         seconds, steps = seconds + perf_counter() - begun, steps + taken
-        check_joints(recording, rig.layout)
+        check_joints(recording.times, recording.seen, rig.layout)
         check_crank(recording, rig.layout, segment)
         check_impulses(recording, offset)
         recordings.append(recording)

@@ -188,3 +188,34 @@ def test_an_engine_that_is_not_installed_is_a_visible_row_where_it_is_not_named(
     assert outcomes["pymunk"] == "unavailable"
     assert outcomes["direct"] == "passed"
     assert done.returncode == 0
+
+
+def test_thread_feed_is_held_against_a_required_curve(tmp_path):
+    (tmp_path / "required.csv").write_text("phi_deg,feed_mm\n0,10\n90,20\n")
+    words = ("thread", "slotted-takeup", "--required", tmp_path / "required.csv")
+    facts = json.loads(linkproof(*words, "--json", "-").stdout)
+    assert facts["feed"]["min"] == pytest.approx(6e-3, abs=1e-5)
+    held = facts["comparison"]
+    assert [a - r for a, r in zip(held["actual"], held["required"], strict=True)] == pytest.approx(held["difference"])
+    assert "largest difference" in linkproof(*words).stdout
+
+
+@pytest.mark.parametrize(
+    ("words", "sentence"),
+    [
+        (["thread", "juki-mf7923d"], "has no thread"),
+        (["thread", "slotted-takeup", "--required", "none.csv"], "none.csv"),
+        (["compare", "juki-mf7923d", "--quantity", "thread_feed"], "has no thread"),
+        (["compare", "slotted-takeup", "--regime", "fre"], "did you mean 'free'?"),
+        (["compare", "slotted-takeup", "--regime", "free", "--quantity", "Mkr"], "is given, not a result"),
+    ],
+)
+def test_misuse_of_thread_and_own_regimes_is_one_sentence(tmp_path, words, sentence):
+    assert sentence in refused(*words, cwd=tmp_path)
+
+
+def test_a_released_crank_is_compared_by_its_own_motion():
+    words = ("compare", "slotted-takeup", "--regime", "free", "--engine", "direct", "--quantity", "phi", "--json", "-")
+    (record,) = json.loads(linkproof(*words).stdout)["records"]
+    assert record["outcome"] == "passed"
+    assert record["error_max"] < 1e-12
