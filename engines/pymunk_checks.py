@@ -7,7 +7,6 @@ built, and the motion after every pass.
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterator
 
 import numpy as np
@@ -29,7 +28,7 @@ Array = NDArray[np.float64]
 OPEN_JOINT = 1e-2
 LOST_CRANK = 0.05
 
-# Masses and inertias beyond these, SI, are taken for slips: their products and quotients are no longer finite.
+# Numbers beyond these, SI, are taken for slips: their products and quotients are no longer finite.
 LEAST, LARGEST = 1e-60, 1e60
 
 # Share of the torque added for its sign below which the drive's impulse leaves the sign in doubt.
@@ -59,7 +58,7 @@ def _obstacles(scene: Scene) -> Iterator[str]:
 
 
 def _finite(*values: float) -> bool:
-    return all(map(math.isfinite, values))
+    return all(abs(value) < LARGEST for value in values)  # false for nan
 
 
 def _body_obstacles(scene: Scene) -> Iterator[str]:
@@ -126,7 +125,7 @@ def _load_obstacles(scene: Scene) -> Iterator[str]:
 
 
 def _law_is_finite(law: Law) -> bool:
-    return bool(np.all(np.isfinite(law.values))) and (law.angles is None or bool(np.all(np.isfinite(law.angles))))
+    return _finite(*law.values.ravel(), *(() if law.angles is None else law.angles))
 
 
 def _drive_obstacles(scene: Scene) -> Iterator[str]:

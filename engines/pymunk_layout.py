@@ -3,10 +3,10 @@
 pymunk's ``GrooveJoint`` solves both directions of its contact and then drops the part along the groove. That is right
 only where the two do not couple: the mass centre of the groove's body has to lie on the groove's line, and that of the
 pin's body at the pin (or the body must not turn). Elsewhere it settles on a wrong velocity, silently. A body that
-breaks this is cut in two: a point mass that is pinned to it, chosen so that what is left has its mass centre where the groove
-wants it. A host of several grooves gets a rail for each line its centre cannot be put on: a part of its own, pinned
-and geared to it. Mass, mass centre and inertia of the parts together are those of the body, so that the motion is the
-same.
+breaks this is cut in two: a point mass that is pinned to it, chosen so that what is left has its mass centre where the
+groove wants it. A host of several grooves gets a rail for each line its centre cannot be put on: a part of its own,
+pinned and geared to it. Mass, mass centre and inertia of the parts together are those of the body, so that the motion
+is the same.
 """
 
 from __future__ import annotations

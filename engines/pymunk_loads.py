@@ -2,7 +2,7 @@
 
 A step of pymunk first moves the bodies, then asks for forces. So what is set before a step has to be that of the
 positions it will reach: the present ones moved on by the present velocities. Velocities at that instant lie half a step
-ahead of the last ones known and are extrapolated from the last two, 1.5 v₁ − 0.5 v₂, so that dampers are of second order.
+ahead of the last ones known and are extrapolated from the last two, 1.5 v₁ − 0.5 v₂: dampers are of second order.
 """
 
 from __future__ import annotations

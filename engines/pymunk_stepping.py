@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from engines.pymunk_checks import DivergedError
 from engines.pymunk_space import World
 
 if TYPE_CHECKING:
@@ -24,6 +25,9 @@ Array = NDArray[np.float64]
 
 # Crank moves of one step while a world is put at an angle, rad: small enough for the joints to follow.
 PLACING_STEP = 0.1
+
+# A crank further than this from where it was last put, rad, has been thrown there.
+LARGEST_WAY = 1e3
 
 # Steps at rest after a move, in which the joints close (they do so quadratically).
 SETTLING_STEPS = 4
@@ -134,11 +138,13 @@ def march(
 
 
 def place(world: World, on: Calls, step: float, angle: float, settling: int = SETTLING_STEPS) -> int:
-    """Bring the crank to an angle and everything to rest there; returns the steps it took."""
+    """Bring the crank to an angle and everything to rest there; returns the steps it took. Raises DivergedError."""
     rates = [0.0, 0.0]  # the first of them still moves with the old velocities
     _rest(on, step, rates)
     taken = len(rates)
     way = angle - world.crank.angle
+    if not abs(way) < LARGEST_WAY:
+        raise DivergedError(f"the crank got to an angle of {world.crank.angle:.3g} rad instead of {angle:.3g} rad")
     moves = max(1, math.ceil(abs(way) / PLACING_STEP))
     rates = [-way / moves / step] * moves + [0.0] * settling
     _rest(on, step, rates)

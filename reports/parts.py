@@ -10,6 +10,7 @@ from functools import partial
 import numpy as np
 from markupsafe import Markup
 from matplotlib.figure import Figure
+from numpy.typing import NDArray
 
 from analytic.dynamics import reduced_inertia
 from analytic.extremes import extremes
@@ -20,7 +21,7 @@ from reports.figures.last_turn import last_turn_figure
 from reports.figures.panels import LEAST_ERROR
 from reports.figures.style import picture
 from reports.joint_rows import joint_rows
-from reports.numbers import bound, error, figure
+from reports.numbers import ROUND_OFF, bound, error, figure
 from reports.released import STEPS, Released, released, sentences
 from reports.views import Regime, Trace, View, anchor, family, title
 
@@ -220,7 +221,7 @@ def _history(view: View, regime: Regime, quantity: str) -> Shown:
     unit = next((record.unit for record in view.records if record.quantity == quantity), "")
     span = f"{run_up.symbol(quantity)}, {title(quantity)}"
     if len(values):
-        span += f", between {_signed(float(np.min(values)))} and {_signed(float(np.max(values)))} {unit}"
+        span += f", between {_signed(values, np.min)} and {_signed(values, np.max)} {unit}"
     return shown(
         view,
         f"{regime.name}-{quantity}",
@@ -230,8 +231,11 @@ def _history(view: View, regime: Regime, quantity: str) -> Shown:
     )
 
 
-def _signed(value: float) -> str:
-    return f"−{figure(-value)}" if value < 0.0 else figure(value)
+def _signed(values: NDArray[np.float64], end: Callable[[NDArray[np.float64]], np.float64]) -> str:
+    """An end of a range; what is round-off beside the other end is nought."""
+    value = float(end(values))
+    value = 0.0 if abs(value) < ROUND_OFF * float(np.max(np.abs(values))) else value
+    return figure(value).replace("-", "−", 1) if value < 0.0 else figure(value)
 
 
 def _largest(view: View, traces: list[Trace]) -> str:

@@ -6,11 +6,11 @@ from dataclasses import replace
 from functools import lru_cache
 from typing import Any
 
-from analytic.free_motion import FreeMotion
-from analytic.linkage import Erratum, OwnRegime
+from analytic.linkage import Erratum, Linkage
 from analytic.loading import parse
 from analytic.mechanism import Mechanism
-from comparisons.case import own_motion
+from comparisons.errata import Spin
+from comparisons.errata import printed_motion as by_erratum
 from reports.views import View
 
 
@@ -28,17 +28,17 @@ def judged(view: View) -> list[Erratum]:
     return [erratum for erratum in view.linkage.errata if erratum.name in asked]
 
 
-def printed_motion(view: View, erratum: Erratum) -> FreeMotion:
-    """The crank's motion by a model as printed."""
-    linkage = view.linkage
-    variant = erratum.variant or linkage.variant
-    own = next(own for own in linkage.regimes if own.name == erratum.regime)
-    return _printed(view.text, linkage.name, variant, linkage.gravity, own, erratum.half_slope)
+def printed_motion(view: View, erratum: Erratum) -> Spin:
+    """The crank's motion by a model as printed, of the description that the campaign was run with."""
+    return _printed(view.text, view.linkage.name, view.linkage.gravity, erratum)
 
 
 @lru_cache(maxsize=32)
-def _printed(
-    text: str, name: str, variant: str, gravity: tuple[float, float], own: OwnRegime, half_slope: str
-) -> FreeMotion:
-    linkage = replace(parse(text, name, name, variant), gravity=gravity)
-    return own_motion(Mechanism(linkage), own, half_slope)
+def _printed(text: str, name: str, gravity: tuple[float, float], erratum: Erratum) -> Spin:
+    """A variant is taken from the text here, so that nothing is looked up that has changed since the campaign."""
+
+    def reading(variant: str | None) -> Linkage:
+        return replace(parse(text, name, name, variant), gravity=gravity)
+
+    own = next(own for own in reading(None).regimes if own.name == erratum.regime)
+    return by_erratum(Mechanism(reading(erratum.variant)), own, replace(erratum, variant=None))

@@ -1,4 +1,4 @@
-"""A released crank as the report tells of it: its motion, where it could rest, how it settles, what integrating costs."""
+"""A released crank as the report tells of it: its motion, where it could rest, how it settles."""
 
 from __future__ import annotations
 
@@ -118,16 +118,16 @@ def _rotation(found: Released) -> list[str]:
     if found.ending is not None:
         one = found.ending
         lines.append(
-            f"In its last turn it runs at {figure(one.mean_speed)} rad/s ({figure(one.mean_speed / RPM)} rpm) in the "
-            f"mean over time, {figure(one.mean_speed_over_angle)} over φ, coefficient of fluctuation "
+            f"In its last turn it runs at {figure(one.mean_speed, 6)} rad/s ({figure(one.mean_speed / RPM, 6)} rpm) in "
+            f"the mean over time, {figure(one.mean_speed_over_angle, 6)} over φ, coefficient of fluctuation "
             f"{figure(one.fluctuation, 3)}."
         )
     if found.settled is not None:
         one = found.settled
         damping = periodic_mean(dynamics.damping_coefficient(found.mechanism.sweep(grid())))
         lines.append(
-            f"Left alone it settles at {figure(one.mean_speed)} rad/s over time and {figure(one.mean_speed_over_angle)}"
-            f" over φ, where M1/b is {figure(found.own.torque / damping)}, with a fluctuation of "
+            f"Left alone it settles at {figure(one.mean_speed, 6)} rad/s over time and "
+            f"{figure(one.mean_speed_over_angle, 6)} over φ, where M1/b is {figure(found.own.torque / damping, 6)}, with a fluctuation of "
             f"{figure(one.fluctuation, 3)}."
         )
     return lines

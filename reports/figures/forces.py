@@ -9,7 +9,7 @@ from matplotlib.ticker import MaxNLocator
 from numpy.typing import NDArray
 
 from reports.figures.style import DASHES, FULL_WIDTH, INK, MUTED, PALETTE, WIDTH, drawn, label_ends, over_turn
-from reports.force_facts import TurnForces, plain
+from reports.force_facts import POINTS, TurnForces, plain
 from reports.numbers import figure as digits
 
 Array = NDArray[np.float64]
@@ -18,6 +18,8 @@ HEIGHT = 3.0
 PER_ROW = 4
 EVERY = 30  # points between dots: one per degree makes 30°
 MARKED = 90  # a dot every so many degrees of crank angle carries its angle
+CLEAR = 0.2  # least distance of two of these names, as a share of a panel's half side
+PATCH = {"boxstyle": "round,pad=0.08", "facecolor": "white", "edgecolor": "none", "alpha": 0.75}
 
 
 def magnitudes_figure(found: TurnForces) -> Figure:
@@ -81,9 +83,7 @@ def draw_hodograph(axes: Axes, force: Array, ink: str) -> None:
     axes.set_xlim(middle[0] - half, middle[0] + half)
     axes.set_ylim(middle[1] - half, middle[1] + half)
     axes.set_aspect("equal")
-    centre = force.mean(axis=1)
-    for degrees in range(0, 360, MARKED):
-        _name_angle(axes, force[:, degrees], centre, str(degrees))
+    _name_angles(axes, force, half)
     axes.xaxis.set_major_locator(MaxNLocator(4, steps=[1, 2, 5, 10]))
     axes.yaxis.set_major_locator(MaxNLocator(4, steps=[1, 2, 5, 10]))
     axes.set_xlabel("Fx, N", labelpad=1.5)
@@ -96,12 +96,19 @@ def _square(force: Array) -> tuple[Array, float]:
     return 0.5 * (low + high), 0.64 * (float(np.max(high - low)) or 1.0)
 
 
-def _name_angle(axes: Axes, tip: Array, centre: Array, text: str) -> None:
-    """A crank angle outside the curve."""
-    away = tip - centre
-    step = 8.0 * away / (float(np.hypot(*away)) or 1.0)
-    axes.annotate(text, (float(tip[0]), float(tip[1])), xytext=(float(step[0]), float(step[1])),
-                  textcoords="offset points", ha="center", va="center", fontsize=6.5, color=INK, zorder=4.0)  # fmt: skip
+def _name_angles(axes: Axes, force: Array, half: float) -> None:
+    """Crank angles beside the curve on its outer side, but where one would hide another."""
+    centre, taken = force.mean(axis=1), np.full((1, 2), np.inf)
+    for degrees in range(0, 360, MARKED):
+        tip = force[:, degrees]
+        along = force[:, (degrees + 1) % (POINTS - 1)] - force[:, degrees - 1 if degrees else POINTS - 2]
+        across = np.array([-along[1], along[0]]) / (float(np.hypot(*along)) or 1.0)
+        away = across if float(across @ (tip - centre)) >= 0.0 else -across
+        place = tip + 0.12 * half * away
+        if float(np.min(np.hypot(*(taken - place).T))) > CLEAR * half:
+            taken = np.vstack([taken, place])
+            axes.text(float(place[0]), float(place[1]), str(degrees), ha="center", va="center", fontsize=6.5,
+                      color=INK, zorder=4.0, bbox=PATCH)  # fmt: skip
 
 
 def shaking_force_figure(found: TurnForces) -> Figure:

@@ -47,8 +47,13 @@ def draw_methods(
                 labelspacing=0.35)  # fmt: skip
 
 
-def draw_errors_beneath(axes: Axes, view: View, traces: Sequence[Trace]) -> None:
-    """The upper envelope of |error| over peak of every run, with the limit the view's setting is held to."""
+def draw_errors_beneath(
+    axes: Axes, view: View, traces: Sequence[Trace], others: Sequence[tuple[str, Array, Array]] = ()
+) -> None:
+    """The upper envelope of |error| over peak of every run, with the limit the view's setting is held to.
+
+    ``others`` are errors of no engine, drawn in ink: name, time and |error| over peak.
+    """
     names, ends, seen = engines(view.results), [], []
     for trace in traces:
         time, error = envelope(trace.time, np.maximum(trace.error, LEAST_ERROR))
@@ -56,6 +61,11 @@ def draw_errors_beneath(axes: Axes, view: View, traces: Sequence[Trace]) -> None
         axes.plot(time, error, color=ink, linestyle=SETTING_LINES.get(trace.record.setting, "-"), linewidth=1.0)
         seen += [float(np.quantile(error, DIPS)), float(np.max(error))]
         ends.append((float(np.median(error[-len(error) // 5 :])), trace.label, ink))
+    for label, *curve in others:
+        time, error = envelope(curve[0], np.maximum(curve[1], LEAST_ERROR))
+        axes.plot(time, error, color=INK, linewidth=0.8)
+        seen += [float(np.quantile(error, DIPS)), float(np.max(error))]
+        ends.append((float(error[-1]), label, INK))
     limits = sorted({t.record.limit for t in traces if t.record.setting == view.setting and t.record.limit})
     for limit in limits:
         axes.axhline(limit, color=LIMIT_COLOUR, linewidth=0.9, linestyle=(0, (6, 2)))

@@ -13,7 +13,7 @@ from reports.figures.curves import thinned
 from reports.figures.panels import draw_methods
 from reports.figures.style import FULL_WIDTH, LIMIT_COLOUR, drawn
 from reports.printed_models import printed_motion
-from reports.released import Released, released
+from reports.released import released
 from reports.views import Regime, View
 
 Array = NDArray[np.float64]
@@ -26,23 +26,26 @@ def printed_figure(view: View, erratum: Erratum) -> Figure:
     conditions = next((one.conditions for one in view.regimes if one.name == erratum.regime), "")
     regime = Regime(erratum.regime, conditions, None)
     corrected, printed = released(view, regime), printed_motion(view, erratum)
+    assert corrected is not None, "a printed model belongs to a regime of the linkage's own"
+    time = _instants(corrected.motion)
 
     def draw(figure: Figure) -> None:
         axes = figure.subplots()
         figure.subplots_adjust(left=0.067, right=0.86, top=0.97, bottom=0.17)
-        axes.plot(*_speed(printed), color=LIMIT_COLOUR, linewidth=1.2, linestyle=(0, (6, 2)), label="as printed")
-        assert isinstance(corrected, Released)
-        draw_methods(axes, view, _speed(corrected.motion), view.traces(regime, "omega"))
+        draw_methods(axes, view, (time, corrected.motion.speed(time)), view.traces(regime, "omega"))
+        axes.plot(
+            *thinned(time, printed.speed(time)), color=LIMIT_COLOUR, linewidth=1.2, label="as printed", zorder=4.0
+        )
+        axes.legend(loc="upper left", bbox_to_anchor=(1.0, 1.04), handlelength=1.9)
         axes.set_ylabel("ω, rad/s")
         axes.yaxis.set_major_locator(MaxNLocator(5))
-        axes.set_xlim(0.0, printed.duration)
+        axes.set_xlim(0.0, float(time[-1]))
         axes.set_xlabel("time, s")
 
     return drawn(FULL_WIDTH, 2.6, draw)
 
 
-def _speed(motion: FreeMotion) -> tuple[Array, Array]:
-    """Time, s, and ω, rad/s, finely enough for every turn and thinned for drawing."""
+def _instants(motion: FreeMotion) -> Array:
+    """Instants, s, close enough to see every turn."""
     turns = abs(float(motion.angle(motion.duration)) - motion.start[0]) / (2.0 * np.pi)
-    time = np.linspace(0.0, motion.duration, max(LEAST_POINTS, round(POINTS_PER_TURN * turns)))
-    return thinned(time, motion.speed(time))
+    return np.linspace(0.0, motion.duration, max(LEAST_POINTS, round(POINTS_PER_TURN * turns)))

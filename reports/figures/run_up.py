@@ -8,15 +8,16 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 from numpy.typing import NDArray
 
+from analytic.fixed_step import PUBLISHED_STEPS
 from analytic.regimes import RPM
 from comparisons.case import Case
 from comparisons.quantities import QUANTITIES
-from reports.figures.curves import envelope, thinned
+from reports.figures.curves import thinned
 from reports.figures.inertia import power_for
-from reports.figures.panels import LEAST_ERROR, draw_errors_beneath, draw_methods
-from reports.figures.style import INK, MUTED, WIDTH, drawn, error_scale
+from reports.figures.panels import draw_errors_beneath, draw_methods
+from reports.figures.style import INK, MUTED, WIDTH, drawn
 from reports.joint_rows import worst_joint
-from reports.released import released
+from reports.released import Released, released
 from reports.views import Regime, View, family
 
 Array = NDArray[np.float64]
@@ -42,7 +43,7 @@ def history_figure(view: View, regime: Regime, quantity: str) -> Figure:
 
     def draw(figure: Figure) -> None:
         upper, lower = figure.subplots(2, 1, sharex=True, gridspec_kw={"height_ratios": (1.35, 1), "hspace": 0.12})
-        figure.subplots_adjust(left=0.155, right=0.67 if quantity == SPEED else 0.77, top=0.97, bottom=0.12)
+        figure.subplots_adjust(left=0.155, right=0.64 if quantity == SPEED else 0.77, top=0.97, bottom=0.12)
         draw_history(upper, lower, view, regime, quantity)
         if quantity == SPEED:
             _count_turns(upper)
@@ -60,9 +61,11 @@ def draw_history(upper: Axes, lower: Axes, view: View, regime: Regime, quantity:
         for jump in regime.jumps:
             axes.axvline(jump, color=MUTED, linewidth=0.7, linestyle=(0, (1, 2)), zorder=1.0)
     draw_methods(upper, view, (time, values), traces, factor)
-    draw_errors_beneath(lower, view, traces)
-    if quantity in COARSE:
-        _draw_coarse(upper, lower, view, regime, quantity)
+    found = released(view, regime) if quantity in COARSE else None
+    draw_errors_beneath(lower, view, traces, _coarse_errors(view, regime, quantity, found) if found else ())
+    if found and found.coarse and quantity != "epsilon":  # which swings so fast that two curves hide each other
+        values = found.coarse.angle if quantity == "phi" else found.coarse.speed
+        upper.plot(*thinned(found.coarse.time, values), color=INK, linewidth=0.6, zorder=4.0)
     unit = next((record.unit for record in view.records if record.quantity == quantity), "")
     upper.set_ylabel(f"{symbol(quantity)}, {prefix}{unit}")
     upper.yaxis.set_major_locator(MaxNLocator(5))
@@ -71,30 +74,29 @@ def draw_history(upper: Axes, lower: Axes, view: View, regime: Regime, quantity:
     lower.set_xlabel("time, s")
 
 
-def _draw_coarse(upper: Axes, lower: Axes, view: View, regime: Regime, quantity: str) -> None:
-    """The articles' integrator beside a released crank's motion: its curve above, its error beneath."""
-    found = released(view, regime)
-    missed = found.coarse_error(quantity) if found else None
-    if found is None or found.coarse is None or missed is None:
-        return
-    values = {"phi": found.coarse.angle, "omega": found.coarse.speed, "epsilon": found.coarse.acceleration}[quantity]
-    upper.plot(*thinned(found.coarse.time, values), color=INK, linewidth=0.6, zorder=4.0)
+def _coarse_errors(view: View, regime: Regime, quantity: str, found: Released) -> list[tuple[str, Array, Array]]:
+    """The error of the articles' integrator over the same peak as the engines'; nothing where it broke down."""
+    missed = found.coarse_error(quantity)
     peak = max((trace.record.peak or 0.0 for trace in view.traces(regime, quantity)), default=0.0)
-    relative = missed[1] / (peak or float(np.max(np.abs(values))) or 1.0)
-    time, error = envelope(missed[0], np.maximum(relative, LEAST_ERROR))
-    lower.plot(time, error, color=INK, linewidth=0.8)
-    if lower.get_yscale() == "log" and float(error.max()) > lower.get_ylim()[1]:
-        error_scale(lower, lower.get_ylim()[0], float(error.max()))
+    return [(f"{PUBLISHED_STEPS} steps", missed[0], missed[1] / peak)] if missed and peak > 0.0 else []
+
+
+def _in_rpm(speed: Array) -> Array:
+    return np.asarray(speed) / RPM
+
+
+def _in_radians(rpm: Array) -> Array:
+    return np.asarray(rpm) * RPM
 
 
 def _count_turns(axes: Axes) -> None:
     """The crank speed in rpm on the right, the key beyond it."""
-    scale = axes.secondary_yaxis("right", functions=(lambda speed: speed / RPM, lambda rpm: rpm * RPM))
+    scale = axes.secondary_yaxis("right", functions=(_in_rpm, _in_radians))
     scale.set_ylabel("n, rpm", labelpad=2.0)
     scale.yaxis.set_major_locator(MaxNLocator(5))
     key = axes.get_legend()
     if key is not None:
-        key.set_bbox_to_anchor((1.26, 1.04))
+        key.set_bbox_to_anchor((1.27, 1.04))
 
 
 def symbol(quantity: str) -> str:

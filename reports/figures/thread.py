@@ -8,6 +8,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
+from mpl_toolkits.mplot3d import Axes3D
 from numpy.typing import NDArray
 
 from analytic.thread import contour, reference_angle
@@ -35,7 +36,8 @@ Array = NDArray[np.float64]
 THREAD = PALETTE[1]
 PAD = 0.36  # inches around the outermost points
 EYE_INKS = (PALETTE[0], PALETTE[2], PALETTE[3])
-FEED_HEIGHT = 3.6
+GUIDE_STYLE: dict[str, Any] = {**NAME_STYLE, "color": THREAD}
+FEED_HEIGHT = 4.4
 
 
 def is_spatial(view: View) -> bool:
@@ -96,20 +98,21 @@ def _name_guide(axes: Axes, name: str, spot: Array, middle: Array, size: float) 
     """A guide's name on the side away from the thread."""
     away = spot - middle
     place = spot + 4.2 * size * away / (float(np.hypot(*away)) or 1.0)
-    axes.text(float(place[0]), float(place[1]), name, ha="center", va="center", **{**NAME_STYLE, "color": THREAD})
+    axes.text(float(place[0]), float(place[1]), name, ha="center", va="center", **GUIDE_STYLE)
 
 
 def space_figure(view: View) -> Figure:
     """The contour in space."""
 
     def draw(figure: Figure) -> None:
-        axes: Any = figure.add_axes((0.0, 0.0, 1.0, 1.0), projection="3d")
+        axes = Axes3D(figure, (0.0, 0.0, 1.0, 1.0))
+        figure.add_axes(axes)
         draw_space(axes, view)
 
     return drawn(WIDTH, WIDTH, draw)
 
 
-def draw_space(axes: Any, view: View) -> None:
+def draw_space(axes: Axes3D, view: View) -> None:
     """Links in their plane, eyes' paths at their depth, the contour through all; the main shaft points to the reader.
 
     z is drawn to a scale of its own: a few millimetres beside lengths of a hundred.
@@ -125,16 +128,16 @@ def draw_space(axes: Any, view: View) -> None:
         x, y = MILLIMETRE * scheme.turn.point(eye.point)
         axes.plot(x, np.full(len(x), MILLIMETRE * eye.z), y, color=GHOST, linewidth=1.0)
     axes.plot(corners[:, 0], corners[:, 2], corners[:, 1], color=THREAD, linewidth=1.8, marker="o", markersize=3.0)
-    for stop, corner in zip(thread.stops, corners, strict=True):
-        name = stop.name if isinstance(stop, ThreadGuide) else f"{stop.point}, z {MILLIMETRE * stop.z:g}"
-        axes.text(corner[0], corner[2], corner[1], f"  {name}".replace("-", "−"), fontsize=7.0, color=THREAD)
+    names = [stop.name if isinstance(stop, ThreadGuide) else stop.point for stop in thread.stops]
+    for name, corner in dict(zip(names, corners, strict=True)).items():  # each point once
+        axes.text(corner[0], corner[2], corner[1], f"  {name}", fontsize=7.5, color=THREAD)
     _space_scales(axes)
 
 
-def _space_scales(axes: Any) -> None:
+def _space_scales(axes: Axes3D) -> None:
     spans = [float(np.ptp(limits)) for limits in (axes.get_xlim(), axes.get_zlim())]
     largest = max(spans)
-    axes.set_box_aspect((spans[0] / largest, 0.5, spans[1] / largest), zoom=0.88)
+    axes.set_box_aspect((spans[0] / largest, 0.5, spans[1] / largest), zoom=1.02)
     axes.view_init(elev=18.0, azim=-58.0)
     for axis, name in ((axes.xaxis, "x, mm"), (axes.yaxis, "z, mm"), (axes.zaxis, "y, mm")):
         axis.set_major_locator(MaxNLocator(4))
@@ -148,7 +151,7 @@ def feed_figure(view: View) -> Figure:
 
     def draw(figure: Figure) -> None:
         upper, lower = figure.subplots(2, 1, sharex=True, gridspec_kw={"hspace": 0.14})
-        figure.subplots_adjust(left=0.14, right=0.97, top=0.91, bottom=0.12)
+        figure.subplots_adjust(left=0.14, right=0.97, top=0.92, bottom=0.1)
         draw_feed(upper, lower, view)
         figure.align_ylabels()
 
