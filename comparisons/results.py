@@ -31,7 +31,7 @@ LABELS = ("mechanism", "variant", "regime", "engine", "setting")
 
 @dataclass(frozen=True)
 class Results:
-    """A finished campaign. ``curves`` holds time, observed and reference over (run, quantity, sample), NaN-padded."""
+    """A finished campaign: its document, and its ``curves`` as ``dataset`` lays them out."""
 
     document: dict[str, Any]
     curves: xarray.Dataset
@@ -62,12 +62,21 @@ class Results:
             for m in self.document["motions"]
         )
 
+    @cached_property
+    def _places(self) -> dict[tuple[str, str], slice]:
+        """Where each curve lies along the samples, by run and quantity."""
+        ends = np.cumsum(self.curves["row_size"].values)
+        names = zip(self.curves["run"].values, self.curves["quantity"].values, strict=True)
+        sizes = self.curves["row_size"].values
+        return {
+            (str(run), str(quantity)): slice(int(end - size), int(end))
+            for (run, quantity), end, size in zip(names, ends, sizes, strict=True)
+        }
+
     def curve(self, run: Sequence[str], quantity: str) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Time, observed and reference of one run (mechanism, variant, regime, engine, setting) and quantity."""
-        chosen = self.curves.sel(run="/".join(run), quantity=quantity)
-        time, observed, reference = (chosen[name].values for name in ("time", "observed", "reference"))
-        kept = ~np.isnan(time)
-        return time[kept], observed[kept], reference[kept]
+        place = self._places["/".join(run), quantity]
+        return tuple(self.curves[name].values[place] for name in ("time", "observed", "reference"))  # type: ignore[return-value]
 
 
 def document(
@@ -99,31 +108,36 @@ def document(
 
 
 def dataset(results: Sequence[RunResult], told: dict[str, Any]) -> xarray.Dataset:
-    """The curves of all runs that finished, labelled, with the document beside them."""
+    """The curves of all runs that finished, one after the other: a contiguous ragged array of the CF conventions.
+
+    Along ``sample``: time, s, observed and reference, in the quantity's unit. Along ``curve``: run, quantity and every
+    other label, and ``row_size``, how many samples each curve has.
+    """
     import xarray  # noqa: PLC0415  half a second that a run without --out does not pay
 
-    attributes = {"title": "linkproof: engines against the closed form", "document": to_json(told)}
-    finished = [result for result in results if result.deviations]
-    if not finished:
+    curves = [(result, name, found) for result in results for name, found in result.deviations.items()]
+    attributes = {
+        "title": "linkproof: engines against the closed form",
+        "Conventions": "CF-1.8",
+        "document": to_json(told),
+    }
+    if not curves:
         return xarray.Dataset(attrs=attributes)
-    quantities = list(dict.fromkeys(name for result in finished for name in result.deviations))
-    length = max(len(d.time) for result in finished for d in result.deviations.values())
-    shape = (len(finished), len(quantities), length)
-    arrays = {name: np.full(shape, np.nan) for name in ("time", "observed", "reference")}
-    for i, result in enumerate(finished):
-        for name, found in result.deviations.items():
-            place = (i, quantities.index(name), slice(len(found.time)))
-            for array, values in arrays.items():
-                values[place] = getattr(found, array)
-    runs = [result.records[0].run for result in finished]
-    units = {record.quantity: record.unit for result in finished for record in result.records}
+    units = {record.quantity: record.unit for result, _, _ in curves for record in result.records}
+    runs = [result.records[0].run for result, _, _ in curves]
     return xarray.Dataset(
-        {name: (("run", "quantity", "sample"), values) for name, values in arrays.items()},
+        {
+            **{
+                array: ("sample", np.concatenate([getattr(found, array) for _, _, found in curves]))
+                for array in ("time", "observed", "reference")
+            },
+            "row_size": ("curve", [len(found.time) for _, _, found in curves], {"sample_dimension": "sample"}),
+        },
         coords={
-            "run": ["/".join(run) for run in runs],
-            "quantity": quantities,
-            "unit": ("quantity", [units[name] for name in quantities]),
-            **{label: ("run", [run[i] for run in runs]) for i, label in enumerate(LABELS)},
+            "run": ("curve", ["/".join(run) for run in runs]),
+            "quantity": ("curve", [name for _, name, _ in curves]),
+            "unit": ("curve", [units[name] for _, name, _ in curves]),
+            **{label: ("curve", [run[i] for run in runs]) for i, label in enumerate(LABELS)},
         },
         attrs=attributes,
     )

@@ -23,6 +23,9 @@ from engines.pymunk_stepping import calls, march
 STEP_CUT = 8.0
 SLACK = 1.25
 
+# Times the iterations of a normal step that the first one gets: it starts from nothing and is a sample already.
+FIRST = 20
+
 # Bounds of the search for a step, and of the steps of a pass: minutes of work, gigabytes of samples.
 MOST_TRIALS = 10
 MOST_STEPS = 10_000_000
@@ -97,7 +100,7 @@ def free_pass(rig: Rig, drive: Free, step: float, ratio: int) -> Pass:
         on.look()  # what the first step starts from
     total = int(steps[-1]) + 1
     marked = marks(steps[steps >= 0], total)
-    for part, effort in ((slice(COLD_STEPS), COLD), (slice(COLD_STEPS, None), 1)):
+    for part, effort in ((slice(1), FIRST), (slice(1, COLD_STEPS), COLD), (slice(COLD_STEPS, None), 1)):
         world.space.iterations = effort * rig.iterations
         march(on, clock.fine, [0.0] * len(marked[part]), marked[part], loads if loads else None)
     recording = Recording(clock, steps, on.collected(), np.full(len(steps), drive.torque))
@@ -107,15 +110,26 @@ def free_pass(rig: Rig, drive: Free, step: float, ratio: int) -> Pass:
 
 
 def _let_go(scene: Scene, world: World, fine: float) -> StepLoads:
-    """Set the state that the first step expects, positions at −h and velocities at −h/2, and take hold of the loads."""
-    _set_rates(scene, world, -1.5 * fine)  # dampers look one step further back
-    loads = StepLoads(world, scene, fine, ahead=True)
+    """Set the state that the first step expects, positions at −h and velocities at −h/2; return the loads.
+
+    They are made in the state of one step before, for dampers and dashpots look that far back.
+    """
     _set_rates(scene, world, -0.5 * fine)
+    _move(world, -fine)
+    _set_rates(scene, world, -1.5 * fine)
+    _move(world, -fine)
+    loads = StepLoads(world, scene, fine, ahead=True)
+    _move(world, fine)
+    _set_rates(scene, world, -0.5 * fine)
+    return loads
+
+
+def _move(world: World, time: float) -> None:
+    """Move every part on by its velocity."""
     for body in world.bodies:
         (x, y), (vx, vy) = body.position, body.velocity
-        body.position = (x - fine * vx, y - fine * vy)
-        body.angle -= fine * body.angular_velocity
-    return loads
+        body.position = (x + time * vx, y + time * vy)
+        body.angle += time * body.angular_velocity
 
 
 def _set_rates(scene: Scene, world: World, time: float) -> None:

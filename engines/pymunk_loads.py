@@ -145,15 +145,13 @@ class StepLoads:
                 places.append((px + ahead * vx + c * x - s * y, py + ahead * vy + s * x + c * y))
             return math.dist(*places)
 
-        before: list[float] = []
+        last, second_last = length(reach), length(0.0)
 
         def add(_angle: float) -> None:
+            nonlocal last, second_last
             now = length(reach)
-            if not before:
-                before.extend((length(0.0), length(-reach)))
-            last, second_last = before
             speed = (3.0 * now - 4.0 * last + second_last) / (2.0 * reach)
-            before[:] = now, last
+            last, second_last = now, last
             engine.rest_length = (spring.length if spring.stiffness else now) - stretch * speed
 
         return add

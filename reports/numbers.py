@@ -27,7 +27,8 @@ def _plain(value: float, form: str) -> str:
         mantissa, exponent = f"{value:{_scientific(form)}}".split("e")
         mantissa = mantissa if form.startswith("#") else mantissa.rstrip("0").removesuffix(".")
         return f"{mantissa}e{int(exponent)}"
-    return f"{value:{form}g}".removesuffix(".")
+    text = f"{value:{form}g}".removesuffix(".")
+    return f"{float(text):.0f}" if "e" in text else text
 
 
 def _scientific(form: str) -> str:

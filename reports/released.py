@@ -107,9 +107,9 @@ def _rest(found: Released) -> str:
     places = equilibria(found.mechanism, found.own.torque)
     load = f"the crank torque of {found.own.torque:g} N m and the loads" if found.own.torque else "its loads"
     if not places:
-        return f"Under {load} the crank is at rest at no angle."
+        return f"Under {load} the crank can rest at no angle."
     words = [f"{math.degrees(one.angle):.2f}° ({'stable' if one.stable else 'unstable'})" for one in places]
-    return f"Under {load} the crank is at rest at {' and '.join(words)}."
+    return f"Under {load} the crank can rest at {' and '.join(words)}."
 
 
 def _rotation(found: Released) -> list[str]:
@@ -127,8 +127,8 @@ def _rotation(found: Released) -> list[str]:
         damping = periodic_mean(dynamics.damping_coefficient(found.mechanism.sweep(grid())))
         lines.append(
             f"Left alone it settles at {figure(one.mean_speed, 6)} rad/s over time and "
-            f"{figure(one.mean_speed_over_angle, 6)} over φ, where M1/b is {figure(found.own.torque / damping, 6)}, with a fluctuation of "
-            f"{figure(one.fluctuation, 3)}."
+            f"{figure(one.mean_speed_over_angle, 6)} over φ, where M1/b is {figure(found.own.torque / damping, 6)}, "
+            f"with a fluctuation of {figure(one.fluctuation, 3)}."
         )
     return lines
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -30,6 +31,16 @@ LEAST_ERROR = 1e-16
 DIPS = 0.1
 
 
+@dataclass(frozen=True)
+class Other:
+    """Error of something that is no engine: its name and colour, time, s, and |error| over the reference's peak."""
+
+    label: str
+    ink: str
+    time: Array
+    error: Array
+
+
 def draw_methods(
     axes: Axes, view: View, truth: tuple[Array, Array], traces: Sequence[Trace], factor: float = 1.0
 ) -> None:
@@ -47,12 +58,10 @@ def draw_methods(
                 labelspacing=0.35)  # fmt: skip
 
 
-def draw_errors_beneath(
-    axes: Axes, view: View, traces: Sequence[Trace], others: Sequence[tuple[str, Array, Array]] = ()
-) -> None:
+def draw_errors_beneath(axes: Axes, view: View, traces: Sequence[Trace], others: Sequence[Other] = ()) -> None:
     """The upper envelope of |error| over peak of every run, with the limit the view's setting is held to.
 
-    ``others`` are errors of no engine, drawn in ink: name, time and |error| over peak.
+    ``others`` are errors of no engine.
     """
     names, ends, seen = engines(view.results), [], []
     for trace in traces:
@@ -61,11 +70,11 @@ def draw_errors_beneath(
         axes.plot(time, error, color=ink, linestyle=SETTING_LINES.get(trace.record.setting, "-"), linewidth=1.0)
         seen += [float(np.quantile(error, DIPS)), float(np.max(error))]
         ends.append((float(np.median(error[-len(error) // 5 :])), trace.label, ink))
-    for label, *curve in others:
-        time, error = envelope(curve[0], np.maximum(curve[1], LEAST_ERROR))
-        axes.plot(time, error, color=INK, linewidth=0.8)
+    for other in others:
+        time, error = envelope(other.time, np.maximum(other.error, LEAST_ERROR))
+        axes.plot(time, error, color=other.ink, linewidth=0.8)
         seen += [float(np.quantile(error, DIPS)), float(np.max(error))]
-        ends.append((float(error[-1]), label, INK))
+        ends.append((float(error[-1]), other.label, other.ink))
     limits = sorted({t.record.limit for t in traces if t.record.setting == view.setting and t.record.limit})
     for limit in limits:
         axes.axhline(limit, color=LIMIT_COLOUR, linewidth=0.9, linestyle=(0, (6, 2)))

@@ -14,7 +14,7 @@ from comparisons.case import Case
 from comparisons.quantities import QUANTITIES
 from reports.figures.curves import thinned
 from reports.figures.inertia import power_for
-from reports.figures.panels import draw_errors_beneath, draw_methods
+from reports.figures.panels import Other, draw_errors_beneath, draw_methods
 from reports.figures.style import INK, MUTED, WIDTH, drawn
 from reports.joint_rows import worst_joint
 from reports.released import Released, released
@@ -74,11 +74,11 @@ def draw_history(upper: Axes, lower: Axes, view: View, regime: Regime, quantity:
     lower.set_xlabel("time, s")
 
 
-def _coarse_errors(view: View, regime: Regime, quantity: str, found: Released) -> list[tuple[str, Array, Array]]:
+def _coarse_errors(view: View, regime: Regime, quantity: str, found: Released) -> list[Other]:
     """The error of the articles' integrator over the same peak as the engines'; nothing where it broke down."""
     missed = found.coarse_error(quantity)
     peak = max((trace.record.peak or 0.0 for trace in view.traces(regime, quantity)), default=0.0)
-    return [(f"{PUBLISHED_STEPS} steps", missed[0], missed[1] / peak)] if missed and peak > 0.0 else []
+    return [Other(f"{PUBLISHED_STEPS} steps", INK, missed[0], missed[1] / peak)] if missed and peak > 0.0 else []
 
 
 def _in_rpm(speed: Array) -> Array:

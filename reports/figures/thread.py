@@ -8,7 +8,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
-from mpl_toolkits.mplot3d import Axes3D
+from mpl_toolkits.mplot3d import Axes3D  # type: ignore[import-untyped]  # matplotlib types the plane only
 from numpy.typing import NDArray
 
 from analytic.thread import contour, reference_angle
@@ -105,7 +105,7 @@ def space_figure(view: View) -> Figure:
     """The contour in space."""
 
     def draw(figure: Figure) -> None:
-        axes = Axes3D(figure, (0.0, 0.0, 1.0, 1.0))
+        axes = Axes3D(figure, (0.0, 0.03, 0.97, 0.97))
         figure.add_axes(axes)
         draw_space(axes, view)
 
@@ -137,7 +137,7 @@ def draw_space(axes: Axes3D, view: View) -> None:
 def _space_scales(axes: Axes3D) -> None:
     spans = [float(np.ptp(limits)) for limits in (axes.get_xlim(), axes.get_zlim())]
     largest = max(spans)
-    axes.set_box_aspect((spans[0] / largest, 0.5, spans[1] / largest), zoom=1.02)
+    axes.set_box_aspect((spans[0] / largest, 0.5, spans[1] / largest), zoom=0.94)
     axes.view_init(elev=18.0, azim=-58.0)
     for axis, name in ((axes.xaxis, "x, mm"), (axes.yaxis, "z, mm"), (axes.zaxis, "y, mm")):
         axis.set_major_locator(MaxNLocator(4))

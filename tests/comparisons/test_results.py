@@ -61,11 +61,14 @@ def test_records_linkages_and_motions_come_back(saved):
 
 
 def test_the_dataset_is_labelled(saved):
-    curves = load_results(saved[0]).curves
-    assert dict(curves.sizes)["run"] == 1
-    assert [str(q) for q in curves.quantity.values][:7] == ["Jeq", "Teq", "Mkr", "Peq", "S", "v", "a"]
-    assert str(curves.sel(quantity="Mkr").unit.values) == "N m"
-    assert str(curves.engine.values[0]) == "direct"
+    folder, result = saved
+    curves = load_results(folder).curves
+    assert [str(q) for q in curves.quantity.values] == list(result.deviations)
+    assert {str(e) for e in curves.engine.values} == {"direct"}
+    torque = curves.isel(curve=list(curves.quantity.values).index("Mkr"))
+    assert str(torque.unit.values) == "N m"
+    assert int(torque.row_size) == len(result.deviations["Mkr"].time)
+    assert int(curves.row_size.sum()) == curves.sizes["sample"]
 
 
 def test_the_json_beside_it_holds_the_same_records(saved):

@@ -21,7 +21,7 @@ from comparisons.results import Results, dataset, document
 from engines.contract import Setting
 
 SIZES = {Setting.NAIVE: 2e-2, Setting.TUNED: 1.3e-5, Setting.BEST: 4e-8}
-PRESCRIBED = tuple(name for name, quantity in QUANTITIES.items() if quantity.prescribed)
+PRESCRIBED = tuple(name for name, quantity in QUANTITIES.items() if quantity.prescribed and not quantity.needs_thread)
 CONDITIONS = "1000 rpm counter-clockwise, 0.6 s + 0.1 s, from 0°, gravity on"
 
 

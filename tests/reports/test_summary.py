@@ -36,7 +36,7 @@ def test_every_table_lines_up(text):
 
 def test_sections_in_order(text):
     found = [line[3:] for line in text.splitlines() if line.startswith("## ")]
-    assert found == ["Deviations", "Published figures against ours", "Limits", "Environment and times"]
+    assert found == ["Deviations", "Mechanisms", "Published figures against ours", "Limits", "Environment and times"]
 
 
 def test_rows_are_signed_and_failures_are_words(text):
