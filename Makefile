@@ -3,11 +3,13 @@ PYTHON ?= python3
 VENV   ?= .venv
 BIN    := $(VENV)/bin
 READY  := $(VENV)/.installed
+# make report FULL=--full runs the files' own regimes in every setting too: minutes instead of one.
+FULL   ?=
 
 .PHONY: report test lint baseline clean
 
-report: $(READY)  ## both needle mechanisms in every engine and setting; page at build/report/index.html
-	$(BIN)/linkproof compare --regime run-up --regime run-up-quintic --setting all --out build/report
+report: $(READY)  ## every mechanism in every engine and setting; page at build/report/index.html
+	$(BIN)/linkproof compare --regime run-up --regime run-up-quintic --regime own --setting all $(FULL) --out build/report
 
 test: $(READY)  ## the whole test suite
 	$(BIN)/python -m pytest
@@ -20,6 +22,7 @@ lint: $(READY)  ## style, types and the direction of imports
 
 baseline: $(READY)  ## record today's deviations as those to be held in future
 	$(BIN)/linkproof compare --regime run-up --regime run-up-quintic --setting tuned --setting best --record-baseline
+	$(BIN)/linkproof compare --regime own --record-baseline
 
 clean:
 	rm -rf build $(VENV)

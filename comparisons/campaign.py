@@ -27,8 +27,8 @@ from engines.registry import engine, engine_names
 class Request:
     """What to compare. ``conditions`` words the motions' speed, times, direction and start angle, the same for all.
 
-    ``own_regimes`` names regimes that a linkage's own file may define; linkages without them are not run in them. No
-    quantities means all that are results.
+    ``own_regimes`` names regimes that a linkage's own file may define; linkages without them are not run in them. They
+    have settings of their own: a released crank adds up its phase error. No quantities means all that are results.
     """
 
     linkages: tuple[Linkage, ...]
@@ -38,6 +38,7 @@ class Request:
     settings: tuple[Setting, ...] = (Setting.TUNED,)
     quantities: tuple[str, ...] = ()
     own_regimes: tuple[str, ...] = ()
+    own_settings: tuple[Setting, ...] = (Setting.BEST,)
     with_invariants: bool = True
 
 
@@ -78,7 +79,7 @@ def tasks(request: Request) -> list[_Task]:
         _Task(case, name, setting, quantities)
         for case, quantities in chosen
         for name in request.engines
-        for setting in request.settings
+        for setting in (request.settings if case.is_prescribed else request.own_settings)
     ]
 
 
@@ -263,14 +264,15 @@ def _invariants(case: Case, motion: ObservedMotion, blank: Record) -> tuple[Reco
 
 
 def _torque_scale(case: Case, motion: ObservedMotion) -> float:
-    """Peak drive torque, N m; of a released crank the peak torque that accelerates the links, if that is larger."""
+    """Peak drive torque, N m; of a released crank the peak of Jeq ε, which ½ Jeq' ω² all but cancels, if larger."""
     peak = float(np.max(np.abs(motion.signal(Channel.TORQUE).values)))
     if case.is_prescribed:
         return peak
-    time = motion.signal(Channel.ACCELERATION).time
-    speed = motion.crank(Channel.VELOCITY, time)
+    energy = motion.kinetic_energy()
+    speed = motion.crank(Channel.VELOCITY, energy.time)
     fast = np.abs(speed) >= case.least_speed
-    return max(peak, float(np.max(np.abs(motion.kinetic_power(time)[fast] / speed[fast]))))
+    inertia = 2.0 * energy.values[fast] / speed[fast] ** 2
+    return max(peak, float(np.max(np.abs(inertia * motion.crank(Channel.ACCELERATION, energy.time)[fast]))))
 
 
 def _two_routes(case: Case, motion: ObservedMotion) -> Signal:

@@ -105,6 +105,7 @@ def _own_campaign(linkages: Sequence[Linkage], engines: Sequence[str]) -> Iterat
                 (Setting(asked["setting"]),),
                 (asked["quantity"],),
                 (asked["regime"],),
+                (Setting(asked["setting"]),),
                 with_invariants=False,
             )
             yield from compare(request)

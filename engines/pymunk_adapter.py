@@ -68,7 +68,12 @@ class PymunkEngine:
 
 def _naive(scene: Scene) -> Run:
     done = naive_pass(scene)
-    details: dict[str, str | int | float] = {"step": done.step, "iterations": "pymunk's default", "passes": 1}
+    details: dict[str, str | int | float] = {
+        "step": done.step,
+        "iterations": "pymunk's default",
+        "error_bias": "pymunk's default",
+        "torque": "size of the motor's impulse over the step; pymunk does not tell its sign",
+    }
     return Run(Outcome.FINISHED, "", done.history, done.seconds, done.setup_seconds, done.steps, details)
 
 
@@ -88,6 +93,7 @@ def _extrapolated(scene: Scene, setting: Setting) -> Run:
         "sample_step": passes[0].step * plan.ratios[0],
         "ratios": " ".join(str(round(passes[0].step * plan.ratios[0] / done.step)) for done in passes),
         "iterations": rig.iterations,
+        "error_bias": 0.0,
         "cut_off_parts": len(layout.parts) - len(scene.bodies),
     }
     everything = (*trials, *passes)

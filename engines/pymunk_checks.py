@@ -153,7 +153,7 @@ def check_joints(times: Array, seen: Array, layout: Layout, share: float = OPEN_
     """
     finite = np.isfinite(seen).all(axis=(1, 2, 3))
     if not finite.all():
-        raise DivergedError(f"the motion is not finite from {times[np.argmin(finite)]:.4g} s on")
+        raise DivergedError(f"the motion is not finite from {max(0.0, times[np.argmin(finite)]):.4g} s on")
     thin = slice(None, None, max(1, len(times) // WATCHED))
     opened = gaps(layout, seen[thin, :, 0])
     look, hold = np.unravel_index(np.argmax(opened), opened.shape)

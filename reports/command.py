@@ -79,7 +79,9 @@ def compare(
     variant: Annotated[str | None, typer.Option(help="Parameter variant; default: each file's own.")] = None,
     regime: Annotated[
         list[str] | None,
-        typer.Option(help="run-up (default), run-up-cubic, run-up-quintic, constant-speed, or all; repeatable."),
+        typer.Option(
+            help="run-up (default), run-up-cubic, run-up-quintic, constant-speed, own (those of a file), or all."
+        ),
     ] = None,
     engine: Annotated[list[str] | None, typer.Option(help="Engine; repeatable; default: every one.")] = None,
     setting: Annotated[list[str] | None, typer.Option(help="naive, tuned (default), best, or all; repeatable.")] = None,
@@ -92,6 +94,9 @@ def compare(
     start_angle: Annotated[float, typer.Option(help="Crank angle at the start, degrees.")] = 0.0,
     clockwise: Annotated[bool, typer.Option("--clockwise", help="Turn the crank clockwise.")] = False,
     no_gravity: Annotated[bool, typer.Option("--no-gravity", help="Leave gravity out.")] = False,
+    full: Annotated[
+        bool, typer.Option("--full", help="Run the linkages' own regimes in every setting asked for, not best alone.")
+    ] = False,
     out: Annotated[Path | None, typer.Option(metavar="DIR", help="Write records, curves and the report here.")] = None,
     json: JsonOption = None,
     record_baseline: Annotated[
@@ -119,6 +124,7 @@ def compare(
         start_angle=start_angle,
         clockwise=clockwise,
         gravity=not no_gravity,
+        full=full,
     )
     raise typer.Exit(commands.compare(choice, out, json, record_baseline=record_baseline))
 

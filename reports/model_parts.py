@@ -24,16 +24,6 @@ def thread_part(view: View) -> Part:
             "the thread's contour with the kinematic scheme in the reference position",
         )
     ]
-    if thread.is_spatial(view):
-        figures.append(
-            shown(
-                view,
-                "contour-in-space",
-                "The same in space: z runs along the main shaft and is drawn to a larger scale.",
-                lambda: thread.space_figure(view),
-                "the thread's contour in space",
-            )
-        )
     figures.append(
         shown(
             view,
@@ -43,6 +33,16 @@ def thread_part(view: View) -> Part:
             "thread feed and contour length over the crank angle",
         )
     )
+    if thread.is_spatial(view):
+        figures.append(
+            shown(
+                view,
+                "contour-in-space",
+                "The contour in space: z runs along the main shaft and is drawn to a larger scale.",
+                lambda: thread.space_figure(view),
+                "the thread's contour in space",
+            )
+        )
     return Part("Thread", thread_facts.lead(view), tuple(figures))
 
 
@@ -99,7 +99,7 @@ def _printed(view: View, erratum: Erratum) -> Shown:
         view,
         f"printed-{erratum.name}",
         f"{erratum.name} ({erratum.place}){note}. Crank speed in regime {erratum.regime}: the corrected model in grey, "
-        "the printed one in red, the engines that ran the regime dashed.",
+        "the printed one in red, the engines that ran the regime dashed; beneath, |error| over the corrected peak.",
         partial(printed_figure, view, erratum),
         f"crank speed by the corrected and the printed model, {erratum.name}",
         wide=True,

@@ -59,8 +59,8 @@ def bound(value: float | None) -> str:
 
 
 def decade(value: float) -> str:
-    """The power of ten that a bound stays below: 1e-9 for 2.3e-10; the same on every machine but for the rarest."""
-    return "0" if value <= 0.0 else f"1e{math.ceil(math.log10(value))}"
+    """The power of ten that a bound stays below: 1e-9 for 2.3e-10; of round-off, whose size says nothing, its own."""
+    return f"1e{math.ceil(math.log10(max(value, ROUND_OFF)))}"
 
 
 def per_cent(ratio: float) -> str:

@@ -188,7 +188,8 @@ def _last_turn(view: View, regime: Regime, found: Released) -> list[Shown]:
     """Speed and acceleration over the last turn, where the crank ends in one."""
     if found.ending is None:
         return []
-    lead = f"The last full turn: n between {found.ending.smallest / RPM:.1f} and {found.ending.largest / RPM:.1f} rpm."
+    lead = f"The last full turn: n between {found.ending.smallest / RPM:.1f} and {found.ending.largest / RPM:.1f} rpm, "
+    lead += f"begun and ended at φ = {math.degrees(float(found.motion.angle(found.motion.duration))) % 360.0:.1f}°."
     draw = partial(last_turn_figure, view, regime, found)
     words = f"crank speed and acceleration over the last turn, {regime.name}"
     return [shown(view, f"{regime.name}-last-turn", lead, draw, words, wide=True)]

@@ -34,6 +34,7 @@ class Choice:
     start_angle: float = 0.0
     clockwise: bool = False
     gravity: bool = True
+    full: bool = False
 
     @property
     def conditions(self) -> str:
@@ -64,6 +65,7 @@ class Choice:
                 words += [f"--{name.replace('_', '-')}", f"{getattr(self, name):g}"]
         words += ["--clockwise"] if self.clockwise else []
         words += [] if self.gravity else ["--no-gravity"]
+        words += ["--full"] if self.full else []
         return shlex.join(words)
 
 
@@ -143,6 +145,11 @@ def _settings(choice: Choice) -> tuple[Setting, ...]:
     return tuple(Setting(name) for name in dict.fromkeys(choice.settings)) or (Setting.TUNED,)
 
 
+def _own_settings(choice: Choice) -> tuple[Setting, ...]:
+    """Settings of the linkages' own regimes: those named; else best, for a released crank adds up its phase error."""
+    return _settings(choice) if choice.full or {*choice.settings} - {EVERYTHING} else (Setting.BEST,)
+
+
 def request(choice: Choice) -> Request:
     """The campaign's request; raises LinkproofError for anything that does not exist or cannot be."""
     found = linkages(choice)
@@ -154,5 +161,6 @@ def request(choice: Choice) -> Request:
         settings=_settings(choice),
         quantities=tuple(dict.fromkeys(choice.quantities)),
         own_regimes=own_regimes(choice, found),
+        own_settings=_own_settings(choice),
         with_invariants=not choice.quantities,
     )

@@ -6,7 +6,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from analytic.fixed_step import PUBLISHED_STEPS
 from analytic.regimes import RPM
@@ -81,12 +81,12 @@ def _coarse_errors(view: View, regime: Regime, quantity: str, found: Released) -
     return [Other(f"{PUBLISHED_STEPS} steps", INK, missed[0], missed[1] / peak)] if missed and peak > 0.0 else []
 
 
-def _in_rpm(speed: Array) -> Array:
-    return np.asarray(speed) / RPM
+def _in_rpm(speed: ArrayLike) -> ArrayLike:
+    return np.asarray(speed, dtype=float) / RPM
 
 
-def _in_radians(rpm: Array) -> Array:
-    return np.asarray(rpm) * RPM
+def _in_radians(rpm: ArrayLike) -> ArrayLike:
+    return np.asarray(rpm, dtype=float) * RPM
 
 
 def _count_turns(axes: Axes) -> None:

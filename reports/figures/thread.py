@@ -130,7 +130,7 @@ def draw_space(axes: Axes3D, view: View) -> None:
     axes.plot(corners[:, 0], corners[:, 2], corners[:, 1], color=THREAD, linewidth=1.8, marker="o", markersize=3.0)
     names = [stop.name if isinstance(stop, ThreadGuide) else stop.point for stop in thread.stops]
     for name, corner in dict(zip(names, corners, strict=True)).items():  # each point once
-        axes.text(corner[0], corner[2], corner[1], f"  {name}", fontsize=7.5, color=THREAD)
+        axes.text(corner[0], corner[2], corner[1], f"\u00a0\u00a0{name}", fontsize=7.5, color=THREAD)
     _space_scales(axes)
 
 

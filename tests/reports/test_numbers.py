@@ -33,7 +33,7 @@ def test_large_figures_have_no_exponent_up_to_a_million(value, text):
     assert numbers.figure(value) == text
 
 
-@pytest.mark.parametrize(("value", "text"), [(2.3e-10, "1e-9"), (1e-9, "1e-9"), (0.0, "0"), (3.0, "1e1")])
+@pytest.mark.parametrize(("value", "text"), [(2.3e-10, "1e-9"), (1e-9, "1e-9"), (0.0, "1e-13"), (3.0, "1e1")])
 def test_a_bound_is_told_as_the_decade_above_it(value, text):
     assert numbers.decade(value) == text
 
