@@ -79,9 +79,10 @@ def _body_obstacles(scene: Scene) -> Iterator[str]:
 
 def _joint_obstacles(scene: Scene) -> Iterator[str]:
     known = {GROUND, *(body.name for body in scene.bodies)}
-    ends = [(p.name, p.first, p.second, (*p.first_anchor, *p.second_anchor)) for p in scene.pins]
-    lines = (*scene.sliders, *scene.slots)
-    ends += [(j.name, j.body, j.host, (*j.anchor, *j.through, *j.along)) for j in lines]
+    ends: list[tuple[str, str, str, tuple[float, ...]]] = [
+        (p.name, p.first, p.second, (*p.first_anchor, *p.second_anchor)) for p in scene.pins
+    ]
+    ends += [(j.name, j.body, j.host, (*j.anchor, *j.through, *j.along)) for j in scene.guided]
     for name, first, second, numbers in ends:
         for body in (first, second):
             if body not in known:
@@ -90,7 +91,7 @@ def _joint_obstacles(scene: Scene) -> Iterator[str]:
             yield f"joint '{name}' joins '{first}' to itself"
         if not _finite(*numbers):
             yield f"joint '{name}' has coordinates that are not finite"
-    for joint in lines:
+    for joint in scene.guided:
         if joint.along == (0.0, 0.0):
             yield f"joint '{joint.name}' has a line without a direction"
     bodies = {body.name: body for body in scene.bodies}
@@ -118,8 +119,9 @@ def _load_obstacles(scene: Scene) -> Iterator[str]:
         if not (_finite(damper.coefficient) and damper.coefficient >= 0.0):
             yield f"the damper from '{damper.first}' to '{damper.second}' has a coefficient of {damper.coefficient:g}"
     known = {GROUND, *(body.name for body in scene.bodies)}
-    loaded = {load.body for load in (*scene.forces, *scene.torques)}
-    loaded |= {end for load in (*scene.springs, *scene.dampers) for end in (load.first, load.second)}
+    loaded = {force.body for force in scene.forces} | {torque.body for torque in scene.torques}
+    loaded |= {end for spring in scene.springs for end in (spring.first, spring.second)}
+    loaded |= {end for damper in scene.dampers for end in (damper.first, damper.second)}
     for name in sorted(loaded - known):
         yield f"a load acts on a body '{name}' that is not in the scene"
 

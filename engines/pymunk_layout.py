@@ -268,5 +268,5 @@ class _Cutter:
 def reach(scene: Scene) -> float:
     """A length no joint of the scene can travel beyond, m: all anchors and start positions laid end to end."""
     anchors = [a for p in scene.pins for a in (p.first_anchor, p.second_anchor)]
-    anchors += [a for j in (*scene.sliders, *scene.slots) for a in (j.anchor, j.through)]
+    anchors += [a for j in scene.guided for a in (j.anchor, j.through)]
     return sum(math.hypot(*v) for v in (*anchors, *(body.position for body in scene.bodies)))

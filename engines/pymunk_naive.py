@@ -43,7 +43,7 @@ def naive_pass(scene: Scene) -> Pass:
     begun = perf_counter()
     seen, torque = _stepped(scene, world)
     seconds = perf_counter() - begun
-    check_joints(STEP * np.arange(len(seen)), seen, layout, TORN_JOINT)
+    check_joints(STEP * np.arange(len(seen), dtype=np.float64), seen, layout, TORN_JOINT)
     return Pass(STEP, _history(scene, layout, seen, torque), seconds, built, len(torque))
 
 
@@ -76,7 +76,7 @@ def _stepped(scene: Scene, world: World) -> tuple[Array, Array]:
 
 
 def _history(scene: Scene, layout: Layout, seen: Array, torque: Array) -> History:
-    times = STEP * np.arange(1, len(seen))
+    times = STEP * np.arange(1, len(seen), dtype=np.float64)
     state, rates = seen[:, :, 0], seen[:, :, 1]
     acceleration = np.diff(rates, axis=0) / STEP
     forces = {}

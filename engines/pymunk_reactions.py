@@ -118,8 +118,9 @@ def joint_forces(layout: Layout, state: Array, acceleration: Array, load: Array)
     inertias = _inertias(layout)
     free = np.isfinite(inertias)
     demand = (np.where(free, inertias, 0.0) * acceleration - load)[:, free]
-    forces = np.linalg.solve(np.swapaxes(rows[:, :, free], 1, 2), demand[..., None])[..., 0]
-    result = {}
+    solved = np.linalg.solve(np.swapaxes(rows[:, :, free], 1, 2), demand[..., None])
+    forces = np.asarray(solved[..., 0], dtype=np.float64)
+    result: dict[str, Array] = {}
     for hold, start in zip(layout.holds, starts[:-1], strict=True):
         if hold.joint is not None:
             pin = hold.kind is Kind.PIN

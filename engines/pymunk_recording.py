@@ -51,11 +51,11 @@ class Clock:
 
     def sample_times(self) -> Array:
         """Times of the samples, s."""
-        return self.start + self.step * np.arange(self.sample_count)
+        return self.start + self.step * np.arange(self.sample_count, dtype=np.float64)
 
     def middle_times(self) -> Array:
         """Times of the middles, s."""
-        return self.start + self.step * (np.arange(self.middle_count) + 0.5)
+        return self.start + self.step * (np.arange(self.middle_count, dtype=np.float64) + 0.5)
 
 
 def looks(clock: Clock, channels: frozenset[Channel]) -> NDArray[np.intp]:
@@ -97,7 +97,7 @@ class Recording:
     @property
     def times(self) -> Array:
         """Times of the looks, s."""
-        return self.clock.start + self.clock.fine * self.steps
+        return self.clock.start + self.clock.fine * self.steps.astype(np.float64)
 
     @property
     def state(self) -> Array:

@@ -102,9 +102,10 @@ def feed_table(comparison: FeedComparison) -> Group:
     for column in table.columns:
         column.justify = "right"
     worst = int(np.argmax(np.abs(comparison.difference)))
+    root_mean_square = float(np.sqrt(np.mean(comparison.difference**2)))
     line = (
         f"largest difference {comparison.difference[worst] * 1e3:+.3f} mm at "
-        f"{math.degrees(comparison.angle[worst]):.1f}°, RMS {float(np.sqrt(np.mean(comparison.difference**2))) * 1e3:.3f} mm"
+        f"{math.degrees(comparison.angle[worst]):.1f}°, RMS {root_mean_square * 1e3:.3f} mm"
     )
     return Group(table, Text(line))
 
