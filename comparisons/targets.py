@@ -14,10 +14,12 @@ from typing import Any
 
 import numpy as np
 
+from analytic.dynamics import damping_coefficient
 from analytic.evaluation import evaluate
 from analytic.linkage import Linkage
 from analytic.mechanism import Mechanism
 from analytic.regimes import crank_motion
+from analytic.steady_state import steady_state
 from comparisons.campaign import Request, RunResult, compare
 from comparisons.case import own_motion
 from comparisons.records import Record
@@ -77,6 +79,7 @@ def measure(linkages: Sequence[Linkage], engines: Sequence[str]) -> Iterator[Fig
         "errors": lambda target: _errors(target, results, engines),
         "own_errors": lambda target: _errors(target, own, engines),
         "reference": lambda target: _reference(target, linkages),
+        "steady_state": lambda target: _steady_state(target, linkages),
         "overhead": lambda target: _overheads(target, linkages, engines),
         "closed_form": lambda target: _closed_form(target, linkages),
         "process": _process,
@@ -143,6 +146,17 @@ def _reference(target: Target, linkages: Sequence[Linkage]) -> Iterator[Figure]:
         for own in linkage.regimes:
             if (linkage.name, own.name) == (target.arguments["mechanism"], target.arguments["regime"]):
                 yield Figure(target, linkage.name, own_motion(Mechanism(linkage), own).error_bound)
+
+
+def _steady_state(target: Target, linkages: Sequence[Linkage]) -> Iterator[Figure]:
+    """How far the settled mean speed of a driven crank is from M1/b, which an energy balance over a turn demands."""
+    for linkage in linkages:
+        for own in linkage.regimes:
+            if (linkage.name, own.name) == (target.arguments["mechanism"], target.arguments["regime"]):
+                mechanism = Mechanism(linkage)
+                damping = float(np.mean(damping_coefficient(mechanism.turn)))
+                speed = steady_state(mechanism, own.torque).mean_speed
+                yield Figure(target, linkage.name, abs(speed * damping / own.torque - 1.0))
 
 
 def _overheads(target: Target, linkages: Sequence[Linkage], engines: Sequence[str]) -> Iterator[Figure]:

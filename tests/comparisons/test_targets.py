@@ -2,6 +2,8 @@
 
 import dataclasses
 
+import pytest
+
 from analytic.loading import load
 from comparisons import targets
 from comparisons.campaign import RunResult
@@ -10,7 +12,15 @@ from tests.comparisons.test_baseline import RECORD
 
 def test_every_target_can_be_measured_and_aims_higher_than_it_owes():
     for target in targets.targets():
-        assert target.kind in {"errors", "own_errors", "reference", "overhead", "closed_form", "process"}
+        assert target.kind in {
+            "errors",
+            "own_errors",
+            "reference",
+            "steady_state",
+            "overhead",
+            "closed_form",
+            "process",
+        }
         assert 0.0 < target.aim <= target.must
 
 
@@ -29,6 +39,12 @@ def test_a_failed_run_misses_its_target():
     failed = dataclasses.replace(RECORD, error_max=None, outcome="diverged")
     (figure,) = targets._errors(target, [RunResult((failed,), ())], ["e"])
     assert figure.verdict == "missed"
+
+
+def test_a_settled_crank_turns_at_torque_over_damping():
+    target = next(t for t in targets.targets() if t.kind == "steady_state")
+    (figure,) = targets._steady_state(target, [load("slotted-takeup")])
+    assert figure.reached == pytest.approx(2.2e-4, rel=0.05)  # the time mean lies below the mean over φ, which is M1/b
 
 
 def test_times_keep_every_repeat():
