@@ -9,7 +9,7 @@ from analytic.errors import AssemblyError, LinkproofError, UnknownNameError
 from analytic.loading import load
 from analytic.mechanism import Mechanism
 from analytic.regimes import crank_motion
-from comparisons import campaign
+from comparisons import baseline, campaign
 from comparisons.campaign import Request, compare
 from comparisons.records import Verdict
 from engines.contract import Channel, Outcome, Run, Setting, Signal
@@ -127,11 +127,11 @@ def test_a_scene_records_only_what_is_asked_for(with_engine):
 def test_deviations_three_times_their_record_fail_within_the_limit(with_engine, monkeypatch):
     off = Signal(HISTORY.torque.time, HISTORY.torque.values * (1.0 + 5e-5))
     with_engine(Scripted(lambda scene: _finished(scene, torque=off)))
-    monkeypatch.setattr(campaign.baseline, "recorded", lambda: {})
+    monkeypatch.setattr(baseline, "recorded", lambda: {})
     (free,) = compare(_request(quantities=("Mkr",), with_invariants=False))
     assert free.records[0].outcome == "passed"
-    key = campaign.baseline.key(free.records[0])
-    monkeypatch.setattr(campaign.baseline, "recorded", lambda: {key: {"Mkr": 1e-5}})
+    key = baseline.key(free.records[0])
+    monkeypatch.setattr(baseline, "recorded", lambda: {key: {"Mkr": 1e-5}})
     (held,) = compare(_request(quantities=("Mkr",), with_invariants=False))
     assert held.records[0].outcome == "over-limit"
     assert held.records[0].baseline == pytest.approx(3e-5)

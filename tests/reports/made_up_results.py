@@ -11,10 +11,11 @@ from analytic.linkage import Linkage
 from analytic.loading import find, load
 from analytic.mechanism import Mechanism
 from analytic.regimes import crank_motion
-from comparisons.campaign import Request, RunResult, judge
+from comparisons.campaign import Request, RunResult
 from comparisons.case import Case
 from comparisons.deviations import Deviation, near_jumps
 from comparisons.invariants import INVARIANTS
+from comparisons.judging import judge
 from comparisons.quantities import QUANTITIES
 from comparisons.records import Record, Verdict
 from comparisons.results import Results, dataset, document
