@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 from analytic.linkage import GROUND, Guide, Linkage, Pin, Slider, Vector
 from engines.contract import (
@@ -158,8 +158,3 @@ def _slot(linkage: Linkage, name: str, body: str, point: str, guide: Guide) -> S
 
 def _slider_name(slider: Slider) -> str:
     return f"{slider.link} on {slider.guide.host}"
-
-
-def without(scene: Scene, *channels: Channel) -> Scene:
-    """The same scene with some channels not recorded."""
-    return replace(scene, channels=scene.channels - set(channels))

@@ -290,8 +290,3 @@ def _pull(name: str, spot: Array, spots: dict[str, Array], scheme: Scheme) -> Ar
                 if other != name:
                     total += span / (float(np.hypot(*span)) or 1.0)
     return total
-
-
-def crank_angle_shown(view: View) -> float:
-    """φ of the position drawn out, degrees."""
-    return 360.0 / POSITIONS * scheme_of(view).shown
