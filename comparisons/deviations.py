@@ -65,8 +65,12 @@ def deviation(case: Case, quantity: Quantity, motion: ObservedMotion) -> Deviati
 
 
 def near_jumps(time: Array, jumps: tuple[float, ...]) -> NDArray[np.bool_]:
-    """Samples within two steps of an acceleration jump, by the clock's own step."""
-    step = float(np.max(np.diff(time)))
+    """Samples within two steps of an acceleration jump, by the clock's own step on that side of it.
+
+    A sample missing on the jump itself does not widen the step.
+    """
+    gaps = np.diff(time)
+    step = np.minimum(np.append(gaps, gaps[-1]), np.insert(gaps, 0, gaps[0]))
     near = np.zeros(len(time), dtype=bool)
     for jump in jumps:
         near |= np.abs(time - jump) <= JUMP_STEPS * step * (1.0 + 1e-9)

@@ -60,6 +60,16 @@ def test_reduced_inertia_is_not_asked_of_a_crank_at_rest(case, motion):
     assert 0 < found.left_out < 0.1 * found.samples
 
 
+def test_a_sample_missing_on_the_jump_does_not_widen_the_gap():
+    time = np.delete(np.arange(11.0), 5)
+    assert time[near_jumps(time, (5.0,))].tolist() == [3.0, 4.0, 6.0, 7.0]
+
+
+def test_each_side_of_a_jump_has_its_own_step():
+    time = np.concatenate([np.arange(0.0, 5.0), np.arange(5.0, 7.0, 0.5)])
+    assert time[near_jumps(time, (5.0,))].tolist() == [3.0, 4.0, 5.0, 5.5, 6.0]
+
+
 def test_jumps_are_two_steps_wide():
     time = np.arange(11.0)
     assert np.flatnonzero(near_jumps(time, (5.0,))).tolist() == [3, 4, 5, 6, 7]
