@@ -5,22 +5,20 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, field, replace
 
-import numpy as np
-
 from analytic.errors import UnknownNameError
 from analytic.linkage import Linkage
 from analytic.mechanism import Mechanism
 from analytic.regimes import CrankMotion
 from comparisons import invariants
+from comparisons.attempt import attempt
 from comparisons.case import Case, own_case
 from comparisons.checks import checks
 from comparisons.deviations import Deviation, deviation
-from comparisons.interpolation import POINTS
 from comparisons.judging import judge
 from comparisons.motion import ObservedMotion
 from comparisons.quantities import Quantity, chosen_quantities
 from comparisons.records import Record, Verdict
-from engines.contract import Channel, Engine, History, Outcome, Run, Scene, Setting, Signal
+from engines.contract import Channel, Outcome, Run, Setting
 from engines.registry import engine, engine_names
 
 
@@ -126,46 +124,13 @@ def _judged(task: _Task, request: Request) -> RunResult:
         reason = f"engine '{task.engine}' is not installed; install it with: pip install 'linkproof[{task.engine}]'"
         return _all_alike(blank, wanted, Verdict.UNAVAILABLE, reason)
     model = task.case.scene(_channels(wanted, request.with_invariants))
-    run = _checked(_attempt(adapter, model, task.setting), model)
+    run = attempt(adapter, model, task.setting)
     blank = replace(blank, seconds=run.seconds, setup_seconds=run.setup_seconds, steps=run.steps)
     if run.outcome is not Outcome.FINISHED or run.history is None:
         return _all_alike(blank, wanted, Verdict(run.outcome.value), run.reason)
     return _measured(
         task, wanted, run, ObservedMotion(model, run.history), blank, with_invariants=request.with_invariants
     )
-
-
-def _attempt(adapter: Engine, model: Scene, setting: Setting) -> Run:
-    """A run whose every exception is a failed run: one engine's fault may not end the others' campaign."""
-    try:
-        obstacle = adapter.obstacle(model)
-        return adapter.run(model, setting) if obstacle is None else Run(Outcome.UNSUPPORTED, obstacle)
-    except Exception as error:
-        return Run(Outcome.DIVERGED, f"{adapter.name} raised {type(error).__name__}: {error}")
-
-
-def _checked(run: Run, model: Scene) -> Run:
-    """A run that claims to have finished, held to having returned every channel asked for, finite throughout."""
-    if run.outcome is not Outcome.FINISHED:
-        return run
-    history = run.history
-    for channel, signal in _signals(history, model):
-        if signal is None or len(signal.time) < POINTS:
-            return replace(run, outcome=Outcome.DIVERGED, reason=f"finished without recording {channel}")
-        finite = np.isfinite(signal.values).reshape(len(signal.time), -1).all(axis=1)
-        if not finite.all():
-            at = float(signal.time[int(np.argmin(finite))])
-            return replace(run, outcome=Outcome.DIVERGED, reason=f"{channel} is not finite from {at:.4g} s on")
-    return run
-
-
-def _signals(history: History | None, model: Scene) -> Iterator[tuple[str, Signal | None]]:
-    """Every signal a scene asks for, by name; None where the history lacks it."""
-    for channel in sorted(model.channels - {Channel.JOINT_FORCE}):
-        yield channel.value, getattr(history, channel.value, None)
-    if Channel.JOINT_FORCE in model.channels:
-        for name in [j.name for j in model.pins] + [j.name for j in model.sliders] + [j.name for j in model.slots]:
-            yield f"the force of joint {name}", history.joint_force.get(name) if history else None
 
 
 def _measured(

@@ -6,7 +6,7 @@ corrected closed form and against the printed one.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from typing import Protocol
 
@@ -15,8 +15,8 @@ from numpy.typing import ArrayLike, NDArray
 
 from analytic.fixed_step import fixed_step
 from analytic.linkage import Erratum, Linkage, OwnRegime
-from analytic.loading import load
 from analytic.mechanism import Mechanism
+from comparisons.attempt import attempt
 from comparisons.case import Case, Motion, own_case, own_motion
 from comparisons.interpolation import resample
 from comparisons.motion import ObservedMotion
@@ -24,6 +24,7 @@ from engines.contract import Channel, Outcome, Setting, Signal
 from engines.registry import engine
 
 Array = NDArray[np.float64]
+VariantOf = Callable[[Linkage, str], Linkage]
 
 # The share of a regime, from its end, over which mean speeds are taken: the last 2 s of 10.
 LAST_SHARE = 0.2
@@ -94,31 +95,29 @@ class Stepped:
         return resample(self.speeds, np.atleast_1d(np.asarray(time, dtype=float)))
 
 
-def judge_errata(linkages: Iterable[Linkage], engines: Sequence[str]) -> Iterator[ErratumRecord]:
-    """Put every printed model of these linkages to every engine, tuned."""
+def judge_errata(linkages: Iterable[Linkage], engines: Sequence[str], variant_of: VariantOf) -> Iterator[ErratumRecord]:
+    """Put every printed model of these linkages to every engine, tuned; ``variant_of`` reads a linkage's variants."""
     for linkage in linkages:
         if linkage.variant != linkage.variants[0]:
             continue  # printed models are held against the file's own values
-        runs: dict[tuple[str, str], tuple[str, Signal | None]] = {}
+        mechanism, runs = Mechanism(linkage), dict[tuple[str, str], tuple[str, Signal | None]]()
+        regimes = {own.name: own for own in linkage.regimes}
+        asked = dict.fromkeys(erratum.regime for erratum in linkage.errata)
+        cases = {name: own_case(mechanism, regimes[name]) for name in asked}
         for erratum in linkage.errata:
-            case, printed = _models(linkage, erratum)
+            as_printed = Mechanism(variant_of(linkage, erratum.variant)) if erratum.variant else mechanism
+            case, printed = cases[erratum.regime], printed_motion(as_printed, regimes[erratum.regime], erratum)
             for name in engines:
                 if (erratum.regime, name) not in runs:
                     runs[erratum.regime, name] = _crank_speed(case, name)
                 yield _record(linkage, erratum, name, (case.motion, printed), runs[erratum.regime, name])
 
 
-def _models(linkage: Linkage, erratum: Erratum) -> tuple[Case, Spin]:
-    """The corrected case, which the engines run, and the motion by the printed model."""
-    own = next(regime for regime in linkage.regimes if regime.name == erratum.regime)
-    mechanism = Mechanism(linkage)
-    return own_case(mechanism, own), printed_motion(mechanism, own, erratum)
-
-
 def printed_motion(mechanism: Mechanism, own: OwnRegime, erratum: Erratum) -> Spin:
-    """The crank's motion by the printed model, in the printed integrator where that is what is on trial."""
-    if erratum.variant:
-        mechanism = Mechanism(load(mechanism.linkage.name, erratum.variant))
+    """The crank's motion by the printed model, in the printed integrator where that is what is on trial.
+
+    ``mechanism`` is the printed variant already, where the erratum names one.
+    """
     if erratum.steps is None:
         return own_motion(mechanism, own, erratum.half_slope)
     stepped = fixed_step(
@@ -137,10 +136,7 @@ def _crank_speed(case: Case, name: str) -> tuple[str, Signal | None]:
     """How an engine's run ended, and its crank speed over time."""
     adapter = engine(name)
     model = case.scene({Channel.VELOCITY})
-    obstacle = adapter.obstacle(model)
-    if obstacle is not None:
-        return Outcome.UNSUPPORTED.value, None
-    run = adapter.run(model, Setting.TUNED)
+    run = attempt(adapter, model, Setting.TUNED)
     if run.outcome is not Outcome.FINISHED or run.history is None:
         return run.outcome.value, None
     velocity = run.history.velocity

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from analytic.errors import LinkproofError
-from analytic.linkage import Linkage
+from analytic.linkage import Linkage, Vector
 from analytic.loading import parse
 from analytic.regimes import CrankMotion, Segment
 from comparisons.campaign import Request, RunResult
@@ -50,7 +50,7 @@ class Results:
     def linkages(self) -> tuple[Linkage, ...]:
         """The linkages as they were described when the campaign ran."""
         return tuple(
-            replace(parse(d["text"], d["name"], d["name"], d["variant"]), gravity=(d["gravity"][0], d["gravity"][1]))
+            described(d["text"], d["name"], d["variant"], (d["gravity"][0], d["gravity"][1]))
             for d in self.document["descriptions"]
         )
 
@@ -77,6 +77,11 @@ class Results:
         """Time, observed and reference of one run (mechanism, variant, regime, engine, setting) and quantity."""
         place = self._places["/".join(run), quantity]
         return tuple(self.curves[name].values[place] for name in ("time", "observed", "reference"))  # type: ignore[return-value]
+
+
+def described(text: str, name: str, variant: str | None, gravity: Vector) -> Linkage:
+    """A variant of a linkage from its file's text, under the gravity a campaign ran with."""
+    return replace(parse(text, name, name, variant), gravity=gravity)
 
 
 def document(

@@ -16,7 +16,7 @@ import numpy as np
 
 from analytic.dynamics import damping_coefficient
 from analytic.evaluation import evaluate
-from analytic.linkage import Linkage
+from analytic.linkage import Linkage, OwnRegime
 from analytic.mechanism import Mechanism
 from analytic.regimes import crank_motion
 from analytic.steady_state import steady_state
@@ -142,21 +142,24 @@ def _error(record: Record, *, absolute: bool) -> float:
 
 def _reference(target: Target, linkages: Sequence[Linkage]) -> Iterator[Figure]:
     """The closed form's own bound on the error of a released crank's angle, rad."""
-    for linkage in linkages:
-        for own in linkage.regimes:
-            if (linkage.name, own.name) == (target.arguments["mechanism"], target.arguments["regime"]):
-                yield Figure(target, linkage.name, own_motion(Mechanism(linkage), own).error_bound)
+    for mechanism, own in _named(target, linkages):
+        yield Figure(target, mechanism.linkage.name, own_motion(mechanism, own).error_bound)
 
 
 def _steady_state(target: Target, linkages: Sequence[Linkage]) -> Iterator[Figure]:
     """How far the settled mean speed of a driven crank is from M1/b, which an energy balance over a turn demands."""
+    for mechanism, own in _named(target, linkages):
+        damping = float(np.mean(damping_coefficient(mechanism.turn)))
+        speed = steady_state(mechanism, own.torque).mean_speed
+        yield Figure(target, mechanism.linkage.name, abs(speed * damping / own.torque - 1.0))
+
+
+def _named(target: Target, linkages: Sequence[Linkage]) -> Iterator[tuple[Mechanism, OwnRegime]]:
+    """The mechanism and the regime of its own that a target names."""
     for linkage in linkages:
         for own in linkage.regimes:
             if (linkage.name, own.name) == (target.arguments["mechanism"], target.arguments["regime"]):
-                mechanism = Mechanism(linkage)
-                damping = float(np.mean(damping_coefficient(mechanism.turn)))
-                speed = steady_state(mechanism, own.torque).mean_speed
-                yield Figure(target, linkage.name, abs(speed * damping / own.torque - 1.0))
+                yield Mechanism(linkage), own
 
 
 def _overheads(target: Target, linkages: Sequence[Linkage], engines: Sequence[str]) -> Iterator[Figure]:

@@ -12,6 +12,7 @@ import numpy as np
 from rich.console import Console
 
 from analytic.errors import LinkproofError
+from analytic.linkage import Linkage
 from analytic.loading import catalogue, load
 from analytic.mechanism import Mechanism
 from analytic.required_feed import compare_feed, read_required_feed
@@ -21,7 +22,7 @@ from comparisons.errata import judge_errata
 from comparisons.files import check_writable, write_text
 from comparisons.published import all_variants, compare_published
 from comparisons.records import Record, Verdict, to_json
-from comparisons.results import document, save
+from comparisons.results import described, document, save
 from comparisons.results import load as load_results
 from comparisons.targets import measure
 from engines.contract import Setting
@@ -94,7 +95,9 @@ def published(names: Sequence[str], target: str | None) -> None:
     records = compare_published(linkages)
     with progress() as announce:
         errata = []
-        for number, record in enumerate(judge_errata(linkages, installed(engine_names()))):
+        variants = {(linkage.name, linkage.variant): linkage for linkage in linkages}
+        judged = judge_errata(linkages, installed(engine_names()), lambda one, variant: variants[one.name, variant])
+        for number, record in enumerate(judged):
             announce(f"{record.mechanism}: {record.engine}", number, number + 1)
             errata.append(record)
     if target is None:
@@ -123,8 +126,15 @@ def compare(choice: Choice, out: Path | None, target: str | None, *, record_base
     if target != "-":
         Console().print(tables.campaign(results))
     if target or out:
-        errata = list(judge_errata(wanted.linkages, installed(wanted.engines))) if wanted.own_regimes else []
-        told = document(wanted, results, texts(choice, wanted.linkages), command, errata)
+        files = texts(choice, wanted.linkages)
+        by_name = dict(zip((linkage.name for linkage in wanted.linkages), files, strict=True))
+
+        def variant_of(linkage: Linkage, variant: str) -> Linkage:
+            return described(by_name[linkage.name], linkage.name, variant, linkage.gravity)
+
+        asked = wanted.linkages if wanted.own_regimes else ()
+        errata = list(judge_errata(asked, installed(wanted.engines), variant_of))
+        told = document(wanted, results, files, command, errata)
         if target:
             _write_json(target, told)
         if out:

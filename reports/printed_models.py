@@ -2,15 +2,14 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from functools import lru_cache
 from typing import Any
 
-from analytic.linkage import Erratum, Linkage
-from analytic.loading import parse
+from analytic.linkage import Erratum
 from analytic.mechanism import Mechanism
 from comparisons.errata import Spin
 from comparisons.errata import printed_motion as by_erratum
+from comparisons.results import described
 from reports.views import View
 
 
@@ -35,10 +34,7 @@ def printed_motion(view: View, erratum: Erratum) -> Spin:
 
 @lru_cache(maxsize=32)
 def _printed(text: str, name: str, gravity: tuple[float, float], erratum: Erratum) -> Spin:
-    """A variant is taken from the text here, so that nothing is looked up that has changed since the campaign."""
-
-    def reading(variant: str | None) -> Linkage:
-        return replace(parse(text, name, name, variant), gravity=gravity)
-
-    own = next(own for own in reading(None).regimes if own.name == erratum.regime)
-    return by_erratum(Mechanism(reading(erratum.variant)), own, replace(erratum, variant=None))
+    """A variant is taken from the text, so that nothing is looked up that has changed since the campaign."""
+    linkage = described(text, name, None, gravity)
+    own = next(own for own in linkage.regimes if own.name == erratum.regime)
+    return by_erratum(Mechanism(described(text, name, erratum.variant, gravity)), own, erratum)

@@ -9,10 +9,14 @@ from comparisons import errata
 from comparisons.errata import judge_errata, printed_motion
 
 
+def _variant(linkage, variant):
+    return load(linkage.name, variant)
+
+
 @pytest.fixture(scope="module")
 def records():
     linkages = [load("slotted-takeup"), load("two-crank-takeup")]
-    return {(r.mechanism, r.erratum): r for r in judge_errata(linkages, ["direct"])}
+    return {(r.mechanism, r.erratum): r for r in judge_errata(linkages, ["direct"], _variant)}
 
 
 def test_every_erratum_is_judged_and_refuted(records):
@@ -54,7 +58,7 @@ def test_sentences_name_engine_model_and_numbers(records):
 
 
 def test_other_variants_are_not_judged():
-    assert list(judge_errata([load("two-crank-takeup", "W+1")], ["direct"])) == []
+    assert list(judge_errata([load("two-crank-takeup", "W+1")], ["direct"], _variant)) == []
 
 
 @pytest.mark.parametrize(
@@ -62,3 +66,16 @@ def test_other_variants_are_not_judged():
 )
 def test_support_needs_a_clear_margin(corrected, printed, verdict):
     assert errata._supported(corrected, printed) == verdict
+
+
+def test_an_engine_that_raises_gives_no_motion_and_ends_nothing(monkeypatch):
+    class Failing:
+        name = "failing"
+
+        def obstacle(self, scene):
+            raise RuntimeError("out of memory")
+
+    monkeypatch.setattr(errata, "engine", lambda name: Failing())
+    records = list(judge_errata([load("two-crank-takeup")], ["failing"], _variant))
+    assert {(r.outcome, r.supports) for r in records} == {("diverged", "neither")}
+    assert "failing gave no motion, diverged" in records[0].sentence

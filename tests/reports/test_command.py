@@ -219,3 +219,13 @@ def test_a_released_crank_is_compared_by_its_own_motion():
     (record,) = json.loads(linkproof(*words).stdout)["records"]
     assert record["outcome"] == "passed"
     assert record["error_max"] < 1e-12
+
+
+def test_errata_of_a_users_own_file_are_judged_by_its_own_variants(tmp_path):
+    mine = tmp_path / "mine.toml"
+    mine.write_text((JUKI.parent / "two-crank-takeup.toml").read_text())
+    words = ("compare", mine, "--regime", "own", "--engine", "direct", "--quantity", "phi", "--json", "-")
+    done = linkproof(*words)
+    assert done.returncode == 0, done.stderr
+    judged = {row["erratum"]: row["supports"] for row in json.loads(done.stdout)["errata"]}
+    assert judged == {"S1 without US1": "corrected", "1000 fixed Runge-Kutta steps": "corrected"}
