@@ -3,7 +3,6 @@
 import dataclasses
 import math
 import os
-import sys
 
 import numpy as np
 import pytest
@@ -316,22 +315,3 @@ def test_a_linkage_that_came_apart_is_not_passed_off_as_finished(monkeypatch):
     run = ENGINE.run(scene(mechanism("juki-mf7923d"), Prescribed(_motion()), NO_FORCES), Setting.TUNED)
     assert run.outcome is Outcome.DIVERGED
     assert "is open by" in run.reason
-
-
-def test_an_absent_engine_is_unavailable_and_an_error_inside_it_is_not_hidden(monkeypatch):
-    model = scene(mechanism("juki-mf7923d"), Prescribed(_motion()), NO_FORCES)
-    monkeypatch.setitem(sys.modules, "exudyn", None)
-    run = ENGINE.run(model, Setting.TUNED)
-    assert run.outcome is Outcome.UNAVAILABLE
-    assert "pip install" in run.reason
-    assert ENGINE.obstacle(model) is None
-
-    class Broken:
-        def find_spec(self, name, path=None, target=None):
-            if name == "exudyn":
-                raise ModuleNotFoundError("No module named 'slip_of_the_pen'", name="slip_of_the_pen")
-
-    monkeypatch.delitem(sys.modules, "exudyn")
-    monkeypatch.setattr(sys, "meta_path", [Broken(), *sys.meta_path])
-    with pytest.raises(ModuleNotFoundError, match="slip_of_the_pen"):
-        ENGINE.run(model, Setting.TUNED)

@@ -1,0 +1,33 @@
+"""What every adapter of a third-party engine does where its engine is absent, or broken inside."""
+
+import sys
+
+import pytest
+
+from analytic.loading import load
+from analytic.mechanism import Mechanism
+from analytic.regimes import crank_motion
+from comparisons.scenes import scene
+from engines.contract import Channel, Outcome, Prescribed, Setting
+from engines.registry import engine
+
+
+@pytest.mark.parametrize("name", ["exudyn", "pymunk"])
+def test_an_absent_engine_is_unavailable_and_an_error_inside_it_is_not_hidden(monkeypatch, name):
+    adapter = engine(name)
+    model = scene(Mechanism(load("juki-mf7923d")), Prescribed(crank_motion()), set(Channel) - {Channel.JOINT_FORCE})
+    monkeypatch.setitem(sys.modules, name, None)
+    run = adapter.run(model, Setting.TUNED)
+    assert run.outcome is Outcome.UNAVAILABLE
+    assert "pip install" in run.reason
+    assert adapter.obstacle(model) is None
+
+    class Broken:
+        def find_spec(self, wanted, path=None, target=None):
+            if wanted == name:
+                raise ModuleNotFoundError("No module named 'slip_of_the_pen'", name="slip_of_the_pen")
+
+    monkeypatch.delitem(sys.modules, name)
+    monkeypatch.setattr(sys, "meta_path", [Broken(), *sys.meta_path])
+    with pytest.raises(ModuleNotFoundError, match="slip_of_the_pen"):
+        adapter.run(model, Setting.TUNED)
