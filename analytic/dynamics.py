@@ -29,9 +29,11 @@ def _link_inertia(sweep: Sweep, link: str) -> Scalar:
     if link == sweep.linkage.crank:  # turns about a fixed point, so its part is a constant
         x, y = dyads.minus(body.centre, sweep.structure.pivot.far_local)
         return body.mass * (x * x + y * y) + (body.inertia or 0.0)
-    velocity = sweep.centre(link, 1)
-    total = body.mass * dyads.dot(velocity, velocity)
-    if body.inertia is not None:
+    total: Scalar = 0.0
+    if body.mass:
+        velocity = sweep.centre(link, 1)
+        total = body.mass * dyads.dot(velocity, velocity)
+    if body.inertia:
         turn = sweep.rates(link)[2]
         total = total + body.inertia * (turn * turn)
     return total
@@ -61,8 +63,9 @@ def half_inertia_slope(sweep: Sweep) -> Array:
     for name, body in sweep.linkage.links.items():
         if name == sweep.linkage.crank:  # its part of Jeq is a constant
             continue
-        total += body.mass * dyads.dot(sweep.centre(name, 1), sweep.centre(name, 2))
-        if body.inertia is not None:
+        if body.mass:
+            total += body.mass * dyads.dot(sweep.centre(name, 1), sweep.centre(name, 2))
+        if body.inertia:
             total += body.inertia * (sweep.rates(name)[2] * sweep.accelerations(name)[2])
     return total
 
@@ -74,7 +77,8 @@ def gravity_force(sweep: Sweep) -> Array:
     if gravity == (0.0, 0.0):
         return total
     for name, body in sweep.linkage.links.items():
-        total += body.mass * _along(gravity, sweep.centre(name, 1))
+        if body.mass:
+            total += body.mass * _along(gravity, sweep.centre(name, 1))
     return total
 
 
@@ -144,7 +148,8 @@ def potential_energy(sweep: Sweep) -> Array:
     total = np.zeros(sweep.angle.shape)
     if linkage.gravity != (0.0, 0.0):
         for name, body in linkage.links.items():
-            total -= body.mass * _along(linkage.gravity, sweep.centre(name))
+            if body.mass:
+                total -= body.mass * _along(linkage.gravity, sweep.centre(name))
     for number, spring in enumerate(linkage.springs):
         total += 0.5 * spring.stiffness * (spring_length(sweep, number)[0] - spring.length) ** 2
     return total
@@ -155,14 +160,19 @@ def drive_torque(sweep: Sweep, speed: ArrayLike, acceleration: ArrayLike) -> Arr
 
     ``speed`` (rad/s) and ``acceleration`` (rad/s²) of the crank, signed, of the sweep's shape or scalar.
     """
-    return balance(sweep, reduced_inertia(sweep), np.asarray(speed, dtype=float), np.asarray(acceleration, dtype=float))
+    speed, acceleration = np.asarray(speed, dtype=float), np.asarray(acceleration, dtype=float)
+    inertia = reduced_inertia(sweep) if np.any(acceleration) else np.zeros(sweep.angle.shape)
+    return balance(sweep, inertia, speed, acceleration)
 
 
 def balance(sweep: Sweep, inertia: Array, speed: Array, acceleration: Array) -> Array:
-    """Mkr as ``drive_torque`` has it, where Jeq is known already."""
-    torque = inertia * acceleration + half_inertia_slope(sweep) * (speed * speed)
+    """Mkr as ``drive_torque`` has it, where Jeq is known already; a crank at rest asks for no second derivative."""
+    turns = bool(np.any(speed))
+    torque = inertia * acceleration
+    if turns:
+        torque += half_inertia_slope(sweep) * (speed * speed)
     torque -= generalised_force(sweep)
-    if is_damped(sweep.linkage):
+    if turns and is_damped(sweep.linkage):
         torque += damping_coefficient(sweep) * speed
     return np.asarray(torque)
 

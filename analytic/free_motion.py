@@ -6,6 +6,7 @@ ones of ``analytic.regimes``, and says how far it can be from the exact solution
 
 from __future__ import annotations
 
+import itertools
 import math
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -14,11 +15,11 @@ from typing import Final
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from analytic import dynamics
+from analytic import compiled_motion, dynamics
 from analytic.accuracy import relative_bounds
 from analytic.collocation import Windows, gauss_scheme
 from analytic.equation_of_motion import EquationOfMotion, equation_of_motion
-from analytic.errors import LinkproofError
+from analytic.errors import LinkproofError, UnknownNameError
 from analytic.integration import integrate
 from analytic.laws import Law
 from analytic.mechanism import Mechanism
@@ -37,13 +38,17 @@ ROUNDINGS: Final = 64.0  # of the largest moment, in any one: the closed form's 
 SEEN: Final = 720  # instants at which the closed form's own error is looked at
 LOOK, LOOKS = 16, 5  # each look at the peak shrinks its bracket 16-fold
 EPS: Final = float(np.finfo(float).eps)
+PATHS: Final = ("auto", "numpy", "compiled")
+# s, one evaluation of the equation by NumPy: read from its table, or from the closed form where there is none.
+FROM_TABLE, FROM_CLOSED_FORM = 2.2e-5, 2e-4
 
 
 @dataclass(frozen=True)
 class FreeMotion:
     """A crank motion that solves the equation of motion; made by ``free_motion``.
 
-    ``regime`` is ``driven`` under a crank torque, else ``free``; ``start`` holds φ, rad, and ω, rad/s, at t = 0.
+    ``regime`` is ``driven`` under a crank torque, else ``free``; ``start`` holds φ, rad, and ω, rad/s, at t = 0;
+    ``path`` is the one it was integrated on, ``numpy`` or ``compiled``.
     """
 
     regime: str
@@ -52,6 +57,7 @@ class FreeMotion:
     equation: EquationOfMotion
     windows: Windows
     tolerance: float
+    path: str = "numpy"
 
     def angle(self, time: ArrayLike) -> Array:
         """φ(t), rad."""
@@ -157,13 +163,19 @@ def free_motion(
     duration: float,
     half_slope: str = "exact",
     tolerance: float = TOLERANCE,
+    path: str = "auto",
 ) -> FreeMotion:
     """Let the linkage go at crank angle ``start_angle`` (rad) with ``start_speed`` (rad/s), for ``duration`` seconds.
 
     ``torque`` is M1 on the crank, N m, a number or a law of φ; the linkage's loads act besides. ``half_slope`` names
     the model of ½ Jeq': ``exact``, or ``moduli`` as printed in article 000. ``tolerance`` is the error of the speed
     within one window of integration, relative to it. Raises LinkproofError where the motion cannot be followed.
+
+    ``path`` says how it is integrated: ``numpy``; ``compiled``, which needs numba and the exact ½ Jeq' and leaves what
+    it cannot follow to NumPy; ``auto``, whichever takes less time from here, compiling or loading included.
     """
+    if path not in PATHS:
+        raise UnknownNameError("path", path, PATHS)
     for name, value in (("start angle", start_angle), ("start speed", start_speed)):
         if not math.isfinite(value):
             raise LinkproofError(f"{name}: expected a finite number, got {value:g}; give one that is")
@@ -171,23 +183,71 @@ def free_motion(
         if not (math.isfinite(value) and value > 0.0):
             raise LinkproofError(f"{name}: expected a positive finite number, got {value:g}; give one that is")
     equation = equation_of_motion(mechanism, torque, half_slope)
-    return follow(equation.tabulated(), start_angle, start_speed, duration, tolerance)
+    if path == "compiled":
+        compiled_motion.check_able(equation)
+    return follow(equation.tabulated(), start_angle, start_speed, duration, tolerance, path=path)
 
 
 def follow(
-    equation: EquationOfMotion, start_angle: float, start_speed: float, duration: float, tolerance: float
+    equation: EquationOfMotion,
+    start_angle: float,
+    start_speed: float,
+    duration: float,
+    tolerance: float,
+    *,
+    path: str = "auto",
 ) -> FreeMotion:
     """The motion of an equation that is ready to be integrated; arguments as for ``free_motion``."""
     start = (start_angle, start_speed)
-    windows = _integrated(equation, start, duration, NODES, tolerance)
+    windows, taken = _by_path(equation, start, duration, tolerance, path)
     regime = "driven" if np.any(equation.torque.values) else "free"
-    return FreeMotion(regime, start, duration, equation, windows, tolerance)
+    return FreeMotion(regime, start, duration, equation, windows, tolerance, taken)
+
+
+def _by_path(
+    equation: EquationOfMotion, start: tuple[float, float], duration: float, tolerance: float, path: str
+) -> tuple[Windows, str]:
+    """The windows and the path they come from.
+
+    How much NumPy has to do is not known beforehand. So it begins, and when it has taken as long as it takes to get the
+    kernels ready these take over: never more than twice the time of the better path.
+    """
+    if path == "numpy" or not compiled_motion.is_able(equation):
+        return _integrated(equation, start, duration, NODES, tolerance), "numpy"
+    price = compiled_motion.price() if path == "auto" else 0.0
+    if price > 0.0:
+        try:
+            most = price / (FROM_CLOSED_FORM if equation.table is None else FROM_TABLE)
+            return _integrated(equation, start, duration, NODES, tolerance, most_evaluations=most), "numpy"
+        except _TooLongError:
+            pass
+    rounding = ROUNDINGS * EPS * equation.peak_moment
+    windows = compiled_motion.integrate(equation, start, duration, tolerance=tolerance, rounding=rounding)
+    if windows is None:  # NumPy says where and why
+        return _integrated(equation, start, duration, NODES, tolerance), "numpy"
+    return windows, "compiled"
+
+
+class _TooLongError(Exception):
+    """NumPy has taken as long as the compiled path takes to get ready."""
 
 
 def _integrated(
-    equation: EquationOfMotion, start: tuple[float, float], duration: float, nodes: int, tolerance: float
+    equation: EquationOfMotion,
+    start: tuple[float, float],
+    duration: float,
+    nodes: int,
+    tolerance: float,
+    *,
+    most_evaluations: float = math.inf,
 ) -> Windows:
     """The windows of a motion; near an equilibrium the moment is a small difference, with the rounding of its peak."""
+    evaluations = itertools.count()
+
+    def acceleration(angle: Array, speed: Array) -> Array:
+        if next(evaluations) >= most_evaluations:
+            raise _TooLongError
+        return equation.acceleration(angle, speed)
+
     rounding = ROUNDINGS * EPS * equation.peak_moment
-    scheme = gauss_scheme(nodes)
-    return integrate(equation.acceleration, start, duration, scheme, tolerance=tolerance, rounding=rounding)
+    return integrate(acceleration, start, duration, gauss_scheme(nodes), tolerance=tolerance, rounding=rounding)

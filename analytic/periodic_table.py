@@ -92,7 +92,9 @@ def tabulate(functions: Functions, degree: int = DEGREE) -> PeriodicTable:
         parents = np.tile(error[~kept], 2)
     starts, coefficients, errors = (np.concatenate(parts) for parts in zip(*done, strict=True))
     order = np.argsort(starts)
-    return PeriodicTable(np.append(starts[order], FULL_TURN), coefficients[order], float(errors.max()))
+    return PeriodicTable(
+        np.append(starts[order], FULL_TURN), np.ascontiguousarray(coefficients[order]), float(errors.max())
+    )
 
 
 def _rules(degree: int) -> tuple[Array, Array, Array]:

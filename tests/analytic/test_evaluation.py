@@ -17,7 +17,7 @@ from tests.analytic.tolerances import FOUR_DIGITS
 def test_pieces_make_up_the_whole(count):
     sample, angle = mechanism("rimoldi-164"), angles(count)
     speed, acceleration = angles(count, seed=2), angles(count, seed=3)
-    found = evaluate(sample, angle, QUANTITIES, speed=speed, acceleration=acceleration)
+    found = evaluate(sample, angle, QUANTITIES, speed=speed, acceleration=acceleration, path="numpy")
     sweep = sample.sweep(angle)
     assert np.array_equal(found["Jeq"], dynamics.reduced_inertia(sweep))
     assert np.array_equal(found["half_slope"], dynamics.half_inertia_slope(sweep))

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from numpy.polynomial import polynomial
 
 from analytic.errors import LinkproofError, UnknownNameError
 from analytic.regimes import RAMPS, REGIMES, RPM, crank_motion
@@ -52,6 +53,18 @@ def test_constant_speed_starts_where_it_is_told():
 
 def test_without_a_hold_the_motion_ends_with_its_ramp():
     assert crank_motion(hold_time=0.0).duration == 0.6
+
+
+@pytest.mark.parametrize("regime", REGIMES)
+@pytest.mark.parametrize("clockwise", [False, True])
+def test_a_segment_is_its_polynomial_to_the_last_bit(regime, clockwise):
+    """Steppers compare clocks and kinks to rounding: NumPy's own evaluation, derivatives of any order included."""
+    for segment in crank_motion(regime, clockwise=clockwise, start_angle=0.3).segments:
+        for order in range(9):
+            series = polynomial.polyder(np.array(segment.coefficients), order)
+            for time in (TIME, TIME.reshape(3, -1), TIME[:0], np.float64(0.3), 0.3):
+                wanted = polynomial.polyval(np.asarray(time) - segment.start, series)
+                assert np.array_equal(segment.value(time, order), wanted)
 
 
 def test_an_unknown_regime():
