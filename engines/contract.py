@@ -43,12 +43,32 @@ class Channel(StrEnum):
 
 
 class Outcome(StrEnum):
-    """How a run ended."""
+    """How a run ended; the last two are found from outside, by whoever keeps the engine in a process of its own."""
 
     FINISHED = "finished"
     DIVERGED = "diverged"
     UNSUPPORTED = "unsupported"
     UNAVAILABLE = "unavailable"
+    TIMED_OUT = "timed-out"
+    CRASHED = "crashed"
+
+
+@dataclass(frozen=True)
+class Method:
+    """One way of stepping that an engine offers for study: each step as asked, nothing tried again or adapted.
+
+    A :class:`Setting` is what a user runs; a method is what its choice is argued from. ``name`` is unique within the
+    engine, ``about`` says in one sentence what it is. ``levels`` counts the runs at fractions of the step that are
+    extrapolated (1: none). ``effort`` is what the constraint solver is given in every step, in ``effort_unit``
+    ("iterations", "relative tolerance"); None leaves the engine's own, and any other may be put in its place with
+    ``dataclasses.replace`` where ``effort_unit`` is not empty.
+    """
+
+    name: str
+    about: str
+    levels: int = 1
+    effort: float | None = None
+    effort_unit: str = ""
 
 
 @dataclass(frozen=True)
@@ -226,8 +246,9 @@ class Run:
     """What came of a run: an outcome with its reason, and the history if it finished.
 
     ``seconds`` is wall time of the stepping alone, ``setup_seconds`` of building the model; ``steps`` counts
-    every time step taken, over all passes of an extrapolation and every trial of a step. ``details`` states the
-    settings actually used.
+    every time step taken, over all passes of an extrapolation and every trial of a step. ``solver_work`` counts what
+    the constraint solver did in them, in the engine's own unit (``Engine.work_unit``); 0 where the engine does not
+    tell. ``details`` states the settings actually used.
     """
 
     outcome: Outcome
@@ -236,6 +257,7 @@ class Run:
     seconds: float = 0.0
     setup_seconds: float = 0.0
     steps: int = 0
+    solver_work: int = 0
     details: Mapping[str, str | int | float] = field(default_factory=dict)
 
 
@@ -243,6 +265,7 @@ class Engine(Protocol):
     """One engine behind the contract. Adapters are found through the entry-point group ``linkproof.engines``."""
 
     name: str
+    work_unit: str  # what Run.solver_work counts, in the plural: "Newton iterations"
 
     def version(self) -> str | None:
         """Version of the installed engine, or None where it is not installed."""
@@ -254,4 +277,20 @@ class Engine(Protocol):
 
     def run(self, scene: Scene, setting: Setting) -> Run:
         """Build the scene, step it through its drive and return the motion; never raises for a bad simulation."""
+        ...
+
+    def methods(self, scene: Scene) -> tuple[Method, ...]:
+        """The ways of stepping that can be studied on a scene's kind of drive: integrators × levels × solver effort.
+
+        The first is what a newcomer would write, the engine's defaults at a step of the caller's. Nothing is imported.
+        """
+        ...
+
+    def run_method(self, scene: Scene, method: Method, step: float) -> Run:
+        """Like ``run``, by one method at a longest step of ``step`` seconds; samples come at that step.
+
+        A method without steps (an exact solution at every instant) only samples there. Refuses nothing that ``run``
+        would take; says DIVERGED only where no history can be handed back or the engine itself gave up, so that what
+        it makes of too long a step can be judged from outside.
+        """
         ...

@@ -8,16 +8,20 @@ on nothing but that instant. A free crank follows the bodies' own equation of mo
 
 from __future__ import annotations
 
+import math
 import time as clock
+from dataclasses import replace
 from importlib import metadata
 
 import numpy as np
 
+from analytic.errors import LinkproofError
 from engines.consistency import start_misfit
-from engines.contract import Channel, History, Outcome, Run, Scene, Setting
+from engines.contract import Channel, History, Method, Outcome, Run, Scene, Setting
 from engines.direct_assembly import UnsolvableError
 from engines.direct_equations import Equations
 from engines.direct_motion import motion
+from engines.direct_recipes import METHODS, SETTINGS, Recipe, method_recipe
 
 DISTRIBUTION = "linkproof"
 SINGULAR = 1e-9  # smallest over largest singular value of the constraint equations
@@ -27,6 +31,7 @@ class DirectEngine:
     """Constrained planar bodies in descriptor form."""
 
     name = "direct"
+    work_unit = "linear solves"
 
     def version(self) -> str | None:
         try:
@@ -46,21 +51,41 @@ class DirectEngine:
         return _degeneracy(equations)
 
     def run(self, scene: Scene, setting: Setting) -> Run:
-        begin = clock.perf_counter()
-        misfit = start_misfit(scene)
-        if misfit is not None:
-            return Run(Outcome.DIVERGED, misfit)
-        equations = Equations(scene)
-        ready = clock.perf_counter()
-        try:
-            with np.errstate(all="ignore"):  # what is not finite is found and named
-                history, steps, details = motion(equations, setting)
-        except UnsolvableError as failure:
-            return Run(Outcome.DIVERGED, str(failure), None, clock.perf_counter() - ready, ready - begin)
+        return _run(scene, SETTINGS[setting])
+
+    def methods(self, scene: Scene) -> tuple[Method, ...]:
+        return METHODS
+
+    def run_method(self, scene: Scene, method: Method, step: float) -> Run:
+        if not 0.0 < step < math.inf:
+            raise LinkproofError(f"step: expected a positive finite number of seconds, got {step:g}; correct it")
+        run = _run(scene, method_recipe(method, step))
+        return replace(run, details={"method": method.name, **run.details})
+
+
+def _run(scene: Scene, recipe: Recipe) -> Run:
+    begin = clock.perf_counter()
+    misfit = start_misfit(scene)
+    if misfit is not None:
+        return Run(Outcome.DIVERGED, misfit)
+    equations = Equations(scene)
+    ready = clock.perf_counter()
+    try:
+        with np.errstate(all="ignore"):  # what is not finite is found and named
+            history, steps, details = motion(equations, recipe)
         reason = _not_finite(history)
-        outcome = Outcome.FINISHED if reason is None else Outcome.DIVERGED
-        kept = history if reason is None else None
-        return Run(outcome, reason or "", kept, clock.perf_counter() - ready, ready - begin, steps, details)
+    except UnsolvableError as failure:
+        history, steps, details, reason = None, 0, {}, str(failure)
+    return Run(
+        Outcome.FINISHED if reason is None else Outcome.DIVERGED,
+        reason or "",
+        history if reason is None else None,
+        seconds=clock.perf_counter() - ready,
+        setup_seconds=ready - begin,
+        steps=steps,
+        solver_work=equations.solves,
+        details=details,
+    )
 
 
 def _degeneracy(equations: Equations) -> str | None:

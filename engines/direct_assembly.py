@@ -27,16 +27,19 @@ class UnsolvableError(Exception):
 class Solver:
     """Linear systems in G at n instants: an inverse good to a few digits at least, and the matrix to refine with."""
 
+    equations: Equations
     inverse: Reals
     matrix: Reals
     passes: int = 2
 
     def solve(self, right: Reals) -> Reals:
         """G x = right, (n, k)."""
+        self.equations.solves += len(right)
         return _refined(self.inverse, self.matrix, right, self.passes)
 
     def solve_transposed(self, right: Reals) -> Reals:
         """Gᵀ x = right, (n, k)."""
+        self.equations.solves += len(right)
         return _refined(self.inverse.swapaxes(1, 2), self.matrix.swapaxes(1, 2), right, self.passes)
 
 
@@ -70,7 +73,7 @@ class Closed:
 
     def solver(self, equations: Equations, passes: int = 2) -> Solver:
         """For the velocities, accelerations and forces of these poses."""
-        return Solver(self.inverse, equations.jacobian(self.arms), passes)
+        return Solver(equations, self.inverse, equations.jacobian(self.arms), passes)
 
 
 def close(equations: Equations, pose: Pose) -> Closed:
@@ -84,6 +87,7 @@ def close(equations: Equations, pose: Pose) -> Closed:
     first, before = None, math.inf
     for _ in range(PASSES):
         step = _product(inverse, -equations.residual(pose, arms))
+        equations.solves += len(step)
         step[:, equations.crank_column] = 0.0  # the crank is where the drive has it, to the last digit
         pose = pose.moved(equations.spread(step))
         arms = equations.arms(pose)

@@ -88,7 +88,10 @@ def dot(one: Reals, other: Reals) -> Reals:
 
 
 class Equations:
-    """The constraint equations of a scene; rows are pins in x, pins in y, lines, angles, crank."""
+    """The constraint equations of a scene; rows are pins in x, pins in y, lines, angles, crank.
+
+    ``solves`` counts the linear systems solved so far, one for every right-hand side of every instant.
+    """
 
     def __init__(self, scene: Scene) -> None:
         self.scene = scene
@@ -105,6 +108,7 @@ class Equations:
         self._count_coordinates()
         self._count_rows()
         self._template = self._constant_entries()
+        self.solves = 0
 
     def _numbers(self, names: list[str]) -> NDArray[np.intp]:
         return np.array([self.index[name] for name in names], dtype=np.intp)

@@ -12,7 +12,8 @@ from engines.direct_assembly import Closed, Solver
 from engines.direct_equations import Arms, Equations, Pose, Reals, across
 from engines.direct_loads import applied_loads
 
-KINETIC = frozenset({Channel.ACCELERATION, Channel.TORQUE, Channel.JOINT_FORCE})
+FORCES = frozenset({Channel.TORQUE, Channel.JOINT_FORCE})
+KINETIC = FORCES | {Channel.ACCELERATION}
 
 
 @dataclass(frozen=True)
@@ -52,20 +53,23 @@ def solve(equations: Equations, closed: Closed, crank: Crank, wanted: frozenset[
     velocity = equations.spread(rate) * metres(equations)
     if not wanted & KINETIC:
         return Instants(position, velocity)
-    loads = applied_loads(equations.scene, equations, closed.pose, velocity, crank.angle)
-    loads[:, equations.crank, 2] += crank.torque
     bend = solver.solve(equations.bend(closed.arms, equations.spread(rate)))
+    loads: Reals = np.zeros(0)
     second = crank.acceleration
+    if second is None or wanted & FORCES:  # a prescribed crank moves as it does whatever pulls at the links
+        loads = applied_loads(equations.scene, equations, closed.pose, velocity, crank.angle)
+        loads[:, equations.crank, 2] += crank.torque
     if second is None:
         second = _free_acceleration(equations, lever, bend, loads)
     acceleration = equations.spread(bend + lever * second[:, None]) * metres(equations)
-    if wanted <= {Channel.POSITION, Channel.VELOCITY, Channel.ACCELERATION}:
+    if not wanted & FORCES:
         return Instants(position, velocity, acceleration)
     multipliers = reactions(equations, solver, equations.mass * acceleration - loads)
     torque = multipliers[:, equations.crank_row] * equations.unit
     if crank.acceleration is None:
         torque = np.full_like(crank.speed, crank.torque)  # the row of the crank takes nothing: rounding, no torque
-    return Instants(position, velocity, acceleration, torque, joint_forces(equations, closed.arms, multipliers))
+    forces = joint_forces(equations, closed.arms, multipliers) if Channel.JOINT_FORCE in wanted else None
+    return Instants(position, velocity, acceleration, torque, forces)
 
 
 def metres(equations: Equations) -> Reals:

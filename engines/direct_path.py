@@ -102,6 +102,7 @@ def node(equations: Equations, pose: Pose) -> Node:
     inverse = inverted(matrix)
     first = equations.spread(inverse[:, :, equations.crank_row])
     second = equations.spread((inverse @ equations.bend(closed.arms, first)[..., None])[..., 0])
+    equations.solves += 2
     position = np.concatenate([closed.pose.place, closed.pose.angle[..., None]], axis=-1)
     angle = float(closed.pose.angle[0, equations.crank])
     return Node(angle, np.stack([position[0], first[0], second[0]]), float(np.linalg.slogdet(matrix[0])[0]))

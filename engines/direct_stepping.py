@@ -16,8 +16,6 @@ from engines.direct_equations import Arms, Equations, Pose, Reals
 from engines.direct_instants import Instants, coordinates, joint_forces, metres
 from engines.direct_loads import applied_loads
 
-LARGEST_GAP = 1e-2  # of the unit of length: joints further apart than this are no joints
-
 
 @dataclass(frozen=True)
 class State:
@@ -42,14 +40,18 @@ class Balance:
     multipliers: Reals
 
 
-def step_through(equations: Equations, time: Reals) -> list[Instants]:
-    """Step from the scene's start state through the evenly spaced times; raises UnsolvableError."""
+def step_through(equations: Equations, time: Reals, largest_gap: float) -> list[Instants]:
+    """Step from the scene's start state through the evenly spaced times.
+
+    Raises UnsolvableError where the joints are further apart than ``largest_gap`` units of length.
+    """
     state = _start(equations)
     drive = _drive(equations, time)
     found = []
     for number, now in enumerate(time):
         balance = _balance(equations, state, drive[2 * number])
-        found.append(_instant(equations, state, balance, float(now)))
+        _check_joints(equations, balance, float(now), largest_gap)
+        found.append(_instant(equations, state, balance))
         if number + 1 < len(time):
             step = float(time[number + 1] - now)
             state = _runge_kutta(equations, state, balance, step, drive[2 * number + 1 : 2 * number + 3])
@@ -114,6 +116,7 @@ def _saddle_point(equations: Equations, jacobian: Reals, loads: Reals, bend: Rea
     matrix[range(size), range(size)] = inertia
     matrix[:size, size:] = -jacobian.T
     matrix[size:, :size] = jacobian
+    equations.solves += 1
     try:
         solution = np.linalg.solve(matrix, np.concatenate([equations.gather(loads / factors)[0], bend]))
     except np.linalg.LinAlgError:
@@ -121,12 +124,18 @@ def _saddle_point(equations: Equations, jacobian: Reals, loads: Reals, bend: Rea
     return equations.spread(solution[None, :size]), solution[None, size:]
 
 
-def _instant(equations: Equations, state: State, balance: Balance, now: float) -> Instants:
-    """What is recorded; raises UnsolvableError when the joints have come apart or the motion is no number any more."""
+def _check_joints(equations: Equations, balance: Balance, now: float, largest_gap: float) -> None:
+    """Raise UnsolvableError when the joints have come apart or the motion is no number any more."""
     gap = float(np.max(np.abs(equations.residual(balance.pose, balance.arms))))
-    if not gap <= LARGEST_GAP:
+    if not np.isfinite(gap):
+        raise UnsolvableError(f"the motion is no number any more at {now:.4g} s")
+    if gap > largest_gap:
         millimetres = gap * equations.unit * 1e3
         raise UnsolvableError(f"the joints have drifted apart by {millimetres:.3g} mm at {now:.4g} s")
+
+
+def _instant(equations: Equations, state: State, balance: Balance) -> Instants:
+    """What is recorded."""
     return Instants(
         coordinates(equations, balance.pose),
         state.rate * metres(equations),

@@ -1,38 +1,22 @@
-"""A prescribed crank in exudyn: its angle as functions of time, and what the accelerations do where its own jumps."""
+"""A prescribed crank in exudyn: its angle as functions of time, and where its acceleration jumps."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
 from typing import Any, TypeAlias
-
-import numpy as np
-from numpy.typing import NDArray
 
 from analytic.regimes import Segment
 
-Array = NDArray[np.float64]
 Foreign: TypeAlias = Any  # an object of exudyn, which carries no types
 
 ROUNDING = 1e-9  # of the largest acceleration beside it: a smaller jump is rounding
 
 
-@dataclass(frozen=True)
-class Meeting:
-    """The crank where two segments meet: its speed, rad/s, and its acceleration before and after, rad/s²."""
-
-    speed: float
-    before: float
-    after: float
-    jumps: bool
-
-
-def meeting(before: Segment, after: Segment) -> Meeting:
-    """Speed and accelerations where ``before`` goes over into ``after``."""
+def jumps(before: Segment, after: Segment) -> bool:
+    """Whether the crank's acceleration jumps where ``before`` goes over into ``after``."""
     times = [(s, s.start + share * (s.end - s.start)) for s in (before, after) for share in (0.0, 0.5, 1.0)]
     scale = max(abs(crank_value(segment, time, 2)) for segment, time in times)
-    left, right = crank_value(before, before.end, 2), crank_value(after, after.start, 2)
-    return Meeting(crank_value(after, after.start, 1), left, right, abs(right - left) > ROUNDING * scale)
+    return abs(crank_value(after, after.start, 2) - crank_value(before, before.end, 2)) > ROUNDING * scale
 
 
 def crank_value(segment: Segment, time: float, order: int) -> float:
@@ -54,18 +38,6 @@ def derivative(coefficients: Sequence[float], order: int) -> list[float]:
     for _ in range(order):
         result = [power * coefficient for power, coefficient in enumerate(result)][1:]
     return result or [0.0]
-
-
-def accelerations_after(meeting: Meeting, velocity: Array, acceleration: Array) -> Array:
-    """Accelerations of all coordinates just after a jump of the crank's, from those just before it.
-
-    With one degree of freedom q' = dq/dφ: q̇ = q' ω and q̈ = q'' ω² + q' ε, so that q̈ grows by q̇/ω for every unit of ε.
-    """
-    if not meeting.jumps:
-        return acceleration
-    if meeting.speed != 0.0:
-        return acceleration + velocity * ((meeting.after - meeting.before) / meeting.speed)
-    return acceleration * (meeting.after / meeting.before)  # at rest q̈ = q' ε
 
 
 def polynomial(coefficients: Sequence[float], start: float) -> Callable[..., Foreign]:

@@ -1,43 +1,33 @@
-"""pymunk behind the contract: the scene as bodies, pins and grooves, stepped and extrapolated.
-
-- ``naive`` is what a newcomer writes: defaults, 1e-4 s, every read-out at face value.
-- ``tuned`` makes the stepping second order (see pymunk_passes) and extrapolates three passes with h, h/3 and h/5.
-- ``best`` extrapolates four passes, at closer samples.
-"""
+"""pymunk behind the contract: the scene as bodies, pins and grooves, stepped and extrapolated (see pymunk_plans)."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from importlib import metadata
-from time import perf_counter
+
+import numpy as np
 
 from engines import pymunk_checks
-from engines.contract import Outcome, Prescribed, Run, Scene, Setting
-from engines.pymunk_checks import DivergedError
-from engines.pymunk_doubt import Pass, extrapolated
-from engines.pymunk_free import free_passes
+from engines.contract import History, Method, Outcome, Prescribed, Run, Scene, Setting
+from engines.pymunk_checks import DivergedError, check_read_out
+from engines.pymunk_cost import Cost
+from engines.pymunk_doubt import extrapolated
+from engines.pymunk_free import free_history
 from engines.pymunk_layout import exact_layout
 from engines.pymunk_naive import naive_pass
-from engines.pymunk_passes import Plan, prescribed_passes
+from engines.pymunk_passes import prescribed_passes
+from engines.pymunk_plans import METHODS, Aim, PlainPlan, Plan, method_plan, setting_plan
+from engines.pymunk_release import WINDOW
 from engines.pymunk_solver import SlowSolverError, iterations_for
 from engines.pymunk_space import Rig
 
-PRESCRIBED: Mapping[Setting, Plan] = {
-    Setting.TUNED: Plan(150, 200, (1, 3, 5), 0.03, 1e-4),
-    Setting.BEST: Plan(200, 200, (1, 3, 5, 7), 0.01, 1e-6),
-}
-
-# A free crank adds up its error of phase over all turns, and a prescribed one has none: it takes smaller steps.
-FREE: Mapping[Setting, Plan] = {
-    Setting.TUNED: Plan(100, 1000, (1, 3, 5), 0.2, 0.05),
-    Setting.BEST: Plan(120, 1000, (7, 9, 11), 0.2, 0.002),
-}
+Details = dict[str, str | int | float]
 
 
 class PymunkEngine:
     """Adapter for pymunk (Chipmunk2D)."""
 
     name = "pymunk"
+    work_unit = "constraint visits"
 
     def version(self) -> str | None:
         try:
@@ -49,6 +39,15 @@ class PymunkEngine:
         return pymunk_checks.obstacle(scene)
 
     def run(self, scene: Scene, setting: Setting) -> Run:
+        return self._run(scene, setting_plan(scene.drive, setting), {})
+
+    def methods(self, scene: Scene) -> tuple[Method, ...]:
+        return METHODS
+
+    def run_method(self, scene: Scene, method: Method, step: float) -> Run:
+        return self._run(scene, method_plan(method, step), {"method": method.name})
+
+    def _run(self, scene: Scene, plan: PlainPlan | Plan, details: Details) -> Run:
         reason = self.obstacle(scene)
         if reason is not None:
             return Run(Outcome.UNSUPPORTED, reason)
@@ -58,45 +57,55 @@ class PymunkEngine:
             if error.name != "pymunk":
                 raise
             return Run(Outcome.UNAVAILABLE, "engine 'pymunk' is not installed; pip install 'linkproof[pymunk]'")
-        try:
-            return _naive(scene) if setting is Setting.NAIVE else _extrapolated(scene, setting)
-        except DivergedError as error:
-            return Run(Outcome.DIVERGED, str(error))
-        except SlowSolverError as error:
-            return Run(Outcome.UNSUPPORTED, str(error))
+        return _stepped(scene, plan, details)
 
 
-def _naive(scene: Scene) -> Run:
-    done = naive_pass(scene)
-    details: dict[str, str | int | float] = {
-        "step": done.step,
-        "iterations": "pymunk's default",
-        "error_bias": "pymunk's default",
-        "torque": "size of the motor's impulse over the step; pymunk does not tell its sign",
-    }
-    return Run(Outcome.FINISHED, "", done.history, done.seconds, done.setup_seconds, done.steps, details)
+def _stepped(scene: Scene, plan: PlainPlan | Plan, details: Details) -> Run:
+    """What came of a plan; what it cost is told however it ends, and ``details`` are added to as they are settled."""
+    outcome, reason, history = Outcome.FINISHED, "", None
+    cost = Cost()
+    try:
+        with np.errstate(over="ignore", invalid="ignore"):
+            if isinstance(plan, PlainPlan):
+                history = _plain(scene, plan, cost, details)
+            else:
+                history = _extrapolated(scene, plan, cost, details)
+        check_read_out(history)
+    except DivergedError as error:
+        outcome, reason, history = Outcome.DIVERGED, str(error), None
+    except np.linalg.LinAlgError:
+        outcome, reason = Outcome.DIVERGED, "the motion came to a state from which it cannot be read out"
+    except SlowSolverError as error:
+        outcome, reason = Outcome.UNSUPPORTED, str(error)
+    return Run(outcome, reason, history, cost.seconds, cost.setup_seconds, cost.steps, cost.visits, details)
 
 
-def _extrapolated(scene: Scene, setting: Setting) -> Run:
-    begun = perf_counter()
-    layout = exact_layout(scene)
+def _plain(scene: Scene, plan: PlainPlan, cost: Cost, details: Details) -> History:
+    details["iterations"] = plan.iterations or "pymunk's default"
+    details["error_bias"] = "pymunk's default"
+    details["torque"] = "size of the motor's impulse over the step; pymunk does not tell its sign"
+    done = naive_pass(scene, plan, cost)
+    details["step"] = done.step
+    return done.history
+
+
+def _extrapolated(scene: Scene, plan: Plan, cost: Cost, details: Details) -> History:
+    with cost.building():
+        layout = exact_layout(scene)
+        iterations = plan.iterations or iterations_for(scene, layout, plan.remaining)
+    rig = Rig(scene, layout, iterations, judged=isinstance(plan.pace, Aim))
+    details["iterations"] = iterations
+    details["error_bias"] = 0.0
+    details["cut_off_parts"] = len(layout.parts) - len(scene.bodies)
     drive = scene.drive
-    plan = (PRESCRIBED if isinstance(drive, Prescribed) else FREE)[setting]
-    rig = Rig(scene, layout, iterations_for(scene, layout, plan.remaining))
-    built = perf_counter() - begun
-    trials: list[Pass] = []
+    ratios = plan.ratios
     if isinstance(drive, Prescribed):
-        passes = prescribed_passes(rig, drive.motion, plan)
+        passes = prescribed_passes(rig, drive.motion, plan, cost)
+        history, details["sample_step"] = extrapolated(passes), passes[0].step * ratios[0]
+        ratios = tuple(round(passes[0].step * ratios[0] / done.step) for done in passes)
     else:
-        trials, passes = free_passes(rig, drive, plan)
-    details: dict[str, str | int | float] = {
-        "sample_step": passes[0].step * plan.ratios[0],
-        "ratios": " ".join(str(round(passes[0].step * plan.ratios[0] / done.step)) for done in passes),
-        "iterations": rig.iterations,
-        "error_bias": 0.0,
-        "cut_off_parts": len(layout.parts) - len(scene.bodies),
-    }
-    everything = (*trials, *passes)
-    seconds, setup_seconds = sum(p.seconds for p in everything), built + sum(p.setup_seconds for p in everything)
-    steps = sum(p.steps for p in everything)
-    return Run(Outcome.FINISHED, "", extrapolated(passes), seconds, setup_seconds, steps, details)
+        history, details["sample_step"] = free_history(rig, drive, plan, cost)
+        if len(ratios) > 1:
+            details["samples_to_release"] = WINDOW
+    details["ratios"] = " ".join(map(str, ratios))
+    return history

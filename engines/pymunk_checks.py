@@ -16,7 +16,7 @@ from analytic.laws import Law
 from analytic.linkage import GROUND
 from analytic.regimes import Segment
 from engines.consistency import start_misfit
-from engines.contract import Free, Scene
+from engines.contract import Channel, Free, History, Scene
 from engines.pymunk_layout import Kind, Layout, exact_layout, turns
 from engines.pymunk_reactions import gaps
 from engines.pymunk_recording import WATCHED, Recording
@@ -148,20 +148,33 @@ def _freedom(layout: Layout) -> int:
     return coordinates - sum(rows[hold.kind] for hold in layout.holds)
 
 
-def check_joints(times: Array, seen: Array, layout: Layout, share: float = OPEN_JOINT) -> None:
-    """Raise DivergedError where the parts' states (n, parts, 2, 3) are not finite or a joint is open.
-
-    ``share`` of the scene's size is what a joint may be open. Looks are thinned out: a joint that opens stays open.
-    """
+def check_finite(times: Array, seen: Array) -> None:
+    """Raise DivergedError where the parts' states (n, parts, 2, 3) are not finite."""
     finite = np.isfinite(seen).all(axis=(1, 2, 3))
     if not finite.all():
         raise DivergedError(f"the motion is not finite from {max(0.0, times[np.argmin(finite)]):.4g} s on")
+
+
+def check_joints(times: Array, seen: Array, layout: Layout, share: float = OPEN_JOINT) -> None:
+    """Raise DivergedError where a joint is open by more than a share of the scene's size.
+
+    Looks are thinned out: a joint that opens stays open.
+    """
     thin = slice(None, None, max(1, len(times) // WATCHED))
     opened = gaps(layout, seen[thin, :, 0])
     look, hold = np.unravel_index(np.argmax(opened), opened.shape)
     if opened[look, hold] > share * layout.reach:
         joint = layout.holds[hold].joint or "within a body"
         raise DivergedError(f"joint '{joint}' is open by {opened[look, hold]:.2g} m at {times[thin][look]:.4g} s")
+
+
+def check_read_out(history: History) -> None:
+    """Raise DivergedError where a signal is not finite: states may be, and their products not."""
+    signals = {channel.value: getattr(history, channel.value) for channel in Channel if channel != Channel.JOINT_FORCE}
+    signals |= {f"force of joint '{name}'": force for name, force in history.joint_force.items()}
+    for name, signal in signals.items():
+        if signal is not None and not np.isfinite(signal.values).all():
+            raise DivergedError(f"the {name} is no longer a finite number")
 
 
 def check_crank(recording: Recording, layout: Layout, segment: Segment) -> None:

@@ -24,13 +24,10 @@ ORDERS = (2, 3, 4, 5, 6, 7, 8)
 
 @dataclass(frozen=True)
 class Pass:
-    """What one pass gave: the history at its samples, seconds of stepping and of building, and the steps taken."""
+    """What one pass gave: its longest step, s, and the history at its samples."""
 
     step: float
     history: History
-    seconds: float
-    setup_seconds: float
-    steps: int
 
 
 @dataclass(frozen=True)

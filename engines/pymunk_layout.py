@@ -88,6 +88,16 @@ def exact_layout(scene: Scene) -> Layout:
     return _Cutter(scene, cut=True).layout()
 
 
+def geared(layout: Layout) -> list[list[int]]:
+    """The parts by number, those together that gears keep at fixed angles to each other."""
+    group = list(range(len(layout.parts)))
+    for hold in layout.holds:
+        if hold.kind is Kind.GEAR and STILL not in (hold.first, hold.second):
+            old, new = group[hold.second], group[hold.first]
+            group = [new if own == old else own for own in group]
+    return [[number for number, own in enumerate(group) if own == chosen] for chosen in sorted(set(group))]
+
+
 def turns(scene: Scene, body: Body) -> bool:
     """Whether a body can turn: it has an inertia and does not slide on something that cannot."""
     hosts = {slider.body: slider.host for slider in scene.sliders}

@@ -7,8 +7,7 @@ motion second order in the step with terms of every higher order behind it; any 
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
-from time import perf_counter
+from collections.abc import Callable
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,20 +15,23 @@ from numpy.typing import NDArray
 from analytic.laws import FULL_TURN
 from analytic.regimes import CrankMotion, Segment
 from engines.contract import Scene
-from engines.pymunk_checks import DivergedError, check_crank, check_impulses, check_joints
+from engines.pymunk_checks import DivergedError, check_crank, check_finite, check_impulses, check_joints
+from engines.pymunk_cost import Cost
 from engines.pymunk_doubt import Pass, doubt
 from engines.pymunk_layout import Layout
 from engines.pymunk_loads import StepLoads
+from engines.pymunk_plans import Plan
 from engines.pymunk_recording import Clock, Recording, joined, looks, marks
 from engines.pymunk_space import Rig, World, add_motor, add_torque, build_world
-from engines.pymunk_stepping import Calls, calls, march, place
+from engines.pymunk_stepping import Calls, calls, march, march_wound, place
 
 Array = NDArray[np.float64]
 
-# Steps before the first sample of a segment, in which what the start got wrong dies away: first with COLD times as many
-# iterations, there being no good guess of the impulses, then as later, so that the change of effort dies away too.
-RUN_IN = 20
-COLD_STEPS = 10
+# Steps before the first sample of a segment, in which what the start got wrong dies away: a share of them with COLD
+# times as many iterations, there being no good guess of the impulses, then as later, so that the change of effort dies
+# away too. Where steps are so long that they would lead further back than a turn, there are fewer.
+RUN_IN = 40
+COLD_SHARE = 0.25
 COLD = 4
 
 # Passes of a prescribed motion at most, what another one has to make of their disagreement to be followed by more, and
@@ -40,22 +42,6 @@ LARGEST_DOUBT = 0.05
 
 # Fewest samples of a segment, however short it is.
 LEAST_SAMPLES = 4
-
-
-@dataclass(frozen=True)
-class Plan:
-    """How a setting is stepped.
-
-    ``samples_per_turn`` at the peak speed (``least_samples`` in all), the ``ratios`` of steps to samples of the passes
-    that are extrapolated, and the share ``remaining`` of an impulse's change that the solver may leave wrong in a step.
-    ``doubt`` is how far the result may depend on the coarsest pass (see pymunk_doubt; the angle of a free crank, rad).
-    """
-
-    samples_per_turn: int
-    least_samples: int
-    ratios: tuple[int, ...]
-    remaining: float
-    doubt: float
 
 
 def step_count(duration: float, step: float) -> int:
@@ -98,18 +84,21 @@ def torque_bound(scene: Scene, layout: Layout, motion: CrankMotion) -> float:
     return bound
 
 
-def prescribed_passes(rig: Rig, motion: CrankMotion, plan: Plan) -> list[Pass]:
-    """The passes to extrapolate: those of the plan, and finer ones until they agree as far as the plan wants.
+def prescribed_passes(rig: Rig, motion: CrankMotion, plan: Plan, cost: Cost) -> list[Pass]:
+    """The passes to extrapolate: those of the plan, and finer ones until they agree as far as it aims at.
 
     Raises DivergedError where they do not agree at all.
     """
-    step = min(FULL_TURN / motion.peak_speed / plan.samples_per_turn, motion.duration / plan.least_samples)
+    aim = plan.pace
+    if isinstance(aim, float):
+        return [prescribed_pass(rig, motion, aim, ratio, cost) for ratio in plan.ratios]
+    step = min(FULL_TURN / motion.peak_speed / aim.samples_per_turn, motion.duration / aim.least_samples)
     ratios = list(plan.ratios)
-    passes = [prescribed_pass(rig, motion, step, ratio) for ratio in ratios]
+    passes = [prescribed_pass(rig, motion, step, ratio, cost) for ratio in ratios]
     found, before = doubt(passes, rig.layout), math.inf
-    while plan.doubt < found.size < WORTHWHILE * before and len(passes) < MOST_PASSES:
+    while aim.doubt < found.size < WORTHWHILE * before and len(passes) < MOST_PASSES:
         ratios.append(ratios[-1] + 2)
-        passes.append(prescribed_pass(rig, motion, step, ratios[-1]))
+        passes.append(prescribed_pass(rig, motion, step, ratios[-1], cost))
         found, before = doubt(passes, rig.layout), found.size
     if found.size > LARGEST_DOUBT:
         raise DivergedError(
@@ -119,47 +108,72 @@ def prescribed_passes(rig: Rig, motion: CrankMotion, plan: Plan) -> list[Pass]:
     return passes
 
 
-def prescribed_pass(rig: Rig, motion: CrankMotion, step: float, ratio: int) -> Pass:
+def prescribed_pass(rig: Rig, motion: CrankMotion, step: float, ratio: int, cost: Cost) -> Pass:
     """Drive the crank through its motion, every segment on its own, ``ratio`` steps to a sample.
 
     A segment is entered along its own polynomial continued backwards, so that its first samples already show the motion
     after the kink. The motor's impulse is known to its size alone: a constant torque on the crank, above any that the
     drive can need, keeps its sign. Raises DivergedError.
     """
-    begun = perf_counter()
-    world = build_world(rig.scene, rig.layout, iterations=rig.iterations, error_bias=0.0)
-    offset = torque_bound(rig.scene, rig.layout, motion)
-    add_torque(world, world.crank, offset)
-    on = calls(world, add_motor(world))
-    built, seconds, steps = perf_counter() - begun, 0.0, 0
+    with cost.building():
+        world = build_world(rig.scene, rig.layout, iterations=rig.iterations, error_bias=0.0)
+        offset = torque_bound(rig.scene, rig.layout, motion)
+        add_torque(world, world.crank, offset)
+        on = calls(world, add_motor(world))
     recordings = []
     for segment, clock in clocks(motion, step, ratio):
-        begun = perf_counter()
-        recording, taken = _driven(rig, world, on, segment=segment, clock=clock, offset=offset)
-        seconds, steps = seconds + perf_counter() - begun, steps + taken
-        check_joints(recording.times, recording.seen, rig.layout)
-        check_crank(recording, rig.layout, segment)
-        check_impulses(recording, offset)
+        with cost.stepping():
+            recording = _driven(rig, world, on, cost, segment=segment, clock=clock, offset=offset)
+        check_finite(recording.times, recording.seen)
+        if rig.judged:
+            check_joints(recording.times, recording.seen, rig.layout)
+            check_crank(recording, rig.layout, segment)
+            check_impulses(recording, offset)
         recordings.append(recording)
     history = joined([recording.history(rig.scene, rig.layout) for recording in recordings])
-    return Pass(step / ratio, history, seconds, built, steps)
+    return Pass(step / ratio, history)
 
 
 def _driven(
-    rig: Rig, world: World, on: Calls, *, segment: Segment, clock: Clock, offset: float
-) -> tuple[Recording, int]:
-    """Drive one segment; returns what was seen of it and the number of steps taken."""
-    fine = clock.fine
-    steps = looks(clock, rig.scene.channels)
-    count = RUN_IN + int(steps[-1]) + 1
-    rates = (-mean_speeds(segment, clock.start - RUN_IN * fine, fine, count)).tolist()
-    marked = marks(steps + RUN_IN, count)
+    rig: Rig, world: World, on: Calls, cost: Cost, *, segment: Segment, clock: Clock, offset: float
+) -> Recording:
+    """Drive one segment and return what was seen of it."""
+    steps, fine = looks(clock, rig.scene.channels), clock.fine
+    loads = run_in(rig, world, on, cost, segment=segment, clock=clock)
+    before = []
+    if steps[0] < 0:
+        on.look()
+        before.append(on.impulse())
+    count = int(steps[-1]) + 1
+    rates = (-mean_speeds(segment, clock.start, fine, count)).tolist()
+    seen, impulses = march_wound(world, on, fine, rates=rates, looks=marks(steps[steps >= 0], count), loads=loads)
+    cost.count(world, count)
+    return Recording(clock, steps, seen, offset - np.array(before + impulses) / fine)
+
+
+def run_in(
+    rig: Rig, world: World, on: Calls, cost: Cost, *, segment: Segment, clock: Clock
+) -> Callable[[], None] | None:
+    """Drive the crank along a segment continued backwards, up to the state that the clock's first step starts from.
+
+    Returns the loads to be set before every further step.
+    """
+    count = _run_in_steps(segment, clock)
+    start = clock.start - count * clock.fine
     world.space.iterations = COLD * rig.iterations
-    taken = place(world, on, fine, float(segment.value(clock.start - RUN_IN * fine)))
-    loads = StepLoads(world, rig.scene, fine, ahead=True)
-    impulses: list[float] = []
-    for part, effort in ((slice(COLD_STEPS), COLD), (slice(COLD_STEPS, None), 1)):
+    cost.count(world, place(world, on, clock.fine, float(segment.value(start))))
+    changing = StepLoads(world, rig.scene, clock.fine, ahead=True)
+    loads = changing if changing else None
+    rates, cold = (-mean_speeds(segment, start, clock.fine, count)).tolist(), math.ceil(COLD_SHARE * count)
+    for part, effort in ((slice(cold), COLD), (slice(cold, None), 1)):
         world.space.iterations = effort * rig.iterations
-        impulses += march(on, fine, rates[part], marked[part], loads if loads else None)
-    recording = Recording(clock, steps, on.collected(), offset - np.array(impulses) / fine)
-    return recording, taken + count
+        march(on, clock.fine, rates[part], [0] * len(rates[part]), loads)
+        cost.count(world, len(rates[part]))
+    return loads
+
+
+def _run_in_steps(segment: Segment, clock: Clock) -> int:
+    """Number of steps to lead up to a clock's start."""
+    ways = segment.value(clock.start - clock.fine * np.arange(RUN_IN + 1)) - segment.value(clock.start)
+    (far,) = np.nonzero(np.abs(ways) > FULL_TURN)
+    return max(1, int(far[0]) - 1) if len(far) else RUN_IN

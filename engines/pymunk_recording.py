@@ -104,6 +104,14 @@ class Recording:
         """Positions of the parts, (n, parts, 3): x, y, θ."""
         return self.seen[:, :, 0]
 
+    def instant(self, sample: int) -> Array:
+        """Positions, rates and accelerations of the parts at a sample that was looked at both sides, (3, parts, 3)."""
+        step = self.clock.samples[sample]
+        before, after = self._at(np.array([step - 1, step]))
+        return np.array(
+            [after[:, 0], 0.5 * (before[:, 1] + after[:, 1]), (after[:, 1] - before[:, 1]) / self.clock.fine]
+        )
+
     def history(self, scene: Scene, layout: Layout) -> History:
         """The channels the scene asks for, for the scene's bodies."""
         samples, times = self.clock.samples, self.clock.sample_times()

@@ -19,11 +19,15 @@ FAR: Final = 1e15
 
 @dataclass(frozen=True)
 class Rig:
-    """A scene made ready for pymunk: how it is cut into parts, and the solver's iterations per step."""
+    """A scene made ready for pymunk: how it is cut into parts, and the solver's iterations per step.
+
+    Where ``judged``, a pass whose motion is not the scene's ends the run; else only one that cannot be read out does.
+    """
 
     scene: Scene
     layout: Layout
     iterations: int
+    judged: bool
 
 
 @dataclass(frozen=True)

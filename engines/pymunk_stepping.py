@@ -7,7 +7,7 @@ velocities those of tₙ + h/2, and impulses over h the loads at tₙ.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from functools import partial
 from typing import TYPE_CHECKING
@@ -15,7 +15,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from analytic.laws import FULL_TURN
 from engines.pymunk_checks import DivergedError
+from engines.pymunk_layout import geared
 from engines.pymunk_space import World
 
 if TYPE_CHECKING:
@@ -28,6 +30,9 @@ PLACING_STEP = 0.1
 
 # A crank further than this from where it was last put, rad, has been thrown there.
 LARGEST_WAY = 1e3
+
+# Steps after which full turns are taken off the angles.
+STRETCH = 500
 
 # Steps at rest after a move, in which the joints close (they do so quadratically).
 SETTLING_STEPS = 4
@@ -135,6 +140,47 @@ def march(
             look()
             impulses.append(impulse())
     return impulses
+
+
+def march_wound(
+    world: World,
+    on: Calls,
+    step: float,
+    *,
+    rates: Sequence[float],
+    looks: Sequence[int],
+    loads: Callable[[], None] | None,
+) -> tuple[Array, list[float]]:
+    """Like ``march``, in stretches before which full turns are taken off the angles; returns what was seen as well.
+
+    Angles that grow lose digits turn by turn, the same rounding again and again at a constant speed: after a thousand
+    turns the crank is off by 1e-6 rad and accelerations carry the last digit of the angle over the step squared.
+    """
+    together = geared(world.layout)
+    turns = np.zeros(len(world.bodies))
+    seen, impulses = [on.collected().copy()], []
+    for start in range(0, len(rates), STRETCH):
+        part = slice(start, start + STRETCH)
+        turns += _unwind(world, together)
+        impulses += march(on, step, rates[part], looks[part], loads)
+        look = on.collected().copy()
+        look[:, :, 0, 2] += FULL_TURN * turns
+        seen.append(look)
+    for body, turned in zip(world.bodies, turns.tolist(), strict=True):
+        body.angle += FULL_TURN * turned
+    return np.concatenate(seen), impulses
+
+
+def _unwind(world: World, together: Sequence[Sequence[int]]) -> Array:
+    """Take the full turns off the angles, parts that turn together alike; returns how many they were."""
+    turns = np.zeros(len(world.bodies))
+    for parts in together:
+        angle = world.bodies[parts[0]].angle
+        if abs(angle) > FULL_TURN and math.isfinite(angle):
+            turns[list(parts)] = full = round(angle / FULL_TURN)
+            for number in parts:
+                world.bodies[number].angle -= FULL_TURN * full
+    return turns
 
 
 def place(world: World, on: Calls, step: float, angle: float, settling: int = SETTLING_STEPS) -> int:

@@ -35,7 +35,7 @@ class LinkState:
 
 def build_scene(linkage: Linkage, start: Mapping[str, LinkState], drive: Drive, channels: frozenset[Channel]) -> Scene:
     """Everything an engine is told of a linkage; ``start`` holds the state of every link."""
-    merged: dict[str, Slider] = {slider.link: slider for slider in linkage.sliders if _is_pin_mass(linkage, slider)}
+    merged: dict[str, Slider] = {slider.link: slider for slider in linkage.sliders if is_pin_mass(linkage, slider)}
     bodies = tuple(_body(linkage, name, start[name], merged) for name in linkage.links)
     pins = tuple(joint for pin in linkage.pins for joint in _pin_joints(linkage, pin))
     sliders = tuple(
@@ -77,7 +77,13 @@ def build_scene(linkage: Linkage, start: Mapping[str, LinkState], drive: Drive, 
     )
 
 
-def _is_pin_mass(linkage: Linkage, slider: Slider) -> bool:
+def joint_names(linkage: Linkage) -> tuple[str, ...]:
+    """Names of all joints that carry a force, pins first, then sliders, then slots; nothing is solved for them."""
+    pins = [name for pin in linkage.pins for name, _, _ in _pinned(pin)]
+    return (*pins, *map(_slider_name, linkage.sliders), *(slot.name for slot in linkage.slots))
+
+
+def is_pin_mass(linkage: Linkage, slider: Slider) -> bool:
     """Whether a slider in a moving slot acts as a point mass at its pin: its inertia can then be given to the host."""
     link = linkage.links[slider.link]
     return (
@@ -98,6 +104,7 @@ def _body(linkage: Linkage, name: str, state: LinkState, merged: Mapping[str, Sl
     for slider in merged.values():
         if slider.guide.host == name and inertia is not None:
             inertia += linkage.links[slider.link].inertia or 0.0
+    turns = inertia is not None  # a pin mass in a turning slot is told not to, so it may not start as if it did
     return Body(
         name,
         link.mass,
@@ -105,9 +112,9 @@ def _body(linkage: Linkage, name: str, state: LinkState, merged: Mapping[str, Sl
         state.position,
         state.angle,
         state.velocity,
-        state.angular_velocity,
+        state.angular_velocity if turns else 0.0,
         state.acceleration,
-        state.angular_acceleration,
+        state.angular_acceleration if turns else 0.0,
     )
 
 
@@ -130,14 +137,18 @@ def _anchor(linkage: Linkage, point: str, body: str) -> Vector:
     return _from_centre(linkage, body, linkage.local(point, body))
 
 
-def _pin_joints(linkage: Linkage, pin: Pin) -> list[PinJoint]:
-    """A pin of k bodies makes k - 1 joints to the ground if it has the pin, else to the first body by name."""
+def _pinned(pin: Pin) -> list[tuple[str, str, str]]:
+    """Name and both bodies of a pin's k - 1 joints: to the ground if it has the pin, else to the first body by name."""
     hub = GROUND if GROUND in pin.links else pin.links[0]
     others = [name for name in pin.links if name != hub]
     names = [pin.point] if len(others) == 1 else [f"{pin.point}:{name}" for name in others]
+    return [(name, body, hub) for name, body in zip(names, others, strict=True)]
+
+
+def _pin_joints(linkage: Linkage, pin: Pin) -> list[PinJoint]:
     return [
         PinJoint(name, body, hub, _anchor(linkage, pin.point, body), _anchor(linkage, pin.point, hub))
-        for name, body in zip(names, others, strict=True)
+        for name, body, hub in _pinned(pin)
     ]
 
 

@@ -14,7 +14,7 @@ from analytic.mechanism import Mechanism
 from analytic.regimes import crank_motion
 from comparisons.deviations import near_jumps
 from comparisons.scenes import scene
-from engines import exudyn_adapter, exudyn_stepping
+from engines import exudyn_adapter, exudyn_checks, exudyn_recipes, exudyn_stepping
 from engines.contract import Channel, Free, Outcome, Prescribed, Setting
 from engines.exudyn_adapter import ExudynEngine
 from engines.exudyn_model import build_model, pieces
@@ -146,16 +146,22 @@ def test_a_naive_run_finishes_and_is_as_rough_as_a_newcomers():
 def test_order_of_convergence(monkeypatch, divisions, order):
     motion, errors = _motion(), []
     for steps in (30, 60):
-        recipe = exudyn_stepping.Recipe(divisions, len(divisions), steps, math.inf, 1e-13, 1e-15, least_steps=10)
-        monkeypatch.setattr(exudyn_adapter, "PRESCRIBED", {Setting.TUNED: recipe})
+        rule, levels = exudyn_recipes.TRAPEZOIDAL, len(divisions)
+        recipe = exudyn_recipes.Recipe(rule, divisions, 1e-13, steps_per_turn=steps, levels=levels, turns=1.0)
+        monkeypatch.setattr(exudyn_adapter, "setting_recipe", lambda _scene, _setting, recipe=recipe: recipe)
         errors.append(_torque_error("rimoldi-164", motion, _run("rimoldi-164", motion)[1]))
     assert math.log2(errors[0] / errors[1]) > order - LOOSE_ORDER
 
 
-def test_without_a_fresh_start_at_the_kink_the_torque_rings(monkeypatch):
+def test_without_consistent_accelerations_the_torque_rings(monkeypatch):
     motion = _motion("run-up", hold_time=0.06)
     good = _torque_error("juki-mf7923d", motion, _run("juki-mf7923d", motion)[1])
-    monkeypatch.setattr(exudyn_stepping, "accelerations_after", lambda _meeting, _velocity, acceleration: acceleration)
+    whole = exudyn_stepping.closed_state
+
+    def without(*given, **how):
+        return dataclasses.replace(whole(*given, **how), acceleration=np.zeros(8))
+
+    monkeypatch.setattr(exudyn_stepping, "closed_state", without)
     bad = _torque_error("juki-mf7923d", motion, _run("juki-mf7923d", motion)[1])
     assert good < LOAD[Setting.TUNED]
     assert bad > RINGING
@@ -179,7 +185,7 @@ def test_a_sharp_linkage_gets_more_passes_than_a_smooth_one():
     _, smooth = _run("centric-slider-crank", motion)
     _, sharp = _run("double-crank", motion)
     assert smooth.details["divisions"] == "1 3"
-    assert sharp.details["divisions"] == "1 3 5"
+    assert sharp.details["divisions"].startswith("1 3 5")
     assert _torque_error("double-crank", motion, sharp) < LOAD[Setting.TUNED]
 
 
@@ -302,16 +308,19 @@ def test_a_joint_left_out_is_refused():
     assert "degrees of freedom" in (ENGINE.obstacle(loose) or "")
 
 
-def test_a_change_point_ends_as_diverged_with_a_reason():
-    run = ENGINE.run(scene(mechanism("parallelogram"), Prescribed(_motion()), NO_FORCES), Setting.TUNED)
+@pytest.mark.parametrize(
+    ("regime", "words"), [("run-up-quintic", "exudyn stopped at"), ("run-up", "passed a dead or change point")]
+)
+def test_a_change_point_ends_as_diverged_with_a_reason(regime, words):
+    run = ENGINE.run(scene(mechanism("parallelogram"), Prescribed(_motion(regime)), NO_FORCES), Setting.TUNED)
     assert run.outcome is Outcome.DIVERGED
-    assert "exudyn stopped at" in run.reason
+    assert words in run.reason
     assert run.history is None
     assert run.steps > 0
 
 
 def test_a_linkage_that_came_apart_is_not_passed_off_as_finished(monkeypatch):
-    monkeypatch.setattr(exudyn_stepping, "LARGEST_GAP", 0.0)
+    monkeypatch.setattr(exudyn_checks, "LARGEST_GAP", 0.0)
     run = ENGINE.run(scene(mechanism("juki-mf7923d"), Prescribed(_motion()), NO_FORCES), Setting.TUNED)
     assert run.outcome is Outcome.DIVERGED
     assert "is open by" in run.reason

@@ -14,12 +14,12 @@ from analytic.linkage import GROUND, RotaryDamper, Spring
 from analytic.mechanism import Mechanism
 from analytic.regimes import crank_motion
 from comparisons.scenes import scene
-from engines import pymunk_adapter, pymunk_checks, pymunk_passes, pymunk_stepping
+from engines import pymunk_adapter, pymunk_checks, pymunk_passes, pymunk_plans, pymunk_stepping
 from engines.contract import AppliedForce, AppliedTorque, Channel, Free, Outcome, Prescribed, Setting
 from engines.pymunk_adapter import PymunkEngine
 from engines.pymunk_layout import exact_layout, plain_layout
 from engines.pymunk_loads import scalar_law
-from engines.pymunk_passes import Plan
+from engines.pymunk_plans import Aim, Plan
 from tests.analytic.linkages import mechanism
 from tests.engines.newton_euler import joint_forces, true_motion
 
@@ -188,16 +188,15 @@ def test_a_tabulated_load_is_the_laws_own_spline():
 def test_order_of_convergence(monkeypatch, ratios, order):
     motion, errors = _motion(), []
     for samples in (40, 80):
-        monkeypatch.setattr(
-            pymunk_adapter, "PRESCRIBED", {Setting.TUNED: Plan(samples, 10, ratios, 1e-4, doubt=math.inf)}
-        )
+        plan = Plan(ratios, Aim(samples, 10, doubt=math.inf), 1e-4)
+        monkeypatch.setattr(pymunk_plans, "PRESCRIBED", {Setting.TUNED: plan})
         errors.append(_torque_error("rimoldi-164", motion, _run("rimoldi-164", motion)[1]))
     assert math.log2(errors[0] / errors[1]) > order - LOOSE_ORDER
 
 
 def test_a_sharp_linkage_gets_more_passes_than_a_smooth_one(monkeypatch):
-    plan = Plan(40, 50, (1, 3, 5), 0.03, doubt=1e-4)
-    monkeypatch.setattr(pymunk_adapter, "PRESCRIBED", {Setting.TUNED: plan})
+    plan = Plan((1, 3, 5), Aim(40, 50, doubt=1e-4), 0.03)
+    monkeypatch.setattr(pymunk_plans, "PRESCRIBED", {Setting.TUNED: plan})
     _, smooth = _run("centric-slider-crank", _motion())
     _, sharp = _run("double-crank", _motion())
     assert smooth.details["ratios"] == "1 3 5"

@@ -10,7 +10,16 @@ from hypothesis import strategies as st
 from analytic.regimes import crank_motion
 from comparisons.scenes import scene
 from engines.contract import Prescribed
-from engines.pymunk_layout import Kind, Part, exact_layout, plain_layout, with_centre, without_point, without_rail
+from engines.pymunk_layout import (
+    Kind,
+    Part,
+    exact_layout,
+    geared,
+    plain_layout,
+    with_centre,
+    without_point,
+    without_rail,
+)
 from tests.analytic.linkages import MADE_UP, mechanism
 
 ROUNDING = 1e-9  # relative; a point mass may be a millionth of its body
@@ -75,3 +84,18 @@ def test_every_joint_of_the_scene_has_its_hold():
             joints = {joint.name for joint in (*model.pins, *model.sliders, *model.slots)}
             for layout in (exact_layout(model), plain_layout(model)):
                 assert {hold.joint for hold in layout.holds} - {None} == joints
+
+
+def test_parts_that_gears_join_are_told_together_and_every_part_once():
+    for name in MADE_UP:
+        layout = exact_layout(_scene(name))
+        together = geared(layout)
+        assert sorted(number for parts in together for number in parts) == list(range(len(layout.parts)))
+        group = {number: parts for parts in together for number in parts}
+        joined = {frozenset((h.first, h.second)) for h in layout.holds if h.kind is Kind.GEAR and h.second >= 0}
+        for first in range(len(layout.parts)):
+            for second in range(first):
+                linked = frozenset((first, second)) in joined
+                assert not linked or group[first] is group[second]
+        assert len(together) >= len(layout.parts) - len(joined)
+    assert any(len(parts) > 1 for name in MADE_UP for parts in geared(exact_layout(_scene(name))))
