@@ -15,12 +15,16 @@ def attempt(adapter: Engine, model: Scene, setting: Setting) -> Run:
     """A run whose every exception is a failed run: one engine's fault may not end what the others do.
 
     A scene the engine cannot hold is not tried, and a run that finished has recorded all it was asked for, finite.
+    MemoryError alone is raised: what it means is for whoever set the bound (``comparisons.workers``) to say.
     """
     try:
         obstacle = adapter.obstacle(model)
         run = adapter.run(model, setting) if obstacle is None else Run(Outcome.UNSUPPORTED, obstacle)
+    except MemoryError:
+        raise
     except Exception as error:
-        return Run(Outcome.DIVERGED, f"{adapter.name} raised {type(error).__name__}: {error}")
+        words = " ".join(str(error).split())
+        return Run(Outcome.DIVERGED, f"{adapter.name} raised {type(error).__name__}: {words}")
     return _checked(run, model)
 
 

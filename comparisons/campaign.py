@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator
-from dataclasses import dataclass, field, replace
+from collections.abc import Callable, Container, Generator, Iterable, Iterator, Sequence
+from contextlib import closing
+from dataclasses import dataclass, replace
+from functools import partial
 
 from analytic.errors import UnknownNameError
 from analytic.linkage import Linkage
@@ -14,12 +16,19 @@ from comparisons.attempt import attempt
 from comparisons.case import Case, own_case
 from comparisons.checks import checks
 from comparisons.deviations import Deviation, deviation
+from comparisons.journal import Journal
 from comparisons.judging import judge
 from comparisons.motion import ObservedMotion
 from comparisons.quantities import Quantity, chosen_quantities
 from comparisons.records import Record, Verdict
+from comparisons.run_result import RunResult, from_bytes, to_bytes
+from comparisons.workers import DEFAULT_BOUNDS, Bounds, Lost, as_sent, run_jobs, usual_processes
 from engines.contract import Channel, Outcome, Run, Setting
 from engines.registry import engine, engine_names
+
+__all__ = ["Request", "RunResult", "cases", "compare", "tasks"]
+
+Announce = Callable[[str, int, int], object]
 
 
 @dataclass(frozen=True)
@@ -42,16 +51,6 @@ class Request:
 
 
 @dataclass(frozen=True)
-class RunResult:
-    """One run, judged: its records, its invariants, and the curves behind them by quantity."""
-
-    records: tuple[Record, ...]
-    invariants: tuple[Record, ...]
-    deviations: dict[str, Deviation] = field(default_factory=dict)
-    details: dict[str, str | int | float] = field(default_factory=dict)
-
-
-@dataclass(frozen=True)
 class _Task:
     """One run still to be made."""
 
@@ -63,6 +62,17 @@ class _Task:
     @property
     def label(self) -> str:
         return f"{self.case.mechanism.linkage.name}, {self.case.motion.regime}: {self.engine} {self.setting}"
+
+    @property
+    def key(self) -> str:
+        """What identifies the run within its request, as ``Record.run`` does."""
+        linkage = self.case.mechanism.linkage
+        return "/".join((linkage.name, linkage.variant, self.case.motion.regime, self.engine, self.setting))
+
+    @property
+    def weight(self) -> float:
+        """What a run costs, very roughly: crank angle turned through at top speed, times links."""
+        return self.case.motion.duration * self.case.motion.peak_speed * len(self.case.mechanism.linkage.links)
 
 
 def tasks(request: Request) -> list[_Task]:
@@ -94,19 +104,109 @@ def cases(request: Request) -> list[Case]:
     return found
 
 
-def compare(request: Request, announce: Callable[[str, int, int], None] = lambda *_: None) -> Iterator[RunResult]:
-    """Make the runs one by one; ``announce`` hears a label, the number of the run and how many there are.
+def compare(
+    request: Request,
+    announce: Announce = lambda *_: None,
+    *,
+    bounds: Bounds = DEFAULT_BOUNDS,
+    processes: int | None = None,
+    journal: Journal | None = None,
+) -> Iterator[RunResult]:
+    """Make the runs, in parallel, and yield them in the order of ``tasks``.
 
-    What ``tasks`` raises is raised at once, before the first run is asked for.
+    ``announce`` hears the label of the run begun last, how many are finished and how many there are. Runs are made in
+    ``processes`` worker processes (the cores by default), each run within ``bounds``; with 0, the default for a single
+    run, they are made here, one by one and unbounded. A ``journal`` is given every finished run to keep, and spares
+    those that it has kept already.
+
+    What ``tasks`` raises is raised at once, before the first run is asked for; LinkproofError too, if the journal is
+    another request's.
     """
-    return _runs(tasks(request), request, announce)
+    todo = tasks(request)
+    kept = {} if journal is None else journal.kept()
+    done = {number: from_bytes(kept[task.key]) for number, task in enumerate(todo) if task.key in kept}
+    way = _Way(announce, bounds, usual_processes(len(todo)) if processes is None else processes, journal)
+    return _in_order(len(todo), done, _made(todo, frozenset(done), way, with_invariants=request.with_invariants))
 
 
-def _runs(todo: list[_Task], request: Request, announce: Callable[[str, int, int], None]) -> Iterator[RunResult]:
-    for number, task in enumerate(todo):
-        announce(task.label, number, len(todo))
-        yield _judged(task, request)
-    announce("", len(todo), len(todo))
+@dataclass(frozen=True)
+class _Way:
+    """How runs are made, as ``compare`` is told."""
+
+    announce: Announce
+    bounds: Bounds
+    processes: int
+    journal: Journal | None
+
+
+@dataclass(frozen=True)
+class _Order:
+    """One run asked for in words that another process understands; ``place`` is its case's among those it was given."""
+
+    place: int
+    engine: str
+    setting: Setting
+    quantities: tuple[str, ...]
+
+
+def _in_order(
+    count: int, done: dict[int, RunResult], made: Generator[tuple[int, RunResult], None, None]
+) -> Iterator[RunResult]:
+    """Results in the order of their numbers, each as soon as all before it are there."""
+    with closing(made):
+        for number in range(count):
+            while number not in done:
+                finished, result = next(made)
+                done[finished] = result
+            yield done.pop(number)
+
+
+def _made(
+    todo: Sequence[_Task], done: Container[int], way: _Way, *, with_invariants: bool
+) -> Generator[tuple[int, RunResult], None, None]:
+    """The runs not done yet, as they finish."""
+    missing = [number for number in range(len(todo)) if number not in done]
+    if way.processes > 1:  # the heaviest first, so that no core is left alone with it at the end
+        missing.sort(key=lambda number: -todo[number].weight)
+    cases, jobs = _ordered([todo[number] for number in missing])
+    finished = len(todo) - len(missing)
+
+    def begun(index: int) -> None:
+        way.announce(todo[missing[index]].label, finished, len(todo))
+
+    run = partial(_run, as_sent(cases), with_invariants)
+    with closing(run_jobs(run, jobs, bounds=way.bounds, processes=way.processes, begun=begun)) as results:
+        for index, found in results:
+            task = todo[missing[index]]
+            result = _lost(task, found) if isinstance(found, Lost) else found
+            if way.journal is not None:
+                way.journal.keep(task.key, to_bytes(result))
+            finished += 1
+            way.announce(task.label, finished, len(todo))
+            yield missing[index], result
+
+
+def _ordered(todo: Sequence[_Task]) -> tuple[tuple[Case, ...], list[tuple[_Order]]]:
+    """The cases of these tasks, each once, and an order for every task."""
+    cases = {id(task.case): task.case for task in todo}
+    places = {key: place for place, key in enumerate(cases)}
+    orders = [
+        _Order(places[id(task.case)], task.engine, task.setting, tuple(q.name for q in task.quantities))
+        for task in todo
+    ]
+    return tuple(cases.values()), [(order,) for order in orders]
+
+
+def _run(cases: Sequence[Case], with_invariants: bool, order: _Order) -> RunResult:
+    case = cases[order.place]
+    quantities = tuple(chosen_quantities(case, order.quantities))
+    return _judged(_Task(case, order.engine, order.setting, quantities), with_invariants)
+
+
+def _lost(task: _Task, lost: Lost) -> RunResult:
+    """The records of a run whose process gave no result."""
+    blank = _blank(task, engine(task.engine).version() or "")
+    return _all_alike(blank, task.quantities, Verdict(lost.outcome.value), lost.reason)
 
 
 def _channels(quantities: Iterable[Quantity], with_invariants: bool) -> frozenset[Channel]:
@@ -115,26 +215,25 @@ def _channels(quantities: Iterable[Quantity], with_invariants: bool) -> frozense
     return needed | frozenset().union(*invariants.INVARIANTS.values()) if with_invariants else needed
 
 
-def _judged(task: _Task, request: Request) -> RunResult:
-    wanted = list(task.quantities)
+def _judged(task: _Task, with_invariants: bool) -> RunResult:
+    wanted = task.quantities
     adapter = engine(task.engine)
     version = adapter.version()
     blank = _blank(task, version or "")
     if version is None:
         reason = f"engine '{task.engine}' is not installed; install it with: pip install 'linkproof[{task.engine}]'"
         return _all_alike(blank, wanted, Verdict.UNAVAILABLE, reason)
-    model = task.case.scene(_channels(wanted, request.with_invariants))
+    model = task.case.scene(_channels(wanted, with_invariants))
     run = attempt(adapter, model, task.setting)
     blank = replace(blank, seconds=run.seconds, setup_seconds=run.setup_seconds, steps=run.steps)
     if run.outcome is not Outcome.FINISHED or run.history is None:
         return _all_alike(blank, wanted, Verdict(run.outcome.value), run.reason)
-    return _measured(
-        task, wanted, run, ObservedMotion(model, run.history), blank, with_invariants=request.with_invariants
-    )
+    motion = ObservedMotion(model, run.history)
+    return _measured(task, wanted, run, motion, blank, with_invariants=with_invariants)
 
 
 def _measured(
-    task: _Task, wanted: list[Quantity], run: Run, motion: ObservedMotion, blank: Record, *, with_invariants: bool
+    task: _Task, wanted: Sequence[Quantity], run: Run, motion: ObservedMotion, blank: Record, *, with_invariants: bool
 ) -> RunResult:
     deviations = {q.name: deviation(task.case, q, motion) for q in wanted}
     records = tuple(_record(replace(blank, quantity=q.name, unit=q.unit), deviations[q.name]) for q in wanted)
@@ -170,7 +269,7 @@ def _blank(task: _Task, version: str) -> Record:
     )
 
 
-def _all_alike(blank: Record, wanted: list[Quantity], verdict: Verdict, reason: str) -> RunResult:
+def _all_alike(blank: Record, wanted: Iterable[Quantity], verdict: Verdict, reason: str) -> RunResult:
     """The records of a run that gave no motion."""
     return RunResult(
         tuple(replace(blank, quantity=q.name, unit=q.unit, outcome=verdict.value, detail=reason) for q in wanted), ()

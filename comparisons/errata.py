@@ -6,9 +6,12 @@ corrected closed form and against the printed one.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Sequence
+import io
+from collections.abc import Callable, Generator, Iterable, Iterator, Sequence
+from contextlib import closing
 from dataclasses import dataclass
-from typing import Protocol
+from functools import partial
+from typing import Any, Protocol
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -19,12 +22,16 @@ from analytic.mechanism import Mechanism
 from comparisons.attempt import attempt
 from comparisons.case import Case, Motion, own_case, own_motion
 from comparisons.interpolation import resample
+from comparisons.journal import Journal
 from comparisons.motion import ObservedMotion
+from comparisons.workers import DEFAULT_BOUNDS, Bounds, Lost, as_sent, run_jobs, usual_processes
 from engines.contract import Channel, Outcome, Setting, Signal
 from engines.registry import engine
 
 Array = NDArray[np.float64]
 VariantOf = Callable[[Linkage, str], Linkage]
+# How an engine's run ended, and its crank speed over time if it finished.
+CrankSpeed = tuple[str, Signal | None]
 
 # The share of a regime, from its end, over which mean speeds are taken: the last 2 s of 10.
 LAST_SHARE = 0.2
@@ -95,22 +102,102 @@ class Stepped:
         return resample(self.speeds, np.atleast_1d(np.asarray(time, dtype=float)))
 
 
-def judge_errata(linkages: Iterable[Linkage], engines: Sequence[str], variant_of: VariantOf) -> Iterator[ErratumRecord]:
-    """Put every printed model of these linkages to every engine, tuned; ``variant_of`` reads a linkage's variants."""
+@dataclass(frozen=True)
+class _Trial:
+    """A printed model on trial; ``key`` is the case's: linkage and regime."""
+
+    linkage: Linkage
+    erratum: Erratum
+    case: Case
+
+    @property
+    def key(self) -> tuple[str, str]:
+        return (self.linkage.name, self.erratum.regime)
+
+
+def judge_errata(
+    linkages: Iterable[Linkage],
+    engines: Sequence[str],
+    variant_of: VariantOf,
+    *,
+    bounds: Bounds = DEFAULT_BOUNDS,
+    processes: int | None = None,
+    journal: Journal | None = None,
+) -> Iterator[ErratumRecord]:
+    """Put every printed model of these linkages to every engine, tuned; ``variant_of`` reads a linkage's variants.
+
+    The engines run as ``comparisons.campaign.compare`` runs them.
+    """
+    trials = list(_trials(linkages))
+    cases = {trial.key: trial.case for trial in trials}
+    asked = [(*key, name) for key in cases for name in engines]
+    kept = {} if journal is None else journal.kept()
+    runs = {run: _from_bytes(kept[_key(*run)]) for run in asked if _key(*run) in kept}
+    missing = [run for run in asked if run not in runs]
+    count = usual_processes(len(asked)) if processes is None else processes
+    with closing(_made(cases, missing, bounds, count, journal)) as made:
+        for trial in trials:
+            printed = None
+            for name in engines:
+                while (*trial.key, name) not in runs:
+                    runs.update([next(made)])
+                # computed while the workers are busy
+                printed = printed or _printed(trial, variant_of)
+                yield _record(trial.linkage, trial.erratum, name, (trial.case.motion, printed), runs[*trial.key, name])
+
+
+def _trials(linkages: Iterable[Linkage]) -> Iterator[_Trial]:
     for linkage in linkages:
         if linkage.variant != linkage.variants[0]:
             continue  # printed models are held against the file's own values
-        mechanism, runs = Mechanism(linkage), dict[tuple[str, str], tuple[str, Signal | None]]()
+        mechanism = Mechanism(linkage)
         regimes = {own.name: own for own in linkage.regimes}
         asked = dict.fromkeys(erratum.regime for erratum in linkage.errata)
         cases = {name: own_case(mechanism, regimes[name]) for name in asked}
-        for erratum in linkage.errata:
-            as_printed = Mechanism(variant_of(linkage, erratum.variant)) if erratum.variant else mechanism
-            case, printed = cases[erratum.regime], printed_motion(as_printed, regimes[erratum.regime], erratum)
-            for name in engines:
-                if (erratum.regime, name) not in runs:
-                    runs[erratum.regime, name] = _crank_speed(case, name)
-                yield _record(linkage, erratum, name, (case.motion, printed), runs[erratum.regime, name])
+        yield from (_Trial(linkage, erratum, cases[erratum.regime]) for erratum in linkage.errata)
+
+
+def _made(
+    cases: dict[tuple[str, str], Case],
+    missing: Sequence[tuple[str, str, str]],
+    bounds: Bounds,
+    processes: int,
+    journal: Journal | None,
+) -> Generator[tuple[tuple[str, str, str], CrankSpeed], None, None]:
+    """The runs not made yet, by linkage, regime and engine, as they finish."""
+    jobs = [(run[:2], run[2]) for run in missing]
+    with closing(run_jobs(partial(_crank_speed, as_sent(cases)), jobs, bounds=bounds, processes=processes)) as results:
+        for index, found in results:
+            run = (found.outcome.value, None) if isinstance(found, Lost) else found
+            if journal is not None:
+                journal.keep(_key(*missing[index]), _to_bytes(run))
+            yield missing[index], run
+
+
+def _key(mechanism: str, regime: str, name: str) -> str:
+    """Under what name a run is kept in a journal."""
+    return "/".join(("errata", mechanism, regime, name))
+
+
+def _to_bytes(run: CrankSpeed) -> bytes:
+    outcome, speed = run
+    target = io.BytesIO()
+    curve: dict[str, Any] = {} if speed is None else {"time": speed.time, "values": speed.values}
+    np.savez(target, outcome=np.array(outcome), **curve)
+    return target.getvalue()
+
+
+def _from_bytes(content: bytes) -> CrankSpeed:
+    with np.load(io.BytesIO(content), allow_pickle=False) as stored:
+        return str(stored["outcome"]), Signal(stored["time"], stored["values"]) if "time" in stored else None
+
+
+def _printed(trial: _Trial, variant_of: VariantOf) -> Spin:
+    """The motion by the printed model of a trial."""
+    linkage, erratum = trial.linkage, trial.erratum
+    mechanism = Mechanism(variant_of(linkage, erratum.variant)) if erratum.variant else trial.case.mechanism
+    own = next(own for own in linkage.regimes if own.name == erratum.regime)
+    return printed_motion(mechanism, own, erratum)
 
 
 def printed_motion(mechanism: Mechanism, own: OwnRegime, erratum: Erratum) -> Spin:
@@ -132,9 +219,8 @@ def printed_motion(mechanism: Mechanism, own: OwnRegime, erratum: Erratum) -> Sp
     return Stepped(Signal(stepped.time, stepped.angle), Signal(stepped.time, stepped.speed))
 
 
-def _crank_speed(case: Case, name: str) -> tuple[str, Signal | None]:
-    """How an engine's run ended, and its crank speed over time."""
-    adapter = engine(name)
+def _crank_speed(cases: dict[tuple[str, str], Case], key: tuple[str, str], name: str) -> CrankSpeed:
+    case, adapter = cases[key], engine(name)
     model = case.scene({Channel.VELOCITY})
     run = attempt(adapter, model, Setting.TUNED)
     if run.outcome is not Outcome.FINISHED or run.history is None:
@@ -147,7 +233,7 @@ def _crank_speed(case: Case, name: str) -> tuple[str, Signal | None]:
 
 
 def _record(
-    linkage: Linkage, erratum: Erratum, name: str, models: tuple[Motion, Spin], run: tuple[str, Signal | None]
+    linkage: Linkage, erratum: Erratum, name: str, models: tuple[Motion, Spin], run: CrankSpeed
 ) -> ErratumRecord:
     (corrected, printed), (outcome, speed) = models, run
     peak = corrected.peak_speed

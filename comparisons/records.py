@@ -17,6 +17,8 @@ class Verdict(StrEnum):
     DIVERGED = "diverged"
     UNSUPPORTED = "unsupported"
     UNAVAILABLE = "unavailable"
+    TIMED_OUT = "timed-out"
+    CRASHED = "crashed"
 
 
 @dataclass(frozen=True)

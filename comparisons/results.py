@@ -149,7 +149,13 @@ def dataset(results: Sequence[RunResult], told: dict[str, Any]) -> xarray.Datase
 
 
 def save(folder: Path, results: Sequence[RunResult], told: dict[str, Any]) -> Results:
-    """Write ``curves.nc`` and ``records.json`` into a folder, each in one step."""
+    """Write ``curves.nc`` and ``records.json`` into a folder, each in one step.
+
+    What a kill has left of earlier attempts at them is removed.
+    """
+    for name in (DATASET, RECORDS):
+        for half in folder.glob(f".{name}.*"):
+            half.unlink(missing_ok=True)
     curves = dataset(results, told)
     write_file(folder / DATASET, lambda path: curves.to_netcdf(path, engine="scipy", format="NETCDF3_64BIT"))
     write_file(folder / RECORDS, lambda path: path.write_text(to_json(told), encoding="utf-8"))

@@ -11,6 +11,7 @@ from analytic.linkage import Linkage
 from analytic.loading import catalogue, find, load
 from analytic.regimes import REGIMES, RPM, CrankMotion, crank_motion
 from comparisons.campaign import Request
+from comparisons.workers import DEFAULT_BOUNDS, GIB, Bounds, cores
 from engines.contract import Setting
 from engines.registry import engine, engine_names
 
@@ -67,6 +68,56 @@ class Choice:
         words += [] if self.gravity else ["--no-gravity"]
         words += ["--full"] if self.full else []
         return shlex.join(words)
+
+
+@dataclass(frozen=True)
+class Effort:
+    """How a campaign is run: what each run may take, s and GiB, in how many worker processes; None means the default.
+
+    ``resume`` finishes what an interrupted campaign has left.
+    """
+
+    time_limit: float | None = None
+    memory_limit: float | None = None
+    jobs: int | None = None
+    resume: bool = False
+
+    def check(self) -> None:
+        """Raise LinkproofError for what cannot be."""
+        for option, value, unit in (
+            ("--time-limit", self.time_limit, "s"),
+            ("--memory-limit", self.memory_limit, "GiB"),
+        ):
+            if value is not None and not 0.0 < value < math.inf:
+                raise LinkproofError(f"{option}: expected a positive finite number of {unit}, got {value:g}")
+            if value is not None and self.jobs == 0:
+                raise LinkproofError(
+                    f"{option} holds for worker processes, and --jobs 0 asks for none: leave one of the two out"
+                )
+        if self.jobs is not None and self.jobs < 0:
+            raise LinkproofError(f"--jobs: expected a number of processes, or 0 for none, got {self.jobs}")
+
+    @property
+    def bounds(self) -> Bounds:
+        """What each run may take."""
+        return Bounds(
+            DEFAULT_BOUNDS.seconds if self.time_limit is None else self.time_limit,
+            DEFAULT_BOUNDS.memory if self.memory_limit is None else round(self.memory_limit * GIB),
+        )
+
+    @property
+    def processes(self) -> int:
+        """Worker processes; the cores by default, even for a single run, which is kept apart from the command too."""
+        return cores() if self.jobs is None else self.jobs
+
+    @property
+    def words(self) -> str:
+        """The options that results may depend on, as they follow a command."""
+        limits = (("--time-limit", self.time_limit), ("--memory-limit", self.memory_limit))
+        return "".join(f" {option} {value:g}" for option, value in limits if value is not None)
+
+
+DEFAULT_EFFORT = Effort()
 
 
 def linkages(choice: Choice) -> tuple[Linkage, ...]:

@@ -1,6 +1,7 @@
 """A campaign judges what engines return and survives what they do."""
 
 import dataclasses
+import sys
 
 import numpy as np
 import pytest
@@ -10,9 +11,13 @@ from analytic.loading import load
 from analytic.mechanism import Mechanism
 from analytic.regimes import crank_motion
 from comparisons import baseline, campaign
-from comparisons.campaign import Request, compare
+from comparisons.campaign import Request, compare, tasks
+from comparisons.journal import Journal
 from comparisons.records import Verdict
+from comparisons.run_result import ARRAYS
+from comparisons.workers import GIB, Bounds
 from engines.contract import Channel, Outcome, Run, Setting, Signal
+from tests.comparisons.faults import announce_engines
 from tests.comparisons.perfect_engine import perfect_motion
 
 JUKI = load("juki-mf7923d")
@@ -20,10 +25,15 @@ MOTION = crank_motion("run-up-quintic")
 HISTORY = perfect_motion(Mechanism(JUKI), MOTION).history
 
 
+TAKEUP = load("slotted-takeup")
+BRIEF = tuple(crank_motion(name, ramp_time=0.05, hold_time=0.02) for name in ("run-up", "run-up-cubic"))
+
+
 class Scripted:
     """An engine that does as it is told."""
 
     name = "scripted"
+    work_unit = "steps"
 
     def __init__(self, act, version="1.0", obstacle=None):
         self.act, self._version, self._obstacle = act, version, obstacle
@@ -167,3 +177,105 @@ def test_every_setting_is_run_in_order(with_engine):
     results = list(compare(_request(settings=tuple(Setting)), lambda *words: heard.append(words)))
     assert [r.records[0].setting for r in results] == ["naive", "tuned", "best"]
     assert heard[-1][1:] == (3, 3)
+
+
+def _parallel(**changes):
+    """A request of real runs: two mechanisms, two regimes and two settings of the direct engine."""
+    settings = (Setting.NAIVE, Setting.TUNED)
+    return dataclasses.replace(Request((JUKI, TAKEUP), BRIEF, "brief", ("direct",), settings), **changes)
+
+
+def _untimed(result):
+    """All of a result but its timings; arrays as bytes, so that == means every bit."""
+    records = [
+        dataclasses.replace(record, seconds=0.0, setup_seconds=0.0) for record in (*result.records, *result.invariants)
+    ]
+    curves = [
+        (name, one.name, getattr(found, one.name).tobytes() if one.name in ARRAYS else getattr(found, one.name))
+        for name, found in result.deviations.items()
+        for one in dataclasses.fields(found)
+    ]
+    return records, curves, result.details
+
+
+def test_runs_in_workers_give_the_same_in_the_same_order():
+    expected = [_untimed(result) for result in compare(_parallel(), processes=0)]
+    assert [_untimed(result) for result in compare(_parallel(), processes=2)] == expected
+    assert len(expected) == 8
+
+
+def test_a_released_crank_is_the_same_in_a_worker():
+    own = _parallel(linkages=(TAKEUP,), motions=(), own_regimes=("free",), own_settings=(Setting.TUNED,))
+    (here,), (there,) = compare(own, processes=0), compare(own, processes=1)
+    assert _untimed(there) == _untimed(here)
+    assert {record.outcome for record in here.records} == {"passed"}
+
+
+def test_every_run_begun_and_every_run_finished_is_announced():
+    heard = []
+    list(compare(_parallel(), lambda *words: heard.append(words), processes=2))
+    labels = {f"{k.name}, {m.regime}: direct {s}" for k in (JUKI, TAKEUP) for m in BRIEF for s in ("naive", "tuned")}
+    assert {label for label, *_ in heard} == labels
+    assert sorted({finished for _, finished, _ in heard}) == list(range(9))
+    assert {total for *_, total in heard} == {8}
+
+
+@pytest.mark.parametrize("processes", [0, 2])
+def test_a_journal_keeps_what_is_finished_and_spares_it(tmp_path, processes):
+    expected = [_untimed(result) for result in compare(_parallel(), processes=0)]
+    journal = Journal(tmp_path, "as tested")
+    begun = compare(_parallel(), processes=processes, journal=journal)
+    next(begun)
+    begun.close()
+    kept = journal.kept()
+    assert 1 <= len(kept) < 8
+    heard = []
+    results = compare(_parallel(), lambda *words: heard.append(words), processes=processes, journal=journal)
+    assert [_untimed(result) for result in results] == expected
+    assert min(finished for _, finished, _ in heard) == len(kept)
+    assert set(journal.kept()) == {task.key for task in tasks(_parallel())}
+    # no run left: nothing is begun, and what was kept is what comes, timings and all
+    heard.clear()
+    again = list(compare(_parallel(), lambda *words: heard.append(words), processes=processes, journal=journal))
+    assert heard == []
+    assert [_untimed(result) for result in again] == expected
+
+
+def test_a_journal_of_another_request_is_refused_before_any_run(tmp_path, with_engine):
+    engine = with_engine(Scripted(_finished))
+    Journal(tmp_path, "one").keep("key", b"")
+    with pytest.raises(LinkproofError, match="leave out --resume"):
+        compare(_request(), journal=Journal(tmp_path, "another"))
+    assert engine.scenes == []
+
+
+def test_an_engine_that_swells_is_said_to_have(with_engine):
+    def swell(scene):
+        raise MemoryError
+
+    with_engine(Scripted(swell))
+    (result,) = compare(_request())
+    assert {(r.outcome, r.detail) for r in result.records} == {("crashed", "needed more than 4 GiB of memory")}
+
+
+@pytest.mark.skipif(not sys.platform.startswith("linux"), reason="bounds on memory are Linux's")
+def test_faulty_engines_cost_their_own_rows(tmp_path, monkeypatch, capfd):
+    announce_engines(tmp_path)
+    monkeypatch.syspath_prepend(tmp_path)
+    faulty = ("aborting", "hanging", "leaving", "raising", "swelling", "writing")
+    request = _parallel(linkages=(JUKI,), motions=BRIEF[:1], engines=("direct", *faulty), settings=(Setting.TUNED,))
+    results = list(compare(request, bounds=Bounds(seconds=3.0, memory=GIB // 4), processes=2))
+    told = {result.records[0].engine: {(r.outcome, r.detail) for r in result.records} for result in results}
+    assert list(told) == list(request.engines)
+    assert told == {
+        "direct": {("passed", "")},
+        "aborting": {("crashed", "died by signal 6 (SIGABRT)")},
+        "hanging": {("timed-out", "took longer than 3 s")},
+        "leaving": {("crashed", "exited with code 3")},
+        "raising": {("diverged", "raising raised ValueError: first line second line")},
+        "swelling": {("crashed", "needed more than 0.25 GiB of memory")},
+        "writing": {("diverged", "did nothing")},
+    }
+    assert {record.engine_version for result in results[1:] for record in result.records} == {"1.0"}
+    assert len({len(result.records) for result in results}) == 1
+    assert capfd.readouterr() == ("", "")

@@ -7,10 +7,11 @@ import pytest
 
 from analytic.errors import LinkproofError, UnknownNameError
 from analytic.loading import catalogue, find
+from comparisons.workers import DEFAULT_BOUNDS, GIB, cores
 from engines.contract import Setting
 from engines.registry import engine_names
 from reports import requests
-from reports.requests import Choice, request
+from reports.requests import Choice, Effort, request
 
 
 def test_no_words_mean_everything_tuned_on_the_default_ramp():
@@ -80,3 +81,31 @@ def test_the_command_asks_for_the_same(choice):
 def test_conditions_tell_campaigns_apart():
     choices = [Choice(), Choice(speed=2000.0), Choice(clockwise=True), Choice(start_angle=1.0), Choice(gravity=False)]
     assert len({choice.conditions for choice in choices}) == len(choices)
+
+
+def test_no_words_mean_the_usual_effort():
+    Effort().check()
+    assert Effort().bounds == DEFAULT_BOUNDS
+    assert Effort().processes == cores()
+    assert Effort().words == ""
+
+
+def test_limits_become_bounds_and_stay_with_the_command():
+    effort = Effort(time_limit=90.0, memory_limit=0.5, jobs=0)
+    assert (effort.bounds.seconds, effort.bounds.memory, effort.processes) == (90.0, GIB // 2, 0)
+    assert effort.words == " --time-limit 90 --memory-limit 0.5"
+
+
+@pytest.mark.parametrize(
+    ("effort", "words"),
+    [
+        (Effort(time_limit=-1.0), "--time-limit: expected a positive finite number of s, got -1"),
+        (Effort(time_limit=math.nan), "got nan"),
+        (Effort(memory_limit=0.0), "--memory-limit: expected a positive finite number of GiB, got 0"),
+        (Effort(jobs=-2), "--jobs: expected a number of processes, or 0 for none, got -2"),
+        (Effort(memory_limit=1.0, jobs=0), "leave one of the two out"),
+    ],
+)
+def test_impossible_efforts_are_refused(effort, words):
+    with pytest.raises(LinkproofError, match=words):
+        effort.check()

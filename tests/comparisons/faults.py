@@ -1,0 +1,205 @@
+"""Jobs and engines that do what no job or engine should, for tests of what that costs. Imports little: workers do."""
+
+from __future__ import annotations
+
+import ctypes
+import os
+import signal
+import sys
+import threading
+import time
+from pathlib import Path
+
+from engines.contract import Outcome, Run
+
+
+def job(kind, value=None):
+    """Do what its kind says; 'fine' returns the value."""
+    return JOBS[kind](value)
+
+
+def fine(value):
+    return value
+
+
+def slow(value):
+    time.sleep(0.3)
+    return value
+
+
+def abort(_):
+    os.abort()
+
+
+def leave_at_once(value):
+    os._exit(value)
+
+
+def leave(value):
+    sys.exit(value)
+
+
+def sleep(_):
+    time.sleep(60.0)
+
+
+def spin(_):
+    while True:
+        pass
+
+
+def swell(_):
+    held = []
+    while True:
+        held.append(bytearray(1 << 24))
+
+
+def swell_in_c(_):
+    """Let operator new throw std::bad_alloc where nothing catches it."""
+    library = ctypes.CDLL("libstdc++.so.6")
+    library._Znwm.argtypes, library._Znwm.restype = [ctypes.c_size_t], ctypes.c_void_p
+    library._Znwm(1 << 45)
+
+
+def write(value):
+    print("noise " * 40000)  # noqa: T201  what is on trial
+    sys.stderr.write("noise")
+    for descriptor in (1, 2):
+        os.write(descriptor, b"noise" * 40000)
+    ctypes.CDLL(None).puts(b"noise")
+    return value
+
+
+def crash(_):
+    ctypes.string_at(0)
+
+
+def fail(_):
+    raise ValueError("first line\nsecond line")
+
+
+def unsendable(_):
+    return lambda: None
+
+
+class Unreadable:
+    """Can be sent, and not be read."""
+
+    def __reduce__(self):
+        return (fail, (None,))
+
+
+def unreadable(_):
+    return Unreadable()
+
+
+def large(value):
+    return b"\x01" * value
+
+
+def hang_up(_):
+    os.closerange(3, 256)
+    time.sleep(60.0)
+
+
+def interrupt_itself(value):
+    os.kill(os.getpid(), signal.SIGINT)
+    return value
+
+
+def spoil(value):
+    """End well, and bring the process down in the middle of the next job."""
+    threading.Timer(0.1, os.abort).start()
+    return value
+
+
+def sign_and_sleep(path):
+    """Leave its process number in a file, and hang."""
+    Path(path).write_text(str(os.getpid()))
+    time.sleep(60.0)
+
+
+JOBS = {
+    function.__name__: function
+    for function in (
+        fine,
+        slow,
+        abort,
+        leave_at_once,
+        leave,
+        sleep,
+        spin,
+        swell,
+        swell_in_c,
+        write,
+        crash,
+        fail,
+        unsendable,
+        unreadable,
+        large,
+        hang_up,
+        interrupt_itself,
+        sign_and_sleep,
+        spoil,
+    )
+}
+
+
+class Counting:
+    """A function that counts its calls."""
+
+    def __init__(self):
+        self.calls = 0
+
+    def __call__(self):
+        self.calls += 1
+        return self.calls
+
+
+class _Faulty:
+    """An engine that does one thing when it is run."""
+
+    work_unit = "steps"
+
+    def version(self):
+        return "1.0"
+
+    def obstacle(self, scene):
+        return None
+
+    def run(self, scene, setting):
+        job(self.act, self.value)
+        return Run(Outcome.DIVERGED, "did nothing")
+
+    def methods(self, scene):
+        return ()
+
+    def run_method(self, scene, method, step):
+        return self.run(scene, None)
+
+
+def _faulty(title, act, value=None):
+    return type(title.title(), (_Faulty,), {"name": title, "act": act, "value": value})
+
+
+ENGINES = {
+    title: _faulty(title, *does)
+    for title, does in {
+        "aborting": ("abort",),
+        "hanging": ("spin",),
+        "leaving": ("leave", 3),
+        "raising": ("fail",),
+        "swelling": ("swell",),
+        "writing": ("write",),
+    }.items()
+}
+Aborting, Hanging, Leaving, Raising, Swelling, Writing = ENGINES.values()
+
+
+def announce_engines(folder):
+    """Have a distribution in this folder announce the faulty engines to whoever has it on the path."""
+    place = folder / "faulty_engines-1.0.dist-info"
+    place.mkdir()
+    (place / "METADATA").write_text("Metadata-Version: 2.1\nName: faulty-engines\nVersion: 1.0\n")
+    lines = [f"{title} = tests.comparisons.faults:{kind.__name__}" for title, kind in ENGINES.items()]
+    (place / "entry_points.txt").write_text("\n".join(["[linkproof.engines]", *lines, ""]))
