@@ -1,0 +1,128 @@
+"""A sweep of steps: the order its error falls with, and whether another refinement still pays."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+
+# An order is read between what is no longer a solution and what is no longer the step's error.
+SATURATED = 0.3
+ABOVE_FLOOR = 3.0
+# Local slopes that differ from the order by less than this are the same slope, seen through scatter.
+SLOPE_SHARE, SLOPE_ROOM = 0.25, 0.3
+LEAST_POINTS, LEAST_ORDER, LEAST_DROP = 3, 0.4, 3.0
+# A refinement that takes less than this factor off no longer improves.
+IMPROVED = 1.5
+
+
+@dataclass(frozen=True)
+class Sweep:
+    """One method at one solver effort over its steps.
+
+    ``steps``, s, fall strictly; ``errors`` are over the truth's peak, one per step. ``work`` is the solver's work per
+    step, 0 where an engine does not tell.
+    """
+
+    steps: Sequence[float]
+    errors: Sequence[float]
+    effort: float | None = None
+    effort_unit: str = ""
+    work: float = 0.0
+
+    @property
+    def best(self) -> int:
+        """Place of the smallest error."""
+        return int(np.argmin(self.errors))
+
+    @property
+    def effort_words(self) -> str:
+        """The effort for a reader: "100 iterations", "relative tolerance 1e-10"."""
+        if self.effort is None:
+            return f"the engine's own {self.effort_unit}" if self.effort_unit else "its solver as it is"
+        if falls_with_effort(self.effort_unit):
+            return f"{self.effort_unit} {short(self.effort, 0)}"
+        return f"{self.effort:g} {self.effort_unit}"
+
+    @property
+    def last_gain(self) -> float:
+        """Factor that the last refinement took off; 1 where there was none."""
+        return self.errors[-2] / self.errors[-1] if len(self.errors) > 1 and self.errors[-1] > 0.0 else 1.0
+
+    @property
+    def is_falling(self) -> bool:
+        """Whether the finest step is the best and better than the one before by more than scatter."""
+        return self.best == len(self.errors) - 1 and self.last_gain >= IMPROVED
+
+    def error_at(self, step: float) -> float | None:
+        """The error at a step, s; None where that step was not taken."""
+        return next((e for s, e in zip(self.steps, self.errors, strict=True) if math.isclose(s, step)), None)
+
+    def works_harder_than(self, other: Sweep) -> bool:
+        """Whether its solver does more: by the efforts named, else by the work done per step."""
+        if self.effort is not None and other.effort is not None:
+            falls = falls_with_effort(self.effort_unit)
+            return self.effort < other.effort if falls else self.effort > other.effort
+        return self.work > other.work > 0.0
+
+
+def short(value: float, decimals: int = 1) -> str:
+    """A number as it stands in a sentence: 1.2e-5, 6."""
+    if 0.1 <= value < 1000.0:
+        return f"{value:.2g}"
+    mantissa, exponent = f"{value:.{decimals}e}".split("e")
+    return f"{mantissa}e{int(exponent)}"
+
+
+def falls_with_effort(unit: str) -> bool:
+    """Whether a smaller number means more effort: a tolerance does, a count of iterations does not."""
+    return "tolerance" in unit
+
+
+def observed_order(sweep: Sweep) -> float | None:
+    """Slope of log error over log step where it is steady; None where fewer than three points share one.
+
+    The longest run of refinements counts, of equal ones the finest, whose local slopes agree with their own Theil-Sen
+    slope, which an outlier does not move. Points at the floor or past it, and those so wrong that they are no solution,
+    are left out.
+    """
+    steps = np.log(np.asarray(sweep.steps, dtype=float))
+    errors = np.log(np.maximum(np.asarray(sweep.errors, dtype=float), np.finfo(float).tiny))
+    lowest = errors[sweep.best] + (0.0 if sweep.is_falling else math.log(ABOVE_FLOOR))
+    usable = [k for k in range(sweep.best + 1) if lowest <= errors[k] <= math.log(SATURATED)]
+    found: list[tuple[int, int, float]] = []
+    for first in range(len(usable)):
+        for end in range(first + LEAST_POINTS, len(usable) + 1):
+            window = usable[first:end]
+            slope = _steady_slope(steps[window], errors[window])
+            found += [(len(window), window[-1], slope)] if slope is not None else []
+    return max(found)[2] if found else None
+
+
+def theil_sen(x: Array, y: Array) -> float:
+    """Median of the slopes between all pairs of points (P. K. Sen, J. Am. Stat. Assoc. 63, 1968).
+
+    SciPy's also works out a confidence interval, which costs ten times as much and is not wanted here.
+    """
+    first, second = np.triu_indices(len(x), 1)
+    return float(np.median((y[second] - y[first]) / (x[second] - x[first])))
+
+
+def _steady_slope(steps: Array, errors: Array) -> float | None:
+    """The slope of a window whose every refinement has that slope, near enough."""
+    slope = theil_sen(steps, errors)
+    local = np.diff(errors) / np.diff(steps)
+    steady = bool(np.all(np.abs(local - slope) <= SLOPE_SHARE * abs(slope) + SLOPE_ROOM))
+    return slope if steady and slope >= LEAST_ORDER and errors[0] - errors[-1] >= math.log(LEAST_DROP) else None
+
+
+def still_improves(errors: Sequence[float]) -> bool:
+    """Whether another refinement is worth its price: no longer once two in a row have not beaten what was there."""
+    if len(errors) < LEAST_POINTS:
+        return True
+    return min(errors[-2:]) * IMPROVED < min(errors[:-2])

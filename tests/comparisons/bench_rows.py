@@ -1,0 +1,65 @@
+"""Benchmark records of engines that do not exist, with errors and times that are given."""
+
+from comparisons.bench_records import METHOD, SETTING, BenchRecord
+
+
+def row(**changes):
+    """A finished point of a method."""
+    values = {
+        "mechanism": "m",
+        "variant": "v",
+        "regime": "run-up-quintic",
+        "engine": "alpha",
+        "engine_version": "1.0",
+        "kind": METHOD,
+        "setting": "plain",
+        "levels": 1,
+        "effort": None,
+        "effort_unit": "",
+        "step": 1e-3,
+        "steps_per_turn": 60.0,
+        "quantity": "Mkr",
+        "unit": "N m",
+        "error_max": 1e-3,
+        "error_rms": 5e-4,
+        "peak": 0.2,
+        "seconds_min": 1e-2,
+        "seconds_median": 1.1e-2,
+        "repeats": (1e-2, 1.2e-2),
+        "setup_seconds": 1e-3,
+        "readout_seconds": 2e-3,
+        "steps": 700,
+        "solver_work": 2100,
+        "work_unit": "iterations",
+        "order": None,
+        "on_front": False,
+        "outcome": "finished",
+        "detail": "",
+        "used": "",
+        "ended": "the sweep ends here",
+    }
+    return BenchRecord(**{**values, **changes})
+
+
+def sweep_rows(errors, *, first=0.06, ratio=2.0, cost=1e-3, **changes):
+    """A sweep from the step ``first``, s, down, each step ``ratio`` times finer and dearer."""
+    return [
+        row(
+            step=first / ratio**k,
+            steps_per_turn=ratio**k,
+            error_max=error,
+            error_rms=0.5 * error,
+            seconds_min=cost * ratio**k,
+            seconds_median=1.1 * cost * ratio**k,
+            repeats=(cost * ratio**k, 1.2 * cost * ratio**k),
+            **changes,
+        )
+        for k, error in enumerate(errors)
+    ]
+
+
+def setting_row(name, error, seconds, **changes):
+    """A finished setting."""
+    return row(
+        kind=SETTING, setting=name, step=None, steps_per_turn=None, error_max=error, seconds_min=seconds, **changes
+    )

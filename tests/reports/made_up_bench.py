@@ -1,0 +1,75 @@
+"""A finished benchmark of engines that do not exist, for tests of its page and tables."""
+
+from comparisons.bench_analysis import judged
+from comparisons.bench_records import Bench, rows
+from tests.comparisons.bench_rows import row, setting_row, sweep_rows
+
+
+def made_up_bench(mechanisms=("juki-mf7923d", "rimoldi-164"), regimes=("run-up-quintic",), engines=("alpha", "beta")):
+    """Two methods, three efforts of one of them, three settings and a failure, in every place and engine."""
+    records = []
+    for mechanism in mechanisms:
+        for regime in regimes:
+            for number, engine in enumerate(engines):
+                where = {"mechanism": mechanism, "regime": regime, "engine": engine}
+                for quantity in ("Mkr", "joint_force"):
+                    records += _engine(quantity, 1.0 + number, where)
+    return Bench(document(judged(records), mechanisms, engines))
+
+
+def _engine(quantity, dearer, where):
+    told = {"quantity": quantity, **where}
+    second = sweep_rows(
+        [0.1 / 4**k for k in range(8)], cost=1e-3 * dearer, effort=100.0, effort_unit="iterations", **told
+    )
+    loose = sweep_rows([0.1, 0.03, 0.03, 0.03], cost=1e-3 * dearer, effort=10.0, effort_unit="iterations", **told)
+    fourth = sweep_rows([0.1 / 16**k for k in range(6)], cost=4e-3 * dearer, setting="higher", levels=2, **told)
+    settings = [
+        setting_row(name, error, seconds * dearer, used="scheme <made up>", **told)
+        for name, error, seconds in (("naive", 0.9, 2e-3), ("tuned", 4e-4, 1.7e-2), ("best", 1e-12, 0.4))
+    ]
+    failed = row(setting="torn", outcome="diverged", detail="the joints <gave> way", error_max=None, seconds_min=None,
+                 seconds_median=None, repeats=(), peak=None, error_rms=None, **told)  # fmt: skip
+    return [*settings, *second, *loose, *fourth, failed]
+
+
+def document(records, mechanisms, engines, **changes):
+    """All a saved benchmark holds."""
+    methods = [("plain", 100.0, "iterations", 1), ("higher", None, "", 2), ("torn", None, "", 1)]
+    return {
+        "format": 1,
+        "command": "linkproof bench --quick",
+        "conditions": "as tested",
+        "environment": {"date": "today", "machine": "this one", "commit": "none", "python": "3"},
+        "extent": {"steps_per_turn": [12.0], "budget": 1.0, "repeats": 5, "patience": 0.6, "effort_stride": 2},
+        "noise": {"work": "some additions", "samples": [1e-3, 1.1e-3, 1.3e-3]},
+        "first_use": [{"engine": name, "seconds": [0.3, 0.2]} for name in engines],
+        "mechanisms": [{"name": name, "title": f"The {name}", "variant": "v"} for name in mechanisms],
+        "methods": [
+            {"engine": engine, "name": name, "about": f"what <{name}> does", "levels": levels, "effort": effort,
+             "effort_unit": unit}
+            for engine in engines
+            for name, effort, unit, levels in methods
+        ],
+        "records": rows(records),
+        **changes,
+    }  # fmt: skip
+
+
+def nothing_finished():
+    """A benchmark of an engine that is not installed."""
+    absent = row(
+        engine="gamma",
+        kind="setting",
+        setting="",
+        step=None,
+        outcome="unavailable",
+        detail="not installed",
+        error_max=None,
+        error_rms=None,
+        peak=None,
+        seconds_min=None,
+        seconds_median=None,
+        repeats=(),
+    )
+    return Bench(document([absent], ("m",), ("gamma",), methods=[], noise={"work": "none", "samples": []}))
