@@ -5,8 +5,11 @@ BIN    := $(VENV)/bin
 READY  := $(VENV)/.installed
 # make report FULL=--full runs the files' own regimes in every setting too: minutes instead of one.
 FULL   ?=
+# make speed BASE=v0.1.0 compares HEAD with another commit than the one before it.
+BASE   ?= HEAD~1
+SPEED  := --config tests/speed/asv.conf.json
 
-.PHONY: report test lint baseline clean
+.PHONY: report test lint baseline speed clean
 
 report: $(READY)  ## every mechanism in every engine and setting; page at build/report/index.html
 	$(BIN)/linkproof compare --regime run-up --regime run-up-quintic --regime own --setting all $(FULL) --out build/report
@@ -23,6 +26,10 @@ lint: $(READY)  ## style, types and the direction of imports
 baseline: $(READY)  ## record today's deviations as those to be held in future
 	$(BIN)/linkproof compare --regime run-up --regime run-up-quintic --setting tuned --setting best --record-baseline
 	$(BIN)/linkproof compare --regime own --record-baseline
+
+speed: $(READY)  ## time the hot paths at two commits, turn and turn about; fails where one got a tenth slower
+	$(BIN)/asv machine --yes $(SPEED)
+	$(BIN)/asv continuous --interleave-rounds --no-only-changed --factor 1.1 $(SPEED) $(BASE) HEAD
 
 clean:
 	rm -rf build $(VENV)

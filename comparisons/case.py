@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, replace
-from typing import Protocol
+from functools import cached_property
+from typing import Any, Final, Protocol
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from analytic import dynamics
 from analytic.errors import LinkproofError
 from analytic.free_motion import FreeMotion, free_motion
 from analytic.kinetostatics import joint_forces
@@ -19,11 +21,14 @@ from analytic.regimes import CrankMotion
 from analytic.sweep import Sweep
 from comparisons.scenes import scene
 from engines.contract import Channel, Drive, Free, Prescribed, Scene
+from engines.scene import joint_names
 
 Array = NDArray[np.float64]
 
 # Jeq = 2T/ω² says nothing near standstill: samples slower than this share of the peak speed are left out.
 SLOW_SHARE = 0.05
+# Clocks whose truth is kept. A run has no more than two or three, and no other run has the same.
+KEPT: Final = 4
 
 
 class Motion(Protocol):
@@ -63,6 +68,45 @@ class Motion(Protocol):
 
 
 @dataclass(frozen=True)
+class Truth:
+    """The closed form at the instants ``time`` (n,), s, of a motion: each of it computed once, when it is asked for."""
+
+    mechanism: Mechanism
+    motion: Motion
+    time: Array
+
+    @cached_property
+    def speed(self) -> Array:
+        """ω, rad/s."""
+        return self.motion.speed(self.time)
+
+    @cached_property
+    def acceleration(self) -> Array:
+        """ε, rad/s²."""
+        return self.motion.acceleration(self.time)
+
+    @cached_property
+    def sweep(self) -> Sweep:
+        """The linkage at φ(t)."""
+        return self.mechanism.sweep(self.motion.angle(self.time))
+
+    @cached_property
+    def inertia(self) -> Array:
+        """Jeq, kg m²."""
+        return dynamics.reduced_inertia(self.sweep)
+
+    @cached_property
+    def torque(self) -> Array:
+        """Mkr, N m."""
+        return dynamics.drive_torque(self.sweep, self.speed, self.acceleration)
+
+    @cached_property
+    def joint_forces(self) -> Mapping[str, Array]:
+        """Force of every joint by name, (2, n), N: one analysis of the linkage gives them all."""
+        return joint_forces(self.sweep, self.speed, self.acceleration)
+
+
+@dataclass(frozen=True)
 class Case:
     """One mechanism under one crank motion; ``drive`` is what an engine is given, the motion itself by default."""
 
@@ -70,7 +114,11 @@ class Case:
     motion: Motion
     drive: Drive | None = None
     conditions: str = ""
-    _seen: dict[bytes, Sweep] = field(default_factory=dict, compare=False, repr=False)
+    _seen: dict[bytes, Truth] = field(default_factory=dict, compare=False, repr=False)
+
+    def __getstate__(self) -> dict[str, Any]:
+        """A case travels to another process without the truth it has worked out, which is many times its own size."""
+        return self.__dict__ | {"_seen": {}}
 
     @property
     def is_prescribed(self) -> bool:
@@ -103,16 +151,22 @@ class Case:
         angle, speed = float(self.motion.angle(start)), float(self.motion.speed(start))
         return scene(self.mechanism, drive, channels, start_angle=angle, speed=speed)
 
-    def sweep(self, time: Array) -> Sweep:
+    def at(self, time: Array) -> Truth:
         """The closed form along the motion, kept so that all quantities on one clock share its work."""
         key = time.tobytes()
         if key not in self._seen:
-            self._seen[key] = self.mechanism.sweep(self.motion.angle(time))
+            while len(self._seen) >= KEPT:
+                del self._seen[next(iter(self._seen))]
+            self._seen[key] = Truth(self.mechanism, self.motion, time)
         return self._seen[key]
+
+    def sweep(self, time: Array) -> Sweep:
+        """The linkage along the motion."""
+        return self.at(time).sweep
 
     def joint_names(self) -> tuple[str, ...]:
         """Names of all joints that carry a force."""
-        return tuple(joint_forces(self.mechanism.sweep(self.motion.angle(np.zeros(1))), 0.0, 0.0))
+        return joint_names(self.mechanism.linkage)
 
     def output_anchor(self) -> Vector:
         """The output point relative to its link's mass centre, link frame, m."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import replace
 
 import numpy as np
@@ -9,29 +10,52 @@ import numpy as np
 from comparisons import invariants
 from comparisons.case import Case
 from comparisons.deviations import near_jumps
+from comparisons.invariants import Inspection
 from comparisons.judging import judge
 from comparisons.motion import ObservedMotion
 from comparisons.records import Record
 from engines.contract import Channel, Signal
 
+LARGEST = 1e150  # however far off a motion is, its square is a number
+
 
 def checks(case: Case, motion: ObservedMotion, blank: Record) -> tuple[Record, ...]:
-    """Joint gaps, energy balance and the torque by two routes, as records of their own."""
-    gaps = invariants.joint_gaps(motion)
-    energy = _away_from_jumps(case, invariants.energy_balance(motion))
-    routes = _two_routes(case, motion)
-    torque_peak = _torque_scale(case, motion)
-    kinetic_peak = float(np.max(motion.kinetic_energy().values))
-    accelerations = len(motion.signal(Channel.ACCELERATION).time)
+    """One record per invariant; the balance of joint forces only where they were recorded."""
+    return tuple(_checks(case, motion, blank))
+
+
+def _checks(case: Case, motion: ObservedMotion, blank: Record) -> Iterator[Record]:
+    seen = Inspection(motion)
+    torque, acceleration = motion.signal(Channel.TORQUE), motion.signal(Channel.ACCELERATION)
 
     def check(name: str, unit: str, signal: Signal, scale: float, total: int) -> Record:
         return _check(replace(blank, quantity=name, unit=unit), signal, scale, total)
 
-    return (
-        check("joint_gap", "m", gaps, case.mechanism.linkage.shortest_length(), len(gaps.time)),
-        check("energy_balance", "J", energy, kinetic_peak, len(motion.signal(Channel.TORQUE).time)),
-        check("torque_two_routes", "N m", routes, torque_peak, accelerations),
-    )
+    gaps = invariants.joint_gaps(motion)
+    yield check("joint_gap", "m", gaps, case.mechanism.linkage.shortest_length(), len(gaps.time))
+    closure, count = _closure(case, seen)
+    yield check("closure", "", closure, 1.0, count)
+    mode = seen.assembly_mode()
+    yield check("assembly_mode", "", mode, 1.0, len(mode.time))
+    phase = seen.crank_phase()
+    yield check("crank_phase", "rad", phase, 1.0, len(phase.time))
+    energy = _away_from_jumps(case, seen.energy_balance())
+    yield check("energy_balance", "J", energy, seen.energy_scale(), len(torque.time))
+    required = _away_from_jumps(case, seen.torque_required())
+    routes = Signal(required.time, required.values - motion.on_clock(Channel.TORQUE, required.time))
+    yield check("torque_two_routes", "N m", routes, _torque_scale(case, motion), len(acceleration.time))
+    if motion.history.joint_force:
+        forces = _away_from_jumps(case, seen.force_balance())
+        yield check("force_balance", "", forces, 1.0, len(acceleration.time))
+
+
+def _closure(case: Case, seen: Inspection) -> tuple[Signal, int]:
+    """The corrections of all levels one after the other, and how many there were before any was left out."""
+    levels = seen.closure()
+    count = sum(len(signal.time) for signal in levels.values())
+    levels[Channel.ACCELERATION.value] = _away_from_jumps(case, levels[Channel.ACCELERATION.value])
+    joined = [np.concatenate([getattr(s, part) for s in levels.values()]) for part in ("time", "values")]
+    return Signal(*joined), count
 
 
 def _torque_scale(case: Case, motion: ObservedMotion) -> float:
@@ -46,13 +70,6 @@ def _torque_scale(case: Case, motion: ObservedMotion) -> float:
     return max(peak, float(np.max(np.abs(inertia * motion.crank(Channel.ACCELERATION, energy.time)[fast]))))
 
 
-def _two_routes(case: Case, motion: ObservedMotion) -> Signal:
-    """Torque by power balance less torque by constraint, away from standstill and acceleration jumps."""
-    by_power = invariants.power_torque(motion, case.least_speed)
-    torque = motion.on_clock(Channel.TORQUE, by_power.time)
-    return _away_from_jumps(case, Signal(by_power.time, by_power.values - torque))
-
-
 def _away_from_jumps(case: Case, signal: Signal) -> Signal:
     """A signal without its samples at acceleration jumps, where interpolating between samples means nothing."""
     kept = ~near_jumps(signal.time, case.motion.jumps)
@@ -60,16 +77,17 @@ def _away_from_jumps(case: Case, signal: Signal) -> Signal:
 
 
 def _check(blank: Record, signal: Signal, scale: float, total: int) -> Record:
-    """A record of a signal that should be zero everywhere, relative to a scale."""
-    relative = np.abs(signal.values) / (scale or 1.0)
-    worst = int(np.argmax(relative))
+    """A record of a signal that should be zero everywhere, relative to a scale; what is undefined is left out."""
+    told = ~np.isnan(signal.values)
+    time, relative = signal.time[told], np.minimum(np.abs(signal.values[told]) / (scale or 1.0), LARGEST)
+    worst = int(np.argmax(relative)) if len(relative) else 0
     return judge(
         replace(
             blank,
-            error_max=float(relative[worst]),
-            error_rms=float(np.sqrt(np.mean(relative**2))),
+            error_max=float(relative[worst]) if len(relative) else 0.0,
+            error_rms=float(np.sqrt(np.mean(relative**2))) if len(relative) else 0.0,
             peak=scale,
-            worst_time=float(signal.time[worst]),
+            worst_time=float(time[worst]) if len(relative) else None,
             samples=len(relative),
             left_out=total - len(relative),
         )

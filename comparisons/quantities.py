@@ -14,10 +14,8 @@ from functools import partial
 import numpy as np
 from numpy.typing import NDArray
 
-from analytic import dynamics
 from analytic.errors import LinkproofError, UnknownNameError
 from analytic.harmonics import top_dead_centre
-from analytic.kinetostatics import joint_forces
 from analytic.thread import feed, feed_of_length
 from analytic.thread_path import ThreadEye, ThreadPath
 from comparisons.case import Case
@@ -66,7 +64,7 @@ class Quantity:
 def _inertia(case: Case, motion: ObservedMotion) -> Signal:
     energy = motion.kinetic_energy()
     speed = motion.crank(Channel.VELOCITY, energy.time)
-    fast = np.abs(case.motion.speed(energy.time)) >= case.least_speed
+    fast = np.abs(case.at(energy.time).speed) >= case.least_speed
     return Signal(energy.time[fast], 2.0 * energy.values[fast] / speed[fast] ** 2)
 
 
@@ -97,7 +95,7 @@ def _crank(channel: Channel, case: Case, motion: ObservedMotion) -> Signal:
 
 
 def _true_torque(case: Case, time: Array) -> Array:
-    return dynamics.drive_torque(case.sweep(time), case.motion.speed(time), case.motion.acceleration(time))
+    return case.at(time).torque
 
 
 def _true_displacement(case: Case, time: Array) -> Array:
@@ -105,13 +103,12 @@ def _true_displacement(case: Case, time: Array) -> Array:
 
 
 def _true_acceleration(case: Case, time: Array) -> Array:
-    sweep, speed = case.sweep(time), case.motion.speed(time)
-    return -(sweep.output(2) * speed**2 + sweep.output(1) * case.motion.acceleration(time))
+    at = case.at(time)
+    return -(at.sweep.output(2) * at.speed**2 + at.sweep.output(1) * at.acceleration)
 
 
 def _true_joint_force(joint: str, case: Case, time: Array) -> Array:
-    forces = joint_forces(case.sweep(time), case.motion.speed(time), case.motion.acceleration(time))
-    return np.asarray(forces[joint].T)
+    return np.asarray(case.at(time).joint_forces[joint].T)
 
 
 def _joint_force(joint: str) -> Quantity:
@@ -170,7 +167,7 @@ QUANTITIES: Mapping[str, Quantity] = {
             unit="rad/s",
             title="crank speed",
             clock=Channel.VELOCITY,
-            reference=lambda case, time: case.motion.speed(time),
+            reference=lambda case, time: case.at(time).speed,
             observed=partial(_crank, Channel.VELOCITY),
             prescribed=False,
         ),
@@ -179,7 +176,7 @@ QUANTITIES: Mapping[str, Quantity] = {
             unit="rad/s²",
             title="crank acceleration",
             clock=Channel.ACCELERATION,
-            reference=lambda case, time: case.motion.acceleration(time),
+            reference=lambda case, time: case.at(time).acceleration,
             observed=partial(_crank, Channel.ACCELERATION),
             holds_acceleration=True,
             prescribed=False,
@@ -189,7 +186,7 @@ QUANTITIES: Mapping[str, Quantity] = {
             unit="kg m²",
             title="reduced moment of inertia",
             clock=Channel.VELOCITY,
-            reference=lambda case, time: dynamics.reduced_inertia(case.sweep(time)),
+            reference=lambda case, time: case.at(time).inertia,
             observed=_inertia,
         ),
         Quantity(
@@ -197,7 +194,7 @@ QUANTITIES: Mapping[str, Quantity] = {
             unit="J",
             title="kinetic energy",
             clock=Channel.VELOCITY,
-            reference=lambda case, time: dynamics.kinetic_energy(case.sweep(time), case.motion.speed(time)),
+            reference=lambda case, time: 0.5 * case.at(time).inertia * case.at(time).speed ** 2,
             observed=lambda case, motion: motion.kinetic_energy(),
         ),
         Quantity(
@@ -216,7 +213,7 @@ QUANTITIES: Mapping[str, Quantity] = {
             title="drive power",
             clock=Channel.TORQUE,
             also=frozenset({Channel.VELOCITY}),
-            reference=lambda case, time: _true_torque(case, time) * case.motion.speed(time),
+            reference=lambda case, time: _true_torque(case, time) * case.at(time).speed,
             observed=_power,
             holds_acceleration=True,
             free=False,
@@ -236,7 +233,7 @@ QUANTITIES: Mapping[str, Quantity] = {
             title="output velocity",
             clock=Channel.VELOCITY,
             also=frozenset({Channel.POSITION}),
-            reference=lambda case, time: -case.sweep(time).output(1) * case.motion.speed(time),
+            reference=lambda case, time: -case.sweep(time).output(1) * case.at(time).speed,
             observed=_velocity,
             needs_output=True,
         ),

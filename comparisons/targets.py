@@ -1,7 +1,8 @@
-"""What the suite promises of itself, measured anew: errors, overhead, cost of the closed form, whole processes."""
+"""What the suite promises of itself, measured anew: errors, overhead, speed, whole processes."""
 
 from __future__ import annotations
 
+import math
 import subprocess
 import sys
 import time
@@ -20,6 +21,7 @@ from analytic.linkage import Linkage, OwnRegime
 from analytic.mechanism import Mechanism
 from analytic.regimes import crank_motion
 from analytic.steady_state import steady_state
+from comparisons import promises, speed
 from comparisons.campaign import Request, RunResult, compare
 from comparisons.case import own_motion
 from comparisons.records import Record
@@ -45,16 +47,23 @@ class Target:
 
 @dataclass(frozen=True)
 class Figure:
-    """A target with what was reached, its smallest repeat and all of them; ``subject`` is an engine or a mechanism."""
+    """A target with what was reached, its smallest repeat and all of them.
+
+    ``subject`` is an engine, a mechanism or two contestants; ``detail`` says what a ratio is made up of. ``reached`` is
+    nan where a baseline to be measured against is not installed.
+    """
 
     target: Target
     subject: str
     reached: float
     repeats: tuple[float, ...] = ()
+    detail: str = ""
 
     @property
     def verdict(self) -> str:
-        """``aim``, ``must`` or ``missed``."""
+        """``aim``, ``must``, ``missed``, or ``absent`` where there was nothing to be measured against."""
+        if math.isnan(self.reached):
+            return "absent"
         if self.reached <= self.target.aim:
             return "aim"
         return "must" if self.reached <= self.target.must else "missed"
@@ -83,6 +92,13 @@ def measure(linkages: Sequence[Linkage], engines: Sequence[str]) -> Iterator[Fig
         "overhead": lambda target: _overheads(target, linkages, engines),
         "closed_form": lambda target: _closed_form(target, linkages),
         "process": _process,
+        "six_bar": _six_bar,
+        "designs": _designs,
+        "forward": _forward,
+        "savings": lambda target: _studied(target, promises.savings, engines),
+        "long_turns": lambda target: _studied(target, promises.long_turns, engines),
+        "missed": lambda target: _studied(target, promises.missed, engines),
+        "endurance": lambda target: _studied(target, promises.endurance, engines),
     }
     for target in targets():
         yield from kinds[target.kind](target)
@@ -198,6 +214,36 @@ def _process(target: Target) -> Iterator[Figure]:
     command = [sys.executable, "-m", "reports.command", *target.arguments]
     spent = _timed(lambda: subprocess.run(command, capture_output=True, check=True))
     yield Figure(target, "median", float(np.median(spent)), spent)
+
+
+def _six_bar(target: Target) -> Iterator[Figure]:
+    """Time of a sweep of a six-bar's joints over a baseline's."""
+    contest = speed.six_bar_contest(target.arguments["mechanism"], target.arguments["angles"])
+    yield _figure(target, speed.over(contest, speed.OURS, target.arguments["baseline"], "ns", 1e-9))
+
+
+def _designs(target: Target) -> Iterator[Figure]:
+    """Time per design and crank angle, ns."""
+    asked = target.arguments
+    contest = speed.designs_contest(asked["mechanism"], tuple(asked["varied"]), asked["designs"], asked["angles"])
+    yield _figure(target, speed.each(contest, speed.OURS, "ns", 1e-9))
+
+
+def _forward(target: Target) -> Iterator[Figure]:
+    """Time of a released crank's motion over a baseline's."""
+    contest = speed.forward_contest(target.arguments["mechanism"], target.arguments["regime"])
+    yield _figure(target, speed.over(contest, speed.OURS, target.arguments["baseline"], "s", 1.0))
+
+
+def _studied(
+    target: Target, study: Callable[[dict[str, Any], Sequence[str]], Iterator[speed.Measured]], engines: Sequence[str]
+) -> Iterator[Figure]:
+    """Figures of a study of its own."""
+    yield from (_figure(target, found) for found in study(target.arguments, engines))
+
+
+def _figure(target: Target, found: speed.Measured) -> Figure:
+    return Figure(target, found.subject, found.reached, found.repeats, found.detail)
 
 
 def _timed(work: Callable[[], object]) -> tuple[float, ...]:

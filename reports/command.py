@@ -1,6 +1,6 @@
-"""The command line: ``linkproof list | show | thread | published | compare | report | targets``.
+"""The command line: ``linkproof list | show | thread | published | compare | bench | stress | report | targets``.
 
-Exit codes: 0 all within limits, 1 a limit exceeded or a run that failed, 2 misuse or bad input.
+Exit codes: 0 all within limits, 1 a limit exceeded or a run that failed, 2 misuse or bad input, 130 interrupted.
 """
 
 from __future__ import annotations
@@ -10,9 +10,27 @@ from pathlib import Path
 from typing import Annotated
 
 import typer
+from typer.core import TyperGroup
+
+BAD_INPUT = 2
+INTERRUPTED = 130
+
+
+class InterruptedRunError(Exception):
+    """Ctrl-C, of which typer would make a silent exit; says what is left."""
+
+
+class _Commands(TyperGroup):
+    def invoke(self, ctx: typer.Context) -> object:  # type: ignore[override]  # typer's own click, or click's
+        try:
+            return super().invoke(ctx)
+        except KeyboardInterrupt as interrupt:
+            raise InterruptedRunError(str(interrupt) or "nothing was written") from interrupt
+
 
 app = typer.Typer(
     name="linkproof",
+    cls=_Commands,
     help="How far is a multibody simulation of a planar linkage from the truth, and what did the truth cost?",
     no_args_is_help=True,
     add_completion=False,
@@ -20,13 +38,15 @@ app = typer.Typer(
     context_settings={"help_option_names": ["-h", "--help"]},
 )
 
-BAD_INPUT = 2
-INTERRUPTED = 130
-
 JsonOption = Annotated[str | None, typer.Option("--json", metavar="FILE|-", help="Write JSON here; - is stdout.")]
 MechanismsArgument = Annotated[
     list[str] | None,
     typer.Argument(metavar="[MECHANISM]...", help="Catalogue names or paths of your own .toml files; default: all."),
+]
+
+
+ResumeOption = Annotated[
+    bool, typer.Option("--resume", help="Finish what an interrupted run of the same command kept in --out.")
 ]
 
 
@@ -102,14 +122,28 @@ def compare(
     record_baseline: Annotated[
         bool, typer.Option("--record-baseline", help="Record these deviations as the new baseline.")
     ] = False,
+    resume: ResumeOption = False,
+    time_limit: Annotated[
+        float | None, typer.Option(metavar="SECONDS", help="Wall time that one run may take; default: 600.")
+    ] = None,
+    memory_limit: Annotated[
+        float | None, typer.Option(metavar="GIB", help="Memory that one run may add; default: 4.")
+    ] = None,
+    jobs: Annotated[
+        int | None, typer.Option(metavar="N", help="Worker processes; default: the cores; 0: none, no limits.")
+    ] = None,
 ) -> None:
     """Simulate mechanisms in engines and hold every deviation from the closed form against its limit.
 
     Rows of the naive setting never decide the exit code when other settings run beside them: they show what a user gets
-    without tuning.
+    without tuning. An engine that aborts, hangs or swells costs its own row.
     """
+    from comparisons.worker_process import start_server
+
+    if jobs != 0:
+        start_server(["comparisons.campaign"])  # its imports run beside ours
     from reports import commands
-    from reports.requests import Choice
+    from reports.requests import Choice, Effort
 
     choice = Choice(
         mechanisms=tuple(mechanisms or ()),
@@ -126,7 +160,75 @@ def compare(
         gravity=not no_gravity,
         full=full,
     )
-    raise typer.Exit(commands.compare(choice, out, json, record_baseline=record_baseline))
+    effort = Effort(time_limit, memory_limit, jobs, resume)
+    raise typer.Exit(commands.compare(choice, out, json, record_baseline=record_baseline, effort=effort))
+
+
+@app.command()
+def bench(
+    mechanisms: MechanismsArgument = None,
+    regime: Annotated[
+        list[str] | None, typer.Option(help="As for compare; repeatable; default: run-up-quintic and run-up.")
+    ] = None,
+    engine: Annotated[list[str] | None, typer.Option(help="Engine; repeatable; default: every one.")] = None,
+    quantity: Annotated[
+        list[str] | None, typer.Option(help="Repeatable; default: Mkr, Jeq, phi, joint_force (the worst joint's).")
+    ] = None,
+    quick: Annotated[bool, typer.Option("--quick", help="A coarser sweep of one regime: under a minute.")] = False,
+    out: Annotated[Path | None, typer.Option(metavar="DIR", help="Write bench.json and bench.html here.")] = None,
+    json: JsonOption = None,
+    resume: ResumeOption = False,
+) -> None:
+    """Measure error against run time: every engine, setting and method over a sweep of steps.
+
+    One run at a time, so that times mean something: leave the machine alone meanwhile.
+    """
+    from comparisons.worker_process import start_server
+
+    start_server(["comparisons.bench_measure"])  # its imports run beside ours
+    from reports.bench_command import BenchChoice
+    from reports.bench_command import bench as run_bench
+
+    choice = BenchChoice(
+        mechanisms=tuple(mechanisms or ()),
+        regimes=tuple(regime or ()),
+        engines=tuple(engine or ()),
+        quantities=tuple(quantity or ()),
+        quick=quick,
+    )
+    raise typer.Exit(run_bench(choice, out, json, resume=resume))
+
+
+@app.command()
+def stress(
+    words: Annotated[
+        list[str] | None,
+        typer.Argument(
+            metavar="[AXIS | CELL]...",
+            help="Maps by name, or single cells AXIS/ROW/VALUE/ENGINE/USAGE; default: every map.",
+        ),
+    ] = None,
+    engine: Annotated[list[str] | None, typer.Option(help="Engine; repeatable; default: every one.")] = None,
+    setting: Annotated[
+        list[str] | None, typer.Option(help="Setting, or fixed-step method; repeatable; default: those of each map.")
+    ] = None,
+    quick: Annotated[bool, typer.Option("--quick", help="Fewer cells, coarser borders: about a minute.")] = False,
+    out: Annotated[Path | None, typer.Option(metavar="DIR", help="Write stress.json and stress.html here.")] = None,
+    json: JsonOption = None,
+    resume: ResumeOption = False,
+    jobs: Annotated[int | None, typer.Option(metavar="N", help="Worker processes; default: the cores.")] = None,
+) -> None:
+    """Map where engines stop being right, and whether our invariants notice.
+
+    Exits with 1 if an engine's success with a wrong motion was missed by all invariants.
+    """
+    from comparisons.worker_process import start_server
+
+    start_server(["comparisons.stress"])  # its imports run beside ours
+    from reports.stress_command import StressChoice, run
+
+    choice = StressChoice(tuple(words or ()), tuple(engine or ()), tuple(setting or ()), quick)
+    raise typer.Exit(run(choice, out, json, resume=resume, jobs=jobs))
 
 
 @app.command()
@@ -157,8 +259,8 @@ def main() -> None:
     except LinkproofError as error:
         sys.stderr.write(f"linkproof: {error}\n")
         sys.exit(BAD_INPUT)
-    except KeyboardInterrupt:
-        sys.stderr.write("linkproof: interrupted; nothing was written\n")
+    except InterruptedRunError as interrupt:
+        sys.stderr.write(f"linkproof: interrupted; {interrupt}\n")
         sys.exit(INTERRUPTED)
     except BrokenPipeError:
         sys.stderr.close()

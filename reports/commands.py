@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+import math
 import sys
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict
 from pathlib import Path
-from typing import Any
+from typing import Any, TypedDict
 
 import numpy as np
 from rich.console import Console
@@ -17,23 +18,27 @@ from analytic.loading import catalogue, load
 from analytic.mechanism import Mechanism
 from analytic.required_feed import compare_feed, read_required_feed
 from comparisons import baseline
+from comparisons.campaign import Request
 from comparisons.campaign import compare as run_campaign
-from comparisons.errata import judge_errata
+from comparisons.errata import ErratumRecord, judge_errata
 from comparisons.files import check_writable, write_text
+from comparisons.journal import Journal
 from comparisons.published import all_variants, compare_published
 from comparisons.records import Record, Verdict, to_json
 from comparisons.results import described, document, save
 from comparisons.results import load as load_results
-from comparisons.targets import measure
+from comparisons.targets import Figure, measure
+from comparisons.workers import Bounds
 from engines.contract import Setting
 from engines.registry import engine, engine_names
 from reports import tables
+from reports.interruption import interruptible, journal
 from reports.portrait import portrait, thread_facts
 from reports.progress import progress
-from reports.requests import Choice, request, texts
+from reports.requests import DEFAULT_EFFORT, Choice, Effort, request, texts
 
 PAGE, SUMMARY = "index.html", "RESULTS.md"
-FAILED = (Verdict.OVER_LIMIT, Verdict.DIVERGED)
+FAILED = (Verdict.OVER_LIMIT, Verdict.DIVERGED, Verdict.TIMED_OUT, Verdict.CRASHED)
 
 
 def _write_json(target: str, data: Mapping[str, Any]) -> None:
@@ -112,35 +117,58 @@ def installed(engines: Sequence[str]) -> list[str]:
     return [name for name in engines if engine(name).version() is not None]
 
 
-def compare(choice: Choice, out: Path | None, target: str | None, *, record_baseline: bool) -> int:
+def compare(
+    choice: Choice, out: Path | None, target: str | None, *, record_baseline: bool, effort: Effort = DEFAULT_EFFORT
+) -> int:
     """Run a campaign, print its table, write what was asked for; returns the exit code."""
+    effort.check()
+    if effort.resume and out is None:
+        raise LinkproofError("--resume finishes what --out DIR has kept: name that folder with --out, or leave it out")
     wanted = request(choice)
     for path in (*([Path(target)] if target not in (None, "-") else []), *([out / PAGE] if out else [])):
         check_writable(path)
-    with progress() as announce:
-        results = list(run_campaign(wanted, announce))
-    records = [record for result in results for record in (*result.records, *result.invariants)]
-    if record_baseline:
-        baseline.record_all(records)
-    command = choice.command + (" --out DIR" if out else "")
-    if target != "-":
-        Console().print(tables.campaign(results))
-    if target or out:
-        files = texts(choice, wanted.linkages)
-        by_name = dict(zip((linkage.name for linkage in wanted.linkages), files, strict=True))
-
-        def variant_of(linkage: Linkage, variant: str) -> Linkage:
-            return described(by_name[linkage.name], linkage.name, variant, linkage.gravity)
-
-        asked = wanted.linkages if wanted.own_regimes else ()
-        errata = list(judge_errata(asked, installed(wanted.engines), variant_of))
-        told = document(wanted, results, files, command, errata)
-        if target:
-            _write_json(target, told)
-        if out:
-            save(out, results, told)
-            rebuild(out, None)
+    files = texts(choice, wanted.linkages)
+    kept = journal(out, choice.command, wanted, files, resume=effort.resume) if out else None
+    with interruptible(out) as counting:
+        with progress() as announce:
+            limits: _Limits = {"bounds": effort.bounds, "processes": effort.processes, "journal": kept}
+            results = list(run_campaign(wanted, counting(announce), **limits))
+            errata = _errata(wanted, files, limits) if target or out else []
+        records = [record for result in results for record in (*result.records, *result.invariants)]
+        if record_baseline:
+            baseline.record_all(records)
+        if target != "-":
+            Console().print(tables.campaign(results))
+        if target or out:
+            command = choice.command + effort.words + (" --out DIR" if out else "")
+            told = document(wanted, results, files, command, errata)
+            if target:
+                _write_json(target, told)
+            if out:
+                save(out, results, told)
+                rebuild(out, None)
+        if kept:
+            kept.clear()
     return exit_code(records)
+
+
+class _Limits(TypedDict):
+    """How engines are run, as campaigns and errata take it."""
+
+    bounds: Bounds
+    processes: int
+    journal: Journal | None
+
+
+def _errata(wanted: Request, files: Sequence[str], limits: _Limits) -> list[ErratumRecord]:
+    """The printed models of the linkages whose own regimes are asked for, put to the engines asked for."""
+    by_name = dict(zip((linkage.name for linkage in wanted.linkages), files, strict=True))
+
+    def variant_of(linkage: Linkage, variant: str) -> Linkage:
+        return described(by_name[linkage.name], linkage.name, variant, linkage.gravity)
+
+    asked = wanted.linkages if wanted.own_regimes else ()
+    return list(judge_errata(asked, installed(wanted.engines), variant_of, **limits))
 
 
 def targets(target: str | None) -> int:
@@ -155,8 +183,14 @@ def targets(target: str | None) -> int:
     if target is None:
         Console().print(tables.targets(figures))
     else:
-        _write_json(target, {"records": [{**asdict(figure), "verdict": figure.verdict} for figure in figures]})
+        _write_json(target, {"records": [_figure_row(figure) for figure in figures]})
     return int(any(figure.verdict == "missed" for figure in figures))
+
+
+def _figure_row(figure: Figure) -> dict[str, Any]:
+    """A figure for JSON, which has no nan: what could not be measured is null."""
+    measured = math.isfinite(figure.reached)
+    return {**asdict(figure), "reached": figure.reached if measured else None, "verdict": figure.verdict}
 
 
 def exit_code(records: Sequence[Record]) -> int:
@@ -167,11 +201,14 @@ def exit_code(records: Sequence[Record]) -> int:
 
 def rebuild(saved: Path, out: Path | None) -> None:
     """Write the page and the summary of a saved campaign."""
+    from reports.besides import besides, rebuild_pages  # noqa: PLC0415
     from reports.page import write_page  # noqa: PLC0415  figures cost a second that other commands do not pay
     from reports.summary import markdown  # noqa: PLC0415
 
     results = load_results(saved)
-    folder = out or (saved if saved.is_dir() else saved.parent)
-    write_page(results, folder / PAGE)
-    write_text(folder / SUMMARY, markdown(results))
+    kept = saved if saved.is_dir() else saved.parent
+    folder, others = out or kept, besides(kept)
+    write_page(results, folder / PAGE, others)
+    write_text(folder / SUMMARY, markdown(results, others))
+    rebuild_pages(kept, folder)
     Console(stderr=True).print(f"report: {folder / PAGE}", highlight=False)

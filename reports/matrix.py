@@ -19,6 +19,8 @@ SIGNS: dict[str, tuple[str, str, str]] = {
     Verdict.DIVERGED.value: ("✗", "diverged", "failed"),
     Verdict.UNSUPPORTED.value: ("–", "unsupported", "absent"),
     Verdict.UNAVAILABLE.value: ("–", "not installed", "absent"),
+    Verdict.TIMED_OUT.value: ("✗", "timed out", "failed"),
+    Verdict.CRASHED.value: ("✗", "crashed", "failed"),
 }
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
@@ -15,6 +15,7 @@ from markupsafe import Markup
 from comparisons.files import write_text
 from comparisons.results import Results
 from reports import matrix, numbers
+from reports.besides import Beside
 from reports.readings import OTHERWISE, VERDICT_SIGNS, met, readings, worded
 from reports.sections import Section, section
 from reports.views import View, columns, family, title, views
@@ -33,12 +34,12 @@ class Used:
     settings: str
 
 
-def write_page(results: Results, path: Path) -> None:
-    """Write the report of a campaign to ``path``, in one step."""
-    write_text(path, page(results))
+def write_page(results: Results, path: Path, others: Sequence[Beside] = ()) -> None:
+    """Write the report of a campaign to ``path``, in one step; ``others`` are sections on what else was measured."""
+    write_text(path, page(results, others))
 
 
-def page(results: Results) -> str:
+def page(results: Results, others: Sequence[Beside] = ()) -> str:
     """The report's HTML."""
     every = views(results)
     quantities, invariants = columns(results)
@@ -55,6 +56,7 @@ def page(results: Results) -> str:
         standings=matrix.standings(results),
         past_baseline=matrix.past_baseline(results),
         sections=list(_sections(results, every)),
+        others=others,
         used=_used(results),
         limits=matrix.limit_rows(results),
         left_out=sum(record.left_out for record in results.records),

@@ -11,6 +11,7 @@ from contextlib import suppress
 from analytic.errors import LinkproofError
 from comparisons.results import Results
 from reports import force_facts, matrix, thread_facts
+from reports.besides import Beside
 from reports.force_facts import TurnForces
 from reports.joint_rows import joint_rows
 from reports.matrix import Block, Row
@@ -21,8 +22,8 @@ from reports.released import released, sentences
 from reports.views import View, columns, views
 
 
-def markdown(results: Results) -> str:
-    """The summary of a campaign."""
+def markdown(results: Results, others: Sequence[Beside] = ()) -> str:
+    """The summary of a campaign; ``others`` are sections on what else was measured."""
     parts = [
         "# Engines against the closed form",
         f"Largest error over the reference's peak, two digits, round-off as < {bound(ROUND_OFF)}; ✓ within its limit, "
@@ -31,6 +32,7 @@ def markdown(results: Results) -> str:
         *_matrix(results),
         *_models(results),
         *_published(results),
+        *(other.markdown.rstrip() for other in others),
         *_limits(results),
         *_environment(results),
     ]

@@ -28,6 +28,8 @@ SIGNS = {
     Verdict.DIVERGED.value: ("diverged", "red"),
     Verdict.UNSUPPORTED.value: ("unsupported", "yellow"),
     Verdict.UNAVAILABLE.value: ("not installed", "yellow"),
+    Verdict.TIMED_OUT.value: ("timed out", "red"),
+    Verdict.CRASHED.value: ("crashed", "red"),
 }
 
 
@@ -140,19 +142,25 @@ def _ours(record: PublishedRecord) -> Text:
     return Text(f"{record.ours:.4g} {sign}\n{record.deviation:+.1%}", style=style)
 
 
-def targets(figures: Sequence[Figure]) -> Table:
-    """Promised figures beside what was reached."""
+def targets(figures: Sequence[Figure]) -> Group:
+    """Promised figures beside what was reached, then what ratios are made up of."""
     table = Table("figure", "of", "must", "aim", "reached", "", box=None, pad_edge=False)
     for number in (2, 3, 4):
         table.columns[number].justify = "right"
-    words = {"aim": ("aim reached", "green"), "must": ("owed and reached", "green"), "missed": ("missed", "red")}
+    words = {
+        "aim": ("aim reached", "green"),
+        "must": ("owed and reached", "green"),
+        "missed": ("missed", "red"),
+        "absent": ("not measured", "yellow"),
+    }
     for figure in figures:
         target = figure.target
         word, style = words[figure.verdict]
         unit = "" if target.unit == "of peak" else f" {target.unit}"
         numbers = (f"{target.must:g}", f"{target.aim:g}", f"{figure.reached:.2g}{unit}")
         table.add_row(target.name, figure.subject, *numbers, Text(word, style=style))
-    return table
+    told = [Text(f"{figure.target.name}, {figure.subject}: {figure.detail}") for figure in figures if figure.detail]
+    return Group(table, *([Text("")] if told else []), *told)
 
 
 def campaign(results: Sequence[RunResult]) -> Group:

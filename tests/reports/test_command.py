@@ -1,11 +1,18 @@
 """The command line as a user meets it: whole processes, exit codes, JSON, one sentence for every fault."""
 
 import json
+import os
+import re
+import signal
 import subprocess
 import sys
+import time
 from pathlib import Path
 
 import pytest
+
+from comparisons.journal import FOLDER
+from tests.comparisons.faults import announce_engines
 
 JUKI = Path(__file__).parents[2] / "analytic" / "catalogue" / "juki-mf7923d.toml"
 
@@ -122,6 +129,11 @@ def test_out_holds_all_and_the_report_is_rebuilt_from_it(tmp_path):
         (["compare", "juki-mf7923d", "--ramp-time", "0"], "expected a positive finite number"),
         (["report", "no/such/folder"], "no saved curves"),
         (["compare", "juki-mf7923d", "--engine", "direct", "--json", "/dev/null/r.json"], "cannot write"),
+        (["compare", "juki-mf7923d", "--resume"], "name that folder with --out, or leave it out"),
+        (["compare", "juki-mf7923d", "--time-limit", "0"], "expected a positive finite number of s, got 0"),
+        (["compare", "juki-mf7923d", "--memory-limit", "inf"], "expected a positive finite number of GiB, got inf"),
+        (["compare", "juki-mf7923d", "--jobs", "-1"], "expected a number of processes, or 0 for none, got -1"),
+        (["compare", "juki-mf7923d", "--jobs", "0", "--time-limit", "9"], "--jobs 0 asks for none"),
     ],
 )
 def test_misuse_is_one_sentence_and_exit_code_2(words, sentence):
@@ -183,7 +195,7 @@ def test_an_engine_that_is_not_installed_is_refused_where_it_is_named():
 
 
 def test_an_engine_that_is_not_installed_is_a_visible_row_where_it_is_not_named():
-    done = without_pymunk("--quantity", "Jeq", "--json", "-")
+    done = without_pymunk("--quantity", "Jeq", "--json", "-", "--jobs", "0")  # blocked in this process alone
     outcomes = {row["engine"]: row["outcome"] for row in json.loads(done.stdout)["records"]}
     assert outcomes["pymunk"] == "unavailable"
     assert outcomes["direct"] == "passed"
@@ -229,3 +241,87 @@ def test_errata_of_a_users_own_file_are_judged_by_its_own_variants(tmp_path):
     assert done.returncode == 0, done.stderr
     judged = {row["erratum"]: row["supports"] for row in json.loads(done.stdout)["errata"]}
     assert judged == {"S1 without US1": "corrected", "1000 fixed Runge-Kutta steps": "corrected"}
+
+
+def interrupted(*words, when):
+    """Press Ctrl-C, which every process of a terminal's foreground hears, as soon as ``when`` says so."""
+    command = [sys.executable, "-m", "reports.command", *map(str, words)]
+    pipe = subprocess.PIPE
+    with subprocess.Popen(command, stdout=pipe, stderr=pipe, text=True, start_new_session=True) as running:
+        patience = time.monotonic() + 60.0
+        while not when() and running.poll() is None and time.monotonic() < patience:
+            time.sleep(0.005)
+        os.killpg(running.pid, signal.SIGINT)
+        out, err = running.communicate(timeout=60.0)
+    return subprocess.CompletedProcess(command, running.returncode, out, err)
+
+
+def untimed(path):
+    told = json.loads(path.read_text())
+    rows = told["records"] + told["invariants"]
+    return [{k: v for k, v in row.items() if k not in ("seconds", "setup_seconds")} for row in rows]
+
+
+@pytest.mark.skipif(os.name != "posix", reason="sends signals to process groups")
+def test_a_campaign_interrupted_is_finished_by_resume(tmp_path):
+    words = ("compare", "juki-mf7923d", "--engine", "direct", "--setting", "all", "--regime", "all")
+    place = tmp_path / "out" / FOLDER
+    done = interrupted(*words, "--out", tmp_path / "out", when=lambda: len(list(place.glob("*"))) > 2)
+    assert done.returncode == 130
+    assert done.stdout == ""
+    kept = re.fullmatch(
+        r"linkproof: interrupted; (\d+) of 12 runs are kept in (.*): repeat the command with --resume to finish\n",
+        done.stderr,
+    )
+    assert kept is not None, done.stderr
+    assert kept[2] == str(tmp_path / "out")
+    assert 1 <= int(kept[1]) < 12
+    assert {path.name for path in (tmp_path / "out").iterdir()} == {FOLDER}
+    told = refused("compare", "juki-mf7923d", "--resume", "--out", tmp_path / "out")
+    assert "`linkproof compare juki-mf7923d --regime all --engine direct --setting all`, got `linkproof" in told
+    assert linkproof(*words, "--out", tmp_path / "out", "--resume").returncode == 0
+    names = {"RESULTS.md", "curves.nc", "index.html", "records.json"}
+    assert {path.name for path in (tmp_path / "out").iterdir()} == names
+    assert linkproof(*words, "--json", tmp_path / "here.json", "--jobs", "0").returncode == 0
+    assert untimed(tmp_path / "out" / "records.json") == untimed(tmp_path / "here.json")
+
+
+@pytest.mark.skipif(os.name != "posix", reason="sends signals to process groups")
+def test_a_campaign_begun_anew_discards_what_was_unfinished(tmp_path):
+    place = tmp_path / "out" / FOLDER
+    place.mkdir(parents=True)
+    (place / "request.txt").write_text("linkproof compare something else")
+    done = linkproof("compare", "juki-mf7923d", "--engine", "direct", "--quantity", "Jeq", "--out", tmp_path / "out")
+    assert done.returncode == 0, done.stderr
+    assert not place.exists()
+
+
+@pytest.mark.skipif(os.name != "posix", reason="sends signals to process groups")
+def test_without_a_folder_an_interruption_leaves_nothing():
+    begun = time.monotonic()
+    done = interrupted("compare", "--regime", "all", when=lambda: time.monotonic() > begun + 2.0)
+    assert (done.returncode, done.stdout) == (130, "")
+    assert done.stderr == "linkproof: interrupted; nothing was written\n"
+
+
+@pytest.mark.skipif(not sys.platform.startswith("linux"), reason="bounds on memory are Linux's")
+def test_engines_that_abort_hang_or_swell_cost_their_own_rows(tmp_path):
+    announce_engines(tmp_path)
+    faulty = ("aborting", "hanging", "leaving", "swelling", "writing")
+    engines = [word for name in ("direct", *faulty) for word in ("--engine", name)]
+    limits = ("--time-limit", "3", "--memory-limit", "0.25")
+    command = [sys.executable, "-m", "reports.command", "compare", "juki-mf7923d", *engines, *limits]
+    environment = {**os.environ, "PYTHONPATH": os.pathsep.join([str(tmp_path), str(Path(__file__).parents[2])])}
+    words = [*command, "--quantity", "Jeq", "--json", "-"]
+    done = subprocess.run(words, capture_output=True, text=True, env=environment, timeout=120, check=False)
+    assert (done.returncode, done.stderr) == (1, "")
+    rows = json.loads(done.stdout)["records"]
+    assert [(row["engine"], row["outcome"], row["detail"]) for row in rows] == [
+        ("direct", "passed", ""),
+        ("aborting", "crashed", "died by signal 6 (SIGABRT)"),
+        ("hanging", "timed-out", "took longer than 3 s"),
+        ("leaving", "crashed", "exited with code 3"),
+        ("swelling", "crashed", "needed more than 0.25 GiB of memory"),
+        ("writing", "diverged", "did nothing"),
+    ]
+    assert json.loads(done.stdout)["command"].endswith("--time-limit 3 --memory-limit 0.25")

@@ -1,5 +1,6 @@
 """Every deviation at a glance."""
 
+from comparisons.invariants import INVARIANTS
 from comparisons.records import Verdict
 from reports.figures import errors
 from reports.views import views
@@ -16,7 +17,7 @@ def test_rows_are_quantities_then_invariants_and_engines_that_ran_are_named():
     )
     (view,) = views(results)
     (axes,) = errors.errors_figure(view, view.regimes[0]).axes
-    assert rows(axes) == ["Jeq", "Mkr", "joint gap", "energy balance", "torque two routes"]
+    assert rows(axes) == ["Jeq", "Mkr", *(name.replace("_", " ") for name in INVARIANTS)]
     words = [text.get_text() for text in axes.get_legend().get_texts()]
     assert words == ["alpha", "beta", "naive", "tuned", "best", "limit (tuned)"]
 

@@ -1,0 +1,1 @@
+"""The hot paths of linkproof, timed by asv at two commits; asv asks for this file."""

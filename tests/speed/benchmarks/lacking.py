@@ -1,0 +1,23 @@
+"""Skipping what the commit at hand does not have yet, as asv wants it: NotImplementedError from a set-up."""
+
+from __future__ import annotations
+
+import importlib
+import inspect
+from collections.abc import Callable
+from types import ModuleType
+from typing import Any
+
+
+def module(name: str) -> ModuleType:
+    """A module of linkproof, if this commit has it and what it needs is installed."""
+    try:
+        return importlib.import_module(name)
+    except ModuleNotFoundError as error:
+        raise NotImplementedError(f"this commit has no {error.name}") from error
+
+
+def check_parameter(function: Callable[..., Any], name: str) -> None:
+    """Skip if a function does not take a parameter of a name yet."""
+    if name not in inspect.signature(function).parameters:
+        raise NotImplementedError(f"{function.__name__} does not take {name} yet")

@@ -1,0 +1,65 @@
+"""The closed form: a sweep of the crank by NumPy and compiled, and many designs at once."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from . import lacking
+
+SWEEP = 100_000
+DESIGNS, ANGLES = 1000, 100
+QUANTITIES = ("S", "v", "a", "Jeq", "Mkr")
+
+
+class Sweep:
+    """S, v, a, Jeq and Mkr over 100 000 crank angles, NumPy."""
+
+    params = ("juki-mf7923d", "rimoldi-164", "slotted-takeup")
+    param_names = ("mechanism",)
+
+    def setup(self, name):
+        loading, mechanism = lacking.module("analytic.loading"), lacking.module("analytic.mechanism")
+        self.evaluate = lacking.module("analytic.evaluation").evaluate
+        self.mechanism = mechanism.Mechanism(loading.load(name))
+        self.angle = np.linspace(0.0, 100.0, SWEEP)
+
+    def time_evaluate(self, _name):
+        self.evaluate(self.mechanism, self.angle, QUANTITIES, speed=100.0)
+
+
+class CompiledSweep(Sweep):
+    """The same on the compiled path, one core."""
+
+    timeout = 300.0  # of the set-up, where the kernels may have to be compiled
+
+    def setup(self, name):
+        super().setup(name)
+        self.compiled = _compiled("CompiledMechanism")(self.mechanism)
+        self.time_evaluate(name)
+
+    def time_evaluate(self, _name):
+        self.compiled.evaluate(self.angle, QUANTITIES, speed=100.0, cores=1)
+
+
+class Designs:
+    """Jeq of 1000 six-bars of other rods at 100 crank angles, compiled, one core."""
+
+    timeout = 300.0
+
+    def setup(self):
+        loading, mechanism = lacking.module("analytic.loading"), lacking.module("analytic.mechanism")
+        self.evaluate = _compiled("evaluate_designs", "analytic.designs")
+        self.mechanism = mechanism.Mechanism(loading.load("rimoldi-164"))
+        self.rods = {"rod.B.x": np.linspace(0.174, 0.176, DESIGNS)}
+        self.angle = np.linspace(0.0, 6.0, ANGLES)
+        self.time_inertia()
+
+    def time_inertia(self):
+        self.evaluate(self.mechanism, self.rods, self.angle, ("Jeq",), cores=1, path="compiled")
+
+
+def _compiled(name, module="analytic.compiled"):
+    """Something of the compiled path, if this commit has one and numba is installed."""
+    found = lacking.module(module)
+    lacking.module("numba")
+    return getattr(found, name)

@@ -1,0 +1,60 @@
+"""A run of an engine and its judging: the Juki needle mechanism under the published ramp."""
+
+from __future__ import annotations
+
+from . import lacking
+
+
+def _case():
+    loading, mechanism = lacking.module("analytic.loading"), lacking.module("analytic.mechanism")
+    motion = lacking.module("analytic.regimes").crank_motion("run-up")
+    return lacking.module("comparisons.case").Case(mechanism.Mechanism(loading.load("juki-mf7923d")), motion)
+
+
+def _run(engine):
+    """The engine, its tuned setting and a scene in which everything but joint forces is recorded."""
+    contract = lacking.module("engines.contract")
+    adapter = lacking.module("engines.registry").engine(engine)
+    if adapter.version() is None:
+        raise NotImplementedError(f"{engine} is not installed")
+    scene = _case().scene(frozenset(contract.Channel) - {contract.Channel.JOINT_FORCE})
+    return adapter, contract.Setting.TUNED, scene
+
+
+class Tuned:
+    """One tuned run, set-up and read-out included."""
+
+    params = ("direct", "exudyn", "pymunk")
+    param_names = ("engine",)
+
+    def setup(self, engine):
+        self.adapter, self.setting, self.scene = _run(engine)
+
+    def time_run(self, _engine):
+        self.adapter.run(self.scene, self.setting)
+
+
+class Judging:
+    """Deviations of every quantity that is a result, and the invariants, of one tuned run; the truth made anew."""
+
+    params = ("exudyn",)
+    param_names = ("engine",)
+
+    def setup(self, engine):
+        adapter, setting, self.scene = _run(engine)
+        self.observed = lacking.module("comparisons.motion").ObservedMotion
+        self.deviation = lacking.module("comparisons.deviations").deviation
+        self.quantities = lacking.module("comparisons.quantities").chosen_quantities
+        self.invariants = lacking.module("comparisons.invariants")
+        self.history = adapter.run(self.scene, setting).history
+
+    def time_deviations(self, _engine):
+        case, motion = _case(), self.observed(self.scene, self.history)
+        for quantity in self.quantities(case, ("Jeq", "Teq", "Mkr", "Peq", "S", "v", "a")):
+            self.deviation(case, quantity, motion)
+
+    def time_invariants(self, _engine):
+        motion = self.observed(self.scene, self.history)
+        self.invariants.joint_gaps(motion)
+        self.invariants.energy_balance(motion)
+        self.invariants.power_torque(motion, 1.0)

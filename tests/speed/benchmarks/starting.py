@@ -1,0 +1,32 @@
+"""What every command pays first: starting the process, and reading a file."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+
+from . import lacking
+
+
+class Process:
+    """``linkproof --help`` from the shell."""
+
+    number, repeat, warmup_time = 1, (5, 20, 10.0), 0.0
+
+    def time_help(self):
+        subprocess.run([sys.executable, "-m", "reports.command", "--help"], capture_output=True, check=True)
+
+
+class File:
+    """Reading, validating and interpreting a linkage file, and finding its structure."""
+
+    params = ("juki-mf7923d", "slotted-takeup")
+    param_names = ("mechanism",)
+
+    def setup(self, _name):
+        self.loading = lacking.module("analytic.loading")
+        self.mechanism = lacking.module("analytic.mechanism").Mechanism
+
+    def time_load(self, name):
+        self.loading.parse.cache_clear()
+        self.mechanism(self.loading.load(name))

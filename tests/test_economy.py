@@ -1,0 +1,88 @@
+"""What a command does not need is not imported, in its own process or in any that it starts.
+
+A module that must not be imported is replaced by one that leaves its name on a list when it is: the replacements come
+first on the path that child processes inherit.
+"""
+
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from comparisons.campaign import Request, compare
+from comparisons.results import document, save
+from engines.registry import engine, engine_names
+from reports.requests import Choice, request, texts
+
+ROOT = Path(__file__).parents[1]
+ENGINES = ("exudyn", "pymunk")
+PLOTTING = ("matplotlib", "plotly")
+HEAVY = (*ENGINES, *PLOTTING, "xarray", "numba", "pandas")
+
+
+@pytest.fixture
+def imported(tmp_path):
+    """Run a command and say which of some modules it or its children asked for."""
+    listed = tmp_path / "imported.txt"
+
+    def run(modules, *command):
+        for name in modules:
+            folder = tmp_path / "path" / name
+            folder.mkdir(parents=True, exist_ok=True)
+            (folder / "__init__.py").write_text(
+                f"with open({str(listed)!r}, 'a') as asked:\n    asked.write('{name}\\n')\n"
+                f"raise ModuleNotFoundError('not needed here', name={name!r})\n"
+            )
+        listed.write_text("")
+        environment = {**os.environ, "PYTHONPATH": str(tmp_path / "path"), "PYTHONSAFEPATH": ""}
+        done = subprocess.run(
+            [sys.executable, "-m", "reports.command", *command],
+            capture_output=True,
+            text=True,
+            cwd=ROOT,
+            env=environment,
+            timeout=120,
+            check=False,
+        )
+        assert done.returncode in (0, 1), done.stderr
+        return set(listed.read_text().split())
+
+    return run
+
+
+def test_the_alarm_goes_off(imported):
+    assert imported(("pymunk",), "compare", "juki-mf7923d", "--engine", "pymunk", "--quantity", "Jeq") == {"pymunk"}
+
+
+@pytest.mark.parametrize(
+    "command",
+    [
+        ("compare", "--help"),
+        ("list",),
+        ("show", "juki-mf7923d"),
+        ("thread", "slotted-takeup"),
+    ],
+    ids=" ".join,
+)
+def test_looking_at_mechanisms_imports_no_engine_and_no_plotting(imported, command):
+    assert imported(HEAVY, *command) == set()
+
+
+@pytest.mark.parametrize("name", engine_names())
+def test_an_engine_that_was_not_asked_for_is_not_imported(imported, name):
+    if engine(name).version() is None:
+        pytest.skip(f"{name} is not installed")
+    others = [other for other in ENGINES if other != name]
+    command = ("compare", "juki-mf7923d", "--regime", "run-up-quintic", "--engine", name, "--quantity", "Jeq")
+    assert imported((*others, *PLOTTING, "xarray"), *command) == set()
+
+
+def test_a_report_from_saved_records_imports_no_engine(imported, tmp_path):
+    choice = Choice(mechanisms=("juki-mf7923d",), engines=("direct",), quantities=("Jeq",))
+    wanted: Request = request(choice)
+    results, files = list(compare(wanted)), texts(choice, wanted.linkages)
+    save(tmp_path / "saved", results, document(wanted, results, files, "as tested"))
+    assert imported(ENGINES, "report", str(tmp_path / "saved")) == set()
+    assert (tmp_path / "saved" / "index.html").is_file()
