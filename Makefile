@@ -5,13 +5,17 @@ BIN    := $(VENV)/bin
 READY  := $(VENV)/.installed
 # make report FULL=--full runs the files' own regimes in every setting too: minutes instead of one.
 FULL   ?=
+# make report EXTENT= takes every step and cell of the benchmark and the stability maps: half an hour.
+EXTENT ?= --quick
 # make speed BASE=v0.1.0 compares HEAD with another commit than the one before it.
 BASE   ?= HEAD~1
 SPEED  := --config tests/speed/asv.conf.json
 
 .PHONY: report test lint baseline speed clean
 
-report: $(READY)  ## every mechanism in every engine and setting; page at build/report/index.html
+report: $(READY)  ## every mechanism in every engine and setting, costs and stability; page at build/report/index.html
+	$(BIN)/linkproof bench $(EXTENT) --out build/report
+	$(BIN)/linkproof stress $(EXTENT) --out build/report
 	$(BIN)/linkproof compare --regime run-up --regime run-up-quintic --regime own --setting all $(FULL) --out build/report
 
 test: $(READY)  ## the whole test suite

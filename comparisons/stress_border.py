@@ -36,9 +36,9 @@ class Border:
 
     @property
     def middle(self) -> float:
-        """The value between the two, halfway by ratio."""
+        """The value between the two, halfway by ratio, to the digits that a cell's name has."""
         low, high = sorted((self.inside.cell.value, self.outside.cell.value))
-        return math.sqrt((low if low > 0.0 else NEXT_TO_ZERO * high) * high)
+        return float(f"{math.sqrt((low if low > 0.0 else NEXT_TO_ZERO * high) * high):.6g}")
 
     def narrowed(self, found: CellResult) -> Border:
         """The half of it that has the border, by a run between its ends."""

@@ -37,8 +37,9 @@ COLOURS: Mapping[StressVerdict, tuple[str, str]] = {
 }
 # Inches: height of a line, widest cell, gaps between engines and between rows, room for labels, title and values.
 LINE, WIDEST, GAP, ROW_GAP = 0.165, 0.42, 0.16, 0.07
-ROW_LETTER, USAGE_LETTER, TOP, BOTTOM = 0.066, 0.062, 0.3, 0.66
+ROW_LETTER, USAGE_LETTER, TOP, BOTTOM = 0.066, 0.062, 0.3, 0.5
 WRAPPED = 25  # letters of a row's label to a line
+SHORTEST = 17  # letters that the name of the values has room for, with that of the usages
 LINES_OF_LABEL = 0.13
 
 
@@ -100,6 +101,7 @@ def stress_figure(stress: Stress, axis: str) -> Figure:
 
     def draw(figure: Figure) -> None:
         left = 0.0
+        figure.text(0.0, (BOTTOM - 0.06) / height, _value_label(axis), va="top", fontsize=7.0, color=MUTED)
         for number, engine in enumerate(plan.usages):
             left += room[number]
             panel = figure.add_axes((left / width, BOTTOM / height, span / width, plan.depth / height))
@@ -112,7 +114,7 @@ def stress_figure(stress: Stress, axis: str) -> Figure:
 def _room(plan: Layout, engine: str, *, first: bool) -> float:
     """What the labels left of a panel take, in."""
     letters = max(map(len, plan.usages[engine])) * USAGE_LETTER + 0.1
-    label = max(len(line) for row in plan.rows for line in _wrapped(row)) * ROW_LETTER + 0.15
+    label = max(SHORTEST, *(len(line) for row in plan.rows for line in _wrapped(row))) * ROW_LETTER + 0.15
     return (label if first else GAP) + (letters if first or not plan.shared else 0.0)
 
 
@@ -131,7 +133,7 @@ def _panel(panel: Axes, stress: Stress, axis: str, engine: str, plan: Layout, *,
     for (row, usage), top in at.items():
         for border in stress.line_borders.get((axis, row, engine, usage), ()):
             _border(panel, border, top, plan.values)
-    _labels(panel, axis, at, plan, first=first)
+    _labels(panel, at, plan, first=first)
 
 
 def _cells(
@@ -179,11 +181,9 @@ def _between(one: float, other: float) -> float:
     return math.sqrt(one * other) if min(one, other) > 0.0 else 0.5 * (one + other)
 
 
-def _labels(panel: Axes, axis: str, at: Mapping[tuple[str, str], float], plan: Layout, *, first: bool) -> None:
+def _labels(panel: Axes, at: Mapping[tuple[str, str], float], plan: Layout, *, first: bool) -> None:
     panel.set_xticks([n + 0.5 for n in range(len(plan.values))], [value_words(value) for value in plan.values],
                      rotation=90, fontsize=6.5)  # fmt: skip
-    known = axes_table().get(axis)
-    panel.set_xlabel(known.label if known else "value", fontsize=7.5)
     named = first or not plan.shared
     panel.set_yticks(
         [top + 0.5 * LINE for top in at.values()], [usage if named else "" for _, usage in at], fontsize=7.0
@@ -201,6 +201,12 @@ def _row_labels(panel: Axes, plan: Layout) -> None:
         panel.annotate("\n".join(_wrapped(row)), (0.0, top), xycoords=("axes fraction", "data"), fontsize=7.0,
                        xytext=(-room * 72.0, -1.0), textcoords="offset points", ha="left", va="top",
                        fontweight="bold", linespacing=1.15, annotation_clip=False)  # fmt: skip
+
+
+def _value_label(axis: str) -> str:
+    """What the values are: once, under the rows' labels, since panels may be narrower than it."""
+    known = axes_table().get(axis)
+    return "\n".join(_wrapped(f"{known.label if known else 'value'}\N{NO-BREAK SPACE}→"))
 
 
 def _wrapped(label: str) -> list[str]:
