@@ -10,7 +10,8 @@ import numpy as np
 from comparisons import invariants
 from comparisons.case import Case
 from comparisons.deviations import near_jumps
-from comparisons.invariants import Inspection
+from comparisons.energy_account import energy_at_play, energy_gained
+from comparisons.inspection import Inspection
 from comparisons.judging import judge
 from comparisons.motion import ObservedMotion
 from comparisons.records import Record
@@ -37,10 +38,10 @@ def _checks(case: Case, motion: ObservedMotion, blank: Record) -> Iterator[Recor
     yield check("closure", "", closure, 1.0, count)
     mode = seen.assembly_mode()
     yield check("assembly_mode", "", mode, 1.0, len(mode.time))
-    phase = seen.crank_phase()
+    phase = invariants.crank_phase(seen)
     yield check("crank_phase", "rad", phase, 1.0, len(phase.time))
-    energy = _away_from_jumps(case, seen.energy_balance())
-    yield check("energy_balance", "J", energy, seen.energy_scale(), len(torque.time))
+    energy = _away_from_jumps(case, energy_gained(seen))
+    yield check("energy_balance", "J", energy, energy_at_play(motion), len(torque.time))
     required = _away_from_jumps(case, seen.torque_required())
     routes = Signal(required.time, required.values - motion.on_clock(Channel.TORQUE, required.time))
     yield check("torque_two_routes", "N m", routes, _torque_scale(case, motion), len(acceleration.time))
@@ -51,7 +52,7 @@ def _checks(case: Case, motion: ObservedMotion, blank: Record) -> Iterator[Recor
 
 def _closure(case: Case, seen: Inspection) -> tuple[Signal, int]:
     """The corrections of all levels one after the other, and how many there were before any was left out."""
-    levels = seen.closure()
+    levels = invariants.closure(seen)
     count = sum(len(signal.time) for signal in levels.values())
     levels[Channel.ACCELERATION.value] = _away_from_jumps(case, levels[Channel.ACCELERATION.value])
     joined = [np.concatenate([getattr(s, part) for s in levels.values()]) for part in ("time", "values")]

@@ -1,9 +1,9 @@
 """What an observed motion would have to be corrected by to fit its scene: an estimate of its error from itself.
 
-With G = ∂Φ/∂q the residual r of the joints on position, velocity or acceleration level becomes, to first order, an error
-of the state: G δ = −r. Near a dead position a joint that is open by little means a link that is off by much, and δ says
-so, where the gap itself does not. Each level is taken at the corrected state of the one below it, since a velocity may
-fit a wrong position. The forces that the corrected state requires follow from the transposed equations,
+With G = ∂Φ/∂q the residual r of the joints on position, velocity or acceleration level becomes, to first order, an
+error of the state: G δ = −r. Near a dead position a joint that is open by little means a link that is off by much, and
+δ says so, where the gap itself does not. Each level is taken at the corrected state of the one below it, since a
+velocity may fit a wrong position. The forces that the corrected state requires follow from the transposed equations,
 Gᵀ λ = M q̈ − Q (E. J. Haug, Computer Aided Kinematics and Dynamics of Mechanical Systems, 1989, chapters 3 and 7).
 """
 
@@ -12,6 +12,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -61,7 +62,8 @@ class Instants:
 
     @staticmethod
     def _with(states: States, order: int, values: Array) -> States:
-        return replace(states, **{LEVELS[order].value: values})
+        changed: dict[str, Any] = {LEVELS[order].value: values}
+        return replace(states, **changed)
 
     @cached_property
     def _seen(self) -> States:
@@ -143,12 +145,15 @@ class Findings:
 def findings(motion: ObservedMotion, equations: JointEquations, time: Array, order: int) -> Findings:
     """Look at a motion block by block."""
     found = list(_blocks(motion, equations, time, order))
+    orders = range(order + 1)
     return Findings(
         time,
-        *(tuple(np.concatenate(parts) for parts in zip(*(getattr(f, name) for f in found), strict=True))
-          for name in ("lacking", "moving")),
-        *(np.concatenate([getattr(f, name) for f in found]) for name in ("determinants", "torque", "forces")),
-    )  # fmt: skip
+        lacking=tuple(np.concatenate([one.lacking[k] for one in found]) for k in orders),
+        moving=tuple(np.concatenate([one.moving[k] for one in found]) for k in orders),
+        determinants=np.concatenate([one.determinants for one in found]),
+        torque=np.concatenate([one.torque for one in found]),
+        forces=np.concatenate([one.forces for one in found]),
+    )
 
 
 def _blocks(motion: ObservedMotion, equations: JointEquations, time: Array, order: int) -> Iterator[Findings]:

@@ -88,8 +88,8 @@ class JointEquations:
         known_bodies = placed | {*chosen}
         held = [*self.scene.guided, *self.turning_sliders]
         for row, joint in enumerate(held, 2 * len(self.scene.pins)):
-            ends = {joint.body, joint.host}
-            if ends <= known_bodies and ends & {*chosen}:
+            pair = {joint.body, joint.host}
+            if pair <= known_bodies and pair & {*chosen}:
                 found.append((row, self.count))
         return found
 
@@ -115,10 +115,10 @@ class JointEquations:
             if joint.host != GROUND:  # the line turns with its host, and its normal by −θ' along
                 gap = states.gap((joint.body, joint.anchor), (joint.host, joint.through))
                 entries[:, row, self.columns[self.numbers[joint.host], 2]] -= x * gap[0] + y * gap[1]
-        for row, slider in enumerate(self.turning_sliders, self.count - 1 - len(self.turning_sliders)):
+        for number, slider in enumerate(self.turning_sliders, self.count - 1 - len(self.turning_sliders)):
             for body, sign in ((slider.body, 1.0), (slider.host, -1.0)):
                 if body != GROUND:
-                    entries[:, row, self.columns[self.numbers[body], 2]] = sign
+                    entries[:, number, self.columns[self.numbers[body], 2]] = sign
         entries[:, -1, self.columns[self.numbers[self.scene.crank], 2]] = 1.0
         return entries[:, :, :-1]
 

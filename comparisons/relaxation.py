@@ -15,7 +15,7 @@ SLOW = 0.5  # of a relaxation time: within so long a step the ends' slopes still
 
 
 def carried(start: float, kept: Array, added: Array) -> Array:
-    """y with y₀ = ``start`` and yₙ₊₁ = keptₙ yₙ + addedₙ, (n + 1,)."""
+    """The series y with y₀ = ``start`` and yₙ₊₁ = keptₙ yₙ + addedₙ, (n + 1,)."""
     if np.all(kept == 1.0):
         return start + np.concatenate([[0.0], np.cumsum(added)])
     result, value = [start], start

@@ -7,7 +7,7 @@ Each is judged by ``stress_verdict``; borders between verdicts are found by ``st
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import asdict, dataclass, replace
 from functools import lru_cache
 from typing import Any
@@ -15,7 +15,7 @@ from typing import Any
 from analytic.errors import LinkproofError, UnknownNameError
 from comparisons.attempt import attempt
 from comparisons.case import Case
-from comparisons.stress_axes import Axis, Row, axes
+from comparisons.stress_axes import Axis, axes
 from comparisons.stress_scenes import Conditions, case, scene
 from comparisons.stress_verdict import Judgement, StressVerdict, judged
 from engines.contract import Engine, Method, Outcome, Run, Scene, Setting
@@ -105,10 +105,10 @@ def usages(axis: Axis, adapter: Engine) -> list[str]:
     """The settings and methods in which an engine is put on an axis."""
     if not axis.methods:
         return list(axis.settings)
-    plain = scene(axis.rows[0].conditions, case(axis.rows[0].conditions))
-    units = {method.name: method.effort_unit for method in adapter.methods(plain)}
-    return [*axis.settings, *(name for name in axis.methods if units.get(name, None) in (axis.unit, *units.values())
-                              and (not axis.unit or units[name] == axis.unit))]  # fmt: skip
+    plain = axis.rows[0].conditions
+    offered = {method.name: method.effort_unit for method in adapter.methods(scene(plain, case(plain)))}
+    fitting = [name for name in axis.methods if name in offered and axis.unit in ("", offered[name])]
+    return [*axis.settings, *fitting]
 
 
 def cells(chosen: Iterable[Axis], engines: Sequence[str], only: Sequence[str] = (), *, quick: bool) -> list[Cell]:

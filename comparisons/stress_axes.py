@@ -56,7 +56,8 @@ class Axis:
 
     def conditions(self, label: str, value: float) -> Conditions:
         """All conditions of a cell."""
-        return replace(self.row(label).conditions, **{self.vary: value})
+        varied: dict[str, Any] = {self.vary: value}
+        return replace(self.row(label).conditions, **varied)
 
     def chosen_rows(self, *, quick: bool) -> tuple[Row, ...]:
         """The rows of a full map, or of a quick one."""
@@ -91,7 +92,7 @@ def _axis(table: dict[str, Any]) -> Axis:
 
 def _row(common: Mapping[str, Any], table: Mapping[str, Any]) -> Row:
     own = {field.name for field in fields(Row)} - {"conditions"}
-    conditions = {key: _plain(value) for key, value in {**common, **table}.items() if key not in own}
+    conditions: dict[str, Any] = {key: _plain(value) for key, value in {**common, **table}.items() if key not in own}
     return Row(conditions=Conditions(**conditions), **{key: table[key] for key in own & table.keys()})
 
 

@@ -229,4 +229,5 @@ def _off(body: Body, number: int, what: str, size: float) -> Body:
     """A body with its place or its velocity off by ``size``, m or m/s."""
     direction = np.array([math.cos(number * GOLDEN_ANGLE), math.sin(number * GOLDEN_ANGLE)])
     x, y = np.array(getattr(body, what)) + size * direction
-    return replace(body, **{what: (float(x), float(y))})
+    place = (float(x), float(y))
+    return replace(body, velocity=place) if what == "velocity" else replace(body, position=place)
