@@ -77,11 +77,11 @@ def axes() -> Mapping[str, Axis]:
 
 def chosen_axes(names: Iterable[str]) -> list[Axis]:
     """The axes of these names, all if none is named; raises UnknownNameError."""
-    known = axes()
-    for name in names:
+    known, wanted = axes(), list(names)
+    for name in wanted:
         if name not in known:
             raise UnknownNameError("axis", name, known)
-    return [axis for axis in known.values() if not names or axis.name in names]
+    return [axis for axis in known.values() if not wanted or axis.name in wanted]
 
 
 def _axis(table: dict[str, Any]) -> Axis:

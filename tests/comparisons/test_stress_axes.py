@@ -56,7 +56,7 @@ def test_axes_are_chosen_by_name_in_the_tables_order():
     names = list(axes())
     assert [axis.name for axis in chosen_axes(())] == names
     assert [axis.name for axis in chosen_axes(reversed(names[:3]))] == names[:3]
-    with pytest.raises(UnknownNameError, match="unknown axis 'mas'.*mass"):
+    with pytest.raises(UnknownNameError, match=r"unknown axis 'mas'.*mass"):
         chosen_axes(["mas"])
     with pytest.raises(UnknownNameError, match="row of axis 'mass'"):
         axes()["mass"].row("four-bar")

@@ -1,4 +1,4 @@
-"""Borders are found from the easy value outwards and narrowed down between two runs, whatever the verdicts are."""
+"""Borders are found where they are, to the precision asked for, by as few runs as halving takes."""
 
 import math
 
@@ -7,72 +7,95 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from comparisons.stress import Cell, CellResult
-from comparisons.stress_axes import axes
-from comparisons.stress_border import SMALLEST, bisected, borders
+from comparisons.stress_border import PRECISE, SMALLEST, bisected, borders
 from comparisons.stress_verdict import Judgement, StressVerdict
 
-AXIS = axes()["mass"]  # easy at 1, harder on both sides
+MASS = [10.0**power for power in range(-6, 7)]
 
 
-def result(value, good, axis=AXIS.name):
-    verdict = StressVerdict.WITHIN if good else StressVerdict.CAUGHT
-    return CellResult(Cell(axis, AXIS.rows[0].label, value, "engine", "tuned"), "m", "finished", Judgement(verdict), {})
+def result(value, verdict, *, axis="mass", usage="tuned"):
+    return CellResult(Cell(axis, "row", value, "e", usage), "m", "finished", Judgement(verdict), {})
 
 
-def line(is_good, values=AXIS.values):
-    return [result(value, is_good(value)) for value in values]
-
-
-@given(st.floats(1e-6, 0.9), st.floats(1.1, 1e6))
-def test_a_border_on_either_side_is_found_to_a_tenth(low, high):
-    def good(value):
-        return low <= value <= high
-
-    made = []
+def world(*, above=math.inf, below=0.0):
+    """An engine that is right between two values of the axis, and a count of what it is asked."""
+    asked = []
 
     def make(cells):
-        made.extend(cells)
-        return [result(cell.value, good(cell.value)) for cell in cells]
+        asked.extend(cells)
+        return [
+            result(
+                cell.value,
+                StressVerdict.WITHIN if below < cell.value < above else StressVerdict.CAUGHT,
+                axis=cell.axis,
+                usage=cell.usage,
+            )
+            for cell in cells
+        ]
 
-    found = bisected(borders(line(good)), make)
-    below = [one for one in found if one.outside.cell.value < one.inside.cell.value]
-    above = [one for one in found if one.outside.cell.value > one.inside.cell.value]
-    for sides, truth in ((below, low), (above, high)):
-        for border in sides:
-            ends = sorted((border.inside.cell.value, border.outside.cell.value))
-            assert ends[0] <= truth * (1 + 1e-5)
-            assert truth <= ends[1] * (1 + 1e-5)
-            assert border.ratio <= 1.1
-    assert len(below) == (low > min(AXIS.values))
-    assert len(above) == (high < max(AXIS.values))
-    assert all(cell.value == float(f"{cell.value:.6g}") for cell in made)  # a cell's name makes it again
+    return make, asked
 
 
-def test_without_a_failure_there_is_no_border():
-    assert borders(line(lambda _: True)) == []
+def grid(make, values=MASS, axis="mass"):
+    return make([Cell(axis, "row", value, "e", "tuned") for value in values])
 
 
-def test_where_the_easy_value_itself_fails_there_is_none_either():
-    assert borders(line(lambda value: value != AXIS.good)) == []
+@given(above=st.floats(1.5, 9e5), below=st.floats(1.1e-6, 0.7))
+def test_both_borders_are_bracketed_to_a_tenth(above, below):
+    make, asked = world(above=above, below=below)
+    rough = borders(grid(make))
+    assert len(rough) == 2
+    asked.clear()
+    high, low = sorted(bisected(rough, make), key=lambda one: -one.middle)
+    assert high.inside.cell.value < above <= high.outside.cell.value
+    assert low.outside.cell.value <= below < low.inside.cell.value
+    assert high.ratio <= PRECISE
+    assert low.ratio <= PRECISE
+    assert len(asked) <= 2 * math.ceil(math.log2(math.log(10.0) / math.log(PRECISE)))
 
 
-def test_what_recovers_beyond_a_failure_is_not_followed():
-    (border,) = borders(line(lambda value: value < 10 or value > 1e4))
-    assert (border.inside.cell.value, border.outside.cell.value) == (1, 10)
+def test_where_nothing_fails_there_is_no_border():
+    make, _ = world()
+    assert borders(grid(make)) == []
 
 
-def test_a_border_next_to_zero_ends():
-    axis = axes()["change-point"]
-    runs = [result(value, value > 0.0, axis.name) for value in axis.values]
-    (border,) = bisected(borders(runs), lambda cells: [result(c.value, c.value > 0.0, axis.name) for c in cells])
+def test_where_the_easiest_value_fails_there_is_none_either():
+    make, _ = world(above=0.5)
+    assert borders(grid(make)) == []
+
+
+def test_only_the_first_border_from_the_easy_value_counts():
+    verdicts = dict.fromkeys(MASS, StressVerdict.WITHIN) | {1e2: StressVerdict.OVER, 1e4: StressVerdict.DIVERGED}
+    (border,) = borders([result(value, verdict) for value, verdict in verdicts.items()])
+    assert (border.inside.cell.value, border.outside.cell.value) == (1e1, 1e2)
+    assert border.document["verdict"] == "over limit"
+    assert border.document["value"] == pytest.approx(math.sqrt(1e3))
+    assert border.document["outside_command"] == "linkproof stress 'mass/row/100/e/tuned'"
+
+
+def test_lines_are_kept_apart():
+    verdicts = [StressVerdict.WITHIN, StressVerdict.OVER]
+    lines = [
+        result(value, v, usage=usage)
+        for usage in ("tuned", "best")
+        for value, v in zip((1.0, 10.0), verdicts, strict=True)
+    ]
+    found = borders(lines)
+    assert [one.inside.cell.usage for one in found] == ["best", "tuned"]
+
+
+def test_a_border_next_to_zero_is_not_followed_for_ever():
+    values = [1e-1, 1e-6, 1e-12, 0.0]
+    make, asked = world(below=1e-300)
+    (border,) = bisected(borders(grid(make, values, "change-point")), make)
     assert border.outside.cell.value == 0.0
-    assert 0.0 < border.inside.cell.value <= SMALLEST
-    assert math.isinf(border.ratio)
+    assert border.inside.cell.value <= SMALLEST
+    assert len(asked) < 10
 
 
-def test_a_border_tells_how_to_make_its_two_runs_again():
-    (border,) = borders(line(lambda value: value < 10))
-    told = border.document
-    assert told["inside_command"] == f"linkproof stress '{border.inside.cell.key}'"
-    assert told["verdict"] == "caught"
-    assert told["value"] == pytest.approx(math.sqrt(10.0), rel=1e-5)
+def test_what_is_narrow_enough_costs_no_run():
+    make, asked = world(above=1.05)
+    rough = borders(grid(make, [1.0, 1.08]))
+    asked.clear()
+    assert bisected(rough, make) == rough
+    assert asked == []

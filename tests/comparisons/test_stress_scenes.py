@@ -12,7 +12,7 @@ from analytic.errors import DescriptionError
 from analytic.kinetostatics import joint_forces
 from analytic.loading import catalogue, load
 from analytic.mechanism import Mechanism
-from comparisons.stress_scenes import Conditions, case, in_units, linkage, motion, reversal, scene
+from comparisons.stress_scenes import LINKAGES, Conditions, case, in_units, linkage, motion, reversal, scene
 from engines.consistency import scene_size, start_misfit
 from engines.contract import Channel, Free
 
@@ -54,7 +54,7 @@ def test_a_point_goes_where_it_is_put():
 
 
 def test_one_kind_of_load_is_kept():
-    plain = load(str(next(path for path in _own() if "sprung" in path)))
+    plain = load(str(LINKAGES / "sprung-crank-rocker.toml"))
     spring = linkage(Conditions("sprung-crank-rocker", load="springs", load_factor=10.0))
     assert spring.springs[0].stiffness == pytest.approx(10.0 * plain.springs[0].stiffness)
     assert spring.dampers == ()
@@ -64,19 +64,14 @@ def test_one_kind_of_load_is_kept():
     assert linkage(Conditions("slotted-takeup", damper_factor=0.0)).dampers == ()
 
 
-def _own():
-    from comparisons.stress_scenes import LINKAGES
-
-    return [str(path) for path in LINKAGES.glob("*.toml")]
-
-
 @pytest.mark.parametrize(("hold", "change"), [(0.03, 0.06), (0.01, 1e-3)])
 def test_a_reversal_turns_round_and_back_without_a_jump(hold, change):
     one = reversal(100.0, 0.4, hold, change)
     time = np.linspace(0.0, one.duration, 20001)
     speed = one.speed(time)
     assert one.duration == pytest.approx(3.0 * hold + 2.0 * change)
-    assert (one.jumps, one.peak_speed) == ((), 100.0)
+    assert one.jumps == ()
+    assert one.peak_speed == pytest.approx(100.0)
     assert np.max(np.abs(speed)) <= 100.0 * (1.0 + 1e-12)
     assert one.speed(np.array([0.0, 1.5 * hold + change, one.duration])) == pytest.approx([100.0, -100.0, 100.0])
     step = time[1]
