@@ -153,7 +153,11 @@ def made(cell: Cell) -> CellResult:
     adapter = engine(cell.engine)
     if adapter.version() is None:
         return replace(found, judgement=Judgement(StressVerdict.UNAVAILABLE, "not installed"), outcome="unavailable")
-    true = _case(conditions)
+    try:
+        true = _case(conditions)
+    except LinkproofError as error:
+        nothing = Judgement(StressVerdict.UNSUPPORTED, f"the closed form has no motion to hold an engine to: {error}")
+        return replace(found, judgement=nothing, outcome=Outcome.UNSUPPORTED.value)
     given = scene(conditions, true)
     run = _run(adapter, given, cell.usage, conditions)
     limits_of = cell.usage if cell.usage in SETTINGS else Setting.TUNED.value

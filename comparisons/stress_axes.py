@@ -30,7 +30,8 @@ class Axis:
     """One map: ``vary`` names the field of ``Conditions`` that takes the ``values``, ``label`` what they are.
 
     ``unit`` is that of a solver's effort, where this varies: methods whose effort has another one are left out.
-    ``good`` is the value at which the problem is easy; ``seconds`` is what one cell may take.
+    ``good`` is the value at which the problem is easy; ``seconds`` is what one cell may take. Borders are narrowed down
+    where ``narrow`` says so: runs of ever more turns cost more than their exact number is worth.
     """
 
     name: str
@@ -46,6 +47,7 @@ class Axis:
     methods: tuple[str, ...] = ()
     unit: str = ""
     seconds: float = 20.0
+    narrow: bool = True
 
     def row(self, label: str) -> Row:
         """A row by its label."""

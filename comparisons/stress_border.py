@@ -19,6 +19,8 @@ NEXT_TO_ZERO: Final = 1e-3
 SMALLEST: Final = 1e-15  # what is bracketed between this and zero is left there
 # Where the easiest value itself is not within limit there is no border; where nothing fails there is none either.
 GOOD: Final = (StressVerdict.WITHIN,)
+# Where these begin is a property of the machine, and every run that looks for it costs all that a cell may.
+BOUNDED: Final = (StressVerdict.TIMED_OUT, StressVerdict.CRASHED)
 
 
 @dataclass(frozen=True)
@@ -95,4 +97,5 @@ def bisected(
 def _is_wide(border: Border, precision: float) -> bool:
     """Whether halving it once more is worth a run: what lies next to zero is not followed for ever."""
     low, high = sorted((border.inside.cell.value, border.outside.cell.value))
-    return border.ratio > precision and (low > 0.0 or high > SMALLEST)
+    worth = axes()[border.inside.cell.axis].narrow and border.outside.verdict not in BOUNDED
+    return worth and border.ratio > precision and (low > 0.0 or high > SMALLEST)

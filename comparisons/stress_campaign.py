@@ -15,6 +15,7 @@ from comparisons.stress_axes import Axis, axes
 from comparisons.stress_border import COARSE, PRECISE, Border, bisected, borders
 from comparisons.stress_verdict import StressVerdict
 from comparisons.workers import GIB, Bounds, Lost, run_jobs
+from engines.contract import Outcome
 
 MEMORY: Final = 2 * GIB  # a cell may add
 # What a cell may take of a quick map, s, whatever its axis grants; and the usage whose borders a quick map looks for.
@@ -132,7 +133,14 @@ class _Maker:
         for number, found in run_jobs(made, jobs, bounds=bounds, processes=self.request.processes):
             cell = todo[number]
             self.announce(cell.key, len(self.done), self.known)
-            result = lost(cell, found.outcome, found.reason) if isinstance(found, Lost) else found
+            result = _lost(cell, found) if isinstance(found, Lost) else found
             self.done[cell.key] = result
             if self.journal is not None:
                 self.journal.keep(cell.key, json.dumps(result.document, default=float).encode())
+
+
+def _lost(cell: Cell, found: Lost) -> CellResult:
+    """A cell whose worker gave no result. What it raised is not the engine's, whose exceptions are runs of their own."""
+    if found.outcome is Outcome.DIVERGED:
+        return lost(cell, Outcome.CRASHED, f"the suite itself failed, not the engine: {found.reason}")
+    return lost(cell, found.outcome, found.reason)

@@ -223,6 +223,32 @@ def test_an_engine_that_raises_costs_its_own_cell(with_engine):
     assert "singular" in found[1e4].judgement.reason
 
 
+def test_a_fault_of_the_suites_own_is_not_blamed_on_the_engine(with_engine, monkeypatch):
+    with_engine(Perfect())
+
+    def failing(*_):
+        raise TypeError("a slip in the judge")
+
+    monkeypatch.setattr(stress, "judged", failing)
+    verdicts = {(one.verdict, one.judgement.reason) for one in stress_campaign.stress(request(quick=True)).cells}
+    ((verdict, reason),) = verdicts
+    assert verdict is StressVerdict.CRASHED
+    assert reason.startswith("the suite itself failed, not the engine: ")
+    assert "a slip in the judge" in reason
+
+
+def test_where_the_closed_form_has_no_motion_no_engine_is_tried(with_engine, monkeypatch):
+    engine = with_engine(Perfect())
+
+    def nowhere(_):
+        raise LinkproofError("it stands in a dead position")
+
+    monkeypatch.setattr(stress, "_case", nowhere)
+    found = made(COUPLER)
+    assert (found.verdict, engine.asked) == (StressVerdict.UNSUPPORTED, [])
+    assert found.judgement.reason == "the closed form has no motion to hold an engine to: it stands in a dead position"
+
+
 def test_a_cell_can_be_made_alone_in_a_process_of_its_own():
     (found,) = make_cells([Cell("units", "length", 1e3, "direct", "tuned")])
     assert (found.verdict, found.outcome) == (StressVerdict.WITHIN, "finished")

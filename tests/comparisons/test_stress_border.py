@@ -99,3 +99,18 @@ def test_what_is_narrow_enough_costs_no_run():
     asked.clear()
     assert bisected(rough, make) == rough
     assert asked == []
+
+
+@pytest.mark.parametrize("verdict", [StressVerdict.TIMED_OUT, StressVerdict.CRASHED])
+def test_a_border_that_the_machine_draws_is_not_narrowed_down(verdict):
+    rough = borders([result(1.0, StressVerdict.WITHIN), result(1e3, verdict)])
+    assert len(rough) == 1
+    assert bisected(rough, lambda cells: pytest.fail(f"{cells} were made")) == rough
+
+
+def test_an_axis_whose_borders_are_not_worth_it_is_left_alone():
+    line = [
+        result(value, v, axis="turns-free") for value, v in ((1.0, StressVerdict.WITHIN), (1e3, StressVerdict.OVER))
+    ]
+    rough = borders(line)
+    assert bisected(rough, lambda cells: pytest.fail(f"{cells} were made")) == rough
