@@ -140,7 +140,7 @@ class _Maker:
 
 
 def _lost(cell: Cell, found: Lost) -> CellResult:
-    """A cell whose worker gave no result. What it raised is not the engine's, whose exceptions are runs of their own."""
+    """A cell whose worker gave no result. What it raised is not the engine's: those exceptions are runs."""
     if found.outcome is Outcome.DIVERGED:
         return lost(cell, Outcome.CRASHED, f"the suite itself failed, not the engine: {found.reason}")
     return lost(cell, found.outcome, found.reason)

@@ -3,6 +3,7 @@
 from comparisons import promises
 from comparisons.long_run import LongRun
 from comparisons.stress_campaign import Stressed
+from comparisons.stress_verdict import StressVerdict
 from tests.comparisons.test_stress_border import result
 
 
@@ -18,7 +19,7 @@ def test_a_long_run_tells_its_ratio_and_what_it_is_made_of(monkeypatch):
 
 
 def test_missed_cells_are_counted(monkeypatch):
-    cells = (result(1.0, good=True), result(2.0, good=False))
+    cells = (result(1.0, StressVerdict.WITHIN), result(2.0, StressVerdict.CAUGHT))
     monkeypatch.setattr(promises, "stress", lambda _request: Stressed(cells, ()))
     (found,) = promises.missed({"quick": True}, ["e"])
     assert (found.reached, found.detail) == (0.0, "of 2 cells")
