@@ -11,15 +11,18 @@ EXTENT ?= --quick
 BASE   ?= HEAD~1
 SPEED  := --config tests/speed/asv.conf.json
 
-.PHONY: report test lint baseline speed clean
+.PHONY: report pins test lint baseline speed clean
 
 report: $(READY)  ## every mechanism in every engine and setting, costs and stability; page at build/report/index.html
 	$(BIN)/linkproof bench $(EXTENT) --out build/report
 	$(BIN)/linkproof stress $(EXTENT) --out build/report
 	$(BIN)/linkproof compare --regime run-up --regime run-up-quintic --regime own --setting all $(FULL) --out build/report
 
-test: $(READY)  ## the whole test suite
-	$(BIN)/python -m pytest
+pins: $(READY)  ## every pinned record made anew and held; python tests/pins/pins.py take renews them
+	$(BIN)/python tests/pins/pins.py hold
+
+test: $(READY)  ## the whole test suite, on all cores
+	$(BIN)/python -m pytest --numprocesses auto
 
 lint: $(READY)  ## style, types and the direction of imports
 	$(BIN)/ruff check .

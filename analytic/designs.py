@@ -9,16 +9,17 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from analytic.compiled import check_output, compute
+from analytic.compiled.derivative_orders import Needs, needs
+from analytic.compiled.evaluation import check_output, compute
+from analytic.compiled.flat_linkage import Program, program
+from analytic.compiled.redesign import redesigned
+from analytic.description.linkage import Linkage
 from analytic.errors import AssemblyError, LinkproofError, UnknownNameError
-from analytic.evaluation import PIECE, QUANTITIES, Instants, Request, is_compiled, requested
-from analytic.linkage import Linkage
-from analytic.mechanism import Mechanism
-from analytic.needs import Needs, needs
-from analytic.program import Program, program
-from analytic.redesign import redesigned
-from analytic.structure import Structure, find_structure
-from analytic.sweep import Sweep
+from analytic.evaluation import PIECE, QUANTITIES, Instants, is_compiled
+from analytic.kinematics.mechanism import Mechanism
+from analytic.kinematics.structure import Structure, find_structure
+from analytic.kinematics.sweep import Sweep
+from analytic.request import Request, requested
 
 Array = NDArray[np.float64]
 Booleans = NDArray[np.bool_]
@@ -43,12 +44,12 @@ def evaluate_designs(
 ) -> dict[str, NDArray[Any]]:
     """Quantities of ``analytic.evaluation.QUANTITIES`` by name for every design and crank angle, (designs, angles).
 
-    ``parameters`` are arrays (designs,) by the names of ``analytic.program.Program.places``, in SI units; all else is
-    as in the linkage's description, and the assembly modes are those that its sketch picks. ``angle`` (angles,) is in
-    rad; ``speed`` (rad/s) and ``acceleration`` (rad/s²) are scalar or one per angle. Where a design cannot be assembled
-    or stands in a dead position its values are nan, and False in ``assembled``, which is returned besides; that counts
-    for every link that the quantities need in any of the designs. ``cores`` is the number of threads of the compiled
-    path, all of the machine's if None; ``path`` is as for ``analytic.evaluation.evaluate``.
+    ``parameters`` are arrays (designs,) by the names of ``analytic.compiled.flat_linkage.Program.places``, in SI units;
+    all else is as in the linkage's description, and the assembly modes are those that its sketch picks. ``angle``
+    (angles,) is in rad; ``speed`` (rad/s) and ``acceleration`` (rad/s²) are scalar or one per angle. Where a design
+    cannot be assembled or stands in a dead position its values are nan, and False in ``assembled``, which is returned
+    besides; that counts for every link that the quantities need in any of the designs. ``cores`` is the number of
+    threads of the compiled path, all of the machine's if None; ``path`` is as for ``analytic.evaluation.evaluate``.
     """
     request = requested(angle, quantities, speed, acceleration)
     if len(request.shape) != 1 or not np.all(np.isfinite(request.angle)):

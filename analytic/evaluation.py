@@ -10,10 +10,11 @@ from typing import Final
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from analytic import dynamics
-from analytic.errors import LinkproofError, UnknownNameError
-from analytic.mechanism import Mechanism
-from analytic.sweep import Sweep
+from analytic.dynamics import reduced
+from analytic.errors import UnknownNameError
+from analytic.kinematics.mechanism import Mechanism
+from analytic.kinematics.sweep import Sweep
+from analytic.request import requested
 
 Array = NDArray[np.float64]
 
@@ -33,13 +34,13 @@ class Instants:
     @cached_property
     def inertia(self) -> Array:
         """Jeq, which Teq and Mkr need as well."""
-        return dynamics.reduced_inertia(self.sweep)
+        return reduced.reduced_inertia(self.sweep)
 
     @cached_property
     def torque(self) -> Array:
         """Mkr, which Peq needs as well."""
         inertia = self.inertia if np.any(self.acceleration) else np.zeros(self.sweep.angle.shape)
-        return dynamics.balance(self.sweep, inertia, self.speed, self.acceleration)
+        return reduced.balance(self.sweep, inertia, self.speed, self.acceleration)
 
     @cached_property
     def squared_speed(self) -> Array:
@@ -58,8 +59,8 @@ WORK_OF_COMPILING: Final = 1_000_000_000
 # S, v and a are the output's coordinate along its direction and its time derivatives, not counted from a dead centre.
 QUANTITIES: Final[Mapping[str, Callable[[Instants], Array]]] = {
     "Jeq": lambda at: at.inertia,
-    "half_slope": lambda at: dynamics.half_inertia_slope(at.sweep),
-    "Q": lambda at: dynamics.generalised_force(at.sweep),
+    "half_slope": lambda at: reduced.half_inertia_slope(at.sweep),
+    "Q": lambda at: reduced.generalised_force(at.sweep),
     "Mkr": lambda at: at.torque,
     "Teq": lambda at: 0.5 * at.inertia * at.squared_speed,
     "Peq": lambda at: at.torque * at.speed,
@@ -68,24 +69,6 @@ QUANTITIES: Final[Mapping[str, Callable[[Instants], Array]]] = {
     "a": lambda at: at.sweep.output(2) * at.squared_speed + at.sweep.output(1) * at.acceleration,
 }
 """What can be asked for: Jeq kg m², half_slope ½Jeq' kg m², Q N m, Mkr N m, Teq J, Peq W, S m, v m/s, a m/s²."""
-
-MOVING: Final = frozenset({"Mkr", "Teq", "Peq", "v", "a"})  # those that depend on how the crank moves
-
-
-@dataclass(frozen=True)
-class Request:
-    """Quantities asked for, at crank angles of a ``shape``, here flat, as speed and acceleration if not scalar."""
-
-    names: tuple[str, ...]
-    shape: tuple[int, ...]
-    angle: Array
-    speed: Array
-    acceleration: Array
-
-    @property
-    def turns(self) -> bool:
-        """Whether the crank turns at any instant."""
-        return bool(np.any(self.speed))
 
 
 def evaluate(
@@ -100,12 +83,12 @@ def evaluate(
     """Quantities of ``QUANTITIES`` by name at every crank angle (rad, any shape); arrays of that shape.
 
     ``speed`` (rad/s) and ``acceleration`` (rad/s²) of the crank are signed, scalar or of the angles' shape; the speed
-    is needed by whatever depends on the crank's motion. ``path`` is ``numpy``, ``compiled`` (``analytic.compiled``), or
-    ``auto``: compiled where that saves time, its own start included.
+    is needed by whatever depends on the crank's motion. ``path`` is ``numpy``, ``compiled``
+    (``analytic.compiled.evaluation``), or ``auto``: compiled where that saves time, its own start included.
     """
     request = requested(angle, quantities, speed, acceleration)
     if is_compiled(path, request.angle.size * len(mechanism.structure.bodies)):
-        from analytic.compiled import CompiledMechanism  # noqa: PLC0415 - it needs this module
+        from analytic.compiled.evaluation import CompiledMechanism  # noqa: PLC0415 - it needs this module
 
         compiled = CompiledMechanism(mechanism)
         return compiled.evaluate(angle, request.names, speed=speed, acceleration=acceleration)
@@ -119,39 +102,14 @@ def evaluate(
     return {name: values.reshape(request.shape) for name, values in found.items()}
 
 
-def requested(angle: ArrayLike, quantities: Iterable[str], speed: ArrayLike | None, acceleration: ArrayLike) -> Request:
-    """The arguments of ``evaluate``, checked."""
-    names = tuple(dict.fromkeys(quantities))
-    for name in names:
-        if name not in QUANTITIES:
-            raise UnknownNameError("quantity", name, QUANTITIES)
-    if speed is None and MOVING.intersection(names):
-        needing = ", ".join(name for name in names if name in MOVING)
-        raise LinkproofError(f"speed: expected the crank's speed in rad/s for {needing}, got none; pass speed=...")
-    angle = np.asarray(angle, dtype=float)
-    moves = _like(angle, 0.0 if speed is None else speed, "speed"), _like(angle, acceleration, "acceleration")
-    return Request(names, angle.shape, angle.ravel(), *moves)
-
-
 def is_compiled(path: str, work: int) -> bool:
     """Whether to take the compiled path for ``work`` crank angles times bodies."""
     if path not in PATHS:
         raise UnknownNameError("path", path, PATHS)
     if path != "auto" or work < LEAST_WORK:
         return path == "compiled"
-    from analytic.compiled import available, is_loaded, is_ready  # noqa: PLC0415 - it needs this module
+    from analytic.compiled.evaluation import available, is_loaded, is_ready  # noqa: PLC0415 - it needs this module
 
     if is_loaded():
         return True
     return work >= WORK_OF_LOADING and available() and (work >= WORK_OF_COMPILING or is_ready())
-
-
-def _like(angle: Array, value: ArrayLike, name: str) -> Array:
-    """A scalar as it is, an array flattened like the angles."""
-    values = np.asarray(value, dtype=float)
-    if values.ndim and values.shape != angle.shape:
-        raise LinkproofError(
-            f"{name}: expected a number or an array of the crank angles' shape {angle.shape}, got shape "
-            f"{values.shape}; pass one value per angle"
-        )
-    return values.ravel() if values.ndim else values

@@ -17,9 +17,9 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from analytic.laws import Law
-from analytic.linkage import Vector
-from analytic.regimes import CrankMotion
+from analytic.description.crank_motion import CrankMotion
+from analytic.description.law import Law
+from analytic.description.linkage import Vector
 
 Array = NDArray[np.float64]
 

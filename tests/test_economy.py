@@ -11,10 +11,10 @@ from pathlib import Path
 
 import pytest
 
-from comparisons.campaign import Request, compare
-from comparisons.results import document, save
+from comparisons.campaign.campaign import Request, compare
+from comparisons.campaign.results import document, save
 from engines.registry import engine, engine_names
-from reports.requests import Choice, request, texts
+from reports.command_line.requests import Choice, request, texts
 
 ROOT = Path(__file__).parents[1]
 ENGINES = ("exudyn", "pymunk")
@@ -38,7 +38,7 @@ def imported(tmp_path):
         listed.write_text("")
         environment = {**os.environ, "PYTHONPATH": str(tmp_path / "path"), "PYTHONSAFEPATH": ""}
         done = subprocess.run(
-            [sys.executable, "-m", "reports.command", *command],
+            [sys.executable, "-m", "reports.command_line.main", *command],
             capture_output=True,
             text=True,
             cwd=ROOT,

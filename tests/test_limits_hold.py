@@ -4,17 +4,17 @@ from functools import cache
 
 import pytest
 
-from analytic.loading import catalogue, load
-from analytic.mechanism import Mechanism
-from analytic.regimes import crank_motion
-from comparisons import baseline
-from comparisons.campaign import Request, RunResult, compare
-from comparisons.case import Case
-from comparisons.invariants import INVARIANTS
-from comparisons.quantities import all_quantities
+from analytic.description.crank_motion import crank_motion
+from analytic.description.loading import catalogue, load
+from analytic.kinematics.mechanism import Mechanism
+from comparisons.campaign.campaign import Request, RunResult, compare
+from comparisons.invariants.invariants import INVARIANTS
+from comparisons.judging import baseline
+from comparisons.judging.quantities import all_quantities
+from comparisons.reference.case import Case
 from engines.contract import Setting
 from engines.registry import engine, engine_names
-from reports.requests import Choice
+from reports.command_line.requests import Choice
 
 CHECKED = [("run-up", Setting.TUNED), ("run-up-quintic", Setting.TUNED), ("run-up-quintic", Setting.BEST)]
 

@@ -2,9 +2,9 @@
 
 import pytest
 
+from analytic.description.loading import CATALOGUE, parse
 from analytic.errors import LinkproofError
-from analytic.loading import CATALOGUE, parse
-from analytic.mechanism import Mechanism
+from analytic.kinematics.mechanism import Mechanism
 
 JUKI = (CATALOGUE / "juki-mf7923d.toml").read_text(encoding="utf-8").split("[[published]]")[0]
 

@@ -14,9 +14,9 @@ from functools import lru_cache
 import numpy as np
 from mpmath import mp, mpf
 
-from analytic.linkage import GROUND, Guide, Linkage, Vector
-from analytic.mechanism import Mechanism
-from analytic.sweep import Sweep
+from analytic.description.linkage import GROUND, Guide, Linkage, Vector
+from analytic.kinematics.mechanism import Mechanism
+from analytic.kinematics.sweep import Sweep
 
 DIGITS = 50
 STEP = mpf(10) ** -12  # of φ: central differences err by its square and lose 24 digits of 50

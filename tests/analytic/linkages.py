@@ -10,10 +10,10 @@ from pathlib import Path
 import numpy as np
 from hypothesis import strategies as st
 
+from analytic.description.loading import catalogue, load, parse
 from analytic.errors import AssemblyError
-from analytic.loading import catalogue, load, parse
-from analytic.mechanism import Mechanism
-from analytic.sweep import Sweep
+from analytic.kinematics.mechanism import Mechanism
+from analytic.kinematics.sweep import Sweep
 
 FOLDER = Path(__file__).parents[1] / "linkages"
 MADE_UP = tuple(sorted(path.stem for path in FOLDER.glob("*.toml")))

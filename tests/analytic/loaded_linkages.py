@@ -6,9 +6,9 @@ from functools import cache
 
 import numpy as np
 
-from analytic.laws import Law
-from analytic.linkage import GROUND, Linkage, LinkTorque, PointForce, RotaryDamper, Spring
-from analytic.mechanism import Mechanism
+from analytic.description.law import Law
+from analytic.description.linkage import GROUND, Linkage, LinkTorque, PointForce, RotaryDamper, Spring
+from analytic.kinematics.mechanism import Mechanism
 from tests.analytic.linkages import EVERY, from_text, mechanism
 
 HEADER = """

@@ -9,7 +9,7 @@ from typing import Any
 
 from hypothesis import strategies as st
 
-from analytic.loading import CATALOGUE, catalogue
+from analytic.description.loading import CATALOGUE, catalogue
 from tests.analytic.linkages import FOLDER, MADE_UP
 
 TEXTS = tuple(

@@ -8,10 +8,10 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from analytic.linkage import GROUND
-from analytic.mechanism import Mechanism
-from analytic.regimes import CrankMotion, Segment
-from comparisons.scenes import scene
+from analytic.description.crank_motion import CrankMotion, Segment
+from analytic.description.linkage import GROUND
+from analytic.kinematics.mechanism import Mechanism
+from comparisons.reference.start_state import scene
 from engines.contract import Prescribed, Scene
 
 

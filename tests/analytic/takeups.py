@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from functools import cache
 
-from analytic.loading import parse
-from analytic.mechanism import Mechanism
+from analytic.description.loading import parse
+from analytic.kinematics.mechanism import Mechanism
 
 SLOTTED = """
 title = "slotted-rocker take-up"

@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 from mpmath import mp, mpf
 
-from analytic import dynamics
-from analytic.extremes import zeros
-from analytic.loading import catalogue, load
+from analytic.description.loading import catalogue, load
+from analytic.dynamics import reduced
+from analytic.numerics.extremes import zeros
 from tests.analytic.articles import FORMULAS, reduced_inertia
 from tests.analytic.fifty_digits import DIGITS
 from tests.analytic.linkages import angles, mechanism
@@ -39,7 +39,7 @@ def test_points_and_mass_centres_are_the_articles(name, variant):
 
 @pytest.mark.parametrize(("name", "variant"), [pair for pair in FORMULAS if pair[0] != "fork-takeup"])
 def test_reduced_inertia_is_the_articles(name, variant):
-    got = dynamics.reduced_inertia(mechanism(name, variant).sweep(angles(4)))
+    got = reduced.reduced_inertia(mechanism(name, variant).sweep(angles(4)))
     exact = [float(reduced_inertia(FORMULAS[name, variant], mpf(float(angle)))) for angle in angles(4)]
     assert got == pytest.approx(exact, rel=FIFTY_DIGITS)
 
@@ -57,7 +57,7 @@ def test_gravity_equilibria_are_the_specifications(name, variant, degrees):
     sample, step = mechanism(name, variant), 1e-6
 
     def force(phi):
-        return dynamics.gravity_force(sample.sweep(phi))
+        return reduced.gravity_force(sample.sweep(phi))
 
     found = zeros(force, lambda phi: (force(phi + step) - force(phi - step)) / (2.0 * step))
     assert np.min(np.abs(np.degrees(found) - degrees)) <= 0.005  # two decimals
@@ -65,8 +65,8 @@ def test_gravity_equilibria_are_the_specifications(name, variant, degrees):
 
 def test_the_two_readings_of_rimoldis_table_differ_in_gravity_alone():
     built, along = (mechanism("rimoldi-164", variant).sweep(angles(20)) for variant in ("as-built", "y-along"))
-    assert np.allclose(dynamics.reduced_inertia(built), dynamics.reduced_inertia(along), rtol=FIFTY_DIGITS)
-    assert not np.allclose(dynamics.gravity_force(built), dynamics.gravity_force(along), rtol=1e-3)
+    assert np.allclose(reduced.reduced_inertia(built), reduced.reduced_inertia(along), rtol=FIFTY_DIGITS)
+    assert not np.allclose(reduced.gravity_force(built), reduced.gravity_force(along), rtol=1e-3)
 
 
 def test_published_runs_of_the_take_ups():

@@ -5,21 +5,23 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from analytic import compiled, designs, dynamics
-from analytic.accuracy import relative_bounds
-from analytic.compiled import CHUNK
+from analytic import designs
+from analytic.compiled import evaluation
+from analytic.compiled.evaluation import CHUNK
+from analytic.compiled.flat_linkage import program
+from analytic.compiled.redesign import redesigned
 from analytic.designs import ASSEMBLED, evaluate_designs
+from analytic.dynamics import reduced
 from analytic.errors import AssemblyError, LinkproofError, UnknownNameError
 from analytic.evaluation import evaluate
-from analytic.program import program
-from analytic.redesign import redesigned
-from analytic.structure import find_structure
-from analytic.sweep import Sweep
+from analytic.kinematics.error_bounds import relative_bounds
+from analytic.kinematics.structure import find_structure
+from analytic.kinematics.sweep import Sweep
+from tests.analytic.compiled.test_evaluation import ORDERS, quantities
 from tests.analytic.linkages import FourBar, four_bars, from_text, mechanism, text_of
 from tests.analytic.loaded_linkages import ALL, on_trial
-from tests.analytic.test_compiled import ORDERS, quantities
 
-PATHS = ("numpy", pytest.param("compiled", marks=pytest.mark.skipif(not compiled.available(), reason="no numba")))
+PATHS = ("numpy", pytest.param("compiled", marks=pytest.mark.skipif(not evaluation.available(), reason="no numba")))
 # Two orders of the same operations; relative to the peak.
 SAME = 1e-14
 # A linkage written to a file and read again has figures that are a rounding off.
@@ -74,7 +76,7 @@ def design(sample, parameters, number):
     return linkage, find_structure(linkage).with_signs(tuple(dyad.sign for dyad in sample.structure.dyads))
 
 
-@pytest.mark.skipif(not compiled.available(), reason="numba is not installed")
+@pytest.mark.skipif(not evaluation.available(), reason="numba is not installed")
 @pytest.mark.parametrize(("case", "is_laden"), ALL)
 def test_both_paths_agree_on_every_parameter_of_every_linkage(case, is_laden):
     sample = on_trial(*case, is_laden)
@@ -95,7 +97,7 @@ def test_both_paths_agree_on_every_parameter_of_every_linkage(case, is_laden):
             assert np.max(np.abs(one - two)) <= max(SAME, bounds[ORDERS[name]]) * np.max(np.abs(two))
 
 
-@pytest.mark.skipif(not compiled.available(), reason="numba is not installed")
+@pytest.mark.skipif(not evaluation.available(), reason="numba is not installed")
 @pytest.mark.parametrize("case", [case for case, is_laden in ALL if is_laden])
 @pytest.mark.parametrize("names", [["S"], ["Jeq"]])
 def test_both_paths_agree_on_what_cannot_be_assembled(case, names):
@@ -124,11 +126,11 @@ def test_a_design_that_cannot_be_assembled_is_nan_exactly_there(path):
         for place, moves in enumerate(row):
             sweep = Sweep(*built, angle[place])
             if moves:
-                expected = float(dynamics.reduced_inertia(sweep))
+                expected = float(reduced.reduced_inertia(sweep))
                 assert found["Jeq"][number, place] == pytest.approx(expected, rel=WRITTEN)
             else:
                 with pytest.raises(AssemblyError):
-                    dynamics.reduced_inertia(sweep)
+                    reduced.reduced_inertia(sweep)
                 assert np.isnan(found["Jeq"][number, place])
                 assert np.isnan(found["S"][number, place])
 
@@ -224,7 +226,7 @@ def test_next_to_a_dead_position_places_are_known_and_rates_are_not(path, case):
     assert found[ASSEMBLED].tolist() == [[False, True]]
 
 
-@pytest.mark.skipif(not compiled.available(), reason="numba is not installed")
+@pytest.mark.skipif(not evaluation.available(), reason="numba is not installed")
 def test_chunks_and_threads_make_up_the_whole():
     sample, angle = mechanism("juki-mf7923d"), np.linspace(0.0, 6.0, 131)
     masses = np.linspace(0.1, 0.9, 2 * CHUNK + 3)

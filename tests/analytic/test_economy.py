@@ -6,13 +6,13 @@ from collections import Counter
 import numpy as np
 import pytest
 
-from analytic import dynamics, kinetostatics
-from analytic.laws import Law
-from analytic.link_loads import LoadedSweep
-from analytic.linkage import Linkage
-from analytic.mechanism import Mechanism
-from analytic.sweep import Sweep
-from analytic.turning_groups import ArmAndSlider, SwingingSlide, TwoTurningArms
+from analytic.description.law import Law
+from analytic.description.linkage import Linkage
+from analytic.dynamics import joint_forces, reduced
+from analytic.dynamics.link_loads import LoadedSweep
+from analytic.kinematics.mechanism import Mechanism
+from analytic.kinematics.sweep import Sweep
+from analytic.kinematics.turning_dyads import ArmAndSlider, SwingingSlide, TwoTurningArms
 from tests.analytic.linkages import angles, mechanism
 from tests.counting import calls, counted
 
@@ -39,7 +39,7 @@ def _operations(sample: Mechanism, ask) -> int:
 
 
 def _torque(sweep):
-    return dynamics.drive_torque(sweep, 3.0, 2.0)
+    return reduced.drive_torque(sweep, 3.0, 2.0)
 
 
 @pytest.fixture
@@ -60,8 +60,8 @@ def test_each_question_takes_less_work_than_the_one_that_contains_it(name):
     place = _operations(sample, lambda sweep: sweep.output())
     velocity = _operations(sample, lambda sweep: sweep.output(1))
     acceleration = _operations(sample, lambda sweep: sweep.output(2))
-    inertia = _operations(sample, dynamics.reduced_inertia)
-    slope = _operations(sample, dynamics.half_inertia_slope)
+    inertia = _operations(sample, reduced.reduced_inertia)
+    slope = _operations(sample, reduced.half_inertia_slope)
     torque = _operations(sample, _torque)
     assert 0 < place < velocity < acceleration < slope < torque
     assert velocity < inertia < slope
@@ -72,14 +72,14 @@ def test_the_reduced_inertia_asks_for_no_second_derivative_and_no_load(monkeypat
         calls(monkeypatch, owner, name)
         for owner, name in (
             (Law, "__call__"),
-            (dynamics, "spring_length"),
-            (dynamics, "gravity_force"),
-            (dynamics, "load_force"),
-            (dynamics, "damping_coefficient"),
+            (reduced, "spring_length"),
+            (reduced, "gravity_force"),
+            (reduced, "load_force"),
+            (reduced, "damping_coefficient"),
         )
     ]
     for name in (LOADED, SPRUNG):
-        dynamics.reduced_inertia(mechanism(name).sweep(angles(5)))
+        reduced.reduced_inertia(mechanism(name).sweep(angles(5)))
     assert _solved(steps)["accelerations"] == 0
     assert not any(asked)
 
@@ -113,11 +113,11 @@ def test_without_gravity_there_is_nothing_of_it(monkeypatch, name):
     floating = _changed(mechanism(name), gravity=(0.0, 0.0))
     sweep = floating.sweep(angles(5))
     centres = calls(monkeypatch, Sweep, "centre")
-    assert not np.any(dynamics.gravity_force(sweep))
-    assert not np.any(dynamics.potential_energy(sweep))
+    assert not np.any(reduced.gravity_force(sweep))
+    assert not np.any(reduced.potential_energy(sweep))
     assert centres == []
     inertia_forces = _operations(
-        floating, lambda at: dynamics.reduced_inertia(at) * 2.0 + dynamics.half_inertia_slope(at) * 9.0
+        floating, lambda at: reduced.reduced_inertia(at) * 2.0 + reduced.half_inertia_slope(at) * 9.0
     )
     assert _operations(floating, _torque) == inertia_forces + 1  # less nothing
     assert _operations(mechanism(name), _torque) > inertia_forces + 1
@@ -129,15 +129,15 @@ def test_without_loads_none_is_looked_at(monkeypatch, name):
     bare = _changed(sample, **_unloaded(sample.linkage))
     asked = [
         calls(monkeypatch, Law, "__call__"),
-        calls(monkeypatch, dynamics, "spring_length"),
-        calls(monkeypatch, dynamics, "load_force"),
-        calls(monkeypatch, dynamics, "damping_coefficient"),
+        calls(monkeypatch, reduced, "spring_length"),
+        calls(monkeypatch, reduced, "load_force"),
+        calls(monkeypatch, reduced, "damping_coefficient"),
         calls(monkeypatch, LoadedSweep, "_of_spring"),
         calls(monkeypatch, LoadedSweep, "_of_damper"),
     ]
     sweep = bare.sweep(angles(5))
     _torque(sweep)
-    kinetostatics.reactions(sweep, 3.0, 2.0)
+    joint_forces.reactions(sweep, 3.0, 2.0)
     assert not any(asked)
     _torque(sample.sweep(angles(5)))
     assert any(asked)
@@ -157,27 +157,27 @@ def test_links_without_mass_have_no_mass_centre_to_follow(monkeypatch, steps):
     airy = _changed(sample, links=light)
     centres, before = calls(monkeypatch, Sweep, "centre"), _solved(steps)
     sweep = airy.sweep(angles(5))
-    found = [dynamics.reduced_inertia(sweep), dynamics.half_inertia_slope(sweep), dynamics.gravity_force(sweep)]
-    dynamics.potential_energy(sweep)
+    found = [reduced.reduced_inertia(sweep), reduced.half_inertia_slope(sweep), reduced.gravity_force(sweep)]
+    reduced.potential_energy(sweep)
     assert {args[1] for args in centres}.isdisjoint(last)
     assert {step: count - before[step] for step, count in _solved(steps).items()} == dict.fromkeys(steps, 1)
     alone = sample.sweep(angles(5))
     heavy = [name for name in sample.linkage.links if name not in last]
-    assert np.array_equal(found[0], dynamics.reduced_inertia(alone, heavy))
+    assert np.array_equal(found[0], reduced.reduced_inertia(alone, heavy))
 
 
 def test_a_slot_without_a_slider_has_no_mass_to_follow(monkeypatch):
     sample = mechanism("slot-without-mass")
     centres = calls(monkeypatch, Sweep, "centre")
-    dynamics.half_inertia_slope(sample.sweep(angles(5)))
+    reduced.half_inertia_slope(sample.sweep(angles(5)))
     assert {args[1] for args in centres} == set(sample.linkage.links) - {sample.linkage.crank}
 
 
 @pytest.mark.parametrize("name", [SIX_BAR, LOADED, SPRUNG])
 def test_a_crank_at_rest_asks_for_no_second_derivative(steps, name):
     sweep = mechanism(name).sweep(angles(5))
-    torque = dynamics.drive_torque(sweep, 0.0, 0.0)
-    held = kinetostatics.reactions(sweep, 0.0, 0.0).torque
+    torque = reduced.drive_torque(sweep, 0.0, 0.0)
+    held = joint_forces.reactions(sweep, 0.0, 0.0).torque
     assert _solved(steps)["accelerations"] == 0
     assert np.allclose(torque, held, rtol=1e-12, atol=1e-12 * np.max(np.abs(torque)))
 
@@ -185,12 +185,12 @@ def test_a_crank_at_rest_asks_for_no_second_derivative(steps, name):
 def test_a_steady_crank_asks_for_no_inertia_and_a_starting_one_for_no_slope(monkeypatch):
     sweep = mechanism(SIX_BAR).sweep(angles(5))
     inertias, slopes = (
-        calls(monkeypatch, dynamics, "reduced_inertia"),
-        calls(monkeypatch, dynamics, "half_inertia_slope"),
+        calls(monkeypatch, reduced, "reduced_inertia"),
+        calls(monkeypatch, reduced, "half_inertia_slope"),
     )
-    dynamics.drive_torque(sweep, 3.0, 0.0)
+    reduced.drive_torque(sweep, 3.0, 0.0)
     assert (len(inertias), len(slopes)) == (0, 1)
-    dynamics.drive_torque(sweep, np.zeros(5), 2.0)
+    reduced.drive_torque(sweep, np.zeros(5), 2.0)
     assert (len(inertias), len(slopes)) == (1, 1)
 
 
@@ -200,5 +200,5 @@ def test_a_second_question_costs_only_what_is_new(steps):
     for _ in range(3):
         _torque(sweep)
         sweep.output(2)
-        kinetostatics.reactions(sweep, 3.0, 2.0)
+        joint_forces.reactions(sweep, 3.0, 2.0)
     assert _solved(steps) == {"poses": before + 2, "rates": 2, "accelerations": 2}

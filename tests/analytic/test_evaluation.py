@@ -3,12 +3,13 @@
 import numpy as np
 import pytest
 
-from analytic import dynamics, evaluation
+from analytic import evaluation
+from analytic.description.crank_motion import crank_motion
+from analytic.dynamics import reduced
 from analytic.errors import LinkproofError, UnknownNameError
 from analytic.evaluation import PIECE, QUANTITIES, evaluate
-from analytic.regimes import crank_motion
-from analytic.sweep import Sweep
-from analytic.turning_groups import ArmAndSlider, TwoTurningArms
+from analytic.kinematics.sweep import Sweep
+from analytic.kinematics.turning_dyads import ArmAndSlider, TwoTurningArms
 from tests.analytic.linkages import angles, mechanism
 from tests.analytic.tolerances import FOUR_DIGITS
 
@@ -19,11 +20,11 @@ def test_pieces_make_up_the_whole(count):
     speed, acceleration = angles(count, seed=2), angles(count, seed=3)
     found = evaluate(sample, angle, QUANTITIES, speed=speed, acceleration=acceleration, path="numpy")
     sweep = sample.sweep(angle)
-    assert np.array_equal(found["Jeq"], dynamics.reduced_inertia(sweep))
-    assert np.array_equal(found["half_slope"], dynamics.half_inertia_slope(sweep))
-    assert np.array_equal(found["Q"], dynamics.generalised_force(sweep))
-    assert np.array_equal(found["Mkr"], dynamics.drive_torque(sweep, speed, acceleration))
-    assert np.array_equal(found["Teq"], dynamics.kinetic_energy(sweep, speed))
+    assert np.array_equal(found["Jeq"], reduced.reduced_inertia(sweep))
+    assert np.array_equal(found["half_slope"], reduced.half_inertia_slope(sweep))
+    assert np.array_equal(found["Q"], reduced.generalised_force(sweep))
+    assert np.array_equal(found["Mkr"], reduced.drive_torque(sweep, speed, acceleration))
+    assert np.array_equal(found["Teq"], reduced.kinetic_energy(sweep, speed))
     assert np.array_equal(found["Peq"], found["Mkr"] * speed)
     assert np.array_equal(found["S"], sweep.output())
     assert np.array_equal(found["v"], sweep.output(1) * speed)
@@ -76,7 +77,7 @@ def test_only_what_is_asked_for_is_computed_and_only_once(solved, quantities, ex
 def test_no_gravity_is_computed_where_there_is_none(monkeypatch):
     asked = []
     monkeypatch.setattr(Sweep, "centre", lambda _sweep, body, order=0: asked.append((body, order)))
-    dynamics.gravity_force(mechanism("centric-slider-crank").sweep(angles(3)))
+    reduced.gravity_force(mechanism("centric-slider-crank").sweep(angles(3)))
     assert asked == []
 
 

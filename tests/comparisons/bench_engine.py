@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from analytic.dynamics import drive_torque
+from analytic.dynamics.reduced import drive_torque
 from engines.contract import History, Method, Outcome, Run, Setting, Signal
 
 FIRST = Method("first", "first order", effort_unit="")

@@ -1,6 +1,6 @@
 """Benchmark records of engines that do not exist, with errors and times that are given."""
 
-from comparisons.bench_records import METHOD, SETTING, BenchRecord
+from comparisons.work_precision.records import METHOD, SETTING, BenchRecord
 
 
 def row(**changes):

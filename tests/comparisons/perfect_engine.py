@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import numpy as np
 
-from analytic import dynamics
-from analytic.kinetostatics import joint_forces
-from analytic.mechanism import Mechanism
-from analytic.regimes import CrankMotion
-from comparisons.motion import ObservedMotion
-from comparisons.scenes import scene, start_state
+from analytic.description.crank_motion import CrankMotion
+from analytic.dynamics import reduced
+from analytic.dynamics.joint_forces import joint_forces
+from analytic.kinematics.mechanism import Mechanism
+from comparisons.observation.observed_motion import ObservedMotion
+from comparisons.reference.start_state import scene, start_state
 from engines.contract import Channel, History, Prescribed, Signal
 
 
@@ -21,7 +21,7 @@ def perfect_motion(
     later = np.clip(time[:-1] + shift * (time[1] - time[0]), 0.0, motion.duration)
     model = scene(mechanism, Prescribed(motion), frozenset(Channel))
     states = [_states(mechanism, motion, clock) for clock in (time, later if shift else time)]
-    torque = dynamics.drive_torque(mechanism.sweep(motion.angle(time)), motion.speed(time), motion.acceleration(time))
+    torque = reduced.drive_torque(mechanism.sweep(motion.angle(time)), motion.speed(time), motion.acceleration(time))
     forces = joint_forces(mechanism.sweep(motion.angle(time)), motion.speed(time), motion.acceleration(time))
     history = History(
         position=Signal(time, states[0][0]),

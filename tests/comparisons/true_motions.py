@@ -4,9 +4,9 @@ import dataclasses
 
 import numpy as np
 
-from analytic import dynamics
-from analytic.kinetostatics import joint_forces
-from comparisons.stress_verdict import judged
+from analytic.dynamics import reduced
+from analytic.dynamics.joint_forces import joint_forces
+from comparisons.stress.verdict import judged
 from engines.contract import Channel, Free, History, Outcome, Run, Signal
 
 EVERYTHING = frozenset(Channel)
@@ -22,7 +22,7 @@ def true_history(case, count=1201, mechanism=None, lag=0.0):
     states = np.stack(
         [_states(sweep, body.name, speed, acceleration) for body in case.scene(EVERYTHING).bodies], axis=2
     )
-    torque = dynamics.drive_torque(sweep, speed, acceleration)
+    torque = reduced.drive_torque(sweep, speed, acceleration)
     if isinstance(case.drive, Free):
         torque = np.full(count, case.drive.torque)
     forces = joint_forces(sweep, speed, acceleration)

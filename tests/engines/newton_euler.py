@@ -8,9 +8,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from analytic.linkage import GROUND
-from analytic.mechanism import Mechanism
-from analytic.regimes import CrankMotion
+from analytic.description.crank_motion import CrankMotion
+from analytic.description.linkage import GROUND
+from analytic.kinematics.mechanism import Mechanism
 from engines.contract import Scene
 
 Array = np.ndarray

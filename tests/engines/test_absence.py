@@ -4,10 +4,10 @@ import sys
 
 import pytest
 
-from analytic.loading import load
-from analytic.mechanism import Mechanism
-from analytic.regimes import crank_motion
-from comparisons.scenes import scene
+from analytic.description.crank_motion import crank_motion
+from analytic.description.loading import load
+from analytic.kinematics.mechanism import Mechanism
+from comparisons.reference.start_state import scene
 from engines.contract import Channel, Outcome, Prescribed, Setting
 from engines.registry import engine
 

@@ -7,20 +7,21 @@ from collections import Counter
 import numpy as np
 import pytest
 
-from analytic.linkage import GROUND
-from analytic.mechanism import Mechanism
-from analytic.regimes import crank_motion
-from comparisons.economy_reductions import without_gravity, without_loads, without_slot_masses
-from comparisons.scenes import scene
-from engines import direct_instants, pymunk_recording
+from analytic.description.crank_motion import crank_motion
+from analytic.description.linkage import GROUND
+from analytic.kinematics.mechanism import Mechanism
+from comparisons.reference.start_state import scene
+from comparisons.work_precision.reductions import without_gravity, without_loads, without_slot_masses
 from engines.contract import Channel, Outcome, Prescribed, Setting
-from engines.direct_adapter import DirectEngine
-from engines.direct_assembly import Solver
-from engines.direct_equations import Equations
-from engines.exudyn_adapter import ExudynEngine
-from engines.pymunk_adapter import PymunkEngine
-from engines.pymunk_loads import StepLoads
-from engines.pymunk_recording import Recording
+from engines.direct_adapter import instants
+from engines.direct_adapter.adapter import DirectEngine
+from engines.direct_adapter.assembly import Solver
+from engines.direct_adapter.equations import Equations
+from engines.exudyn_adapter.adapter import ExudynEngine
+from engines.pymunk_adapter import recording as pymunk_recording
+from engines.pymunk_adapter.adapter import PymunkEngine
+from engines.pymunk_adapter.loads import StepLoads
+from engines.pymunk_adapter.recording import Recording
 from tests.analytic.linkages import mechanism
 from tests.counting import calls
 
@@ -298,7 +299,7 @@ def solved(monkeypatch):
     return Solved(
         calls(monkeypatch, Solver, "solve"),
         calls(monkeypatch, Solver, "solve_transposed"),
-        calls(monkeypatch, direct_instants, "applied_loads"),
+        calls(monkeypatch, instants, "applied_loads"),
     )
 
 
@@ -330,7 +331,7 @@ def test_direct_solves_for_velocities_once_and_for_accelerations_once_more(solve
 
 @pytest.mark.parametrize(("channels", "are_found"), [(NO_FORCES, False), (EVERYTHING, True)])
 def test_direct_works_out_joint_forces_only_where_they_are_asked_for(monkeypatch, channels, are_found):
-    forces = calls(monkeypatch, direct_instants, "joint_forces")
+    forces = calls(monkeypatch, instants, "joint_forces")
     _finished(DirectEngine(), _scene(SIX_BAR, channels))
     assert bool(forces) is are_found
 

@@ -1,7 +1,7 @@
 """A finished benchmark of engines that do not exist, for tests of its page and tables."""
 
-from comparisons.bench_analysis import judged
-from comparisons.bench_records import Bench, rows
+from comparisons.work_precision.analysis import judged
+from comparisons.work_precision.records import Bench, rows
 from tests.comparisons.bench_rows import row, setting_row, sweep_rows
 
 

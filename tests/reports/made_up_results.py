@@ -7,18 +7,18 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from analytic.linkage import Linkage
-from analytic.loading import find, load
-from analytic.mechanism import Mechanism
-from analytic.regimes import crank_motion
-from comparisons.campaign import Request, RunResult
-from comparisons.case import Case
-from comparisons.deviations import Deviation, near_jumps
-from comparisons.invariants import INVARIANTS
-from comparisons.judging import judge
-from comparisons.quantities import QUANTITIES
-from comparisons.records import Record, Verdict
-from comparisons.results import Results, dataset, document
+from analytic.description.crank_motion import crank_motion
+from analytic.description.linkage import Linkage
+from analytic.description.loading import find, load
+from analytic.kinematics.mechanism import Mechanism
+from comparisons.campaign.campaign import Request, RunResult
+from comparisons.campaign.results import Results, dataset, document
+from comparisons.invariants.invariants import INVARIANTS
+from comparisons.judging.deviations import Deviation, near_jumps
+from comparisons.judging.quantities import QUANTITIES
+from comparisons.judging.records import Record, Verdict
+from comparisons.judging.verdicts import judge
+from comparisons.reference.case import Case
 from engines.contract import Setting
 
 SIZES = {Setting.NAIVE: 2e-2, Setting.TUNED: 1.3e-5, Setting.BEST: 4e-8}

@@ -3,11 +3,11 @@
 from dataclasses import asdict
 from itertools import pairwise
 
-from comparisons.long_run import LongRun
-from comparisons.stress import Cell, CellResult
-from comparisons.stress_axes import axes
-from comparisons.stress_verdict import Judgement, StressVerdict
-from reports.stress_facts import Stress
+from comparisons.stress.axes import axes
+from comparisons.stress.cells import Cell, CellResult
+from comparisons.stress.long_run import LongRun
+from comparisons.stress.verdict import Judgement, StressVerdict
+from reports.stress.facts import Stress
 
 SETTINGS = ("naive", "tuned", "best")
 METHODS = {"alpha": ("generalised alpha", "trapezoidal"), "beta": ("centred", "defaults")}

@@ -17,8 +17,11 @@ class FreeMotion:
     timeout = 300.0  # of the set-up, where the kernels may have to be compiled
 
     def setup(self, path):
-        loading, mechanism = lacking.module("analytic.loading"), lacking.module("analytic.mechanism")
-        self.free_motion = lacking.module("analytic.free_motion").free_motion
+        loading, mechanism = (
+            lacking.module("analytic.description.loading"),
+            lacking.module("analytic.kinematics.mechanism"),
+        )
+        self.free_motion = lacking.module("analytic.motion.released").free_motion
         self.mechanism = mechanism.Mechanism(loading.load("slotted-takeup"))
         self.options = {}
         if path == "compiled":

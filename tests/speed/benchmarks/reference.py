@@ -18,7 +18,10 @@ class Sweep:
     param_names = ("mechanism",)
 
     def setup(self, name):
-        loading, mechanism = lacking.module("analytic.loading"), lacking.module("analytic.mechanism")
+        loading, mechanism = (
+            lacking.module("analytic.description.loading"),
+            lacking.module("analytic.kinematics.mechanism"),
+        )
         self.evaluate = lacking.module("analytic.evaluation").evaluate
         self.mechanism = mechanism.Mechanism(loading.load(name))
         self.angle = np.linspace(0.0, 100.0, SWEEP)
@@ -34,7 +37,7 @@ class CompiledSweep(Sweep):
 
     def setup(self, name):
         super().setup(name)
-        self.compiled = _compiled("CompiledMechanism")(self.mechanism)
+        self.compiled = _compiled("CompiledMechanism", "analytic.compiled.evaluation")(self.mechanism)
         self.time_evaluate(name)
 
     def time_evaluate(self, _name):
@@ -47,7 +50,10 @@ class Designs:
     timeout = 300.0
 
     def setup(self):
-        loading, mechanism = lacking.module("analytic.loading"), lacking.module("analytic.mechanism")
+        loading, mechanism = (
+            lacking.module("analytic.description.loading"),
+            lacking.module("analytic.kinematics.mechanism"),
+        )
         self.evaluate = _compiled("evaluate_designs", "analytic.designs")
         self.mechanism = mechanism.Mechanism(loading.load("rimoldi-164"))
         self.rods = {"rod.B.x": np.linspace(0.174, 0.176, DESIGNS)}
@@ -58,7 +64,7 @@ class Designs:
         self.evaluate(self.mechanism, self.rods, self.angle, ("Jeq",), cores=1, path="compiled")
 
 
-def _compiled(name, module="analytic.compiled"):
+def _compiled(name, module):
     """Something of the compiled path, if this commit has one and numba is installed."""
     found = lacking.module(module)
     lacking.module("numba")

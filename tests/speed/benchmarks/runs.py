@@ -6,9 +6,12 @@ from . import lacking
 
 
 def _case():
-    loading, mechanism = lacking.module("analytic.loading"), lacking.module("analytic.mechanism")
-    motion = lacking.module("analytic.regimes").crank_motion("run-up")
-    return lacking.module("comparisons.case").Case(mechanism.Mechanism(loading.load("juki-mf7923d")), motion)
+    loading, mechanism = (
+        lacking.module("analytic.description.loading"),
+        lacking.module("analytic.kinematics.mechanism"),
+    )
+    motion = lacking.module("analytic.description.crank_motion").crank_motion("run-up")
+    return lacking.module("comparisons.reference.case").Case(mechanism.Mechanism(loading.load("juki-mf7923d")), motion)
 
 
 def _run(engine):
@@ -42,10 +45,10 @@ class Judging:
 
     def setup(self, engine):
         adapter, setting, self.scene = _run(engine)
-        self.observed = lacking.module("comparisons.motion").ObservedMotion
-        self.deviation = lacking.module("comparisons.deviations").deviation
-        self.quantities = lacking.module("comparisons.quantities").chosen_quantities
-        self.invariants = lacking.module("comparisons.invariants")
+        self.observed = lacking.module("comparisons.observation.observed_motion").ObservedMotion
+        self.deviation = lacking.module("comparisons.judging.deviations").deviation
+        self.quantities = lacking.module("comparisons.judging.quantities").chosen_quantities
+        self.invariants = lacking.module("comparisons.invariants.invariants")
         self.history = adapter.run(self.scene, setting).history
 
     def time_deviations(self, _engine):

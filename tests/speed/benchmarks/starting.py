@@ -13,8 +13,11 @@ class Process:
 
     number, repeat, warmup_time = 1, (5, 20, 10.0), 0.0
 
+    def setup(self):
+        self.command = [sys.executable, "-m", lacking.module("reports.command_line.main").__name__]
+
     def time_help(self):
-        subprocess.run([sys.executable, "-m", "reports.command", "--help"], capture_output=True, check=True)
+        subprocess.run([*self.command, "--help"], capture_output=True, check=True)
 
 
 class File:
@@ -24,8 +27,8 @@ class File:
     param_names = ("mechanism",)
 
     def setup(self, _name):
-        self.loading = lacking.module("analytic.loading")
-        self.mechanism = lacking.module("analytic.mechanism").Mechanism
+        self.loading = lacking.module("analytic.description.loading")
+        self.mechanism = lacking.module("analytic.kinematics.mechanism").Mechanism
 
     def time_load(self, name):
         self.loading.parse.cache_clear()

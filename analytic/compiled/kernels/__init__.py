@@ -1,0 +1,1 @@
+"""Loops over blocks of crank angles, compiled once for all linkages."""

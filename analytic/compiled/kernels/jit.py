@@ -1,0 +1,59 @@
+"""How the kernels are compiled: once for all linkages, without the interpreter's lock, kept on disk between runs.
+
+Only the entry points keep their machine code on disk, with everything they call inside. Numba looks at an entry's own
+file only to see whether that code is still good; ``SOURCES`` makes up for it: an entry takes it as the default of its
+last parameter, which is part of the key, so that a change in any kernel file counts.
+"""
+
+from __future__ import annotations
+
+import zlib
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any, Final, TypeVar
+
+import numba
+
+Function = TypeVar("Function", bound=Callable[..., Any])
+
+# "numpy": a division by zero gives inf or nan and no exception, so that loops have no way out and are vectorised.
+# No "_nrt": nothing is allocated, so no references to arrays are counted; that made a block half as long again, and the
+# counts of the shared tables would be fought over by threads.
+_OPTIONS: Final = {"nogil": True, "error_model": "numpy", "_nrt": False}
+
+
+def checksum(folder: Path) -> int:
+    """A number that changes with the text of any kernel file, or of the two whose constants the kernels take in."""
+    total = 0
+    analytic = folder.parents[1]
+    taken_in = (analytic / "kinematics" / "dyad_solver.py", analytic / "compiled" / "flat_linkage.py")
+    for path in (*sorted(folder.glob("*.py")), *taken_in):
+        total = zlib.crc32(path.read_bytes(), total)
+    return total
+
+
+SOURCES: Final = checksum(Path(__file__).parent)
+
+
+def kernel(function: Function) -> Function:
+    """Compile a function that other kernels call."""
+    compiled: Function = numba.njit(**_OPTIONS)(function)
+    return compiled
+
+
+def inlined(function: Function) -> Function:
+    """Compile a function into its callers: a small one, or one that takes the tables, a hundred words to pass on."""
+    compiled: Function = numba.njit(forceinline=True, **_OPTIONS)(function)
+    return compiled
+
+
+def counting(function: Function) -> Function:
+    """Compile a function that adds up zeros and ones, whose order is free since their sum is exact."""
+    compiled: Function = numba.njit(fastmath={"reassoc"}, **_OPTIONS)(function)
+    return compiled
+
+
+def entry(function: Function) -> Function:
+    """Compile a function called from Python, or by kernels elsewhere, and keep it on disk."""
+    compiled: Function = numba.njit(cache=True, **_OPTIONS)(function)
+    return compiled

@@ -1,0 +1,166 @@
+"""Sums over a whole linkage on a block of crank angles: Jeq, ½ Jeq', Q, b and the output."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from analytic.compiled.flat_linkage import CONSTANT, CRANK_BODY, Tables
+from analytic.compiled.kernels.dynamics import (
+    add_damper,
+    add_force,
+    add_half_slope,
+    add_inertia,
+    add_spring,
+    add_torque,
+    add_varying_force,
+    place_along,
+    rate_along,
+    second_along,
+)
+from analytic.compiled.kernels.jit import inlined
+from analytic.compiled.kernels.layout import (
+    ANGLE,
+    BLOCK,
+    BODY,
+    CRANK_CENTRE,
+    CRANK_MASS,
+    DAMPING,
+    DYAD_CONSTANTS,
+    FORCE,
+    HALF_SLOPE,
+    JEQ,
+    LAW,
+    LAWS,
+    OUTPUT,
+    OUTPUT_RATE,
+    OUTPUT_SECOND,
+    ROW,
+    SUMS,
+)
+from analytic.compiled.kernels.solution import body_at, fill
+
+Array = NDArray[np.float64]
+
+
+@inlined
+def tabled_laws(tables: Tables, n: int, work: Array) -> None:
+    """Values of the laws that are splines over the crank angle, at the block's angles."""
+    curves = tables.curves
+    for law in range(len(tables.laws)):
+        pieces, components, start = tables.laws[law]
+        if pieces == CONSTANT:
+            continue
+        first, period = curves[start], curves[start + pieces] - curves[start]
+        for i in range(n):
+            x = work[ANGLE + i]
+            x -= period * math.floor((x - first) / period)
+            low, high = 0, pieces
+            while high - low > 1:
+                middle = (low + high) // 2
+                if x >= curves[start + middle]:
+                    low = middle
+                else:
+                    high = middle
+            x -= curves[start + low]
+            at = start + pieces + 1 + 4 * components * low
+            for component in range(components):
+                c = at + 4 * component
+                value = ((curves[c] * x + curves[c + 1]) * x + curves[c + 2]) * x + curves[c + 3]
+                work[LAWS + LAW * law + ROW * component + i] = value
+
+
+@inlined
+def constant_laws(tables: Tables, design: Array, n: int, work: Array) -> None:
+    """Values of the laws that are constants of the design."""
+    for law in range(len(tables.laws)):
+        pieces, components, at = tables.laws[law]
+        if pieces == CONSTANT:
+            for component in range(components):
+                start = LAWS + LAW * law + ROW * component
+                fill(n, design[at + component], work[start : start + BLOCK])
+
+
+@inlined
+def sum_inertia(tables: Tables, design: Array, n: int, work: Array) -> None:
+    """Jeq."""
+    sums = work[SUMS:LAWS]
+    crank = len(design) - DYAD_CONSTANTS * len(tables.dyads) - 1
+    fill(n, design[crank], sums[JEQ : JEQ + BLOCK])
+    for number in range(len(tables.masses)):
+        body, mass, centre, inertia = tables.masses[number]
+        at = body_at(tables, body)
+        add_inertia(n, design[mass], design[centre], design[centre + 1], design[inertia], work[at : at + BODY], sums)
+
+
+@inlined
+def sum_half_slope(tables: Tables, design: Array, n: int, work: Array) -> None:
+    """½ Jeq'; the crank's part of Jeq is a constant."""
+    sums = work[SUMS:LAWS]
+    fill(n, 0.0, sums[HALF_SLOPE : HALF_SLOPE + BLOCK])
+    for number in range(len(tables.masses)):
+        body, mass, centre, inertia = tables.masses[number]
+        at = body_at(tables, body)
+        add_half_slope(n, design[mass], design[centre], design[centre + 1], design[inertia], work[at : at + BODY], sums)
+
+
+@inlined
+def sum_weights(tables: Tables, design: Array, n: int, work: Array) -> None:
+    """Gravity's part of Q."""
+    sums = work[SUMS:LAWS]
+    gx, gy = design[tables.gravity[0]], design[tables.gravity[0] + 1]
+    if gx == 0.0 and gy == 0.0:
+        return
+    mass, centre = tables.crank[CRANK_MASS], tables.crank[CRANK_CENTRE]
+    m, at = design[mass], body_at(tables, CRANK_BODY)
+    add_force(n, design[centre], design[centre + 1], m * gx, m * gy, work[at : at + BODY], sums)
+    for number in range(len(tables.masses)):
+        body, mass, centre, _ = tables.masses[number]
+        m, at = design[mass], body_at(tables, body)
+        add_force(n, design[centre], design[centre + 1], m * gx, m * gy, work[at : at + BODY], sums)
+
+
+@inlined
+def sum_forces(tables: Tables, design: Array, n: int, work: Array) -> None:
+    """Q and b; the springs and their dashpots have a part in both."""
+    sums = work[SUMS:LAWS]
+    fill(n, 0.0, sums[FORCE : FORCE + BLOCK])
+    fill(n, 0.0, sums[DAMPING : DAMPING + BLOCK])
+    sum_weights(tables, design, n, work)
+    for number in range(len(tables.forces)):
+        body, point, law = tables.forces[number]
+        values, at = LAWS + LAW * law, body_at(tables, body)
+        x, y = design[point], design[point + 1]
+        add_varying_force(n, x, y, work[values : values + LAW], work[at : at + BODY], sums)
+    for number in range(len(tables.torques)):
+        body, law = tables.torques[number]
+        values, at = LAWS + LAW * law, body_at(tables, body)
+        add_torque(n, work[values : values + LAW], work[at : at + BODY], sums)
+    for number in range(len(tables.springs)):
+        one, at, two, to, stiffness, length, damping = tables.springs[number]
+        p, q = (design[at], design[at + 1]), (design[to], design[to + 1])
+        k, free, c = design[stiffness], design[length], design[damping]
+        one, two = body_at(tables, one), body_at(tables, two)
+        add_spring(n, p, q, k, free, c, work[one : one + BODY], work[two : two + BODY], sums)
+    for number in range(len(tables.dampers)):
+        one, two, coefficient = tables.dampers[number]
+        one, two = body_at(tables, one), body_at(tables, two)
+        add_damper(n, design[coefficient], work[one : one + BODY], work[two : two + BODY], sums)
+
+
+@inlined
+def output(tables: Tables, design: Array, n: int, order: int, work: Array) -> None:
+    """The output's coordinate along its direction and its derivatives up to an order."""
+    body, point, along = tables.output
+    x, y, ex, ey = design[point], design[point + 1], design[along], design[along + 1]
+    length = math.hypot(ex, ey)
+    ex, ey = ex / length, ey / length
+    at = body_at(tables, body)
+    rows = work[at : at + BODY]
+    place_along(n, x, y, ex, ey, rows, work[SUMS + OUTPUT : SUMS + OUTPUT + ROW])
+    if order >= 1:
+        rate_along(n, x, y, ex, ey, rows, work[SUMS + OUTPUT_RATE : SUMS + OUTPUT_RATE + ROW])
+    if order >= 2:
+        second_along(n, x, y, ex, ey, rows, work[SUMS + OUTPUT_SECOND : SUMS + OUTPUT_SECOND + ROW])

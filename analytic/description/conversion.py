@@ -1,0 +1,226 @@
+"""From a validated document to a Linkage: SI units once, pins from shared names, and the checks that need meaning."""
+
+from __future__ import annotations
+
+import itertools
+import math
+
+from analytic.description import linkage as lk
+from analytic.description import load_tables
+from analytic.description import schema as doc
+from analytic.description.crank_motion import REGIMES
+from analytic.description.diagnosis import Source
+from analytic.description.linkage import GROUND, Linkage, Vector
+from analytic.description.lookup import Reader, reader_of
+from analytic.description.thread_path import EyeReference, ThreadEye, ThreadGuide, ThreadPath
+from analytic.errors import UnknownNameError
+
+# Points of one link nearer to each other than this share of the drawing's size are one point written twice.
+COINCIDENT = 1e-12
+
+
+def interpret(document: doc.Document, name: str, variants: tuple[str, ...], source: Source) -> Linkage:
+    """Build the Linkage of a document; raises DescriptionError for what is impossible or contradictory."""
+    reader = reader_of(document, source)
+    if document.crank not in document.links:
+        raise reader.fail(f"crank: {UnknownNameError('link', document.crank, document.links)}")
+    if GROUND in document.links:
+        raise reader.fail(
+            "links.ground: expected only moving links under [links], got the ground; list its points under [ground]"
+        )
+    links = {key: _link(reader, key) for key in sorted(document.links)}
+    linkage = Linkage(
+        name=name,
+        title=document.title,
+        source=document.source,
+        variant=document.variant,
+        variants=variants,
+        crank=document.crank,
+        ground={key: reader.vector(document.ground[key], f"ground.{key}") for key in sorted(document.ground)},
+        links=links,
+        pins=_pins(reader),
+        sliders=_sliders(reader),
+        slots=_slots(reader),
+        sketch=_sketch(reader),
+        sketch_angle=document.sketch.angle * reader.scale["angle"],
+        gravity=_gravity(reader),
+        forces=load_tables.forces(reader),
+        torques=load_tables.torques(reader),
+        springs=load_tables.springs(reader),
+        dampers=load_tables.dampers(reader),
+        output=_output(reader),
+        thread=_thread(reader),
+        regimes=_regimes(reader),
+        errata=_errata(reader, variants),
+        published=tuple(lk.Published(**entry.model_dump()) for entry in document.published),
+        notes=tuple(document.notes),
+    )
+    _check_lengths(reader, linkage)
+    return linkage
+
+
+def _regimes(reader: Reader) -> tuple[lk.OwnRegime, ...]:
+    """The linkage's own regimes by name; none may bear the name of a prescribed one."""
+    found = []
+    for name, table in sorted(reader.document.regimes.items()):
+        where = f"regimes.{name}"
+        if name in REGIMES:
+            raise reader.fail(f"{where}: expected a name of its own, got that of a prescribed regime; choose another")
+        torque = reader.number(table.torque, "torque", f"{where}.torque")
+        start = reader.number(table.start_angle, "angle", f"{where}.start_angle")
+        found.append(lk.OwnRegime(name, torque, start, table.start_speed, table.duration))
+    return tuple(found)
+
+
+def _thread(reader: Reader) -> ThreadPath | None:
+    """The thread's way in m and rad; every eye is a point of the linkage."""
+    table = reader.document.thread
+    if table is None:
+        return None
+    stops = tuple(_stop(reader, stop, f"thread.stops.{number}") for number, stop in enumerate(table.stops))
+    if isinstance(table.reference, doc.ReferenceTable):
+        _check_eye(reader, table.reference.eye, "thread.reference")
+        reference: float | EyeReference = EyeReference(table.reference.eye, table.reference.extreme)
+    else:
+        reference = table.reference * reader.scale["angle"]
+    return ThreadPath(stops, reader.number(table.stretch, "length", "thread.stretch"), table.feed, reference)
+
+
+def _stop(reader: Reader, stop: doc.StopTable, where: str) -> ThreadGuide | ThreadEye:
+    if (stop.guide is None) == (stop.eye is None):
+        raise reader.fail(f"{where}: expected either guide = [x, y, z] or eye = 'POINT', got both or none; give one")
+    if stop.eye is not None:
+        _check_eye(reader, stop.eye, where)
+        return ThreadEye(stop.eye, reader.number(stop.z, "length", where))
+    assert stop.guide is not None
+    x, y, z = (reader.number(part, "length", where) for part in stop.guide)
+    return ThreadGuide(stop.name, (x, y, z))
+
+
+def _check_eye(reader: Reader, eye: str, where: str) -> None:
+    if eye not in reader.all_points():
+        raise reader.fail(f"{where}: {UnknownNameError('point', eye, reader.all_points())}")
+
+
+def _errata(reader: Reader, variants: tuple[str, ...]) -> tuple[lk.Erratum, ...]:
+    """Printed models; each names a regime of the file and, if it is one, a variant of it."""
+    regimes = reader.document.regimes
+    for number, table in enumerate(reader.document.errata):
+        where = f"errata.{number}"
+        if table.regime not in regimes:
+            raise reader.fail(f"{where}: {UnknownNameError('regime of its own', table.regime, regimes)}")
+        if table.variant is not None and table.variant not in variants:
+            raise reader.fail(f"{where}: {UnknownNameError('variant', table.variant, variants)}")
+    return tuple(lk.Erratum(**table.model_dump()) for table in reader.document.errata)
+
+
+def _link(reader: Reader, name: str) -> lk.Link:
+    where = f"links.{name}"
+    table = reader.document.links[name]
+    points = {key: reader.vector(place, f"{where}.points.{key}") for key, place in sorted(reader.points(name).items())}
+    inertia = None if table.inertia is None else reader.positive(table.inertia, "inertia", f"{where}.inertia")
+    if inertia is None and _turns(reader, name):
+        raise reader.fail(f"{where}.inertia is missing: expected {doc.EXPECTED['inertia']}, for the link turns; add it")
+    mass = reader.positive(table.mass, "mass", f"{where}.mass")
+    return lk.Link(name, points, mass, reader.vector(table.centre, f"{where}.centre"), inertia)
+
+
+def _check_lengths(reader: Reader, linkage: Linkage) -> None:
+    least = COINCIDENT * linkage.extent()
+    for name, link in linkage.links.items():
+        for (one, a), (two, b) in itertools.combinations(link.points.items(), 2):
+            if math.dist(a, b) <= least:
+                raise reader.fail(
+                    f"links.{name}.points: expected a positive length between '{one}' and '{two}', got 0; move one of "
+                    "them, or give both one name"
+                )
+
+
+def _turns(reader: Reader, name: str) -> bool:
+    """Whether a link can turn: a slider turns with its host, the ground does not."""
+    seen: list[str] = []
+    while name != GROUND:
+        if name in seen:
+            raise reader.fail(
+                f"links.{name}.slides.on: expected a host that does not itself hang on '{name}', got a circle of "
+                f"{' on '.join([*seen, name])}; let one of them slide on another link"
+            )
+        seen.append(name)
+        slides = reader.document.links[name].slides
+        if slides is None:
+            return True
+        name = reader.body(slides.on, f"links.{name}.slides.on")
+    return False
+
+
+def _gravity(reader: Reader) -> Vector:
+    x, y = (reader.magnitude(part, "gravity", f"{part:g} m/s^2") for part in reader.document.gravity)
+    return (x, y)
+
+
+def _pins(reader: Reader) -> tuple[lk.Pin, ...]:
+    owners = {point: reader.owners(point) for point in reader.all_points()}
+    return tuple(lk.Pin(point, tuple(names)) for point, names in owners.items() if len(names) > 1)
+
+
+def _sliders(reader: Reader) -> tuple[lk.Slider, ...]:
+    found = []
+    for name, table in sorted(reader.document.links.items()):
+        if table.slides is not None:
+            _turns(reader, name)  # a slider of a circle of sliders has no place
+            guide = _guide(reader, table.slides, f"links.{name}.slides")
+            found.append(lk.Slider(name, table.slides.point, guide))
+    return tuple(found)
+
+
+def _guide(reader: Reader, table: doc.Slides | doc.SlotTable, where: str) -> lk.Guide:
+    host = reader.body(table.on, f"{where}.on")
+    return lk.Guide(host, reader.vector(table.through, f"{where}.through"), reader.direction(table.along, where))
+
+
+def _slots(reader: Reader) -> tuple[lk.Slot, ...]:
+    found: dict[str, lk.Slot] = {}
+    for number, table in enumerate(reader.document.slots):
+        where = f"slots.{number}"
+        slot = lk.Slot(table.point, _guide(reader, table, where))
+        owners = reader.owners(table.point)
+        if not owners:
+            raise reader.fail(f"{where}: {UnknownNameError('point', table.point, reader.all_points())}")
+        if slot.guide.host in owners:
+            raise reader.fail(
+                f"{where}: expected a pin that another body carries, got '{table.point}' of '{slot.guide.host}', which "
+                "has the slot; name another point"
+            )
+        if slot.name in found or slot.name in reader.document.links:
+            raise reader.fail(f"{where}: expected one slot for '{slot.name}', got a second one; leave it out")
+        found[slot.name] = slot
+    return tuple(slot for _, slot in sorted(found.items()))
+
+
+def _sketch(reader: Reader) -> dict[str, Vector]:
+    known = reader.all_points()
+    for point in reader.document.sketch.points:
+        if point not in known:
+            raise reader.fail(f"sketch.points: {UnknownNameError('point', point, known)}")
+    points = sorted(reader.document.sketch.points.items())
+    return {key: reader.vector(place, f"sketch.points.{key}") for key, place in points}
+
+
+def _output(reader: Reader) -> lk.Output | None:
+    table = reader.document.output
+    if table is None:
+        return None
+    owners = [name for name in reader.owners(table.point) if name != GROUND]
+    if not owners:
+        moving = {point for link in reader.document.links for point in reader.points(link)}
+        raise reader.fail(f"output: {UnknownNameError('moving point', table.point, moving)}")
+    guided = [s for s in _sliders(reader) if s.link in owners and s.guide.host == GROUND]
+    carrier = guided[0].link if guided else owners[0]  # on a slider a point moves without turning: nothing to convert
+    if table.along is not None:
+        return lk.Output(table.point, carrier, reader.direction(table.along, "output"))
+    if guided:
+        return lk.Output(table.point, carrier, guided[0].guide.along)
+    raise reader.fail(
+        f"output.along is missing: expected a direction [x, y], since '{table.point}' is on no slider of the ground; "
+        "add it"
+    )

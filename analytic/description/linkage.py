@@ -1,0 +1,218 @@
+"""The one description of a planar linkage, in SI units: what the closed form and every engine are built from.
+
+All lengths are in m, masses in kg, inertias in kg m² about the mass centre, forces in N, torques in
+N m, angles in rad counter-clockwise. A link's *frame* is any right-handed frame fixed in it; its points, mass
+centre, guides and slots are given in that frame. The ground frame is the drawing's. The crank angle φ is the
+angle of the crank's x axis against the ground's x axis.
+"""
+
+from __future__ import annotations
+
+import itertools
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Final
+
+from analytic.description.law import Law
+from analytic.description.thread_path import ThreadPath
+
+GROUND: Final = "ground"
+
+Vector = tuple[float, float]
+
+
+@dataclass(frozen=True)
+class Guide:
+    """A straight line fixed in ``host`` (a link or the ground), through a point, along a unit vector."""
+
+    host: str
+    through: Vector
+    along: Vector
+
+
+@dataclass(frozen=True)
+class Link:
+    """A moving rigid body.
+
+    ``inertia`` is about the mass centre; ``None`` is allowed for a link that cannot turn.
+    """
+
+    name: str
+    points: Mapping[str, Vector]
+    mass: float
+    centre: Vector
+    inertia: float | None
+
+
+@dataclass(frozen=True)
+class Pin:
+    """A revolute joint: all ``links`` (sorted names, the ground may be one) share the point."""
+
+    point: str
+    links: tuple[str, ...]
+
+
+@dataclass(frozen=True)
+class Slider:
+    """A prismatic joint: ``link`` keeps ``point`` on the guide and cannot turn against the guide's host.
+
+    The slider's frame has its x axis along the guide.
+    """
+
+    link: str
+    point: str
+    guide: Guide
+
+
+@dataclass(frozen=True)
+class Slot:
+    """A pin in a slot: ``point`` (of another link or of the ground) stays on the guide and may turn."""
+
+    point: str
+    guide: Guide
+
+    @property
+    def name(self) -> str:
+        """Name of the massless slider that stands for the pin in the slot."""
+        return f"{self.point} in {self.guide.host}"
+
+
+@dataclass(frozen=True)
+class PointForce:
+    """A force on ``link`` at ``point``, components in the ground frame, constant or a law of φ."""
+
+    point: str
+    link: str
+    force: Law
+
+
+@dataclass(frozen=True)
+class LinkTorque:
+    """A torque on ``link``, counter-clockwise positive, constant or a law of φ."""
+
+    link: str
+    torque: Law
+
+
+@dataclass(frozen=True)
+class Spring:
+    """A linear spring with an optional dashpot along the line between two points of two different bodies."""
+
+    points: tuple[str, str]
+    links: tuple[str, str]
+    stiffness: float
+    length: float
+    damping: float
+
+
+@dataclass(frozen=True)
+class RotaryDamper:
+    """A viscous damper between two bodies: torque ``-coefficient`` times their relative angular velocity."""
+
+    links: tuple[str, str]
+    coefficient: float
+
+
+@dataclass(frozen=True)
+class Output:
+    """What S, v and a describe: a point measured along a unit vector of the ground frame."""
+
+    point: str
+    link: str
+    along: Vector
+
+
+@dataclass(frozen=True)
+class OwnRegime:
+    """A regime of the linkage's own: the crank is released and moved by a constant torque, N m, and the loads.
+
+    Starts at crank angle ``start_angle``, rad, with crank speed ``start_speed``, rad/s; lasts ``duration``, s.
+    """
+
+    name: str
+    torque: float
+    start_angle: float
+    start_speed: float
+    duration: float
+
+
+@dataclass(frozen=True)
+class Published:
+    """A figure printed in a source, in SI units or as a plain ratio."""
+
+    quantity: str
+    value: float
+    place: str
+    variant: str | None = None
+    relative_to: str | None = None
+    half_digit: float = 0.0
+    note: str = ""
+
+
+@dataclass(frozen=True)
+class Erratum:
+    """A model as printed in a source, to be held against this description in one of the linkage's own regimes.
+
+    It differs by its model of ½ Jeq' (``half_slope``: ``exact`` or ``moduli``), by being a variant of the linkage, or
+    by being integrated in ``steps`` fixed Runge-Kutta steps.
+    """
+
+    name: str
+    place: str
+    regime: str
+    half_slope: str = "exact"
+    variant: str | None = None
+    steps: int | None = None
+    note: str = ""
+
+
+@dataclass(frozen=True)
+class Linkage:
+    """A planar linkage of one degree of freedom with its loads; every mapping is sorted by name."""
+
+    name: str
+    title: str
+    source: str
+    variant: str
+    variants: tuple[str, ...]
+    crank: str
+    ground: Mapping[str, Vector]
+    links: Mapping[str, Link]
+    pins: tuple[Pin, ...]
+    sliders: tuple[Slider, ...]
+    slots: tuple[Slot, ...]
+    sketch: Mapping[str, Vector]
+    sketch_angle: float
+    gravity: Vector = (0.0, 0.0)
+    forces: tuple[PointForce, ...] = ()
+    torques: tuple[LinkTorque, ...] = ()
+    springs: tuple[Spring, ...] = ()
+    dampers: tuple[RotaryDamper, ...] = ()
+    output: Output | None = None
+    thread: ThreadPath | None = None
+    regimes: tuple[OwnRegime, ...] = ()
+    errata: tuple[Erratum, ...] = ()
+    published: tuple[Published, ...] = ()
+    notes: tuple[str, ...] = field(default=())
+
+    def local(self, point: str, body: str) -> Vector:
+        """Coordinates of a point in the frame of a body (a link's name or ``ground``)."""
+        return self.ground[point] if body == GROUND else self.links[body].points[point]
+
+    def shortest_length(self) -> float:
+        """Smallest distance between two named points of one moving link, m: the scale of joint gaps.
+
+        A linkage whose links carry one point each has only its drawing for a scale.
+        """
+        lengths = [
+            math.dist(a, b) for link in self.links.values() for a, b in itertools.combinations(link.points.values(), 2)
+        ]
+        return min(lengths, default=self.extent())
+
+    def extent(self) -> float:
+        """Largest coordinate in the description, m: the scale of the drawing."""
+        guides = [slider.guide for slider in self.sliders] + [slot.guide for slot in self.slots]
+        places = [place for link in self.links.values() for place in (*link.points.values(), link.centre)]
+        places += [*self.ground.values(), *(guide.through for guide in guides)]
+        return max(abs(coordinate) for place in places for coordinate in place)

@@ -1,0 +1,104 @@
+"""The loads of a linkage file: forces at points, torques on links, springs and dampers, in SI units.
+
+Each kind is sorted by what it acts on, so that the order of listing changes nothing, not even a rounding.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from analytic.description.law import FULL_TURN, Law
+from analytic.description.linkage import GROUND, LinkTorque, PointForce, RotaryDamper, Spring
+from analytic.description.lookup import Reader
+
+LEAST_STEP = 1e-6  # rad between the angles of a law: nearer ones are one angle written twice
+
+
+def forces(reader: Reader) -> tuple[PointForce, ...]:
+    """Forces at points; one on the ground moves nothing and is left out."""
+    found = []
+    for number, table in enumerate(reader.document.forces):
+        where = f"forces.{number}"
+        link = reader.owner(table.point, table.link, where)
+        rows = table.force if isinstance(table.force, list) else [table.force]
+        law = _law(reader, rows, table.angle, "force", where)
+        found.append(PointForce(table.point, link, law))
+    return tuple(
+        sorted((f for f in found if f.link != GROUND), key=lambda force: (force.point, force.link, _key(force.force)))
+    )
+
+
+def torques(reader: Reader) -> tuple[LinkTorque, ...]:
+    """Torques on links; one on the ground moves nothing and is left out."""
+    found = []
+    for number, table in enumerate(reader.document.torques):
+        where = f"torques.{number}"
+        values = table.torque if isinstance(table.torque, list) else [table.torque]
+        law = _law(reader, [(value,) for value in values], table.angle, "torque", where)
+        found.append(LinkTorque(reader.body(table.link, where), law))
+    return tuple(sorted((t for t in found if t.link != GROUND), key=lambda torque: (torque.link, _key(torque.torque))))
+
+
+def _key(law: Law) -> tuple[bytes, bytes]:
+    return law.values.tobytes(), b"" if law.angles is None else law.angles.tobytes()
+
+
+def _law(reader: Reader, rows: Sequence[tuple[float, ...]], angles: list[float] | None, kind: str, where: str) -> Law:
+    """The law through rows of components; one row without angles is a constant."""
+    table = np.array([[reader.number(value, kind, f"{where}.{kind}") for value in row] for row in rows], dtype=float)
+    if angles is None:
+        if len(table) != 1:
+            raise reader.fail(
+                f"{where}: expected one value, or angle = [...] with as many angles as values, got {len(table)} values "
+                "and no angles; add angle"
+            )
+        return Law(table[0])
+    phi = np.asarray(angles, dtype=float) * reader.scale["angle"]
+    if len(table) != len(phi) or len(phi) < 3:
+        raise reader.fail(
+            f"{where}: expected as many values as angles and at least 3 of each, got {len(table)} values and "
+            f"{len(phi)} angles; complete the shorter list"
+        )
+    if np.any(np.diff(phi) < LEAST_STEP) or phi[-1] - phi[0] >= FULL_TURN:
+        raise reader.fail(
+            f"{where}.angle: expected increasing angles that span less than one turn, since the law repeats with the "
+            f"turn, got {angles[0]:g} to {angles[-1]:g} in steps of "
+            f"{min(np.diff(angles)):g} and more; sort them, and leave out a last one that repeats the first"
+        )
+    return Law(table, phi)
+
+
+def springs(reader: Reader) -> tuple[Spring, ...]:
+    """Springs with their dashpots; an end on a pivot of the ground counts as the ground's."""
+    found = []
+    for number, table in enumerate(reader.document.springs):
+        where = f"springs.{number}"
+        one, two = (
+            reader.owner(point, link, where)
+            for point, link in zip(table.between, table.links or (None, None), strict=True)
+        )
+        if one == two:
+            raise reader.fail(
+                f"{where}: expected ends on two different bodies, got both on '{one}', where nothing stretches; attach "
+                "one end elsewhere"
+            )
+        stiffness = reader.number(table.stiffness, "stiffness", f"{where}.stiffness")
+        length = reader.number(table.length, "length", f"{where}.length")
+        damping = reader.number(table.damping, "damping", f"{where}.damping")
+        found.append(Spring(table.between, (one, two), stiffness, length, damping))
+    return tuple(sorted(found, key=lambda s: (s.points, s.links, s.stiffness, s.length, s.damping)))
+
+
+def dampers(reader: Reader) -> tuple[RotaryDamper, ...]:
+    """Dampers of the relative rotation of two bodies."""
+    found = []
+    for number, table in enumerate(reader.document.dampers):
+        where = f"dampers.{number}"
+        one, two = (reader.body(name, where) for name in table.between)
+        if one == two:
+            raise reader.fail(f"{where}: expected two different bodies, got '{one}' twice; correct one of them")
+        coefficient = reader.number(table.coefficient, "turn_damping", f"{where}.coefficient")
+        found.append(RotaryDamper((one, two), coefficient))
+    return tuple(sorted(found, key=lambda damper: (damper.links, damper.coefficient)))

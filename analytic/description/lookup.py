@@ -1,0 +1,120 @@
+"""Looking things up in a validated document: SI values, and which bodies carry a point."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Final
+
+from analytic.description import schema as doc
+from analytic.description.diagnosis import Source
+from analytic.description.linkage import GROUND, Vector
+from analytic.description.units import UNITS, factor
+from analytic.description.vectors import unit
+from analytic.errors import DescriptionError, UnknownNameError
+
+# SI magnitudes outside 1e±60 are slips of the pen, and products of four of them would leave the range of a double.
+LARGEST: Final = 1e60
+
+
+@dataclass(frozen=True)
+class Reader:
+    """A document with its units as SI factors."""
+
+    document: doc.Document
+    source: Source
+    scale: dict[str, float]
+
+    def fail(self, message: str) -> DescriptionError:
+        """The error to raise about this file; the message begins with the key at fault."""
+        return DescriptionError(self.source.place(message))
+
+    def number(self, value: float, kind: str, where: str) -> float:
+        """A number of a kind of unit in SI."""
+        return self.magnitude(value * self.scale[kind], where, f"{value:g} {getattr(self.document.units, kind)}")
+
+    def positive(self, value: float, kind: str, where: str) -> float:
+        """A number of a kind of unit in SI that must not vanish."""
+        si = self.number(value, kind, where)
+        if si <= 0.0:
+            raise self._out_of_range(where, f"{value:g} {getattr(self.document.units, kind)}")
+        return si
+
+    def magnitude(self, si: float, where: str, written: str) -> float:
+        """An SI number, checked to be of a magnitude that can be computed with; a vanishing one is zero."""
+        if abs(si) > LARGEST:
+            raise self._out_of_range(where, written)
+        return si if abs(si) >= 1.0 / LARGEST else 0.0
+
+    def _out_of_range(self, where: str, written: str) -> DescriptionError:
+        return self.fail(
+            f"{where}: expected a magnitude between {1.0 / LARGEST:g} and {LARGEST:g} in SI units, got {written}; "
+            "correct the number or the unit"
+        )
+
+    def vector(self, place: doc.Place, where: str) -> Vector:
+        """A point in m."""
+        if isinstance(place, doc.Polar):
+            radius = self.number(place.radius, "length", where)
+            angle = place.angle * self.scale["angle"]
+            about = [self.number(part, "length", where) for part in place.about]
+            return (about[0] + radius * math.cos(angle), about[1] + radius * math.sin(angle))
+        return (self.number(place[0], "length", where), self.number(place[1], "length", where))
+
+    def direction(self, pair: tuple[float, float], where: str) -> Vector:
+        """A unit vector; its given length does not matter."""
+        if pair == (0.0, 0.0):
+            raise self.fail(f"{where}.along: expected a direction [x, y], got [0, 0]; give a vector along the line")
+        largest = max(abs(pair[0]), abs(pair[1]))
+        return unit((pair[0] / largest, pair[1] / largest))
+
+    def points(self, link: str) -> dict[str, doc.Place]:
+        """Named points of a link; a slider's own point sits at its origin unless it says otherwise."""
+        table = self.document.links[link]
+        if table.slides is not None and table.slides.point not in table.points:
+            return {table.slides.point: (0.0, 0.0), **table.points}
+        return table.points
+
+    def owners(self, point: str) -> list[str]:
+        """Bodies that carry a point, sorted, the ground included."""
+        names = [name for name in self.document.links if point in self.points(name)]
+        return sorted(names + ([GROUND] if point in self.document.ground else []))
+
+    def owner(self, point: str, named: str | None, where: str) -> str:
+        """The one body a load at a point acts on."""
+        owners = self.owners(point)
+        if not owners:
+            raise self.fail(f"{where}: {UnknownNameError('point', point, self.all_points())}")
+        if named is not None and named not in owners:
+            raise self.fail(
+                f"{where}: expected a body that carries '{point}' ({', '.join(owners)}), got '{named}'; correct it"
+            )
+        moving = [name for name in owners if name != GROUND]
+        if named is None and GROUND not in owners and len(moving) > 1:
+            raise self.fail(
+                f"{where}: expected one link to take the load, got point '{point}' of {', '.join(moving)}; name one of "
+                "them with link = ... (links = [...] for a spring)"
+            )
+        return named or (GROUND if GROUND in owners else moving[0])
+
+    def all_points(self) -> list[str]:
+        """Every named point of the file, sorted."""
+        names = {point for link in self.document.links for point in self.points(link)}
+        return sorted(names | set(self.document.ground))
+
+    def body(self, name: str, where: str) -> str:
+        """A link's name or the ground, checked."""
+        if name != GROUND and name not in self.document.links:
+            raise self.fail(f"{where}: {UnknownNameError('link', name, [*self.document.links, GROUND])}")
+        return name
+
+
+def reader_of(document: doc.Document, source: Source) -> Reader:
+    """A reader with the document's units looked up."""
+    scale = {}
+    for kind in UNITS:
+        try:
+            scale[kind] = factor(kind, getattr(document.units, kind))
+        except UnknownNameError as error:
+            raise DescriptionError(source.place(f"units.{kind}: {error}")) from error
+    return Reader(document, source, scale)

@@ -1,0 +1,98 @@
+"""The equation of motion of a linkage, solved for the crank's acceleration.
+
+Article 000, eqs (22) and (32): k1 φ̈ + k2 φ̇² + b φ̇ = Q1, here Jeq φ̈ + ½ Jeq' φ̇² + b φ̇ = Q + M1. The article builds k2
+from the moduli |S'|·|S''| (eqs (29) and (30)) where Lagrange's equation has the scalar product S'·S''; its form is kept
+as a model of its own, so that it can be refuted.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import Final
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from analytic.description.law import Law
+from analytic.dynamics import reduced
+from analytic.errors import AssemblyError, LinkproofError, UnknownNameError
+from analytic.kinematics.mechanism import Mechanism
+from analytic.kinematics.sweep import Sweep
+from analytic.numerics.extremes import grid
+from analytic.numerics.periodic_table import DEGREE, PeriodicTable, tabulate
+from analytic.numerics.where_assembled import where_assembled
+
+Array = NDArray[np.float64]
+
+
+def moduli_half_slope(sweep: Sweep) -> Array:
+    """What article 000 takes for ½ Jeq': Σ m |S'| |S''| + J θ' θ'', kg m²/rad. It is not the derivative of Jeq."""
+    total = np.zeros(sweep.angle.shape)
+    for name, body in sweep.linkage.links.items():
+        total += body.mass * np.hypot(*sweep.centre(name, 1)) * np.hypot(*sweep.centre(name, 2))
+        if body.inertia is not None:
+            total += body.inertia * sweep.rates(name)[2] * sweep.accelerations(name)[2]
+    return total
+
+
+HALF_SLOPES: Final[Mapping[str, Callable[[Sweep], Array]]] = {
+    "exact": reduced.half_inertia_slope,
+    "moduli": moduli_half_slope,
+}
+
+
+@dataclass(frozen=True)
+class EquationOfMotion:
+    """φ̈ as a function of φ and φ̇; ``torque`` is M1 on the crank, N m, beside the linkage's own loads."""
+
+    mechanism: Mechanism
+    torque: Law
+    half_slope: str = "exact"
+    table: PeriodicTable | None = None
+
+    def terms(self, angle: Array) -> Array:
+        """(Q + M1)/Jeq, b/Jeq and ½Jeq'/Jeq at crank angles, rad; shape (3, *angle.shape)."""
+        return self.closed_form(angle) if self.table is None else self.table(angle)
+
+    def closed_form(self, angle: Array) -> Array:
+        """The same from the closed form, whether there is a table or not."""
+        sweep = self.mechanism.sweep(angle)
+        inertia = reduced.reduced_inertia(sweep)
+        moment = reduced.generalised_force(sweep) + self.torque(angle)[0]
+        slope = HALF_SLOPES[self.half_slope](sweep)
+        return np.stack([moment, reduced.damping_coefficient(sweep), slope]) / inertia
+
+    @cached_property
+    def peak_moment(self) -> float:
+        """Largest |Q + M1|/Jeq over the angles that the crank can reach, rad/s²."""
+        return float(np.nanmax(np.abs(where_assembled(lambda angle: self.terms(angle)[0], grid())), initial=0.0))
+
+    def acceleration(self, angle: ArrayLike, speed: ArrayLike) -> Array:
+        """φ̈, rad/s², at crank angles φ, rad, and speeds φ̇, rad/s, of one shape."""
+        angle, speed = np.asarray(angle, dtype=float), np.asarray(speed, dtype=float)
+        moment, damping, slope = self.terms(angle)
+        return np.asarray(moment - speed * (damping + slope * speed))
+
+    def tabulated(self, degree: int = DEGREE) -> EquationOfMotion:
+        """The same equation read from a table over one turn; unchanged if the crank cannot make a full turn."""
+        try:
+            return replace(self, table=tabulate(self.closed_form, degree))
+        except AssemblyError:
+            return self
+
+
+def equation_of_motion(mechanism: Mechanism, torque: float | Law = 0.0, half_slope: str = "exact") -> EquationOfMotion:
+    """The equation under a crank torque M1, N m, constant or a law of φ; ``half_slope`` names the model of ½ Jeq'."""
+    if half_slope not in HALF_SLOPES:
+        raise UnknownNameError("model of the inertia's slope", half_slope, HALF_SLOPES)
+    return EquationOfMotion(mechanism, crank_torque(torque), half_slope)
+
+
+def crank_torque(torque: float | Law) -> Law:
+    """A crank torque given as a number, N m, or as a law of φ."""
+    law = torque if isinstance(torque, Law) else Law(np.array([torque], dtype=float))
+    if not np.all(np.isfinite(law.values)):
+        raise LinkproofError("crank torque: expected finite numbers in N m, got nan or infinity; correct them")
+    return law

@@ -1,0 +1,131 @@
+"""Joint forces in closed form: force analysis of the Assur groups, from the last one back to the crank.
+
+Each group is statically determinate, so it is solved by itself (``group_forces``) once the loads on its two links are
+known: inertia, weight, whatever else acts on them (``link_loads``), and the reactions of the groups that come after it.
+What it leaves on its outer joints is a load on the links before it. The crank comes last; its balance gives the
+reaction of its pivot and the torque of the drive. No system of equations of the whole linkage is solved.
+
+Joints are named as in the engines' scenes. A pin of k bodies counts as k - 1 joints to one of them, its hub: the ground
+where it has the pin, else the first body by name. Two bodies on a pin make the joint ``point``; more make one joint
+``point:link`` for each link but the hub. A slider is ``link on host``, a pin in a slot ``point in host``.
+
+A joint force is what the joint exerts on the link that is not the hub, on the slider, or in a slot on the pin; ground
+frame, N. A force applied at a pin of several links acts on the link which ``PointForce.link`` names, a spring on those
+in ``Spring.links``, and the joint forces of this pin hold that link in balance.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from analytic.description.linkage import GROUND, Pin, Slider, Vector
+from analytic.dynamics.group_forces import Wrench, joint_wrenches
+from analytic.dynamics.link_balance import LinkBalance
+from analytic.dynamics.link_loads import LoadedSweep, resultant
+from analytic.kinematics.frames import Pair, Scalar
+from analytic.kinematics.sweep import Sweep
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Reactions:
+    """What the joints and the drive exert, by joint name; arrays end in the shape of the sweep's angles.
+
+    ``forces`` (2, ...), N; ``moments`` (...), N m, of guides on sliders about their ``Slider.point``; ``torque`` (...),
+    N m, of the drive on the crank, which equals ``dynamics.drive_torque``, found there from virtual work.
+    """
+
+    forces: Mapping[str, Array]
+    moments: Mapping[str, Array]
+    torque: Array
+
+
+def reactions(sweep: Sweep, speed: ArrayLike, acceleration: ArrayLike) -> Reactions:
+    """Forces and moments of all joints for a crank speed ω (rad/s) and acceleration ε (rad/s²).
+
+    Both are signed, of the sweep's shape or scalar; zeros give the static forces. Raises AssemblyError where the
+    linkage cannot be put together or stands in a dead position.
+    """
+    structure, linkage = sweep.structure, sweep.linkage
+    balance = LinkBalance(LoadedSweep(sweep, speed, acceleration))
+    for dyad in reversed(structure.dyads):
+        first, inner, second = joint_wrenches(balance.statics(dyad))
+        balance.book_outer(dyad.first_joint, first)
+        balance.book(dyad.inner_joint, inner)
+        balance.book_outer(dyad.second_joint, second)
+    x, y, torque = balance.needs[linkage.crank]
+    balance.book(structure.pivot, (x, y, 0.0))
+    forces = {joint: balance.at_pins[pin.point, link] for pin in linkage.pins for joint, link in _pin_joints(pin)}
+    moments = {}
+    for slider in linkage.sliders:
+        x, y, moments[_name(slider)] = balance.on_sliders[slider.link]
+        forces[_name(slider)] = (x, y)
+    for slot in linkage.slots:
+        forces[slot.name] = balance.on_sliders[slot.name][:2]
+    return Reactions(
+        {name: _vector(sweep, force) for name, force in forces.items()},
+        {name: _full(sweep, moment) for name, moment in moments.items()},
+        _full(sweep, torque),
+    )
+
+
+def joint_forces(sweep: Sweep, speed: ArrayLike, acceleration: ArrayLike) -> dict[str, Array]:
+    """Force of every joint by name, (2, *angle.shape), N, ground frame; names and signs as told above."""
+    return dict(reactions(sweep, speed, acceleration).forces)
+
+
+def slider_moments(sweep: Sweep, speed: ArrayLike, acceleration: ArrayLike) -> dict[str, Array]:
+    """Moment of its guide on every slider about ``Slider.point``, (*angle.shape), N m, by joint name.
+
+    With the joint force at that point it is all that the guide exerts. A pin in a slot takes no moment and has none.
+    """
+    return dict(reactions(sweep, speed, acceleration).moments)
+
+
+def shaking_force(sweep: Sweep, speed: ArrayLike, acceleration: ArrayLike) -> Array:
+    """Force of the linkage on its frame, (2, *angle.shape), N, ground frame: Σ weights + Σ applied forces − Σ m S̈.
+
+    It is the reverse of all that the ground exerts: by its joints, and by springs fastened to it. The links' weights
+    count. Forces at points come from outside: what makes them does not push back on this frame.
+    """
+    x, y, _ = _on_frame(sweep, speed, acceleration, (0.0, 0.0))
+    return _vector(sweep, (x, y))
+
+
+def shaking_moment(sweep: Sweep, speed: ArrayLike, acceleration: ArrayLike, about: Vector = (0.0, 0.0)) -> Array:
+    """Moment of the linkage on its frame about a point of the ground, (*angle.shape), N m, counter-clockwise positive.
+
+    The drive stands on the frame: the reverse of its torque is part of the moment, and so are dampers fastened to the
+    ground. Torques on links come from outside, as forces at points do (``shaking_force``).
+    """
+    return _full(sweep, _on_frame(sweep, speed, acceleration, about)[2])
+
+
+def _on_frame(sweep: Sweep, speed: ArrayLike, acceleration: ArrayLike, about: Vector) -> Wrench:
+    """By d'Alembert's principle the frame takes all that acts on the links from outside; inner forces cancel."""
+    return resultant(sweep, LoadedSweep(sweep, speed, acceleration).from_outside(), about)
+
+
+def _pin_joints(pin: Pin) -> Iterator[tuple[str, str]]:
+    """Joints of a pin and the link on which each one's force acts."""
+    hub = GROUND if GROUND in pin.links else pin.links[0]
+    others = [link for link in pin.links if link != hub]
+    for link in others:
+        yield (pin.point if len(others) == 1 else f"{pin.point}:{link}"), link
+
+
+def _name(slider: Slider) -> str:
+    return f"{slider.link} on {slider.guide.host}"
+
+
+def _full(sweep: Sweep, values: Scalar) -> Array:
+    return np.array(np.broadcast_to(values, sweep.angle.shape), dtype=float)
+
+
+def _vector(sweep: Sweep, pair: Pair) -> Array:
+    return np.stack([_full(sweep, part) for part in pair])

@@ -1,0 +1,84 @@
+"""The books of a force analysis: what every link still needs from its joints, and what these are found to exert."""
+
+from __future__ import annotations
+
+from analytic.description.linkage import GROUND, Vector
+from analytic.dynamics.group_forces import Statics, Wrench, references
+from analytic.dynamics.link_loads import LoadedSweep
+from analytic.kinematics import frames
+from analytic.kinematics.frames import Pair, Scalar
+from analytic.kinematics.structure import Dyad, Joint, Sliding, Turning
+
+
+class LinkBalance:
+    """The links at their poses under their loads, before any joint force is known.
+
+    ``needs`` holds, by body, the wrench about its reference point that joints not yet booked must exert. ``at_pins``
+    holds the force of a pin on each of its bodies, by point and body; ``on_sliders`` the wrench of the guide on each
+    slider, those in slots included, about its guided point.
+    """
+
+    def __init__(self, loaded: LoadedSweep) -> None:
+        sweep, structure = loaded.sweep, loaded.sweep.structure
+        for dyad in structure.dyads:
+            sweep.rates(dyad.first)  # refuses dead positions, in which the joints cannot hold the links
+        self.poses = {body: sweep.poses(body) for body in (GROUND, *structure.bodies)}
+        self.references = references(structure)
+        self.guided: dict[str, Vector] = {s.link: sweep.linkage.local(s.point, s.link) for s in sweep.linkage.sliders}
+        self.needs: dict[str, Wrench] = dict.fromkeys(self.poses, (0.0, 0.0, 0.0))
+        self.at_pins: dict[tuple[str, str], Pair] = {}
+        self.on_sliders: dict[str, Wrench] = {}
+        for load in (*loaded.from_outside(), *loaded.between_bodies()):
+            if load.force is not None:
+                self._charge(load.body, load.force, self._from_reference(load.body, load.at))
+            if load.torque is not None:
+                self._charge(load.body, (0.0, 0.0), (0.0, 0.0), load.torque)
+
+    def statics(self, dyad: Dyad) -> Statics:
+        """A dyad whose later groups have all been booked."""
+        return Statics(dyad, self.poses, self.references, self.needs[dyad.first], self.needs[dyad.second])
+
+    def book_outer(self, joint: Joint, wrench: Wrench) -> None:
+        """Enter what an outer joint of a dyad exerts on its far link; its reverse is a load on the near one."""
+        self.book(joint, wrench)
+        if isinstance(joint, Turning):
+            arm = self._from_reference(joint.near, joint.near_local)
+        else:
+            arm = frames.minus(self._place(joint.far), self._place(joint.near))
+        self._charge(joint.near, (-wrench[0], -wrench[1]), arm, -wrench[2])
+
+    def book(self, joint: Joint, wrench: Wrench) -> None:
+        """Enter what a joint exerts on its far body, and the reverse on the near one."""
+        if isinstance(joint, Turning):
+            self._add(joint.point, joint.far, (wrench[0], wrench[1]))
+            self._add(joint.point, joint.near, (-wrench[0], -wrench[1]))
+        else:
+            self.on_sliders[joint.slider] = self._on_slider(joint, wrench)
+
+    def _on_slider(self, joint: Sliding, wrench: Wrench) -> Wrench:
+        """The wrench on a slide's far link as one on its slider, about the slider's guided point."""
+        x, y, moment = wrench
+        guided = self.guided.get(joint.slider, (0.0, 0.0))
+        if joint.far == joint.slider:
+            gap = self._from_reference(joint.far, guided)
+            return (x, y, moment - frames.cross(gap, (x, y)))
+        gap = frames.minus(frames.point(self.poses[joint.slider], guided), self._place(joint.far))
+        return (-x, -y, frames.cross(gap, (x, y)) - moment)
+
+    def _charge(self, body: str, force: Pair, arm: Pair, torque: Scalar = 0.0) -> None:
+        """Enter a load on a body, its force at an arm from the reference point; the ground keeps no books."""
+        if body != GROUND:
+            x, y, moment = self.needs[body]
+            self.needs[body] = (x - force[0], y - force[1], moment - frames.cross(arm, force) - torque)
+
+    def _add(self, point: str, body: str, force: Pair) -> None:
+        """Add to the force of a pin on a body, which the pin may hold in one group and load from others."""
+        x, y = self.at_pins.get((point, body), (0.0, 0.0))
+        self.at_pins[point, body] = (x + force[0], y + force[1])
+
+    def _from_reference(self, body: str, to: Vector) -> Pair:
+        reference = self.references[body]
+        return frames.arm(self.poses[body], (to[0] - reference[0], to[1] - reference[1]))
+
+    def _place(self, body: str) -> Pair:
+        return frames.point(self.poses[body], self.references[body])

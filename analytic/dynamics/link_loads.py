@@ -1,0 +1,118 @@
+"""What acts on the links besides their joints: weights, inertia forces, applied forces and torques, springs, dampers.
+
+By d'Alembert's principle a link's inertia force −m S̈ at its mass centre and inertia torque −J θ̈ are loads like any
+other: with them, all forces and moments on a link balance.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from analytic.description.linkage import Link, RotaryDamper, Spring, Vector
+from analytic.kinematics import frames
+from analytic.kinematics.frames import Pair, Scalar
+from analytic.kinematics.sweep import Sweep
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Load:
+    """A force, N, ground frame, at a point given in the frame of ``body``, and a torque, N m; None where there is none.
+
+    The ``body`` may be the ground.
+    """
+
+    body: str
+    at: Vector
+    force: Pair | None = None
+    torque: Scalar | None = None
+
+
+class LoadedSweep:
+    """The loads on the links of a sweep while the crank turns at ``speed`` (rad/s) with ``acceleration`` (rad/s²).
+
+    Both are signed, of the sweep's shape or scalar. A crank at rest without acceleration asks for no second derivative.
+    """
+
+    def __init__(self, sweep: Sweep, speed: ArrayLike, acceleration: ArrayLike) -> None:
+        self.sweep = sweep
+        self.linkage = sweep.linkage
+        self.speed: Array = np.asarray(speed, dtype=float)
+        self.acceleration: Array = np.asarray(acceleration, dtype=float)
+        self.square: Array = self.speed * self.speed
+        self.turns = bool(np.any(self.speed))
+        self.is_static = not (self.turns or np.any(self.acceleration))
+
+    def from_outside(self) -> Iterator[Load]:
+        """Weights, inertia forces, forces at points and torques on links: what has no counterpart in the linkage."""
+        yield from (self._of_mass(link) for link in self.linkage.links.values())
+        for force in self.linkage.forces:
+            x, y = force.force(self.sweep.angle)
+            yield Load(force.link, self.linkage.local(force.point, force.link), (x, y))
+        for torque in self.linkage.torques:
+            yield Load(torque.link, self.linkage.links[torque.link].centre, None, torque.torque(self.sweep.angle)[0])
+
+    def between_bodies(self) -> Iterator[Load]:
+        """Springs, dashpots and dampers, which push two bodies, or a link and the ground, apart: two loads each."""
+        for spring in self.linkage.springs:
+            yield from self._of_spring(spring)
+        if self.turns:
+            for damper in self.linkage.dampers:
+                yield from self._of_damper(damper)
+
+    def _of_mass(self, link: Link) -> Load:
+        """Weight and inertia: m (g − S̈) at the mass centre and −J θ̈."""
+        x, y = self.linkage.gravity
+        if self.is_static:
+            return Load(link.name, link.centre, (link.mass * x, link.mass * y))
+        first, second = (self.sweep.centre(link.name, order) for order in (1, 2))
+        force = (
+            link.mass * (x - self.square * second[0] - self.acceleration * first[0]),
+            link.mass * (y - self.square * second[1] - self.acceleration * first[1]),
+        )
+        if link.inertia is None:
+            return Load(link.name, link.centre, force)
+        turn = self.square * self.sweep.accelerations(link.name)[2]
+        turn = turn + self.acceleration * self.sweep.rates(link.name)[2]
+        return Load(link.name, link.centre, force, -link.inertia * turn)
+
+    def _of_spring(self, spring: Spring) -> tuple[Load, Load]:
+        """A pull along the line between the ends; ends that meet have no such line and pull only by their stretch."""
+        (one, two), (here, there) = spring.links, self._ends(spring)
+        span = frames.minus(*(self.sweep.local_point(body, at) for body, at in ((one, here), (two, there))))
+        square = np.asarray(frames.dot(span, span))
+        inverse = 1.0 / np.sqrt(np.where(square > 0.0, square, np.inf))
+        pull = spring.stiffness * (1.0 - spring.length * inverse)  # per unit of length
+        if spring.damping and self.turns:
+            rate = frames.minus(*(self.sweep.local_point(body, at, 1) for body, at in ((one, here), (two, there))))
+            pull = pull + spring.damping * self.speed * frames.dot(span, rate) * inverse * inverse
+        force = (pull * span[0], pull * span[1])
+        return Load(one, here, (-force[0], -force[1])), Load(two, there, force)
+
+    def _ends(self, spring: Spring) -> tuple[Vector, Vector]:
+        here, there = (self.linkage.local(p, body) for p, body in zip(spring.points, spring.links, strict=True))
+        return here, there
+
+    def _of_damper(self, damper: RotaryDamper) -> tuple[Load, Load]:
+        first, second = (self.sweep.rates(name)[2] for name in damper.links)
+        drag = damper.coefficient * self.speed * (first - second)
+        return Load(damper.links[0], (0.0, 0.0), None, -drag), Load(damper.links[1], (0.0, 0.0), None, drag)
+
+
+def resultant(sweep: Sweep, loads: Iterable[Load], about: Vector) -> tuple[Scalar, Scalar, Scalar]:
+    """Sum of loads on any bodies: force, N, and moment about a point of the ground, N m."""
+    x: Scalar = 0.0
+    y: Scalar = 0.0
+    moment: Scalar = 0.0
+    for load in loads:
+        if load.torque is not None:
+            moment = moment + load.torque
+        if load.force is not None:
+            arm = frames.minus(sweep.local_point(load.body, load.at), about)
+            x, y, moment = x + load.force[0], y + load.force[1], moment + frames.cross(arm, load.force)
+    return x, y, moment

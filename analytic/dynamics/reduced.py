@@ -1,0 +1,187 @@
+"""Reduced dynamics: everything about the linkage that a rigid crank feels (articles 000, 001 and 003).
+
+Article 003, eqs (1)-(5) define Jeq; article 000 the equation of motion Jeq φ̈ + ½ Jeq' φ̇² + b φ̇ = Q + M1. Primes
+are d/dφ, exact.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from analytic.description.linkage import Linkage
+from analytic.kinematics import frames
+from analytic.kinematics.frames import Pair, Scalar
+from analytic.kinematics.sweep import Sweep
+
+Array = NDArray[np.float64]
+
+
+def link_inertia(sweep: Sweep, link: str) -> Array:
+    """Reduced moment of inertia of one link, m |S'|² + J θ'², kg m²."""
+    return np.broadcast_to(np.asarray(_link_inertia(sweep, link), dtype=float), sweep.angle.shape)
+
+
+def _link_inertia(sweep: Sweep, link: str) -> Scalar:
+    body = sweep.linkage.links[link]
+    if link == sweep.linkage.crank:  # turns about a fixed point, so its part is a constant
+        x, y = frames.minus(body.centre, sweep.structure.pivot.far_local)
+        return body.mass * (x * x + y * y) + (body.inertia or 0.0)
+    total: Scalar = 0.0
+    if body.mass:
+        velocity = sweep.centre(link, 1)
+        total = body.mass * frames.dot(velocity, velocity)
+    if body.inertia:
+        turn = sweep.rates(link)[2]
+        total = total + body.inertia * (turn * turn)
+    return total
+
+
+def reduced_inertia(sweep: Sweep, links: Iterable[str] | None = None) -> Array:
+    """Jeq, kg m²: the sum over all links, or over those named."""
+    names = list(sweep.linkage.links) if links is None else list(links)
+    total = np.zeros(sweep.angle.shape)
+    for name in names:
+        total += _link_inertia(sweep, name)
+    return total
+
+
+def group_inertia(sweep: Sweep) -> dict[str, Array]:
+    """Jeq of the crank and of every Assur group, by the group's name."""
+    linkage = sweep.linkage
+    parts = {f"{linkage.crank} (class I)": link_inertia(sweep, linkage.crank)}
+    for dyad in sweep.structure.dyads:
+        parts[dyad.name] = reduced_inertia(sweep, [n for n in (dyad.first, dyad.second) if n in linkage.links])
+    return parts
+
+
+def half_inertia_slope(sweep: Sweep) -> Array:
+    """½ Jeq' = Σ m S'·S'' + J θ' θ'', kg m²/rad: the dot product, not the product of the moduli."""
+    total = np.zeros(sweep.angle.shape)
+    for name, body in sweep.linkage.links.items():
+        if name == sweep.linkage.crank:  # its part of Jeq is a constant
+            continue
+        if body.mass:
+            total += body.mass * frames.dot(sweep.centre(name, 1), sweep.centre(name, 2))
+        if body.inertia:
+            total += body.inertia * (sweep.rates(name)[2] * sweep.accelerations(name)[2])
+    return total
+
+
+def gravity_force(sweep: Sweep) -> Array:
+    """Generalised force of gravity, Σ m g·S', N m; exactly zero without a gravity vector."""
+    gravity = sweep.linkage.gravity
+    total = np.zeros(sweep.angle.shape)
+    if gravity == (0.0, 0.0):
+        return total
+    for name, body in sweep.linkage.links.items():
+        if body.mass:
+            total += body.mass * _along(gravity, sweep.centre(name, 1))
+    return total
+
+
+def _along(constant: tuple[float, float], vector: Pair) -> Array:
+    """Scalar product with a constant vector, without work for its zero components."""
+    x, y = constant
+    if x == 0.0:
+        return np.asarray(y * vector[1])
+    return np.asarray(x * vector[0] + y * vector[1])
+
+
+def load_force(sweep: Sweep) -> Array:
+    """Generalised force of the forces at points, torques on links and springs, N m."""
+    linkage = sweep.linkage
+    total = np.zeros(sweep.angle.shape)
+    for force in linkage.forces:
+        fx, fy = force.force(sweep.angle)
+        vx, vy = sweep.local_point(force.link, linkage.local(force.point, force.link), 1)
+        total += fx * vx + fy * vy
+    for torque in linkage.torques:
+        total += torque.torque(sweep.angle)[0] * sweep.rates(torque.link)[2]
+    for number, spring in enumerate(linkage.springs):
+        length, rate = spring_length(sweep, number)
+        total -= spring.stiffness * (length - spring.length) * rate
+    return total
+
+
+def generalised_force(sweep: Sweep) -> Array:
+    """Q, N m: gravity and every load that does not depend on speed."""
+    linkage = sweep.linkage
+    loaded = linkage.forces or linkage.torques or linkage.springs
+    return gravity_force(sweep) + load_force(sweep) if loaded else gravity_force(sweep)
+
+
+def spring_length(sweep: Sweep, number: int) -> tuple[Array, Array]:
+    """Length of a spring, m, and its derivative over φ; none where its ends meet and it has no line to act along."""
+    spring = sweep.linkage.springs[number]
+    ends = [(body, sweep.linkage.local(point, body)) for point, body in zip(spring.points, spring.links, strict=True)]
+    (b1, p1), (b2, p2) = ends
+    span = frames.minus(sweep.local_point(b1, p1), sweep.local_point(b2, p2))
+    rate = frames.minus(sweep.local_point(b1, p1, 1), sweep.local_point(b2, p2, 1))
+    length, stretch = np.broadcast_arrays(np.hypot(*span), frames.dot(span, rate))
+    return length, np.divide(stretch, length, out=np.zeros_like(length), where=length > 0.0)
+
+
+def damping_coefficient(sweep: Sweep) -> Array:
+    """Damping b reduced to the crank, N m s: the drag torque is b φ̇; constant if the only damper sits on the crank."""
+    linkage = sweep.linkage
+    total = np.zeros(sweep.angle.shape)
+    for damper in linkage.dampers:
+        first, second = (sweep.rates(name)[2] for name in damper.links)
+        total += damper.coefficient * (first - second) ** 2
+    for number, spring in enumerate(linkage.springs):
+        if spring.damping:
+            total += spring.damping * spring_length(sweep, number)[1] ** 2
+    return total
+
+
+def kinetic_energy(sweep: Sweep, speed: ArrayLike) -> Array:
+    """Teq = ½ Jeq ω², J."""
+    return np.asarray(0.5 * reduced_inertia(sweep) * np.square(speed))
+
+
+def potential_energy(sweep: Sweep) -> Array:
+    """Energy of gravity and of the springs, J; its datum is the ground frame's origin."""
+    linkage = sweep.linkage
+    total = np.zeros(sweep.angle.shape)
+    if linkage.gravity != (0.0, 0.0):
+        for name, body in linkage.links.items():
+            if body.mass:
+                total -= body.mass * _along(linkage.gravity, sweep.centre(name))
+    for number, spring in enumerate(linkage.springs):
+        total += 0.5 * spring.stiffness * (spring_length(sweep, number)[0] - spring.length) ** 2
+    return total
+
+
+def drive_torque(sweep: Sweep, speed: ArrayLike, acceleration: ArrayLike) -> Array:
+    """Mkr = Jeq ε + ½ Jeq' ω² + b ω − Q, N m: what the drive must supply.
+
+    ``speed`` (rad/s) and ``acceleration`` (rad/s²) of the crank, signed, of the sweep's shape or scalar.
+    """
+    speed, acceleration = np.asarray(speed, dtype=float), np.asarray(acceleration, dtype=float)
+    inertia = reduced_inertia(sweep) if np.any(acceleration) else np.zeros(sweep.angle.shape)
+    return balance(sweep, inertia, speed, acceleration)
+
+
+def balance(sweep: Sweep, inertia: Array, speed: Array, acceleration: Array) -> Array:
+    """Mkr as ``drive_torque`` has it, where Jeq is known already; a crank at rest asks for no second derivative."""
+    turns = bool(np.any(speed))
+    torque = inertia * acceleration
+    if turns:
+        torque += half_inertia_slope(sweep) * (speed * speed)
+    torque -= generalised_force(sweep)
+    if turns and is_damped(sweep.linkage):
+        torque += damping_coefficient(sweep) * speed
+    return np.asarray(torque)
+
+
+def is_damped(linkage: Linkage) -> bool:
+    """Whether there are any dampers or dashpots."""
+    return bool(linkage.dampers) or any(spring.damping for spring in linkage.springs)
+
+
+def is_conservative(linkage: Linkage) -> bool:
+    """Whether gravity and springs are the only loads, so that the drive's work is the gain of energy."""
+    return not (linkage.forces or linkage.torques or is_damped(linkage))

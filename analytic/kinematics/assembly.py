@@ -1,0 +1,55 @@
+"""Whether a dyad can be put together at every crank angle asked for, and whether it can move there."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from analytic.description.linkage import Linkage
+from analytic.errors import AssemblyError, LinkproofError
+from analytic.kinematics.dyad_solver import ROUNDING, Group
+from analytic.kinematics.frames import Scalar
+
+Array = NDArray[np.float64]
+
+
+def check_assembly(linkage: Linkage, solver: Group, angle: Array) -> None:
+    """Raise AssemblyError at the worst crank angle if the dyad's links do not meet somewhere; poses must be known."""
+    if solver.meets():
+        return
+    if not np.all(np.isfinite(angle)):
+        raise LinkproofError("crank angle: expected finite numbers, got nan or infinity; correct them")
+    with np.errstate(invalid="ignore"):
+        missing, lengths = solver.missing()
+        short = np.minimum(missing + ROUNDING * lengths, 0.0)
+    undefined = ~(np.isfinite(solver.own[0][0]) & np.isfinite(solver.own[0][2]))
+    severity = np.where(undefined & (short == 0.0), -np.finfo(float).tiny, short)
+    if np.any(severity < 0.0):
+        worst = int(np.argmin(np.broadcast_to(severity, angle.shape)))
+        detail = solver.shortfall(lambda value: _at(value, angle, worst))
+        raise AssemblyError(f"'{linkage.name}' cannot be assembled at {degrees(angle, worst)}: {detail}")
+
+
+def check_motion(linkage: Linkage, solver: Group, angle: Array) -> None:
+    """Raise AssemblyError at the first crank angle at which the dyad stands in a dead position; poses must be known."""
+    dead = solver.dead()
+    if not np.any(dead):
+        return
+    first = int(np.argmax(np.broadcast_to(dead, angle.shape)))
+    dyad = solver.dyad
+    raise AssemblyError(
+        f"'{linkage.name}': '{dyad.first}' and '{dyad.second}' stand in a dead position at {degrees(angle, first)}, "
+        "where their velocities are undefined; choose other crank angles, or lengths that keep the transmission angle "
+        "away from 0° and 180°"
+    )
+
+
+def _at(value: Scalar, angle: Array, index: int) -> float:
+    return float(np.broadcast_to(value, angle.shape).ravel()[index])
+
+
+def degrees(angle: Array, index: int) -> str:
+    """A crank angle for a reader."""
+    return f"{math.degrees(float(angle.ravel()[index])) % 360.0:.4g}°"

@@ -1,0 +1,118 @@
+"""A linkage ready to be evaluated: its structure found, its assembly modes chosen from the sketch."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from analytic.description.linkage import GROUND, Linkage, Vector
+from analytic.errors import StructureError
+from analytic.kinematics import frames
+from analytic.kinematics.assembly import check_assembly
+from analytic.kinematics.dyad_solvers import group
+from analytic.kinematics.error_bounds import relative_bounds
+from analytic.kinematics.frames import Pose
+from analytic.kinematics.structure import Dyad, Structure, find_structure
+from analytic.kinematics.sweep import Sweep, crank_pose
+
+# Two assembly modes closer to the sketch than this ratio of each other are not told apart by it.
+AMBIGUITY = 0.9
+TELLING = 1e-6  # share of the drawing's size by which the modes must differ at a point for the sketch to show it
+FULL_TURN = 2.0 * np.pi
+
+
+class Mechanism:
+    """The closed form of one linkage.
+
+    Raises StructureError if the linkage cannot be taken apart or its sketch leaves an assembly mode open, and
+    AssemblyError if it cannot be put together at the sketch's crank angle.
+    """
+
+    def __init__(self, linkage: Linkage) -> None:
+        self.linkage = linkage
+        self.structure: Structure = _signed(linkage, find_structure(linkage))
+
+    def sweep(self, angle: ArrayLike) -> Sweep:
+        """The linkage at every crank angle (rad, any shape); nothing is computed until it is asked for."""
+        return Sweep(self.linkage, self.structure, np.asarray(angle, dtype=float))
+
+    @cached_property
+    def turn(self) -> Sweep:
+        """One full turn in half-degree steps: extremes are refined from here."""
+        return self.sweep(np.linspace(0.0, FULL_TURN, 720, endpoint=False))
+
+    def error_bound(self) -> tuple[float, float, float]:
+        """Bounds on the closed form's own error over a turn: positions, first and second derivatives.
+
+        Relative to the peaks; see ``analytic.kinematics.error_bounds``. Near a dead position they grow, as the true
+        error does.
+        """
+        return relative_bounds(self.turn)
+
+    def check_full_turn(self) -> None:
+        """Raise AssemblyError where the crank cannot make a full turn."""
+        for body in self.structure.bodies:
+            self.turn.poses(body)
+
+
+def _signed(linkage: Linkage, structure: Structure) -> Structure:
+    """Choose each dyad's sign as the mode that lies nearer to the sketch, one dyad after the other."""
+    poses: dict[str, Pose] = {
+        GROUND: (0.0, 0.0, 1.0, 0.0),
+        linkage.crank: crank_pose(structure.pivot, linkage.sketch_angle),
+    }
+    signs = []
+    for open_dyad in structure.dyads:
+        dyad = _nearest_mode(linkage, structure, open_dyad, poses)
+        signs.append(dyad.sign)
+        poses[dyad.first], poses[dyad.second] = group(dyad).poses(poses)
+    return structure.with_signs(tuple(signs))
+
+
+def _nearest_mode(linkage: Linkage, structure: Structure, dyad: Dyad, poses: dict[str, Pose]) -> Dyad:
+    """The dyad in the assembly mode that the sketch means."""
+    if not dyad.has_two_modes:
+        return dyad
+    modes = [replace(dyad, sign=sign) for sign in (1, -1)]
+    places = []
+    for mode in modes:
+        solver = group(mode)
+        pair = dict(zip(mode.links, solver.poses(poses), strict=True))
+        check_assembly(linkage, solver, np.asarray(linkage.sketch_angle))
+        places.append(_points(structure, pair))
+    distances = [_distance_to_sketch(linkage, place) for place in places]
+    nearer, farther = sorted((0, 1), key=lambda index: distances[index])
+    if not distances[nearer] < AMBIGUITY * distances[farther]:
+        raise StructureError(_ambiguous(linkage, dyad, *places))
+    return modes[nearer]
+
+
+def _points(structure: Structure, pair: dict[str, Pose]) -> dict[str, Vector]:
+    """Named points of a dyad's links."""
+    found = {}
+    for name, pose in pair.items():
+        for point, local in structure.bodies[name].points.items():
+            x, y = frames.point(pose, local)
+            found[point] = (float(x), float(y))
+    return found
+
+
+def _distance_to_sketch(linkage: Linkage, places: dict[str, Vector]) -> float:
+    return math.hypot(*(math.dist(place, linkage.sketch[p]) for p, place in places.items() if p in linkage.sketch))
+
+
+def _ambiguous(linkage: Linkage, dyad: Dyad, one: dict[str, Vector], two: dict[str, Vector]) -> str:
+    """What to add to the sketch: only points that tell the two modes apart are of use."""
+    telling = sorted(point for point in one if math.dist(one[point], two[point]) > TELLING * linkage.extent())
+    wanted = f"the rough position of {' or '.join(map(repr, telling))}" if telling else "a point that tells them apart"
+    cure = (
+        "add it under [sketch.points]" if telling else "name a further point on one of them, and place it in [sketch]"
+    )
+    return (
+        f"sketch of '{linkage.name}': expected {wanted} at crank angle {math.degrees(linkage.sketch_angle):g}°, got a "
+        f"sketch that leaves open how '{dyad.first}' and '{dyad.second}' are assembled; {cure}"
+    )

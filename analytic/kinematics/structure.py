@@ -1,0 +1,259 @@
+"""Taking a linkage apart: a class I crank, then Assur groups of two links, found from the description alone.
+
+Every joint is one of two kinds. A *turning* joint (R) joins all bodies that carry a point of one name. A *sliding*
+joint (P) lets a body translate along a line of its host without turning against it; a pin in a slot is a massless
+slider with an R joint at the pin. A dyad is two unknown links joined to each other by one joint and by one joint each
+to bodies already placed; its kind names the three joints in order (outer, inner, outer).
+"""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+
+from analytic.description.linkage import GROUND, Link, Linkage, Pin, Slider, Vector
+from analytic.description.vectors import rotate
+from analytic.errors import StructureError
+
+# Kinds of class II groups whose two links can be placed; PPP cannot turn and is no group.
+KINDS = ("RRR", "RRP", "RPR", "RPP", "PRP")
+
+
+@dataclass(frozen=True)
+class Turning:
+    """An R joint between two bodies: the point's coordinates in the frame of each."""
+
+    point: str
+    near: str
+    far: str
+    near_local: Vector
+    far_local: Vector
+
+    @property
+    def name(self) -> str:
+        """The joint, for a reader."""
+        return f"pin '{self.point}'"
+
+
+@dataclass(frozen=True)
+class Sliding:
+    """A P joint seen from ``near``: the frame of ``far`` lies at ``origin + t·along``, turned by ``turn``.
+
+    All three are in the frame of ``near``.
+    """
+
+    slider: str
+    near: str
+    far: str
+    turn: Vector
+    origin: Vector
+    along: Vector
+
+    @property
+    def name(self) -> str:
+        """The joint, for a reader."""
+        return f"slide of '{self.near}' and '{self.far}'"
+
+
+Joint = Turning | Sliding
+
+
+@dataclass(frozen=True)
+class Dyad:
+    """An Assur group of class II.
+
+    ``first_joint`` is seen from a placed body to ``first``, ``inner_joint`` from ``second`` to ``first``,
+    ``second_joint`` from a placed body to ``second``. ``sign`` (W of the articles, +1 or -1) picks the assembly
+    mode; 0 where there is only one.
+    """
+
+    kind: str
+    first: str
+    second: str
+    first_joint: Joint
+    inner_joint: Joint
+    second_joint: Joint
+    sign: int = 0
+
+    @property
+    def has_two_modes(self) -> bool:
+        """Whether the closure equations of this kind are quadratic."""
+        return self.kind in ("RRR", "RRP", "RPR")
+
+    @property
+    def links(self) -> tuple[str, str]:
+        """The two links."""
+        return (self.first, self.second)
+
+    @property
+    def joints(self) -> tuple[Joint, Joint, Joint]:
+        """The three joints in the order of the kind's name."""
+        return (self.first_joint, self.inner_joint, self.second_joint)
+
+    @property
+    def name(self) -> str:
+        """Links and kind, for a reader."""
+        return f"{self.first} + {self.second} ({self.kind})"
+
+
+@dataclass(frozen=True)
+class Structure:
+    """The linkage's bodies, the crank's pivot and the dyads in an order in which they can be solved."""
+
+    bodies: Mapping[str, Link]
+    pivot: Turning
+    dyads: tuple[Dyad, ...]
+
+    def with_signs(self, signs: tuple[int, ...]) -> Structure:
+        """The same structure with the assembly signs filled in."""
+        dyads = tuple(replace(d, sign=s) for d, s in zip(self.dyads, signs, strict=True))
+        return replace(self, dyads=dyads)
+
+    @property
+    def formula(self) -> str:
+        """The structural formula, class I crank first."""
+        return " -> ".join(["I (crank)", *(dyad.name for dyad in self.dyads)])
+
+
+def sliding_joint(slider: Slider, anchor: Vector, near: str) -> Sliding:
+    """The P joint of a slider, seen from its host or (the other way round) from the slider itself."""
+    guide = slider.guide
+    turn = guide.along
+    arm = rotate(anchor, turn)
+    origin = (guide.through[0] - arm[0], guide.through[1] - arm[1])
+    if near == guide.host:
+        return Sliding(slider.link, guide.host, slider.link, turn, origin, guide.along)
+    back = (turn[0], -turn[1])
+    home = rotate(origin, back)
+    return Sliding(slider.link, slider.link, guide.host, back, (-home[0], -home[1]), (1.0, 0.0))
+
+
+def _with_slot_sliders(linkage: Linkage) -> tuple[dict[str, Link], list[Pin], list[Slider]]:
+    """Bodies, pins and sliders with each pin in a slot replaced by a massless slider."""
+    bodies = dict(linkage.links)
+    sliders = list(linkage.sliders)
+    carriers = {pin.point: set(pin.links) for pin in linkage.pins}
+    for slot in linkage.slots:
+        bodies[slot.name] = Link(slot.name, {slot.point: (0.0, 0.0)}, 0.0, (0.0, 0.0), None)
+        sliders.append(Slider(slot.name, slot.point, slot.guide))
+        owners = [n for n in linkage.links if slot.point in linkage.links[n].points and n != slot.guide.host]
+        owners += [GROUND] if slot.point in linkage.ground else []
+        carriers.setdefault(slot.point, set()).update([slot.name, *owners])
+    return bodies, [Pin(p, tuple(sorted(names))) for p, names in sorted(carriers.items())], sliders
+
+
+class _Search:
+    """The bodies still to be placed and the joints between any two bodies."""
+
+    def __init__(self, linkage: Linkage) -> None:
+        self.linkage = linkage
+        self.bodies, self.pins, self.sliders = _with_slot_sliders(linkage)
+        self.placed = {GROUND, linkage.crank}
+
+    def local(self, point: str, body: str) -> Vector:
+        return self.linkage.ground[point] if body == GROUND else self.bodies[body].points[point]
+
+    def joints(self, near: str, far: str) -> Iterator[Joint]:
+        """Every joint between two bodies, seen from ``near``."""
+        for pin in self.pins:
+            if near in pin.links and far in pin.links:
+                yield Turning(pin.point, near, far, self.local(pin.point, near), self.local(pin.point, far))
+        for slider in self.sliders:
+            if {near, far} == {slider.link, slider.guide.host}:
+                yield sliding_joint(slider, self.local(slider.point, slider.link), near)
+
+    def carriers(self, point: str) -> list[str]:
+        """Bodies that carry a point, the ground included."""
+        names = [name for name, body in self.bodies.items() if point in body.points]
+        return names + ([GROUND] if point in self.linkage.ground else [])
+
+    def outer_joints(self, body: str) -> list[Joint]:
+        """Joints of an unplaced body to placed ones; several placed bodies on one pin are one joint."""
+        found: dict[str, Joint] = {}
+        for near in sorted(self.placed, key=lambda name: (name != GROUND, name)):
+            for joint in self.joints(near, body):
+                key = f"R {joint.point}" if isinstance(joint, Turning) else f"P {joint.near} {joint.slider}"
+                found.setdefault(key, joint)
+        return list(found.values())
+
+    def inner_joints(self, second: str, first: str) -> list[Joint]:
+        """Joints between two unplaced bodies; a pin that a placed body carries is an outer joint of both instead."""
+        held = {pin.point for pin in self.pins if self.placed.intersection(pin.links)}
+        return [j for j in self.joints(second, first) if not (isinstance(j, Turning) and j.point in held)]
+
+    def next_dyad(self) -> Dyad | None:
+        """Two unplaced bodies joined to each other and each to a placed one, the first such pair by name."""
+        unplaced = sorted(set(self.bodies) - self.placed)
+        outer = {name: self.outer_joints(name) for name in unplaced}
+        for name in unplaced:
+            if len(outer[name]) > 1:
+                raise StructureError(self._overconstrained(name, outer[name]))
+        for first, second in itertools.combinations([name for name in unplaced if outer[name]], 2):
+            inner = self.inner_joints(second, first)
+            if len(inner) > 1:
+                raise StructureError(self._overconstrained(first, [*outer[first], *inner]))
+            if inner:
+                return self._dyad(first, second, (outer[first][0], inner[0], outer[second][0]))
+        return None
+
+    def _dyad(self, first: str, second: str, joints: tuple[Joint, Joint, Joint]) -> Dyad:
+        kind = "".join("R" if isinstance(joint, Turning) else "P" for joint in joints)
+        if kind in KINDS:
+            return Dyad(kind, first, second, *joints)
+        if kind[::-1] in KINDS:
+            return Dyad(kind[::-1], second, first, joints[2], self.inner_joints(first, second)[0], joints[0])
+        raise StructureError(
+            f"'{first}' and '{second}' of '{self.linkage.name}' are held by three sliding joints (PPP), which fix no "
+            "position: expected at least one revolute joint among the three; pin one of them instead"
+        )
+
+    def _overconstrained(self, name: str, joints: Sequence[Joint]) -> str:
+        listed = ", ".join(joint.name for joint in joints)
+        return (
+            f"'{name}' of '{self.linkage.name}' is held by too many joints ({listed}), so the linkage is locked or not "
+            "built of two-link groups: expected one joint to the links before it and one to its partner; leave one out"
+        )
+
+
+def find_structure(linkage: Linkage) -> Structure:
+    """Take the linkage apart; signs are left 0.
+
+    Raises StructureError where the crank has not exactly one joint, its pivot, or where no further dyad can be found.
+    """
+    search = _Search(linkage)
+    pivots = list(search.joints(GROUND, linkage.crank))
+    if len(pivots) != 1 or not isinstance(pivots[0], Turning):
+        raise StructureError(
+            f"crank '{linkage.crank}' of '{linkage.name}': expected one pin to the ground and no other joint to it, "
+            f"got {', '.join(joint.name for joint in pivots) or 'none'}; give it just one point that [ground] has too"
+        )
+    dyads = []
+    while len(search.placed) <= len(search.bodies):
+        dyad = search.next_dyad()
+        if dyad is None:
+            raise StructureError(_leftover(search))
+        dyads.append(dyad)
+        search.placed |= {dyad.first, dyad.second}
+    return Structure(dict(sorted(search.bodies.items())), pivots[0], tuple(dyads))
+
+
+def _leftover(search: _Search) -> str:
+    """Why the bodies that are left form no dyad: too many or too few joints, or a group of a higher class."""
+    left = sorted(set(search.bodies) - search.placed)
+    moving = len(search.bodies)
+    lower_pairs = sum(len(pin.links) - 1 for pin in search.pins) + len(search.sliders)
+    mobility = 3 * moving - 2 * lower_pairs
+    named = ", ".join(f"'{name}'" for name in left)
+    if mobility != 1:
+        single = [p for name in left for p in search.bodies[name].points if len(search.carriers(p)) == 1]
+        loose = f"; on one link only: {', '.join(sorted(map(repr, single)))}" if single and mobility > 1 else ""
+        cure = "add a joint to" if mobility > 1 else "leave out a joint of"
+        return (
+            f"'{search.linkage.name}': expected mobility 1, got {mobility} (3·{moving} links - 2·{lower_pairs} joints)"
+            f"; {cure} {named} (a point of one name on two links is a joint{loose})"
+        )
+    return (
+        f"{named} of '{search.linkage.name}' form no group of two links (class II), and groups of a higher class "
+        "are not supported; check for a missing or misspelt point, or drive the linkage by another crank"
+    )

@@ -1,0 +1,160 @@
+"""A linkage over an array of crank angles: poses and their exact derivatives, computed on demand and only once."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from analytic.description.linkage import GROUND, Linkage, Vector
+from analytic.errors import LinkproofError, UnknownNameError
+from analytic.kinematics import frames
+from analytic.kinematics.assembly import check_assembly, check_motion
+from analytic.kinematics.dyad_solver import Group
+from analytic.kinematics.dyad_solvers import group
+from analytic.kinematics.frames import Pair, Pose, Rate, Scalar
+from analytic.kinematics.structure import Dyad, Structure, Turning
+
+Array = NDArray[np.float64]
+
+
+def crank_pose(pivot: Turning, angle: Scalar) -> Pose:
+    """Pose of the crank at φ."""
+    return frames.pose_through(pivot.near_local, (np.cos(angle), np.sin(angle)), pivot.far_local)
+
+
+class Sweep:
+    """The linkage at the crank angles ``angle`` (rad, any shape).
+
+    Everything is lazy: a pose solves only the dyads its link depends on, rates are computed only where a first
+    derivative is asked for, and so on. All derivatives are over φ (transfer functions), exact, and hold for any motion:
+    velocity = first · ω, acceleration = second · ω² + first · ε.
+    """
+
+    def __init__(self, linkage: Linkage, structure: Structure, angle: Array) -> None:
+        self.linkage = linkage
+        self.structure = structure
+        self.angle = angle
+        self._groups: dict[str, tuple[Dyad, Group]] = {}
+        self._centres: dict[tuple[str, int], Pair] = {}
+        self._needs = {name: dyad for dyad in structure.dyads for name in (dyad.first, dyad.second)}
+        crank = crank_pose(structure.pivot, angle)
+        self._poses: dict[str, Pose] = {GROUND: (0.0, 0.0, 1.0, 0.0), linkage.crank: crank}
+        local = structure.pivot.far_local
+        self._rates: dict[str, Rate] = {
+            GROUND: frames.STILL,
+            linkage.crank: frames.rate_through(crank, (0.0, 0.0), 1.0, local),
+        }
+        self._accelerations: dict[str, Rate] = {
+            GROUND: frames.STILL,
+            linkage.crank: frames.acceleration_through(crank, (0.0, 0.0), 1.0, 0.0, local),
+        }
+
+    def _dyad(self, body: str) -> Dyad:
+        if body not in self._needs:
+            raise UnknownNameError("link", body, self.linkage.links)
+        return self._needs[body]
+
+    def poses(self, body: str) -> Pose:
+        """Origin x, y, m, and cosine and sine of the angle of a body's frame."""
+        if body not in self._poses:
+            dyad = self._dyad(body)
+            for joint in (dyad.first_joint, dyad.second_joint):
+                self.poses(joint.near)
+            solver = group(dyad)
+            self._poses[dyad.first], self._poses[dyad.second] = solver.poses(self._poses)
+            check_assembly(self.linkage, solver, self.angle)
+            self._groups[dyad.first] = self._groups[dyad.second] = (dyad, solver)
+        return self._poses[body]
+
+    def rates(self, body: str) -> Rate:
+        """First derivatives x', y' (m/rad) and θ' of a body's frame."""
+        if body not in self._rates:
+            self.poses(body)
+            dyad, solver = self._groups[body]
+            for joint in (dyad.first_joint, dyad.second_joint):
+                self.rates(joint.near)
+            check_motion(self.linkage, solver, self.angle)
+            self._rates[dyad.first], self._rates[dyad.second] = solver.rates(self._poses, self._rates)
+        return self._rates[body]
+
+    def accelerations(self, body: str) -> Rate:
+        """Second derivatives x'', y'' (m/rad²) and θ'' of a body's frame."""
+        if body not in self._accelerations:
+            self.rates(body)
+            dyad, solver = self._groups[body]
+            for joint in (dyad.first_joint, dyad.second_joint):
+                self.accelerations(joint.near)
+            pair = solver.accelerations(self._poses, self._rates, self._accelerations)
+            self._accelerations[dyad.first], self._accelerations[dyad.second] = pair
+        return self._accelerations[body]
+
+    def local_point(self, body: str, local: Vector, order: int = 0) -> Pair:
+        """Coordinates x and y of a point given in a body's frame, or their derivative of order 1 or 2 over φ."""
+        if order == 0:
+            return frames.point(self.poses(body), local)
+        if order == 1:
+            return frames.point_rate(self.poses(body), self.rates(body), local)
+        return frames.point_acceleration(self.poses(body), self.rates(body), self.accelerations(body), local)
+
+    def point(self, name: str, order: int = 0) -> Array:
+        """A named point in the ground frame, m, or a derivative of it; shape (2, *angle.shape)."""
+        body = self.carrier(name)
+        return self._full(self.local_point(body, self.linkage.local(name, body), order))
+
+    def carrier(self, name: str) -> str:
+        """The body through which a named point is cheapest to reach: the ground, the crank, then the first dyad's."""
+        if name in self.linkage.ground:
+            return GROUND
+        order = [self.linkage.crank, *(n for d in self.structure.dyads for n in (d.first, d.second))]
+        for body in order:
+            if body in self.linkage.links and name in self.linkage.links[body].points:
+                return body
+        points = {p for link in self.linkage.links.values() for p in link.points} | set(self.linkage.ground)
+        raise UnknownNameError("point", name, points)
+
+    def angles(self, body: str) -> Array:
+        """Angle of a link's frame, rad, unwrapped along the last axis of the crank angles; the crank's is φ."""
+        if body == self.linkage.crank:
+            return self.angle
+        _, _, c, s = self.poses(body)
+        return np.unwrap(np.broadcast_to(np.arctan2(s, c), self.angle.shape)) if self.angle.ndim else np.arctan2(s, c)
+
+    def centre(self, body: str, order: int = 0) -> Pair:
+        """Mass centre of a link, or a derivative of it; kept, since all of the dynamics asks for it."""
+        if (body, order) not in self._centres:
+            self._centres[body, order] = self.local_point(body, self.linkage.links[body].centre, order)
+        return self._centres[body, order]
+
+    def _full(self, pair: Pair) -> Array:
+        return np.stack([np.broadcast_to(np.asarray(part, dtype=float), self.angle.shape) for part in pair])
+
+    def output(self, order: int = 0) -> Array:
+        """The linkage's output point along the output's direction, m, or a derivative of it; shape of the angles."""
+        output = self.linkage.output
+        if output is None:
+            raise LinkproofError(
+                f"'{self.linkage.name}' names no output, so its S, v and a are undefined: add "
+                "output = { point = ..., along = [x, y] } to its file"
+            )
+        x, y = self.local_point(output.link, self.linkage.local(output.point, output.link), order)
+        along = frames.dot(output.along, (x, y))
+        return np.broadcast_to(np.asarray(along, dtype=float), self.angle.shape)
+
+    def closure_error(self) -> Array:
+        """Largest distance between the two ends of any joint, m, per crank angle: loop closure on trial."""
+        worst = np.zeros(self.angle.shape)
+        for dyad in self.structure.dyads:
+            self.poses(dyad.first)
+            for joint in (dyad.first_joint, dyad.inner_joint, dyad.second_joint):
+                if isinstance(joint, Turning):
+                    gap = frames.minus(
+                        self.local_point(joint.near, joint.near_local), self.local_point(joint.far, joint.far_local)
+                    )
+                    worst = np.maximum(worst, np.hypot(*gap))
+                else:
+                    near, far = self.poses(joint.near), self.poses(joint.far)
+                    gap = frames.minus((far[0], far[1]), frames.point(near, joint.origin))
+                    worst = np.maximum(
+                        worst, np.abs(frames.cross(frames.arm((0.0, 0.0, near[2], near[3]), joint.along), gap))
+                    )
+        return worst

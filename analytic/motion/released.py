@@ -1,0 +1,254 @@
+"""The motion of a crank that is not prescribed: moved by its torque and the linkage's own loads, damping included.
+
+Article 000, eq (32): Jeq φ̈ + ½ Jeq' φ̇² + b φ̇ = Q + M1. The motion can be asked for at any instant, like the prescribed
+ones of ``analytic.description.crank_motion``, and says how far it can be from the exact solution.
+"""
+
+from __future__ import annotations
+
+import itertools
+import math
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import Final
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from analytic.compiled import motion
+from analytic.description.law import Law
+from analytic.dynamics import reduced
+from analytic.dynamics.equation_of_motion import EquationOfMotion, equation_of_motion
+from analytic.errors import LinkproofError, UnknownNameError
+from analytic.kinematics.error_bounds import relative_bounds
+from analytic.kinematics.mechanism import Mechanism
+from analytic.kinematics.sweep import Sweep
+from analytic.numerics.collocation import Windows, gauss_scheme
+from analytic.numerics.integration import integrate
+
+Array = NDArray[np.float64]
+
+TOLERANCE: Final = 1e-12
+NODES: Final = 20
+# The motion that the error bound is taken from shares neither steps nor order nor table with the one it judges.
+CONTROL_NODES, CONTROL_DEGREE, TIGHTENED = 16, 10, 0.1
+SAMPLES: Final = 5  # instants per window at which the two are compared
+# Relative disturbance of the equation's terms whose effect is still in proportion, and what it need be integrated to.
+DISTURBANCE, LOOSE = 1e-7, 1e-10
+ROUNDINGS: Final = 64.0  # of the largest moment, in any one: the closed form's and the table's
+SEEN: Final = 720  # instants at which the closed form's own error is looked at
+LOOK, LOOKS = 16, 5  # each look at the peak shrinks its bracket 16-fold
+EPS: Final = float(np.finfo(float).eps)
+PATHS: Final = ("auto", "numpy", "compiled")
+# s, one evaluation of the equation by NumPy: read from its table, or from the closed form where there is none.
+FROM_TABLE, FROM_CLOSED_FORM = 2.2e-5, 2e-4
+
+
+@dataclass(frozen=True)
+class FreeMotion:
+    """A crank motion that solves the equation of motion; made by ``free_motion``.
+
+    ``regime`` is ``driven`` under a crank torque, else ``free``; ``start`` holds φ, rad, and ω, rad/s, at t = 0;
+    ``path`` is the one it was integrated on, ``numpy`` or ``compiled``.
+    """
+
+    regime: str
+    start: tuple[float, float]
+    duration: float
+    equation: EquationOfMotion
+    windows: Windows
+    tolerance: float
+    path: str = "numpy"
+
+    def angle(self, time: ArrayLike) -> Array:
+        """φ(t), rad."""
+        return self.windows.angle_at(np.asarray(time, dtype=float))
+
+    def speed(self, time: ArrayLike) -> Array:
+        """ω(t), rad/s."""
+        return self.windows.speed_at(np.asarray(time, dtype=float))
+
+    def acceleration(self, time: ArrayLike) -> Array:
+        """ε(t), rad/s², from the equation of motion at φ(t) and ω(t)."""
+        return self.equation.acceleration(self.angle(time), self.speed(time))
+
+    @property
+    def jumps(self) -> tuple[float, ...]:
+        """Times at which the acceleration jumps: none."""
+        return ()
+
+    @cached_property
+    def peak_speed(self) -> float:
+        """Largest |ω|, rad/s."""
+        near = self._instants(2 * NODES)
+        step = float(np.max(np.diff(near)))
+        for _ in range(LOOKS):
+            best = near[int(np.argmax(np.abs(self.speed(near))))]
+            near = np.clip(best + step * np.linspace(-1.0, 1.0, 2 * LOOK + 1), 0.0, self.duration)
+            step /= LOOK
+        return float(np.max(np.abs(self.speed(near))))
+
+    def _instants(self, count: int) -> Array:
+        """``count`` instants in each window and all windows' ends, s."""
+        starts = self.windows.starts
+        inside = starts[:-1, None] + np.diff(starts)[:, None] * np.linspace(0.0, 1.0, count, endpoint=False)
+        return np.append(inside.ravel(), starts[-1])
+
+    @cached_property
+    def error_bound(self) -> float:
+        """Bound on the error of φ at any instant, rad: of the integration, the closed form, and rounding φ itself.
+
+        The first is twice the largest difference from a second integration of another order, with a tighter tolerance
+        and a table of its own. The second is what the bounds on the closed form's own error, which both share, do to
+        the motion: the response to a small disturbance, scaled down.
+        """
+        time = self._instants(SAMPLES)
+        angle = self.angle(time)
+        rounding = 4.0 * EPS * float(np.max(np.abs(angle)))
+        return 2.0 * self._integration_error(time, angle) + self._closed_form_error(time, angle) + rounding
+
+    def _integration_error(self, time: Array, angle: Array) -> float:
+        equation = replace(self.equation, table=None).tabulated(CONTROL_DEGREE)
+        control = _integrated(equation, self.start, self.duration, CONTROL_NODES, TIGHTENED * self.tolerance)
+        return float(np.max(np.abs(angle - control.angle_at(time))))
+
+    def _closed_form_error(self, time: Array, angle: Array) -> float:
+        """Roundings of the moment may all have one sign; those of ½Jeq' are taken in proportion, else they do work."""
+        seen = np.linspace(0.0, self.duration, SEEN)
+        path = self.equation.mechanism.sweep(self.angle(seen))
+        _, first, second = relative_bounds(path)
+        push = DISTURBANCE * self.equation.peak_moment
+
+        def disturbed(angle: Array, speed: Array) -> Array:
+            moment, damping, slope = self.equation.terms(angle)
+            more, less = 1.0 + DISTURBANCE, 1.0 - DISTURBANCE
+            return np.asarray(moment + push - speed * (less * damping + more * slope * speed))
+
+        moved = integrate(
+            disturbed, self.start, self.duration, gauss_scheme(NODES), tolerance=LOOSE, rounding=DISTURBANCE * push
+        )
+        response = float(np.max(np.abs(angle - moved.angle_at(time)))) / DISTURBANCE
+        return response * (3.0 * first + second)
+
+    @cached_property
+    def energy_imbalance(self) -> float:
+        """Largest gap between the energy gained and the work of torque, forces and damping, over the energy at play.
+
+        Energies come from the closed form at the angles and speeds of the motion, the work from Gauss quadrature along
+        it; neither uses ½ Jeq' or the equation of motion. A wrong model shows here: it makes energy out of nothing.
+        """
+        mechanism, starts = self.equation.mechanism, self.windows.starts
+        ends = mechanism.sweep(self.angle(starts))
+        kinetic, potential = reduced.kinetic_energy(ends, self.speed(starts)), reduced.potential_energy(ends)
+        gained = kinetic + potential - (kinetic[0] + potential[0])
+        scheme = gauss_scheme(NODES)
+        time = starts[:-1, None] + np.diff(starts)[:, None] * scheme.nodes
+        work = np.append(0.0, np.cumsum(np.diff(starts) * (self._power(time) @ scheme.end_once)))
+        at_play = np.max(kinetic) + np.ptp(potential) + np.max(np.abs(work))
+        return float(np.max(np.abs(gained - work)) / at_play) if at_play > 0.0 else 0.0
+
+    def _power(self, time: Array) -> Array:
+        """Power of what is not in the potential energy, W."""
+        mechanism, angle, speed = self.equation.mechanism, self.angle(time), self.speed(time)
+        linkage = replace(mechanism.linkage, springs=(), dampers=())
+        force = reduced.load_force(Sweep(linkage, mechanism.structure, angle)) + self.equation.torque(angle)[0]
+        return np.asarray((force - reduced.damping_coefficient(mechanism.sweep(angle)) * speed) * speed)
+
+
+def free_motion(
+    mechanism: Mechanism,
+    *,
+    torque: float | Law = 0.0,
+    start_angle: float = 0.0,
+    start_speed: float = 0.0,
+    duration: float,
+    half_slope: str = "exact",
+    tolerance: float = TOLERANCE,
+    path: str = "auto",
+) -> FreeMotion:
+    """Let the linkage go at crank angle ``start_angle`` (rad) with ``start_speed`` (rad/s), for ``duration`` seconds.
+
+    ``torque`` is M1 on the crank, N m, a number or a law of φ; the linkage's loads act besides. ``half_slope`` names
+    the model of ½ Jeq': ``exact``, or ``moduli`` as printed in article 000. ``tolerance`` is the error of the speed
+    within one window of integration, relative to it. Raises LinkproofError where the motion cannot be followed.
+
+    ``path`` says how it is integrated: ``numpy``; ``compiled``, which needs numba and the exact ½ Jeq' and leaves what
+    it cannot follow to NumPy; ``auto``, whichever takes less time from here, compiling or loading included.
+    """
+    if path not in PATHS:
+        raise UnknownNameError("path", path, PATHS)
+    for name, value in (("start angle", start_angle), ("start speed", start_speed)):
+        if not math.isfinite(value):
+            raise LinkproofError(f"{name}: expected a finite number, got {value:g}; give one that is")
+    for name, value in (("duration", duration), ("tolerance", tolerance)):
+        if not (math.isfinite(value) and value > 0.0):
+            raise LinkproofError(f"{name}: expected a positive finite number, got {value:g}; give one that is")
+    equation = equation_of_motion(mechanism, torque, half_slope)
+    if path == "compiled":
+        motion.check_able(equation)
+    return follow(equation.tabulated(), start_angle, start_speed, duration, tolerance, path=path)
+
+
+def follow(
+    equation: EquationOfMotion,
+    start_angle: float,
+    start_speed: float,
+    duration: float,
+    tolerance: float,
+    *,
+    path: str = "auto",
+) -> FreeMotion:
+    """The motion of an equation that is ready to be integrated; arguments as for ``free_motion``."""
+    start = (start_angle, start_speed)
+    windows, taken = _by_path(equation, start, duration, tolerance, path)
+    regime = "driven" if np.any(equation.torque.values) else "free"
+    return FreeMotion(regime, start, duration, equation, windows, tolerance, taken)
+
+
+def _by_path(
+    equation: EquationOfMotion, start: tuple[float, float], duration: float, tolerance: float, path: str
+) -> tuple[Windows, str]:
+    """The windows and the path they come from.
+
+    How much NumPy has to do is not known beforehand. So it begins, and when it has taken as long as it takes to get the
+    kernels ready these take over: never more than twice the time of the better path.
+    """
+    if path == "numpy" or not motion.is_able(equation):
+        return _integrated(equation, start, duration, NODES, tolerance), "numpy"
+    price = motion.price() if path == "auto" else 0.0
+    if price > 0.0:
+        try:
+            most = price / (FROM_CLOSED_FORM if equation.table is None else FROM_TABLE)
+            return _integrated(equation, start, duration, NODES, tolerance, most_evaluations=most), "numpy"
+        except _TooLongError:
+            pass
+    rounding = ROUNDINGS * EPS * equation.peak_moment
+    windows = motion.integrate(equation, start, duration, tolerance=tolerance, rounding=rounding)
+    if windows is None:  # NumPy says where and why
+        return _integrated(equation, start, duration, NODES, tolerance), "numpy"
+    return windows, "compiled"
+
+
+class _TooLongError(Exception):
+    """NumPy has taken as long as the compiled path takes to get ready."""
+
+
+def _integrated(
+    equation: EquationOfMotion,
+    start: tuple[float, float],
+    duration: float,
+    nodes: int,
+    tolerance: float,
+    *,
+    most_evaluations: float = math.inf,
+) -> Windows:
+    """The windows of a motion; near an equilibrium the moment is a small difference, with the rounding of its peak."""
+    evaluations = itertools.count()
+
+    def acceleration(angle: Array, speed: Array) -> Array:
+        if next(evaluations) >= most_evaluations:
+            raise _TooLongError
+        return equation.acceleration(angle, speed)
+
+    rounding = ROUNDINGS * EPS * equation.peak_moment
+    return integrate(acceleration, start, duration, gauss_scheme(nodes), tolerance=tolerance, rounding=rounding)

@@ -1,0 +1,1 @@
+"""Methods that know no linkage: quadrature in time, periodic tables, extremes, roots."""

@@ -1,0 +1,115 @@
+"""Smooth functions of the crank angle as polynomials cell by cell: evaluated in a few microseconds, to a few roundings.
+
+The closed form costs hundreds of microseconds a call however few the angles, far too much for an integrator that asks
+for a handful of angles at a time. Over one turn its functions are tabulated once: cells are halved until the polynomial
+through a cell's Chebyshev nodes meets the function between them, so sharp peaks and kinks cost cells, not accuracy.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Final
+
+import numpy as np
+from numpy.polynomial import chebyshev
+from numpy.typing import NDArray
+
+from analytic.description.law import FULL_TURN
+
+Array = NDArray[np.float64]
+Functions = Callable[[Array], Array]
+
+FIRST_CELLS: Final = 64
+DEGREE: Final = 12
+TOLERANCE: Final = 4e-15  # of each function's peak: the closed form's own rounding
+# Halving a cell that shrinks its error by less than this, once that is small, only chases the closed form's rounding.
+PROGRESS, SMALL = 0.6, 1e-11
+MOST_HALVINGS: Final = 40  # a cell of 1e-13 rad: nothing narrower can be told from a jump
+MOST_CELLS: Final = 8192  # of a level: functions so rough are left as they are, with the error they have
+
+
+@dataclass(frozen=True)
+class PeriodicTable:
+    """Functions of period 2π.
+
+    ``edges`` (cells + 1,), rad, start at 0 and end at 2π; ``coefficients`` (cells, degree + 1, functions) are of powers
+    of the coordinate in [-1, 1] across the cell; ``error`` is the largest deviation found between the nodes,
+    relative to the function's peak.
+    """
+
+    edges: Array
+    coefficients: Array
+    error: float
+
+    @cached_property
+    def _cells(self) -> tuple[Array, Array, Array]:
+        """Start, middle and reciprocal half width of every cell."""
+        left, right = self.edges[:-1], self.edges[1:]
+        return left, 0.5 * (left + right), 2.0 / (right - left)
+
+    def __call__(self, angle: Array) -> Array:
+        """Every function at each crank angle, rad; shape (functions, *angle.shape)."""
+        starts, middle, scale = self._cells
+        turned = np.ravel(angle) % FULL_TURN
+        cell = starts.searchsorted(turned, "right") - 1
+        powers = np.empty((len(turned), 1, self.coefficients.shape[1]))
+        powers[:, 0, 0] = 1.0
+        powers[:, 0, 1:] = ((turned - middle[cell]) * scale[cell])[:, None]
+        np.multiply.accumulate(powers, axis=2, out=powers)
+        return np.asarray((powers @ self.coefficients[cell])[:, 0].T.reshape(-1, *np.shape(angle)))
+
+
+def tabulate(functions: Functions, degree: int = DEGREE) -> PeriodicTable:
+    """Tabulate functions (angles (n,) to values (functions, n)) over a turn with polynomials of a degree."""
+    nodes, analysis, powers = _rules(degree)
+    between = chebyshev.chebpts2(degree + 2)
+    checked = np.vander(between, degree + 1, increasing=True)
+    edges = np.linspace(0.0, FULL_TURN, FIRST_CELLS + 1)
+    left, right = edges[:-1], edges[1:]
+    parents: Array = np.full(len(left), np.inf)
+    peak: Array | None = None
+    done: list[tuple[Array, Array, Array]] = []
+    for level in range(MOST_HALVINGS + 1):
+        last = level == MOST_HALVINGS or len(left) > MOST_CELLS
+        values = _on(functions, left, right, nodes)
+        peak = np.maximum(np.abs(values).max(axis=(1, 2)), 0.0 if peak is None else peak)
+        # Two products: in one, the large entries of the conversion to powers would amplify roundings of the values.
+        coefficients = np.moveaxis((values @ analysis.T) @ powers.T, 0, -1)
+        true = np.moveaxis(_on(functions, left, right, between), 0, -1)
+        deviation = np.abs(checked @ coefficients - true).max(axis=1)
+        error = (deviation / np.where(peak > 0.0, peak, 1.0)).max(axis=1)
+        kept = (error <= TOLERANCE) | ((error < SMALL) & (error > PROGRESS * parents)) | last
+        done.append((left[kept], coefficients[kept], error[kept]))
+        if np.all(kept):
+            break
+        middle = 0.5 * (left + right)
+        left, right = (
+            np.concatenate([left[~kept], middle[~kept]]),
+            np.concatenate([middle[~kept], right[~kept]]),
+        )
+        parents = np.tile(error[~kept], 2)
+    starts, coefficients, errors = (np.concatenate(parts) for parts in zip(*done, strict=True))
+    order = np.argsort(starts)
+    return PeriodicTable(
+        np.append(starts[order], FULL_TURN), np.ascontiguousarray(coefficients[order]), float(errors.max())
+    )
+
+
+def _rules(degree: int) -> tuple[Array, Array, Array]:
+    """Chebyshev nodes on [-1, 1], the matrix from values there to Chebyshev coefficients, and from these to powers."""
+    nodes = chebyshev.chebpts1(degree + 1)
+    orders = np.arange(degree + 1)
+    analysis = np.cos(np.outer(orders, np.arccos(nodes))) * (2.0 / (degree + 1))
+    analysis[0] *= 0.5
+    powers = np.zeros((degree + 1, degree + 1))
+    for order in orders:
+        powers[: order + 1, order] = chebyshev.cheb2poly(np.eye(degree + 1)[order])[: order + 1]
+    return nodes, analysis, powers
+
+
+def _on(functions: Functions, left: Array, right: Array, places: Array) -> Array:
+    """The functions at places of [-1, 1] across every cell; (functions, cells, places)."""
+    angle = left[:, None] + np.multiply.outer(right - left, 0.5 * (places + 1.0))
+    return functions(angle.ravel()).reshape(-1, *angle.shape)

@@ -1,0 +1,70 @@
+"""What may be asked of the closed form, checked: quantities by name over many crank angles."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from analytic.errors import LinkproofError, UnknownNameError
+
+Array = NDArray[np.float64]
+
+UNITS: Final[Mapping[str, str]] = {
+    "Jeq": "kg m²",
+    "half_slope": "kg m²",
+    "Q": "N m",
+    "Mkr": "N m",
+    "Teq": "J",
+    "Peq": "W",
+    "S": "m",
+    "v": "m/s",
+    "a": "m/s²",
+}
+"""Names that can be asked for, with their units; half_slope is ½ dJeq/dφ."""
+
+MOVING: Final = frozenset({"Mkr", "Teq", "Peq", "v", "a"})  # those that depend on how the crank moves
+
+
+@dataclass(frozen=True)
+class Request:
+    """Quantities asked for, at crank angles of a ``shape``, here flat, as speed and acceleration if not scalar."""
+
+    names: tuple[str, ...]
+    shape: tuple[int, ...]
+    angle: Array
+    speed: Array
+    acceleration: Array
+
+    @property
+    def turns(self) -> bool:
+        """Whether the crank turns at any instant."""
+        return bool(np.any(self.speed))
+
+
+def requested(angle: ArrayLike, quantities: Iterable[str], speed: ArrayLike | None, acceleration: ArrayLike) -> Request:
+    """The arguments of ``evaluate``, checked."""
+    names = tuple(dict.fromkeys(quantities))
+    for name in names:
+        if name not in UNITS:
+            raise UnknownNameError("quantity", name, UNITS)
+    if speed is None and MOVING.intersection(names):
+        needing = ", ".join(name for name in names if name in MOVING)
+        raise LinkproofError(f"speed: expected the crank's speed in rad/s for {needing}, got none; pass speed=...")
+    angle = np.asarray(angle, dtype=float)
+    moves = _like(angle, 0.0 if speed is None else speed, "speed"), _like(angle, acceleration, "acceleration")
+    return Request(names, angle.shape, angle.ravel(), *moves)
+
+
+def _like(angle: Array, value: ArrayLike, name: str) -> Array:
+    """A scalar as it is, an array flattened like the angles."""
+    values = np.asarray(value, dtype=float)
+    if values.ndim and values.shape != angle.shape:
+        raise LinkproofError(
+            f"{name}: expected a number or an array of the crank angles' shape {angle.shape}, got shape "
+            f"{values.shape}; pass one value per angle"
+        )
+    return values.ravel() if values.ndim else values

@@ -1,0 +1,1 @@
+"""Figures of one turn of the crank: unit functions of the output, thread feed."""

@@ -1,0 +1,132 @@
+"""The thread's contour and feed over the crank angle (articles 002 and 004).
+
+The contour's length is the sum of the straight distances between its stops, guides and eyes, in space (article 002,
+eqs (19)-(21); article 004, eqs (15)-(17)); the thickness of guides and eyes is neglected. The feed is the contour's
+change from a reference position, plus the thread's stretch (article 002, eqs (22) and (23); article 004, eqs (21)-(24),
+where D(φ_bottom) − D(φ) = L(φ_bottom) − L(φ)).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from analytic.description.thread_path import ThreadEye, ThreadPath
+from analytic.errors import LinkproofError
+from analytic.kinematics.mechanism import Mechanism
+from analytic.kinematics.sweep import Sweep
+from analytic.numerics.extremes import Extremes, extremes, grid, zeros
+
+Array = NDArray[np.float64]
+
+POINTS = 720
+
+
+@dataclass(frozen=True)
+class EyeTravel:
+    """Crank angles, rad in [0, 2π), where an eye is highest and lowest (φ_top, φ_bottom), and its heights there, m."""
+
+    top_angle: float
+    bottom_angle: float
+    top: float
+    bottom: float
+
+
+@dataclass(frozen=True)
+class FeedDiagram:
+    """Contour length L and feed Pd, m, with their derivatives over φ, m/rad, at the crank angles, rad; all (n,).
+
+    ``reference_angle`` is φ_ref, rad; ``length_extremes`` are L's over a turn.
+    """
+
+    angle: Array
+    length: Array
+    length_slope: Array
+    feed: Array
+    feed_slope: Array
+    reference_angle: float
+    length_extremes: Extremes
+
+    @property
+    def total_feed(self) -> float:
+        """Thread given and taken back in a turn: the longest contour less the shortest, m."""
+        return self.length_extremes.maximum - self.length_extremes.minimum
+
+
+def contour(sweep: Sweep, path: ThreadPath, order: int = 0) -> Array:
+    """The contour's corners in space, m, or their first derivative over φ; shape (stops, 3, *angle.shape)."""
+    corners = np.zeros((len(path.stops), 3, *sweep.angle.shape))
+    for corner, stop in zip(corners, path.stops, strict=True):
+        if isinstance(stop, ThreadEye):
+            corner[:2] = sweep.point(stop.point, order)
+            corner[2] = stop.z if order == 0 else 0.0
+        elif order == 0:
+            corner[:] = np.reshape(stop.position, (3, *[1] * sweep.angle.ndim))
+    return corners
+
+
+def contour_length(sweep: Sweep, path: ThreadPath) -> Array:
+    """L(φ), m."""
+    return np.asarray(np.linalg.norm(np.diff(contour(sweep, path), axis=0), axis=1).sum(axis=0))
+
+
+def contour_slope(sweep: Sweep, path: ThreadPath) -> Array:
+    """L'(φ), m/rad, exact; a stretch of thread whose ends meet counts for nothing."""
+    spans, rates = np.diff(contour(sweep, path), axis=0), np.diff(contour(sweep, path, 1), axis=0)
+    lengths = np.linalg.norm(spans, axis=1)
+    along = (spans * rates).sum(axis=1)
+    return np.asarray(np.divide(along, lengths, out=np.zeros_like(lengths), where=lengths > 0.0).sum(axis=0))
+
+
+def eye_travel(mechanism: Mechanism, eye: str) -> EyeTravel:
+    """Where an eye turns round: the outermost zeros of the exact derivative of its height, not grid points."""
+    angles = zeros(lambda phi: mechanism.sweep(phi).point(eye, 1)[1], lambda phi: mechanism.sweep(phi).point(eye, 2)[1])
+    if not len(angles):
+        raise LinkproofError(
+            f"thread: expected an eye that moves up and down, got '{eye}' of '{mechanism.linkage.name}', which does "
+            "not; name another point"
+        )
+    heights = mechanism.sweep(angles).point(eye)[1]
+    top, bottom = int(np.argmax(heights)), int(np.argmin(heights))
+    return EyeTravel(float(angles[top]), float(angles[bottom]), float(heights[top]), float(heights[bottom]))
+
+
+def reference_angle(mechanism: Mechanism, path: ThreadPath) -> float:
+    """φ_ref, rad: the crank angle at which the feed is ΔP."""
+    if isinstance(path.reference, float | int):
+        return float(path.reference)
+    travel = eye_travel(mechanism, path.reference.eye)
+    return travel.top_angle if path.reference.extreme == "highest" else travel.bottom_angle
+
+
+def feed(mechanism: Mechanism, path: ThreadPath, angle: ArrayLike) -> Array:
+    """Actual feed Pd(φ), m, at crank angles of any shape, rad."""
+    return feed_of_length(mechanism, path, contour_length(mechanism.sweep(angle), path))
+
+
+def feed_of_length(mechanism: Mechanism, path: ThreadPath, length: ArrayLike) -> Array:
+    """Feed, m, of a contour of the given length, m: wherever that length was measured."""
+    start = contour_length(mechanism.sweep(reference_angle(mechanism, path)), path)
+    return np.asarray(_sign(path) * (np.asarray(length) - start) + path.stretch)
+
+
+def _sign(path: ThreadPath) -> float:
+    return -1.0 if path.feed == "shortening" else 1.0
+
+
+def feed_diagram(mechanism: Mechanism, path: ThreadPath, points: int = POINTS) -> FeedDiagram:
+    """Contour and feed over a turn from φ = 0, at ``points`` equal steps."""
+    angle = grid(points)
+    sweep = mechanism.sweep(angle)
+    slope = contour_slope(sweep, path)
+    return FeedDiagram(
+        angle=angle,
+        length=contour_length(sweep, path),
+        length_slope=slope,
+        feed=feed(mechanism, path, angle),
+        feed_slope=_sign(path) * slope,
+        reference_angle=reference_angle(mechanism, path),
+        length_extremes=extremes(lambda phi: contour_length(mechanism.sweep(phi), path)),
+    )

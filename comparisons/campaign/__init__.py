@@ -1,0 +1,1 @@
+"""Every mechanism under every regime in every engine and setting, judged into records."""

@@ -1,0 +1,274 @@
+"""Printed models put to the engines: which of two closed forms a simulation supports, and by how much.
+
+An engine knows nothing of either model. It simulates the linkage as described, and its crank speed is held against the
+corrected closed form and against the printed one.
+"""
+
+from __future__ import annotations
+
+import io
+from collections.abc import Callable, Generator, Iterable, Iterator, Sequence
+from contextlib import closing
+from dataclasses import dataclass
+from functools import partial
+from typing import Any, Protocol
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from analytic.description.linkage import Erratum, Linkage, OwnRegime
+from analytic.kinematics.mechanism import Mechanism
+from analytic.motion.rkfixed import fixed_step
+from comparisons.observation.interpolation import resample
+from comparisons.observation.observed_motion import ObservedMotion
+from comparisons.reference.case import Case, Motion, own_case, own_motion
+from comparisons.runs.journal import Journal
+from comparisons.runs.run_engine import attempt
+from comparisons.runs.workers import DEFAULT_BOUNDS, Bounds, Lost, as_sent, run_jobs, usual_processes
+from engines.contract import Channel, Outcome, Setting, Signal
+from engines.registry import engine
+
+Array = NDArray[np.float64]
+VariantOf = Callable[[Linkage, str], Linkage]
+# How an engine's run ended, and its crank speed over time if it finished.
+CrankSpeed = tuple[str, Signal | None]
+
+# The share of a regime, from its end, over which mean speeds are taken: the last 2 s of 10.
+LAST_SHARE = 0.2
+# An engine supports a model if it is this many times nearer to it than to the other.
+NEARER = 10.0
+
+
+@dataclass(frozen=True)
+class ErratumRecord:
+    """One engine's judgement of a printed model; deviations are of crank speed, error_max over the corrected peak.
+
+    Mean speeds, rad/s, are over the last fifth of the regime; ``supports`` is ``corrected``, ``as-printed`` or
+    ``neither``.
+    """
+
+    mechanism: str
+    erratum: str
+    place: str
+    regime: str
+    engine: str
+    outcome: str
+    supports: str
+    deviation_corrected: float | None
+    deviation_printed: float | None
+    mean_speed: float | None
+    mean_speed_corrected: float
+    mean_speed_printed: float
+    note: str
+
+    @property
+    def sentence(self) -> str:
+        """The judgement in one line."""
+        if self.deviation_corrected is None or self.deviation_printed is None:
+            return f"{self.mechanism}, {self.erratum} ({self.place}): {self.engine} gave no motion, {self.outcome}"
+        return (
+            f"{self.mechanism}, {self.erratum} ({self.place}): {self.engine} supports the {self.supports} model; its "
+            f"crank speed is off by {self.deviation_corrected:.1e} of peak from the corrected one, by "
+            f"{self.deviation_printed:.1e} from the printed one (mean at the end {self.mean_speed:.4g}, corrected "
+            f"{self.mean_speed_corrected:.4g}, printed {self.mean_speed_printed:.4g} rad/s)"
+        )
+
+
+class Spin(Protocol):
+    """A crank motion whose angle and speed can be asked for at any time."""
+
+    def angle(self, time: ArrayLike) -> Array:
+        """φ(t), rad."""
+        ...
+
+    def speed(self, time: ArrayLike) -> Array:
+        """ω(t), rad/s."""
+        ...
+
+
+@dataclass(frozen=True)
+class Stepped:
+    """A motion known at the fixed steps of an integrator, interpolated between them."""
+
+    angles: Signal
+    speeds: Signal
+
+    def angle(self, time: ArrayLike) -> Array:
+        """φ(t), rad."""
+        return resample(self.angles, np.atleast_1d(np.asarray(time, dtype=float)))
+
+    def speed(self, time: ArrayLike) -> Array:
+        """ω(t), rad/s."""
+        return resample(self.speeds, np.atleast_1d(np.asarray(time, dtype=float)))
+
+
+@dataclass(frozen=True)
+class _Trial:
+    """A printed model on trial; ``key`` is the case's: linkage and regime."""
+
+    linkage: Linkage
+    erratum: Erratum
+    case: Case
+
+    @property
+    def key(self) -> tuple[str, str]:
+        return (self.linkage.name, self.erratum.regime)
+
+
+def judge_errata(
+    linkages: Iterable[Linkage],
+    engines: Sequence[str],
+    variant_of: VariantOf,
+    *,
+    bounds: Bounds = DEFAULT_BOUNDS,
+    processes: int | None = None,
+    journal: Journal | None = None,
+) -> Iterator[ErratumRecord]:
+    """Put every printed model of these linkages to every engine, tuned; ``variant_of`` reads a linkage's variants.
+
+    The engines run as ``comparisons.campaign.campaign.compare`` runs them.
+    """
+    trials = list(_trials(linkages))
+    cases = {trial.key: trial.case for trial in trials}
+    asked = [(*key, name) for key in cases for name in engines]
+    kept = {} if journal is None else journal.kept()
+    runs = {run: _from_bytes(kept[_key(*run)]) for run in asked if _key(*run) in kept}
+    missing = [run for run in asked if run not in runs]
+    count = usual_processes(len(asked)) if processes is None else processes
+    with closing(_made(cases, missing, bounds, count, journal)) as made:
+        for trial in trials:
+            printed = None
+            for name in engines:
+                while (*trial.key, name) not in runs:
+                    runs.update([next(made)])
+                # computed while the workers are busy
+                printed = printed or _printed(trial, variant_of)
+                yield _record(trial.linkage, trial.erratum, name, (trial.case.motion, printed), runs[*trial.key, name])
+
+
+def _trials(linkages: Iterable[Linkage]) -> Iterator[_Trial]:
+    for linkage in linkages:
+        if linkage.variant != linkage.variants[0]:
+            continue  # printed models are held against the file's own values
+        mechanism = Mechanism(linkage)
+        regimes = {own.name: own for own in linkage.regimes}
+        asked = dict.fromkeys(erratum.regime for erratum in linkage.errata)
+        cases = {name: own_case(mechanism, regimes[name]) for name in asked}
+        yield from (_Trial(linkage, erratum, cases[erratum.regime]) for erratum in linkage.errata)
+
+
+def _made(
+    cases: dict[tuple[str, str], Case],
+    missing: Sequence[tuple[str, str, str]],
+    bounds: Bounds,
+    processes: int,
+    journal: Journal | None,
+) -> Generator[tuple[tuple[str, str, str], CrankSpeed], None, None]:
+    """The runs not made yet, by linkage, regime and engine, as they finish."""
+    jobs = [(run[:2], run[2]) for run in missing]
+    with closing(run_jobs(partial(_crank_speed, as_sent(cases)), jobs, bounds=bounds, processes=processes)) as results:
+        for index, found in results:
+            run = (found.outcome.value, None) if isinstance(found, Lost) else found
+            if journal is not None:
+                journal.keep(_key(*missing[index]), _to_bytes(run))
+            yield missing[index], run
+
+
+def _key(mechanism: str, regime: str, name: str) -> str:
+    """Under what name a run is kept in a journal."""
+    return "/".join(("errata", mechanism, regime, name))
+
+
+def _to_bytes(run: CrankSpeed) -> bytes:
+    outcome, speed = run
+    target = io.BytesIO()
+    curve: dict[str, Any] = {} if speed is None else {"time": speed.time, "values": speed.values}
+    np.savez(target, outcome=np.array(outcome), **curve)
+    return target.getvalue()
+
+
+def _from_bytes(content: bytes) -> CrankSpeed:
+    with np.load(io.BytesIO(content), allow_pickle=False) as stored:
+        return str(stored["outcome"]), Signal(stored["time"], stored["values"]) if "time" in stored else None
+
+
+def _printed(trial: _Trial, variant_of: VariantOf) -> Spin:
+    """The motion by the printed model of a trial."""
+    linkage, erratum = trial.linkage, trial.erratum
+    mechanism = Mechanism(variant_of(linkage, erratum.variant)) if erratum.variant else trial.case.mechanism
+    own = next(own for own in linkage.regimes if own.name == erratum.regime)
+    return printed_motion(mechanism, own, erratum)
+
+
+def printed_motion(mechanism: Mechanism, own: OwnRegime, erratum: Erratum) -> Spin:
+    """The crank's motion by the printed model, in the printed integrator where that is what is on trial.
+
+    ``mechanism`` is the printed variant already, where the erratum names one.
+    """
+    if erratum.steps is None:
+        return own_motion(mechanism, own, erratum.half_slope)
+    stepped = fixed_step(
+        mechanism,
+        torque=own.torque,
+        start_angle=own.start_angle,
+        start_speed=own.start_speed,
+        duration=own.duration,
+        steps=erratum.steps,
+        half_slope=erratum.half_slope,
+    )
+    return Stepped(Signal(stepped.time, stepped.angle), Signal(stepped.time, stepped.speed))
+
+
+def _crank_speed(cases: dict[tuple[str, str], Case], key: tuple[str, str], name: str) -> CrankSpeed:
+    case, adapter = cases[key], engine(name)
+    model = case.scene({Channel.VELOCITY})
+    run = attempt(adapter, model, Setting.TUNED)
+    if run.outcome is not Outcome.FINISHED or run.history is None:
+        return run.outcome.value, None
+    velocity = run.history.velocity
+    assert velocity is not None
+    return run.outcome.value, Signal(
+        velocity.time, ObservedMotion(model, run.history).crank(Channel.VELOCITY, velocity.time)
+    )
+
+
+def _record(
+    linkage: Linkage, erratum: Erratum, name: str, models: tuple[Motion, Spin], run: CrankSpeed
+) -> ErratumRecord:
+    (corrected, printed), (outcome, speed) = models, run
+    peak = corrected.peak_speed
+    off = [float(np.max(np.abs(speed.values - m.speed(speed.time)))) / peak for m in models] if speed else []
+    return ErratumRecord(
+        mechanism=linkage.name,
+        erratum=erratum.name,
+        place=erratum.place,
+        regime=erratum.regime,
+        engine=name,
+        outcome=outcome,
+        supports=_supported(*off) if off else "neither",
+        deviation_corrected=off[0] if off else None,
+        deviation_printed=off[1] if off else None,
+        mean_speed=_observed_mean(speed, corrected.duration) if speed else None,
+        mean_speed_corrected=_mean_speed(corrected, corrected.duration),
+        mean_speed_printed=_mean_speed(printed, corrected.duration),
+        note=erratum.note,
+    )
+
+
+def _supported(corrected: float, printed: float) -> str:
+    if NEARER * corrected < printed:
+        return "corrected"
+    return "as-printed" if NEARER * printed < corrected else "neither"
+
+
+def _mean_speed(motion: Spin, duration: float) -> float:
+    """Mean crank speed at the end, rad/s: angle gained over time, no quadrature."""
+    start = (1.0 - LAST_SHARE) * duration
+    gained = motion.angle(np.asarray(duration)) - motion.angle(np.asarray(start))
+    return float(np.squeeze(gained)) / (LAST_SHARE * duration)
+
+
+def _observed_mean(speed: Signal, duration: float) -> float:
+    late = speed.time >= (1.0 - LAST_SHARE) * duration
+    time, values = speed.time[late], speed.values[late]
+    return float(np.trapezoid(values, time) / (time[-1] - time[0]))

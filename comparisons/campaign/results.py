@@ -1,0 +1,178 @@
+"""The results of a campaign as one labelled dataset: every curve, every record, and all a report needs besides."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Sequence
+from dataclasses import asdict, dataclass, replace
+from functools import cached_property
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from analytic.description.crank_motion import CrankMotion, Segment
+from analytic.description.linkage import Linkage, Vector
+from analytic.description.loading import parse
+from analytic.errors import LinkproofError
+from comparisons.campaign.campaign import Request, RunResult
+from comparisons.campaign.errata import ErratumRecord
+from comparisons.judging.records import Record, from_rows, to_json
+from comparisons.runs.environment import environment
+from comparisons.runs.files import write_file
+
+if TYPE_CHECKING:
+    import xarray
+
+DATASET = "curves.nc"
+RECORDS = "records.json"
+LABELS = ("mechanism", "variant", "regime", "engine", "setting")
+
+
+@dataclass(frozen=True)
+class Results:
+    """A finished campaign: its document, and its ``curves`` as ``dataset`` lays them out."""
+
+    document: dict[str, Any]
+    curves: xarray.Dataset
+
+    @cached_property
+    def records(self) -> tuple[Record, ...]:
+        """One record per run and quantity."""
+        return from_rows(self.document["records"])
+
+    @cached_property
+    def invariants(self) -> tuple[Record, ...]:
+        """One record per run and invariant."""
+        return from_rows(self.document["invariants"])
+
+    @cached_property
+    def linkages(self) -> tuple[Linkage, ...]:
+        """The linkages as they were described when the campaign ran."""
+        return tuple(
+            described(d["text"], d["name"], d["variant"], (d["gravity"][0], d["gravity"][1]))
+            for d in self.document["descriptions"]
+        )
+
+    @cached_property
+    def motions(self) -> tuple[CrankMotion, ...]:
+        """The crank motions of the campaign's regimes."""
+        return tuple(
+            CrankMotion(m["regime"], tuple(Segment(s[0], s[1], tuple(s[2])) for s in m["segments"]))
+            for m in self.document["motions"]
+        )
+
+    @cached_property
+    def _places(self) -> dict[tuple[str, str], slice]:
+        """Where each curve lies along the samples, by run and quantity."""
+        ends = np.cumsum(self.curves["row_size"].values)
+        names = zip(self.curves["run"].values, self.curves["quantity"].values, strict=True)
+        sizes = self.curves["row_size"].values
+        return {
+            (str(run), str(quantity)): slice(int(end - size), int(end))
+            for (run, quantity), end, size in zip(names, ends, sizes, strict=True)
+        }
+
+    def curve(self, run: Sequence[str], quantity: str) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Time, observed and reference of one run (mechanism, variant, regime, engine, setting) and quantity."""
+        place = self._places["/".join(run), quantity]
+        return tuple(self.curves[name].values[place] for name in ("time", "observed", "reference"))  # type: ignore[return-value]
+
+
+def described(text: str, name: str, variant: str | None, gravity: Vector) -> Linkage:
+    """A variant of a linkage from its file's text, under the gravity a campaign ran with."""
+    return replace(parse(text, name, name, variant), gravity=gravity)
+
+
+def document(
+    request: Request,
+    results: Sequence[RunResult],
+    texts: Sequence[str],
+    command: str,
+    errata: Sequence[ErratumRecord] = (),
+) -> dict[str, Any]:
+    """Everything but the curves, as JSON-ready data; ``texts`` are the linkage files in the request's order."""
+    return {
+        "format": 1,
+        "command": command,
+        "conditions": request.conditions,
+        "environment": environment(),
+        "records": [asdict(record) for result in results for record in result.records],
+        "invariants": [asdict(record) for result in results for record in result.invariants],
+        "errata": [{**asdict(record), "sentence": record.sentence} for record in errata],
+        "details": {"/".join(r.records[0].run): r.details for r in results if r.records},
+        "motions": [
+            {"regime": m.regime, "segments": [[s.start, s.end, list(s.coefficients)] for s in m.segments]}
+            for m in request.motions
+        ],
+        "descriptions": [
+            {"name": linkage.name, "variant": linkage.variant, "gravity": list(linkage.gravity), "text": text}
+            for linkage, text in zip(request.linkages, texts, strict=True)
+        ],
+    }
+
+
+def dataset(results: Sequence[RunResult], told: dict[str, Any]) -> xarray.Dataset:
+    """The curves of all runs that finished, one after the other: a contiguous ragged array of the CF conventions.
+
+    Along ``sample``: time, s, observed and reference, in the quantity's unit. Along ``curve``: run, quantity and every
+    other label, and ``row_size``, how many samples each curve has.
+    """
+    import xarray  # noqa: PLC0415  half a second that a run without --out does not pay
+
+    curves = [(result, name, found) for result in results for name, found in result.deviations.items()]
+    attributes = {
+        "title": "linkproof: engines against the closed form",
+        "Conventions": "CF-1.8",
+        "document": to_json(told),
+    }
+    if not curves:
+        return xarray.Dataset(attrs=attributes)
+    units = {record.quantity: record.unit for result, _, _ in curves for record in result.records}
+    runs = [result.records[0].run for result, _, _ in curves]
+    return xarray.Dataset(
+        {
+            **{
+                array: ("sample", np.concatenate([getattr(found, array) for _, _, found in curves]))
+                for array in ("time", "observed", "reference")
+            },
+            "row_size": ("curve", [len(found.time) for _, _, found in curves], {"sample_dimension": "sample"}),
+        },
+        coords={
+            "run": ("curve", ["/".join(run) for run in runs]),
+            "quantity": ("curve", [name for _, name, _ in curves]),
+            "unit": ("curve", [units[name] for _, name, _ in curves]),
+            **{label: ("curve", [run[i] for run in runs]) for i, label in enumerate(LABELS)},
+        },
+        attrs=attributes,
+    )
+
+
+def save(folder: Path, results: Sequence[RunResult], told: dict[str, Any]) -> Results:
+    """Write ``curves.nc`` and ``records.json`` into a folder, each in one step.
+
+    What a kill has left of earlier attempts at them is removed.
+    """
+    for name in (DATASET, RECORDS):
+        for half in folder.glob(f".{name}.*"):
+            half.unlink(missing_ok=True)
+    curves = dataset(results, told)
+    write_file(folder / DATASET, lambda path: curves.to_netcdf(path, engine="scipy", format="NETCDF3_64BIT"))
+    write_file(folder / RECORDS, lambda path: path.write_text(to_json(told), encoding="utf-8"))
+    return Results(told, curves)
+
+
+def load(folder: Path) -> Results:
+    """Read a saved campaign back, from its folder or from the dataset itself; no engine is imported."""
+    import xarray  # noqa: PLC0415
+
+    path = folder / DATASET if folder.is_dir() else folder
+    if not path.is_file():
+        raise LinkproofError(f"no saved curves at '{path}': expected the folder given to --out, or its {DATASET}")
+    try:
+        with xarray.open_dataset(path, engine="scipy", mmap=False) as opened:
+            curves = opened.load()
+        told = json.loads(curves.attrs["document"])
+    except (OSError, ValueError, KeyError, TypeError) as error:
+        raise LinkproofError(f"'{path}' is no dataset of a campaign ({error}); run compare with --out again") from error
+    return Results(told, curves)

@@ -1,0 +1,100 @@
+"""The energy of an observed motion against the work put in, and what an error of it does to a released crank."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from comparisons.invariants.inspection import Inspection
+from comparisons.invariants.relaxation import forgotten, speed_errors
+from comparisons.observation.loads import other_power, potential_energy
+from comparisons.observation.observed_motion import ObservedMotion
+from comparisons.observation.quadrature import doubt, integral
+from engines.contract import Channel, Free, History, Prescribed, Signal
+
+Array = NDArray[np.float64]
+
+TINY = float(np.finfo(float).tiny)
+
+
+def energy(motion: ObservedMotion, time: Array) -> Array:
+    """T + V at these times, J."""
+    return np.asarray(_kinetic(motion, time) + potential_energy(motion, time))
+
+
+def _kinetic(motion: ObservedMotion, time: Array) -> Array:
+    return np.asarray(0.5 * np.einsum("nbk,bk->n", motion.on_clock(Channel.VELOCITY, time) ** 2, motion.masses))
+
+
+def energy_at_play(motion: ObservedMotion) -> float:
+    """Peak kinetic energy, range of the potential energy and work of all other loads, J."""
+    time = motion.signal(Channel.POSITION).time
+    work = integral(Signal(time, other_power(motion, time)), ())
+    stored = np.ptp(potential_energy(motion, time))
+    return float(np.max(motion.kinetic_energy().values) + stored + np.max(np.abs(work)))
+
+
+def energy_gained(seen: Inspection) -> Signal:
+    """Energy gained beyond the work put in, J: T + V − (T + V)₀ − ∫ (Mkr ω + loads) dt, on the torque's clock.
+
+    What the quadrature itself leaves in doubt is not held against the engine, nor what happens within a sample or two.
+    """
+    motion, drive = seen.motion, seen.motion.scene.drive
+    torque = motion.signal(Channel.TORQUE)
+    time = torque.time
+    power, done = other_power(motion, time), np.zeros(len(time))
+    borders: tuple[float, ...] = ()
+    if isinstance(drive, Prescribed):
+        power = power + torque.values * motion.crank(Channel.VELOCITY, time)
+        borders = tuple(segment.start for segment in drive.motion.segments)
+    else:  # a constant torque does its work by the angle alone
+        angle = motion.crank(Channel.POSITION, time)
+        done = drive.torque * (angle - angle[0])
+    work = integral(Signal(time, power), borders)
+    stored = energy(motion, time) - done
+    gained = stored - stored[0] - work
+    swing = np.abs(np.diff(stored)) + np.abs(np.diff(work))
+    unsure = doubt(Signal(time, power), work, borders)
+    unsure += np.concatenate([[0.0], np.cumsum(np.where(seen.unresolved(time), swing, 0.0))])
+    return Signal(time, np.sign(gained) * np.maximum(np.abs(gained) - unsure, 0.0))
+
+
+def released_phase(seen: Inspection) -> Signal:
+    """∫ δE/(2T) ω dt, and how far the angle is from the integral of the speed, rad, on the torque's clock."""
+    motion = seen.motion
+    time = motion.signal(Channel.TORQUE).time
+    angle, speed = motion.crank(Channel.POSITION, time), motion.crank(Channel.VELOCITY, time)
+    kinetic = _kinetic(motion, time)
+    gained = energy_gained(seen).values + _start_excess(motion, time[:1])
+    gained = forgotten(gained, 2.0 * seen.relaxation_rate(time), time)
+    share = gained / (2.0 * np.maximum(kinetic, np.abs(gained)) + TINY)
+    turned = integral(Signal(time, speed), ())
+    slip = np.abs(angle - seen.crank.angle - seen.crank.angular_velocity * time[0] - turned)
+    slip = np.maximum(slip - doubt(Signal(time, speed), turned, ()), 0.0)
+    return Signal(time, np.abs(integral(Signal(time, share * speed), ())) + slip)
+
+
+def _start_excess(motion: ObservedMotion, first: Array) -> float:
+    """Energy at the first sample's time (1,) beyond the start state's and the work done since, J."""
+    scene, clock = motion.scene, np.zeros(1)
+    position = np.array([[(*body.position, body.angle) for body in scene.bodies]])
+    velocity = np.array([[(*body.velocity, body.angular_velocity) for body in scene.bodies]])
+    start = ObservedMotion(scene, History(position=Signal(clock, position), velocity=Signal(clock, velocity)))
+    work = float(first[0] * other_power(start, clock)[0])
+    if isinstance(scene.drive, Free):
+        work += scene.drive.torque * float(motion.crank(Channel.POSITION, first)[0] - scene.crank_angle)
+    return float(energy(motion, first)[0] - energy(start, clock)[0]) - work
+
+
+def speed_drift(seen: Inspection) -> Signal:
+    """Crank speed beyond what the start and the claimed acceleration make of it, over its peak; doubt left out."""
+    motion, crank = seen.motion, seen.crank
+    time = motion.signal(Channel.VELOCITY).time
+    rate = seen.relaxation_rate(time)
+    speed, acceleration = motion.crank(Channel.VELOCITY, time), motion.crank(Channel.ACCELERATION, time)
+    if time[0] > 0.0:
+        time, rate = np.insert(time, 0, 0.0), np.insert(rate, 0, rate[0])
+        speed = np.insert(speed, 0, crank.angular_velocity)
+        acceleration = np.insert(acceleration, 0, crank.angular_acceleration)
+    drift = speed_errors(time, speed, acceleration, rate, float(speed[0]) - crank.angular_velocity)
+    return Signal(time, drift / (float(np.max(np.abs(speed))) or 1.0))

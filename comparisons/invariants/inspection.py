@@ -1,0 +1,150 @@
+"""One observed motion and what its joints' equations say of it: corrections, assembly modes, forces, sharp passages."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from comparisons.invariants.corrections import LEVELS, Findings, findings
+from comparisons.invariants.joint_equations import JointEquations
+from comparisons.observation.body_states import States
+from comparisons.observation.interpolation import POINTS, resample
+from comparisons.observation.loads import dissipation
+from comparisons.observation.observed_motion import ObservedMotion
+from engines.contract import Body, Channel, Free, Prescribed, Signal
+
+Array = NDArray[np.float64]
+
+# A joint's peak force below this share of the largest is nothing to measure its own error by.
+FAINT_FORCE = 1e-9
+# A determinant that changes by this share of itself from sample to sample leaves a peak between them unseen; so many
+# samples on either side are as doubtful.
+SHARP, REACH = 0.3, 2.0
+SUDDEN = 0.3  # relaxation times between samples
+STANDSTILL = 1e-12  # of the peak kinetic energy: of less, no rate of damping can be told
+COARSE = 0.5  # rad of crank between samples: a dozen of a turn show its energy, not the work done between them
+NOWHERE = 1e-12  # a determinant below it has no sign
+TINY = float(np.finfo(float).tiny)
+
+
+@dataclass(frozen=True)
+class Inspection:
+    """All that can be found in a motion is worked out once, on each of the clocks its channels have."""
+
+    motion: ObservedMotion
+
+    @cached_property
+    def equations(self) -> JointEquations:
+        """The scene's."""
+        return JointEquations(self.motion.scene)
+
+    @property
+    def crank(self) -> Body:
+        """The crank in its start state."""
+        return self.motion.scene.bodies[self.equations.numbers[self.motion.scene.crank]]
+
+    @property
+    def duration(self) -> float:
+        """How long the motion was to last, s."""
+        drive = self.motion.scene.drive
+        return drive.duration if isinstance(drive, Free) else drive.motion.duration
+
+    @cached_property
+    def _findings(self) -> dict[bytes, Findings]:
+        """By clock, each looked at up to the highest derivative that has it, so that channels on one share the work."""
+        clocks = {(time := self.motion.signal(c).time).tobytes(): (time, order) for order, c in enumerate(LEVELS)}
+        return {key: findings(self.motion, self.equations, *clock) for key, clock in clocks.items()}
+
+    def on(self, channel: Channel) -> Findings:
+        """What is found at a channel's samples."""
+        return self._findings[self.motion.signal(channel).time.tobytes()]
+
+    def corrections(self) -> dict[str, Signal]:
+        """The largest correction of any body, by level, that fits it to the joints and a prescribed crank.
+
+        Displacements over the scene's size, turns in rad; of velocities and accelerations over their peak in the run.
+        """
+        result = {}
+        for order, channel in enumerate(LEVELS):
+            found = self.on(channel)
+            scale = float(np.max(found.moving[order])) if order else 1.0
+            result[channel.value] = Signal(found.time, found.lacking[order] / (scale or 1.0))
+        return result
+
+    def assembly_mode(self) -> Signal:
+        """How far any group is into the mode it did not start in, over the farthest it is from a dead position."""
+        found = self.on(Channel.POSITION)
+        depth = np.maximum(-found.determinants * self._start_modes(), 0.0)
+        return Signal(found.time, np.max(depth / np.max(np.abs(found.determinants), axis=0), axis=1))
+
+    def _start_modes(self) -> Array:
+        """Sign of every group's determinant in the start state; of one that starts at a change point, soon after."""
+        bodies, size = self.motion.scene.bodies, self.equations.size
+        places = [(b.position[0] / size, b.position[1] / size, b.angle) for b in bodies]
+        start = States(self.equations.numbers, size, np.array([places]))
+        first = self.equations.group_determinants(self.equations.jacobian(start))
+        seen = np.concatenate([first, self.on(Channel.POSITION).determinants])
+        told = np.argmax(np.abs(seen) > NOWHERE, axis=0)
+        return np.asarray(np.sign(np.take_along_axis(seen, told[None], axis=0)[0]))
+
+    def torque_required(self) -> Signal:
+        """Drive torque by the power that the motion and its loads take, N m, on the acceleration's clock.
+
+        By virtual power, so that it is defined at standstill too; of a prescribed crank for the acceleration it ought
+        to have. Where the claimed torque has no samples there is nothing to hold it against.
+        """
+        found, clock = self.on(Channel.ACCELERATION), self.motion.signal(Channel.TORQUE).time
+        kept = (found.time >= clock[0]) & (found.time <= clock[-1])
+        return Signal(found.time[kept], found.torque[kept])
+
+    def force_balance(self) -> Signal:
+        """How far any joint's force is from what the bodies' balance requires of it, over its own peak."""
+        found, claimed = self.on(Channel.ACCELERATION), self.motion.history.joint_force
+        joints = [*self.motion.scene.pins, *self.motion.scene.guided]
+        clock = next(iter(claimed.values())).time
+        kept = (found.time >= clock[0]) & (found.time <= clock[-1])
+        peaks = np.nanmax(np.hypot(found.forces[..., 0], found.forces[..., 1]), axis=0, initial=0.0)
+        scales = np.maximum(peaks, FAINT_FORCE * np.max(peaks)) + TINY
+        worst = np.zeros(int(kept.sum()))
+        for number, joint in enumerate(joints):
+            difference = resample(claimed[joint.name], found.time[kept]) - found.forces[kept, number]
+            worst = np.maximum(worst, np.hypot(*difference.T) / scales[number])
+        return Signal(found.time[kept], worst)
+
+    def unresolved(self, time: Array) -> NDArray[np.bool_]:
+        """Intervals of a clock in which the motion changes faster than its samples tell, (n - 1,).
+
+        Beside a dead position a group's determinant changes by much of itself from sample to sample; a piece of the
+        prescribed motion may be over within a few samples; a turn may have no more than a few; and dampers may take a
+        good part of a speed between two.
+        """
+        result = np.abs(np.diff(self.motion.crank(Channel.POSITION, time))) > COARSE
+        result |= np.diff(time) * self.relaxation_rate(time)[1:] > SUDDEN
+        for start, end in self._sharp_passages(time):
+            result |= (time[:-1] <= end) & (time[1:] >= start)
+        return np.asarray(result)
+
+    def relaxation_rate(self, time: Array) -> Array:
+        """Rate at which dampers take an error of the speed, 1/s: half the power they take over the kinetic energy."""
+        power = dissipation(self.motion, time)
+        if not power.any():
+            return power
+        kinetic = 0.5 * np.einsum("nbk,bk->n", self.motion.on_clock(Channel.VELOCITY, time) ** 2, self.motion.masses)
+        moving = kinetic > STANDSTILL * np.max(kinetic)
+        return np.asarray(np.interp(time, time[moving], 0.5 * power[moving] / kinetic[moving]))
+
+    def _sharp_passages(self, time: Array) -> Iterator[tuple[float, float]]:
+        found = self.on(Channel.POSITION)
+        size = np.abs(found.determinants)
+        sharp = np.abs(np.diff(found.determinants, axis=0)) > SHARP * np.minimum(size[1:], size[:-1])
+        for step in np.flatnonzero(sharp.any(axis=1)):
+            reach = REACH * (found.time[step + 1] - found.time[step])
+            yield found.time[step] - reach, found.time[step + 1] + reach
+        drive = self.motion.scene.drive
+        for segment in drive.motion.segments if isinstance(drive, Prescribed) else ():
+            if np.count_nonzero((time >= segment.start) & (time <= segment.end)) < 2 * POINTS:
+                yield segment.start, segment.end

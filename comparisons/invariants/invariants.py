@@ -1,0 +1,120 @@
+"""What must hold in any true motion, checked on the engine's own; no closed form enters.
+
+So a wrong motion is caught even where no reference exists. For a linkage of one degree of freedom these checks are
+complete: what passes them all is the motion of the scene, short of what their limits let through.
+
+- *Positions.* A crank angle and the assembly mode of every Assur group fix all positions. ``crank_phase`` holds the
+  crank to the angle its drive prescribes, ``closure`` the bodies to the joints at that angle, not by how far a joint is
+  open but by how far a body is off because of it, which near a dead position is much more. ``assembly_mode`` holds
+  each group to the mode it starts in: its equations' determinant changes sign where the other one is entered.
+- *Velocities and accelerations* are fixed by the positions and the crank's: ``closure`` on the next two levels.
+- *Torque and joint forces* are fixed by those and the loads, standstill included: ``torque_two_routes`` and
+  ``force_balance``.
+- *A released crank* obeys φ' = ω, ω' = ε and the equation of motion for ε: ``crank_phase``, ``closure`` and
+  ``torque_two_routes`` hold it to each. What each of them lets through adds up over turns, but moves the energy: δE in
+  it makes δE/2T of the speed, and ``crank_phase`` is what that has come to, beside what ω does not integrate to. (On
+  its way past an unstable equilibrium an error of phase grows as in any true motion, and no balance tells how far.)
+- ``crank_phase`` also holds a history to its whole duration: half a motion is not a motion.
+
+``energy_balance`` and ``joint_gap`` say nothing beyond these for a prescribed motion; they share no equation with them.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+
+import numpy as np
+from numpy.typing import NDArray
+
+from analytic.description.linkage import GROUND, Vector
+from comparisons.invariants.corrections import LEVELS
+from comparisons.invariants.energy_account import energy_gained, released_phase, speed_drift
+from comparisons.invariants.inspection import Inspection
+from comparisons.observation.observed_motion import ObservedMotion
+from engines.contract import Channel, Free, Prescribed, Signal
+
+Array = NDArray[np.float64]
+
+KINEMATICS = frozenset(LEVELS)
+INVARIANTS: Mapping[str, frozenset[Channel]] = {
+    "joint_gap": frozenset({Channel.POSITION}),
+    "closure": KINEMATICS,
+    "assembly_mode": frozenset({Channel.POSITION}),
+    "crank_phase": KINEMATICS | {Channel.TORQUE},
+    "energy_balance": frozenset({Channel.POSITION, Channel.VELOCITY, Channel.TORQUE}),
+    "torque_two_routes": KINEMATICS | {Channel.TORQUE},
+    "force_balance": KINEMATICS | {Channel.JOINT_FORCE},
+}
+
+# Steps by which a history may begin late or end early: a sample at either end can be missing.
+MISSING_STEPS = 2.0
+HALF_TURN = np.pi  # rad between two samples: beyond it they show no motion
+
+
+def joint_gaps(motion: ObservedMotion) -> Signal:
+    """Largest opening of any joint, m, over time: pins apart, sliders and slot pins off their line."""
+    time = motion.signal(Channel.POSITION).time
+    worst = np.zeros(len(time))
+    for _, gap in gaps_by_joint(motion, time):
+        worst = np.maximum(worst, gap)
+    return Signal(time, worst)
+
+
+def gaps_by_joint(motion: ObservedMotion, time: Array) -> Iterator[tuple[str, Array]]:
+    """Every joint by name and how far it is open, m, at these times."""
+    for pin in motion.scene.pins:
+        first = motion.point(pin.first, pin.first_anchor, time)
+        yield pin.name, np.hypot(*(first - motion.point(pin.second, pin.second_anchor, time)).T)
+    for joint in motion.scene.guided:
+        gap = motion.point(joint.body, joint.anchor, time) - motion.point(joint.host, joint.through, time)
+        x, y = _direction(motion, joint.host, joint.along, time)
+        yield joint.name, np.abs(x * gap[:, 1] - y * gap[:, 0])
+
+
+def _direction(motion: ObservedMotion, host: str, along: Vector, time: Array) -> tuple[Array, Array]:
+    if host == GROUND:
+        return np.full(len(time), along[0]), np.full(len(time), along[1])
+    return motion.arm(host, along, time)
+
+
+def closure(seen: Inspection) -> dict[str, Signal]:
+    """``Inspection.corrections`` and, of a released crank, ``drift``: its speed against its acceleration."""
+    drift = {"drift": speed_drift(seen)} if isinstance(seen.motion.scene.drive, Free) else {}
+    return seen.corrections() | drift
+
+
+def crank_phase(seen: Inspection) -> Signal:
+    """By how much the crank is, or by its own account must be, away from where it should be, rad."""
+    drive, time = seen.motion.scene.drive, seen.motion.signal(Channel.POSITION).time
+    if isinstance(drive, Prescribed):
+        found = Signal(time, np.abs(seen.motion.crank(Channel.POSITION, time) - drive.motion.angle(time)))
+    else:
+        found = released_phase(seen)
+    return Signal(found.time, np.maximum(found.values, _untold(seen)))
+
+
+def _untold(seen: Inspection) -> float:
+    """Angle that the crank turns in the longest time of which a history says nothing, rad."""
+    motion = seen.motion
+    peak = float(np.max(np.abs(motion.crank(Channel.VELOCITY, motion.signal(Channel.VELOCITY).time))))
+    signals = [getattr(motion.history, channel.value) for channel in (*LEVELS, Channel.TORQUE)]
+    worst = 0.0
+    for time in [s.time for s in (*signals, *motion.history.joint_force.values()) if s is not None]:
+        allowed = MISSING_STEPS * float(np.max(np.diff(time)))
+        late = max(float(time[0]), seen.duration - float(time[-1]))
+        worst = max(worst, peak * late if late > allowed else 0.0)
+        turned = float(np.max(np.abs(np.diff(motion.crank(Channel.POSITION, time)))))
+        worst = max(worst, turned if turned > HALF_TURN else 0.0)
+    return worst
+
+
+def energy_balance(motion: ObservedMotion) -> Signal:
+    """``energy_account.energy_gained`` of a motion."""
+    return energy_gained(Inspection(motion))
+
+
+def power_torque(motion: ObservedMotion, least_speed: float = 0.0) -> Signal:
+    """The drive torque by the other route, N m: by virtual power, where the crank turns at least so fast."""
+    required = Inspection(motion).torque_required()
+    fast = np.abs(motion.crank(Channel.VELOCITY, required.time)) >= least_speed
+    return Signal(required.time[fast], required.values[fast])

@@ -1,0 +1,1 @@
+"""Quantities, deviations, limits, baseline, and the records made of them."""

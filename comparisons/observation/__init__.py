@@ -1,0 +1,1 @@
+"""An engine's history read back: interpolated, integrated, as motions of bodies and powers of loads."""

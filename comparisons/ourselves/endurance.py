@@ -1,0 +1,255 @@
+"""A campaign killed again and again, at random moments, and resumed each time: what is lost of it, what is doubled.
+
+``python -m comparisons.ourselves.endurance TIMES [SEED]`` measures it. Every attempt is a process forked from one that
+has imported everything, so that hundreds take a minute; most use workers forked likewise, some the usual server.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import ctypes
+import json
+import os
+import random
+import signal
+import subprocess
+import sys
+import tempfile
+import time
+from collections import Counter
+from collections.abc import Iterator
+from dataclasses import asdict, dataclass
+from pathlib import Path
+
+from analytic.description.crank_motion import REGIMES, crank_motion
+from analytic.description.loading import catalogue, find, load
+from comparisons.campaign.campaign import Request, compare
+from comparisons.campaign.results import DATASET, RECORDS, Results, document, save
+from comparisons.campaign.results import load as load_results
+from comparisons.judging.run_result import ARRAYS
+from comparisons.runs.journal import HEADER, Journal
+from comparisons.runs.worker_process import START
+from engines.contract import Setting
+
+COMMAND = "linkproof compare --regime all --engine direct"
+# Short, slow motions and two of the quantities: a run takes milliseconds, its journal no less than any other's.
+QUANTITIES = ("Jeq", "Mkr")
+SPEED, RAMP_TIME, HOLD_TIME = 10.0, 0.03, 0.01  # rad/s, s, s
+PROCESSES = 2
+# One attempt in this many starts its workers as the command does; importing anew, it takes ten times as long.
+SERVED = 8
+# A kill comes when so many runs are kept, and then after a pause of random length with this mean, s: somewhere in the
+# runs after them, at the start before the first or in the writing after the last.
+PAUSE = 0.06
+# Of the numbers drawn, those that no journal ever reaches, so that attempts finish, and as many that each has at once.
+BEYOND = 2
+RUNS = len(catalogue()) * len(REGIMES)
+# Seconds that processes are given to notice their parent's death.
+PATIENCE = 5.0
+TIMINGS = ("seconds", "setup_seconds")
+_PR_SET_CHILD_SUBREAPER = 36
+
+
+@dataclass(frozen=True)
+class Endurance:
+    """What came of ``kills`` over so many ``campaigns``, each finished in the end and held against an undisturbed one.
+
+    ``lost`` counts records and curves that are missing or differ in anything but their timings, ``doubled`` those
+    there more than once, ``survivors`` worker processes that outlived their campaign, ``litter`` files left over.
+    ``stages`` says how many kills came before the first run was kept, among them, and after the last.
+    """
+
+    kills: int
+    campaigns: int
+    lost: int
+    doubled: int
+    survivors: int
+    litter: int
+    stages: dict[str, int]
+
+
+def killed_and_resumed(times: int, seed: int = 0) -> tuple[int, int]:
+    """Records lost and doubled by ``times`` kills at random moments; see ``measure``."""
+    found = measure(times, seed)
+    return found.lost, found.doubled
+
+
+def measure(times: int, seed: int = 0) -> Endurance:
+    """Kill campaigns ``times`` times at random moments, resume them until they finish, and hold their records.
+
+    Runs in a process of its own, which has no threads when it forks. POSIX only.
+    """
+    command = [sys.executable, "-m", "comparisons.ourselves.endurance", str(times), str(seed)]
+    environment = {**os.environ, "OPENBLAS_NUM_THREADS": "1", "PYTHONPATH": os.pathsep.join(filter(None, sys.path))}
+    done = subprocess.run(command, capture_output=True, text=True, env=environment, check=True)
+    return Endurance(**json.loads(done.stdout))
+
+
+def request() -> Request:
+    """Every mechanism of the catalogue under every prescribed regime in the direct engine, tuned; no invariants."""
+    motions = tuple(crank_motion(name, speed=SPEED, ramp_time=RAMP_TIME, hold_time=HOLD_TIME) for name in REGIMES)
+    linkages = tuple(load(name) for name in catalogue())
+    return Request(linkages, motions, "brief", ("direct",), (Setting.TUNED,), QUANTITIES, with_invariants=False)
+
+
+def run_campaign(folder: Path, processes: int) -> None:
+    """The campaign as the command runs it: taking up what is kept, keeping what is finished, then written at once."""
+    asked, journal = request(), Journal(folder, COMMAND)
+    results = list(compare(asked, processes=processes, journal=journal))
+    texts = [find(linkage.name).read_text(encoding="utf-8") for linkage in asked.linkages]
+    save(folder, results, document(asked, results, texts, COMMAND))
+    journal.clear()
+
+
+@dataclass
+class _Trial:
+    """Kills so far and what they did."""
+
+    folder: Path
+    chance: random.Random
+    kills: int = 0
+    survivors: int = 0
+
+    def __post_init__(self) -> None:
+        self.stages: Counter[str] = Counter()
+
+    def undisturbed(self) -> Results:
+        """A campaign that nobody kills, made here, which imports all there is."""
+        run_campaign(self.folder / "undisturbed", 0)
+        return load_results(self.folder / "undisturbed")
+
+    def campaign(self, folder: Path, times: int) -> Results:
+        """One campaign, resumed until it is finished, killed on the way as long as there are fewer than ``times``."""
+        while not self._attempt(folder, self._pieces(folder) if self.kills < times else RUNS + BEYOND):
+            pass
+        return load_results(folder)
+
+    def _pieces(self, folder: Path) -> int:
+        """How many runs are to be kept when the next kill comes."""
+        return max(len(Journal(folder, COMMAND).kept()), self.chance.randint(-BEYOND, RUNS + BEYOND))
+
+    def _attempt(self, folder: Path, pieces: int) -> bool:
+        """Whether an attempt finished, rather than being killed when so many runs were kept."""
+        served, pause = self.chance.randrange(SERVED) == 0, self.chance.expovariate(1.0 / PAUSE)
+        child = os.fork()
+        if child == 0:
+            _be_the_campaign(folder, served)
+        status = _killed(child, folder, pieces, pause)
+        self.survivors += _survivors(child)
+        if os.WIFSIGNALED(status):
+            self.kills += 1
+            self.stages[_stage(folder)] += 1
+        elif status:
+            raise RuntimeError((folder / "error.txt").read_text(encoding="utf-8"))
+        return status == 0
+
+
+def _killed(child: int, folder: Path, pieces: int, pause: float) -> int:
+    """How a process ended that is killed a while after so many runs are kept, or before if it ends by itself."""
+    place, moment = Journal(folder, COMMAND).place, float("inf")
+    while True:
+        done, status = os.waitpid(child, os.WNOHANG)
+        if done:
+            return status
+        if moment == float("inf") and _kept(place) >= pieces:
+            moment = time.perf_counter() + pause
+        if time.perf_counter() > moment:
+            os.kill(child, signal.SIGKILL)
+            return os.waitpid(child, 0)[1]
+        time.sleep(1e-3)
+
+
+def _kept(place: Path) -> int:
+    """How many runs a journal's folder holds; what is being written has a name that begins with a dot."""
+    with contextlib.suppress(FileNotFoundError):
+        return sum(not name.startswith(".") and name != HEADER for name in os.listdir(place))
+    return 0
+
+
+def _be_the_campaign(folder: Path, served: bool) -> None:
+    """What a forked process does: a session of its own, by which its workers can be told, then the campaign."""
+    code = 1
+    try:
+        os.setsid()
+        os.environ[START] = "forkserver" if served else "fork"
+        run_campaign(folder, PROCESSES)
+        code = 0
+    except BaseException as error:
+        (folder / "error.txt").write_text(repr(error), encoding="utf-8")
+    finally:
+        os._exit(code)
+
+
+def _stage(folder: Path) -> str:
+    pieces = Journal(folder, COMMAND).kept()
+    if len(pieces) == RUNS:
+        return "all kept"
+    return "some kept" if pieces else "none kept"
+
+
+def _survivors(session: int) -> int:
+    """Processes of a session that live on after a while; the dead are reaped."""
+    patience = time.monotonic() + PATIENCE
+    while True:
+        with contextlib.suppress(ChildProcessError):
+            while os.waitpid(-1, os.WNOHANG)[0]:
+                pass
+        alive = sum(1 for _ in _of_session(session))
+        if not alive or time.monotonic() > patience:
+            return alive
+        time.sleep(1e-3)
+
+
+def _of_session(session: int) -> Iterator[int]:
+    for entry in Path("/proc").iterdir():
+        if entry.name.isdigit():
+            with contextlib.suppress(OSError):
+                # after the name in brackets: state, parent, group, session
+                state, _, _, found = entry.joinpath("stat").read_text(encoding="utf-8").rpartition(")")[2].split()[:4]
+                if int(found) == session and state != "Z":
+                    yield int(entry.name)
+
+
+def compared(expected: Results, got: Results) -> tuple[int, int]:
+    """Records and curves that ``got`` lacks or has otherwise, and those that it has more than once or should not."""
+    wanted, found = _contents(expected), _contents(got)
+    lost = sum(content not in found.get(name, []) for name, (content,) in wanted.items())
+    doubled = sum(len(contents) - (name in wanted) for name, contents in found.items())
+    return lost, doubled
+
+
+def _contents(results: Results) -> dict[str, list[bytes]]:
+    """Every record, timings left out, and every curve by its name: run and quantity."""
+    held: dict[str, list[bytes]] = {}
+    for record in (*results.records, *results.invariants):
+        told = {name: value for name, value in asdict(record).items() if name not in TIMINGS}
+        held.setdefault("/".join(("record", *record.run, record.quantity)), []).append(json.dumps(told).encode())
+    curves = results.curves
+    names = zip(curves["run"].values, curves["quantity"].values, strict=True)
+    start = 0
+    for (run, quantity), size in zip(names, curves["row_size"].values, strict=True):
+        place = slice(start, start := start + int(size))
+        arrays = [curves[name].values[place].tobytes() for name in ARRAYS]
+        held.setdefault(f"curve/{run}/{quantity}", []).append(b"".join(arrays))
+    return held
+
+
+def main(times: int, seed: int) -> Endurance:
+    """Measure, in a process without threads."""
+    ctypes.CDLL(None).prctl(_PR_SET_CHILD_SUBREAPER, 1)  # orphaned workers become ours, to be seen and reaped
+    with tempfile.TemporaryDirectory() as name:
+        folder = Path(name)
+        trial = _Trial(folder, random.Random(seed))
+        expected = trial.undisturbed()
+        lost = doubled = litter = campaigns = 0
+        while trial.kills < times:
+            place = folder / str(campaigns)
+            missing, surplus = compared(expected, trial.campaign(place, times))
+            campaigns += 1
+            lost, doubled = lost + missing, doubled + surplus
+            litter += len({path.name for path in place.iterdir()} - {DATASET, RECORDS})
+        return Endurance(trial.kills, campaigns, lost, doubled, trial.survivors, litter, dict(trial.stages))
+
+
+if __name__ == "__main__":
+    sys.stdout.write(json.dumps(asdict(main(int(sys.argv[1]), int((sys.argv[2:] or ["0"])[0])))) + "\n")

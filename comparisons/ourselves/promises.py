@@ -1,0 +1,54 @@
+"""Promised figures that take a study of their own: savings, long runs, stress maps, killed campaigns."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from typing import Any
+
+from analytic.description.crank_motion import crank_motion
+from analytic.description.loading import load
+from analytic.kinematics.mechanism import Mechanism
+from comparisons.ourselves.bench_target import plain_savings
+from comparisons.ourselves.endurance import killed_and_resumed
+from comparisons.ourselves.speed import Measured
+from comparisons.reference.case import Case
+from comparisons.stress.axes import chosen_axes
+from comparisons.stress.campaign import StressRequest, stress
+from comparisons.stress.long_run import LongRun, long_runs
+from engines.contract import Setting
+
+
+def savings(asked: dict[str, Any], engines: Sequence[str]) -> Iterator[Measured]:
+    """Time of ``best`` over that of an engine's plain fixed steps at an error; 0 where these never get there."""
+    case = Case(Mechanism(load(asked["mechanism"])), crank_motion(asked["regime"]))
+    for name, saving in plain_savings(case, engines, asked["error"], quantity=asked["quantity"]).items():
+        reached = 0.0 if saving.ratio is None else 1.0 / saving.ratio
+        yield Measured(name, reached, saving.record.repeats, saving.sentence)
+
+
+def long_turns(asked: dict[str, Any], engines: Sequence[str]) -> Iterator[Measured]:
+    """Joint gap and torque error of the last turn over those of the first, the larger ratio of the two."""
+    for run in long_runs(engines, asked["mechanisms"], Setting(asked["setting"]), asked["turns"]):
+        yield Measured(f"{run.engine}, {run.mechanism}", run.growth, (), _told(run))
+
+
+def _told(run: LongRun) -> str:
+    if run.gap_first is None:
+        return f"{run.outcome}: {run.reason}"
+    return (
+        f"gap {run.gap_first:.1e}, then {run.gap_last:.1e} of the shortest link; torque error {run.torque_first:.1e}, "
+        f"then {run.torque_last:.1e} of peak; {run.steps} steps in {run.seconds:.3g} s"
+    )
+
+
+def missed(asked: dict[str, Any], engines: Sequence[str]) -> Iterator[Measured]:
+    """Cells of the stress maps in which a wrong motion was sold as a success and no invariant noticed."""
+    found = stress(StressRequest(tuple(chosen_axes(())), tuple(engines), quick=asked["quick"]))
+    words = "; ".join(one.cell.key for one in found.missed) or f"of {len(found.cells)} cells"
+    yield Measured("all engines", float(len(found.missed)), (), words)
+
+
+def endurance(asked: dict[str, Any], _engines: Sequence[str]) -> Iterator[Measured]:
+    """Records lost or doubled by kills at random moments, each followed by a resumption."""
+    lost, doubled = killed_and_resumed(asked["kills"])
+    yield Measured("direct", float(lost + doubled), (), f"{lost} lost, {doubled} doubled")

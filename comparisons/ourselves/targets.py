@@ -1,0 +1,256 @@
+"""What the suite promises of itself, measured anew: errors, overhead, speed, whole processes."""
+
+from __future__ import annotations
+
+import math
+import subprocess
+import sys
+import time
+import tomllib
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from analytic.description.crank_motion import crank_motion
+from analytic.description.linkage import Linkage, OwnRegime
+from analytic.dynamics.reduced import damping_coefficient
+from analytic.evaluation import evaluate
+from analytic.kinematics.mechanism import Mechanism
+from analytic.motion.steady_rotation import steady_state
+from comparisons.campaign.campaign import Request, RunResult, compare
+from comparisons.judging.records import Record
+from comparisons.ourselves import promises, speed
+from comparisons.reference.case import own_motion
+from comparisons.reference.start_state import scene
+from engines.contract import Channel, Prescribed, Setting
+from engines.registry import engine
+
+TABLE = Path(__file__).with_name("targets.toml")
+REPEATS = 5
+
+
+@dataclass(frozen=True)
+class Target:
+    """A promised figure: ``kind`` says how it is measured, with ``arguments``."""
+
+    name: str
+    unit: str
+    must: float
+    aim: float
+    kind: str
+    arguments: Any
+
+
+@dataclass(frozen=True)
+class Figure:
+    """A target with what was reached, its smallest repeat and all of them.
+
+    ``subject`` is an engine, a mechanism or two contestants; ``detail`` says what a ratio is made up of. ``reached`` is
+    nan where a baseline to be measured against is not installed.
+    """
+
+    target: Target
+    subject: str
+    reached: float
+    repeats: tuple[float, ...] = ()
+    detail: str = ""
+
+    @property
+    def verdict(self) -> str:
+        """``aim``, ``must``, ``missed``, or ``absent`` where there was nothing to be measured against."""
+        if math.isnan(self.reached):
+            return "absent"
+        if self.reached <= self.target.aim:
+            return "aim"
+        return "must" if self.reached <= self.target.must else "missed"
+
+
+def targets() -> tuple[Target, ...]:
+    """The table of targets."""
+    rows = tomllib.loads(TABLE.read_text(encoding="utf-8"))["target"]
+    common = {"name", "unit", "must", "aim"}
+    found = []
+    for row in rows:
+        (kind,) = set(row) - common
+        found.append(Target(row["name"], row.get("unit", "of peak"), row["must"], row["aim"], kind, row[kind]))
+    return tuple(found)
+
+
+def measure(linkages: Sequence[Linkage], engines: Sequence[str]) -> Iterator[Figure]:
+    """Measure every target in turn; errors of each engine over all linkages given."""
+    results = list(_campaign(linkages, engines))
+    own = list(_own_campaign(linkages, engines))
+    kinds: Mapping[str, Callable[[Target], Iterator[Figure]]] = {
+        "errors": lambda target: _errors(target, results, engines),
+        "own_errors": lambda target: _errors(target, own, engines),
+        "reference": lambda target: _reference(target, linkages),
+        "steady_state": lambda target: _steady_state(target, linkages),
+        "overhead": lambda target: _overheads(target, linkages, engines),
+        "closed_form": lambda target: _closed_form(target, linkages),
+        "process": _process,
+        "six_bar": _six_bar,
+        "designs": _designs,
+        "forward": _forward,
+        "savings": lambda target: _studied(target, promises.savings, engines),
+        "long_turns": lambda target: _studied(target, promises.long_turns, engines),
+        "missed": lambda target: _studied(target, promises.missed, engines),
+        "endurance": lambda target: _studied(target, promises.endurance, engines),
+    }
+    for target in targets():
+        yield from kinds[target.kind](target)
+
+
+def _campaign(linkages: Sequence[Linkage], engines: Sequence[str]) -> Iterator[RunResult]:
+    motions = (crank_motion("run-up"), crank_motion("run-up-quintic"))
+    settings = (Setting.TUNED, Setting.BEST)
+    return compare(Request(tuple(linkages), motions, "as promised", tuple(engines), settings))
+
+
+def _own_campaign(linkages: Sequence[Linkage], engines: Sequence[str]) -> Iterator[RunResult]:
+    """The linkages' own regimes, in the settings that targets speak of, for the crank's motion alone."""
+    for target in targets():
+        if target.kind == "own_errors":
+            asked = target.arguments
+            chosen = tuple(linkage for linkage in linkages if linkage.name == asked["mechanism"])
+            request = Request(
+                chosen,
+                (),
+                "",
+                tuple(engines),
+                (Setting(asked["setting"]),),
+                (asked["quantity"],),
+                (asked["regime"],),
+                (Setting(asked["setting"]),),
+                with_invariants=False,
+            )
+            yield from compare(request)
+
+
+def _errors(target: Target, results: Sequence[RunResult], engines: Sequence[str]) -> Iterator[Figure]:
+    """The worst error of each engine among the records the target speaks of; in the quantity's unit if it says so."""
+    asked = dict(target.arguments)
+    only, absolute = asked.pop("engine", None), asked.pop("absolute", False)
+    for name in engines if only is None else [only]:
+        found = [
+            _error(record, absolute=absolute)
+            for result in results
+            for record in (*result.records, *result.invariants)
+            if record.engine == name and all(_speaks_of(record, key, value) for key, value in asked.items())
+        ]
+        if found:
+            yield Figure(target, name, max(found))
+
+
+def _speaks_of(record: Record, key: str, value: str) -> bool:
+    """Whether a record is one of those a target names; ``joint_force`` stands for the forces of all joints."""
+    return str(getattr(record, key)).partition(":")[0] == value
+
+
+def _error(record: Record, *, absolute: bool) -> float:
+    if record.error_max is None or record.peak is None:
+        return np.inf
+    return record.error_max * (record.peak if absolute else 1.0)
+
+
+def _reference(target: Target, linkages: Sequence[Linkage]) -> Iterator[Figure]:
+    """The closed form's own bound on the error of a released crank's angle, rad."""
+    for mechanism, own in _named(target, linkages):
+        yield Figure(target, mechanism.linkage.name, own_motion(mechanism, own).error_bound)
+
+
+def _steady_state(target: Target, linkages: Sequence[Linkage]) -> Iterator[Figure]:
+    """How far the settled mean speed of a driven crank is from M1/b, which an energy balance over a turn demands."""
+    for mechanism, own in _named(target, linkages):
+        damping = float(np.mean(damping_coefficient(mechanism.turn)))
+        speed = steady_state(mechanism, own.torque).mean_speed
+        yield Figure(target, mechanism.linkage.name, abs(speed * damping / own.torque - 1.0))
+
+
+def _named(target: Target, linkages: Sequence[Linkage]) -> Iterator[tuple[Mechanism, OwnRegime]]:
+    """The mechanism and the regime of its own that a target names."""
+    for linkage in linkages:
+        for own in linkage.regimes:
+            if (linkage.name, own.name) == (target.arguments["mechanism"], target.arguments["regime"]):
+                yield Mechanism(linkage), own
+
+
+def _overheads(target: Target, linkages: Sequence[Linkage], engines: Sequence[str]) -> Iterator[Figure]:
+    """Wall time of a run less its set-up, over the stepping of the same scene with nothing recorded, pair by pair.
+
+    Both per step: a run that judges its own error by what it records may take more passes than one without records.
+    """
+    motion, setting = crank_motion(target.arguments["regime"]), Setting(target.arguments["setting"])
+    for name in engines:
+        adapter = engine(name)
+        ratios = []
+        for linkage in linkages:
+            full = scene(Mechanism(linkage), Prescribed(motion), frozenset(Channel) - {Channel.JOINT_FORCE})
+            bare = replace(full, channels=frozenset())
+            for _ in range(REPEATS):
+                begun = time.perf_counter()
+                run = adapter.run(full, setting)
+                spent = time.perf_counter() - begun - run.setup_seconds
+                alone = adapter.run(bare, setting)
+                ratios.append((spent / run.steps) / (alone.seconds / alone.steps))
+        yield Figure(target, name, float(np.median(ratios)), tuple(ratios))
+
+
+def _closed_form(target: Target, linkages: Sequence[Linkage]) -> Iterator[Figure]:
+    count = target.arguments["angles"]
+    angle = np.linspace(0.0, 100.0, count)
+    for linkage in linkages:
+        mechanism = Mechanism(linkage)
+        work = partial(evaluate, mechanism, angle, ("S", "v", "a", "Jeq", "Mkr"), speed=100.0)
+        spent = _timed(work)
+        each = tuple(seconds / count * 1e6 for seconds in spent)
+        yield Figure(target, linkage.name, min(each), each)
+
+
+def _process(target: Target) -> Iterator[Figure]:
+    command = [sys.executable, "-m", "reports.command_line.main", *target.arguments]
+    spent = _timed(lambda: subprocess.run(command, capture_output=True, check=True))
+    yield Figure(target, "median", float(np.median(spent)), spent)
+
+
+def _six_bar(target: Target) -> Iterator[Figure]:
+    """Time of a sweep of a six-bar's joints over a baseline's."""
+    contest = speed.six_bar_contest(target.arguments["mechanism"], target.arguments["angles"])
+    yield _figure(target, speed.over(contest, speed.OURS, target.arguments["baseline"], "ns", 1e-9))
+
+
+def _designs(target: Target) -> Iterator[Figure]:
+    """Time per design and crank angle, ns."""
+    asked = target.arguments
+    contest = speed.designs_contest(asked["mechanism"], tuple(asked["varied"]), asked["designs"], asked["angles"])
+    yield _figure(target, speed.each(contest, speed.OURS, "ns", 1e-9))
+
+
+def _forward(target: Target) -> Iterator[Figure]:
+    """Time of a released crank's motion over a baseline's."""
+    contest = speed.forward_contest(target.arguments["mechanism"], target.arguments["regime"])
+    yield _figure(target, speed.over(contest, speed.OURS, target.arguments["baseline"], "s", 1.0))
+
+
+def _studied(
+    target: Target, study: Callable[[dict[str, Any], Sequence[str]], Iterator[speed.Measured]], engines: Sequence[str]
+) -> Iterator[Figure]:
+    """Figures of a study of its own."""
+    yield from (_figure(target, found) for found in study(target.arguments, engines))
+
+
+def _figure(target: Target, found: speed.Measured) -> Figure:
+    return Figure(target, found.subject, found.reached, found.repeats, found.detail)
+
+
+def _timed(work: Callable[[], object]) -> tuple[float, ...]:
+    """Seconds of every repeat after one that warms up."""
+    spent = []
+    for _ in range(REPEATS + 1):
+        begun = time.perf_counter()
+        work()
+        spent.append(time.perf_counter() - begun)
+    return tuple(spent[1:])

@@ -1,0 +1,202 @@
+"""A case: one mechanism under one motion of its crank, the truth an engine is held against."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+from typing import Any, Final, Protocol
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from analytic.description.crank_motion import CrankMotion
+from analytic.description.linkage import Output, OwnRegime, Vector
+from analytic.dynamics import reduced
+from analytic.dynamics.joint_forces import joint_forces
+from analytic.errors import LinkproofError
+from analytic.kinematics.mechanism import Mechanism
+from analytic.kinematics.sweep import Sweep
+from analytic.motion.released import FreeMotion, free_motion
+from comparisons.reference.start_state import scene
+from engines.contract import Channel, Drive, Free, Prescribed, Scene
+from engines.scene_builder import joint_names
+
+Array = NDArray[np.float64]
+
+# Jeq = 2T/ω² says nothing near standstill: samples slower than this share of the peak speed are left out.
+SLOW_SHARE = 0.05
+# Clocks whose truth is kept. A run has no more than two or three, and no other run has the same.
+KEPT: Final = 4
+
+
+class Motion(Protocol):
+    """A crank motion, prescribed or found by integration."""
+
+    @property
+    def regime(self) -> str:
+        """Name of the regime."""
+        ...
+
+    @property
+    def duration(self) -> float:
+        """Time at which it ends, s; it starts at 0."""
+        ...
+
+    @property
+    def peak_speed(self) -> float:
+        """Largest |ω|, rad/s."""
+        ...
+
+    @property
+    def jumps(self) -> tuple[float, ...]:
+        """Times at which the acceleration jumps, s."""
+        ...
+
+    def angle(self, time: ArrayLike) -> Array:
+        """φ(t), rad."""
+        ...
+
+    def speed(self, time: ArrayLike) -> Array:
+        """ω(t), rad/s."""
+        ...
+
+    def acceleration(self, time: ArrayLike) -> Array:
+        """ε(t), rad/s²."""
+        ...
+
+
+@dataclass(frozen=True)
+class Truth:
+    """The closed form at the instants ``time`` (n,), s, of a motion: each of it computed once, when it is asked for."""
+
+    mechanism: Mechanism
+    motion: Motion
+    time: Array
+
+    @cached_property
+    def speed(self) -> Array:
+        """ω, rad/s."""
+        return self.motion.speed(self.time)
+
+    @cached_property
+    def acceleration(self) -> Array:
+        """ε, rad/s²."""
+        return self.motion.acceleration(self.time)
+
+    @cached_property
+    def sweep(self) -> Sweep:
+        """The linkage at φ(t)."""
+        return self.mechanism.sweep(self.motion.angle(self.time))
+
+    @cached_property
+    def inertia(self) -> Array:
+        """Jeq, kg m²."""
+        return reduced.reduced_inertia(self.sweep)
+
+    @cached_property
+    def torque(self) -> Array:
+        """Mkr, N m."""
+        return reduced.drive_torque(self.sweep, self.speed, self.acceleration)
+
+    @cached_property
+    def joint_forces(self) -> Mapping[str, Array]:
+        """Force of every joint by name, (2, n), N: one analysis of the linkage gives them all."""
+        return joint_forces(self.sweep, self.speed, self.acceleration)
+
+
+@dataclass(frozen=True)
+class Case:
+    """One mechanism under one crank motion; ``drive`` is what an engine is given, the motion itself by default."""
+
+    mechanism: Mechanism
+    motion: Motion
+    drive: Drive | None = None
+    conditions: str = ""
+    _seen: dict[bytes, Truth] = field(default_factory=dict, compare=False, repr=False)
+
+    def __getstate__(self) -> dict[str, Any]:
+        """A case travels to another process without the truth it has worked out, which is many times its own size."""
+        return self.__dict__ | {"_seen": {}}
+
+    @property
+    def is_prescribed(self) -> bool:
+        """Whether the crank's motion is given, so that the torque is what is asked for."""
+        return self.drive is None or isinstance(self.drive, Prescribed)
+
+    @property
+    def output(self) -> Output:
+        """The linkage's output; S, v and a need one."""
+        output = self.mechanism.linkage.output
+        if output is None:
+            raise LinkproofError(
+                f"'{self.mechanism.linkage.name}' names no output, so S, v and a are undefined: add "
+                "output = { point = ..., along = [x, y] } to its file, or leave these quantities out"
+            )
+        return output
+
+    @property
+    def least_speed(self) -> float:
+        """Crank speed, rad/s, below which quantities divided by ω are left out."""
+        return SLOW_SHARE * self.motion.peak_speed
+
+    def scene(self, channels: Iterable[Channel]) -> Scene:
+        """What an engine is given of the case."""
+        drive = self.drive
+        if drive is None:
+            assert isinstance(self.motion, CrankMotion)
+            drive = Prescribed(self.motion)
+        start = np.zeros(())
+        angle, speed = float(self.motion.angle(start)), float(self.motion.speed(start))
+        return scene(self.mechanism, drive, channels, start_angle=angle, speed=speed)
+
+    def at(self, time: Array) -> Truth:
+        """The closed form along the motion, kept so that all quantities on one clock share its work."""
+        key = time.tobytes()
+        if key not in self._seen:
+            while len(self._seen) >= KEPT:
+                del self._seen[next(iter(self._seen))]
+            self._seen[key] = Truth(self.mechanism, self.motion, time)
+        return self._seen[key]
+
+    def sweep(self, time: Array) -> Sweep:
+        """The linkage along the motion."""
+        return self.at(time).sweep
+
+    def joint_names(self) -> tuple[str, ...]:
+        """Names of all joints that carry a force."""
+        return joint_names(self.mechanism.linkage)
+
+    def output_anchor(self) -> Vector:
+        """The output point relative to its link's mass centre, link frame, m."""
+        link = self.mechanism.linkage.links[self.output.link]
+        point = link.points[self.output.point]
+        return (point[0] - link.centre[0], point[1] - link.centre[1])
+
+    def along(self, vectors: Array) -> Array:
+        """Component of (n, 2) vectors along the output's direction."""
+        return np.asarray(vectors @ np.asarray(self.output.along))
+
+
+def own_motion(mechanism: Mechanism, own: OwnRegime, half_slope: str = "exact") -> FreeMotion:
+    """The motion of a regime of the linkage's own; ``half_slope`` names the model of ½ Jeq'."""
+    motion = free_motion(
+        mechanism,
+        torque=own.torque,
+        start_angle=own.start_angle,
+        start_speed=own.start_speed,
+        duration=own.duration,
+        half_slope=half_slope,
+    )
+    return replace(motion, regime=own.name)
+
+
+def own_case(mechanism: Mechanism, own: OwnRegime) -> Case:
+    """The case of a regime of the linkage's own: a released crank, its motion by the equation of motion."""
+    motion = own_motion(mechanism, own)
+    conditions = (
+        f"released at {math.degrees(own.start_angle):g}° with {own.start_speed:g} rad/s, crank torque {own.torque:g} "
+        f"N m, {own.duration:g} s, {'gravity on' if any(mechanism.linkage.gravity) else 'gravity off'}"
+    )
+    return Case(mechanism, motion, Free(own.torque, own.duration), conditions)

@@ -1,0 +1,154 @@
+"""The figures printed in the sources beside ours, in every variant of a mechanism."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from analytic.description.crank_motion import crank_motion
+from analytic.description.linkage import Linkage, Published
+from analytic.description.loading import load
+from analytic.dynamics import reduced
+from analytic.dynamics.equilibrium import equilibria
+from analytic.errors import LinkproofError, UnknownNameError
+from analytic.kinematics.mechanism import Mechanism
+from analytic.numerics.extremes import Extremes, extremes
+from analytic.turn.unit_functions import unit_functions
+from comparisons.reference.case import own_motion
+
+# The sources call their own methods in agreement "within 2-6 %": that is the width of a figure that is met.
+CLAIMED = 0.06
+# Instants over the run-up at which its peaks are looked for: a 500th of a turn at full speed.
+INSTANTS = 35001
+
+
+@dataclass(frozen=True)
+class PublishedRecord:
+    """A printed figure beside ours; ``deviation`` is ours over published less one."""
+
+    mechanism: str
+    variant: str
+    quantity: str
+    unit: str
+    published: float
+    ours: float
+    deviation: float
+    verdict: str
+    source: str
+    note: str
+
+
+Figure = Callable[[Mechanism], float]
+
+
+def _inertia(mechanism: Mechanism, link: str | None = None) -> Extremes:
+    names = None if link is None else [link]
+    return extremes(lambda phi: reduced.reduced_inertia(mechanism.sweep(phi), names))
+
+
+def _run_up_peaks(mechanism: Mechanism) -> tuple[float, float]:
+    """Peak |Mkr|, N m, and peak Peq, W, of the linear run-up from φ = 0."""
+    motion = crank_motion("run-up")
+    time = np.linspace(0.0, motion.duration, INSTANTS)
+    speed = motion.speed(time)
+    torque = reduced.drive_torque(mechanism.sweep(motion.angle(time)), speed, motion.acceleration(time))
+    return float(np.max(np.abs(torque))), float(np.max(torque * speed))
+
+
+def _resting_angle(mechanism: Mechanism) -> float:
+    """The stable equilibrium of the undriven crank with the least potential energy, degrees."""
+    stable = [found.angle for found in equilibria(mechanism) if found.stable]
+    if not stable:
+        raise LinkproofError(f"'{mechanism.linkage.name}' has no stable equilibrium: its loads hold no angle")
+    lowest = min(stable, key=lambda angle: float(reduced.potential_energy(mechanism.sweep(angle))))
+    return math.degrees(lowest) % 360.0
+
+
+def _start_acceleration(mechanism: Mechanism, regime: str) -> float:
+    """Crank acceleration at the start of a regime of the linkage's own, rad/s²."""
+    own = next(own for own in mechanism.linkage.regimes if own.name == regime)
+    return float(own_motion(mechanism, replace(own, duration=SHORT)).acceleration(np.zeros(())))
+
+
+FIGURES: Mapping[str, tuple[str, Figure]] = {
+    "Jeq.mean": ("kg m²", lambda m: _inertia(m).mean),
+    "Jeq.max": ("kg m²", lambda m: _inertia(m).maximum),
+    "Jeq.min": ("kg m²", lambda m: _inertia(m).minimum),
+    "Jeq.range": ("kg m²", lambda m: _inertia(m).maximum - _inertia(m).minimum),
+    "Jeq.pulsation": ("", lambda m: _inertia(m).relative_pulsation),
+    "Mkr.peak": ("N m", lambda m: _run_up_peaks(m)[0]),
+    "Peq.peak": ("W", lambda m: _run_up_peaks(m)[1]),
+    "equilibrium": ("°", _resting_angle),
+    "S.harmonic_deviation": ("", lambda m: unit_functions(m).deviations[0]),
+    "v.harmonic_deviation": ("", lambda m: unit_functions(m).deviations[1]),
+    "a.harmonic_deviation": ("", lambda m: unit_functions(m).deviations[2]),
+}
+
+# "Jeq:LINK.mean" is the mean reduced inertia of one link.
+LINK_PREFIX, LINK_SUFFIX = "Jeq:", ".mean"
+# "start_acceleration:REGIME" is the crank's at the start of a regime of the linkage's own.
+START_PREFIX, SHORT = "start_acceleration:", 1e-3
+
+
+def figure(mechanism: Mechanism, name: str) -> tuple[str, float]:
+    """Unit and value of a figure of a mechanism by name; raises UnknownNameError for one we cannot compute."""
+    if name in FIGURES:
+        unit, compute = FIGURES[name]
+        return unit, compute(mechanism)
+    link = name.removeprefix(LINK_PREFIX).removesuffix(LINK_SUFFIX)
+    if name == f"{LINK_PREFIX}{link}{LINK_SUFFIX}" and link in mechanism.linkage.links:
+        return "kg m²", _inertia(mechanism, link).mean
+    regimes = [f"{START_PREFIX}{own.name}" for own in mechanism.linkage.regimes]
+    if name in regimes:
+        return "rad/s²", _start_acceleration(mechanism, name.removeprefix(START_PREFIX))
+    links = [f"{LINK_PREFIX}{link}{LINK_SUFFIX}" for link in mechanism.linkage.links]
+    raise UnknownNameError("published quantity", name, [*FIGURES, *links, *regimes])
+
+
+def compare_published(linkages: Iterable[Linkage]) -> tuple[PublishedRecord, ...]:
+    """Every printed figure of these linkages against ours, in each linkage's own variant."""
+    return tuple(
+        _record(linkage, entry) for linkage in linkages for entry in linkage.published if _applies(linkage, entry)
+    )
+
+
+def all_variants(name: str) -> tuple[Linkage, ...]:
+    """A mechanism in each of its variants, the file's own first."""
+    first = load(name)
+    return (first, *(load(name, variant) for variant in first.variants[1:]))
+
+
+def _applies(linkage: Linkage, entry: Published) -> bool:
+    return entry.variant is None or entry.variant == linkage.variant
+
+
+def _record(linkage: Linkage, entry: Published) -> PublishedRecord:
+    unit, ours = figure(Mechanism(linkage), entry.quantity)
+    quantity = entry.quantity
+    if entry.relative_to is not None:
+        other = load(entry.relative_to)
+        variant = linkage.variant if linkage.variant in other.variants else None
+        ours /= figure(Mechanism(load(entry.relative_to, variant)), entry.quantity)[1]
+        quantity, unit = f"{entry.quantity} / {entry.relative_to}", ""
+    return PublishedRecord(
+        mechanism=linkage.name,
+        variant=linkage.variant,
+        quantity=quantity,
+        unit=unit,
+        published=entry.value,
+        ours=ours,
+        deviation=ours / entry.value - 1.0,
+        verdict=verdict(entry, ours),
+        source=entry.place,
+        note=entry.note,
+    )
+
+
+def verdict(entry: Published, ours: float) -> str:
+    """Reproduced to the printed digits, within the 6 % the sources claim of themselves, or not reproduced."""
+    if abs(ours - entry.value) <= entry.half_digit * (1.0 + 1e-9):
+        return "reproduced"
+    return "within 6 %" if abs(ours / entry.value - 1.0) <= CLAIMED else "not reproduced"

@@ -1,0 +1,56 @@
+"""The bridge from the closed form to the engines: a linkage's start state, and the scene it gives."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+import numpy as np
+
+from analytic.dynamics.reduced import damping_coefficient, generalised_force, half_inertia_slope, reduced_inertia
+from analytic.kinematics.frames import Pair
+from analytic.kinematics.mechanism import Mechanism
+from analytic.kinematics.sweep import Sweep
+from engines.contract import Channel, Drive, Prescribed, Scene
+from engines.scene_builder import LinkState, build_scene
+
+
+def start_state(sweep: Sweep, speed: float, acceleration: float) -> dict[str, LinkState]:
+    """State of every link at the sweep's single crank angle for crank speed ω, rad/s, and acceleration ε, rad/s²."""
+    return {name: _state(sweep, name, speed, acceleration) for name in sweep.linkage.links}
+
+
+def _state(sweep: Sweep, name: str, speed: float, acceleration: float) -> LinkState:
+    first, second = sweep.rates(name)[2], sweep.accelerations(name)[2]
+    position, velocity, bend = (sweep.centre(name, order) for order in range(3))
+
+    def moved(scale: float, vector: Pair, other: float = 0.0, also: Pair = (0.0, 0.0)) -> tuple[float, float]:
+        return (float(scale * vector[0] + other * also[0]), float(scale * vector[1] + other * also[1]))
+
+    return LinkState(
+        position=moved(1.0, position),
+        angle=float(sweep.angles(name)),
+        velocity=moved(speed, velocity),
+        angular_velocity=float(speed * first),
+        acceleration=moved(speed * speed, bend, acceleration, velocity),
+        angular_acceleration=float(speed * speed * second + acceleration * first),
+    )
+
+
+def scene(
+    mechanism: Mechanism, drive: Drive, channels: Iterable[Channel], *, start_angle: float = 0.0, speed: float = 0.0
+) -> Scene:
+    """The scene of a mechanism under a drive.
+
+    Under a prescribed motion the start state is the motion's; a free one starts at ``start_angle`` (rad) with crank
+    speed ``speed`` (rad/s), its accelerations taken from the equation of motion.
+    """
+    if isinstance(drive, Prescribed):
+        motion = drive.motion
+        sweep = mechanism.sweep(np.asarray(motion.angle(0.0)))
+        state = start_state(sweep, float(motion.speed(0.0)), float(motion.acceleration(0.0)))
+    else:
+        sweep = mechanism.sweep(np.asarray(start_angle))
+        moment = drive.torque + generalised_force(sweep) - damping_coefficient(sweep) * speed
+        acceleration = (moment - half_inertia_slope(sweep) * speed**2) / reduced_inertia(sweep)
+        state = start_state(sweep, speed, float(acceleration))
+    return build_scene(mechanism.linkage, state, drive, frozenset(channels))

@@ -1,0 +1,218 @@
+"""What runs inside a worker process: one job after the other, each within a memory bound, heard by nobody.
+
+Imports the standard library alone, so that the server which forks workers can be started before anything heavy is.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import faulthandler
+import functools
+import multiprocessing
+import os
+import pickle
+import signal
+import sys
+import threading
+from collections.abc import Callable, Iterator, Sequence
+from multiprocessing import forkserver
+from multiprocessing.connection import Connection, wait
+from pathlib import Path
+from types import ModuleType
+from typing import Any
+
+# First word of a worker's message: ready for a job, or what came of one.
+READY, DONE, RAISED, EXITED, OUT_OF_MEMORY = range(5)
+
+# Set to anything, this leaves a worker's output where it was: on the terminal.
+SHOW_OUTPUT = "LINKPROOF_WORKER_OUTPUT"
+# How workers are started: fork, forkserver or spawn, as multiprocessing has it.
+START = "LINKPROOF_WORKER_START"
+
+_REASON_LENGTH = 300
+
+
+def start_method() -> str:
+    """How workers are started: forked from a server that has imported what they need, 5 ms each; no thread is forked.
+
+    Where there is no such server (Windows), or forking is unsafe with the system's own libraries (macOS), every worker
+    is spawned and imports anew. ``START`` in the environment overrules it.
+    """
+    return os.environ.get(START) or ("forkserver" if sys.platform.startswith("linux") else "spawn")
+
+
+def start_server(modules: Sequence[str]) -> None:
+    """Start the server that forks workers, with these modules imported; returns at once, does nothing the next time.
+
+    Called early, its imports run beside the caller's own.
+    """
+    if start_method() == "forkserver":
+        forkserver.set_forkserver_preload(["comparisons.runs.worker_process", *modules])
+        with unheard(), _same_path():
+            forkserver.ensure_running()
+
+
+@contextlib.contextmanager
+def _same_path() -> Iterator[None]:
+    """A Python started here finds modules where this one does, and none in the folder it happens to be run from."""
+    wanted = {"PYTHONPATH": os.pathsep.join(entry or str(Path.cwd()) for entry in sys.path), "PYTHONSAFEPATH": "1"}
+    before = {name: os.environ.get(name) for name in wanted}
+    os.environ.update(wanted)
+    try:
+        yield
+    finally:
+        for name, value in before.items():
+            if value is None:
+                del os.environ[name]
+            else:
+                os.environ[name] = value
+
+
+@contextlib.contextmanager
+def unheard() -> Iterator[None]:
+    """What is started here is cut off from the terminal: it sees no Ctrl-C, prints nothing and knows no main module.
+
+    From its first instruction on; this process hears a Ctrl-C when it is over. Without the main module, where no job
+    lives, a script that calls us needs no ``if __name__ == "__main__"``, and a command line is not paid for twice.
+    """
+    main = sys.modules["__main__"]
+    with _deaf_to_interrupts(), _silent():
+        sys.modules["__main__"] = ModuleType("__main__")
+        try:
+            yield
+        finally:
+            sys.modules["__main__"] = main
+
+
+@contextlib.contextmanager
+def _deaf_to_interrupts() -> Iterator[None]:
+    if not hasattr(signal, "pthread_sigmask"):
+        yield
+        return
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+    try:
+        yield
+    finally:
+        signal.pthread_sigmask(signal.SIG_SETMASK, before)
+
+
+@contextlib.contextmanager
+def _silent() -> Iterator[None]:
+    """The file descriptors 1 and 2 lead nowhere, unless the output is asked for."""
+    if os.environ.get(SHOW_OUTPUT):
+        yield
+        return
+    for stream in (sys.stdout, sys.stderr):
+        if stream is not None:
+            stream.flush()
+    nowhere = os.open(os.devnull, os.O_WRONLY)
+    before = [os.dup(descriptor) for descriptor in (1, 2)]
+    try:
+        for descriptor in (1, 2):
+            os.dup2(nowhere, descriptor)
+        yield
+    finally:
+        for descriptor, known in zip((1, 2), before, strict=True):
+            os.dup2(known, descriptor)
+        for one in (nowhere, *before):
+            os.close(one)
+
+
+def serve(channel: Connection, output: Connection | None, function: bytes, memory: int) -> None:
+    """Answer every pickled tuple of arguments on the channel by what ``function`` makes of it, until it is closed."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    _die_with_parent()
+    _speak_to(output)
+    channel.send_bytes(pickle.dumps((READY, None)))
+    while True:
+        try:
+            job = channel.recv_bytes()
+        except EOFError:
+            return
+        channel.send_bytes(_answer(function, job, memory))
+
+
+def _answer(function: bytes, job: bytes, memory: int) -> bytes:
+    """The pickled message on one job; whatever happens to it is part of the message."""
+    try:
+        with _bounded(memory):
+            value = _loaded(function)(*pickle.loads(job))
+        return pickle.dumps((DONE, value), protocol=pickle.HIGHEST_PROTOCOL)
+    except BaseException as error:
+        return pickle.dumps(failure(error))
+
+
+@functools.cache
+def _loaded(function: bytes) -> Callable[..., object]:
+    """A pickled function, the same for all jobs, so that what it has found once it can keep."""
+    loaded: Callable[..., object] = pickle.loads(function)
+    return loaded
+
+
+def failure(error: BaseException) -> tuple[int, Any]:
+    """The message on a job that raised."""
+    if isinstance(error, MemoryError):
+        return OUT_OF_MEMORY, None
+    if isinstance(error, SystemExit):
+        return EXITED, error.code if isinstance(error.code, int) else int(error.code is not None)
+    words = " ".join(str(error).split())
+    return RAISED, f"raised {type(error).__name__}: {words}"[:_REASON_LENGTH].rstrip(": ")
+
+
+def _die_with_parent() -> None:
+    """Have this process killed when the program that wants its work dies, even amid C code that never lets go.
+
+    The pipe that ends with the parent raises a signal by itself. (Its death does not end the server, which lives as
+    long as any worker, so the kernel's signal on a father's death would come too late.)
+    """
+    parent = multiprocessing.parent_process()
+    assert parent is not None
+    if sys.platform.startswith("linux"):
+        import fcntl  # noqa: PLC0415  POSIX only
+
+        fcntl.fcntl(parent.sentinel, fcntl.F_SETOWN, os.getpid())
+        fcntl.fcntl(parent.sentinel, fcntl.F_SETSIG, signal.SIGKILL)
+        flags = fcntl.fcntl(parent.sentinel, fcntl.F_GETFL)
+        fcntl.fcntl(parent.sentinel, fcntl.F_SETFL, flags | os.O_ASYNC)
+        if not parent.is_alive():
+            os._exit(1)
+    else:
+        threading.Thread(target=_outlive, args=(parent.sentinel,), daemon=True).start()
+
+
+def _outlive(sentinel: int) -> None:
+    wait([sentinel])
+    os._exit(1)
+
+
+def _speak_to(output: Connection | None) -> None:
+    """Send what is printed, and what a C core writes to file descriptors, to the parent's ear; leave no core dumps."""
+    with contextlib.suppress(ImportError):
+        import resource  # noqa: PLC0415  POSIX only
+
+        resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
+    if output is not None and not os.environ.get(SHOW_OUTPUT):
+        faulthandler.disable()  # a forked one writes to where its parent's did
+        sys.stdout, sys.stderr = sys.__stdout__, sys.__stderr__
+        for descriptor in (1, 2):
+            os.dup2(output.fileno(), descriptor)
+
+
+@contextlib.contextmanager
+def _bounded(memory: int) -> Iterator[None]:
+    """Let the process add no more than ``memory`` bytes to its address space; no bound where the system sets none."""
+    try:
+        import resource  # noqa: PLC0415
+
+        pages = int(Path("/proc/self/statm").read_text(encoding="ascii").split()[0])
+    except (ImportError, OSError):
+        yield
+        return
+    before = resource.getrlimit(resource.RLIMIT_AS)
+    wanted = pages * resource.getpagesize() + memory
+    bounds = [value for value in (wanted, *before) if value != resource.RLIM_INFINITY]
+    resource.setrlimit(resource.RLIMIT_AS, (min(bounds), before[1]))
+    try:
+        yield
+    finally:
+        resource.setrlimit(resource.RLIMIT_AS, before)

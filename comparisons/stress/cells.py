@@ -1,0 +1,217 @@
+"""Stress maps: where an engine stops being right, cell by cell, every cell in a worker process of its own.
+
+A cell is one value of one axis (``stress_axes.toml``) in one row, engine and usage, and can be made again on its own.
+Each is judged by ``stress_verdict``; borders between verdicts are found by ``stress_border``.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import asdict, dataclass, replace
+from functools import lru_cache
+from typing import Any
+
+from analytic.errors import LinkproofError, UnknownNameError
+from comparisons.reference.case import Case
+from comparisons.runs.run_engine import attempt
+from comparisons.stress.axes import Axis, axes
+from comparisons.stress.scenes import Conditions, case, scene
+from comparisons.stress.verdict import Judgement, StressVerdict, judged
+from engines.contract import Engine, Method, Outcome, Run, Scene, Setting
+from engines.registry import engine
+
+SETTINGS = tuple(setting.value for setting in Setting)
+
+
+@dataclass(frozen=True)
+class Cell:
+    """One run of a map; ``usage`` is a setting or the name of a method."""
+
+    axis: str
+    row: str
+    value: float
+    engine: str
+    usage: str
+
+    @property
+    def key(self) -> str:
+        """The cell in words that a command understands."""
+        return "/".join((self.axis, self.row, f"{self.value:.6g}", self.engine, self.usage))
+
+    @property
+    def line(self) -> tuple[str, str, str, str]:
+        """What it shares with the cells of other values."""
+        return (self.axis, self.row, self.engine, self.usage)
+
+
+@dataclass(frozen=True)
+class CellResult:
+    """A cell with what came of it. ``conditions`` is what differs from a plain run-up of the linkage.
+
+    ``seconds`` is the stepping alone, ``spent`` everything: reference, set-up, stepping, judging.
+    """
+
+    cell: Cell
+    mechanism: str
+    outcome: str
+    judgement: Judgement
+    conditions: Mapping[str, Any]
+    seconds: float = 0.0
+    spent: float = 0.0
+    steps: int = 0
+    solver_work: int = 0
+
+    @property
+    def verdict(self) -> StressVerdict:
+        """What the cell shows."""
+        return self.judgement.verdict
+
+    @property
+    def document(self) -> dict[str, Any]:
+        """The result as JSON-ready data."""
+        cell = self.cell
+        told = {key: value for key, value in asdict(self.judgement).items() if key not in ("verdict", "reason")}
+        return {
+            **asdict(cell),
+            "mechanism": self.mechanism,
+            "outcome": self.outcome,
+            "verdict": self.verdict.value,
+            "reason": self.judgement.reason,
+            **told,
+            "seconds": self.seconds,
+            "spent": self.spent,
+            "steps": self.steps,
+            "solver_work": self.solver_work,
+            "conditions": dict(self.conditions),
+            "command": f"linkproof stress '{cell.key}'",
+        }
+
+
+def from_document(row: Mapping[str, Any]) -> CellResult:
+    """A result back from its JSON data; raises KeyError or TypeError for anything else."""
+    cell = Cell(*(row[name] for name in ("axis", "row", "value", "engine", "usage")))
+    names = ("reason", "quantity", "deviation", "deviation_limit", "wrong", "invariant", "invariant_error")
+    judgement = Judgement(
+        StressVerdict(row["verdict"]),
+        **{name: row[name] for name in (*names, "invariant_limit")},
+        alarms=tuple(row["alarms"]),
+    )
+    numbers = {name: row[name] for name in ("seconds", "spent", "steps", "solver_work")}
+    return CellResult(cell, row["mechanism"], row["outcome"], judgement, row["conditions"], **numbers)
+
+
+def usages(axis: Axis, adapter: Engine) -> list[str]:
+    """The settings and methods in which an engine is put on an axis."""
+    if not axis.methods:
+        return list(axis.settings)
+    plain = axis.rows[0].conditions
+    offered = {method.name: method.effort_unit for method in adapter.methods(scene(plain, case(plain)))}
+    fitting = [name for name in axis.methods if name in offered and axis.unit in ("", offered[name])]
+    return [*axis.settings, *fitting]
+
+
+def cells(chosen: Iterable[Axis], engines: Sequence[str], only: Sequence[str] = (), *, quick: bool) -> list[Cell]:
+    """Every cell of these axes; ``only`` keeps the usages of these names."""
+    return [
+        Cell(axis.name, row.label, value, name, usage)
+        for axis in chosen
+        for row in axis.chosen_rows(quick=quick)
+        for value in axis.chosen_values(row, quick=quick)
+        for name in engines
+        for usage in usages(axis, engine(name))
+        if not only or usage in only
+    ]
+
+
+def find_cell(key: str) -> Cell:
+    """The cell of a key; its value may be any number. Raises UnknownNameError, or LinkproofError for another text."""
+    parts = key.split("/")
+    if len(parts) != 5:
+        raise LinkproofError(
+            f"expected a cell as AXIS/ROW/VALUE/ENGINE/USAGE, got '{key}'; copy one from a list of cells"
+        )
+    name, row, value, engine_name, usage = parts
+    if name not in axes():
+        raise UnknownNameError("axis", name, axes())
+    axis = axes()[name]
+    axis.row(row)
+    known = usages(axis, engine(engine_name))
+    if usage not in known:
+        raise UnknownNameError(f"usage of '{engine_name}' on axis '{name}'", usage, known)
+    try:
+        return Cell(name, row, float(value), engine_name, usage)
+    except ValueError:
+        raise LinkproofError(f"cell '{key}': expected a number as its value, got '{value}'; correct it") from None
+
+
+def made(cell: Cell) -> CellResult:
+    """Make a cell's run here and now, and judge it."""
+    begun = time.perf_counter()
+    conditions = axes()[cell.axis].conditions(cell.row, cell.value)
+    found = replace(_unmade(cell), conditions=conditions.told)
+    adapter = engine(cell.engine)
+    if adapter.version() is None:
+        return replace(found, judgement=Judgement(StressVerdict.UNAVAILABLE, "not installed"), outcome="unavailable")
+    try:
+        true = _case(conditions)
+    except LinkproofError as error:
+        nothing = Judgement(StressVerdict.UNSUPPORTED, f"the closed form has no motion to hold an engine to: {error}")
+        return replace(found, judgement=nothing, outcome=Outcome.UNSUPPORTED.value)
+    given = scene(conditions, true)
+    run = _run(adapter, given, cell.usage, conditions)
+    limits_of = cell.usage if cell.usage in SETTINGS else Setting.TUNED.value
+    return replace(
+        found,
+        outcome=run.outcome.value,
+        judgement=judged(true, given, run, limits_of),
+        seconds=run.seconds,
+        spent=time.perf_counter() - begun,
+        steps=run.steps,
+        solver_work=run.solver_work,
+    )
+
+
+def lost(cell: Cell, outcome: Outcome, reason: str) -> CellResult:
+    """A cell whose worker gave no result."""
+    return replace(_unmade(cell), judgement=Judgement(StressVerdict(outcome.value), reason), outcome=outcome.value)
+
+
+def _unmade(cell: Cell) -> CellResult:
+    conditions = axes()[cell.axis].conditions(cell.row, cell.value)
+    nothing = Judgement(StressVerdict.UNAVAILABLE)
+    return CellResult(cell, conditions.linkage, Outcome.UNAVAILABLE.value, nothing, conditions.told)
+
+
+@lru_cache(maxsize=4)
+def _case(conditions: Conditions) -> Case:
+    """Kept, since neighbouring cells share it and a long released motion takes seconds to integrate."""
+    return case(replace(conditions))
+
+
+@dataclass(frozen=True)
+class _Fixed:
+    """An engine with a method and a step in the place of its settings."""
+
+    adapter: Engine
+    method: Method
+    step: float
+
+    @property
+    def name(self) -> str:
+        return self.adapter.name
+
+    def obstacle(self, model: Scene) -> str | None:
+        return self.adapter.obstacle(model)
+
+    def run(self, model: Scene, _: Setting) -> Run:
+        return self.adapter.run_method(model, self.method, self.step)
+
+
+def _run(adapter: Engine, given: Scene, usage: str, conditions: Conditions) -> Run:
+    if usage in SETTINGS:
+        return attempt(adapter, given, Setting(usage))
+    method = next(one for one in adapter.methods(given) if one.name == usage)
+    if conditions.effort:
+        method = replace(method, effort=conditions.effort)
+    return attempt(_Fixed(adapter, method, conditions.step), given, Setting.TUNED)  # type: ignore[arg-type]

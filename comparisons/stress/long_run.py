@@ -1,0 +1,110 @@
+"""A thousand turns: are joints and torque in the last turn what they were in the first?"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+
+from analytic.description.crank_motion import RPM, crank_motion
+from analytic.description.loading import load
+from analytic.kinematics.mechanism import Mechanism
+from comparisons.invariants.invariants import joint_gaps
+from comparisons.observation.observed_motion import ObservedMotion
+from comparisons.reference.case import Case
+from comparisons.runs.run_engine import attempt
+from comparisons.runs.workers import GIB, Bounds, Lost, run_jobs
+from engines.contract import Channel, Outcome, Setting, Signal
+from engines.registry import engine
+
+TURNS: Final = 1000
+SPEED: Final = 1000.0  # rpm
+BOUNDS: Final = Bounds(300.0, 4 * GIB)
+LEAST: Final = float(np.finfo(float).eps)  # of the peak, or of the link: a smaller error is rounding
+
+
+@dataclass(frozen=True)
+class LongRun:
+    """Largest joint gap (over the shortest link) and torque error (over its peak) in the first and the last turn."""
+
+    mechanism: str
+    engine: str
+    setting: str
+    turns: int
+    outcome: str
+    reason: str = ""
+    gap_first: float | None = None
+    gap_last: float | None = None
+    torque_first: float | None = None
+    torque_last: float | None = None
+    seconds: float = 0.0
+    steps: int = 0
+
+    @property
+    def growth(self) -> float:
+        """The worse of the two errors' ratios, last turn over first; infinite where there was no motion."""
+        if self.gap_first is None or self.gap_last is None or self.torque_first is None or self.torque_last is None:
+            return float("inf")
+        return max(
+            max(self.gap_last, LEAST) / max(self.gap_first, LEAST),
+            max(self.torque_last, LEAST) / max(self.torque_first, LEAST),
+        )
+
+
+def long_runs(
+    engines: Sequence[str], mechanisms: Sequence[str] = (), setting: Setting = Setting.TUNED, turns: int = TURNS
+) -> Iterator[LongRun]:
+    """Mechanisms (catalogue names or files) turned at constant speed in every engine that is installed."""
+    jobs = [(name, one, setting, turns) for name in mechanisms for one in engines if engine(one).version() is not None]
+    found = dict(run_jobs(long_run, jobs, bounds=BOUNDS))
+    for number, (name, one, _, _) in enumerate(jobs):
+        result = found[number]
+        if isinstance(result, Lost):
+            result = LongRun(load(name).name, one, setting.value, turns, result.outcome.value, result.reason)
+        yield result
+
+
+def long_run(name: str, engine_name: str, setting: Setting, turns: int) -> LongRun:
+    """One mechanism in one engine for so many turns."""
+    mechanism = Mechanism(load(name))
+    seconds = turns * 60.0 / SPEED
+    motion = crank_motion("constant-speed", speed=SPEED * RPM, ramp_time=seconds, hold_time=0.0)
+    case = Case(mechanism, motion)
+    scene = case.scene([Channel.POSITION, Channel.TORQUE])
+    run = attempt(engine(engine_name), scene, setting)
+    blank = LongRun(mechanism.linkage.name, engine_name, setting.value, turns, run.outcome.value, run.reason)
+    if run.outcome is not Outcome.FINISHED or run.history is None:
+        return blank
+    observed = ObservedMotion(scene, run.history)
+    gaps = joint_gaps(observed)
+    torque = observed.signal(Channel.TORQUE)
+    link = mechanism.linkage.shortest_length()
+    gap_first, gap_last = _ends(Signal(gaps.time, gaps.values / link), seconds, turns)
+    off, off_last = _ends(_torque_error(case, torque), seconds, turns)
+    return LongRun(
+        mechanism.linkage.name,
+        engine_name,
+        setting.value,
+        turns,
+        run.outcome.value,
+        gap_first=gap_first,
+        gap_last=gap_last,
+        torque_first=off,
+        torque_last=off_last,
+        seconds=run.seconds,
+        steps=run.steps,
+    )
+
+
+def _torque_error(case: Case, torque: Signal) -> Signal:
+    truth = case.at(torque.time).torque
+    return Signal(torque.time, np.abs(torque.values - truth) / float(np.max(np.abs(truth))))
+
+
+def _ends(signal: Signal, seconds: float, turns: int) -> tuple[float, float]:
+    """Largest value within the first and within the last turn."""
+    turn = seconds / turns
+    first, last = signal.time <= turn, signal.time >= seconds - turn
+    return float(np.max(signal.values[first])), float(np.max(signal.values[last]))

@@ -1,0 +1,233 @@
+"""From the conditions of one cell of a stress map to a case and the scene an engine is given."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, fields, replace
+from pathlib import Path
+
+import numpy as np
+
+from analytic.description.crank_motion import RPM, CrankMotion, Segment, crank_motion
+from analytic.description.law import Law
+from analytic.description.linkage import GROUND, Link, Linkage, OwnRegime, Vector
+from analytic.description.loading import catalogue, load
+from analytic.kinematics.mechanism import Mechanism
+from comparisons.reference.case import Case, own_case
+from comparisons.stress.stiff_motion import MOST_RELAXATIONS, relaxations, stiff_motion
+from engines.contract import Body, Channel, Free, Scene
+from engines.start_check import scene_size
+
+LINKAGES = Path(__file__).with_name("linkages")
+RELEASED, REVERSAL = "released", "reversal"
+GOLDEN_ANGLE = math.pi * (3.0 - math.sqrt(5.0))  # directions that no two bodies share
+
+
+@dataclass(frozen=True)
+class Conditions:
+    """All that decides a cell's scene and how it is stepped; the defaults are a smooth run-up of the linkage as it is.
+
+    ``linkage`` is a catalogue name, or a file's among the stress maps' own. ``speed`` is in rpm, ``start_angle`` in
+    degrees; ``motion`` is a regime's name, ``reversal`` or ``released``. ``turns`` is the duration of a constant speed
+    or of a released crank, in turns at ``speed``; ``spinning`` says whether it is released at that speed or at rest,
+    ``torque`` (N m) is then on it. ``point`` of ``link`` (or of the ground) is put at ``at + excess * slope``, m.
+    ``scaled`` names what is multiplied by ``scale``, ``load`` what is kept of springs and dampers, times
+    ``load_factor``. ``disturbed`` says whether positions or velocities of the start are off by ``disturbance``.
+    """
+
+    linkage: str
+    speed: float = 1000.0
+    motion: str = "run-up-quintic"
+    start_angle: float = 0.0
+    ramp_turns: float = 2.0
+    hold_turns: float = 1.0
+    reversal_turns: float = 1.0
+    turns: float = 1.0
+    spinning: bool = True
+    torque: float = 0.0
+    link: str = ""
+    mass_factor: float = 1.0
+    point: str = ""
+    at: Vector = (0.0, 0.0)
+    slope: Vector = (0.0, 0.0)
+    excess: float = 0.0
+    scaled: str = ""
+    scale: float = 1.0
+    load: str = ""
+    load_factor: float = 1.0
+    damper_factor: float = 1.0
+    disturbed: str = ""
+    disturbance: float = 0.0
+    steps_per_turn: float = 0.0
+    effort: float = 0.0
+
+    @property
+    def told(self) -> dict[str, str | float | bool | list[float]]:
+        """What differs from the defaults, by name."""
+        found = {}
+        for one in fields(self):
+            value = getattr(self, one.name)
+            if one.name == "linkage" or value != one.default:
+                found[one.name] = list(value) if isinstance(value, tuple) else value
+        return found
+
+    @property
+    def time_factor(self) -> float:
+        """What every time is multiplied by."""
+        return self.scale if self.scaled == "time" else 1.0
+
+    @property
+    def rate(self) -> float:
+        """The speed, rad/s."""
+        return self.speed * RPM / self.time_factor
+
+    @property
+    def step(self) -> float:
+        """The step of a method, s."""
+        return 2.0 * math.pi / self.rate / self.steps_per_turn
+
+
+def linkage(conditions: Conditions) -> Linkage:
+    """The linkage of a cell; its name tells nothing of what was changed."""
+    name = conditions.linkage
+    found = load(name if name in catalogue() else str(LINKAGES / f"{name}.toml"))
+    if conditions.mass_factor != 1.0:
+        found = _heavier(found, conditions.link, conditions.mass_factor)
+    if conditions.point:
+        found = _moved(found, conditions)
+    found = replace(found, dampers=tuple(replace(d, coefficient=d.coefficient * conditions.damper_factor)
+                                         for d in found.dampers if conditions.damper_factor))  # fmt: skip
+    if conditions.load:
+        found = _loaded(found, conditions.load, conditions.load_factor)
+    factors = {conditions.scaled: conditions.scale} if conditions.scaled else {}
+    return in_units(found, **factors) if factors else found
+
+
+def _heavier(found: Linkage, name: str, factor: float) -> Linkage:
+    link = found.links[name]
+    inertia = None if link.inertia is None else link.inertia * factor
+    return replace(found, links={**found.links, name: replace(link, mass=link.mass * factor, inertia=inertia)})
+
+
+def _moved(found: Linkage, conditions: Conditions) -> Linkage:
+    place = (
+        conditions.at[0] + conditions.excess * conditions.slope[0],
+        conditions.at[1] + conditions.excess * conditions.slope[1],
+    )
+    if conditions.link == GROUND:
+        return replace(found, ground={**found.ground, conditions.point: place})
+    link = found.links[conditions.link]
+    link = replace(link, points={**link.points, conditions.point: place})
+    return replace(found, links={**found.links, conditions.link: link})
+
+
+def _loaded(found: Linkage, kept: str, factor: float) -> Linkage:
+    """One kind of load alone, times a factor."""
+    springs = tuple(replace(s, stiffness=s.stiffness * factor, damping=s.damping * factor) for s in found.springs)
+    dampers = tuple(replace(d, coefficient=d.coefficient * factor) for d in found.dampers)
+    return replace(found, springs=springs if kept == "springs" else (), dampers=dampers if kept == "dampers" else ())
+
+
+def in_units(found: Linkage, length: float = 1.0, mass: float = 1.0, time: float = 1.0) -> Linkage:
+    """The same problem with every length, mass and time times a factor."""
+    force, torque = mass * length / time**2, mass * length**2 / time**2
+
+    def place(vector: Vector) -> Vector:
+        return (vector[0] * length, vector[1] * length)
+
+    def link(one: Link) -> Link:
+        inertia = None if one.inertia is None else one.inertia * mass * length**2
+        points = {name: place(point) for name, point in one.points.items()}
+        return replace(one, points=points, mass=one.mass * mass, centre=place(one.centre), inertia=inertia)
+
+    return replace(
+        found,
+        ground={name: place(point) for name, point in found.ground.items()},
+        links={name: link(one) for name, one in found.links.items()},
+        sliders=tuple(replace(s, guide=replace(s.guide, through=place(s.guide.through))) for s in found.sliders),
+        slots=tuple(replace(s, guide=replace(s.guide, through=place(s.guide.through))) for s in found.slots),
+        sketch={name: place(point) for name, point in found.sketch.items()},
+        gravity=(found.gravity[0] * length / time**2, found.gravity[1] * length / time**2),
+        forces=tuple(replace(f, force=Law(f.force.values * force, f.force.angles)) for f in found.forces),
+        torques=tuple(replace(t, torque=Law(t.torque.values * torque, t.torque.angles)) for t in found.torques),
+        springs=tuple(
+            replace(
+                s, stiffness=s.stiffness * mass / time**2, length=s.length * length, damping=s.damping * mass / time
+            )
+            for s in found.springs
+        ),
+        dampers=tuple(replace(d, coefficient=d.coefficient * torque * time) for d in found.dampers),
+        thread=None,
+    )
+
+
+def motion(conditions: Conditions) -> CrankMotion:
+    """The crank motion of a cell whose crank is driven."""
+    turn, start = 2.0 * math.pi / conditions.rate, math.radians(conditions.start_angle)
+    if conditions.motion == REVERSAL:
+        return reversal(conditions.rate, start, conditions.hold_turns * turn, conditions.reversal_turns * turn)
+    constant = conditions.motion == "constant-speed"
+    return crank_motion(
+        conditions.motion,
+        speed=conditions.rate,
+        ramp_time=turn * (conditions.turns if constant else 2.0 * conditions.ramp_turns),
+        hold_time=0.0 if constant else turn * conditions.hold_turns,
+        start_angle=start,
+    )
+
+
+def reversal(speed: float, start_angle: float, hold: float, change: float) -> CrankMotion:
+    """Speed to the other direction and back within ``change`` each, held for ``hold`` before, between and after, s.
+
+    The change follows a quintic, so that the acceleration is continuous.
+    """
+    segments: list[Segment] = []
+    time, angle = 0.0, start_angle
+    for sense, span, turning in ((1, hold, False), (1, change, True), (-1, hold, False), (-1, change, True),
+                                 (1, hold, False)):  # fmt: skip
+        rates = [sense * speed]
+        if turning:  # ω (1 − 2 (10 x³ − 15 x⁴ + 6 x⁵)) with x = t / span
+            rates += [0.0, 0.0] + [-2.0 * sense * speed * c / span**k for k, c in ((3, 10.0), (4, -15.0), (5, 6.0))]
+        coefficients = (angle, *(rate / (k + 1) for k, rate in enumerate(rates)))
+        segments.append(Segment(time, time + span, coefficients))
+        time, angle = time + span, float(segments[-1].value(time + span))
+    return CrankMotion(REVERSAL, tuple(segments))
+
+
+def case(conditions: Conditions) -> Case:
+    """The case of a cell. Raises AssemblyError, or LinkproofError, where there is no motion to hold an engine to."""
+    mechanism = Mechanism(linkage(conditions))
+    if conditions.motion != RELEASED:
+        return Case(mechanism, motion(conditions))
+    turn = 2.0 * math.pi / conditions.rate
+    own = OwnRegime(
+        name="driven" if conditions.torque else "free",
+        torque=conditions.torque,
+        start_angle=math.radians(conditions.start_angle),
+        start_speed=conditions.rate if conditions.spinning else 0.0,
+        duration=conditions.turns * turn,
+    )
+    if relaxations(mechanism, own.duration) > MOST_RELAXATIONS:
+        return Case(mechanism, stiff_motion(mechanism, own), Free(own.torque, own.duration))
+    return own_case(mechanism, own)
+
+
+def scene(conditions: Conditions, of: Case) -> Scene:
+    """What an engine is given of a cell: everything to be recorded, the start disturbed if it is to be."""
+    found = of.scene(frozenset(Channel))
+    if not conditions.disturbed:
+        return found
+    size = conditions.disturbance * scene_size(found)
+    if conditions.disturbed == "velocity":
+        size *= abs(conditions.rate)
+    return replace(
+        found, bodies=tuple(_off(body, n, conditions.disturbed, size) for n, body in enumerate(found.bodies))
+    )
+
+
+def _off(body: Body, number: int, what: str, size: float) -> Body:
+    """A body with its place or its velocity off by ``size``, m or m/s."""
+    direction = np.array([math.cos(number * GOLDEN_ANGLE), math.sin(number * GOLDEN_ANGLE)])
+    x, y = np.array(getattr(body, what)) + size * direction
+    place = (float(x), float(y))
+    return replace(body, velocity=place) if what == "velocity" else replace(body, position=place)

@@ -1,0 +1,97 @@
+"""What of a motion is wrong, by the closed form.
+
+A motion is *wrong* where the position or velocity of any body, the crank's angle among them, or the torque of a driven
+crank is off by more than ``WRONG`` of its scale, or where nothing is told of as much of the motion.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+from numpy.typing import NDArray
+
+from comparisons.invariants.invariants import HALF_TURN
+from comparisons.judging.deviations import near_jumps
+from comparisons.observation.observed_motion import ObservedMotion
+from comparisons.reference.case import Case
+from engines.contract import Channel, Scene
+from engines.start_check import scene_size
+
+Array = NDArray[np.float64]
+
+# Of the linkage's size (or rad), of the peak velocity, of the peak torque, of the duration.
+WRONG = 1e-2
+
+
+def wrongs(case: Case, motion: ObservedMotion) -> list[str]:
+    """What of a motion is wrong, in words; empty for a right one."""
+    return [words for size, words in _errors(case, motion) if not size <= WRONG]
+
+
+def _errors(case: Case, motion: ObservedMotion) -> Iterator[tuple[float, str]]:
+    for order, name in enumerate(("position", "velocity")):
+        body, share, time = _state_error(case, motion, order)
+        yield (
+            share,
+            f"{name} of {body} off by {share:.2g} of {('the size (or rad)', 'the peak')[order]} at {time:.3g} s",
+        )
+    if case.is_prescribed:
+        signal = motion.signal(Channel.TORQUE)
+        kept = ~near_jumps(signal.time, case.motion.jumps)
+        if kept.any():
+            truth = case.at(signal.time).torque
+            error = np.abs(signal.values - truth)[kept] / (float(np.max(np.abs(truth[kept]))) or 1.0)
+            worst = int(np.argmax(error))
+            yield (
+                float(error[worst]),
+                f"torque off by {error[worst]:.2g} of its peak at {signal.time[kept][worst]:.3g} s",
+            )
+    missing = _missing(case, motion)
+    yield missing, f"{missing:.2g} of the duration has no samples"
+
+
+def _missing(case: Case, motion: ObservedMotion) -> float:
+    """Share of the duration of which a history says nothing: before it, after it, or half a turn and more within it."""
+    time = motion.signal(Channel.POSITION).time
+    gaps = np.diff(time)
+    ends = np.array([time[0], case.motion.duration - time[-1]])
+    blind = np.abs(np.diff(case.motion.angle(time))) > HALF_TURN
+    left_out = np.sum(ends[ends > 2.0 * np.max(gaps)]) + np.sum(gaps[blind])
+    return float(left_out) / case.motion.duration
+
+
+def _state_error(case: Case, motion: ObservedMotion, order: int) -> tuple[str, float, float]:
+    """The body that is furthest off in position (0) or velocity (1), by what share of the scale, and when."""
+    signal = motion.signal((Channel.POSITION, Channel.VELOCITY)[order])
+    truth = true_states(case, motion.scene, signal.time, order)
+    unit = np.array([scene_size(motion.scene)] * 2 + [1.0])
+    difference = (signal.values - truth) / unit
+    if order == 0:  # whole turns apart is the same place
+        difference[:, :, 2] = np.angle(np.exp(1j * difference[:, :, 2]))
+    difference[:, _without_angle(motion.scene), 2] = 0.0
+    sizes = np.maximum(np.hypot(difference[..., 0], difference[..., 1]), np.abs(difference[..., 2]))
+    scale = 1.0
+    if order:
+        peak = truth / unit
+        scale = float(np.max(np.maximum(np.hypot(peak[..., 0], peak[..., 1]), np.abs(peak[..., 2])))) or 1.0
+    worst = np.unravel_index(int(np.argmax(sizes)), sizes.shape)
+    return motion.scene.bodies[worst[1]].name, float(sizes[worst]) / scale, float(signal.time[worst[0]])
+
+
+def _without_angle(scene: Scene) -> list[int]:
+    """Bodies that are points: masses at a pin, whose angle means nothing."""
+    guided = {slider.body for slider in scene.sliders}
+    return [n for n, body in enumerate(scene.bodies) if body.inertia is None and body.name not in guided]
+
+
+def true_states(case: Case, scene: Scene, time: Array, order: int) -> Array:
+    """Positions or velocities of a scene's bodies by the closed form, (instants, bodies, 3)."""
+    truth = case.at(time)
+    result = np.empty((len(time), len(scene.bodies), 3))
+    for number, body in enumerate(scene.bodies):
+        x, y = truth.sweep.centre(body.name, order)
+        turn = truth.sweep.rates(body.name)[2] if order else truth.sweep.angles(body.name)
+        for part, value in enumerate((x, y, turn)):
+            result[:, number, part] = value * truth.speed if order else value
+    return result

@@ -1,0 +1,228 @@
+"""What one cell of a stress map comes to: is the motion right, and if it is not, did anything of ours notice?
+
+What a *wrong* motion is, ``stress_truth`` says. An engine that returns a wrong motion as a success has
+delivered silent garbage: our invariants, which know no closed form, have either caught it or missed it.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from enum import StrEnum
+
+import numpy as np
+
+from analytic.description.crank_motion import REGIMES
+from analytic.errors import LinkproofError
+from comparisons.invariants.checks import checks
+from comparisons.invariants.invariants import gaps_by_joint
+from comparisons.judging.deviations import deviation
+from comparisons.judging.limits import OWN, limit
+from comparisons.judging.quantities import all_quantities
+from comparisons.judging.records import Record, Verdict
+from comparisons.observation.observed_motion import ObservedMotion
+from comparisons.reference.case import Case
+from comparisons.stress.truth import wrongs
+from engines.contract import Outcome, Run, Scene
+
+LARGEST = 1e300
+# A joint is as far open as it is: over its limit that is a deviation from the truth, no inference that may be false.
+MEASURED = ("joint_gap",)
+
+
+class StressVerdict(StrEnum):
+    """What a cell shows."""
+
+    WITHIN = "within limit"
+    OVER = "over limit"
+    CAUGHT = "caught"
+    MISSED = "missed"
+    ALARM = "alarm"
+    DIVERGED = "diverged"
+    TIMED_OUT = "timed-out"
+    CRASHED = "crashed"
+    UNSUPPORTED = "unsupported"
+    UNAVAILABLE = "unavailable"
+
+
+MEANINGS: Mapping[StressVerdict, str] = {
+    StressVerdict.WITHIN: "every quantity within its limit",
+    StressVerdict.OVER: "a quantity over its limit, the motion not grossly wrong",
+    StressVerdict.CAUGHT: "said finished with a wrong motion; our invariants said so",
+    StressVerdict.MISSED: "said finished with a wrong motion; our invariants let it pass",
+    StressVerdict.ALARM: "within every limit, yet an invariant failed it",
+    StressVerdict.DIVERGED: "the engine, or its adapter, said that it failed",
+    StressVerdict.TIMED_OUT: "took longer than a cell may",
+    StressVerdict.CRASHED: "took its process down, or more memory than a cell may",
+    StressVerdict.UNSUPPORTED: "refused before it began",
+    StressVerdict.UNAVAILABLE: "not installed",
+}
+
+SAID: Mapping[str, str] = {
+    "joint_gap": "joint {joint} is open by {error} of the shortest link",
+    "closure": "bodies are {error} (of size, rad or peak) away from fitting joints and drive",
+    "assembly_mode": "a group of links is in its other assembly mode",
+    "crank_phase": "the crank is {error} rad away from where it must be",
+    "energy_balance": "{error} of the energy at play comes from nowhere",
+    "torque_two_routes": "the torque is {error} of its peak away from what the motion takes",
+    "force_balance": "a joint force is {error} of its peak away from the bodies' balance",
+}
+
+
+@dataclass(frozen=True)
+class Judgement:
+    """A verdict with what it rests on; errors are over the peak, ``wrong`` is in the words of a reader."""
+
+    verdict: StressVerdict
+    reason: str = ""
+    quantity: str = ""
+    deviation: float | None = None
+    deviation_limit: float | None = None
+    wrong: str = ""
+    invariant: str = ""
+    invariant_error: float | None = None
+    invariant_limit: float | None = None
+    alarms: tuple[str, ...] = ()
+
+
+def judged(case: Case, scene: Scene, run: Run, setting: str) -> Judgement:
+    """Hold a run against the closed form and against the invariants, by the limits of a setting.
+
+    Where the closed form itself has no motion (a change point), no motion is right, and the invariants have to say so.
+    """
+    if run.outcome is not Outcome.FINISHED or run.history is None:
+        return Judgement(StressVerdict(run.outcome.value), run.reason)
+    motion = ObservedMotion(scene, run.history)
+    blank = _blank(case, setting)
+    with np.errstate(all="ignore"):  # a wrong motion can be any numbers
+        failed, worst = _invariants(case, motion, blank)
+        said = "; ".join(_said(record, motion) for record in failed)
+        try:
+            if case.is_prescribed:
+                case.mechanism.check_full_turn()
+            found, wrong = _deviations(case, motion, blank), wrongs(case, motion)
+        except LinkproofError as error:
+            return _without_truth(failed, worst, said, error)
+    return _verdict(found, wrong, failed, worst, said)
+
+
+def _verdict(
+    found: Record | None, wrong: Sequence[str], failed: Sequence[Record], worst: Record, said: str
+) -> Judgement:
+    over = found is not None and found.outcome != Verdict.PASSED
+    inferred = [record for record in failed if record.quantity not in MEASURED]
+    if wrong:
+        verdict = StressVerdict.CAUGHT if failed else StressVerdict.MISSED
+        reason = f"{'; '.join(wrong)}. {'Seen by: ' + said if failed else 'No invariant saw it'}"
+    elif over:
+        assert found is not None
+        verdict, reason = StressVerdict.OVER, f"{found.quantity} off by {_share(found.error_max)} of its peak"
+    elif inferred:
+        verdict, reason = StressVerdict.ALARM, f"right, yet {said}"
+    else:
+        verdict, reason = (StressVerdict.OVER, said) if failed else (StressVerdict.WITHIN, "")
+    return Judgement(
+        verdict,
+        reason,
+        quantity=found.quantity if found else "",
+        deviation=found.error_max if found else None,
+        deviation_limit=found.limit if found else None,
+        wrong="; ".join(wrong),
+        invariant=worst.quantity,
+        invariant_error=worst.error_max,
+        invariant_limit=worst.limit,
+        alarms=tuple(record.quantity for record in failed),
+    )
+
+
+def _without_truth(failed: Sequence[Record], worst: Record, said: str, error: LinkproofError) -> Judgement:
+    return Judgement(
+        StressVerdict.CAUGHT if failed else StressVerdict.MISSED,
+        f"there is no one motion to find ({error}). {'Seen by: ' + said if failed else 'No invariant saw it'}",
+        wrong="no motion is the right one",
+        invariant=worst.quantity,
+        invariant_error=worst.error_max,
+        invariant_limit=worst.limit,
+        alarms=tuple(record.quantity for record in failed),
+    )
+
+
+def _said(record: Record, motion: ObservedMotion) -> str:
+    words = SAID[record.quantity].format(error=_share(record.error_max), joint=_open_joint(record, motion))
+    return words if record.worst_time is None else f"{words} at {record.worst_time:.3g} s"
+
+
+def _open_joint(record: Record, motion: ObservedMotion) -> str:
+    """The joint that is furthest open at a record's worst time."""
+    at = np.array([record.worst_time or 0.0])
+    return max(gaps_by_joint(motion, at), key=lambda found: float(found[1][0]))[0]
+
+
+def _share(error: float | None) -> str:
+    return f"{error:.2g}"
+
+
+def _blank(case: Case, setting: str) -> Record:
+    """A record by the limits of the regime that the motion is most like."""
+    regime = case.motion.regime
+    if case.is_prescribed and regime not in REGIMES:
+        regime = "run-up" if case.motion.jumps else "run-up-quintic"
+    linkage = case.mechanism.linkage
+    return Record(
+        mechanism=linkage.name,
+        variant=linkage.variant,
+        regime=regime if case.is_prescribed else OWN,
+        conditions="stress",
+        engine="",
+        engine_version="",
+        setting=setting,
+        quantity="",
+        unit="",
+        error_max=None,
+        error_rms=None,
+        limit=None,
+        baseline=None,
+        outcome=Verdict.PASSED.value,
+        detail="",
+        peak=None,
+        worst_time=None,
+        samples=0,
+        left_out=0,
+        seconds=0.0,
+        setup_seconds=0.0,
+        steps=0,
+    )
+
+
+def _invariants(case: Case, motion: ObservedMotion, blank: Record) -> tuple[list[Record], Record]:
+    """Those that failed, the one furthest over its limit first, and the one nearest to or furthest over it."""
+    records = sorted(checks(case, motion, blank), key=_over, reverse=True)
+    return [record for record in records if record.outcome != Verdict.PASSED], records[0]
+
+
+def _deviations(case: Case, motion: ObservedMotion, blank: Record) -> Record | None:
+    """The quantity nearest to its limit, or furthest over it."""
+    found = []
+    for quantity in all_quantities(case).values():
+        try:
+            one = deviation(case, quantity, motion)
+        except ValueError:  # so few samples that none is left to compare
+            continue
+        bound = limit(quantity.name, blank.setting, blank.regime).value
+        outcome = Verdict.PASSED if one.error_max <= bound else Verdict.OVER_LIMIT
+        found.append(replace(blank, quantity=quantity.name, error_max=_finite(one.error_max), limit=bound,
+                             worst_time=one.worst_time, outcome=outcome.value))  # fmt: skip
+    return max(found, key=_over, default=None)
+
+
+def _over(record: Record) -> float:
+    """Error over limit."""
+    assert record.error_max is not None
+    assert record.limit is not None
+    return record.error_max / record.limit
+
+
+def _finite(value: float) -> float:
+    """A number that JSON can hold, however far off."""
+    return LARGEST if math.isnan(value) else min(value, LARGEST)

@@ -1,0 +1,163 @@
+"""What a benchmark's records say: orders, floors, fronts, the point to choose, and what the settings are worth.
+
+Pure functions of records. Times are the stepping alone, the shortest of the repeats.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass, replace
+from itertools import groupby
+
+from comparisons.work_precision.floor import Floor, floor
+from comparisons.work_precision.front import pareto, price, sustained
+from comparisons.work_precision.order import observed_order
+from comparisons.work_precision.records import SETTING, BenchRecord, Series, series
+
+# Largest errors, over the peak, that somebody may want.
+WANTED = tuple(10.0**-k for k in range(2, 9))
+
+
+@dataclass(frozen=True)
+class SweepFinding:
+    """What one method at one solver effort comes to in one quantity; ``points`` were measured, coarse to fine."""
+
+    points: Series
+    order: float | None
+    floor: Floor
+
+    @property
+    def first(self) -> BenchRecord:
+        """The coarsest point, for all the points share."""
+        return self.points.first
+
+
+@dataclass(frozen=True)
+class Choice:
+    """The cheapest point of an engine at or below an error; ``record`` is None where the engine never gets there.
+
+    ``closest`` is the engine's point of the smallest error.
+    """
+
+    wanted: float
+    record: BenchRecord | None
+    closest: BenchRecord
+
+
+@dataclass(frozen=True)
+class Standing:
+    """A setting against the methods' front: ``ratio`` of its time to the cheapest method's at the setting's error.
+
+    ``rival`` is the measured point behind that price, None where no method gets there: then the ratio is None too. A
+    ratio below one is a setting ahead of every method.
+    """
+
+    record: BenchRecord
+    rival: BenchRecord | None
+    rival_seconds: float | None
+
+    @property
+    def ratio(self) -> float | None:
+        """Time of the setting over the cheapest method's at the same error."""
+        if self.rival_seconds is None or self.record.seconds_min is None:
+            return None
+        return self.record.seconds_min / self.rival_seconds
+
+
+def findings(records: Iterable[BenchRecord]) -> tuple[SweepFinding, ...]:
+    """Order and floor of every sweep, each beside the same method's sweeps at other efforts."""
+    sweeps = series(records)
+    kin: dict[tuple[object, ...], list[Series]] = {}
+    for one in sweeps:
+        kin.setdefault(_without_effort(one.first), []).append(one)
+    found = []
+    for one in sweeps:
+        others = [other.numbers for other in kin[_without_effort(one.first)] if other is not one]
+        found.append(SweepFinding(one, observed_order(one.numbers), floor(one.numbers, others)))
+    return tuple(found)
+
+
+def _without_effort(record: BenchRecord) -> tuple[object, ...]:
+    return (*record.place, record.engine, record.setting, record.quantity)
+
+
+def judged(records: Sequence[BenchRecord]) -> tuple[BenchRecord, ...]:
+    """The same records with their order and their place on the engine's front filled in."""
+    orders = {one.first.sweep: one.order for one in findings(records)}
+    front = {id(record) for group in by_engine(records).values() for record in on_front(group)}
+    return tuple(replace(one, order=orders.get(one.sweep), on_front=id(one) in front) for one in records)
+
+
+Key = tuple[str, str, str, str, str]
+
+
+def by_engine(records: Iterable[BenchRecord]) -> dict[Key, list[BenchRecord]]:
+    """Records by mechanism, variant, regime, quantity and engine, in the order they appear."""
+    groups: dict[Key, list[BenchRecord]] = {}
+    for record in records:
+        groups.setdefault((*record.place, record.quantity, record.engine), []).append(record)
+    return groups
+
+
+def on_front(records: Iterable[BenchRecord]) -> list[BenchRecord]:
+    """Those that no other beats in both time and error, by time; one quantity of one mechanism and regime is meant."""
+    finished = [record for record in records if record.finished]
+    kept = pareto([_seconds(record) for record in finished], [_error(record) for record in finished])
+    return sorted((record for record, keep in zip(finished, kept, strict=True) if keep), key=_seconds)
+
+
+def _seconds(record: BenchRecord) -> float:
+    assert record.seconds_min is not None
+    return record.seconds_min
+
+
+def _error(record: BenchRecord) -> float:
+    assert record.error_max is not None
+    return record.error_max
+
+
+def choices(records: Sequence[BenchRecord], wanted: Sequence[float] = WANTED) -> tuple[Choice, ...]:
+    """The point to choose for every error, among one engine's records of one quantity; none where nothing finished.
+
+    A point of a sweep counts if the finer ones, down to the sweep's floor, hold the error too.
+    """
+    finished = [record for record in records if record.finished]
+    if not finished:
+        return ()
+    closest = min(finished, key=lambda one: (_error(one), _seconds(one)))
+    return tuple(
+        Choice(error, min(_reaching(finished, error), key=_seconds, default=None), closest) for error in wanted
+    )
+
+
+def _reaching(records: Sequence[BenchRecord], wanted: float) -> Iterator[BenchRecord]:
+    """Settings at or below an error, and of every sweep its coarsest step that holds it."""
+    yield from (record for record in records if record.kind == SETTING and _error(record) <= wanted)
+    for one in series(records):
+        place = sustained(one.errors, wanted)
+        if place is not None:
+            yield one.records[place]
+
+
+def standings(records: Sequence[BenchRecord]) -> tuple[Standing, ...]:
+    """How far off the methods' front each setting is, among one engine's records of one quantity."""
+    sweeps = series(records)
+    found = []
+    for record in records:
+        if record.kind == SETTING and record.finished:
+            prices = [(price(one.seconds, one.errors, _error(record)), one) for one in sweeps]
+            met = [(cost, one) for cost, one in prices if cost is not None]
+            cheapest = min(met, key=lambda pair: pair[0], default=None)
+            if cheapest is None:
+                found.append(Standing(record, None, None))
+            else:
+                place = sustained(cheapest[1].errors, _error(record))
+                assert place is not None
+                found.append(Standing(record, cheapest[1].records[place], cheapest[0]))
+    return tuple(found)
+
+
+def sections(records: Sequence[BenchRecord]) -> Iterator[tuple[tuple[str, str, str], list[BenchRecord]]]:
+    """Records by mechanism, variant and regime, in the order they stand."""
+    for place, group in groupby(records, key=lambda record: record.place):
+        yield place, list(group)

@@ -1,0 +1,173 @@
+"""One point measured once: the engine warmed up, the run timed in its parts, its errors taken. Runs in a worker."""
+
+from __future__ import annotations
+
+import math
+import pickle
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from functools import lru_cache
+
+from comparisons.judging.deviations import deviation
+from comparisons.judging.quantities import JOINT_FORCE, QUANTITIES, Quantity, all_quantities
+from comparisons.observation.observed_motion import ObservedMotion
+from comparisons.reference.case import Case
+from comparisons.runs.timing import calibrate, timed
+from engines.contract import Channel, Engine, Method, Outcome, Run, Scene, Setting
+from engines.registry import engine
+
+JOINTS = JOINT_FORCE.rstrip(":")
+# Steps per turn of the peak speed in the run that warms an engine up.
+WARM = 16.0
+
+
+@dataclass(frozen=True)
+class Error:
+    """The largest and the root-mean-square error over ``peak``, the truth's largest magnitude in ``unit``."""
+
+    largest: float
+    rms: float
+    peak: float
+    unit: str
+
+
+@dataclass(frozen=True)
+class Taken:
+    """One run of one point: times of its parts, s, what the engine did, and its errors by quantity if asked for.
+
+    ``calibration`` is what the fixed work took just before, s. ``readout`` is the wall time of the call less stepping
+    and set-up.
+    """
+
+    outcome: str
+    reason: str = ""
+    seconds: float = 0.0
+    setup: float = 0.0
+    readout: float = 0.0
+    steps: int = 0
+    solver_work: int = 0
+    used: str = ""
+    calibration: float = 0.0
+    errors: Mapping[str, Error] = field(default_factory=dict)
+
+
+def longest_step(case: Case, steps_per_turn: float) -> float:
+    """The step, s, that makes so many of a turn at the crank's peak speed."""
+    return 2.0 * math.pi / (case.motion.peak_speed * steps_per_turn)
+
+
+def chosen(case: Case, names: Sequence[str]) -> dict[str, tuple[Quantity, ...]]:
+    """The quantities of these names that a case has, ``joint_force`` standing for its worst joint.
+
+    φ belongs to every case: under a prescribed motion it shows how well the drive is followed.
+    """
+    known = all_quantities(case)
+    found: dict[str, tuple[Quantity, ...]] = {}
+    for name in names:
+        if name == JOINTS:
+            found[name] = tuple(quantity for key, quantity in known.items() if key.startswith(JOINT_FORCE))
+        elif name in known or name == "phi":
+            found[name] = (QUANTITIES[name],)
+    return {name: quantities for name, quantities in found.items() if quantities}
+
+
+def measure(
+    pickled: bytes,
+    name: str,
+    way: Setting | Method,
+    steps_per_turn: float | None,
+    quantities: Sequence[str],
+    *,
+    with_errors: bool,
+) -> Taken:
+    """Run a pickled case once in an engine, by a setting or by a method at a step; raises MemoryError alone."""
+    try:
+        case = _case(pickled)
+        families = chosen(case, quantities)
+        channels = frozenset(channel for family in families.values() for one in family for channel in one.channels)
+        obstacle = _obstacle(pickled, name, channels)
+        if obstacle is not None:
+            return Taken(Outcome.UNSUPPORTED.value, obstacle)
+        adapter, scene = engine(name), case.scene(channels)
+        _WARMTH.see_to(adapter, scene, longest_step(case, WARM))
+        steady = calibrate()
+        step = None if steps_per_turn is None else longest_step(case, steps_per_turn)
+        run, wall = timed(lambda: _run(adapter, scene, way, step))
+        taken = _taken(run, wall, steady)
+        return replace(taken, errors=_errors(case, families, scene, run)) if with_errors else taken
+    except MemoryError:  # what it means is for whoever set the bound to say
+        raise
+    except Exception as error:
+        return Taken(Outcome.DIVERGED.value, f"{name} raised {type(error).__name__}: {error}")
+
+
+def _run(adapter: Engine, scene: Scene, way: Setting | Method, step: float | None) -> Run:
+    if isinstance(way, Setting):
+        return adapter.run(scene, way)
+    assert step is not None
+    return adapter.run_method(scene, way, step)
+
+
+def _taken(run: Run, wall: float, steady: float) -> Taken:
+    used = ", ".join(f"{name.replace('_', ' ')} {_short(value)}" for name, value in run.details.items())
+    return Taken(
+        outcome=run.outcome.value,
+        reason=run.reason,
+        seconds=run.seconds,
+        setup=run.setup_seconds,
+        readout=max(0.0, wall - run.seconds - run.setup_seconds),
+        steps=run.steps,
+        solver_work=run.solver_work,
+        used=used,
+        calibration=steady,
+    )
+
+
+def _short(value: str | int | float) -> str:
+    return f"{value:.6g}" if isinstance(value, float) else str(value)
+
+
+def _errors(case: Case, families: Mapping[str, Sequence[Quantity]], scene: Scene, run: Run) -> dict[str, Error]:
+    """Errors of a run that finished; of a family of quantities the worst member's."""
+    if run.outcome is not Outcome.FINISHED or run.history is None:
+        return {}
+    motion = ObservedMotion(scene, run.history)
+    alone = replace(case, _seen={})  # the closed form on this clock goes when the point is done
+    found = {}
+    for name, family in families.items():
+        all_found = [(deviation(alone, one, motion), one.unit) for one in family]
+        worst, unit = max(all_found, key=lambda pair: pair[0].error_max)
+        rms = max(one.error_rms for one, _ in all_found)
+        if not math.isfinite(worst.error_max):
+            raise ArithmeticError(f"{name} is not finite")
+        found[name] = Error(worst.error_max, rms, worst.peak, unit)
+    return found
+
+
+@lru_cache(maxsize=64)
+def _case(pickled: bytes) -> Case:
+    """The case, kept from one job of a worker to the next."""
+    case: Case = pickle.loads(pickled)
+    return case
+
+
+@lru_cache(maxsize=256)
+def _obstacle(pickled: bytes, name: str, channels: frozenset[Channel]) -> str | None:
+    """Why an engine cannot hold a case, asked once."""
+    return engine(name).obstacle(_case(pickled).scene(channels))
+
+
+@dataclass
+class _Warmth:
+    """Which engines this process has run before: the first run imports, and is thrown away."""
+
+    engines: set[str] = field(default_factory=set)
+
+    def see_to(self, adapter: Engine, scene: Scene, step: float) -> None:
+        """Warm an engine up unless it is warm."""
+        if adapter.name not in self.engines:
+            self.engines.add(adapter.name)
+            adapter.run_method(scene, adapter.methods(scene)[0], step)
+
+
+_WARMTH = _Warmth()

@@ -1,0 +1,152 @@
+"""What a benchmark measures: which methods at which steps and solver efforts, how far each sweep goes, how often."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
+
+from comparisons.work_precision.measure import Taken
+from comparisons.work_precision.order import still_improves
+from engines.contract import Method, Outcome, Setting
+
+# Solver efforts that are tried beside a method's own, in the units engines speak of.
+EFFORTS: Mapping[str, tuple[float, ...]] = {
+    "iterations": (10.0, 30.0, 100.0, 300.0),
+    "relative tolerance": (1e-6, 1e-9, 1e-12),
+}
+# A step too long for an engine may be cured by a shorter one, but not for ever.
+FAILURES = 3
+
+
+@dataclass(frozen=True)
+class Extent:
+    """How far a benchmark goes.
+
+    ``steps_per_turn`` of the crank's peak speed, coarse to fine; a sweep ends before a point whose stepping would take
+    longer than ``budget``, s. A point is timed ``repeats`` times, fewer once it has taken ``patience``, s, in all.
+    ``effort_stride`` takes every so-manieth step in sweeps at other solver efforts; 0 leaves these out. No run is begun
+    after ``deadline``, s from the start.
+    """
+
+    steps_per_turn: tuple[float, ...]
+    budget: float
+    repeats: int
+    patience: float
+    effort_stride: int = 0
+    deadline: float = math.inf
+
+
+FULL = Extent(tuple(12.0 * 2.0**k for k in range(12)), budget=1.0, repeats=5, patience=0.6, effort_stride=2)
+QUICK = Extent(tuple(16.0 * 3.0**k for k in range(6)), budget=0.2, repeats=2, patience=0.1, deadline=40.0)
+OUT_OF_TIME = "the time for the whole benchmark was up"
+
+
+@dataclass(frozen=True)
+class Point:
+    """One way of running one engine on one case: a setting as it is, or a method at a step.
+
+    ``case`` is its place among the cases; ``method`` carries the solver effort.
+    """
+
+    case: int
+    engine: str
+    setting: Setting | None = None
+    method: Method | None = None
+    steps_per_turn: float | None = None
+
+    @property
+    def is_run(self) -> bool:
+        """Whether there is anything to run: not where the engine is not installed."""
+        return self.setting is not None or self.method is not None
+
+    @property
+    def way(self) -> str:
+        """Setting, or method with its effort and steps, in words."""
+        if self.method is None:
+            return f"setting {self.setting}"
+        effort = "" if self.method.effort is None else f" at {self.method.effort_unit} {self.method.effort:g}"
+        return f"{self.method.name}{effort}, {self.steps_per_turn:g} steps a turn"
+
+    @property
+    def key(self) -> str:
+        """A name that tells it from all others of the same benchmark."""
+        return f"{self.case} {self.engine} {self.way}"
+
+
+@dataclass
+class Track:
+    """A sweep under way: the points still to come, coarse to fine, and what came of those done.
+
+    ``ended`` says why it went no further, once it has ended.
+    """
+
+    points: Sequence[Point]
+    budget: float
+    taken: list[Taken] = field(default_factory=list)
+    ended: str = ""
+
+    def next(self) -> Point | None:
+        """The point to measure next; None when the sweep has ended."""
+        if not self.ended:
+            self.ended = self._end()
+        return None if self.ended else self.points[len(self.taken)]
+
+    def take(self, taken: Taken | None) -> None:
+        """Note what the next point came to; None where there was no time left for it."""
+        if taken is None:
+            self.ended = OUT_OF_TIME
+        else:
+            self.taken.append(taken)
+
+    def _end(self) -> str:
+        done = self.taken
+        if done and done[-1].outcome != Outcome.FINISHED:
+            return self._end_by_failure()
+        finished = [one for one in done if one.outcome == Outcome.FINISHED]
+        names = finished[0].errors if finished else ()
+        if finished and not any(still_improves([one.errors[name].largest for one in finished]) for name in names):
+            return "two refinements in a row improved nothing"
+        if len(done) == len(self.points):
+            return "the sweep ends here"
+        wanted = self._price(self.points[len(done)])
+        if wanted > self.budget:
+            return f"the next step would take about {wanted:.2g} s, over {self.budget:g} s"
+        return ""
+
+    def _price(self, point: Point) -> float:
+        """What a point will cost by the cheapest step so far, s: a slow spell of the machine is not the engine's."""
+        pairs = zip(self.points, self.taken, strict=False)
+        each = [taken.seconds / one.steps_per_turn for one, taken in pairs if one.steps_per_turn and taken.seconds]
+        return min(each, default=0.0) * (point.steps_per_turn or 0.0)
+
+    def _end_by_failure(self) -> str:
+        """Failures end a sweep that worked before, and one that never did after three."""
+        last = self.taken[-1]
+        lasting = last.outcome in (Outcome.TIMED_OUT, Outcome.UNSUPPORTED, Outcome.UNAVAILABLE)
+        worked = any(one.outcome == Outcome.FINISHED for one in self.taken)
+        if lasting or worked or len(self.taken) in (FAILURES, len(self.points)):
+            return f"{last.outcome}: {last.reason}"
+        return ""
+
+
+def tracks(
+    case: int, engine: str, methods: Sequence[Method], settings: Sequence[Setting], extent: Extent, *, efforts: bool
+) -> list[Track]:
+    """The sweeps of one engine on one case: its settings, its methods, and these at other solver efforts if asked."""
+    found = [Track([Point(case, engine, setting)], math.inf) for setting in settings]
+    for method in methods:
+        found.append(_track(case, engine, method, extent.steps_per_turn, extent))
+        if efforts and extent.effort_stride:
+            steps = extent.steps_per_turn[:: extent.effort_stride]
+            found += [_track(case, engine, other, steps, extent) for other in _other_efforts(method)]
+    return found
+
+
+def _track(case: int, engine: str, method: Method, steps: Sequence[float], extent: Extent) -> Track:
+    return Track([Point(case, engine, method=method, steps_per_turn=n) for n in steps], extent.budget)
+
+
+def _other_efforts(method: Method) -> list[Method]:
+    """The method at the efforts of its unit, less its own."""
+    return [replace(method, effort=e) for e in EFFORTS.get(method.effort_unit, ()) if e != method.effort]

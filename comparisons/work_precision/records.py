@@ -1,0 +1,173 @@
+"""The record of a benchmark: one quantity of one point, flat and ready for JSON; and the file that holds them all."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterable, Mapping
+from dataclasses import asdict, dataclass, fields, replace
+from functools import cached_property
+from pathlib import Path
+from typing import Any
+
+from analytic.errors import LinkproofError
+from comparisons.runs.files import write_text
+from comparisons.runs.timing import Noise
+from comparisons.work_precision.order import Sweep
+from engines.contract import Outcome
+
+FILE = "bench.json"
+SETTING, METHOD = "setting", "method"
+
+
+@dataclass(frozen=True)
+class BenchRecord:
+    """One quantity of one point. Errors are over ``peak``, the truth's largest magnitude in ``unit``.
+
+    ``kind`` tells a setting, which finds its own steps (``step`` is None), from a method, which takes the ``step``, s,
+    it is asked for. ``seconds_min`` and ``seconds_median`` are of ``repeats``, all wall times of the stepping alone, s;
+    ``setup_seconds`` and ``readout_seconds`` are the shortest of theirs. ``order`` is that of the point's whole sweep.
+    ``on_front``: no other point of the engine is as cheap and as exact. ``detail`` says why, where it did not finish;
+    ``used`` is what the adapter says of the run, ``ended`` why its sweep goes no further.
+    """
+
+    mechanism: str
+    variant: str
+    regime: str
+    engine: str
+    engine_version: str
+    kind: str
+    setting: str
+    levels: int
+    effort: float | None
+    effort_unit: str
+    step: float | None
+    steps_per_turn: float | None
+    quantity: str
+    unit: str
+    error_max: float | None
+    error_rms: float | None
+    peak: float | None
+    seconds_min: float | None
+    seconds_median: float | None
+    repeats: tuple[float, ...]
+    setup_seconds: float | None
+    readout_seconds: float | None
+    steps: int
+    solver_work: int
+    work_unit: str
+    order: float | None
+    on_front: bool
+    outcome: str
+    detail: str
+    used: str
+    ended: str
+
+    @property
+    def place(self) -> tuple[str, str, str]:
+        """Mechanism, variant and regime."""
+        return (self.mechanism, self.variant, self.regime)
+
+    @property
+    def sweep(self) -> tuple[str, str, str, str, str, str, float | None, str]:
+        """What the points of one sweep share: all but the step."""
+        return (*self.place, self.engine, self.kind, self.setting, self.effort, self.quantity)
+
+    @property
+    def finished(self) -> bool:
+        """Whether it has an error and a time to go with it."""
+        return self.outcome == Outcome.FINISHED and self.error_max is not None and self.seconds_min is not None
+
+
+@dataclass(frozen=True)
+class Series:
+    """The points of one sweep that finished, coarse to fine."""
+
+    records: tuple[BenchRecord, ...]
+
+    @property
+    def first(self) -> BenchRecord:
+        """The coarsest point."""
+        return self.records[0]
+
+    @cached_property
+    def errors(self) -> tuple[float, ...]:
+        """Largest error of each point, over the peak."""
+        return tuple(record.error_max for record in self.records if record.error_max is not None)
+
+    @cached_property
+    def seconds(self) -> tuple[float, ...]:
+        """Shortest time of each point, s."""
+        return tuple(record.seconds_min for record in self.records if record.seconds_min is not None)
+
+    @cached_property
+    def numbers(self) -> Sweep:
+        """The same as bare numbers."""
+        steps = tuple(record.step or 0.0 for record in self.records)
+        finest = self.records[-1]
+        work = finest.solver_work / finest.steps if finest.steps else 0.0
+        return Sweep(steps, self.errors, self.first.effort, self.first.effort_unit, work)
+
+
+def series(records: Iterable[BenchRecord]) -> tuple[Series, ...]:
+    """The methods' sweeps among these records, in the order they appear; points that did not finish are left out."""
+    groups: dict[tuple[object, ...], list[BenchRecord]] = {}
+    for record in records:
+        if record.kind == METHOD and record.finished:
+            groups.setdefault(record.sweep, []).append(record)
+    return tuple(Series(tuple(sorted(group, key=lambda one: -(one.step or 0.0)))) for group in groups.values())
+
+
+@dataclass(frozen=True)
+class Bench:
+    """A finished benchmark: its document as saved, and its records."""
+
+    document: Mapping[str, Any]
+
+    @cached_property
+    def records(self) -> tuple[BenchRecord, ...]:
+        """One record per point and quantity."""
+        names = [field.name for field in fields(BenchRecord)]
+        rows = self.document["records"]
+        return tuple(
+            replace(BenchRecord(**{name: row[name] for name in names}), repeats=tuple(row["repeats"])) for row in rows
+        )
+
+    @cached_property
+    def noise(self) -> Noise:
+        """The machine's, as measured beside the points."""
+        return Noise(tuple(self.document["noise"]["samples"]))
+
+
+def rows(records: Iterable[BenchRecord]) -> list[dict[str, Any]]:
+    """Records as JSON has them."""
+    return [asdict(record) for record in records]
+
+
+def save(path: Path, document: Mapping[str, Any]) -> None:
+    """Write a benchmark in one step."""
+    write_text(path, text(document))
+
+
+def text(document: Mapping[str, Any]) -> str:
+    """A benchmark as JSON, one record to a line; NaN never appears."""
+    parts = []
+    for name, value in document.items():
+        if isinstance(value, list) and value and isinstance(value[0], dict):
+            lines = ",\n".join(json.dumps(row, ensure_ascii=False, allow_nan=False) for row in value)
+            parts.append(f"{json.dumps(name)}: [\n{lines}\n]")
+        else:
+            parts.append(f"{json.dumps(name)}: {json.dumps(value, ensure_ascii=False, allow_nan=False)}")
+    return "{\n" + ",\n".join(parts) + "\n}\n"
+
+
+def load(saved: Path) -> Bench:
+    """Read a benchmark back, from its folder or from the file itself; no engine is imported."""
+    path = saved / FILE if saved.is_dir() else saved
+    if not path.is_file():
+        raise LinkproofError(f"no benchmark at '{path}': expected the folder given to bench --out, or its {FILE}")
+    try:
+        found = Bench(json.loads(path.read_text(encoding="utf-8")))
+        _ = found.records, found.noise
+    except (OSError, ValueError, KeyError, TypeError) as error:
+        raise LinkproofError(f"'{path}' is no benchmark ({error}); run bench with --out again") from error
+    return found

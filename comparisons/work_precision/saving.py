@@ -1,0 +1,101 @@
+"""What a setting saves against a newcomer's fixed steps at the same error: the engine's first method, step by step."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from comparisons.work_precision.analysis import findings
+from comparisons.work_precision.front import price
+from comparisons.work_precision.order import short
+from comparisons.work_precision.records import METHOD, SETTING, BenchRecord
+
+
+@dataclass(frozen=True)
+class Saving:
+    """A setting against plain fixed steps at an error ``wanted``, in one quantity of one mechanism and regime.
+
+    ``seconds`` is what the plain steps cost where they first hold that error, read between two measured steps; None
+    where they never do. They then were followed down to ``least_error`` at a cost of ``spent``, s, and ``why`` they get
+    no further; ``projected`` is what they would cost by their observed order, s, None where they have stopped falling.
+    """
+
+    wanted: float
+    record: BenchRecord
+    plain: str
+    seconds: float | None
+    least_error: float
+    spent: float
+    why: str
+    projected: float | None
+
+    @property
+    def own_seconds(self) -> float:
+        """Time of the setting, s."""
+        assert self.record.seconds_min is not None
+        return self.record.seconds_min
+
+    @property
+    def ratio(self) -> float | None:
+        """How many times as long the plain steps take; None where they never get there."""
+        return None if self.seconds is None else self.seconds / self.own_seconds
+
+    @property
+    def sentence(self) -> str:
+        """The comparison in words."""
+        one = self.record
+        held = f"{short(one.error_max or 0.0)} of {one.quantity} in {_ms(self.own_seconds)}"
+        told = f"{one.engine} {one.setting} reaches {held}; "
+        if self.seconds is not None:
+            times = self.seconds / self.own_seconds
+            return (
+                told
+                + f"{self.plain} first holds {short(self.wanted, 0)} after {_ms(self.seconds)}, {times:.3g} × as long"
+            )
+        told += (
+            f"{self.plain} did not reach {short(self.wanted, 0)}: {short(self.least_error)} after {_ms(self.spent)}, "
+        )
+        if self.projected is None:
+            return told + self.why
+        times = self.projected / self.own_seconds
+        return told + f"{self.why}; by its order it would take {_ms(self.projected)}, {times:.3g} × as long"
+
+
+def _ms(seconds: float) -> str:
+    return f"{1e3 * seconds:.3g} ms" if seconds < 1.0 else f"{seconds:.3g} s"
+
+
+def saving(records: Sequence[BenchRecord], setting: str, wanted: float) -> Saving | None:
+    """A setting against the engine's first method, at the effort it comes with, among one engine's records.
+
+    All records are of one quantity of one mechanism and regime. None where the setting does not hold the error itself,
+    or nothing plain was measured.
+    """
+    held = [
+        one
+        for one in records
+        if one.kind == SETTING and one.setting == setting and one.finished and (one.error_max or 0.0) <= wanted
+    ]
+    first = next((one.sweep for one in records if one.kind == METHOD), None)
+    plain = next((one for one in findings(records) if one.first.sweep == first), None)
+    if not held or plain is None:
+        return None
+    points = plain.points
+    least = points.numbers.best
+    return Saving(
+        wanted=wanted,
+        record=held[0],
+        plain=plain.first.setting,
+        seconds=price(points.seconds, points.errors, wanted),
+        least_error=points.errors[least],
+        spent=points.seconds[least],
+        why=f"{plain.floor.cause} ({plain.floor.evidence})",
+        projected=_projected(
+            points.seconds[-1], points.errors[-1], wanted, plain.order if points.numbers.is_falling else None
+        ),
+    )
+
+
+def _projected(seconds: float, error: float, wanted: float, order: float | None) -> float | None:
+    """What the steps would cost at an error not reached, if they went on as they fell; cost goes as 1/step."""
+    return None if order is None or error <= wanted else seconds * (error / wanted) ** (1.0 / order)

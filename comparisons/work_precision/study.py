@@ -1,0 +1,189 @@
+"""Work-precision: every engine, method and step measured on every case, round after round, one run at a time.
+
+The first round goes down all sweeps at once, coarse steps first, and takes the errors; the rounds after it repeat every
+point for its time alone. Each round visits all points in turn, so that a slow spell of the machine hits all alike.
+"""
+
+from __future__ import annotations
+
+import pickle
+import time
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import closing
+from dataclasses import asdict, dataclass
+from functools import partial
+from itertools import zip_longest
+from typing import Any
+
+from analytic.errors import UnknownNameError
+from comparisons.reference.case import Case
+from comparisons.runs.journal import Journal
+from comparisons.runs.timing import Noise
+from comparisons.runs.workers import Bounds, Lost, run_jobs
+from comparisons.work_precision.analysis import judged
+from comparisons.work_precision.ledger import Ledger, Subject, records
+from comparisons.work_precision.measure import Taken, measure
+from comparisons.work_precision.points import FULL, Extent, Point, Track, tracks
+from comparisons.work_precision.records import BenchRecord
+from engines.contract import Channel, Method, Outcome, Setting
+from engines.registry import engine, engine_names
+
+QUANTITIES = ("Mkr", "Jeq", "phi", "joint_force")
+# A run that takes this much longer than its budget, s, hangs.
+HANGS = 60.0
+
+Announce = Callable[[str, int, int], None]
+
+
+@dataclass(frozen=True)
+class BenchRequest:
+    """What to measure; no ``methods`` means all of them.
+
+    Solver efforts are tried on the first regime of every mechanism alone, which is enough to tell what they do.
+    ``processes`` is 1, or 0 to stay in this process, without bounds.
+    """
+
+    cases: tuple[Case, ...]
+    engines: tuple[str, ...]
+    quantities: tuple[str, ...] = QUANTITIES
+    settings: tuple[Setting, ...] = tuple(Setting)
+    methods: tuple[str, ...] = ()
+    extent: Extent = FULL
+    processes: int = 1
+
+
+@dataclass(frozen=True)
+class Measured:
+    """A finished benchmark: its records, judged, and the machine's noise."""
+
+    records: tuple[BenchRecord, ...]
+    noise: Noise
+
+
+def bench(request: BenchRequest, announce: Announce = lambda *_: None, journal: Journal | None = None) -> Measured:
+    """Measure all that was asked for; what the journal has is not measured again.
+
+    ``announce`` hears a label, how many runs are done and how many are known of. Raises UnknownNameError before any run
+    is made.
+    """
+    for name in request.engines:
+        if name not in engine_names():
+            raise UnknownNameError("engine", name, engine_names())
+    sweeps, ledger = _in_turn(list(_sweeps(request))), Ledger(journal)
+    runner = _Runner(request, ledger, announce)
+    while batch := [(track, point) for track in sweeps if (point := track.next()) is not None]:
+        runner.run(0, [point for _, point in batch])
+        for track, point in batch:
+            track.take(ledger.get(0, point) if ledger.has(0, point) else None)
+    done = [point for track in sweeps for point in track.points[: len(track.taken)]]
+    for number in range(1, request.extent.repeats):
+        runner.run(number, [one for one in done if ledger.is_worth_repeating(one, number, request.extent)])
+    return Measured(judged(_records(request, sweeps, ledger)), Noise(ledger.calibrations))
+
+
+def methods_told(request: BenchRequest) -> list[Mapping[str, Any]]:
+    """What the engines say of their methods, once each."""
+    told: dict[tuple[str, str], Mapping[str, Any]] = {}
+    for case in request.cases:
+        for name in request.engines:
+            for method in _methods(request, case, name):
+                told.setdefault((name, method.name), {"engine": name, **asdict(method)})
+    return list(told.values())
+
+
+def _methods(request: BenchRequest, case: Case, name: str) -> list[Method]:
+    """The methods of an engine that are asked for; none where it is not installed."""
+    adapter = engine(name)
+    if adapter.version() is None:
+        return []
+    offered = adapter.methods(case.scene([Channel.POSITION]))
+    return [method for method in offered if not request.methods or method.name in request.methods]
+
+
+def _sweeps(request: BenchRequest) -> Iterator[Track]:
+    """All sweeps of the request; an engine that is not installed has one point that says so."""
+    known: set[tuple[str, str]] = set()
+    for number, case in enumerate(request.cases):
+        linkage = case.mechanism.linkage
+        first = (linkage.name, linkage.variant) not in known
+        known.add((linkage.name, linkage.variant))
+        for name in request.engines:
+            if engine(name).version() is None:
+                yield Track([Point(number, name)], 0.0)
+            else:
+                methods = _methods(request, case, name)
+                yield from tracks(number, name, methods, request.settings, request.extent, efforts=first)
+
+
+def _in_turn(sweeps: Sequence[Track]) -> list[Track]:
+    """The first sweep of every engine on every case, then the second of each: none waits for all of another's."""
+    groups: dict[tuple[int, str], list[Track]] = {}
+    for track in sweeps:
+        groups.setdefault((track.points[0].case, track.points[0].engine), []).append(track)
+    return [track for turn in zip_longest(*groups.values()) for track in turn if track is not None]
+
+
+def _records(request: BenchRequest, sweeps: Sequence[Track], ledger: Ledger) -> list[BenchRecord]:
+    """All records, by case and engine as asked for, then as measured."""
+    adapters = {name: engine(name) for name in request.engines}
+    versions = {name: adapter.version() or "" for name, adapter in adapters.items()}
+    found = []
+    places = {name: place for place, name in enumerate(request.engines)}
+    for track in sorted(sweeps, key=lambda one: (one.points[0].case, places[one.points[0].engine])):
+        first = track.points[0]
+        subject = Subject(request.cases[first.case], adapters[first.engine], versions[first.engine])
+        found += list(records(subject, track, ledger, request.quantities, request.extent.repeats))
+    return found
+
+
+@dataclass
+class _Runner:
+    """Runs points one after the other in one worker process and writes down what they give."""
+
+    request: BenchRequest
+    ledger: Ledger
+    announce: Announce
+    done: int = 0
+
+    def __post_init__(self) -> None:
+        self.pickled = [pickle.dumps(case) for case in self.request.cases]
+        self.ends = time.monotonic() + self.request.extent.deadline
+
+    def run(self, number: int, points: Sequence[Point]) -> None:
+        """Measure those points of a round that the ledger lacks."""
+        todo = []
+        for point in points:
+            if point.is_run and not self.ledger.has(number, point):
+                todo.append(point)
+            elif not point.is_run:
+                self.ledger.keep(number, point, _absent(point))
+        self.done += len(points) - len(todo)
+        total = self.done + len(todo)
+        bounds = Bounds(seconds=min(HANGS + 20.0 * self.request.extent.budget, max(1.0, self._left())))
+        job = partial(measure, quantities=self.request.quantities, with_errors=number == 0)
+        jobs = [(self.pickled[one.case], one.engine, one.setting or one.method, one.steps_per_turn) for one in todo]
+
+        def begun(place: int) -> None:
+            self.announce(self._label(number, todo[place]), self.done, total)
+
+        results = run_jobs(job, jobs, bounds=bounds, processes=self.request.processes, begun=begun)
+        with closing(results):  # which ends the worker, if the time is up
+            while self._left() > 0.0 and (result := next(results, None)) is not None:
+                place, found = result
+                if isinstance(found, Lost) and self._left() <= 0.0:
+                    break  # by our own deadline, not by the engine's fault
+                taken = Taken(found.outcome.value, found.reason) if isinstance(found, Lost) else found
+                self.ledger.keep(number, todo[place], taken)
+                self.done += 1
+
+    def _left(self) -> float:
+        return self.ends - time.monotonic()
+
+    def _label(self, number: int, point: Point) -> str:
+        case = self.request.cases[point.case]
+        return f"round {number + 1}: {case.mechanism.linkage.name}, {case.motion.regime}, {point.engine} {point.way}"
+
+
+def _absent(point: Point) -> Taken:
+    words = f"engine '{point.engine}' is not installed; install it with: pip install 'linkproof[{point.engine}]'"
+    return Taken(Outcome.UNAVAILABLE.value, words)

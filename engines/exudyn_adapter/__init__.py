@@ -1,0 +1,1 @@
+"""exudyn behind the contract."""

@@ -1,0 +1,74 @@
+"""What exudyn does not look at: scenes it would run to no end, and states that are no longer the scene's."""
+
+from __future__ import annotations
+
+import math
+
+from engines.contract import Prescribed, Scene
+from engines.exudyn_adapter.drive import crank_angle
+from engines.exudyn_adapter.model import ANGLE, Model
+from engines.start_check import State, misfits, scene_size, start_misfit
+
+# A joint may be open by this share of the scene's size over the square of the division: the drift of a constraint on
+# velocity level is second order in the step, and what does not shrink like that is not drift.
+LARGEST_GAP = 5e-2
+LARGEST_LAG = 0.05  # rad between the crank and its prescribed angle
+
+
+def data_obstacle(scene: Scene) -> str | None:
+    """What can be told from the data alone; exudyn itself would run on with most of this."""
+    for body in scene.bodies:
+        state = (*body.position, body.angle, *body.velocity, body.angular_velocity, *body.acceleration)
+        if not all(map(math.isfinite, (body.mass, body.inertia or 0.0, *state, body.angular_acceleration))):
+            return f"body '{body.name}' has a mass, inertia or start state that is not finite"
+        if body.mass < 0.0 or (body.inertia or 0.0) < 0.0:
+            return f"body '{body.name}' has a negative mass or inertia"
+    return start_misfit(scene)
+
+
+def assembly_obstacle(model: Model) -> str | None:
+    """Assemble a model; redundant joints would make it singular, which exudyn says only in the middle of a solve."""
+    try:
+        model.mbs.Assemble()
+    except model.exudyn.ExudynError as error:
+        return "exudyn refuses the scene: " + str(error).partition("\n")[0]
+    found = model.exudyn.ComputeSystemDegreeOfFreedom(model.mbs)
+    if found["redundantConstraints"]:
+        return f"the joints repeat {found['redundantConstraints']} of their conditions, which makes exudyn singular"
+    expected = 1 if model.driver is None else 0
+    left = int(found["degreeOfFreedom"])
+    if left != expected:
+        return f"the joints leave {left} degrees of freedom where the drive needs {expected}"
+    return None
+
+
+def not_finite(model: Model, now: float) -> str | None:
+    """Whether the state exudyn ended with is made of numbers."""
+    state = model.mbs.systemData
+    values = (*state.GetODE2Coordinates(), *state.GetODE2Coordinates_t())
+    return None if all(map(math.isfinite, values)) else f"the state is not finite at {now:.4g} s"
+
+
+def broken(model: Model, now: float, division: int) -> str | None:
+    """Whether the linkage is still closed, and the crank where its drive has it, in a pass of that division."""
+    scene = model.scene
+    states = _states(model)
+    size = scene_size(scene)
+    for miss in misfits(scene, states, orders=1):
+        share = miss.size / size
+        if not share <= LARGEST_GAP / division**2:
+            return f"joint '{miss.joint}' is open by {share:.2%} of a link at {now:.4g} s"
+    if isinstance(scene.drive, Prescribed):
+        lag = states[scene.crank].position[ANGLE] - crank_angle(scene.drive.motion.segments, now)
+        if not abs(lag) <= LARGEST_LAG:
+            return f"the crank is {lag:.3g} rad away from its drive at {now:.4g} s"
+    return None
+
+
+def _states(model: Model) -> dict[str, State]:
+    shift = iter(model.mbs.systemData.GetODE2Coordinates().tolist())
+    states: dict[str, State] = {}
+    for body in model.scene.bodies:
+        x, y = body.position[0] + next(shift), body.position[1] + next(shift)
+        states[body.name] = State((x, y, body.angle + (next(shift) if body.name in model.turning else 0.0)))
+    return states

@@ -1,0 +1,187 @@
+"""Stepping an exudyn system through stretches of its drive, each from a state that fits the joints exactly.
+
+The implicit trapezoidal rule with its constraints on velocity level (index 2) is second order in the multipliers too.
+But its multipliers and accelerations carry an undamped part that changes sign from step to step, as large as
+whatever does not fit at the start: 9.5 % of the peak torque for ever after a linear ramp's kink if nothing is done. So
+a run starts from consistent accelerations and starts anew at every jump of the prescribed one; what is left of that
+part, of the size of the truncation error, goes in the extrapolation, since all steps are odd fractions of the longest.
+"""
+
+from __future__ import annotations
+
+import math
+import time
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from analytic.description.crank_motion import Segment
+from engines.contract import History, Prescribed, Scene
+from engines.exudyn_adapter.checks import broken, not_finite
+from engines.exudyn_adapter.drive import Foreign, crank_value, derivative, polynomial, whole_angle
+from engines.exudyn_adapter.model import Model
+from engines.exudyn_adapter.projection import Constraints, closed_state
+from engines.exudyn_adapter.readout import Recorder, Strip, join
+from engines.exudyn_adapter.recipes import TIGHTER, Recipe
+from engines.exudyn_adapter.segments import Stretch
+
+Array = NDArray[np.float64]
+
+
+class StoppedError(Exception):
+    """The engine gave up, or went on with something that is not the scene's motion."""
+
+
+class Stepper:
+    """Solves a model and keeps account of the time, the steps and the Newton iterations this takes.
+
+    ``details`` states what was done in words, for the record of the run.
+    ``checked`` stops a run whose linkage came apart or whose crank is not where its drive has it; without it only what
+    is no number stops one.
+    """
+
+    def __init__(self, model: Model, recorder: Recorder, *, checked: bool) -> None:
+        self.model = model
+        self.recorder = recorder
+        self.scene: Scene = model.scene
+        self.checked = checked
+        self.seconds = 0.0
+        self.steps = 0
+        self.iterations = 0
+        self.details: dict[str, str | int | float] = {}
+        self._side = 0.0  # of the start state: the sign of the determinant of its constraints
+        # By a segment's start; exudyn does not keep its symbolic functions alive itself.
+        self._functions: dict[float, tuple[Foreign, Foreign]] = {}
+
+    def prepare(self, recipe: Recipe) -> None:
+        """Make the drive's functions of time, which belongs to building the model."""
+        drive = self.scene.drive
+        if not isinstance(drive, Prescribed):
+            return
+        if recipe.rule.as_shipped:
+            angle = whole_angle(drive.motion.segments)
+            self.model.mbs.SetObjectParameter(self.model.driver, "offsetUserFunction", angle)
+            return
+        for segment in drive.motion.segments:
+            self._functions[segment.start] = self._symbolic(segment)
+
+    def pass_through(self, recipe: Recipe, stretches: Sequence[Stretch], division: int) -> History:
+        """All stretches in ``division`` steps per basic step; samples on the basic steps. Raises StoppedError."""
+        strips: list[Strip] = []
+        for stretch in stretches:
+            if not recipe.rule.as_shipped:
+                self._enter(stretch, fresh=not strips)
+            self._solve(self._settings(recipe, stretch, division), stretch, division)
+            strip = self.recorder.read()
+            expected = stretch.samples + 1
+            if self.recorder.sensors and not recipe.rule.as_shipped and len(strip.time) != expected:
+                raise StoppedError(f"exudyn recorded {len(strip.time)} samples of {expected}")
+            strips.append(strip)
+        if isinstance(self.scene.drive, Prescribed) and self.checked and not recipe.rule.as_shipped:
+            end, left = stretches[-1].end, self._left()
+            self._check_side(Constraints(self.model).side(left, end), end)
+        return join(strips, [*(stretch.after_jump for stretch in stretches[1:]), False])
+
+    def _enter(self, stretch: Stretch, *, fresh: bool) -> None:
+        """Set the state a stretch starts from and the drive's functions of time for it."""
+        mbs = self.model.mbs
+        if stretch.segment is not None:
+            angle, speed = self._functions[stretch.segment.start]
+            mbs.SetObjectParameter(self.model.driver, "offsetUserFunction", angle)
+            mbs.SetObjectParameter(self.model.driver, "offsetUserFunction_t", speed)
+        values = self._start(stretch) if fresh else self._closed(stretch)
+        state, initial = mbs.systemData, self.model.exudyn.ConfigurationType.Initial
+        state.SetODE2Coordinates(values[0], configuration=initial)
+        state.SetODE2Coordinates_t(values[1], configuration=initial)
+        state.SetODE2Coordinates_tt(values[2], configuration=initial)
+
+    def _start(self, stretch: Stretch) -> tuple[Array, Array, Array]:
+        position, velocity, acceleration = (self.model.start(order) for order in range(3))
+        if stretch.segment is not None and self.checked:
+            self._side = Constraints(self.model).side(position, stretch.start)
+        return position, velocity, acceleration
+
+    def _closed(self, stretch: Stretch) -> tuple[Array, Array, Array]:
+        """The state the stretch before has left, put back on the joints and the drive."""
+        assert stretch.segment is not None
+        began, left = time.perf_counter(), self._left()
+        pace = abs(crank_value(stretch.segment, stretch.start, 1))
+        pace += math.sqrt(abs(crank_value(stretch.segment, stretch.start, 2))) + 1.0 / (stretch.end - stretch.start)
+        constraints = Constraints(self.model)
+        state = closed_state(constraints, left, stretch.start, pace, strict=self.checked)
+        self.iterations += constraints.systems
+        self.seconds += time.perf_counter() - began
+        if state is None:
+            raise StoppedError(f"the joints could not be closed again at {stretch.start:.4g} s")
+        if self.checked:
+            self._check_side(state.side, stretch.start)
+        return state.position, state.velocity, state.acceleration
+
+    def _left(self) -> Array:
+        """The coordinates a stretch has ended with, before anything else is done with the model."""
+        return np.array(self.model.mbs.systemData.GetODE2Coordinates())
+
+    def _check_side(self, side: float, now: float) -> None:
+        """Raise StoppedError where the linkage has passed a point at which its constraints are singular."""
+        if side != self._side:
+            raise StoppedError(f"the linkage has passed a dead or change point before {now:.4g} s")
+
+    def _symbolic(self, segment: Segment) -> tuple[Foreign, Foreign]:
+        """Angle from the start and speed over time, run by the solver itself: Python ones take a third more time."""
+        from exudyn.advancedUtilities import CreateSymbolicUserFunction as Symbolic
+
+        angle, speed = (derivative(segment.coefficients, order) for order in range(2))
+        angle[0] -= self.scene.crank_angle
+        mbs, driver = self.model.mbs, self.model.driver
+        return (
+            Symbolic(mbs, polynomial(angle, segment.start), "offsetUserFunction", driver),
+            Symbolic(mbs, polynomial(speed, segment.start), "offsetUserFunction_t", driver),
+        )
+
+    def _settings(self, recipe: Recipe, stretch: Stretch, division: int) -> Foreign:
+        exudyn = self.model.exudyn
+        settings = exudyn.SimulationSettings()
+        integration, rule = settings.timeIntegration, recipe.rule
+        integration.startTime = stretch.start
+        integration.endTime = stretch.end
+        integration.numberOfSteps = stretch.samples * division
+        settings.solution.sensors.writePeriod = stretch.step
+        settings.solution.file.write = False
+        if recipe.tolerance is not None:
+            integration.newton.relativeTolerance = recipe.tolerance
+            integration.newton.absoluteTolerance = TIGHTER * recipe.tolerance
+        if rule.as_shipped:
+            return settings
+        settings.linearSolver.solverType = exudyn.LinearSolverType.EigenDense
+        integration.adaptiveStep = False  # a step cut in half would break the common grid without a word
+        integration.generalizedAlpha.useNewmark = rule.damping is None
+        integration.generalizedAlpha.useIndex2Constraints = rule.index == 2
+        integration.generalizedAlpha.computeInitialAccelerations = False  # exudyn leaves out the drive's own
+        if rule.damping is not None:
+            integration.generalizedAlpha.spectralRadius = rule.damping
+        integration.newton.useModifiedNewton = True
+        integration.newton.modifiedNewtonJacUpdatePerStep = True
+        return settings
+
+    def _solve(self, settings: Foreign, stretch: Stretch, division: int) -> None:
+        """Step through a stretch; raises StoppedError if exudyn stops or leaves what cannot be gone on with."""
+        exudyn, mbs = self.model.exudyn, self.model.mbs
+        solver = exudyn.MainSolverImplicitSecondOrder()
+        began = time.perf_counter()
+        try:
+            finished = solver.SolveSystem(mbs, settings)
+            reason = solver.GetErrorString()
+        except exudyn.ExudynError as error:
+            finished, reason = False, str(error).partition("\n")[0]
+        finally:
+            self.seconds += time.perf_counter() - began
+            self.steps += solver.it.currentStepIndex - 1  # the step it would have taken next
+            self.iterations += solver.it.newtonStepsCount
+        if not finished:
+            raise StoppedError(f"exudyn stopped at {mbs.systemData.GetTime():.4g} s: {reason}")
+        fault = not_finite(self.model, stretch.end)
+        if fault is None and self.checked:
+            fault = broken(self.model, stretch.end, division)
+        if fault is not None:
+            raise StoppedError(fault)

@@ -1,0 +1,157 @@
+"""Loads that change from step to step and have to be set before each.
+
+A step of pymunk first moves the bodies, then asks for forces. So what is set before a step has to be that of the
+positions it will reach: the present ones moved on by the present velocities. Velocities at that instant lie half a step
+ahead of the last ones known and are extrapolated from the last two, 1.5 v₁ − 0.5 v₂: dampers are of second order.
+"""
+
+from __future__ import annotations
+
+import math
+from bisect import bisect_right
+from collections.abc import Callable
+from typing import TYPE_CHECKING
+
+from analytic.description.law import FULL_TURN, Law
+from analytic.description.linkage import GROUND
+from engines.contract import Scene, TurnDamper
+from engines.pymunk_adapter.layout import STILL
+from engines.pymunk_adapter.space import World, carried_anchor, part_number
+
+if TYPE_CHECKING:
+    import pymunk
+
+
+def scalar_law(law: Law, component: int) -> Callable[[float], float]:
+    """One component of a load over φ as a plain function of a float: a table's cubics, read off at its angles."""
+    if law.angles is None:
+        constant = float(law.values[component])
+        return lambda _angle: constant
+    knots = law.angles.tolist()
+    first = knots[0]
+    cubics = [law(law.angles, k)[component] / math.factorial(k) for k in range(4)]
+    pieces = list(zip(*(c.tolist() for c in cubics), strict=True))
+
+    def value(angle: float) -> float:
+        angle = first + (angle - first) % FULL_TURN
+        piece = bisect_right(knots, angle) - 1
+        x = angle - knots[piece]
+        a, b, c, d = pieces[piece]
+        return float(a + x * (b + x * (c + x * d)))
+
+    return value
+
+
+class StepLoads:
+    """The loads that have to be set anew before every step of ``step`` seconds.
+
+    ``ahead`` aims them at the positions and velocities of the step to come; else they are those of the last one, as a
+    newcomer would have them.
+    """
+
+    def __init__(self, world: World, scene: Scene, step: float, *, ahead: bool) -> None:
+        self._crank = world.crank
+        self._ground = world.space.static_body
+        self._reach = step if ahead else 0.0
+        self._sums: dict[pymunk.Body, list[float]] = {}
+        self._turning = any(not load.force.is_constant for load in scene.forces) or any(
+            not load.torque.is_constant for load in scene.torques
+        )
+        self._parts: list[Callable[[float], None]] = [
+            self._force(world, scene, number) for number, f in enumerate(scene.forces) if not f.force.is_constant
+        ]
+        self._parts += [
+            self._torque(world.part(part_number(scene, load.body)), scalar_law(load.torque, 0))
+            for load in scene.torques
+            if not load.torque.is_constant and load.body != GROUND
+        ]
+        if ahead:  # otherwise pymunk's own springs damp
+            self._parts += [self._damper(world, scene, damper) for damper in scene.dampers]
+            self._parts += [self._dashpot(world, scene, k) for k, s in enumerate(scene.springs) if s.damping]
+
+    def __bool__(self) -> bool:
+        return bool(self._parts)
+
+    def __call__(self) -> None:
+        """Set everything for the next step."""
+        angle = self._crank.angle + self._reach * self._crank.angular_velocity if self._turning else 0.0
+        for total in self._sums.values():
+            total[0] = total[1] = total[2] = 0.0
+        for part in self._parts:
+            part(angle)
+        for body, (x, y, torque) in self._sums.items():
+            if x or y:
+                body.force = (x, y)
+            body.torque = torque
+
+    def _total(self, body: pymunk.Body) -> list[float]:
+        """Where the loads on a body are summed; those on the ground go nowhere."""
+        total = [0.0, 0.0, 0.0]
+        return total if body is self._ground else self._sums.setdefault(body, total)
+
+    def _force(self, world: World, scene: Scene, number: int) -> Callable[[float], None]:
+        load = scene.forces[number]
+        index = part_number(scene, load.body)
+        if index == STILL:
+            return lambda _angle: None
+        body, reach, total = world.bodies[index], self._reach, self._total(world.bodies[index])
+        x, y = carried_anchor(world.layout, index, load.anchor)
+        along_x, along_y = scalar_law(load.force, 0), scalar_law(load.force, 1)
+
+        def add(angle: float) -> None:
+            turn = body.angle + reach * body.angular_velocity
+            c, s = math.cos(turn), math.sin(turn)
+            fx, fy = along_x(angle), along_y(angle)
+            total[0] += fx
+            total[1] += fy
+            total[2] += (c * x - s * y) * fy - (s * x + c * y) * fx
+
+        return add
+
+    def _torque(self, body: pymunk.Body, law: Callable[[float], float]) -> Callable[[float], None]:
+        total = self._total(body)
+
+        def add(angle: float) -> None:
+            total[2] += law(angle)
+
+        return add
+
+    def _damper(self, world: World, scene: Scene, damper: TurnDamper) -> Callable[[float], None]:
+        first, second = (world.part(part_number(scene, name)) for name in (damper.first, damper.second))
+        first_total, second_total = self._total(first), self._total(second)
+        coefficient, last = damper.coefficient, first.angular_velocity - second.angular_velocity
+
+        def add(_angle: float) -> None:
+            nonlocal last
+            rate = first.angular_velocity - second.angular_velocity
+            torque = coefficient * (1.5 * rate - 0.5 * last)
+            last = rate
+            first_total[2] -= torque
+            second_total[2] += torque
+
+        return add
+
+    def _dashpot(self, world: World, scene: Scene, number: int) -> Callable[[float], None]:
+        """A dashpot as a change of its spring's rest length, its speed from the lengths at three instants."""
+        spring, engine, reach = scene.springs[number], world.springs[number], self._reach
+        ends = [(engine.a, *engine.anchor_a), (engine.b, *engine.anchor_b)]
+        stretch = spring.damping / engine.stiffness
+
+        def length(ahead: float) -> float:
+            places = []
+            for body, x, y in ends:
+                (px, py), (vx, vy), turn = body.position, body.velocity, body.angle + ahead * body.angular_velocity
+                c, s = math.cos(turn), math.sin(turn)
+                places.append((px + ahead * vx + c * x - s * y, py + ahead * vy + s * x + c * y))
+            return math.dist(*places)
+
+        last, second_last = length(reach), length(0.0)
+
+        def add(_angle: float) -> None:
+            nonlocal last, second_last
+            now = length(reach)
+            speed = (3.0 * now - 4.0 * last + second_last) / (2.0 * reach)
+            last, second_last = now, last
+            engine.rest_length = (spring.length if spring.stiffness else now) - stretch * speed
+
+        return add

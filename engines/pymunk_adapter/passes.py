@@ -1,0 +1,179 @@
+"""Passes of a scene through pymunk under a prescribed crank, on the way to second order and beyond.
+
+With every joint's ``error_bias`` at 0 each step closes the joints to first order (a linearised SHAKE), which makes the
+motion second order in the step with terms of every higher order behind it; any other bias leaves it at first order.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+
+import numpy as np
+from numpy.typing import NDArray
+
+from analytic.description.crank_motion import CrankMotion, Segment
+from analytic.description.law import FULL_TURN
+from engines.contract import Scene
+from engines.pymunk_adapter.checks import DivergedError, check_crank, check_finite, check_impulses, check_joints
+from engines.pymunk_adapter.cost import Cost
+from engines.pymunk_adapter.disagreement import Pass, doubt
+from engines.pymunk_adapter.layout import Layout
+from engines.pymunk_adapter.loads import StepLoads
+from engines.pymunk_adapter.plans import Plan
+from engines.pymunk_adapter.recording import Clock, Recording, joined, looks, marks
+from engines.pymunk_adapter.space import Rig, World, add_motor, add_torque, build_world
+from engines.pymunk_adapter.stepping import Calls, calls, march, march_wound, place
+
+Array = NDArray[np.float64]
+
+# Steps before the first sample of a segment, in which what the start got wrong dies away: a share of them with COLD
+# times as many iterations, there being no good guess of the impulses, then as later, so that the change of effort dies
+# away too. Where steps are so long that they would lead further back than a turn, there are fewer.
+RUN_IN = 40
+COLD_SHARE = 0.25
+COLD = 4
+
+# Passes of a prescribed motion at most, what another one has to make of their disagreement to be followed by more, and
+# how far they may disagree in the end.
+MOST_PASSES = 7
+WORTHWHILE = 0.5
+LARGEST_DOUBT = 0.05
+
+# Fewest samples of a segment, however short it is.
+LEAST_SAMPLES = 4
+
+
+def step_count(duration: float, step: float) -> int:
+    """Number of equal steps of at most ``step`` seconds that make up a duration."""
+    return max(LEAST_SAMPLES, math.ceil(duration / step * (1.0 - 1e-9)))
+
+
+def clocks(motion: CrankMotion, step: float, ratio: int) -> list[tuple[Segment, Clock]]:
+    """Cut every segment into equal steps of at most ``step`` seconds, so that each kink falls on a sample.
+
+    A segment has its start among its samples; the last one has its end as well.
+    """
+    result = []
+    for segment in motion.segments:
+        count = step_count(segment.end - segment.start, step)
+        samples = count + 1 if segment is motion.segments[-1] else count
+        result.append((segment, Clock(segment.start, (segment.end - segment.start) / count, samples, count, ratio)))
+    return result
+
+
+def mean_speeds(segment: Segment, start: float, step: float, count: int) -> Array:
+    """Mean crank speed over consecutive steps, rad/s, exact: Gauss-Legendre quadrature of the speed's polynomial."""
+    nodes, shares = np.polynomial.legendre.leggauss(max(1, (len(segment.coefficients) + 1) // 2))
+    times = start + step * (np.arange(count)[:, None] + 0.5 * (nodes + 1.0))
+    return np.asarray(segment.value(times, 1) @ (0.5 * shares))
+
+
+def torque_bound(scene: Scene, layout: Layout, motion: CrankMotion) -> float:
+    """A torque well above any that the drive can need, N m: all mass at the scene's size, at the peak of the motion."""
+    times = np.linspace(0.0, motion.duration, 101)
+    rate = float(np.max(np.abs(motion.acceleration(times)))) + motion.peak_speed**2
+    size = layout.reach
+    weight = sum(part.mass for part in layout.parts)
+    bound = rate * (weight * size**2 + sum(part.inertia or 0.0 for part in layout.parts))
+    bound += weight * math.hypot(*scene.gravity) * size
+    bound += sum(float(np.max(np.abs(load.force.values))) for load in scene.forces) * size
+    bound += sum(float(np.max(np.abs(load.torque.values))) for load in scene.torques)
+    bound += sum(damper.coefficient for damper in scene.dampers) * motion.peak_speed
+    bound += sum(spring.stiffness + spring.damping * motion.peak_speed for spring in scene.springs) * size**2
+    return bound
+
+
+def prescribed_passes(rig: Rig, motion: CrankMotion, plan: Plan, cost: Cost) -> list[Pass]:
+    """The passes to extrapolate: those of the plan, and finer ones until they agree as far as it aims at.
+
+    Raises DivergedError where they do not agree at all.
+    """
+    aim = plan.pace
+    if isinstance(aim, float):
+        return [prescribed_pass(rig, motion, aim, ratio, cost) for ratio in plan.ratios]
+    step = min(FULL_TURN / motion.peak_speed / aim.samples_per_turn, motion.duration / aim.least_samples)
+    ratios = list(plan.ratios)
+    passes = [prescribed_pass(rig, motion, step, ratio, cost) for ratio in ratios]
+    found, before = doubt(passes, rig.layout), math.inf
+    while aim.doubt < found.size < WORTHWHILE * before and len(passes) < MOST_PASSES:
+        ratios.append(ratios[-1] + 2)
+        passes.append(prescribed_pass(rig, motion, step, ratios[-1], cost))
+        found, before = doubt(passes, rig.layout), found.size
+    if found.size > LARGEST_DOUBT:
+        raise DivergedError(
+            f"runs at different steps do not agree: {found.about} differs by {found.size:.2g} of its scale at "
+            f"{found.time:.4g} s"
+        )
+    return passes
+
+
+def prescribed_pass(rig: Rig, motion: CrankMotion, step: float, ratio: int, cost: Cost) -> Pass:
+    """Drive the crank through its motion, every segment on its own, ``ratio`` steps to a sample.
+
+    A segment is entered along its own polynomial continued backwards, so that its first samples already show the motion
+    after the kink. The motor's impulse is known to its size alone: a constant torque on the crank, above any that the
+    drive can need, keeps its sign. Raises DivergedError.
+    """
+    with cost.building():
+        world = build_world(rig.scene, rig.layout, iterations=rig.iterations, error_bias=0.0)
+        offset = torque_bound(rig.scene, rig.layout, motion)
+        add_torque(world, world.crank, offset)
+        on = calls(world, add_motor(world))
+    recordings = []
+    for segment, clock in clocks(motion, step, ratio):
+        with cost.stepping():
+            recording = _driven(rig, world, on, cost, segment=segment, clock=clock, offset=offset)
+        check_finite(recording.times, recording.seen)
+        if rig.judged:
+            check_joints(recording.times, recording.seen, rig.layout)
+            check_crank(recording, rig.layout, segment)
+            check_impulses(recording, offset)
+        recordings.append(recording)
+    history = joined([recording.history(rig.scene, rig.layout) for recording in recordings])
+    return Pass(step / ratio, history)
+
+
+def _driven(
+    rig: Rig, world: World, on: Calls, cost: Cost, *, segment: Segment, clock: Clock, offset: float
+) -> Recording:
+    """Drive one segment and return what was seen of it."""
+    steps, fine = looks(clock, rig.scene.channels), clock.fine
+    loads = run_in(rig, world, on, cost, segment=segment, clock=clock)
+    before = []
+    if steps[0] < 0:
+        on.look()
+        before.append(on.impulse())
+    count = int(steps[-1]) + 1
+    rates = (-mean_speeds(segment, clock.start, fine, count)).tolist()
+    seen, impulses = march_wound(world, on, fine, rates=rates, looks=marks(steps[steps >= 0], count), loads=loads)
+    cost.count(world, count)
+    return Recording(clock, steps, seen, offset - np.array(before + impulses) / fine)
+
+
+def run_in(
+    rig: Rig, world: World, on: Calls, cost: Cost, *, segment: Segment, clock: Clock
+) -> Callable[[], None] | None:
+    """Drive the crank along a segment continued backwards, up to the state that the clock's first step starts from.
+
+    Returns the loads to be set before every further step.
+    """
+    count = _run_in_steps(segment, clock)
+    start = clock.start - count * clock.fine
+    world.space.iterations = COLD * rig.iterations
+    cost.count(world, place(world, on, clock.fine, float(segment.value(start))))
+    changing = StepLoads(world, rig.scene, clock.fine, ahead=True)
+    loads = changing if changing else None
+    rates, cold = (-mean_speeds(segment, start, clock.fine, count)).tolist(), math.ceil(COLD_SHARE * count)
+    for part, effort in ((slice(cold), COLD), (slice(cold, None), 1)):
+        world.space.iterations = effort * rig.iterations
+        march(on, clock.fine, rates[part], [0] * len(rates[part]), loads)
+        cost.count(world, len(rates[part]))
+    return loads
+
+
+def _run_in_steps(segment: Segment, clock: Clock) -> int:
+    """Number of steps to lead up to a clock's start."""
+    ways = segment.value(clock.start - clock.fine * np.arange(RUN_IN + 1)) - segment.value(clock.start)
+    (far,) = np.nonzero(np.abs(ways) > FULL_TURN)
+    return max(1, int(far[0]) - 1) if len(far) else RUN_IN

@@ -1,0 +1,201 @@
+"""What is looked at during a pass, and how it becomes the history of the scene's own bodies.
+
+A pass takes ``ratio`` steps (an odd number) from sample to sample, so that passes of different ratio share both the
+sample times and the middles between them. After a step pymunk holds positions of tₙ and velocities of tₙ + h/2: the
+velocity signal therefore lives on the middles, and the acceleration at a sample is (v⁺ − v⁻)/h across it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from engines.contract import Channel, History, Scene, Signal
+from engines.pymunk_adapter.layout import Layout
+from engines.pymunk_adapter.load_sums import loads_on_parts
+from engines.pymunk_adapter.reactions import across, joint_forces
+
+Array = NDArray[np.float64]
+
+# Samples at which joints and crank are watched even where no position is asked for.
+WATCHED = 64
+
+
+@dataclass(frozen=True)
+class Clock:
+    """Samples ``start + k·step``, k = 0, 1, …, and the middles between them, ``ratio`` engine steps apart."""
+
+    start: float
+    step: float
+    sample_count: int
+    middle_count: int
+    ratio: int
+
+    @property
+    def fine(self) -> float:
+        """The engine's step, s."""
+        return self.step / self.ratio
+
+    @property
+    def samples(self) -> NDArray[np.intp]:
+        """Numbers of the engine's steps that end at a sample."""
+        return np.arange(self.sample_count) * self.ratio
+
+    @property
+    def middles(self) -> NDArray[np.intp]:
+        """Numbers of the engine's steps after which it holds the velocity of the middle between two samples."""
+        return np.arange(self.middle_count) * self.ratio + (self.ratio - 1) // 2
+
+    def sample_times(self) -> Array:
+        """Times of the samples, s."""
+        return self.start + self.step * np.arange(self.sample_count, dtype=np.float64)
+
+    def middle_times(self) -> Array:
+        """Times of the middles, s."""
+        return self.start + self.step * (np.arange(self.middle_count, dtype=np.float64) + 0.5)
+
+
+def looks(clock: Clock, channels: frozenset[Channel]) -> NDArray[np.intp]:
+    """Numbers of the engine's steps after which it has to be looked at, increasing."""
+    samples = clock.samples
+    wanted = [samples[:: max(1, len(samples) // WATCHED)], samples[-1:]]
+    if channels & {Channel.POSITION, Channel.TORQUE}:
+        wanted.append(samples)
+    if channels & {Channel.ACCELERATION, Channel.JOINT_FORCE}:
+        wanted += [samples, samples - 1]
+    if Channel.VELOCITY in channels:
+        wanted.append(clock.middles)
+    return np.unique(np.concatenate(wanted))
+
+
+def marks(steps: NDArray[np.intp], count: int) -> list[int]:
+    """1 for each of ``count`` steps whose number is among ``steps``, else 0."""
+    result = np.zeros(count, dtype=np.intp)
+    result[steps] = 1
+    return [int(mark) for mark in result]
+
+
+@dataclass(frozen=True)
+class Recording:
+    """All looks of a pass over one stretch.
+
+    ``steps`` (n,) are the engine's steps they followed, ``seen`` (n, parts, 2, 3) the parts' positions and rates,
+    ``torque`` (n,) the drive's.
+    """
+
+    clock: Clock
+    steps: NDArray[np.intp]
+    seen: Array
+    torque: Array
+
+    def _at(self, steps: NDArray[np.intp]) -> Array:
+        return self.seen[np.searchsorted(self.steps, steps)]
+
+    @property
+    def times(self) -> Array:
+        """Times of the looks, s."""
+        return self.clock.start + self.clock.fine * self.steps.astype(np.float64)
+
+    @property
+    def state(self) -> Array:
+        """Positions of the parts, (n, parts, 3): x, y, θ."""
+        return self.seen[:, :, 0]
+
+    def instant(self, sample: int) -> Array:
+        """Positions, rates and accelerations of the parts at a sample that was looked at both sides, (3, parts, 3)."""
+        step = self.clock.samples[sample]
+        before, after = self._at(np.array([step - 1, step]))
+        return np.array(
+            [after[:, 0], 0.5 * (before[:, 1] + after[:, 1]), (after[:, 1] - before[:, 1]) / self.clock.fine]
+        )
+
+    def history(self, scene: Scene, layout: Layout) -> History:
+        """The channels the scene asks for, for the scene's bodies."""
+        samples, times = self.clock.samples, self.clock.sample_times()
+        wanted = scene.channels
+        position = velocity = acceleration = torque = None
+        forces: Mapping[str, Signal] = {}
+        if Channel.POSITION in wanted:
+            position = Signal(times, _carried_position(scene, layout, self._at(samples)[:, :, 0]))
+        if Channel.VELOCITY in wanted:
+            seen = self._at(self.clock.middles)
+            ahead = 0.5 * self.clock.fine
+            velocity = Signal(self.clock.middle_times(), _carried_velocity(scene, layout, *_split(seen), ahead))
+        if wanted & {Channel.ACCELERATION, Channel.JOINT_FORCE}:
+            before, after = self._at(samples - 1)[:, :, 1], self._at(samples)
+            if Channel.ACCELERATION in wanted:
+                acceleration = Signal(times, self._acceleration(scene, layout, before, after))
+            if Channel.JOINT_FORCE in wanted:
+                forces = self._joint_forces(scene, layout, times, before, after)
+        if Channel.TORQUE in wanted:
+            torque = Signal(times, self.torque[np.searchsorted(self.steps, samples)])
+        return History(position, velocity, acceleration, torque, forces)
+
+    def _acceleration(self, scene: Scene, layout: Layout, before: Array, after: Array) -> Array:
+        state, rates = _split(after)
+        half = 0.5 * self.clock.fine
+        late = _carried_velocity(scene, layout, state, rates, half)
+        return (late - _carried_velocity(scene, layout, state, before, -half)) / self.clock.fine
+
+    def _joint_forces(
+        self, scene: Scene, layout: Layout, times: Array, before: Array, after: Array
+    ) -> Mapping[str, Signal]:
+        state, rates = _split(after)
+        load = loads_on_parts(scene, layout, state, 0.5 * (before + rates))
+        found = joint_forces(layout, state, (rates - before) / self.clock.fine, load)
+        return {name: Signal(times, values) for name, values in found.items()}
+
+
+def _split(seen: Array) -> tuple[Array, Array]:
+    return seen[:, :, 0], seen[:, :, 1]
+
+
+def _offsets(scene: Scene, layout: Layout) -> list[tuple[int, Array]]:
+    """Bodies whose carriers have another centre than their own, and where the mass centre lies from there."""
+    carriers = layout.parts[: len(scene.bodies)]
+    return [(k, -np.asarray(p.offset)) for k, p in enumerate(carriers) if p.offset != (0.0, 0.0)]
+
+
+def _arm(offset: Array, angle: Array) -> Array:
+    c, s = np.cos(angle), np.sin(angle)
+    return np.stack([c * offset[0] - s * offset[1], s * offset[0] + c * offset[1]], axis=-1)
+
+
+def _carried_position(scene: Scene, layout: Layout, state: Array) -> Array:
+    result = state[:, : len(scene.bodies)].copy()
+    for number, offset in _offsets(scene, layout):
+        result[:, number, :2] += _arm(offset, state[:, number, 2])
+    return result
+
+
+def _carried_velocity(scene: Scene, layout: Layout, state: Array, rates: Array, ahead: float) -> Array:
+    """Velocities of the mass centres ``ahead`` seconds from the positions of ``state``, (n, bodies, 3)."""
+    result = rates[:, : len(scene.bodies)].copy()
+    for number, offset in _offsets(scene, layout):
+        turn_rate = rates[:, number, 2]
+        arm = _arm(offset, state[:, number, 2] + ahead * turn_rate)
+        result[:, number, :2] += turn_rate[:, None] * across(arm)
+    return result
+
+
+def joined(stretches: Sequence[History]) -> History:
+    """Histories of consecutive stretches as one; a channel is None in all or in none."""
+
+    def join(signals: Sequence[Signal | None]) -> Signal | None:
+        present = [signal for signal in signals if signal is not None]
+        if not present:
+            return None
+        return Signal(np.concatenate([s.time for s in present]), np.concatenate([s.values for s in present]))
+
+    first = stretches[0]
+    forces = {name: join([s.joint_force[name] for s in stretches]) for name in first.joint_force}
+    return History(
+        join([s.position for s in stretches]),
+        join([s.velocity for s in stretches]),
+        join([s.acceleration for s in stretches]),
+        join([s.torque for s in stretches]),
+        {name: signal for name, signal in forces.items() if signal is not None},
+    )

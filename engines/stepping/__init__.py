@@ -1,0 +1,1 @@
+"""What adapters share on the way from time steps to a history."""

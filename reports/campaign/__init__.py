@@ -1,0 +1,1 @@
+"""The report page of a campaign and its Markdown summary."""

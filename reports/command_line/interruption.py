@@ -1,0 +1,56 @@
+"""What an interrupted campaign leaves: its journal, and a sentence that says how to go on."""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
+from pathlib import Path
+
+from comparisons.campaign.campaign import Request
+from comparisons.runs.environment import environment
+from comparisons.runs.journal import Journal
+from engines.registry import engine
+
+Announce = Callable[[str, int, int], None]
+
+# What an environment holds that no result depends on.
+INCIDENTAL = ("date", "machine")
+
+
+def journal(folder: Path, command: str, request: Request, texts: Sequence[str], *, resume: bool) -> Journal:
+    """The journal of a request: empty, or what was kept of the same request before where it is resumed.
+
+    The same are the command, the linkage files and the versions of everything that computes.
+    """
+    facts = {name: value for name, value in environment().items() if name not in INCIDENTAL}
+    facts |= {f"engine {name}": engine(name).version() or "not installed" for name in request.engines}
+    digests = [hashlib.sha256(text.encode()).hexdigest()[:16] for text in texts]
+    facts |= {f"file of {one.name}": digest for one, digest in zip(request.linkages, digests, strict=True)}
+    kept = Journal(folder, "\n".join([command, *(f"{name} {value}" for name, value in facts.items())]))
+    if not resume:
+        kept.clear()
+    return kept
+
+
+@contextmanager
+def interruptible(folder: Path | None) -> Iterator[Callable[[Announce], Announce]]:
+    """What makes an ``announce`` count; Ctrl-C is then raised on with a sentence on how many runs ``folder`` keeps."""
+    finished, total = 0, 0
+
+    def counting(announce: Announce) -> Announce:
+        def heard(label: str, number: int, count: int) -> None:
+            nonlocal finished, total
+            finished, total = number, count
+            announce(label, number, count)
+
+        return heard
+
+    try:
+        yield counting
+    except KeyboardInterrupt as interrupt:
+        if folder is None or not total:
+            raise
+        raise KeyboardInterrupt(
+            f"{finished} of {total} runs are kept in {folder}: repeat the command with --resume to finish"
+        ) from interrupt

@@ -1,0 +1,217 @@
+"""From the words of the command line to a campaign's request, every name checked before anything runs."""
+
+from __future__ import annotations
+
+import math
+import shlex
+from dataclasses import dataclass, replace
+
+from analytic.description.crank_motion import REGIMES, RPM, CrankMotion, crank_motion
+from analytic.description.linkage import Linkage
+from analytic.description.loading import catalogue, find, load
+from analytic.errors import LinkproofError, UnknownNameError
+from comparisons.campaign.campaign import Request
+from comparisons.runs.workers import DEFAULT_BOUNDS, GIB, Bounds, cores
+from engines.contract import Setting
+from engines.registry import engine, engine_names
+
+EVERYTHING = "all"
+OWN = "own"  # every regime that a linkage defines for itself
+
+
+@dataclass(frozen=True)
+class Choice:
+    """What was asked for, in the user's words: names, rpm, seconds and degrees; empty means the default."""
+
+    mechanisms: tuple[str, ...] = ()
+    variant: str | None = None
+    regimes: tuple[str, ...] = ()
+    engines: tuple[str, ...] = ()
+    settings: tuple[str, ...] = ()
+    quantities: tuple[str, ...] = ()
+    speed: float = 1000.0
+    ramp_time: float = 0.6
+    hold_time: float = 0.1
+    start_angle: float = 0.0
+    clockwise: bool = False
+    gravity: bool = True
+    full: bool = False
+
+    @property
+    def conditions(self) -> str:
+        """Speed, times, direction, start angle and gravity, in words that tell two campaigns apart."""
+        words = [
+            f"{self.speed:g} rpm {'clockwise' if self.clockwise else 'counter-clockwise'}",
+            f"{self.ramp_time:g} s + {self.hold_time:g} s",
+            f"from {self.start_angle:g}°",
+            "gravity on" if self.gravity else "gravity off",
+        ]
+        return ", ".join(words)
+
+    @property
+    def command(self) -> str:
+        """The command that asks for the same."""
+        words = ["linkproof", "compare", *self.mechanisms]
+        words += ["--variant", self.variant] if self.variant else []
+        for option, values in (
+            ("--regime", self.regimes),
+            ("--engine", self.engines),
+            ("--setting", self.settings),
+            ("--quantity", self.quantities),
+        ):
+            words += [word for value in values for word in (option, value)]
+        default = Choice()
+        for name in ("speed", "ramp_time", "hold_time", "start_angle"):
+            if getattr(self, name) != getattr(default, name):
+                words += [f"--{name.replace('_', '-')}", f"{getattr(self, name):g}"]
+        words += ["--clockwise"] if self.clockwise else []
+        words += [] if self.gravity else ["--no-gravity"]
+        words += ["--full"] if self.full else []
+        return shlex.join(words)
+
+
+@dataclass(frozen=True)
+class Effort:
+    """How a campaign is run: what each run may take, s and GiB, in how many worker processes; None means the default.
+
+    ``resume`` finishes what an interrupted campaign has left.
+    """
+
+    time_limit: float | None = None
+    memory_limit: float | None = None
+    jobs: int | None = None
+    resume: bool = False
+
+    def check(self) -> None:
+        """Raise LinkproofError for what cannot be."""
+        for option, value, unit in (
+            ("--time-limit", self.time_limit, "s"),
+            ("--memory-limit", self.memory_limit, "GiB"),
+        ):
+            if value is not None and not 0.0 < value < math.inf:
+                raise LinkproofError(f"{option}: expected a positive finite number of {unit}, got {value:g}")
+            if value is not None and self.jobs == 0:
+                raise LinkproofError(
+                    f"{option} holds for worker processes, and --jobs 0 asks for none: leave one of the two out"
+                )
+        if self.jobs is not None and self.jobs < 0:
+            raise LinkproofError(f"--jobs: expected a number of processes, or 0 for none, got {self.jobs}")
+
+    @property
+    def bounds(self) -> Bounds:
+        """What each run may take."""
+        return Bounds(
+            DEFAULT_BOUNDS.seconds if self.time_limit is None else self.time_limit,
+            DEFAULT_BOUNDS.memory if self.memory_limit is None else round(self.memory_limit * GIB),
+        )
+
+    @property
+    def processes(self) -> int:
+        """Worker processes; the cores by default, even for a single run, which is kept apart from the command too."""
+        return cores() if self.jobs is None else self.jobs
+
+    @property
+    def words(self) -> str:
+        """The options that results may depend on, as they follow a command."""
+        limits = (("--time-limit", self.time_limit), ("--memory-limit", self.memory_limit))
+        return "".join(f" {option} {value:g}" for option, value in limits if value is not None)
+
+
+DEFAULT_EFFORT = Effort()
+
+
+def linkages(choice: Choice) -> tuple[Linkage, ...]:
+    """The linkages asked for; all of the catalogue that have the variant, where none is named."""
+    names = tuple(dict.fromkeys(choice.mechanisms or catalogue()))
+    found = [load(name) for name in names]
+    if choice.variant is not None:
+        having = [name for name, one in zip(names, found, strict=True) if choice.variant in one.variants]
+        if not choice.mechanisms and having:
+            names = tuple(having)
+        found = [load(name, choice.variant) for name in names]
+    if not choice.gravity:
+        found = [replace(linkage, gravity=(0.0, 0.0)) for linkage in found]
+    _check_names_differ(found)
+    return tuple(found)
+
+
+def _check_names_differ(found: list[Linkage]) -> None:
+    seen: set[str] = set()
+    for linkage in found:
+        if linkage.name in seen:
+            raise LinkproofError(f"two linkage files are both called '{linkage.name}': rename one of them")
+        seen.add(linkage.name)
+
+
+def texts(choice: Choice, found: tuple[Linkage, ...]) -> list[str]:
+    """The files behind the linkages, in the same order."""
+    paths = {linkage.name: linkage.name for linkage in found} | {find(n).stem: n for n in choice.mechanisms}
+    return [find(paths[linkage.name]).read_text(encoding="utf-8") for linkage in found]
+
+
+def motions(choice: Choice) -> tuple[CrankMotion, ...]:
+    """The prescribed crank motions asked for."""
+    names = REGIMES if EVERYTHING in choice.regimes else choice.regimes or ("run-up",)
+    return tuple(
+        crank_motion(
+            name,
+            speed=choice.speed * RPM,
+            ramp_time=choice.ramp_time,
+            hold_time=choice.hold_time,
+            clockwise=choice.clockwise,
+            start_angle=math.radians(choice.start_angle),
+        )
+        for name in dict.fromkeys(names)
+        if name in REGIMES
+    )
+
+
+def own_regimes(choice: Choice, found: tuple[Linkage, ...]) -> tuple[str, ...]:
+    """Regimes asked for that the linkages define for themselves; ``own`` and ``all`` ask for every one of them."""
+    known = sorted({regime.name for linkage in found for regime in linkage.regimes})
+    for name in choice.regimes:
+        if name not in (*REGIMES, *known, OWN, EVERYTHING):
+            raise UnknownNameError("regime", name, [*REGIMES, *known, OWN, EVERYTHING])
+    if {OWN, EVERYTHING} & set(choice.regimes):
+        return tuple(known)
+    return tuple(name for name in known if name in choice.regimes)
+
+
+def _engines(choice: Choice) -> tuple[str, ...]:
+    """Engine names; one that is named but not installed is an error, one of the default set is a record."""
+    for name in choice.engines:
+        if engine(name).version() is None:
+            raise LinkproofError(
+                f"engine '{name}' is not installed: install it with: pip install 'linkproof[{name}]', or leave it out"
+            )
+    return tuple(dict.fromkeys(choice.engines)) or engine_names()
+
+
+def _settings(choice: Choice) -> tuple[Setting, ...]:
+    if EVERYTHING in choice.settings:
+        return tuple(Setting)
+    for name in choice.settings:
+        if name not in list(Setting):
+            raise UnknownNameError("setting", name, [*Setting, EVERYTHING])
+    return tuple(Setting(name) for name in dict.fromkeys(choice.settings)) or (Setting.TUNED,)
+
+
+def _own_settings(choice: Choice) -> tuple[Setting, ...]:
+    """Settings of the linkages' own regimes: those named; else best, for a released crank adds up its phase error."""
+    return _settings(choice) if choice.full or {*choice.settings} - {EVERYTHING} else (Setting.BEST,)
+
+
+def request(choice: Choice) -> Request:
+    """The campaign's request; raises LinkproofError for anything that does not exist or cannot be."""
+    found = linkages(choice)
+    return Request(
+        linkages=found,
+        motions=motions(choice),
+        conditions=choice.conditions,
+        engines=_engines(choice),
+        settings=_settings(choice),
+        quantities=tuple(dict.fromkeys(choice.quantities)),
+        own_regimes=own_regimes(choice, found),
+        own_settings=_own_settings(choice),
+        with_invariants=not choice.quantities,
+    )

@@ -1,0 +1,292 @@
+"""The kinematic scheme in twelve crank positions, one of them drawn out with its joints and guides."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.collections import LineCollection
+from matplotlib.figure import Figure
+from matplotlib.ticker import MaxNLocator
+from numpy.typing import NDArray
+
+from analytic.description.linkage import GROUND, Guide, Linkage, Vector
+from analytic.kinematics.sweep import Sweep
+from reports.drawing import symbols
+from reports.drawing.style import INK, MUTED, drawn
+from reports.facts.views import View
+
+Array = NDArray[np.float64]
+
+POSITIONS = 12
+TURN_POINTS = 361
+MILLIMETRE = 1e3
+GHOST, PATH = "#a8b8c8", "#0072b2"
+LARGEST_WIDTH, LARGEST_HEIGHT, SMALLEST_WIDTH = 6.2, 5.6, 2.4
+# Room in inches for the ticks on the left and below, and on the other two sides.
+LEFT, BELOW, RIM = 0.55, 0.45, 0.08
+PIN_INCHES = 0.042
+NUMBER_STYLE = {"fontsize": 6.5, "color": MUTED, "zorder": 4.0}
+NAME_STYLE = {
+    "fontsize": 8.5,
+    "fontstyle": "italic",
+    "color": INK,
+    "zorder": 12.0,
+    "bbox": {"boxstyle": "round,pad=0.12", "facecolor": "white", "edgecolor": "none", "alpha": 0.8},
+}
+
+
+@dataclass(frozen=True)
+class Scheme:
+    """Where everything is, in mm: over the twelve positions and over the whole turn."""
+
+    linkage: Linkage
+    few: Sweep
+    turn: Sweep
+
+    def places(self, sweep: Sweep, body: str, locals_: Iterable[Vector]) -> Array:
+        """Points of a body, (points, 2, positions)."""
+        parts = [np.broadcast_arrays(*sweep.local_point(body, local), sweep.angle)[:2] for local in locals_]
+        return MILLIMETRE * np.array(parts, dtype=float)
+
+    def link_points(self, link: str) -> list[Vector]:
+        """The named points that make a link's shape."""
+        return list(self.linkage.links[link].points.values())
+
+    def direction(self, guide: Guide) -> Array:
+        """Unit vector of a guide at every one of the twelve positions, (2, positions)."""
+        ends = self.places(self.few, guide.host, [(0.0, 0.0), guide.along])
+        span = ends[1] - ends[0]
+        return np.asarray(span / np.hypot(*span))
+
+    def travel(self, guide: Guide, body: str, point: str) -> tuple[Vector, Vector]:
+        """The two ends, in the host's frame, between which a point moves along a guide over the turn."""
+        (x, y), (u, v) = guide.through, guide.along
+        ends = self.places(self.turn, guide.host, [guide.through, (x + u, y + v)])
+        pin = self.places(self.turn, body, [self.linkage.local(point, body)])[0]
+        along = np.sum((pin - ends[0]) * (ends[1] - ends[0]), axis=0) / MILLIMETRE**2
+        low, high = float(np.min(along)), float(np.max(along))
+        return (x + low * u, y + low * v), (x + high * u, y + high * v)
+
+    @cached_property
+    def shown(self) -> int:
+        """The position to draw out: the one whose points lie farthest apart."""
+        names = {point for link in self.linkage.links.values() for point in link.points}
+        places = MILLIMETRE * np.array([self.few.point(name) for name in sorted(names)])
+        apart = np.hypot(*np.moveaxis(places[:, None] - places[None, :], 2, 0))
+        apart[np.arange(len(names)), np.arange(len(names))] = np.inf
+        return int(np.argmax(np.min(apart, axis=(0, 1))))
+
+    @cached_property
+    def extent(self) -> tuple[Array, Array]:
+        """Lowest and highest x and y ever reached, mm."""
+        moving = [self.places(self.turn, name, link.points.values()) for name, link in self.linkage.links.items()]
+        spots = np.concatenate([part.transpose(0, 2, 1).reshape(-1, 2) for part in moving])
+        spots = np.concatenate([spots, MILLIMETRE * np.array(list(self.linkage.ground.values())).reshape(-1, 2)])
+        return spots.min(axis=0), spots.max(axis=0)
+
+
+def scheme_of(view: View) -> Scheme:
+    """The scheme of a mechanism at every 30° from φ = 0."""
+    few = view.mechanism.sweep(np.linspace(0.0, 2.0 * np.pi, POSITIONS, endpoint=False))
+    return Scheme(view.linkage, few, view.mechanism.sweep(np.linspace(0.0, 2.0 * np.pi, TURN_POINTS)))
+
+
+def scheme_figure(view: View) -> Figure:
+    """The scheme on a page of its own, to scale in both directions."""
+    scheme = scheme_of(view)
+    low, high = scheme.extent
+    pad = 0.42  # inches around the outermost points: pivots, numbers and names need it
+    span = np.maximum(high - low, 1e-9)
+    scale = float(
+        min((LARGEST_WIDTH - LEFT - RIM - 2 * pad) / span[0], (LARGEST_HEIGHT - BELOW - RIM - 2 * pad) / span[1])
+    )
+    width = max(span[0] * scale + 2 * pad, SMALLEST_WIDTH)
+    height = span[1] * scale + 2 * pad
+    full = (width + LEFT + RIM, height + BELOW + RIM)
+
+    def draw(figure: Figure) -> None:
+        axes = figure.add_axes((LEFT / full[0], BELOW / full[1], width / full[0], height / full[1]))
+        middle = 0.5 * (low + high)
+        axes.set_xlim(middle[0] - 0.5 * width / scale, middle[0] + 0.5 * width / scale)
+        axes.set_ylim(middle[1] - 0.5 * height / scale, middle[1] + 0.5 * height / scale)
+        draw_scheme(axes, view, PIN_INCHES / scale)
+
+    return drawn(*full, draw)
+
+
+def draw_scheme(axes: Axes, view: View, size: float) -> None:
+    """All positions faintly, one drawn out; ``size`` is a pin's radius in mm. The axes' limits are the caller's."""
+    scheme = scheme_of(view)
+    axes.set_aspect("equal")
+    axes.set_xlabel("x, mm")
+    axes.set_ylabel("y, mm")
+    axes.xaxis.set_major_locator(MaxNLocator(4, steps=[1, 2, 5, 10]))
+    axes.yaxis.set_major_locator(MaxNLocator(8, steps=[1, 2, 5, 10]))
+    _ghosts(axes, scheme)
+    _paths(axes, scheme, view)
+    taken = draw_position(axes, scheme, size)
+    _crank_numbers(axes, scheme, size, taken)
+
+
+def draw_position(axes: Axes, scheme: Scheme, size: float) -> Array:
+    """The position drawn out, with guides, links, joints and names; returns where the names stand, (names, 2), mm."""
+    _guides(axes, scheme, size)
+    _links(axes, scheme, size)
+    _joints(axes, scheme, size)
+    return _names(axes, scheme, size)
+
+
+def _ghosts(axes: Axes, scheme: Scheme) -> None:
+    """Every link in every position, as thin lines."""
+    lines = []
+    for link in scheme.linkage.links:
+        places = scheme.places(scheme.few, link, scheme.link_points(link))
+        for spots in places.transpose(2, 0, 1) if len(places) > 1 else ():
+            corners = symbols.outline(spots)
+            lines.append(corners if len(corners) == 2 else np.vstack([corners, corners[:1]]))
+    axes.add_collection(LineCollection(lines, colors=GHOST, linewidths=0.7, zorder=2.0))
+
+
+def _paths(axes: Axes, scheme: Scheme, view: View) -> None:
+    """The circle or curve of every moving pin, the output's in colour."""
+    output = view.linkage.output.point if view.linkage.output else None
+    points = sorted({point for link in scheme.linkage.links.values() for point in link.points})
+    for point in points:
+        path = MILLIMETRE * scheme.turn.point(point)
+        if point == output:
+            axes.plot(*path, color=PATH, linewidth=2.4, alpha=0.75, solid_capstyle="round", zorder=3.0)
+            spots = MILLIMETRE * scheme.few.point(point)
+            axes.plot(*spots, linestyle="none", marker="o", markersize=2.2, color=PATH, zorder=3.1)
+        elif float(np.max(np.ptp(path, axis=1))) > 1e-6:
+            axes.plot(*path, color=GHOST, linewidth=0.7, linestyle=(0, (2, 2)), zorder=1.8)
+
+
+def _crank_numbers(axes: Axes, scheme: Scheme, size: float, taken: Array) -> None:
+    """0 to 11 around the crank pin's circle, but for the position drawn out and where a name is in the way."""
+    link = scheme.linkage.links[scheme.linkage.crank]
+    pivot = next(p.point for p in scheme.linkage.pins if {GROUND, link.name} <= set(p.links))
+    far = max(link.points, key=lambda name: float(np.hypot(*np.subtract(link.points[name], link.points[pivot]))))
+    if far == pivot:  # a crank that is nothing but a slot has no pin to number
+        return
+    spots, centre = MILLIMETRE * scheme.few.point(far), MILLIMETRE * scheme.few.point(pivot)
+    arm = spots - centre
+    places = centre + arm * (1.0 + 2.4 * size / np.hypot(*arm))
+    for number in sorted(set(range(POSITIONS)) - {scheme.shown}):
+        if np.min(np.hypot(*(taken - places[:, number]).T)) > 3.0 * size:
+            _write(axes, places[:, number], str(number), NUMBER_STYLE)
+
+
+def _guides(axes: Axes, scheme: Scheme, size: float) -> None:
+    """Guides of sliders and slots in the position drawn out, over the travel they see."""
+    runs = [(s.guide, s.link, s.point) for s in scheme.linkage.sliders]
+    runs += [(s.guide, scheme.few.carrier(s.point), s.point) for s in scheme.linkage.slots]
+    for guide, body, point in runs:
+        start, end = scheme.places(scheme.few, guide.host, scheme.travel(guide, body, point))[:, :, scheme.shown]
+        if guide.host == GROUND:
+            symbols.guide(axes, start, end, _free_side(scheme, point, end - start), size)
+        else:
+            symbols.slot(axes, start, end, size)
+
+
+def _free_side(scheme: Scheme, point: str, along: Array) -> float:
+    """+1 where the left of a guide is clear of the links that lead to its slider, -1 where the right is."""
+    spots = _spots(scheme)
+    pull = _pull(point, spots[point], spots, scheme)
+    return -1.0 if float(along[0] * pull[1] - along[1] * pull[0]) > 0.0 else 1.0
+
+
+def _links(axes: Axes, scheme: Scheme, size: float) -> None:
+    """The links of the position drawn out, springs, blocks of sliders, mass centres clear of the joints."""
+    linkage = scheme.linkage
+    for number, name in enumerate(linkage.links):
+        spots = scheme.places(scheme.few, name, scheme.link_points(name))[:, :, scheme.shown]
+        if len(spots) > 1:
+            symbols.bar(axes, spots, 2.6, INK, 5.0 + 0.01 * number)
+    for spring in linkage.springs:
+        one, two = (
+            scheme.places(scheme.few, body, [linkage.local(point, body)])[0, :, scheme.shown]
+            for point, body in zip(spring.points, spring.links, strict=True)
+        )
+        symbols.spring(axes, one, two, size)
+    for slider in linkage.sliders:
+        along = scheme.direction(slider.guide)[:, scheme.shown]
+        symbols.slider(axes, MILLIMETRE * scheme.few.point(slider.point)[:, scheme.shown], along, size)
+    _mass_centres(axes, scheme, size)
+
+
+def _mass_centres(axes: Axes, scheme: Scheme, size: float) -> None:
+    """Mass centres of turning links that are clear of the joints, tied to their link."""
+    joints = np.array(list(_spots(scheme).values()))
+    for name, link in scheme.linkage.links.items():
+        if link.inertia is not None and link.points:
+            spot = scheme.places(scheme.few, name, [link.centre])[0, :, scheme.shown]
+            if float(np.min(np.hypot(*(joints - spot).T))) > 1.6 * size:
+                start = scheme.places(scheme.few, name, scheme.link_points(name))[0, :, scheme.shown]
+                symbols.leader(axes, start, spot)
+                symbols.mass_centre(axes, spot, size)
+
+
+def _joints(axes: Axes, scheme: Scheme, size: float) -> None:
+    """Pins, fixed pivots, pins in slots, and the points where nothing is pinned."""
+    linkage, spots = scheme.linkage, _spots(scheme)
+    held = {end for spring in linkage.springs for end in spring.points} | {slot.point for slot in linkage.slots}
+    pivots = {pin.point for pin in linkage.pins if GROUND in pin.links} | (held & set(linkage.ground))
+    pins = {pin.point for pin in linkage.pins} | {s.point for s in linkage.slots} | {s.point for s in linkage.sliders}
+    for name, spot in spots.items():
+        if name in pivots:
+            symbols.fixed_pivot(axes, spot, size)
+        elif name in pins:
+            symbols.pin(axes, spot, size)
+        else:
+            symbols.eye(axes, spot, size)
+
+
+def _spots(scheme: Scheme) -> dict[str, Array]:
+    """Every named point in the position drawn out, mm."""
+    names = {p for link in scheme.linkage.links.values() for p in link.points} | set(scheme.linkage.ground)
+    return {name: MILLIMETRE * scheme.few.point(name)[:, scheme.shown] for name in sorted(names)}
+
+
+def _names(axes: Axes, scheme: Scheme, size: float) -> Array:
+    """Names of the points beside them, on the side no link leaves from; returns where they stand, (names, 2)."""
+    spots, places = _spots(scheme), []
+    across = {s.point: _across(scheme.direction(s.guide)[:, scheme.shown]) for s in scheme.linkage.sliders}
+    for name, spot in spots.items():
+        away = -_pull(name, spot, spots, scheme)
+        length = float(np.hypot(*away))
+        away = away / length if length > 1e-6 else np.array([0.8, 0.6])
+        reach = 3.6 * size
+        if name in across:  # the rail is on the side away from the links, the name goes to theirs
+            side = 1.0 if float(across[name] @ away) <= 0.0 else -1.0
+            away, reach = side * across[name], 4.0 * size
+        elif name in scheme.linkage.ground and away[1] < 0.2:  # the hatched foot hangs below
+            away = np.array([np.copysign(0.95, away[0]), 0.3])
+        places.append(spot + reach * away)
+        _write(axes, places[-1], name, NAME_STYLE)
+    return np.array(places)
+
+
+def _write(axes: Axes, place: Array, text: str, style: dict[str, Any]) -> None:
+    """Centred text."""
+    axes.text(float(place[0]), float(place[1]), text, ha="center", va="center", **style)
+
+
+def _across(along: Array) -> Array:
+    return np.array([-along[1], along[0]])
+
+
+def _pull(name: str, spot: Array, spots: dict[str, Array], scheme: Scheme) -> Array:
+    """Sum of the unit vectors from a point to its neighbours on the links that carry it."""
+    total = np.zeros(2)
+    for link in scheme.linkage.links.values():
+        if name in link.points:
+            for other in link.points:
+                span = spots[other] - spot
+                if other != name:
+                    total += span / (float(np.hypot(*span)) or 1.0)
+    return total

@@ -1,0 +1,77 @@
+"""Forces of a linkage in steady rotation: in its joints and on its frame, over a turn at the regime's final speed."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from analytic.dynamics.joint_forces import joint_forces, shaking_force, shaking_moment
+from reports.facts.views import View
+from reports.text.numbers import figure
+
+Array = NDArray[np.float64]
+
+POINTS = 361
+
+
+@dataclass(frozen=True)
+class TurnForces:
+    """Forces at every degree of a turn with the crank at ``view.final_speed`` and no acceleration."""
+
+    view: View
+
+    @cached_property
+    def angle(self) -> Array:
+        """Crank angle, rad, (n,), a full turn with both ends."""
+        return np.linspace(0.0, 2.0 * np.pi, POINTS)
+
+    @cached_property
+    def joints(self) -> dict[str, Array]:
+        """Force of every joint, N, (2, n), by name."""
+        return joint_forces(self.view.mechanism.sweep(self.angle), self.view.final_speed, 0.0)
+
+    @cached_property
+    def peaks(self) -> dict[str, tuple[float, float]]:
+        """Largest magnitude of every joint's force, N, and the crank angle of it, degrees."""
+        return {name: self._peak(np.hypot(*force)) for name, force in self.joints.items()}
+
+    @cached_property
+    def shaking(self) -> Array:
+        """Force on the frame, N, (2, n)."""
+        return shaking_force(self.view.mechanism.sweep(self.angle), self.view.final_speed, 0.0)
+
+    @cached_property
+    def pivot(self) -> str:
+        """The crank's pivot, about which the moment is taken."""
+        return self.view.mechanism.structure.pivot.point
+
+    @cached_property
+    def moment(self) -> Array:
+        """Moment on the frame about the crank's pivot, N m, (n,)."""
+        about = self.view.linkage.ground[self.pivot]
+        return shaking_moment(self.view.mechanism.sweep(self.angle), self.view.final_speed, 0.0, about)
+
+    def _peak(self, values: Array) -> tuple[float, float]:
+        place = int(np.argmax(values))
+        return float(values[place]), float(np.degrees(self.angle[place]))
+
+
+def lead(found: TurnForces) -> str:
+    """The forces in words."""
+    joint = max(found.peaks, key=lambda name: found.peaks[name][0])
+    most, where = found.peaks[joint]
+    shake = np.hypot(*found.shaking)
+    low, high = (figure(float(value)).replace("-", "−") for value in (found.moment.min(), found.moment.max()))
+    return (
+        f"At a steady {found.view.speed_words} the largest joint force is {figure(most)} N in {plain(joint)} at "
+        f"{where:.0f}°; the frame takes up to {figure(float(shake.max()))} N and between {low} and {high} N m about "
+        f"{found.pivot}, weights and drive included."
+    )
+
+
+def plain(joint: str) -> str:
+    """A joint's name for a reader."""
+    return joint.replace("_", " ")

@@ -1,0 +1,200 @@
+"""The matrix mechanisms × engines × settings × quantities as plain rows, for the page and the summary alike."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from itertools import groupby
+
+from comparisons.campaign.results import Results
+from comparisons.judging.limits import limit
+from comparisons.judging.records import Record, Verdict
+from reports.facts.views import SETTINGS, anchor, columns, family, ordered, worst
+from reports.text.numbers import bound, error
+
+# Sign, word and style class of each outcome: the sign and the word carry the meaning, the colour only helps.
+SIGNS: dict[str, tuple[str, str, str]] = {
+    Verdict.PASSED.value: ("✓", "within its limit", "pass"),
+    Verdict.OVER_LIMIT.value: ("✗", "over its limit", "over"),
+    Verdict.DIVERGED.value: ("✗", "diverged", "failed"),
+    Verdict.UNSUPPORTED.value: ("–", "unsupported", "absent"),
+    Verdict.UNAVAILABLE.value: ("–", "not installed", "absent"),
+    Verdict.TIMED_OUT.value: ("✗", "timed out", "failed"),
+    Verdict.CRASHED.value: ("✗", "crashed", "failed"),
+}
+
+
+@dataclass(frozen=True)
+class Cell:
+    """One deviation: the largest error, its sign, its limit, and the sentence behind it."""
+
+    error: float | None
+    sign: str
+    style: str
+    limit: str
+    told: str
+
+
+@dataclass(frozen=True)
+class Row:
+    """One run; ``failure`` says why it gave no motion, in which case it has no cells."""
+
+    engine: str
+    version: str
+    setting: str
+    cells: tuple[Cell | None, ...]
+    style: str = ""
+    failure: str = ""
+
+
+@dataclass(frozen=True)
+class Block:
+    """All runs of one mechanism and variant under one regime."""
+
+    mechanism: str
+    variant: str
+    regime: str
+    conditions: str
+    rows: tuple[Row, ...]
+
+    @property
+    def anchor(self) -> str:
+        """Where the page tells more of the mechanism."""
+        return anchor(self.mechanism, self.variant)
+
+
+def blocks(results: Results) -> tuple[Block, ...]:
+    """The whole matrix, in stable order."""
+    names = [name for part in columns(results) for name in part]
+    found = []
+    for _, part in groupby(every_record(results), key=lambda record: record.run[:3]):
+        records = list(part)
+        runs = [list(run) for _, run in groupby(records, key=lambda record: record.run)]
+        first = records[0]
+        rows = tuple(_row(run, names) for run in runs)
+        found.append(Block(first.mechanism, first.variant, first.regime, first.conditions, rows))
+    return tuple(found)
+
+
+def every_record(results: Results) -> tuple[Record, ...]:
+    """Records and invariants in stable order."""
+    return ordered(results, (*results.records, *results.invariants))
+
+
+def _row(records: Sequence[Record], names: Sequence[str]) -> Row:
+    first = records[0]
+    if all(record.error_max is None for record in records):
+        sign, word, style = SIGNS[first.outcome]
+        failure = f"{sign} {word}" + (f": {first.detail}" if first.detail else "")
+        return Row(first.engine, first.engine_version, first.setting, (), style, failure)
+    families: dict[str, list[Record]] = {}
+    for record in records:
+        families.setdefault(family(record.quantity), []).append(record)
+    cells = tuple(_cell(families[name]) if name in families else None for name in names)
+    return Row(first.engine, first.engine_version, first.setting, cells)
+
+
+def _cell(records: Sequence[Record]) -> Cell:
+    """The worst of a family: of the forces in all joints, say."""
+    record = worst(records)
+    sign, word, style = SIGNS[record.outcome]
+    told = f"worst of {len(records)}, " if len(records) > 1 else ""
+    told += f"{record.quantity}: {word}"
+    if record.error_max is not None:
+        told += f"; largest {error(record.error_max)}, rms {error(record.error_rms)} of the peak"
+        told += f", worst at {record.worst_time:.4g} s" if record.worst_time is not None else ""
+        told += f"; {record.samples} samples" + (f", {record.left_out} left out" if record.left_out else "")
+    if record.detail:
+        told += f". {record.detail}"
+    return Cell(record.error_max, sign, style, _bound(record), told)
+
+
+def _bound(record: Record) -> str:
+    """The limit, or what the baseline allows where that is what the record is over."""
+    if caught_by_baseline(record):
+        return f"{bound(float(f'{record.baseline:.1e}'))} recorded"
+    return bound(record.limit)
+
+
+def caught_by_baseline(record: Record) -> bool:
+    """Whether a record is within its limit but has grown too far over its recorded value."""
+    if record.outcome != Verdict.OVER_LIMIT.value or record.error_max is None or not record.limit:
+        return False
+    return record.baseline is not None and record.error_max <= record.limit
+
+
+@dataclass(frozen=True)
+class Standing:
+    """How an engine at a setting came out over all it ran; ``nearest`` is the record that uses most of its limit."""
+
+    engine: str
+    setting: str
+    passed: int
+    total: int
+    nearest: Record | None
+    failures: tuple[str, ...]
+
+    @property
+    def share(self) -> float:
+        """Largest deviation over its limit."""
+        one = self.nearest
+        return 0.0 if one is None or not one.limit or one.error_max is None else one.error_max / one.limit
+
+
+def standings(results: Results) -> tuple[Standing, ...]:
+    """One standing per engine and setting."""
+    records = sorted(every_record(results), key=_by_engine)
+    return tuple(_standing(list(part)) for _, part in groupby(records, key=_by_engine))
+
+
+def _by_engine(record: Record) -> tuple[str, int]:
+    place = SETTINGS.index(record.setting) if record.setting in SETTINGS else len(SETTINGS)
+    return record.engine, place
+
+
+def _standing(records: list[Record]) -> Standing:
+    measured = [record for record in records if record.error_max is not None and record.limit]
+    nearest = max(measured, key=lambda r: (r.error_max or 0.0) / (r.limit or 1.0), default=None)
+    failures = dict.fromkeys(f"{SIGNS[r.outcome][1]}: {r.detail}" for r in records if r.error_max is None)
+    passed = sum(record.outcome == Verdict.PASSED.value for record in records)
+    return Standing(records[0].engine, records[0].setting, passed, len(records), nearest, tuple(failures))
+
+
+def past_baseline(results: Results) -> tuple[str, ...]:
+    """Records that are within their limit and were caught by the recorded baseline, each in one sentence."""
+    return tuple(
+        f"{r.mechanism} ({r.variant}), {r.regime}, {r.engine} {r.setting}, {r.quantity}: {r.detail}"
+        for r in every_record(results)
+        if caught_by_baseline(r)
+    )
+
+
+@dataclass(frozen=True)
+class LimitRow:
+    """A limit of this campaign: what is held to it, and why it is what it is."""
+
+    quantities: str
+    settings: str
+    regimes: str
+    value: str
+    reason: str
+
+
+def limit_rows(results: Results) -> tuple[LimitRow, ...]:
+    """The limits these records are held against, largest first within the order of the quantities."""
+    names = [name for part in columns(results) for name in part]
+    groups: dict[tuple[float, str], list[Record]] = {}
+    for record in every_record(results):
+        table = limit(record.quantity, record.setting, record.regime)
+        value = record.limit if record.limit is not None else table.value
+        reason = table.reason if value == table.value else "as the table of limits stood when the campaign ran"
+        groups.setdefault((value, reason), []).append(record)
+    rows = []
+    for (value, reason), records in groups.items():
+        held = {family(record.quantity) for record in records}
+        settings, regimes = {r.setting for r in records}, {r.regime for r in records}
+        words = ", ".join(name for name in names if name in held)
+        order = [s for s in SETTINGS if s in settings]
+        rows.append((names.index(words.split(", ")[0]), -value,
+                     LimitRow(words, ", ".join(order), ", ".join(sorted(regimes)), bound(value), reason)))  # fmt: skip
+    return tuple(row for _, _, row in sorted(rows, key=lambda entry: entry[:2]))

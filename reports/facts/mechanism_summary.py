@@ -1,0 +1,88 @@
+"""The portrait of a mechanism: what ``linkproof show`` tells of it, as plain data."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+
+from analytic.description.linkage import Linkage
+from analytic.description.thread_path import ThreadPath
+from analytic.dynamics import reduced
+from analytic.dynamics.equilibrium import equilibria
+from analytic.kinematics.mechanism import Mechanism
+from analytic.numerics.extremes import Extremes, extremes
+from analytic.turn.thread_feed import eye_travel, feed_diagram
+from analytic.turn.unit_functions import bottom_dead_centre, stroke, top_dead_centre
+
+
+def portrait(linkage: Linkage) -> dict[str, Any]:
+    """Structure, inertia and accuracy of a linkage in SI units and degrees, ready for JSON."""
+    mechanism = Mechanism(linkage)
+    mechanism.check_full_turn()
+    facts: dict[str, Any] = {
+        "mechanism": linkage.name,
+        "title": linkage.title,
+        "source": linkage.source,
+        "variant": linkage.variant,
+        "variants": list(linkage.variants),
+        "structure": mechanism.structure.formula,
+        "signs": {dyad.name: dyad.sign for dyad in mechanism.structure.dyads if dyad.sign},
+        "Jeq": _extremes(extremes(lambda phi: reduced.reduced_inertia(mechanism.sweep(phi)))),
+        "links": {name: _link(mechanism, name) for name in linkage.links},
+        "notes": list(linkage.notes),
+        "closure_error": float(np.max(mechanism.turn.closure_error())),
+        "error_bound": dict(zip(("position", "first", "second"), mechanism.error_bound(), strict=True)),
+    }
+    if any(linkage.gravity) or linkage.springs:
+        facts["equilibria"] = [
+            {"angle": math.degrees(found.angle), "stable": bool(found.stable)} for found in equilibria(mechanism)
+        ]
+    if linkage.thread is not None:
+        facts["thread"] = thread_facts(mechanism, linkage.thread)
+    if linkage.output is not None:
+        facts["output"] = {
+            "point": linkage.output.point,
+            "stroke": stroke(mechanism),
+            "top_dead_centre": math.degrees(top_dead_centre(mechanism).angle),
+            "bottom_dead_centre": math.degrees(bottom_dead_centre(mechanism).angle),
+        }
+    return facts
+
+
+def thread_facts(mechanism: Mechanism, path: ThreadPath) -> dict[str, Any]:
+    """Contour and feed of the thread over a turn, m and degrees."""
+    diagram = feed_diagram(mechanism, path)
+    eyes = {stop.point: eye_travel(mechanism, stop.point) for stop in path.eyes}
+    return {
+        "contour": {"min": diagram.length_extremes.minimum, "max": diagram.length_extremes.maximum},
+        "feed": {"min": float(np.min(diagram.feed)), "max": float(np.max(diagram.feed)), "total": diagram.total_feed},
+        "reference_angle": math.degrees(diagram.reference_angle),
+        "eyes": {
+            eye: {"top": math.degrees(travel.top_angle), "bottom": math.degrees(travel.bottom_angle)}
+            for eye, travel in eyes.items()
+        },
+    }
+
+
+def _extremes(found: Extremes) -> dict[str, float]:
+    return {
+        "mean": found.mean,
+        "max": found.maximum,
+        "min": found.minimum,
+        "pulsation": found.relative_pulsation,
+        "max_at": math.degrees(found.maximum_angle),
+        "min_at": math.degrees(found.minimum_angle),
+    }
+
+
+def _link(mechanism: Mechanism, name: str) -> dict[str, Any]:
+    link = mechanism.linkage.links[name]
+    return {
+        "points": {point: list(local) for point, local in link.points.items()},
+        "mass": link.mass,
+        "centre": list(link.centre),
+        "inertia": link.inertia,
+        "Jeq_mean": extremes(lambda phi: reduced.link_inertia(mechanism.sweep(phi), name)).mean,
+    }

@@ -1,0 +1,72 @@
+"""Published figures beside ours, one column per variant (reading) of a mechanism."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from analytic.description.linkage import Linkage
+from analytic.description.loading import parse
+from comparisons.campaign.results import Results
+from comparisons.reference.published import PublishedRecord, compare_published
+
+VERDICT_SIGNS = {"reproduced": ("✓", "pass"), "not reproduced": ("✗", "over")}
+OTHERWISE = ("≈", "near")
+
+
+@dataclass(frozen=True)
+class Reading:
+    """A printed figure and what every variant gives for it; None where it belongs to another variant."""
+
+    quantity: str
+    unit: str
+    published: float
+    source: str
+    note: str
+    ours: tuple[PublishedRecord | None, ...]
+
+
+@dataclass(frozen=True)
+class Readings:
+    """All printed figures of one mechanism."""
+
+    mechanism: str
+    variants: tuple[str, ...]
+    rows: tuple[Reading, ...]
+
+
+def readings(results: Results) -> dict[str, Readings]:
+    """The printed figures of every mechanism of a campaign, by its name, in the order of its file."""
+    texts = {entry["name"]: entry["text"] for entry in results.document["descriptions"]}
+    found = {}
+    for name, text in texts.items():
+        first = next(linkage for linkage in results.linkages if linkage.name == name)
+        if first.published:
+            linkages = [parse(text, name, name, variant) for variant in first.variants]
+            found[name] = _table(linkages)
+    return found
+
+
+def _table(linkages: list[Linkage]) -> Readings:
+    variants = tuple(linkage.variant for linkage in linkages)
+    records = compare_published(linkages)
+    keys = dict.fromkeys((r.quantity, r.unit, r.published, r.source, r.note) for r in records)
+    rows = []
+    for key in keys:
+        mine = {r.variant: r for r in records if (r.quantity, r.unit, r.published, r.source, r.note) == key}
+        rows.append(Reading(*key, tuple(mine.get(variant) for variant in variants)))
+    return Readings(linkages[0].name, variants, tuple(rows))
+
+
+def met(table: Readings) -> tuple[tuple[str, int, int, int], ...]:
+    """Per variant: figures reproduced, figures near, figures compared."""
+    counts = []
+    for number, variant in enumerate(table.variants):
+        verdicts = [row.ours[number].verdict for row in table.rows if row.ours[number] is not None]  # type: ignore[union-attr]
+        signs = [VERDICT_SIGNS.get(verdict, OTHERWISE)[1] for verdict in verdicts]
+        counts.append((variant, signs.count("pass"), signs.count("near"), len(signs)))
+    return tuple(counts)
+
+
+def worded(quantity: str) -> str:
+    """A quantity's name for a reader: "Jeq:needle_bar.mean" is "Jeq of needle bar, mean"."""
+    return quantity.replace(":", " of ").replace(".", ", ").replace("_", " ")

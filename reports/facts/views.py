@@ -1,0 +1,225 @@
+"""The results seen one mechanism at a time: its closed form, its records in a stable order, its curves."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from analytic.description.crank_motion import RPM, CrankMotion
+from analytic.description.linkage import Linkage
+from analytic.errors import LinkproofError
+from analytic.kinematics.mechanism import Mechanism
+from analytic.turn.unit_functions import top_dead_centre
+from comparisons.campaign.results import Results
+from comparisons.judging.deviations import near_jumps
+from comparisons.judging.quantities import QUANTITIES
+from comparisons.judging.records import Record
+from engines.contract import Setting
+
+Array = NDArray[np.float64]
+SETTINGS = tuple(setting.value for setting in Setting)
+# Speed at which the output's motion is shown where no regime prescribes one.
+NOMINAL_SPEED = 1000.0 * RPM
+CRANK_ANGLE = "phi"
+
+
+@dataclass(frozen=True)
+class Regime:
+    """What the crank did: a prescribed motion, or None where the crank was released to the loads."""
+
+    name: str
+    conditions: str
+    motion: CrankMotion | None
+
+    @property
+    def jumps(self) -> tuple[float, ...]:
+        """Instants at which the prescribed acceleration jumps, s."""
+        return self.motion.jumps if self.motion else ()
+
+
+@dataclass(frozen=True)
+class Trace:
+    """One quantity of one run: ``time``, ``observed`` and ``reference``, all (n,), SI; of a vector, magnitudes.
+
+    ``error`` is |observed − reference| over the reference's peak, NaN where the comparison left a sample out.
+    """
+
+    record: Record
+    time: Array
+    observed: Array
+    reference: Array
+    error: Array
+
+    @property
+    def label(self) -> str:
+        """Engine and setting."""
+        return f"{self.record.engine} {self.record.setting}"
+
+
+@dataclass(frozen=True)
+class View:
+    """One mechanism in one variant, with its part of the results."""
+
+    results: Results
+    linkage: Linkage
+
+    @property
+    def key(self) -> str:
+        """A name fit for an anchor."""
+        return anchor(self.linkage.name, self.linkage.variant)
+
+    @property
+    def text(self) -> str:
+        """The linkage's file as it was when the campaign ran."""
+        entries = self.results.document["descriptions"]
+        return str(next(entry["text"] for entry in entries if entry["name"] == self.linkage.name))
+
+    @cached_property
+    def mechanism(self) -> Mechanism:
+        """The closed form."""
+        return Mechanism(self.linkage)
+
+    @cached_property
+    def makes_full_turn(self) -> bool:
+        """Whether the crank turns right round, so that curves over a turn exist."""
+        try:
+            self.mechanism.check_full_turn()
+        except LinkproofError:
+            return False
+        return True
+
+    @cached_property
+    def has_output(self) -> bool:
+        """Whether S, v and a exist over a turn: the linkage names an output, and the output reverses."""
+        if self.linkage.output is None or not self.makes_full_turn:
+            return False
+        try:
+            top_dead_centre(self.mechanism)
+        except LinkproofError:
+            return False
+        return True
+
+    @cached_property
+    def records(self) -> tuple[Record, ...]:
+        """Records and invariants of this mechanism, by regime, engine, setting and quantity."""
+        mine = (self.linkage.name, self.linkage.variant)
+        every = (*self.results.records, *self.results.invariants)
+        return ordered(self.results, [record for record in every if record.run[:2] == mine])
+
+    @cached_property
+    def regimes(self) -> tuple[Regime, ...]:
+        """The regimes this mechanism ran through, those that prescribe the crank's motion first."""
+        motions = {motion.regime: motion for motion in self.results.motions}
+        conditions = {record.regime: record.conditions for record in self.records}
+        return tuple(Regime(name, words, motions.get(name)) for name, words in conditions.items())
+
+    @cached_property
+    def final_speed(self) -> float:
+        """Crank speed at the end of the first prescribed regime, rad/s, signed."""
+        motion = next((regime.motion for regime in self.regimes if regime.motion), None)
+        return float(motion.speed(motion.duration)) if motion else NOMINAL_SPEED
+
+    @property
+    def speed_words(self) -> str:
+        """The final speed for a reader: "1000 rpm clockwise"."""
+        return f"{abs(self.final_speed) / RPM:.4g} rpm" + (" clockwise" if self.final_speed < 0.0 else "")
+
+    @cached_property
+    def setting(self) -> str:
+        """The setting whose curves stand for an engine: tuned where it ran."""
+        ran = {record.setting for record in self.records}
+        return Setting.TUNED.value if Setting.TUNED.value in ran else next((s for s in SETTINGS if s in ran), "")
+
+    @cached_property
+    def _kept(self) -> dict[tuple[str, str], list[Trace]]:
+        return {}
+
+    def traces(self, regime: Regime, quantity: str) -> list[Trace]:
+        """The curves of a quantity under a regime, of every run that gave one; read once."""
+        key = (regime.name, quantity)
+        if key not in self._kept:
+            records = [r for r in self.records if (r.regime, r.quantity) == key and r.error_max is not None]
+            self._kept[key] = [self._trace(regime, record) for record in records]
+        return self._kept[key]
+
+    def _trace(self, regime: Regime, record: Record) -> Trace:
+        time, observed, reference = self.results.curve(record.run, record.quantity)
+        error = np.abs(observed - reference) / (record.peak or 1.0)
+        if regime.jumps and holds_acceleration(record.quantity):
+            error = np.where(near_jumps(time, regime.jumps), np.nan, error)
+        return Trace(record, time, observed, reference, error)
+
+    def angle(self, regime: Regime, trace: Trace) -> Array | None:
+        """Crank angle along a trace, rad: as prescribed, else by the closed form's φ; None where neither is known."""
+        if regime.motion is not None:
+            return regime.motion.angle(trace.time)
+        truths = self.traces(regime, CRANK_ANGLE)
+        if not truths:
+            return None
+        finest = max(truths, key=lambda one: len(one.time))
+        return np.interp(trace.time, finest.time, finest.reference)
+
+
+def views(results: Results) -> tuple[View, ...]:
+    """One view per mechanism and variant, in the campaign's order."""
+    return tuple(View(results, linkage) for linkage in results.linkages)
+
+
+def anchor(*names: str) -> str:
+    """Names joined so that a link within the page can point to them."""
+    return re.sub(r"\W+", "-", "-".join(names))
+
+
+def family(quantity: str) -> str:
+    """A quantity's name without the part it is of: forces of all joints are one family."""
+    return quantity.partition(":")[0]
+
+
+def title(quantity: str) -> str:
+    """What a quantity is, in words."""
+    known = QUANTITIES.get(quantity)
+    return known.title if known else quantity.replace("_", " ").replace(":", " in ")
+
+
+def holds_acceleration(quantity: str) -> bool:
+    """Whether a quantity jumps with the crank's acceleration; those that are no row of the table are forces, and do."""
+    known = QUANTITIES.get(quantity)
+    return known.holds_acceleration if known else True
+
+
+def engines(results: Results) -> tuple[str, ...]:
+    """Names of all engines asked for, sorted: an engine keeps its colour within a report."""
+    return tuple(sorted({record.engine for record in results.records}))
+
+
+def columns(results: Results) -> tuple[tuple[str, ...], tuple[str, ...]]:
+    """Families of the quantities and names of the invariants, in the order of their definition."""
+    found = dict.fromkeys(family(record.quantity) for record in results.records)
+    known = [name for name in QUANTITIES if name in found]
+    quantities = (*known, *(name for name in found if name not in known))
+    return quantities, tuple(dict.fromkeys(record.quantity for record in results.invariants))
+
+
+def worst(records: Iterable[Record]) -> Record:
+    """Of the records of one family in one run, the one that uses most of its limit; one without an error is worst."""
+    return max(records, key=lambda r: np.inf if r.error_max is None else r.error_max / (r.limit or 1.0))
+
+
+def ordered(results: Results, records: Iterable[Record]) -> tuple[Record, ...]:
+    """Records by mechanism, variant and regime as the campaign has them, then engine, setting, quantity."""
+    mechanisms = {(linkage.name, linkage.variant): number for number, linkage in enumerate(results.linkages)}
+    names = [*(motion.regime for motion in results.motions), *(record.regime for record in results.records)]
+    regimes = {name: number for number, name in enumerate(dict.fromkeys(names))}
+    families = {name: number for number, name in enumerate(name for part in columns(results) for name in part)}
+
+    def rank(record: Record) -> tuple[int, int, str, int, int, str]:
+        setting = SETTINGS.index(record.setting) if record.setting in SETTINGS else len(SETTINGS)
+        place = families[family(record.quantity)]
+        return mechanisms[record.run[:2]], regimes[record.regime], record.engine, setting, place, record.quantity
+
+    return tuple(sorted(records, key=rank))

@@ -1,5 +1,0 @@
-"""The report's figures, one kind per file; each has a ``draw_...`` on given axes and a figure of its own around it."""
-
-from reports.figures.overview import preview
-
-__all__ = ["preview"]

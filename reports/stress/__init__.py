@@ -1,0 +1,1 @@
+"""The stability maps on the terminal and on their page."""

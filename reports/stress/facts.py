@@ -1,0 +1,177 @@
+"""A saved stress test read back: its cells in the order of the table of axes, its borders and long runs; no engine."""
+
+from __future__ import annotations
+
+import json
+from collections import Counter
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, fields
+from functools import cached_property
+from pathlib import Path
+from typing import Any
+
+from analytic.errors import LinkproofError
+from comparisons.stress.axes import axes
+from comparisons.stress.cells import Cell, CellResult, from_document
+from comparisons.stress.long_run import LongRun
+from comparisons.stress.verdict import StressVerdict
+from reports.text.numbers import ABSENT, bound, printed
+
+FILE = "stress.json"
+Line = tuple[str, str, str, str]  # axis, row, engine, usage
+# An outcome that says nothing of how far an engine goes.
+APART = (StressVerdict.UNSUPPORTED, StressVerdict.UNAVAILABLE)
+SILENT = (StressVerdict.CAUGHT, StressVerdict.MISSED)
+SYMBOLS: Mapping[StressVerdict, str] = {
+    StressVerdict.WITHIN: "✓",
+    StressVerdict.OVER: "○",
+    StressVerdict.CAUGHT: "!",
+    StressVerdict.MISSED: "✗",
+    StressVerdict.ALARM: "a",
+    StressVerdict.DIVERGED: "D",
+    StressVerdict.TIMED_OUT: "T",
+    StressVerdict.CRASHED: "C",
+    StressVerdict.UNSUPPORTED: "–",
+    StressVerdict.UNAVAILABLE: "·",
+}
+
+
+@dataclass(frozen=True)
+class Border:
+    """Where one line of a map leaves its limit: the last value ``inside``, the first ``outside`` and the verdict there.
+
+    ``value`` lies between the two; it is None where it was not narrowed down.
+    """
+
+    axis: str
+    row: str
+    engine: str
+    usage: str
+    value: float | None
+    inside: float | None
+    outside: float | None
+    verdict: StressVerdict
+    inside_command: str = ""
+    outside_command: str = ""
+
+    @property
+    def line(self) -> Line:
+        """What it shares with the cells it lies between."""
+        return (self.axis, self.row, self.engine, self.usage)
+
+
+@dataclass(frozen=True)
+class Stress:
+    """A finished stress test: its document as saved, and what is in it."""
+
+    document: Mapping[str, Any]
+
+    @cached_property
+    def results(self) -> tuple[CellResult, ...]:
+        """Every cell in the order of the maps, whichever process was done first."""
+        return tuple(sorted((from_document(row) for row in self.document["cells"]), key=lambda one: _place(one.cell)))
+
+    @cached_property
+    def borders(self) -> tuple[Border, ...]:
+        """Every border found."""
+        return tuple(_border(row) for row in self.document.get("borders", ()))
+
+    @cached_property
+    def long_runs(self) -> tuple[LongRun, ...]:
+        """First against last turn, where it was measured."""
+        return tuple(_long_run(row) for row in self.document.get("long_runs", ()))
+
+    @cached_property
+    def lines(self) -> Mapping[Line, tuple[CellResult, ...]]:
+        """The cells of each line."""
+        found: dict[Line, list[CellResult]] = {}
+        for result in self.results:
+            found.setdefault(result.cell.line, []).append(result)
+        return {line: tuple(cells) for line, cells in found.items()}
+
+    @cached_property
+    def line_borders(self) -> Mapping[Line, tuple[Border, ...]]:
+        """The borders of each line that has any."""
+        found: dict[Line, list[Border]] = {}
+        for border in self.borders:
+            found.setdefault(border.line, []).append(border)
+        return {line: tuple(borders) for line, borders in found.items()}
+
+    @cached_property
+    def axes(self) -> tuple[str, ...]:
+        """Names of the axes, in the order of their table."""
+        return tuple(dict.fromkeys(result.cell.axis for result in self.results))
+
+    @cached_property
+    def engines(self) -> tuple[str, ...]:
+        """Names of the engines, sorted: not every axis has all of them."""
+        return tuple(sorted({result.cell.engine for result in self.results}))
+
+    def of(self, *verdicts: StressVerdict) -> tuple[CellResult, ...]:
+        """The cells of these verdicts."""
+        return tuple(result for result in self.results if result.verdict in verdicts)
+
+    def count(self, engine: str = "", axis: str = "") -> Counter[StressVerdict]:
+        """How many cells of an engine, of an axis or of all came to each verdict."""
+        return Counter(
+            result.verdict for result in self.results
+            if engine in ("", result.cell.engine) and axis in ("", result.cell.axis)
+        )  # fmt: skip
+
+
+def _place(cell: Cell) -> tuple[object, ...]:
+    """Where a cell stands in the table of axes; names that the table has no more come last, as they sort."""
+    known = axes().get(cell.axis)
+    if known is None:
+        return (len(axes()), cell.axis, 0, cell.row, cell.engine, 0, cell.usage, cell.value)
+    rows = [row.label for row in known.rows]
+    falling = known.values[0] > known.values[-1]
+    return (_rank(list(axes()), cell.axis), cell.axis, _rank(rows, cell.row), cell.row, cell.engine,
+            _rank((*known.settings, *known.methods), cell.usage), cell.usage,
+            -cell.value if falling else cell.value)  # fmt: skip
+
+
+def _rank(names: Sequence[str], name: str) -> int:
+    return names.index(name) if name in names else len(names)
+
+
+def _border(row: Mapping[str, Any]) -> Border:
+    told = {field.name: row[field.name] for field in fields(Border)}
+    return Border(**{**told, "verdict": StressVerdict(row["verdict"])})
+
+
+def _long_run(row: Mapping[str, Any]) -> LongRun:
+    return LongRun(**{field.name: row[field.name] for field in fields(LongRun)})
+
+
+def load(saved: Path) -> Stress:
+    """Read a stress test back, from its folder or from the file itself; no engine is imported."""
+    path = saved / FILE if saved.is_dir() else saved
+    if not path.is_file():
+        raise LinkproofError(f"no stress test at '{path}': expected the folder given to stress --out, or its {FILE}")
+    try:
+        found = Stress(json.loads(path.read_text(encoding="utf-8")))
+        _ = found.results, found.borders, found.long_runs, found.document["command"], found.document["environment"]
+    except (OSError, ValueError, KeyError, TypeError) as fault:
+        raise LinkproofError(f"'{path}' is no stress test ({fault}); run stress with --out again") from fault
+    return found
+
+
+def axis_title(name: str) -> str:
+    """An axis in words; its name where the table has none of that name any more."""
+    known = axes().get(name)
+    return known.title if known else name
+
+
+def value_words(value: float | None) -> str:
+    """A value of an axis to three digits: 1e-6, 0.0123, 200, 1e4."""
+    if value is None:
+        return ABSENT
+    plain, short = printed(float(f"{value:.3g}")), bound(value)
+    return short if len(short) + 1 < len(plain) and float(short) == float(plain) else plain
+
+
+def shown_verdicts(stress: Stress) -> tuple[StressVerdict, ...]:
+    """The verdicts worth a column: all that occur, and that none was missed."""
+    count = stress.count()
+    return tuple(verdict for verdict in StressVerdict if count[verdict] or verdict in SILENT)

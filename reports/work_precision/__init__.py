@@ -1,0 +1,1 @@
+"""The work-precision study on the terminal and on its page."""

@@ -1,0 +1,155 @@
+"""Error over cost, a panel for each mechanism: every method's sweep thin, each engine's front bold, settings marked."""
+
+from __future__ import annotations
+
+import io
+import math
+from collections.abc import Sequence
+from functools import partial
+from pathlib import Path
+
+import matplotlib
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter, NullLocator
+
+from comparisons.runs.files import write_file
+from comparisons.work_precision.analysis import on_front
+from comparisons.work_precision.records import SETTING, BenchRecord
+from reports.drawing.style import (
+    DOTS_PER_INCH,
+    FULL_WIDTH,
+    INK,
+    MUTED,
+    REFERENCE,
+    colour,
+    drawn,
+    label_ends,
+    power_of_ten,
+)
+from reports.work_precision.facts import EngineFacts, PlaceFacts
+
+ACROSS, PANEL, FRAME = 3, 2.45, 0.45
+# Nothing below round-off is worth a decade, and nothing ten times as large as its own peak one more.
+LEAST, MOST = 1e-16, 10.0
+MARKS = {"naive": ("o", 5.0), "tuned": ("s", 5.2), "best": ("*", 9.0)}
+
+
+def bench_figure(places: Sequence[PlaceFacts], engines: Sequence[str], quantity: str = "") -> Figure:
+    """Work-precision of one regime over its mechanisms, in ``quantity`` or in the one each is judged by."""
+    cells = len(places) + 1  # the last one is the key
+    across = min(ACROSS, cells)
+    down = math.ceil(cells / across)
+    width, height = FULL_WIDTH * across / ACROSS, PANEL * down + FRAME
+
+    def draw(drawing: Figure) -> None:
+        grid = drawing.subplots(down, across, squeeze=False)
+        sides = {"left": 0.6 / width, "right": 1.0 - 0.5 / width}
+        drawing.subplots_adjust(**sides, top=1.0 - 0.28 / height, bottom=0.46 / height, wspace=0.42, hspace=0.42)
+        panels = [axes for row in grid for axes in row]
+        for axes, place in zip(panels, places, strict=False):
+            draw_place(axes, place, engines, quantity or place.foremost)
+        for axes in panels[len(places) :]:
+            axes.axis("off")
+        for row in grid:
+            row[0].set_ylabel("largest |error| / peak")
+        _key(panels[len(places)], places, engines)
+
+    return drawn(width, height, draw)
+
+
+def save_figure(drawing: Figure, path: Path) -> None:
+    """Write a figure beside a page as PATH.svg and PATH.png, the same bytes for the same figure."""
+    with matplotlib.rc_context({"font.family": "DejaVu Sans", "svg.hashsalt": "linkproof", "text.parse_math": False}):
+        for form, told in (("svg", {"Date": None}), ("png", {"Software": None})):
+            buffer = io.BytesIO()
+            drawing.savefig(buffer, format=form, dpi=DOTS_PER_INCH, metadata=told)
+            write_file(path.with_name(f"{path.name}.{form}"), partial(Path.write_bytes, data=buffer.getvalue()))
+
+
+def draw_place(axes: Axes, place: PlaceFacts, engines: Sequence[str], quantity: str) -> None:
+    """One mechanism's panel."""
+    facts = [one for one in place.engines(quantity) if any(record.finished for record in one.records)]
+    _staircase(axes, place.front(quantity))
+    for one in facts:
+        _draw_engine(axes, one, colour(one.engine, engines))
+    axes.set_title(f"{place.mechanism}: {quantity.replace('_', ' ')}")
+    _scales(axes, [record for one in facts for record in one.records if record.finished])
+    lowest = [(min(map(_error, on_front(one.records))), one.engine) for one in facts]
+    label_ends(axes, [(height, name, colour(name, engines)) for height, name in lowest])
+
+
+def _draw_engine(axes: Axes, facts: EngineFacts, ink: str) -> None:
+    for sweep in facts.methods:
+        points = sweep.points
+        axes.plot(points.seconds, [max(one, LEAST) for one in points.errors], color=ink, linewidth=0.6, alpha=0.5,
+                  marker=".", markersize=2.2, zorder=2.0)  # fmt: skip
+    front = on_front(facts.records)
+    line = [(_seconds(one), _error(one)) for one in front]
+    axes.plot(*zip(*line, strict=True), color=ink, linewidth=1.9, solid_joinstyle="round", zorder=3.0)
+    for record in facts.records:
+        if record.kind == SETTING and record.finished:
+            mark, size = MARKS.get(record.setting, ("D", 4.5))
+            axes.plot(_seconds(record), _error(record), marker=mark, markersize=size, color=ink, zorder=4.0,
+                      markerfacecolor="white" if record.setting == "naive" else ink,
+                      markeredgecolor=ink if record.setting == "naive" else INK,
+                      markeredgewidth=1.3 if record.setting == "naive" else 0.7, linestyle="none")  # fmt: skip
+
+
+def _staircase(axes: Axes, front: Sequence[BenchRecord]) -> None:
+    """What no engine does better than, as a broad grey line."""
+    if front:
+        line = [(_seconds(one), _error(one)) for one in front]
+        axes.step(*zip(*line, strict=True), where="post", color=REFERENCE, linewidth=5.0, alpha=0.55, zorder=1.0,
+                  solid_capstyle="round")  # fmt: skip
+
+
+def _seconds(record: BenchRecord) -> float:
+    return record.seconds_min or 0.0
+
+
+def _error(record: BenchRecord) -> float:
+    return max(record.error_max or 0.0, LEAST)
+
+
+def _scales(axes: Axes, records: Sequence[BenchRecord]) -> None:
+    axes.set_xscale("log")
+    axes.set_yscale("log")
+    errors = [min(_error(one), MOST) for one in records] or [LEAST, 1.0]
+    low, high = math.floor(math.log10(min(errors))), math.ceil(math.log10(max(errors)) + 0.05)
+    axes.set_ylim(10.0 ** (low - 0.4), 10.0 ** (high + 0.2))
+    axes.yaxis.set_major_locator(LogLocator(base=10.0, numticks=6))
+    axes.yaxis.set_major_formatter(FuncFormatter(power_of_ten))
+    axes.xaxis.set_major_locator(LogLocator(base=10.0, numticks=8))
+    axes.xaxis.set_major_formatter(FuncFormatter(_time))
+    axes.xaxis.set_minor_formatter(NullFormatter())
+    for axis in (axes.xaxis, axes.yaxis):
+        axis.set_minor_locator(NullLocator())
+    axes.set_xlabel("stepping alone")
+
+
+def _time(value: float, _: int = 0) -> str:
+    """A power of ten of seconds: 10 ms, 1 s."""
+    unit, name = next(((u, n) for u, n in ((1.0, "s"), (1e-3, "ms")) if value >= 0.999 * u), (1e-6, "µs"))
+    return f"{value / unit:.3g} {name}"
+
+
+def _key(axes: Axes, places: Sequence[PlaceFacts], engines: Sequence[str]) -> None:
+    """Engines by colour, settings by mark, in the empty cell."""
+    ran = {record.engine for place in places for record in place.records if record.finished}
+    settings = {r.setting for place in places for r in place.records if r.kind == SETTING and r.finished}
+    handles = [
+        Line2D([], [], color=colour(name, engines), linewidth=1.9, label=f"{name}: its front") for name in engines
+        if name in ran
+    ]  # fmt: skip
+    handles.append(
+        Line2D([], [], color=MUTED, linewidth=0.6, marker=".", markersize=3.0, label="a method over its steps")
+    )
+    handles += [
+        Line2D([], [], linestyle="none", marker=mark, markersize=size, color=MUTED, markeredgecolor=INK,
+               markerfacecolor="white" if name == "naive" else MUTED, label=f"setting {name}")
+        for name, (mark, size) in MARKS.items() if name in settings
+    ]  # fmt: skip
+    handles.append(Line2D([], [], color=REFERENCE, linewidth=5.0, alpha=0.55, label="the front over all engines"))
+    axes.legend(handles=handles, loc="center left", handlelength=2.2, labelspacing=0.7, fontsize=8.5)

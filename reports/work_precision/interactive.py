@@ -1,0 +1,233 @@
+"""Error over cost as a picture to point at: any quantity, over time, steps or work, all told of every point."""
+
+from __future__ import annotations
+
+import textwrap
+from collections.abc import Sequence
+from typing import Any
+
+import plotly.graph_objects as go
+from plotly.offline import get_plotlyjs
+
+from comparisons.work_precision.front import pareto
+from comparisons.work_precision.records import SETTING, BenchRecord
+from reports.drawing.style import FAINT, INK, MUTED, REFERENCE, colour
+from reports.text.numbers import ABSENT, error, seconds
+from reports.work_precision.facts import EngineFacts, PlaceFacts, effort_words
+
+# The file that the page needs beside it; the pages of one folder share it.
+SCRIPT = "plotly.min.js"
+LEAST = 1e-16
+HEIGHT = 560
+SYMBOLS = ("circle", "square", "diamond", "triangle-up", "triangle-down", "cross", "x", "pentagon")
+MARKS = {"naive": ("circle-open", 11), "tuned": ("square", 11), "best": ("star", 15)}
+FONT = "Helvetica Neue, Helvetica, Arial, Liberation Sans, DejaVu Sans, sans-serif"
+
+
+def _whole(record: BenchRecord) -> float:
+    return (record.setup_seconds or 0.0) + (record.seconds_min or 0.0) + (record.readout_seconds or 0.0)
+
+
+# What the x axis may show: its words, and a point's value.
+AXES: dict[str, tuple[str, Any]] = {
+    "stepping": ("stepping alone, s (shortest of the repeats)", lambda one: one.seconds_min),
+    "all of a run": ("set-up, stepping and read-out, s", _whole),
+    "steps": ("time steps, over all levels", lambda one: one.steps or None),
+    "solver work": ("what the constraint solver did, in the engine's own unit", lambda one: one.solver_work or None),
+}
+
+
+def script() -> str:
+    """The text of the file the page needs."""
+    return str(get_plotlyjs())
+
+
+def bench_html(place: PlaceFacts, engines: Sequence[str], key: str) -> str:
+    """The picture of one mechanism and regime as a part of a page that has loaded the script."""
+    figure = go.Figure()
+    shown: list[dict[str, bool | str]] = []
+    for quantity in place.quantities:
+        for trace, visible in _traces(place, quantity, engines):
+            trace.visible = visible if quantity == place.foremost else False
+            figure.add_trace(trace)
+            shown.append({"quantity": quantity, "visible": visible})
+    _lay_out(figure, place, shown)
+    told: str = figure.to_html(
+        full_html=False, include_plotlyjs=False, div_id=key, config={"displaylogo": False, "responsive": True}
+    )
+    return told
+
+
+def _traces(place: PlaceFacts, quantity: str, engines: Sequence[str]) -> list[tuple[go.Scatter, bool | str]]:
+    """All lines and marks of a quantity, each with whether it shows from the start."""
+    mine = [record for record in place.records if record.quantity == quantity]
+    found: list[tuple[go.Scatter, bool | str]] = [(_front(mine), True)]
+    for facts in place.engines(quantity):
+        ink = colour(facts.engine, engines)
+        for number, sweep in enumerate(facts.sweeps):
+            own = facts.is_own(sweep.first)
+            found.append((_sweep(facts, sweep.points.records, ink, number, own), True if own else "legendonly"))
+        found += [(_setting(one, ink), True) for one in facts.records if one.kind == SETTING and one.finished]
+        if any(record.finished for record in facts.records):
+            found.append((_engine_front(facts.engine, facts.records, ink), True))
+    return found
+
+
+def _sweep(facts: EngineFacts, records: Sequence[BenchRecord], ink: str, number: int, own: bool) -> go.Scatter:
+    name = f"{facts.engine}: {facts.way(records[0])}"
+    return go.Scatter(
+        **_points(records),
+        mode="lines+markers",
+        name=name,
+        line={"color": ink, "width": 1.2, "dash": "solid" if own else "dot"},
+        marker={"color": ink, "size": 6 if own else 5, "symbol": SYMBOLS[number % len(SYMBOLS)]},
+        opacity=0.8,
+    )
+
+
+def _setting(record: BenchRecord, ink: str) -> go.Scatter:
+    symbol, size = MARKS.get(record.setting, ("hexagon", 11))
+    line = {"color": ink if symbol.endswith("-open") else INK, "width": 1.2}
+    return go.Scatter(
+        **_points([record]),
+        mode="markers",
+        name=f"{record.engine}: setting {record.setting}",
+        marker={"color": ink, "size": size, "symbol": symbol, "line": line},
+    )
+
+
+def _engine_front(engine: str, records: Sequence[BenchRecord], ink: str) -> go.Scatter:
+    """An engine's front, bold, with its name at the lower end."""
+    return go.Scatter(
+        **_fronts(records, f"&nbsp;&nbsp;&nbsp;{engine}"),
+        mode="lines+text",
+        name=f"{engine}: its front",
+        line={"color": ink, "width": 3},
+        textposition="middle right",
+        cliponaxis=False,
+        textfont={"color": ink, "size": 13},
+        hoverinfo="skip",
+    )
+
+
+def _front(records: Sequence[BenchRecord]) -> go.Scatter:
+    """The front over all engines; none over solver work, whose units differ."""
+    fronts = _fronts(records, "")
+    fronts["meta"]["solver work"] = ([], [], [])
+    return go.Scatter(
+        **fronts,
+        mode="lines",
+        name="front over all engines",
+        line={"color": REFERENCE, "width": 9, "shape": "hv"},
+        opacity=0.5,
+        hoverinfo="skip",
+    )
+
+
+def _fronts(records: Sequence[BenchRecord], label: str) -> dict[str, Any]:
+    """The points that no other beats, for each of the axes, with a label on the last one."""
+    found = {}
+    for name, (_, value) in AXES.items():
+        counted = [one for one in records if one.finished and value(one)]
+        kept = pareto([value(one) for one in counted], [one.error_max or 0.0 for one in counted])
+        front = sorted((one for one, keep in zip(counted, kept, strict=True) if keep), key=value)
+        words = [*[""] * (len(front) - 1), label] if front else []
+        found[name] = ([value(one) for one in front], [_height(one) for one in front], words)
+    x, y, words = found["stepping"]
+    return {"x": x, "y": y, "text": words, "meta": found}
+
+
+def _height(record: BenchRecord) -> float:
+    return max(record.error_max or 0.0, LEAST)
+
+
+def _points(records: Sequence[BenchRecord]) -> dict[str, Any]:
+    """Places and words of points; ``meta`` keeps x, y and text for every choice of the x axis."""
+    heights = [_height(record) for record in records]
+    return {
+        "x": [record.seconds_min for record in records],
+        "y": heights,
+        "meta": {name: ([value(one) for one in records], heights, None) for name, (_, value) in AXES.items()},
+        "hovertext": [_hover(record) for record in records],
+        "hovertemplate": "%{hovertext}<extra></extra>",
+    }
+
+
+def _hover(record: BenchRecord) -> str:
+    """Everything a record holds, a line for each thing."""
+    effort = effort_words(record.effort, record.effort_unit)
+    step = "finds its own steps" if record.step is None else f"{record.step:.3e} s, {record.steps_per_turn:.0f} a turn"
+    repeats = ", ".join(seconds(one) for one in record.repeats)
+    lines = [
+        f"<b>{record.engine} {record.engine_version}, {record.kind} {record.setting}</b>",
+        f"{record.mechanism} ({record.variant}), {record.regime}",
+        f"{record.quantity}: max {error(record.error_max)}, RMS {error(record.error_rms)}"
+        f" of {record.peak or 0.0:.4g} {record.unit}",
+        f"step: {step}" + (f"; levels {record.levels}" if record.levels else ""),
+        f"solver: {effort}" if effort else "",
+        f"stepping: min {seconds(record.seconds_min or 0.0)}, median {seconds(record.seconds_median or 0.0)}",
+        f"repeats: {repeats}",
+        f"set-up {seconds(record.setup_seconds or 0.0)}, read-out {seconds(record.readout_seconds or 0.0)}",
+        f"{record.steps} steps, {record.solver_work} {record.work_unit}",
+        f"observed order {ABSENT if record.order is None else f'{record.order:.2f}'}"
+        + ("; on its engine's front" if record.on_front else ""),
+        f"as run: {_wrapped(record.used)}" if record.used else "",
+        f"sweep ends: {record.ended}" if record.kind != SETTING else "",
+    ]
+    return "<br>".join(line for line in lines if line)
+
+
+def _wrapped(text: str, width: int = 70) -> str:
+    return "<br>".join(textwrap.wrap(text, width))
+
+
+def _lay_out(figure: go.Figure, place: PlaceFacts, shown: Sequence[dict[str, bool | str]]) -> None:
+    axis = {"type": "log", "exponentformat": "power", "showgrid": True, "gridcolor": FAINT, "zeroline": False,
+            "linecolor": MUTED, "ticks": "outside", "tickcolor": MUTED, "dtick": 1}  # fmt: skip
+    figure.update_layout(
+        template="none",
+        height=HEIGHT,
+        font={"family": FONT, "size": 13, "color": INK},
+        margin={"l": 80, "r": 10, "t": 56, "b": 60},
+        hoverlabel={"bgcolor": "white", "font": {"size": 12, "color": INK}, "align": "left"},
+        legend={"font": {"size": 11.5}, "itemsizing": "constant", "tracegroupgap": 2},
+        xaxis={**axis, "title": {"text": AXES["stepping"][0]}},
+        yaxis={**axis, "title": {"text": "largest |error| / peak"}, "dtick": 2},
+        updatemenus=[_quantity_menu(place, shown), _axis_menu(figure)],
+    )
+    figure.update_traces(meta=None)  # the menu has the values now
+
+
+def _quantity_menu(place: PlaceFacts, shown: Sequence[dict[str, bool | str]]) -> dict[str, Any]:
+    buttons = [
+        {
+            "label": name.replace("_", " "),
+            "method": "restyle",
+            "args": [{"visible": [one["visible"] if one["quantity"] == name else False for one in shown]}],
+        }
+        for name in place.quantities
+    ]
+    return _menu(buttons, 0.0, place.quantities.index(place.foremost))
+
+
+def _axis_menu(figure: go.Figure) -> dict[str, Any]:
+    buttons = [
+        {
+            "label": f"over {name}",
+            "method": "update",
+            "args": [_places(figure, name), {"xaxis.title.text": words}],
+        }
+        for name, (words, _) in AXES.items()
+    ]
+    return _menu(buttons, 0.22, 0)
+
+
+def _places(figure: go.Figure, name: str) -> dict[str, list[Any]]:
+    """Where all traces are over one choice of the x axis."""
+    chosen = [trace.meta[name] for trace in figure.data]
+    return {key: [one[place] for one in chosen] for place, key in enumerate(("x", "y", "text"))}
+
+
+def _menu(buttons: Sequence[dict[str, Any]], x: float, active: int) -> dict[str, Any]:
+    return {"buttons": list(buttons), "x": x, "xanchor": "left", "y": 1.02, "yanchor": "bottom", "active": active,
+            "bgcolor": "white", "bordercolor": MUTED, "font": {"size": 12}, "pad": {"t": 0, "b": 2}}  # fmt: skip

@@ -1,0 +1,112 @@
+"""The benchmark as one page: opens offline beside its script, and needs no engine."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+
+from markupsafe import Markup
+
+from comparisons.runs.files import write_text
+from comparisons.work_precision.measure import JOINTS
+from comparisons.work_precision.records import FILE, Bench
+from reports.facts.views import anchor
+from reports.work_precision.circumstances import facts, measured
+from reports.work_precision.facts import PlaceFacts, engine_names, failed_methods, places
+from reports.work_precision.figure import save_figure
+from reports.work_precision.interactive import SCRIPT, bench_html, script
+from reports.work_precision.section import TEMPLATES, bench_style, fragment, overview, regimes, templates
+from reports.work_precision.words import MethodRow, method_row, method_rows, noise_share, standing_words
+
+PAGE = "bench.html"
+
+
+@dataclass(frozen=True)
+class QuantityPart:
+    """One quantity of one mechanism and regime."""
+
+    name: str
+    lead: str
+    rows: tuple[MethodRow, ...]
+    standings: tuple[str, ...]
+
+
+@dataclass(frozen=True)
+class PlacePart:
+    """One mechanism and regime on the page."""
+
+    key: str
+    title: str
+    mechanism: str
+    variant: str
+    regime: str
+    interactive: Markup
+    quantities: tuple[QuantityPart, ...]
+    failures: tuple[str, ...]
+
+
+def write(bench: Bench, folder: Path) -> Path:
+    """Write the page, the script it needs and the static plots into a folder; returns the page's path."""
+    write_text(folder / SCRIPT, script())
+    for regime in regimes(bench):
+        save_figure(overview(bench, regime), folder / anchor("bench", regime))
+    write_text(folder / PAGE, page(bench))
+    return folder / PAGE
+
+
+def page(bench: Bench) -> str:
+    """The page's HTML."""
+    every = places(bench)
+    return (
+        templates()
+        .get_template("bench.html")
+        .render(
+            style=Markup((TEMPLATES / "style.css").read_text(encoding="utf-8")),
+            bench_style=bench_style(),
+            script=SCRIPT,
+            titles=list(dict.fromkeys(place.title for place in every)),
+            facts=facts(bench),
+            section=fragment(bench),
+            places=[_place(bench, place) for place in every],
+            methods=method_rows(bench),
+            measured=list(measured(bench)),
+            command=bench.document["command"],
+            file=FILE,
+        )
+    )
+
+
+def _place(bench: Bench, place: PlaceFacts) -> PlacePart:
+    key = anchor("bench", place.mechanism, place.variant, place.regime)
+    names = place.quantities
+    interactive = bench_html(place, engine_names(bench), f"{key}-plot") if names else ""
+    ordered = sorted(names, key=lambda name: name != place.foremost)
+    return PlacePart(
+        key=key,
+        title=place.title,
+        mechanism=place.mechanism,
+        variant=place.variant,
+        regime=place.regime,
+        interactive=Markup(interactive),
+        quantities=tuple(_quantity(place, name, noise_share(bench)) for name in ordered),
+        failures=tuple(
+            f"{facts.engine}: {told}" for facts in place.engines(place.foremost) for told in failed_methods(facts)
+        ),
+    )
+
+
+def _quantity(place: PlaceFacts, name: str, noise: float) -> QuantityPart:
+    engines = place.engines(name)
+    peak = next((r for r in place.records if r.quantity == name and r.peak), None)
+    over = f" ({peak.peak:.4g} {peak.unit})" if peak and peak.peak else ""
+    worst = "; of joint forces the worst joint's" if name == JOINTS else ""
+    return QuantityPart(
+        name=name.replace("_", " "),
+        lead=f"Largest error over the closed form's peak{over}{worst}.",
+        rows=tuple(method_row(facts, sweep) for facts in engines for sweep in facts.sweeps),
+        standings=tuple(
+            f"{facts.engine} {standing_words(one, facts.way(one.rival) if one.rival else '', noise)}"
+            for facts in engines
+            for one in facts.standings
+        ),
+    )

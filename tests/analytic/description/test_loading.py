@@ -1,0 +1,303 @@
+"""Bad linkage files: each fault is one sentence that says where it is, what was expected and what was got."""
+
+import re
+
+import pytest
+from hypothesis import HealthCheck, given, settings
+
+from analytic.description.loading import catalogue, find, load, parse
+from analytic.dynamics import reduced
+from analytic.errors import DescriptionError, LinkproofError, UnknownNameError
+from analytic.kinematics.mechanism import Mechanism
+from analytic.turn import unit_functions
+from tests.analytic.faults import JUKI, message_of
+from tests.analytic.linkages import CATALOGUE, FOLDER
+from tests.analytic.mutations import mutated_files
+
+MASS = "links.crank.mass: expected a positive finite mass in the file's mass unit, got"
+INERTIA = (
+    "links.crank.inertia: expected a positive finite moment of inertia about the mass centre in the file's inertia"
+)
+POINT = "expected a point as [x, y] or { radius, angle }, finite numbers, got"
+
+# What is replaced in the file, by what, and what the message then says.
+FAULTS = {
+    "mass 0": ("mass    = 0.64", "mass = 0", f"{MASS} 0; correct it"),
+    "mass negative": ("mass    = 0.64", "mass = -1.5", f"{MASS} -1.5; correct it"),
+    "mass nan": ("mass    = 0.64", "mass = nan", f"{MASS} nan; correct it"),
+    "mass infinite": ("mass    = 0.64", "mass = inf", f"{MASS} inf; correct it"),
+    "mass in quotes": ("mass    = 0.64", 'mass = "0.64"', f"{MASS} '0.64'; correct it"),
+    "mass true": ("mass    = 0.64", "mass = true", f"{MASS} true; correct it"),
+    "mass a list": ("mass    = 0.64", "mass = [1]", f"{MASS} [1]; correct it"),
+    "mass a date": ("mass    = 0.64", "mass = 2025-01-01", f"{MASS} 2025-01-01; correct it"),
+    "mass of 400 digits": ("mass    = 0.64", f"mass = 1{'0' * 400}", f"{MASS} 1{'0' * 59}...; correct it"),
+    "mass huge": (
+        "mass    = 0.64",
+        "mass = 1e300",
+        "expected a magnitude between 1e-60 and 1e+60 in SI units, got 1e+300 kg",
+    ),
+    "mass tiny": (
+        "mass    = 0.64",
+        "mass = 1e-300",
+        "expected a magnitude between 1e-60 and 1e+60 in SI units, got 1e-300 kg",
+    ),
+    "mass missing": ("mass    = 0.64\n", "", "links.crank.mass is missing: expected a positive finite mass"),
+    "inertia 0": ("inertia = 0.64e-4", "inertia = 0", f"{INERTIA} unit, got 0; correct it"),
+    "inertia negative": ("inertia = 0.64e-4", "inertia = -1e-4", f"{INERTIA} unit, got -0.0001; correct it"),
+    "inertia nan": ("inertia = 0.64e-4", "inertia = nan", f"{INERTIA} unit, got nan; correct it"),
+    "inertia missing": ("inertia = 0.64e-4", "", "links.crank.inertia is missing: expected a positive finite moment"),
+    "coinciding points": (
+        "A = [15.5, 0]",
+        "A = [0, 0]",
+        "links.crank.points: expected a positive length between 'A' and",
+    ),
+    "all but coinciding points": ("A = [15.5, 0]", "A = [0, 1e-15]", "expected a positive length between 'A' and 'O1'"),
+    "radius negative": (
+        "A = [15.5, 0]",
+        "A = { radius = -3, angle = 0 }",
+        "A.radius: expected a positive finite length in",
+    ),
+    "radius misspelt": ("A = [15.5, 0]", "A = { radus = 3, angle = 0 }", "unknown key 'radus': did you mean 'radius'?"),
+    "angle missing": (
+        "A = [15.5, 0]",
+        "A = { radius = 3 }",
+        "A.angle is missing: expected a finite angle in the file's",
+    ),
+    "three coordinates": ("A = [15.5, 0]", "A = [15.5, 0, 1]", f"links.crank.points.A: {POINT} [15.5, 0, 1]"),
+    "one coordinate": ("A = [15.5, 0]", "A = [15.5]", f"links.crank.points.A #2: {POINT} [15.5]"),
+    "coordinate in quotes": ("A = [15.5, 0]", 'A = [15.5, "0"]', f"links.crank.points.A #2: {POINT} '0'"),
+    "coordinate nan": ("A = [15.5, 0]", "A = [nan, 0]", f"links.crank.points.A #1: {POINT} nan"),
+    "point a number": ("A = [15.5, 0]", "A = 15.5", f"links.crank.points.A: {POINT} 15.5"),
+    "unknown key": (
+        "inertia = 0.64e-4",
+        "inertai = 0.64e-4",
+        "unknown key 'inertai': did you mean 'inertia'? known are",
+    ),
+    "unknown table": ("gravity = ", "gravty = ", "unknown key 'gravty': did you mean 'gravity'?"),
+    "units misspelt": ("units   =", "unts   =", "unknown key 'unts': did you mean 'units'?"),
+    "unknown crank": ('crank   = "crank"', 'crank = "krank"', "crank: unknown link 'krank': did you mean 'crank'?"),
+    "crank missing": ('crank   = "crank"\n', "", "crank is missing: expected the name of the link that is the crank"),
+    "unknown unit": ('length = "mm"', 'length = "mmm"', "units.length: unknown length unit 'mmm': did you mean 'mm'?"),
+    "unit in capitals": (
+        'length = "mm"',
+        'length = "MM"',
+        "units.length: unknown length unit 'MM': did you mean 'mm'?",
+    ),
+    "unit of another kind": ('mass = "kg"', 'mass = "mm"', "units.mass: unknown mass unit 'mm': did you mean"),
+    "unit missing": (
+        'length = "mm", ',
+        "",
+        "units.length is missing: expected the name of a unit of length in quotes: m,",
+    ),
+    "unit a number": ('length = "mm"', "length = 3", "units.length: expected the name of a unit of length in quotes"),
+    "sketch of an unknown point": (
+        "points = { D = [0",
+        "points = { E = [0",
+        "sketch.points: unknown point 'E': known are",
+    ),
+    "output unknown": (
+        'point = "D", along = [0, 1] }\nnotes',
+        'point = "d" }\nnotes',
+        "output: unknown moving point 'd'",
+    ),
+    "guide without direction": (
+        "along = [0, 1] }\nmass",
+        "along = [0, 0] }\nmass",
+        "expected a direction [x, y], got [0, 0]",
+    ),
+    "guide without place": (
+        "through = [0, 0], ",
+        "",
+        "links.needle_bar.slides.through is missing: expected a point of",
+    ),
+    "slides on nothing": (
+        "through = [0, 0]",
+        'on = "x", through = [0, 0]',
+        "links.needle_bar.slides.on: unknown link 'x'",
+    ),
+    "slides on itself": (
+        "through = [0, 0]",
+        'on = "needle_bar", through = [0, 0]',
+        "expected a host that does not itself hang on 'needle_bar', got a circle of needle_bar on needle_bar; let",
+    ),
+    "no links": (JUKI[JUKI.index("[links.crank]") :], "", "links is missing: expected a table [links.NAME] for every"),
+    "title a number": ('title   = "', 'title = 3 # "', "title: expected a title in quotes, got 3"),
+    "another format": (
+        "crank   =",
+        "format = 2\ncrank =",
+        "format: expected the number 1, the only format so far, got 2",
+    ),
+    "a link named ground": (
+        "[links.coupler]",
+        "[links.ground]\nmass = 1\n[links.coupler]",
+        "links.ground: expected only",
+    ),
+    "gravity huge": ("gravity = [0, -9.81]", "gravity = [0, 1e99]", "gravity: expected a magnitude between 1e-60 and"),
+    "variants as a list": (
+        "[variants.as-printed.links.coupler]",
+        "[[variants]]",
+        "variants: expected tables [variants.NAME]",
+    ),
+    "variant of the file's own name": (
+        "variants.as-printed",
+        "variants.as-built",
+        "variants: expected other names than",
+    ),
+}
+
+SYNTAX = {
+    "number": ("mass    = 0.64", "mass    = 0.64.3", "(at line 20, column 15); correct it there"),
+    "header": ("[links.coupler]", "[links.coupler", "(at line 24, column 15); correct it there"),
+    "key twice": ("mass    = 0.64", "mass    = 0.64\nmass = 3", "(at line 21, column 9); correct it there"),
+}
+
+
+@pytest.mark.parametrize("fault", FAULTS)
+def test_a_fault_in_the_file(fault):
+    old, new, expected = FAULTS[fault]
+    assert old in JUKI
+    message = message_of(JUKI.replace(old, new, 1))
+    assert message.startswith("sample.toml")
+    assert expected in message
+
+
+@pytest.mark.parametrize("fault", SYNTAX)
+def test_a_slip_of_syntax_has_its_line(fault):
+    old, new, expected = SYNTAX[fault]
+    message = message_of(JUKI.replace(old, new, 1))
+    assert message.startswith("sample.toml: expected valid TOML, got a slip of syntax:")
+    assert message.endswith(expected)
+
+
+def test_a_fault_has_its_line():
+    line = JUKI.splitlines().index("mass    = 0.64") + 1
+    assert message_of(JUKI.replace("mass    = 0.64", "mass = 0")).startswith(
+        f"sample.toml, line {line}: links.crank.mass"
+    )
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "expected"),
+    [
+        (
+            "centre = [-12.9, 0]",
+            "center = [-12.9, 0]",
+            "links.coupler.center: unknown key 'center': did you mean 'centre'?",
+        ),
+        ("centre = [-12.9, 0]", "centre = [nan, 0]", "links.coupler.centre #1: expected the mass centre as [x, y]"),
+        (
+            "as-printed.links.coupler]",
+            "as-printed.links.couplr]",
+            "variant 'as-printed': unknown link 'couplr': did you mean",
+        ),
+    ],
+)
+def test_a_fault_in_a_variant(old, new, expected):
+    text = JUKI.replace(old, new)
+    parse(text, "sample", "sample.toml")  # the file itself is right
+    message = message_of(text, "as-printed")
+    assert expected in message
+    if "couplr" not in new:
+        assert f", line {JUKI.splitlines().index('centre = [-12.9, 0]') + 1}: " in message
+
+
+def test_an_unknown_variant():
+    with pytest.raises(
+        UnknownNameError, match=r"unknown variant of 'juki-mf7923d' 'as-buit': did you mean 'as-built'\?"
+    ):
+        load("juki-mf7923d", "as-buit")
+
+
+@pytest.mark.parametrize(
+    ("text", "expected"),
+    [
+        ("", "expected a linkage description, got an empty file"),
+        (" \n\t\n", "expected a linkage description, got an empty file"),
+        ("# a title\n", "title is missing: expected a title in quotes"),
+        ("a = " + "[" * 3000 + "]" * 3000, "expected tables and short lists, got very deep nesting"),
+    ],
+)
+def test_a_file_with_nothing_in_it(text, expected):
+    assert expected in message_of(text)
+
+
+@pytest.mark.parametrize(
+    ("name", "expected"),
+    [
+        ("juki", "unknown mechanism 'juki': did you mean 'juki-mf7923d'? known are"),
+        ("", "unknown mechanism '': known are"),
+        (
+            "mine.toml",
+            "expected the path of a linkage file, got 'mine.toml', which is no file; give the path of a .toml",
+        ),
+        ("no/such/folder/mine", "expected the path of a linkage file, got 'no/such/folder/mine'"),
+        ("x" * 5000 + ".toml", "which is no file"),
+        ("a\0b.toml", "which is no file"),
+    ],
+)
+def test_a_file_that_is_not_there(name, expected):
+    with pytest.raises(LinkproofError, match=re.escape(expected)):
+        load(name)
+
+
+def test_a_folder_for_a_file(tmp_path):
+    with pytest.raises(DescriptionError, match="which is no file"):
+        load(str(tmp_path))
+
+
+def test_bytes_for_text(tmp_path):
+    path = tmp_path / "mine.toml"
+    path.write_bytes(bytes(range(256)))
+    with pytest.raises(DescriptionError, match="expected a text file in UTF-8, got other bytes; save it as UTF-8"):
+        load(str(path))
+
+
+def test_a_file_of_ones_own_may_begin_with_a_byte_order_mark(tmp_path):
+    path = tmp_path / "mine.toml"
+    path.write_text("\ufeff" + JUKI, encoding="utf-8")
+    assert load(str(path)).name == "mine"
+
+
+@pytest.mark.parametrize(("name", "variant"), CATALOGUE)
+def test_the_catalogue_loads(name, variant):
+    linkage = load(name, variant)
+    assert (linkage.name, linkage.variant) == (name, variant)
+    assert linkage.source
+    assert find(name).is_file()
+
+
+def test_the_first_variant_is_the_file_itself():
+    assert load("juki-mf7923d").variant == load("juki-mf7923d").variants[0] == "as-built"
+
+
+def test_a_variant_lays_its_keys_over_the_file():
+    built, printed = (load("juki-mf7923d", variant) for variant in ("as-built", "as-printed"))
+    assert built.links["coupler"].centre == (0.0129, 0.0)
+    assert printed.links["coupler"].centre == (-0.0129, 0.0)
+    assert printed.links["coupler"].mass == built.links["coupler"].mass
+
+
+def test_files_are_found_by_path_and_by_name():
+    assert load(str(FOLDER / "scotch-yoke.toml")).name == "scotch-yoke"
+    assert "juki-mf7923d" in catalogue()
+
+
+@settings(max_examples=250, deadline=None, suppress_health_check=[HealthCheck.too_slow])
+@given(mutated_files())
+def test_whatever_is_wrong_with_a_file_is_told_in_one_sentence(text):
+    told = _everything_of(text)
+    assert told is None or (told and "\n" not in told)
+
+
+def _everything_of(text):
+    """Ask for all there is; what the error says if there is one."""
+    try:
+        sample = Mechanism(parse(text, "sample", "sample.toml"))
+        sample.check_full_turn()
+        reduced.drive_torque(sample.turn, 30.0, 100.0)
+        sample.error_bound()
+        if sample.linkage.output:
+            unit_functions.unit_functions(sample, 720)
+    except LinkproofError as error:
+        return str(error)
+    return None

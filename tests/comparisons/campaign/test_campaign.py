@@ -1,0 +1,282 @@
+"""A campaign judges what engines return and survives what they do."""
+
+import dataclasses
+import sys
+
+import numpy as np
+import pytest
+
+from analytic.description.crank_motion import crank_motion
+from analytic.description.loading import load
+from analytic.errors import AssemblyError, LinkproofError, UnknownNameError
+from analytic.kinematics.mechanism import Mechanism
+from comparisons.campaign import campaign
+from comparisons.campaign.campaign import Request, compare, tasks
+from comparisons.judging import baseline
+from comparisons.judging.records import Verdict
+from comparisons.judging.run_result import ARRAYS
+from comparisons.runs.journal import Journal
+from comparisons.runs.workers import GIB, Bounds
+from engines.contract import Channel, Outcome, Run, Setting, Signal
+from tests.comparisons.faults import announce_engines
+from tests.comparisons.perfect_engine import perfect_motion
+
+JUKI = load("juki-mf7923d")
+MOTION = crank_motion("run-up-quintic")
+HISTORY = perfect_motion(Mechanism(JUKI), MOTION).history
+
+
+TAKEUP = load("slotted-takeup")
+BRIEF = tuple(crank_motion(name, ramp_time=0.05, hold_time=0.02) for name in ("run-up", "run-up-cubic"))
+
+
+class Scripted:
+    """An engine that does as it is told."""
+
+    name = "scripted"
+    work_unit = "steps"
+
+    def __init__(self, act, version="1.0", obstacle=None):
+        self.act, self._version, self._obstacle = act, version, obstacle
+        self.scenes = []
+
+    def version(self):
+        return self._version
+
+    def obstacle(self, scene):
+        return self._obstacle
+
+    def run(self, scene, setting):
+        self.scenes.append(scene)
+        return self.act(scene)
+
+
+@pytest.fixture
+def with_engine(monkeypatch):
+    def install(engine):
+        monkeypatch.setattr(campaign, "engine_names", lambda: ("scripted",))
+        monkeypatch.setattr(campaign, "engine", lambda name: engine)
+        return engine
+
+    return install
+
+
+def _request(**changes):
+    request = Request((JUKI,), (MOTION,), "as tested", ("scripted",))
+    return dataclasses.replace(request, **changes)
+
+
+def _finished(scene, **changes):
+    return Run(Outcome.FINISHED, history=dataclasses.replace(HISTORY, **changes), seconds=0.5, steps=1400)
+
+
+def test_a_perfect_engine_passes_everything(with_engine):
+    with_engine(Scripted(_finished))
+    (result,) = compare(_request())
+    assert {r.outcome for r in (*result.records, *result.invariants)} == {"passed"}
+    assert {"Jeq", "Teq", "Mkr", "Peq", "S", "v", "a", "joint_force:A"} <= {r.quantity for r in result.records}
+    assert all(r.limit is not None and r.seconds == 0.5 and r.steps == 1400 for r in result.records)
+
+
+def test_a_wrong_motion_that_claims_success_is_over_its_limit(with_engine):
+    slow = Signal(HISTORY.velocity.time, 0.99 * HISTORY.velocity.values)
+    with_engine(Scripted(lambda scene: _finished(scene, velocity=slow)))
+    (result,) = compare(_request())
+    outcomes = {r.quantity: r.outcome for r in (*result.records, *result.invariants)}
+    assert outcomes["Teq"] == outcomes["v"] == outcomes["energy_balance"] == Verdict.OVER_LIMIT
+    assert outcomes["S"] == Verdict.PASSED
+    assert "over its limit" in next(r.detail for r in result.records if r.quantity == "Teq")
+
+
+def test_nan_is_divergence_with_its_time(with_engine):
+    values = HISTORY.torque.values.copy()
+    values[700:] = np.nan
+    with_engine(Scripted(lambda scene: _finished(scene, torque=Signal(HISTORY.torque.time, values))))
+    (result,) = compare(_request())
+    assert {r.outcome for r in result.records} == {"diverged"}
+    assert result.records[0].detail == "torque is not finite from 0.35 s on"
+
+
+def test_a_channel_that_was_not_recorded_is_noticed(with_engine):
+    with_engine(Scripted(lambda scene: _finished(scene, acceleration=None)))
+    (result,) = compare(_request())
+    assert result.records[0].detail == "finished without recording acceleration"
+
+
+def test_an_exception_in_an_engine_costs_its_own_row(with_engine):
+    def fail(scene):
+        raise RuntimeError("matrix is singular")
+
+    with_engine(Scripted(fail))
+    (result,) = compare(_request())
+    assert {r.outcome for r in result.records} == {"diverged"}
+    assert result.records[0].detail == "scripted raised RuntimeError: matrix is singular"
+
+
+@pytest.mark.parametrize(
+    ("engine", "outcome", "words"),
+    [
+        (Scripted(_finished, version=None), "unavailable", "pip install"),
+        (Scripted(_finished, obstacle="cannot hold springs"), "unsupported", "cannot hold springs"),
+        (Scripted(lambda scene: Run(Outcome.DIVERGED, "crank ran away")), "diverged", "crank ran away"),
+    ],
+)
+def test_what_an_engine_cannot_do_is_a_record(with_engine, engine, outcome, words):
+    with_engine(engine)
+    (result,) = compare(_request())
+    assert {r.outcome for r in result.records} == {outcome}
+    assert words in result.records[0].detail
+    assert all(r.error_max is None for r in result.records)
+
+
+def test_a_scene_records_only_what_is_asked_for(with_engine):
+    engine = with_engine(Scripted(_finished))
+    list(compare(_request(quantities=("Jeq",), with_invariants=False)))
+    assert engine.scenes[0].channels == {Channel.VELOCITY}
+
+
+def test_deviations_three_times_their_record_fail_within_the_limit(with_engine, monkeypatch):
+    off = Signal(HISTORY.torque.time, HISTORY.torque.values * (1.0 + 5e-5))
+    with_engine(Scripted(lambda scene: _finished(scene, torque=off)))
+    monkeypatch.setattr(baseline, "recorded", lambda: {})
+    (free,) = compare(_request(quantities=("Mkr",), with_invariants=False))
+    assert free.records[0].outcome == "passed"
+    key = baseline.key(free.records[0])
+    monkeypatch.setattr(baseline, "recorded", lambda: {key: {"Mkr": 1e-5}})
+    (held,) = compare(_request(quantities=("Mkr",), with_invariants=False))
+    assert held.records[0].outcome == "over-limit"
+    assert held.records[0].baseline == pytest.approx(3e-5)
+    assert "three times its recorded value" in held.records[0].detail
+
+
+def test_unknown_engines_are_refused_before_any_run(with_engine):
+    engine = with_engine(Scripted(_finished))
+    with pytest.raises(UnknownNameError, match="scripted"):
+        list(compare(_request(engines=("scripted", "scriptd"))))
+    assert engine.scenes == []
+
+
+def test_a_linkage_that_cannot_turn_is_refused_before_any_run(with_engine):
+    engine = with_engine(Scripted(_finished))
+    link = JUKI.links["coupler"]
+    short = dataclasses.replace(link, points={"A": (0.0, 0.0), "D": (0.0100, 0.0)})
+    broken = dataclasses.replace(JUKI, links={**JUKI.links, "coupler": short}, sketch_angle=np.pi / 2)
+    with pytest.raises(AssemblyError, match="cannot be assembled at"):
+        list(compare(_request(linkages=(JUKI, broken))))
+    assert engine.scenes == []
+
+
+def test_output_quantities_need_an_output(with_engine):
+    with_engine(Scripted(_finished))
+    with pytest.raises(LinkproofError, match="names no output"):
+        list(compare(_request(linkages=(dataclasses.replace(JUKI, output=None),), quantities=("S",))))
+
+
+def test_every_setting_is_run_in_order(with_engine):
+    with_engine(Scripted(_finished))
+    heard = []
+    results = list(compare(_request(settings=tuple(Setting)), lambda *words: heard.append(words)))
+    assert [r.records[0].setting for r in results] == ["naive", "tuned", "best"]
+    assert heard[-1][1:] == (3, 3)
+
+
+def _parallel(**changes):
+    """A request of real runs: two mechanisms, two regimes and two settings of the direct engine."""
+    settings = (Setting.NAIVE, Setting.TUNED)
+    return dataclasses.replace(Request((JUKI, TAKEUP), BRIEF, "brief", ("direct",), settings), **changes)
+
+
+def _untimed(result):
+    """All of a result but its timings; arrays as bytes, so that == means every bit."""
+    records = [
+        dataclasses.replace(record, seconds=0.0, setup_seconds=0.0) for record in (*result.records, *result.invariants)
+    ]
+    curves = [
+        (name, one.name, getattr(found, one.name).tobytes() if one.name in ARRAYS else getattr(found, one.name))
+        for name, found in result.deviations.items()
+        for one in dataclasses.fields(found)
+    ]
+    return records, curves, result.details
+
+
+def test_runs_in_workers_give_the_same_in_the_same_order():
+    expected = [_untimed(result) for result in compare(_parallel(), processes=0)]
+    assert [_untimed(result) for result in compare(_parallel(), processes=2)] == expected
+    assert len(expected) == 8
+
+
+def test_a_released_crank_is_the_same_in_a_worker():
+    own = _parallel(linkages=(TAKEUP,), motions=(), own_regimes=("free",), own_settings=(Setting.TUNED,))
+    (here,), (there,) = compare(own, processes=0), compare(own, processes=1)
+    assert _untimed(there) == _untimed(here)
+    assert {record.outcome for record in here.records} == {"passed"}
+
+
+def test_every_run_begun_and_every_run_finished_is_announced():
+    heard = []
+    list(compare(_parallel(), lambda *words: heard.append(words), processes=2))
+    labels = {f"{k.name}, {m.regime}: direct {s}" for k in (JUKI, TAKEUP) for m in BRIEF for s in ("naive", "tuned")}
+    assert {label for label, *_ in heard} == labels
+    assert sorted({finished for _, finished, _ in heard}) == list(range(9))
+    assert {total for *_, total in heard} == {8}
+
+
+@pytest.mark.parametrize("processes", [0, 2])
+def test_a_journal_keeps_what_is_finished_and_spares_it(tmp_path, processes):
+    expected = [_untimed(result) for result in compare(_parallel(), processes=0)]
+    journal = Journal(tmp_path, "as tested")
+    begun = compare(_parallel(), processes=processes, journal=journal)
+    next(begun)
+    begun.close()
+    kept = journal.kept()
+    assert 1 <= len(kept) < 8
+    heard = []
+    results = compare(_parallel(), lambda *words: heard.append(words), processes=processes, journal=journal)
+    assert [_untimed(result) for result in results] == expected
+    assert min(finished for _, finished, _ in heard) == len(kept)
+    assert set(journal.kept()) == {task.key for task in tasks(_parallel())}
+    # no run left: nothing is begun, and what was kept is what comes, timings and all
+    heard.clear()
+    again = list(compare(_parallel(), lambda *words: heard.append(words), processes=processes, journal=journal))
+    assert heard == []
+    assert [_untimed(result) for result in again] == expected
+
+
+def test_a_journal_of_another_request_is_refused_before_any_run(tmp_path, with_engine):
+    engine = with_engine(Scripted(_finished))
+    Journal(tmp_path, "one").keep("key", b"")
+    with pytest.raises(LinkproofError, match="leave out --resume"):
+        compare(_request(), journal=Journal(tmp_path, "another"))
+    assert engine.scenes == []
+
+
+def test_an_engine_that_swells_is_said_to_have(with_engine):
+    def swell(scene):
+        raise MemoryError
+
+    with_engine(Scripted(swell))
+    (result,) = compare(_request())
+    assert {(r.outcome, r.detail) for r in result.records} == {("crashed", "needed more than 4 GiB of memory")}
+
+
+@pytest.mark.skipif(not sys.platform.startswith("linux"), reason="bounds on memory are Linux's")
+def test_faulty_engines_cost_their_own_rows(tmp_path, monkeypatch, capfd):
+    announce_engines(tmp_path)
+    monkeypatch.syspath_prepend(tmp_path)
+    faulty = ("aborting", "hanging", "leaving", "raising", "swelling", "writing")
+    request = _parallel(linkages=(JUKI,), motions=BRIEF[:1], engines=("direct", *faulty), settings=(Setting.TUNED,))
+    results = list(compare(request, bounds=Bounds(seconds=3.0, memory=GIB // 4), processes=2))
+    told = {result.records[0].engine: {(r.outcome, r.detail) for r in result.records} for result in results}
+    assert list(told) == list(request.engines)
+    assert told == {
+        "direct": {("passed", "")},
+        "aborting": {("crashed", "died by signal 6 (SIGABRT)")},
+        "hanging": {("timed-out", "took longer than 3 s")},
+        "leaving": {("crashed", "exited with code 3")},
+        "raising": {("diverged", "raising raised ValueError: first line second line")},
+        "swelling": {("crashed", "needed more than 0.25 GiB of memory")},
+        "writing": {("diverged", "did nothing")},
+    }
+    assert {record.engine_version for result in results[1:] for record in result.records} == {"1.0"}
+    assert len({len(result.records) for result in results}) == 1
+    assert capfd.readouterr() == ("", "")

@@ -1,0 +1,393 @@
+"""The invariants never fail a true motion, and whatever is done to one they notice, without any closed form."""
+
+import dataclasses
+from functools import cache
+from pathlib import Path
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from analytic.description.crank_motion import REGIMES, crank_motion
+from analytic.description.linkage import OwnRegime, RotaryDamper
+from analytic.description.loading import catalogue, load
+from analytic.kinematics.mechanism import Mechanism
+from comparisons.invariants import invariants
+from comparisons.invariants.corrections import LEVELS
+from comparisons.invariants.inspection import Inspection
+from comparisons.judging.limits import limit
+from comparisons.observation.observed_motion import ObservedMotion
+from comparisons.reference.case import Case, own_case
+from comparisons.stress.scenes import LINKAGES, Conditions, case, reversal
+from comparisons.stress.verdict import StressVerdict
+from engines.contract import Channel, Signal
+from tests.comparisons.perfect_engine import perfect_motion
+from tests.comparisons.true_motions import EVERYTHING, cut, judgement, true_history, with_signal
+
+TESTED = sorted(str(path) for path in (Path(__file__).parents[2] / "linkages").glob("*.toml"))
+TURNING = [*catalogue(), *(path for path in TESTED if "parallelogram" not in path)]
+JUKI = "juki-mf7923d"
+KINEMATICS = [channel.value for channel in LEVELS]
+
+
+@cache
+def mechanism(name):
+    return Mechanism(load(name))
+
+
+@cache
+def driven(name, regime="run-up-quintic", speed=100.0, start_angle=0.0):
+    return Case(mechanism(name), crank_motion(regime, speed=speed, start_angle=start_angle))
+
+
+@cache
+def released(name, turns=5.0, *, speed=100.0, damping=0.0, torque=0.0, start_angle=0.3):
+    """Let go at a speed, with one damper on the crank as all the damping there is."""
+    linkage = load(name)
+    damper = RotaryDamper((linkage.crank, "ground"), damping)
+    linkage = dataclasses.replace(linkage, dampers=(damper,) if damping else ())
+    own = OwnRegime("free", torque, start_angle, speed, turns * 2.0 * np.pi / speed)
+    return own_case(Mechanism(linkage), own)
+
+
+# -- a true motion -----------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("name", TURNING)
+def test_a_true_motion_raises_no_alarm(name):
+    one = driven(name)
+    found = judgement(one, true_history(one, 2401))
+    assert (found.verdict, found.alarms) == (StressVerdict.WITHIN, ())
+
+
+@settings(max_examples=25)
+@given(
+    name=st.sampled_from(TURNING),
+    regime=st.sampled_from(REGIMES),
+    speed=st.floats(1.0, 1e4),
+    start_angle=st.floats(-3.0, 3.0),
+    count=st.integers(900, 3000),
+)
+def test_no_speed_ramp_or_start_raises_one(name, regime, speed, start_angle, count):
+    motion = crank_motion(regime, speed=speed, start_angle=start_angle, ramp_time=60.0 / speed, hold_time=10.0 / speed)
+    one = Case(mechanism(name), motion)
+    assert judgement(one, true_history(one, count)).alarms == ()
+
+
+@pytest.mark.parametrize("count", [25, 60, 150])
+def test_coarse_samples_of_a_true_motion_are_not_held_against_it(count):
+    one = driven(JUKI)
+    assert judgement(one, true_history(one, count)).alarms == ()
+
+
+def test_a_reversal_raises_none():
+    one = Case(mechanism(JUKI), reversal(100.0, 0.0, 0.05, 0.02))
+    assert judgement(one, true_history(one)).alarms == ()
+
+
+@pytest.mark.parametrize("excess", [1e-2, 1e-4, 1e-6, 1e-8])
+@pytest.mark.parametrize("count", [301, 1201])
+def test_a_peak_between_two_samples_raises_none(excess, count):
+    conditions = Conditions("slider-crank", link="rod", point="D", at=(0.05, 0.0), slope=(0.05, 0.0), excess=excess)
+    one = case(conditions)
+    assert judgement(one, true_history(one, count)).alarms == ()
+
+
+@pytest.mark.parametrize(("damping", "torque"), [(0.0, 0.0), (1e-4, 0.01), (5e-3, 0.2), (0.5, 2.0)])
+def test_a_released_crank_raises_none(damping, torque):
+    one = released(JUKI, damping=damping, torque=torque)
+    assert judgement(one, true_history(one, 1501)).alarms == ()
+
+
+def test_the_velocity_may_have_a_clock_of_its_own():
+    motion = crank_motion("run-up-quintic")
+    seen = perfect_motion(mechanism(JUKI), motion, 2801, shift=0.5)
+    found = judgement(Case(mechanism(JUKI), motion), seen.history)
+    assert found.alarms == ()
+
+
+# -- one thing wrong ---------------------------------------------------------------------------------------------------
+
+
+FAULTS = {
+    "slow bodies": ("velocity", lambda values, _: 0.98 * values),
+    "a jerked body": ("velocity", lambda values, _: values + _bump(values, 500)),
+    "a lost body": ("position", lambda values, _: values + _bump(values, 700)),
+    "weak accelerations": ("acceleration", lambda values, _: 0.95 * values),
+    "a large torque": ("torque", lambda values, _: 1.03 * values),
+    "a torque of the other sign": ("torque", lambda values, _: -values),
+    "a torque that comes late": ("torque", lambda values, _: np.roll(values, 12)),
+    "a torque without its peaks": ("torque", lambda values, _: np.clip(values, *np.quantile(values, [0.02, 0.98]))),
+    "no torque": ("torque", lambda values, _: 0.0 * values),
+}
+
+
+def _bump(values, at):
+    """Three samples of the last body a good deal off."""
+    off = np.zeros_like(values)
+    off[at : at + 3, -1, 0] = 0.05 * np.max(np.abs(values))
+    return off
+
+
+@pytest.mark.parametrize("name", [JUKI, "rimoldi-164", "slotted-takeup"])
+@pytest.mark.parametrize("fault", FAULTS)
+def test_a_fault_in_one_signal_is_caught(name, fault):
+    signal, change = FAULTS[fault]
+    one = driven(name)
+    found = judgement(one, with_signal(true_history(one), signal, change))
+    assert found.alarms, fault
+    assert found.verdict is not StressVerdict.MISSED
+
+
+@settings(max_examples=25)
+@given(
+    name=st.sampled_from(TURNING),
+    signal=st.sampled_from(["velocity", "acceleration", "torque"]),
+    scale=st.one_of(st.floats(-2.0, 0.98), st.floats(1.02, 5.0)),
+)
+def test_whatever_is_scaled_is_caught(name, signal, scale):
+    one = driven(name)
+    assert judgement(one, with_signal(true_history(one, 601), signal, lambda values, _: scale * values)).alarms
+
+
+@settings(max_examples=25)
+@given(name=st.sampled_from(TURNING), lag=st.floats(0.011, 3.0), ahead=st.booleans())
+def test_a_crank_off_its_drive_is_caught(name, lag, ahead):
+    one = driven(name)
+    found = judgement(one, true_history(one, 601, lag=-lag if ahead else lag))
+    assert found.verdict is StressVerdict.CAUGHT
+    assert "crank_phase" in found.alarms
+
+
+@pytest.mark.parametrize("name", [JUKI, "rimoldi-164", "slotted-takeup"])
+@pytest.mark.parametrize("scale", [0.98, 1.02])
+def test_a_wrong_force_in_any_one_joint_is_caught(name, scale):
+    one = driven(name)
+    history = true_history(one)
+    for joint, signal in history.joint_force.items():
+        forces = {**history.joint_force, joint: Signal(signal.time, scale * signal.values)}
+        found = judgement(one, dataclasses.replace(history, joint_force=forces))
+        assert found.alarms == ("force_balance",), joint
+
+
+def test_a_guide_that_pulls_along_itself_is_caught():
+    one = driven(JUKI)
+    history = true_history(one)
+    (guide,) = (name for name in history.joint_force if " on " in name)
+    signal = history.joint_force[guide]
+    along = 0.02 * np.max(np.abs(signal.values)) * np.array([0.0, 1.0])
+    forces = {**history.joint_force, guide: Signal(signal.time, signal.values + along)}
+    assert "force_balance" in judgement(one, dataclasses.replace(history, joint_force=forces)).alarms
+
+
+def test_another_linkage_is_caught_by_what_its_joints_lack():
+    """A rod longer by 3e-5 opens its joint by as little, and near the toggle moves the slider by 40 times as much."""
+    true = Conditions("slider-crank", link="rod", point="D", at=(0.05, 0.0), slope=(0.05, 0.0), excess=1e-5)
+    one, other = case(true), case(dataclasses.replace(true, excess=4e-5))
+    found = judgement(one, true_history(one, 1201, mechanism=other.mechanism))
+    assert found.verdict is StressVerdict.CAUGHT
+    assert "joint_gap" not in found.alarms
+    assert "closure" in found.alarms
+
+
+# -- assembly modes ----------------------------------------------------------------------------------------------------
+
+
+def _unequal(excess, **changes):
+    return case(
+        Conditions(
+            "parallel-cranks", link="rocker", point="B", at=(0.025, 0.0), slope=(0.025, 0.0), start_angle=90.0,
+            excess=excess, motion="constant-speed", turns=1.4, **changes,
+        )
+    )  # fmt: skip
+
+
+def _parallel(one):
+    """The smooth way through both change points: rocker parallel to the crank, coupler to the frame."""
+    history = true_history(one, 1201)
+    time = history.position.time
+    angle, speed, arm = one.motion.angle(time), one.motion.speed(time), 0.025
+    circle = np.stack([np.cos(angle), np.sin(angle)], axis=1)
+    names = [body.name for body in one.scene(EVERYTHING).bodies]
+    coupler, rocker = names.index("coupler"), names.index("rocker")
+    position, velocity = history.position.values.copy(), history.velocity.values.copy()
+    acceleration = history.acceleration.values.copy()
+    position[:, coupler], velocity[:, coupler], acceleration[:, coupler] = 0.0, 0.0, 0.0
+    position[:, coupler, :2] = arm * circle + [0.03, 0.0]
+    velocity[:, coupler, :2] = arm * speed[:, None] * np.stack([-circle[:, 1], circle[:, 0]], axis=1)
+    acceleration[:, coupler, :2] = -arm * speed[:, None] ** 2 * circle
+    position[:, rocker, 2], velocity[:, rocker, 2], acceleration[:, rocker, 2] = angle, speed, 0.0
+    signals = {"position": position, "velocity": velocity, "acceleration": acceleration}
+    return dataclasses.replace(history, **{name: Signal(time, values) for name, values in signals.items()})
+
+
+def test_a_linkage_that_takes_the_smooth_way_through_a_change_point_is_caught_by_its_mode():
+    one = _unequal(1e-7)
+    history = _parallel(one)
+    seen = ObservedMotion(one.scene(EVERYTHING), history)
+    assert invariants.joint_gaps(seen).values.max() < 1e-4 * 0.025
+    mode = Inspection(seen).assembly_mode()
+    assert mode.values.max() > 0.5
+    assert (
+        mode.values[mode.time < 0.2 * one.motion.duration / 1.4].max() < 1e-3
+    )  # the first change point is at 1/4 turn
+    found = judgement(one, history)
+    assert found.verdict is StressVerdict.CAUGHT
+    assert "assembly_mode" in found.alarms
+
+
+def test_at_the_change_point_itself_no_success_is_right():
+    one = _unequal(0.0)
+    with np.errstate(all="ignore"):
+        near = _unequal(1e-9)
+    found = judgement(one, _parallel(near))
+    assert found.verdict is StressVerdict.CAUGHT
+    assert "no one motion" in found.reason
+
+
+def test_two_groups_in_their_other_modes_do_not_hide_each_other():
+    """The determinant of the whole linkage has its sign back; those of its groups have not."""
+    name = "slotted-takeup"
+    signs = tuple(-dyad.sign for dyad in mechanism(name).structure.dyads)
+    assert signs == (1, 1)
+    other = Mechanism(load(name))
+    other.structure = other.structure.with_signs(signs)
+    one = driven(name)
+    history = true_history(one, mechanism=other)
+    true, seen = (Inspection(ObservedMotion(one.scene(EVERYTHING), h)) for h in (true_history(one), history))
+    whole = [np.sign(np.prod(found.on(Channel.POSITION).determinants, axis=1)) for found in (true, seen)]
+    np.testing.assert_array_equal(*whole)
+    assert "assembly_mode" in judgement(one, history).alarms
+
+
+# -- what is not told --------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    "kept",
+    [lambda t: t < 0.5 * t[-1], lambda t: t > 0.1 * t[-1], lambda t: np.abs(t - 0.6 * t[-1]) > 0.15 * t[-1]],
+    ids=["half of it", "a late start", "a hole"],
+)
+def test_a_part_of_a_motion_is_not_the_motion(kept):
+    one = driven(JUKI, "constant-speed")
+    found = judgement(one, cut(true_history(one), kept))
+    assert found.verdict is StressVerdict.CAUGHT
+    assert "crank_phase" in found.alarms
+
+
+def test_a_missing_sample_at_either_end_is_not_held_against_an_engine():
+    one = driven(JUKI)
+    assert judgement(one, cut(true_history(one), lambda t: (t > 0.0) & (t < t[-1]))).alarms == ()
+
+
+# -- a released crank --------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("turns", [30, 100])
+def test_tiny_dissipation_is_caught_over_many_turns(turns):
+    """It takes less than the energy's own limit, and still puts the crank some hundredths of a radian behind."""
+    one, lossy = released(JUKI, turns), released(JUKI, turns, damping=2e-9 * (100 / turns) ** 2)
+    history = true_history(dataclasses.replace(lossy, mechanism=one.mechanism), 100 * turns)
+    found = judgement(one, history)
+    assert found.verdict is StressVerdict.CAUGHT
+    assert found.alarms == ("crank_phase",)
+
+
+def test_a_wrong_start_that_fits_itself_is_caught():
+    one, fast = released(JUKI), released(JUKI, speed=100.5, turns=5.0 * 1.005)
+    found = judgement(one, true_history(dataclasses.replace(fast, mechanism=one.mechanism)))
+    assert found.verdict is StressVerdict.CAUGHT
+    assert "crank_phase" in found.alarms
+
+
+def test_a_crank_that_rests_at_its_turning_point_is_caught():
+    """Its energy is right for ever; only the equation of motion forbids it."""
+    one = released(JUKI, turns=2.0, speed=3.0)
+    angle = one.motion.angle(np.linspace(0.0, one.motion.duration, 4001))
+    turning = int(np.argmax(np.abs(one.motion.speed(np.linspace(0.0, one.motion.duration, 4001))) < 1e-2))
+    assert 0 < turning < 3500
+    history = true_history(one, 4001)
+
+    def rests(values, _):
+        values[turning:] = values[turning]
+        return values
+
+    def still(values, _):
+        values[turning:] = 0.0
+        return values
+
+    for name, change in (("position", rests), ("velocity", still), ("acceleration", still)):
+        history = with_signal(history, name, change)
+    found = judgement(one, history)
+    assert np.ptp(angle) > 0.1
+    assert found.verdict is StressVerdict.CAUGHT
+    assert "torque_two_routes" in found.alarms
+
+
+def test_a_speed_its_acceleration_does_not_make_is_caught():
+    """Held back by a damper, the crank has forgotten its start within a sample; a slow engine has not."""
+    one = released(JUKI, damping=0.5, torque=2.0, speed=10.0, turns=1.0)
+    history = true_history(one, 401)
+    seen = ObservedMotion(one.scene(EVERYTHING), history)
+    assert invariants.closure(Inspection(seen))["drift"].values.max() < limit("closure", "tuned", "own").value
+    slow = with_signal(
+        history, "velocity", lambda values, time: values * (1.0 + 0.2 * np.exp(-time / 0.01))[:, None, None]
+    )
+    drift = invariants.closure(Inspection(ObservedMotion(one.scene(EVERYTHING), slow)))["drift"]
+    assert drift.values.max() > 0.1
+
+
+# -- single ones -------------------------------------------------------------------------------------------------------
+
+
+@pytest.fixture(scope="module", params=[JUKI, "rimoldi-164"])
+def motion(request):
+    one = driven(request.param)
+    return ObservedMotion(one.scene(EVERYTHING), true_history(one, 2801))
+
+
+def test_joints_are_closed(motion):
+    assert invariants.joint_gaps(motion).values.max() < 1e-15
+
+
+def test_a_body_out_of_place_opens_its_joints_and_no_others(motion):
+    moved = with_signal(motion.history, "position", lambda values, _: values + _at(values, 1000, 1))
+    wrong = ObservedMotion(motion.scene, moved)
+    gaps = invariants.joint_gaps(wrong).values
+    assert gaps[1000] == pytest.approx(1e-6, rel=0.5)
+    assert gaps[999] < 1e-15
+    name = motion.scene.bodies[1].name
+    for joint, gap in invariants.gaps_by_joint(wrong, wrong.signal(Channel.POSITION).time):
+        touched = [pin.name for pin in motion.scene.pins if name in {pin.first, pin.second}]
+        assert bool(gap[1000] > 1e-8) is (joint in touched)
+
+
+def _at(values, sample, body):
+    off = np.zeros_like(values)
+    off[sample, body, 0] = 1e-6
+    return off
+
+
+def test_energy_is_balanced(motion):
+    peak = motion.kinetic_energy().values.max()
+    assert np.abs(invariants.energy_balance(motion).values).max() < 1e-6 * peak
+
+
+def test_both_routes_to_the_torque_agree_at_standstill_too(motion):
+    by_power = invariants.power_torque(motion)
+    torque = motion.history.torque
+    assert by_power.time[0] == 0.0
+    np.testing.assert_allclose(by_power.values, torque.values, atol=1e-10 * np.abs(torque.values).max())
+
+
+def test_energy_is_balanced_across_acceleration_jumps():
+    one = driven("rimoldi-164", "run-up")
+    seen = ObservedMotion(one.scene(EVERYTHING), true_history(one, 2801))
+    assert np.abs(invariants.energy_balance(seen).values).max() < 1e-6 * seen.kinetic_energy().values.max()
+
+
+def test_the_stress_maps_own_linkages_are_all_tried():
+    assert {path.stem for path in LINKAGES.glob("*.toml")} >= {"slider-crank", "parallel-cranks"}
+    assert set(invariants.INVARIANTS) >= {"closure", "assembly_mode", "crank_phase", "force_balance"}
+    assert KINEMATICS == ["position", "velocity", "acceleration"]

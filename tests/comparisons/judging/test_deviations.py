@@ -1,0 +1,75 @@
+"""Deviations are relative to the reference's peak and leave out what has no single truth."""
+
+import dataclasses
+
+import numpy as np
+import pytest
+
+from analytic.description.crank_motion import crank_motion
+from analytic.description.loading import load
+from analytic.kinematics.mechanism import Mechanism
+from comparisons.judging.deviations import deviation, near_jumps
+from comparisons.judging.quantities import QUANTITIES
+from comparisons.observation.observed_motion import ObservedMotion
+from comparisons.reference.case import Case
+from engines.contract import Signal
+from tests.comparisons.perfect_engine import perfect_motion
+
+
+@pytest.fixture(scope="module")
+def case():
+    return Case(Mechanism(load("juki-mf7923d")), crank_motion("run-up"))
+
+
+@pytest.fixture(scope="module")
+def motion(case):
+    return perfect_motion(case.mechanism, case.motion)
+
+
+def _with_torque(motion, torque):
+    history = dataclasses.replace(motion.history, torque=Signal(motion.history.torque.time, torque))
+    return ObservedMotion(motion.scene, history)
+
+
+def test_a_known_error_is_found_where_it_is(case, motion):
+    torque = motion.history.torque.values.copy()
+    torque[700] += 1e-3
+    found = deviation(case, QUANTITIES["Mkr"], _with_torque(motion, torque))
+    assert found.error_max == pytest.approx(1e-3 / found.peak)
+    assert found.worst_time == motion.history.torque.time[700]
+    assert found.error_rms == pytest.approx(1e-3 / found.peak / np.sqrt(found.samples))
+
+
+def test_samples_near_acceleration_jumps_are_left_out_and_counted(case, motion):
+    torque = motion.history.torque.values.copy()
+    kink = int(np.argmin(np.abs(motion.history.torque.time - 0.6)))
+    torque[kink] = 99.0
+    found = deviation(case, QUANTITIES["Mkr"], _with_torque(motion, torque))
+    assert found.error_max < 1e-12
+    assert found.left_out == 3 + 5  # t = 0 has samples on one side only
+
+
+def test_a_smooth_ramp_leaves_nothing_out(case):
+    smooth = Case(case.mechanism, crank_motion("run-up-quintic"))
+    found = deviation(smooth, QUANTITIES["Mkr"], perfect_motion(smooth.mechanism, smooth.motion, 701))
+    assert found.left_out == 0
+
+
+def test_reduced_inertia_is_not_asked_of_a_crank_at_rest(case, motion):
+    found = deviation(case, QUANTITIES["Jeq"], motion)
+    assert 0 < found.left_out < 0.1 * found.samples
+
+
+def test_a_sample_missing_on_the_jump_does_not_widen_the_gap():
+    time = np.delete(np.arange(11.0), 5)
+    assert time[near_jumps(time, (5.0,))].tolist() == [3.0, 4.0, 6.0, 7.0]
+
+
+def test_each_side_of_a_jump_has_its_own_step():
+    time = np.concatenate([np.arange(0.0, 5.0), np.arange(5.0, 7.0, 0.5)])
+    assert time[near_jumps(time, (5.0,))].tolist() == [3.0, 4.0, 5.0, 5.5, 6.0]
+
+
+def test_jumps_are_two_steps_wide():
+    time = np.arange(11.0)
+    assert np.flatnonzero(near_jumps(time, (5.0,))).tolist() == [3, 4, 5, 6, 7]

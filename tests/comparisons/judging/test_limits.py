@@ -1,0 +1,35 @@
+"""Every quantity has a limit with a reason in every setting and regime."""
+
+import pytest
+
+from analytic.description.crank_motion import REGIMES
+from comparisons.invariants.invariants import INVARIANTS
+from comparisons.judging.limits import limit
+from comparisons.judging.quantities import QUANTITIES
+from engines.contract import Setting
+
+GIVEN = {"Mkr", "Peq"}  # by the drive of a released crank, not results
+
+
+@pytest.mark.parametrize("quantity", [*QUANTITIES, *INVARIANTS, "joint_force:A"])
+@pytest.mark.parametrize("setting", Setting)
+@pytest.mark.parametrize("regime", [*REGIMES, "a-regime-of-its-own"])
+def test_the_table_is_complete(quantity, setting, regime):
+    if quantity in GIVEN and regime not in REGIMES:
+        return
+    found = limit(quantity, setting, regime)
+    assert 0.0 < found.value < 0.02  # nothing may be looser than what the sources claim of themselves
+    assert len(found.reason.split()) > 4
+
+
+def test_best_is_held_to_more_than_tuned():
+    assert limit("Mkr", "best", "run-up-quintic").value < limit("Mkr", "tuned", "run-up-quintic").value
+
+
+def test_naive_is_held_to_what_tuned_is():
+    assert limit("Mkr", "naive", "run-up") == limit("Mkr", "tuned", "run-up")
+
+
+def test_an_uncovered_quantity_says_what_to_add():
+    with pytest.raises(LookupError, match="add one with its reason"):
+        limit("colour", "tuned", "run-up")

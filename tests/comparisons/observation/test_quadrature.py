@@ -1,0 +1,38 @@
+"""Integrals over samples: fourth order between jumps, with an honest doubt."""
+
+import numpy as np
+import pytest
+
+from comparisons.observation.quadrature import doubt, integral
+from engines.contract import Signal
+
+
+def test_an_integral_crosses_a_jump_without_losing_its_order():
+    time = np.linspace(0.0, 2.0, 201)
+    values = np.where(time < 1.0, np.cos(time), 5.0 + time)
+    exact = np.where(time < 1.0, np.sin(time), np.sin(1.0) + 5.0 * (time - 1.0) + (time**2 - 1.0) / 2.0)
+    found = integral(Signal(time, values), (0.0, 1.0))
+    np.testing.assert_allclose(found, exact, atol=1e-8)
+
+
+@pytest.mark.parametrize("per_turn", [12, 20, 40, 80])
+def test_the_doubt_covers_what_a_smooth_integral_is_wrong_by(per_turn):
+    time = np.linspace(0.0, 3.0, 3 * per_turn + 1)
+    values = np.exp(np.sin(2.0 * np.pi * time))
+    fine = np.linspace(0.0, 3.0, 300 * per_turn + 1)
+    exact = integral(Signal(fine, np.exp(np.sin(2.0 * np.pi * fine))), ())[::100]
+    found = integral(Signal(time, values), ())
+    unsure = doubt(Signal(time, values), found, ())
+    assert np.all(np.diff(unsure) >= 0.0)
+    assert np.max(np.abs(found - exact)) < 3.0 * unsure[-1] + 1e-12
+
+
+def test_too_few_samples_leave_everything_in_doubt():
+    time = np.linspace(0.0, 1.0, 12)
+    assert np.all(np.isinf(doubt(Signal(time, time), integral(Signal(time, time), ()), ())))
+
+
+def test_a_stretch_of_a_sample_or_two_is_integrated_all_the_same():
+    time = np.linspace(0.0, 1.0, 101)
+    found = integral(Signal(time, np.ones(101)), (0.501, 0.512, 0.515))
+    np.testing.assert_allclose(found, time, atol=0.02)

@@ -1,0 +1,202 @@
+"""A job in a worker costs itself and nothing else, whatever it does."""
+
+import os
+import signal
+import subprocess
+import sys
+import time
+from functools import partial
+from pathlib import Path
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from comparisons.runs.worker_process import SHOW_OUTPUT
+from comparisons.runs.workers import GIB, Bounds, Lost, run_jobs
+from engines.contract import Outcome
+from tests.comparisons.faults import Counting, job, large
+
+ENVIRONMENT = {**os.environ, "PYTHONPATH": os.pathsep.join(filter(None, sys.path))}
+BOUNDS = Bounds(seconds=2.5, memory=GIB // 16)
+
+FATES = [
+    ("abort", None, Outcome.CRASHED, "died by signal 6 (SIGABRT)"),
+    ("crash", None, Outcome.CRASHED, "died by signal 11 (SIGSEGV)"),
+    ("leave_at_once", 3, Outcome.CRASHED, "exited with code 3"),
+    ("leave_at_once", 0, Outcome.CRASHED, "exited with code 0"),
+    ("leave", 3, Outcome.CRASHED, "exited with code 3"),
+    ("leave", None, Outcome.CRASHED, "exited with code 0"),
+    ("leave", "words", Outcome.CRASHED, "exited with code 1"),
+    ("sleep", None, Outcome.TIMED_OUT, "took longer than 2.5 s"),
+    ("spin", None, Outcome.TIMED_OUT, "took longer than 2.5 s"),
+    ("swell", None, Outcome.CRASHED, "needed more than 0.0625 GiB of memory"),
+    ("swell_in_c", None, Outcome.CRASHED, "needed more than 0.0625 GiB of memory"),
+    ("fail", None, Outcome.DIVERGED, "raised ValueError: first line second line"),
+    ("unsendable", None, Outcome.DIVERGED, "raised "),
+    ("unreadable", None, Outcome.DIVERGED, "raised ValueError: first line second line"),
+    ("hang_up", None, Outcome.CRASHED, "hung up without ending"),
+]
+
+
+def wait_for(condition, seconds=10.0):
+    patience = time.monotonic() + seconds
+    while not condition() and time.monotonic() < patience:
+        time.sleep(0.01)
+    return condition()
+
+
+def runs(process):
+    """Whether a process is there and no zombie."""
+    try:
+        return Path(f"/proc/{process}/stat").read_text().rpartition(")")[2].split()[0] != "Z"
+    except FileNotFoundError:
+        return False
+
+
+def written(path):
+    return path.exists() and path.read_text() != ""
+
+
+@pytest.mark.skipif(not sys.platform.startswith("linux"), reason="bounds on memory and the C++ library are Linux's")
+def test_every_fault_costs_its_own_job_and_prints_nothing(capfd):
+    jobs = [one for kind, value, *_ in FATES for one in ((kind, value), ("fine", kind), ("write", kind))]
+    results = dict(run_jobs(job, jobs, bounds=BOUNDS))
+    assert sorted(results) == list(range(len(jobs)))
+    for number, (kind, _, outcome, reason) in enumerate(FATES):
+        lost = results[3 * number]
+        assert isinstance(lost, Lost), kind
+        assert (kind, lost.outcome) == (kind, outcome)
+        assert lost.reason.startswith(reason)
+        assert results[3 * number + 1] == results[3 * number + 2] == kind
+    assert capfd.readouterr() == ("", "")
+
+
+@settings(max_examples=15)
+@given(st.lists(st.sampled_from(["fine", "abort", "fail", "leave_at_once", "write"]), max_size=12))
+def test_any_sequence_of_fates_gives_every_job_its_own(kinds):
+    outcomes = {"abort": Outcome.CRASHED, "fail": Outcome.DIVERGED, "leave_at_once": Outcome.CRASHED}
+    results = dict(run_jobs(job, [(kind, number % 256) for number, kind in enumerate(kinds)], processes=2))
+    assert sorted(results) == list(range(len(kinds)))
+    for number, kind in enumerate(kinds):
+        found = results[number]
+        assert (found.outcome if isinstance(found, Lost) else found) == outcomes.get(kind, number)
+        if kind == "leave_at_once":
+            assert found.reason == f"exited with code {number}"
+
+
+def test_hundreds_that_abort_at_once_are_each_told_from_those_that_do_not():
+    jobs = [("abort" if number % 2 else "fine", number) for number in range(200)]
+    for number, found in run_jobs(job, jobs, processes=2):
+        assert isinstance(found, Lost) if number % 2 else found == number
+
+
+def test_a_job_does_not_pay_for_what_another_did_to_its_worker():
+    jobs = [("spoil", 1), ("slow", 2), ("fine", 3)]
+    assert sorted(run_jobs(job, jobs, processes=1)) == [(0, 1), (1, 2), (2, 3)]
+
+
+def test_a_job_that_brings_down_any_worker_is_tried_no_more_than_twice():
+    begun = []
+    jobs = [("fine", 1), ("abort", None), ("abort", None), ("fine", 2)]
+    results = dict(run_jobs(job, jobs, processes=1, begun=begun.append))
+    assert [results[0], results[3]] == [1, 2]
+    assert {results[1].reason, results[2].reason} == {"died by signal 6 (SIGABRT)"}
+    assert begun == [0, 1, 1, 2, 3]
+
+
+def test_results_come_as_they_complete_and_jobs_begin_in_order():
+    begun = []
+    finished = [
+        number for number, _ in run_jobs(job, [("slow", 0), ("fine", 1), ("fine", 2)], processes=2, begun=begun.append)
+    ]
+    assert begun == [0, 1, 2]
+    assert finished == [1, 2, 0]
+
+
+def test_a_hundred_megabytes_come_back_whole():
+    ((_, result),) = run_jobs(large, [(100_000_000,)])
+    assert result == b"\x01" * 100_000_000
+
+
+@pytest.mark.parametrize("shown", ["", "1"])
+def test_output_is_shown_where_it_is_asked_for(shown):
+    words = "from tests.comparisons.faults import job; list(run_jobs(job, [('write', None)]))"
+    command = [sys.executable, "-c", f"from comparisons.runs.workers import run_jobs; {words}"]
+    done = subprocess.run(command, env={**ENVIRONMENT, SHOW_OUTPUT: shown}, capture_output=True, check=True)
+    assert (b"noise" in done.stdout, b"noise" in done.stderr) == (bool(shown), bool(shown))
+
+
+def test_workers_import_what_their_parent_does_and_nothing_from_the_working_folder(tmp_path):
+    for name in ("program", "elsewhere"):
+        (tmp_path / name).mkdir()
+        (tmp_path / name / "probe.py").write_text(f"def where():\n    return '{name}'\n")
+    words = "from comparisons.runs.workers import run_jobs; import probe; print(list(run_jobs(probe.where, [()])))"
+    (tmp_path / "program" / "script.py").write_text(words)
+    command = [sys.executable, str(tmp_path / "program" / "script.py")]
+    done = subprocess.run(
+        command, cwd=tmp_path / "elsewhere", env=ENVIRONMENT, capture_output=True, text=True, check=True
+    )
+    assert done.stdout == "[(0, 'program')]\n"
+
+
+def test_no_job_starts_no_worker():
+    assert list(run_jobs(job, [])) == []
+
+
+def test_a_function_is_sent_once_and_the_callers_stays_as_it_was():
+    counting = Counting()
+    assert [found for _, found in run_jobs(partial(counting), [()] * 3, processes=1)] == [1, 2, 3]
+    assert counting.calls == 0
+
+
+def test_a_worker_does_not_hear_ctrl_c():
+    assert list(run_jobs(job, [("interrupt_itself", 7)])) == [(0, 7)]
+
+
+def test_without_processes_jobs_run_here_and_what_they_raise_is_caught():
+    jobs = [("fine", 1), ("fail", None), ("leave", 3)]
+    (_, fine), (_, failed), (_, left) = run_jobs(job, jobs, processes=0)
+    assert fine == 1
+    assert failed == Lost(Outcome.DIVERGED, "raised ValueError: first line second line")
+    assert left == Lost(Outcome.CRASHED, "exited with code 3")
+    with pytest.raises(KeyboardInterrupt):
+        list(run_jobs(job, [("interrupt_itself", None)], processes=0))
+
+
+def test_a_late_question_does_not_make_a_job_late():
+    results = run_jobs(job, [("fine", 1), ("slow", 2)], bounds=Bounds(seconds=0.8), processes=2)
+    assert next(results) == (0, 1)
+    time.sleep(1.0)
+    assert next(results) == (1, 2)
+
+
+def test_closing_stops_workers_at_once(tmp_path):
+    path = tmp_path / "process"
+    results = run_jobs(job, [("fine", None), ("sign_and_sleep", str(path))], processes=2)
+    next(results)
+    assert wait_for(lambda: written(path))
+    results.close()
+    assert not runs(int(path.read_text()))
+
+
+PARENT = """
+import sys
+from comparisons.runs.workers import run_jobs
+from tests.comparisons.faults import job
+list(run_jobs(job, [("sign_and_sleep", sys.argv[1]), ("sign_and_sleep", sys.argv[2])], processes=2))
+"""
+
+
+@pytest.mark.skipif(not sys.platform.startswith("linux"), reason="reads /proc")
+@pytest.mark.parametrize("by", [signal.SIGKILL, signal.SIGTERM, signal.SIGINT])
+def test_workers_die_with_their_parent(tmp_path, by):
+    paths = [tmp_path / "one", tmp_path / "two"]
+    command = [sys.executable, "-c", PARENT, *map(str, paths)]
+    with subprocess.Popen(command, env=ENVIRONMENT, stderr=subprocess.PIPE) as parent:
+        assert wait_for(lambda: all(map(written, paths)))
+        workers = [int(path.read_text()) for path in paths]
+        assert all(map(runs, workers))
+        parent.send_signal(by)
+        parent.wait(10.0)
+    assert wait_for(lambda: not any(map(runs, workers)))

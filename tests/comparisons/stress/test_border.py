@@ -1,0 +1,116 @@
+"""Borders are found where they are, to the precision asked for, by as few runs as halving takes."""
+
+import math
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from comparisons.stress.border import PRECISE, SMALLEST, bisected, borders
+from comparisons.stress.cells import Cell, CellResult
+from comparisons.stress.verdict import Judgement, StressVerdict
+
+MASS = [10.0**power for power in range(-6, 7)]
+
+
+def result(value, verdict, *, axis="mass", usage="tuned"):
+    return CellResult(Cell(axis, "row", value, "e", usage), "m", "finished", Judgement(verdict), {})
+
+
+def world(*, above=math.inf, below=0.0):
+    """An engine that is right between two values of the axis, and a count of what it is asked."""
+    asked = []
+
+    def make(cells):
+        asked.extend(cells)
+        return [
+            result(
+                cell.value,
+                StressVerdict.WITHIN if below < cell.value < above else StressVerdict.CAUGHT,
+                axis=cell.axis,
+                usage=cell.usage,
+            )
+            for cell in cells
+        ]
+
+    return make, asked
+
+
+def grid(make, values=MASS, axis="mass"):
+    return make([Cell(axis, "row", value, "e", "tuned") for value in values])
+
+
+@given(above=st.floats(1.5, 9e5), below=st.floats(1.1e-6, 0.7))
+def test_both_borders_are_bracketed_to_a_tenth(above, below):
+    make, asked = world(above=above, below=below)
+    rough = borders(grid(make))
+    assert len(rough) == 2
+    asked.clear()
+    high, low = sorted(bisected(rough, make), key=lambda one: -one.middle)
+    assert high.inside.cell.value < above <= high.outside.cell.value
+    assert low.outside.cell.value <= below < low.inside.cell.value
+    assert high.ratio <= PRECISE
+    assert low.ratio <= PRECISE
+    assert len(asked) <= 2 * math.ceil(math.log2(math.log(10.0) / math.log(PRECISE)))
+
+
+def test_where_nothing_fails_there_is_no_border():
+    make, _ = world()
+    assert borders(grid(make)) == []
+
+
+def test_where_the_easiest_value_fails_there_is_none_either():
+    make, _ = world(above=0.5)
+    assert borders(grid(make)) == []
+
+
+def test_only_the_first_border_from_the_easy_value_counts():
+    verdicts = dict.fromkeys(MASS, StressVerdict.WITHIN) | {1e2: StressVerdict.OVER, 1e4: StressVerdict.DIVERGED}
+    (border,) = borders([result(value, verdict) for value, verdict in verdicts.items()])
+    assert (border.inside.cell.value, border.outside.cell.value) == (1e1, 1e2)
+    assert border.document["verdict"] == "over limit"
+    assert border.document["value"] == pytest.approx(math.sqrt(1e3))
+    assert border.document["outside_command"] == "linkproof stress 'mass/row/100/e/tuned'"
+
+
+def test_lines_are_kept_apart():
+    verdicts = [StressVerdict.WITHIN, StressVerdict.OVER]
+    lines = [
+        result(value, v, usage=usage)
+        for usage in ("tuned", "best")
+        for value, v in zip((1.0, 10.0), verdicts, strict=True)
+    ]
+    found = borders(lines)
+    assert [one.inside.cell.usage for one in found] == ["best", "tuned"]
+
+
+def test_a_border_next_to_zero_is_not_followed_for_ever():
+    values = [1e-1, 1e-6, 1e-12, 0.0]
+    make, asked = world(below=1e-300)
+    (border,) = bisected(borders(grid(make, values, "change-point")), make)
+    assert border.outside.cell.value == 0.0
+    assert border.inside.cell.value <= SMALLEST
+    assert len(asked) < 10
+
+
+def test_what_is_narrow_enough_costs_no_run():
+    make, asked = world(above=1.05)
+    rough = borders(grid(make, [1.0, 1.08]))
+    asked.clear()
+    assert bisected(rough, make) == rough
+    assert asked == []
+
+
+@pytest.mark.parametrize("verdict", [StressVerdict.TIMED_OUT, StressVerdict.CRASHED])
+def test_a_border_that_the_machine_draws_is_not_narrowed_down(verdict):
+    rough = borders([result(1.0, StressVerdict.WITHIN), result(1e3, verdict)])
+    assert len(rough) == 1
+    assert bisected(rough, lambda cells: pytest.fail(f"{cells} were made")) == rough
+
+
+def test_an_axis_whose_borders_are_not_worth_it_is_left_alone():
+    line = [
+        result(value, v, axis="turns-free") for value, v in ((1.0, StressVerdict.WITHIN), (1e3, StressVerdict.OVER))
+    ]
+    rough = borders(line)
+    assert bisected(rough, lambda cells: pytest.fail(f"{cells} were made")) == rough

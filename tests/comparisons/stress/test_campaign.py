@@ -1,0 +1,48 @@
+"""A whole stress test on engines of the suite: counts, what is kept, and a liar that is caught."""
+
+from dataclasses import replace
+
+import pytest
+
+from comparisons.runs.journal import Journal
+from comparisons.stress import campaign
+from comparisons.stress.axes import axes
+from comparisons.stress.campaign import StressRequest, make_cells, stress, summary
+from comparisons.stress.cells import Cell, CellResult, find_cell, made
+from comparisons.stress.verdict import Judgement, StressVerdict
+
+START = replace(axes()["start"], quick=(1e-8,))
+
+
+def request(**changes):
+    return replace(StressRequest((START,), ("direct",), ("tuned",), quick=True, processes=0), **changes)
+
+
+def test_every_cell_is_made_once_and_counted():
+    found = stress(request())
+    assert [one.cell.value for one in found.cells] == [1e-8]
+    assert summary(found.cells)["direct"]["within limit"] == 1
+    assert found.missed == ()
+    assert found.document("linkproof stress", quick=True)["summary"]["direct"]["missed"] == 0
+
+
+def test_what_a_journal_has_is_not_made_again(tmp_path, monkeypatch):
+    journal = Journal(tmp_path, "linkproof stress")
+    first = stress(request(), journal=journal)
+    monkeypatch.setattr(campaign, "made", lambda cell: pytest.fail(f"{cell.key} was made again"))
+    again = stress(request(), journal=journal)
+    assert [one.document for one in again.cells] == [one.document for one in first.cells]
+
+
+def test_a_missed_cell_is_named():
+    cell = Cell("start", START.rows[0].label, 1e-8, "liar", "tuned")
+    missed = CellResult(cell, "m", "finished", Judgement(StressVerdict.MISSED, "no invariant saw it"), {})
+    assert campaign.Stressed((missed,), ()).missed == (missed,)
+
+
+@pytest.mark.parametrize("usage", ["naive", "tuned"])
+def test_a_cell_alone_is_the_cell_of_the_map(usage):
+    cell = find_cell(f"start/{START.rows[0].label}/1e-08/direct/{usage}")
+    (alone,) = make_cells([cell])
+    here = made(cell)
+    assert (alone.verdict, alone.judgement, alone.steps) == (here.verdict, here.judgement, here.steps)

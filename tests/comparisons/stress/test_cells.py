@@ -1,0 +1,255 @@
+"""A cell by its words, made in any engine, told as JSON and back; a map of cells made, kept, resumed and narrowed."""
+
+import dataclasses
+import json
+
+import pytest
+
+from analytic.errors import LinkproofError, UnknownNameError
+from comparisons.runs.journal import Journal
+from comparisons.stress import campaign
+from comparisons.stress import cells as stress
+from comparisons.stress.axes import axes
+from comparisons.stress.campaign import StressRequest, make_cells
+from comparisons.stress.cells import Cell, cells, find_cell, from_document, lost, made, usages
+from comparisons.stress.scenes import case
+from comparisons.stress.verdict import StressVerdict
+from engines.contract import Method, Outcome, Run
+from tests.comparisons.true_motions import true_history, with_signal
+
+
+class Perfect:
+    """An engine that reads the truth off the closed form, and remembers what it was asked."""
+
+    name = "perfect"
+    work_unit = "thoughts"
+
+    def __init__(self):
+        self.asked = []
+
+    def version(self):
+        return "1"
+
+    def obstacle(self, scene):
+        return None
+
+    def methods(self, scene):
+        return (Method("defaults", "as it comes"), Method("centred", "careful", effort=7.0, effort_unit="iterations"))
+
+    def run(self, scene, setting):
+        self.asked.append(("run", setting))
+        return self._answer(scene)
+
+    def run_method(self, scene, method, step):
+        self.asked.append(("method", method.name, method.effort, step))
+        return self._answer(scene)
+
+    def _answer(self, scene):
+        return Run(Outcome.FINISHED, history=self.history(scene), seconds=0.25, steps=12, solver_work=3)
+
+    def history(self, scene):
+        one = case(axes()["mass"].conditions("four-bar, coupler", 1.0))
+        linkage = one.mechanism.linkage
+        heavy = {body.name: body for body in scene.bodies}
+        links = {
+            n: dataclasses.replace(k, mass=heavy[n].mass, inertia=heavy[n].inertia) for n, k in linkage.links.items()
+        }
+        true = type(one.mechanism)(dataclasses.replace(linkage, links=links))
+        return true_history(one, 601, mechanism=true)
+
+
+class Liar(Perfect):
+    """The same, but for velocities, beyond a mass that is too much for it; it never says so."""
+
+    def history(self, scene):
+        told = super().history(scene)
+        if max(body.mass for body in scene.bodies) > 500.0 * 0.03:
+            told = with_signal(told, "velocity", lambda values, _: 0.9 * values)
+        return told
+
+
+@pytest.fixture
+def with_engine(monkeypatch):
+    def install(one):
+        for module in (stress, campaign):
+            if hasattr(module, "engine"):
+                monkeypatch.setattr(module, "engine", lambda name: one)
+        monkeypatch.setattr(campaign, "long_runs", lambda *_: ())
+        return one
+
+    return install
+
+
+COUPLER = Cell("mass", "four-bar, coupler", 100.0, "perfect", "tuned")
+
+
+def test_a_cells_words_are_its_name():
+    assert COUPLER.key == "mass/four-bar, coupler/100/perfect/tuned"
+    assert COUPLER.line == ("mass", "four-bar, coupler", "perfect", "tuned")
+
+
+@pytest.mark.parametrize(
+    ("key", "error", "words"),
+    [
+        ("mass/four-bar, coupler/100", LinkproofError, "AXIS/ROW/VALUE/ENGINE/USAGE"),
+        ("mas/four-bar, coupler/100/perfect/tuned", UnknownNameError, "unknown axis 'mas'"),
+        ("mass/four-bar, rod/100/perfect/tuned", UnknownNameError, "row of axis 'mass'"),
+        ("mass/four-bar, coupler/100/perfect/tune", UnknownNameError, "usage of 'perfect'"),
+        ("mass/four-bar, coupler/heavy/perfect/tuned", LinkproofError, "expected a number"),
+    ],
+)
+def test_a_cell_that_does_not_exist_is_refused(with_engine, key, error, words):
+    with_engine(Perfect())
+    with pytest.raises(error, match=words):
+        find_cell(key)
+
+
+def test_a_cell_is_found_by_its_words_at_any_value(with_engine):
+    with_engine(Perfect())
+    assert find_cell(COUPLER.key) == COUPLER
+    assert find_cell("mass/four-bar, coupler/123.4/perfect/best" if "best" in axes()["mass"].settings else COUPLER.key)
+
+
+def test_usages_are_settings_or_the_methods_an_engine_has():
+    assert usages(axes()["mass"], Perfect()) == list(axes()["mass"].settings)
+    assert usages(axes()["speed"], Perfect()) == ["defaults", "centred"]
+    assert usages(axes()["iterations"], Perfect()) == ["centred"]
+    assert usages(axes()["tolerance"], Perfect()) == []
+
+
+def test_cells_are_every_value_of_every_row_and_usage(with_engine):
+    with_engine(Perfect())
+    axis = axes()["mass"]
+    found = cells([axis], ["perfect"], quick=False)
+    assert len({cell.key for cell in found}) == len(found) == len(axis.rows) * len(axis.values) * len(axis.settings)
+    assert {cell.usage for cell in cells([axis], ["perfect"], ["tuned"], quick=True)} == {"tuned"}
+
+
+def test_the_truth_is_within_limit_at_any_mass(with_engine):
+    engine = with_engine(Perfect())
+    found = made(COUPLER)
+    assert found.verdict is StressVerdict.WITHIN
+    assert (found.seconds, found.steps, found.solver_work, found.outcome) == (0.25, 12, 3, "finished")
+    assert found.conditions == {"linkage": found.mechanism, "link": "coupler", "mass_factor": 100.0}
+    assert engine.asked == [("run", "tuned")]
+
+
+def test_a_method_is_run_at_its_step_with_its_effort(with_engine):
+    engine = with_engine(Perfect())
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(stress, "judged", lambda *_: stress.Judgement(StressVerdict.WITHIN))
+        made(Cell("speed", "1000 rpm", 120.0, "perfect", "defaults"))
+        made(Cell("iterations", "100 steps per turn", 30.0, "perfect", "centred"))
+    assert engine.asked[0] == ("method", "defaults", None, pytest.approx(0.06 / 120.0))
+    assert engine.asked[1] == ("method", "centred", 30.0, pytest.approx(0.06 / 100.0))
+
+
+def test_an_engine_that_is_not_there_is_told_as_such(with_engine):
+    class Absent(Perfect):
+        def version(self):
+            return None
+
+    with_engine(Absent())
+    assert made(COUPLER).verdict is StressVerdict.UNAVAILABLE
+
+
+@pytest.mark.parametrize("engine", [Perfect(), Liar()])
+def test_json_holds_all_of_a_cell(with_engine, engine):
+    with_engine(engine)
+    found = made(dataclasses.replace(COUPLER, value=1e4))
+    told = json.loads(json.dumps(found.document, allow_nan=False))
+    assert from_document(told) == found
+    assert told["command"] == "linkproof stress 'mass/four-bar, coupler/10000/perfect/tuned'"
+    assert lost(COUPLER, Outcome.CRASHED, "died").document["verdict"] == "crashed"
+
+
+# -- maps --------------------------------------------------------------------------------------------------------------
+
+
+def request(**changes):
+    axis = dataclasses.replace(axes()["mass"], rows=(axes()["mass"].row("four-bar, coupler"),))
+    return StressRequest((axis,), ("perfect",), ("tuned",), processes=0, **changes)
+
+
+def test_an_engine_that_lies_is_caught_in_every_cell_and_its_border_found(with_engine):
+    with_engine(Liar())
+    heard = []
+    found = campaign.stress(request(), lambda *words: heard.append(words))
+    verdicts = {one.cell.value: one.verdict for one in found.cells}
+    assert {value: verdicts[value] for value in axes()["mass"].values} == {
+        value: StressVerdict.CAUGHT if value > 500.0 else StressVerdict.WITHIN for value in axes()["mass"].values
+    }
+    (border,) = found.borders
+    assert border.inside.cell.value <= 500.0 < border.outside.cell.value
+    assert border.ratio <= 1.1
+    assert found.missed == ()
+    told = found.document("as asked", quick=False)
+    assert told["summary"]["perfect"]["caught"] == sum(one.verdict is StressVerdict.CAUGHT for one in found.cells)
+    assert told["borders"][0]["inside_command"].startswith("linkproof stress 'mass/four-bar, coupler/")
+    assert heard[-1][1] == heard[-1][2] == len(found.cells)
+
+
+def test_one_that_is_let_pass_is_counted_as_missed(with_engine, monkeypatch):
+    with_engine(Liar())
+    blind = stress.Judgement(StressVerdict.MISSED, "No invariant saw it")
+    monkeypatch.setattr(stress, "judged", lambda *_: blind)
+    assert len(campaign.stress(request(quick=True)).missed) == len(axes()["mass"].quick)
+
+
+def test_what_the_journal_has_is_not_made_again(with_engine, tmp_path):
+    engine = with_engine(Liar())
+    journal = Journal(tmp_path, "as asked")
+    first = campaign.stress(request(), journal=journal)
+    calls = len(engine.asked)
+    again = campaign.stress(request(), journal=journal)
+    assert len(engine.asked) == calls
+    assert again == first
+    forgotten = next(path for path in journal.place.iterdir() if "100." in path.name or "-100-" in path.name)
+    forgotten.unlink()
+    campaign.stress(request(), journal=journal)
+    assert len(engine.asked) == calls + 1
+
+
+def test_an_engine_that_raises_costs_its_own_cell(with_engine):
+    class Faulty(Perfect):
+        def run(self, scene, setting):
+            if max(body.mass for body in scene.bodies) > 15.0:
+                raise RuntimeError("singular")
+            return super().run(scene, setting)
+
+    with_engine(Faulty())
+    found = {one.cell.value: one for one in campaign.stress(request(quick=True)).cells}
+    assert found[1.0].verdict is StressVerdict.WITHIN
+    assert found[1e4].verdict is StressVerdict.DIVERGED
+    assert "singular" in found[1e4].judgement.reason
+
+
+def test_a_fault_of_the_suites_own_is_not_blamed_on_the_engine(with_engine, monkeypatch):
+    with_engine(Perfect())
+
+    def failing(*_):
+        raise TypeError("a slip in the judge")
+
+    monkeypatch.setattr(stress, "judged", failing)
+    verdicts = {(one.verdict, one.judgement.reason) for one in campaign.stress(request(quick=True)).cells}
+    ((verdict, reason),) = verdicts
+    assert verdict is StressVerdict.CRASHED
+    assert reason.startswith("the suite itself failed, not the engine: ")
+    assert "a slip in the judge" in reason
+
+
+def test_where_the_closed_form_has_no_motion_no_engine_is_tried(with_engine, monkeypatch):
+    engine = with_engine(Perfect())
+
+    def nowhere(_):
+        raise LinkproofError("it stands in a dead position")
+
+    monkeypatch.setattr(stress, "_case", nowhere)
+    found = made(COUPLER)
+    assert (found.verdict, engine.asked) == (StressVerdict.UNSUPPORTED, [])
+    assert found.judgement.reason == "the closed form has no motion to hold an engine to: it stands in a dead position"
+
+
+def test_a_cell_can_be_made_alone_in_a_process_of_its_own():
+    (found,) = make_cells([Cell("units", "length", 1e3, "direct", "tuned")])
+    assert (found.verdict, found.outcome) == (StressVerdict.WITHIN, "finished")

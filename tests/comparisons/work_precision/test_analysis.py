@@ -1,0 +1,104 @@
+"""Choices, fronts and standings of records whose answers can be worked out by hand."""
+
+import pytest
+
+from comparisons.work_precision.analysis import WANTED, by_engine, choices, findings, judged, on_front, standings
+from comparisons.work_precision.floor import Cause
+from comparisons.work_precision.saving import saving
+from tests.comparisons.bench_rows import row, setting_row, sweep_rows
+
+SECOND = sweep_rows([0.1 / 4**k for k in range(8)], setting="second")
+FOURTH = sweep_rows([0.1 / 16**k for k in range(6)], setting="fourth", cost=4e-3, levels=2)
+
+
+def test_order_and_floor_of_every_sweep_are_found_and_written_into_its_points():
+    found = {one.first.setting: one for one in findings([*SECOND, *FOURTH])}
+    assert found["second"].order == pytest.approx(2.0)
+    assert found["fourth"].order == pytest.approx(4.0)
+    assert found["second"].floor.cause is Cause.FALLING
+    orders = {(one.setting, one.order) for one in judged([*SECOND, setting_row("tuned", 1e-4, 1e-2)])}
+    assert orders == {("second", found["second"].order), ("tuned", None)}
+
+
+def test_efforts_of_one_method_explain_each_other_and_only_each_other():
+    loose = sweep_rows([1e-2, 1e-4, 1e-4, 1e-4], effort=10.0, effort_unit="iterations", quantity="Jeq")
+    tight = sweep_rows([1e-2, 1e-4, 1e-6, 1e-8], effort=300.0, effort_unit="iterations", quantity="Jeq")
+    other = sweep_rows([1e-2, 1e-4, 1e-4, 1e-4], effort=10.0, effort_unit="iterations", setting="other", quantity="Jeq")
+    found = {(one.first.setting, one.first.effort): one.floor.cause for one in findings([*loose, *tight, *other])}
+    assert found["plain", 10.0] is Cause.EFFORT
+    assert found["other", 10.0] is Cause.MODEL
+
+
+def test_the_cheapest_point_that_holds_an_error_is_chosen():
+    for choice in choices([*SECOND, *FOURTH]):
+        held = [one for one in (*SECOND, *FOURTH) if one.error_max <= choice.wanted]
+        expected = min(held, key=lambda one: one.seconds_min, default=None)
+        assert choice.record == expected
+    assert [choice.wanted for choice in choices(SECOND)] == list(WANTED)
+
+
+def test_an_error_nobody_reaches_names_the_closest():
+    last = choices(SECOND)[-1]
+    assert last.record is None
+    assert last.closest == SECOND[-1]
+    assert choices([row(outcome="diverged", error_max=None, seconds_min=None)]) == ()
+
+
+def test_a_lucky_coarse_step_is_not_chosen():
+    lucky = sweep_rows([1e-9, 1e-2, 1e-3, 1e-4, 1e-10], cost=1e-3)
+    assert choices(lucky, [1e-8])[0].record == lucky[-1]
+
+
+def test_a_setting_may_be_the_one_to_choose():
+    tuned = setting_row("tuned", 1e-6, 2e-3)
+    assert choices([*SECOND, tuned], [1e-5])[0].record == tuned
+
+
+def test_the_front_leaves_nothing_better_out():
+    records = [*SECOND, *FOURTH, setting_row("tuned", 1e-6, 2e-3)]
+    front = on_front(records)
+    assert front == sorted(front, key=lambda one: one.seconds_min)
+    for one in records:
+        beaten = any(o.seconds_min <= one.seconds_min and o.error_max <= one.error_max and o != one for o in records)
+        assert (one in front) is not beaten
+    assert {one.on_front for one in judged(records) if one.setting == "tuned"} == {True}
+
+
+def test_a_setting_is_held_against_the_price_of_its_own_error():
+    tuned = setting_row("tuned", 0.1 / 16**2, 0.032)
+    (found,) = standings([*SECOND, *FOURTH, tuned])
+    # Both methods reach it exactly at a measured point: the second order at 16 times its first cost, the fourth at 4.
+    assert found.rival_seconds == pytest.approx(min(16 * 1e-3, 4 * 4e-3))
+    assert found.ratio == pytest.approx(2.0)
+    (beyond,) = standings([*SECOND, setting_row("best", 1e-12, 1.0)])
+    assert (beyond.ratio, beyond.rival) == (None, None)
+
+
+def test_engines_quantities_and_places_are_kept_apart():
+    records = [row(), row(engine="beta"), row(quantity="Jeq"), row(regime="run-up"), row()]
+    assert [len(group) for group in by_engine(records).values()] == [2, 1, 1, 1]
+
+
+def test_what_a_setting_saves_against_plain_steps_that_get_there():
+    best = setting_row("best", 1e-9, 2e-3)
+    found = saving([best, *SECOND, *FOURTH], "best", 0.1 / 4**5)
+    assert found.seconds == pytest.approx(1e-3 * 2**5)
+    assert found.ratio == pytest.approx(16.0)
+    assert "16 × as long" in found.sentence
+
+
+def test_what_it_saves_against_plain_steps_that_do_not():
+    best = setting_row("best", 1e-9, 2e-3)
+    found = saving([best, *SECOND], "best", 1e-8)
+    assert found.seconds is None
+    assert found.ratio is None
+    assert found.projected == pytest.approx(1e-3 * (0.1 / 1e-8) ** 0.5, rel=1e-3)
+    assert "did not reach 1e-8" in found.sentence
+    level = saving([best, *sweep_rows([1.5] * 6)], "best", 1e-6)
+    assert level.projected is None
+    assert "read-out or model" in level.sentence
+
+
+def test_a_setting_that_misses_the_error_itself_saves_nothing():
+    assert saving([setting_row("best", 1e-5, 1e-3), *SECOND], "best", 1e-6) is None
+    assert saving([setting_row("best", 1e-9, 1e-3)], "best", 1e-6) is None

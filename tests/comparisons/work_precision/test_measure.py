@@ -1,0 +1,61 @@
+"""One point measured once in a real engine: times, errors by quantity, and what goes wrong told."""
+
+import pickle
+
+import numpy as np
+import pytest
+
+from analytic.description.crank_motion import crank_motion
+from analytic.description.loading import load
+from analytic.kinematics.mechanism import Mechanism
+from comparisons.reference.case import Case, own_case
+from comparisons.work_precision.measure import chosen, longest_step, measure
+from engines.contract import Method, Setting
+
+CASE = Case(Mechanism(load("juki-mf7923d")), crank_motion("run-up-quintic", hold_time=0.0, ramp_time=0.2))
+PICKLED = pickle.dumps(CASE)
+EXACT = Method("exact", "")
+FOUR = ("Mkr", "Jeq", "phi", "joint_force")
+
+
+def test_an_exact_method_has_errors_of_round_off_in_every_quantity():
+    taken = measure(PICKLED, "direct", EXACT, 24.0, FOUR, with_errors=True)
+    assert taken.outcome == "finished"
+    assert set(taken.errors) == set(FOUR)
+    assert all(error.rms <= error.largest < 1e-12 and error.peak > 0.0 for error in taken.errors.values())
+    assert taken.errors["Mkr"].unit == "N m"
+    assert min(taken.seconds, taken.steps, taken.calibration) > 0
+    assert min(taken.setup, taken.readout) >= 0.0
+
+
+def test_the_worst_joint_stands_for_all():
+    (name,) = chosen(CASE, ("joint_force",))
+    assert name == "joint_force"
+    taken = measure(PICKLED, "direct", Method("defaults", ""), 24.0, FOUR, with_errors=True)
+    single = [
+        measure(PICKLED, "direct", Method("defaults", ""), 24.0, (one.name,), with_errors=True).errors
+        for one in chosen(CASE, ("joint_force",))["joint_force"]
+    ]
+    assert not any(single)  # a joint's own name is no quantity of a benchmark
+    assert taken.errors["joint_force"].largest >= taken.errors["joint_force"].rms
+
+
+def test_a_repeat_takes_no_errors():
+    taken = measure(PICKLED, "direct", Setting.TUNED, None, FOUR, with_errors=False)
+    assert (taken.outcome, dict(taken.errors)) == ("finished", {})
+
+
+def test_what_an_engine_raises_is_told():
+    taken = measure(PICKLED, "direct", Method("no such", ""), 24.0, ("Mkr",), with_errors=True)
+    assert taken.outcome == "diverged"
+    assert "direct raised UnknownNameError" in taken.reason
+
+
+def test_a_step_is_a_share_of_the_fastest_turn():
+    assert longest_step(CASE, 100.0) * 100.0 * CASE.motion.peak_speed == pytest.approx(2.0 * np.pi)
+
+
+def test_a_released_crank_has_no_torque_to_judge_and_a_phase_instead():
+    linkage = load("slotted-takeup")
+    case = own_case(Mechanism(linkage), next(one for one in linkage.regimes if one.name == "free"))
+    assert set(chosen(case, FOUR)) == {"Jeq", "phi", "joint_force"}

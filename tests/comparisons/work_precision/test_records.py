@@ -1,0 +1,68 @@
+"""Records and their file: complete, without NaN, the same when read back."""
+
+import json
+
+import pytest
+
+from analytic.errors import LinkproofError
+from comparisons.work_precision import records as bench_records
+from comparisons.work_precision.records import Bench, load, rows, save, series
+from tests.comparisons.bench_rows import row, setting_row, sweep_rows
+
+PROMISED = {
+    "mechanism", "regime", "engine", "setting", "step", "quantity", "error_max", "error_rms", "seconds_min",
+    "seconds_median", "steps", "order", "outcome",
+}  # fmt: skip
+
+
+def _document(records):
+    return {"format": 1, "noise": {"work": "w", "samples": [1e-3, 1.2e-3]}, "records": rows(records)}
+
+
+def test_a_record_has_the_promised_keys():
+    assert set(rows([row()])[0]) >= PROMISED
+
+
+def test_what_is_saved_is_what_is_loaded(tmp_path):
+    records = [row(), setting_row("best", None, None, outcome="crashed", repeats=(), detail="died by signal 6")]
+    save(tmp_path / bench_records.FILE, _document(records))
+    found = load(tmp_path)
+    assert found.records == tuple(records)
+    assert found.noise.samples == (1e-3, 1.2e-3)
+    assert load(tmp_path / bench_records.FILE).records == tuple(records)
+
+
+def test_the_file_is_json_with_a_record_to_a_line(tmp_path):
+    text = bench_records.text(_document([row(), row()]))
+    assert json.loads(text)["records"][1]["quantity"] == "Mkr"
+    assert sum(line.startswith('{"mechanism"') for line in text.splitlines()) == 2
+    with pytest.raises(ValueError, match="not JSON compliant"):
+        bench_records.text(_document([row(error_max=float("nan"))]))
+
+
+@pytest.mark.parametrize("content", ["", "{}", '{"records": [{}], "noise": {"samples": []}}', "[1]"])
+def test_a_file_that_is_no_benchmark_is_refused(tmp_path, content):
+    (tmp_path / bench_records.FILE).write_text(content)
+    with pytest.raises(LinkproofError, match="is no benchmark"):
+        load(tmp_path)
+
+
+def test_a_folder_without_one_is_refused(tmp_path):
+    with pytest.raises(LinkproofError, match="no benchmark at"):
+        load(tmp_path)
+
+
+def test_series_are_methods_that_finished_coarse_to_fine():
+    sweep = sweep_rows([1e-1, 1e-2, 1e-3])
+    failed = row(outcome="diverged", error_max=None, seconds_min=None, step=1e-9)
+    (found,) = series([sweep[2], setting_row("best", 1e-9, 1.0), sweep[0], failed, sweep[1]])
+    assert found.errors == (1e-1, 1e-2, 1e-3)
+    assert list(found.numbers.steps) == sorted(found.numbers.steps, reverse=True)
+    assert found.numbers.work == pytest.approx(3.0)
+
+
+def test_a_record_without_error_or_time_has_not_finished():
+    assert row().finished
+    assert not row(error_max=None).finished
+    assert not row(outcome="timed-out").finished
+    assert Bench(_document([row()])).records[0].repeats == (1e-2, 1.2e-2)

@@ -1,0 +1,195 @@
+"""A benchmark of an engine whose orders and floors are known finds them, round after round, interrupted or not."""
+
+import dataclasses
+from collections import Counter
+
+import pytest
+
+from analytic.description.crank_motion import crank_motion
+from analytic.description.loading import load
+from analytic.errors import UnknownNameError
+from analytic.kinematics.mechanism import Mechanism
+from comparisons.reference.case import Case
+from comparisons.runs.journal import Journal
+from comparisons.runs.workers import Lost
+from comparisons.work_precision import measure
+from comparisons.work_precision import study as benchmark
+from comparisons.work_precision.analysis import findings
+from comparisons.work_precision.floor import Cause
+from comparisons.work_precision.points import OUT_OF_TIME, Extent
+from comparisons.work_precision.records import METHOD, SETTING
+from comparisons.work_precision.study import BenchRequest, bench, methods_told
+from engines.contract import Outcome, Setting
+from tests.comparisons.bench_engine import KnownEngine
+
+CASE = Case(Mechanism(load("juki-mf7923d")), crank_motion("run-up-quintic", ramp_time=0.15, hold_time=0.0))
+EXTENT = Extent(tuple(12.0 * 2.0**k for k in range(9)), budget=1.0, repeats=3, patience=10.0, effort_stride=1)
+REQUEST = BenchRequest((CASE,), ("known",), ("Mkr",), extent=EXTENT, processes=0)
+
+
+def _installed(monkeypatch):
+    """The known engine in the registry's place, and nothing remembered of another."""
+    found = KnownEngine(CASE.mechanism, CASE.motion)
+    for module in (benchmark, measure):
+        monkeypatch.setattr(module, "engine", lambda name: found)
+    monkeypatch.setattr(benchmark, "engine_names", lambda: ("known",))
+    monkeypatch.setattr(measure, "_WARMTH", measure._Warmth())
+    measure._obstacle.cache_clear()
+    return found
+
+
+@pytest.fixture
+def known(monkeypatch):
+    yield _installed(monkeypatch)
+    measure._obstacle.cache_clear()
+
+
+@pytest.fixture(scope="module")
+def whole():
+    """A whole benchmark, and the engine it was made with."""
+    with pytest.MonkeyPatch.context() as monkeypatch:
+        engine = _installed(monkeypatch)
+        yield bench(REQUEST), engine
+    measure._obstacle.cache_clear()
+
+
+@pytest.fixture
+def measured(whole):
+    return whole[0]
+
+
+@pytest.fixture
+def runs(whole):
+    return whole[1].runs
+
+
+def test_orders_and_causes_of_the_known_engine_are_found(measured):
+    found = {(one.first.setting, one.first.effort): one for one in findings(measured.records)}
+    assert found["first", None].order == pytest.approx(1.0, abs=0.05)
+    assert found["second", 30.0].order == pytest.approx(2.0, abs=0.1)
+    assert found["fourth", None].order == pytest.approx(4.0, abs=0.1)
+    assert found["wrong", None].order is None
+    causes = {key: one.floor.cause for key, one in found.items()}
+    assert causes["first", None] is Cause.FALLING
+    assert causes["second", 30.0] is Cause.EFFORT
+    assert causes["fourth", None] is Cause.ROUNDING
+    assert causes["wrong", None] is Cause.MODEL
+
+
+def test_errors_are_those_the_engine_has(whole):
+    measured, known = whole
+    methods = {method.name: method for method in known.methods(None)}
+    for one in measured.records:
+        if one.kind == METHOD and one.finished:
+            method = dataclasses.replace(methods[one.setting], effort=one.effort)
+            assert one.error_max == pytest.approx(known.error(method, one.step), rel=1e-3, abs=1e-14)
+
+
+def test_every_point_is_repeated_round_after_round(measured, runs):
+    counts = Counter(run for run in runs if isinstance(run, tuple) and run[0] != "broken")
+    warm = runs[0]
+    assert set((counts - Counter([warm])).values()) == {EXTENT.repeats}
+    rounds = [run for run in runs if run[0] == "first" and run != warm]
+    assert rounds[:9] == rounds[9:18] == rounds[18:]
+    finished = [one for one in measured.records if one.finished]
+    assert all(len(one.repeats) == 3 and one.seconds_min == min(one.repeats) for one in finished)
+    assert len(measured.noise.samples) >= len(finished) * 3
+
+
+def test_the_run_that_warms_up_is_in_no_record(measured, runs):
+    assert runs[0][:2] == ("first", None)
+    steps = {one.step for one in measured.records if one.setting == "first"}
+    assert runs[0][2] not in steps
+
+
+def test_settings_stand_beside_methods(measured):
+    settings = {one.setting: one for one in measured.records if one.kind == SETTING}
+    assert set(settings) == {"naive", "tuned", "best"}
+    assert settings["best"].step is None
+    assert settings["best"].used == "scheme known"
+    assert settings["tuned"].error_max == pytest.approx(1e-5)
+
+
+def test_a_method_that_raises_costs_its_own_points(measured):
+    broken = [one for one in measured.records if one.setting == "broken"]
+    assert len(broken) == 3
+    assert {(one.outcome, one.error_max, one.seconds_min) for one in broken} == {("diverged", None, None)}
+    assert broken[0].detail == "known raised RuntimeError: matrix is singular"
+    assert broken[0].ended.startswith("diverged")
+
+
+def test_a_process_that_dies_costs_its_own_point(known, monkeypatch):
+    def run_jobs(function, jobs, **_):
+        for number, job in enumerate(jobs):
+            dies = job[2] is Setting.BEST
+            yield number, Lost(Outcome.CRASHED, "died by signal 6 (SIGABRT)") if dies else function(*job)
+
+    monkeypatch.setattr(benchmark, "run_jobs", run_jobs)
+    found = {one.setting: one for one in bench(REQUEST).records if one.kind == SETTING}
+    assert (found["best"].outcome, found["best"].detail) == ("crashed", "died by signal 6 (SIGABRT)")
+    assert found["tuned"].finished
+
+
+def test_what_an_interrupted_benchmark_has_is_not_measured_again(known, tmp_path):
+    def interrupting(label, done, total):
+        if done == 20:
+            raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        bench(REQUEST, interrupting, Journal(tmp_path, "this one"))
+    before = Counter(known.runs)
+    found = bench(REQUEST, journal=Journal(tmp_path, "this one"))
+    finished = {
+        run: count for run, count in (Counter(known.runs) - Counter([known.runs[0]])).items() if run[0] != "broken"
+    }
+    assert sum(before.values()) >= 20
+    assert set(finished.values()) == {EXTENT.repeats}
+    known.runs.clear()
+    again = bench(REQUEST, journal=Journal(tmp_path, "this one"))
+    assert known.runs == []
+    assert again.records == found.records
+    assert sorted(again.noise.samples) == sorted(found.noise.samples)
+
+
+def test_no_run_is_begun_after_the_deadline(known):
+    hurried = dataclasses.replace(REQUEST, extent=dataclasses.replace(EXTENT, deadline=0.0))
+    found = bench(hurried).records
+    assert {(one.outcome, one.detail) for one in found} == {("timed-out", OUT_OF_TIME)}
+    assert {one.setting for one in found} >= {"best", "first", "wrong"}
+    assert known.runs == []
+
+
+def test_an_engine_that_is_not_installed_has_a_record_that_says_so(known, monkeypatch):
+    monkeypatch.setattr(known, "version", lambda: None)
+    (one,) = bench(REQUEST).records
+    assert (one.outcome, one.engine_version) == ("unavailable", "")
+    assert "pip install" in one.detail
+    assert methods_told(REQUEST) == []
+
+
+def test_an_engine_that_cannot_hold_a_scene_is_not_run(known, monkeypatch):
+    monkeypatch.setattr(known, "obstacle", lambda scene: "cannot hold springs")
+    found = bench(REQUEST).records
+    assert {(one.outcome, one.detail) for one in found} == {("unsupported", "cannot hold springs")}
+    assert known.runs == []
+
+
+def test_unknown_engines_are_refused_before_any_run(known):
+    with pytest.raises(UnknownNameError, match="known"):
+        bench(dataclasses.replace(REQUEST, engines=("known", "knwon")))
+    assert known.runs == []
+
+
+def test_other_efforts_are_tried_on_the_first_regime_alone(known):
+    second = Case(CASE.mechanism, crank_motion("run-up"))
+    short = dataclasses.replace(EXTENT, steps_per_turn=(12.0, 24.0, 48.0), repeats=1)
+    found = bench(dataclasses.replace(REQUEST, cases=(CASE, second), extent=short)).records
+    efforts = {(one.regime, one.effort) for one in found if one.setting == "second"}
+    assert ("run-up-quintic", 300.0) in efforts
+    assert {effort for regime, effort in efforts if regime == "run-up"} == {30.0}
+
+
+def test_methods_can_be_asked_for_by_name(known):
+    only = dataclasses.replace(REQUEST, methods=("first",), settings=())
+    assert {one.setting for one in bench(only).records} == {"first"}
+    assert [told["name"] for told in methods_told(only)] == ["first"]

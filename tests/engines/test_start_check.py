@@ -1,0 +1,63 @@
+"""The check of a start state: true ones pass at any angle in any linkage, a slip in any joint is found."""
+
+import dataclasses
+
+import pytest
+
+from analytic.description.crank_motion import crank_motion
+from comparisons.reference.start_state import scene
+from engines.contract import Prescribed
+from engines.start_check import misfits, start_misfit, start_state
+from tests.analytic.linkages import EVERY, mechanism
+
+SLIP = 1e-3  # of whatever is changed
+ANGLES = (0.3, 1.9, 4.4)
+
+
+def _scene(name, variant=None, angle=0.3):
+    return scene(mechanism(name, variant), Prescribed(crank_motion("constant-speed", start_angle=angle)), ())
+
+
+@pytest.mark.parametrize(("name", "variant"), EVERY)
+@pytest.mark.parametrize("angle", ANGLES)
+def test_a_true_start_fits_in_position_velocity_and_acceleration(name, variant, angle):
+    model = _scene(name, variant, angle)
+    assert start_misfit(model) is None
+    orders = {miss.order for miss in misfits(model, start_state(model))}
+    assert orders == {0, 1, 2}
+
+
+@pytest.mark.parametrize("order", [0, 1, 2])
+@pytest.mark.parametrize(
+    ("name", "body", "joint"),
+    [
+        ("juki-mf7923d", "needle_bar", "needle_bar on ground"),
+        ("carried-slider", "slider", "slider on rocker"),
+        ("scotch-yoke", "yoke", "yoke on ground"),
+        ("ground-pin-in-slot", "coupler", "G in coupler"),
+    ],
+)
+def test_a_slip_in_any_kind_of_joint_is_found(name, body, joint, order):
+    model = _scene(name)
+    field = ("position", "velocity", "acceleration")[order]
+    bodies = []
+    for item in model.bodies:
+        x, y = getattr(item, field)
+        change = (1.0 + abs(x) + abs(y)) * SLIP
+        bodies.append(dataclasses.replace(item, **{field: (x + change, y + change)}) if item.name == body else item)
+    broken = dataclasses.replace(model, bodies=tuple(bodies))
+    assert field in (start_misfit(broken) or "")
+    before = {(m.joint, m.order): m.size for m in misfits(model, start_state(model))}
+    grown = {
+        m.joint for m in misfits(broken, start_state(broken)) if m.size > 2.0 * before[m.joint, m.order] + SLIP / 2
+    }
+    assert joint in grown
+
+
+def test_a_slider_that_turns_against_its_host_is_found():
+    model = _scene("carried-slider")
+    turned = tuple(
+        dataclasses.replace(b, angular_velocity=b.angular_velocity + 1.0) if b.name == "slider" else b
+        for b in model.bodies
+    )
+    assert "in velocity" in (start_misfit(dataclasses.replace(model, bodies=turned)) or "")

@@ -1,0 +1,171 @@
+"""Pinned records: everything the commands say of mechanisms and engines, taken once and held after every change.
+
+``python tests/pins/pins.py hold [PART ...]`` makes the records anew and prints every one that moved; ``take`` renews
+the pins (say why in the commit). Parts: figures (list, show, thread, published), compare, bench, stress. Times, dates
+and borders are left out, and bench and stress are held where both trees finished. Engines' last digits belong to the
+machine and the versions that took them, so this is run by hand and not by the tests.
+"""
+
+from __future__ import annotations
+
+import gzip
+import json
+import math
+import os
+import subprocess
+import sys
+import tempfile
+from pathlib import Path
+from typing import Any
+
+HERE = Path(__file__).parent
+ROOT = HERE.parents[1]
+COMMAND = [sys.executable, "-c", "from reports.command_line.main import main; main()"]
+PARTS = ("figures", "compare", "bench", "stress")
+
+EXACT = 1e-14  # of the peak: closed form and `direct`, whose operations may move
+ENGINE_SHARE = 0.01  # of an engine's error
+ENGINE_FLOOR = 1e-9  # of the peak
+LOCATION = 1e-6  # degrees or seconds: where a smooth extreme lies is known to the root of the rounding error
+LOCATIONS = ("_at", "angle", "top", "bottom", "dead_centre", "shift")
+BOUNDS = ("closure_error", "error_bound")  # rounding errors themselves: held to their size
+# What identifies a record, and what is held of it; everything else is a time, a text or derived.
+KEYS = {
+    "compare": ("mechanism", "variant", "regime", "conditions", "engine", "setting", "quantity"),
+    "bench": ("mechanism", "variant", "regime", "engine", "kind", "setting", "levels", "effort", "step", "quantity"),
+    "stress": ("axis", "row", "value", "engine", "usage"),
+}
+HELD = {
+    "compare": ("outcome", "error_max", "error_rms", "peak", "samples", "left_out", "limit"),
+    "bench": ("outcome", "error_max", "error_rms", "peak", "steps"),
+    "stress": ("verdict", "quantity", "deviation", "invariant", "invariant_error", "alarms"),
+}
+UNSTEADY = {"timed-out", "crashed"}  # what a slower machine may make of a run
+
+
+def said(*words: str) -> Any:
+    """The JSON of a command of this tree; its message where it refuses."""
+    with tempfile.TemporaryDirectory() as folder:
+        out = Path(folder) / "out.json"
+        environment = os.environ | {"PYTHONPATH": str(ROOT)}
+        command = [*COMMAND, *words, "--json", str(out)]
+        run = subprocess.run(command, env=environment, cwd=folder, capture_output=True, check=False)
+        return json.loads(out.read_text(encoding="utf-8")) if out.is_file() else {"exit": run.returncode}
+
+
+def variants() -> list[tuple[str, str]]:
+    """Every mechanism of the catalogue with each of its variants."""
+    return [(row["mechanism"], variant) for row in said("list")["records"] for variant in row["variants"]]
+
+
+def figures() -> dict[str, Any]:
+    """What list, show, thread and published say."""
+    pins = {"list": said("list")["records"], "published": said("published")["records"]}
+    for mechanism, variant in variants():
+        pins[f"show {mechanism} {variant}"] = said("show", mechanism, "--variant", variant)
+        pins[f"thread {mechanism} {variant}"] = said("thread", mechanism, "--variant", variant)
+    return pins
+
+
+def compare() -> dict[str, Any]:
+    """Every mechanism, variant, regime and setting."""
+    rows = []
+    for mechanism, variant in variants():
+        words = (mechanism, "--variant", variant, "--regime", "all", "--setting", "all", "--full")
+        rows += said("compare", *words)["records"]
+    return _by_key("compare", rows)
+
+
+def bench() -> dict[str, Any]:
+    """The points of the quick work-precision study."""
+    return _by_key("bench", said("bench", "--quick")["records"])
+
+
+def stress() -> dict[str, Any]:
+    """The cells of the quick stability maps."""
+    return _by_key("stress", said("stress", "--quick")["cells"])
+
+
+def _by_key(part: str, rows: list[dict[str, Any]]) -> dict[str, Any]:
+    return {" | ".join(str(row[name]) for name in KEYS[part]): {name: row[name] for name in HELD[part]} for row in rows}
+
+
+def moved(part: str, old: dict[str, Any], new: dict[str, Any]) -> list[str]:
+    """One line for each record that moved."""
+    lines = []
+    for key in sorted(old.keys() | new.keys()):
+        if key not in old or key not in new:
+            if part in ("figures", "compare"):
+                lines.append(f"{key}: {'is new' if key in new else 'is gone'}")
+        elif part == "figures":
+            lines += _figures_moved(key, old[key], new[key], "")
+        else:
+            lines += _record_moved(key, old[key], new[key])
+    return lines
+
+
+def _record_moved(key: str, old: dict[str, Any], new: dict[str, Any]) -> list[str]:
+    if {old.get("outcome", old.get("verdict")), new.get("outcome", new.get("verdict"))} & UNSTEADY:
+        return []
+    exact = "| direct |" in key
+    lines = []
+    for name, was in old.items():
+        now = new[name]
+        if isinstance(was, float) and isinstance(now, float) and name != "limit":
+            if name == "peak":
+                allowed = EXACT * abs(was)
+            else:
+                allowed = EXACT if exact else max(ENGINE_FLOOR, ENGINE_SHARE * abs(was))
+            same = abs(was - now) <= allowed or (math.isnan(was) and math.isnan(now))
+        elif name in ("quantity", "invariant"):  # which one is worst may change where two are equally good
+            same = True
+        else:
+            same = was == now
+        if not same:
+            lines.append(f"{key}: {name} {was} -> {now}")
+    return lines
+
+
+def _figures_moved(key: str, old: Any, new: Any, where: str, scale: float = 0.0) -> list[str]:
+    """Leaf by leaf; ``scale`` is the largest number beside a leaf."""
+    if isinstance(old, dict) and isinstance(new, dict) and old.keys() == new.keys():
+        scale = max((abs(v) for v in old.values() if isinstance(v, float)), default=0.0)
+        return [line for name in old for line in _figures_moved(key, old[name], new[name], f"{where}.{name}", scale)]
+    if isinstance(old, list) and isinstance(new, list) and len(old) == len(new):
+        pairs = enumerate(zip(old, new, strict=True))
+        return [line for i, (was, now) in pairs for line in _figures_moved(key, was, now, f"{where}[{i}]", scale)]
+    return [] if _close(where, old, new, scale) else [f"{key}{where}: {old} -> {new}"]
+
+
+def _close(where: str, old: Any, new: Any, scale: float) -> bool:
+    if not (isinstance(old, (int, float)) and isinstance(new, (int, float))) or isinstance(old, bool):
+        return bool(old == new)
+    if any(word in where for word in BOUNDS):
+        return new <= 3 * old + 1e-17
+    if any(word in where for word in LOCATIONS):
+        apart = abs(old - new)
+        return min(apart, abs(apart - 360.0)) <= LOCATION
+    return abs(old - new) <= EXACT * max(abs(old), abs(new), scale)
+
+
+def main() -> int:
+    """Take or hold the parts named, all by default."""
+    action, parts = sys.argv[1], sys.argv[2:] or PARTS
+    count = 0
+    for part in parts:
+        file = HERE / f"{part}.json.gz"
+        records = globals()[part]()
+        if action == "take":
+            file.write_bytes(gzip.compress(json.dumps(records, indent=0, sort_keys=True).encode(), mtime=0))
+            print(f"{part}: {len(records)} records pinned")
+            continue
+        old = json.loads(gzip.decompress(file.read_bytes()))
+        lines = moved(part, old, records)
+        count += len(lines)
+        print(f"{part}: {len(old)} pinned, {len(old.keys() & records.keys())} made, {len(lines)} moved")
+        print("".join(f"  {line}\n" for line in lines), end="")
+    return 1 if count else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,68 @@
+"""The summary: tables that line up, an order and digits that diff cleanly."""
+
+import re
+from dataclasses import asdict, replace
+
+import pytest
+
+from comparisons.campaign.results import Results
+from comparisons.judging.records import Verdict
+from reports.campaign.summary import markdown, table
+from tests.reports.made_up_results import made_up_results
+
+
+@pytest.fixture(scope="module")
+def results():
+    return made_up_results(
+        samples=51, engines=("alpha", "beta", "gamma"), broken={"gamma": Verdict.UNAVAILABLE}, regimes=("run-up",)
+    )
+
+
+@pytest.fixture(scope="module")
+def text(results):
+    return markdown(results)
+
+
+def tables(text):
+    return [block.splitlines() for block in text.split("\n\n") if block.startswith("|")]
+
+
+def test_every_table_lines_up(text):
+    found = tables(text)
+    assert len(found) >= 5
+    for lines in found:
+        assert len({line.replace("\\|", "").count("|") for line in lines}) == 1
+
+
+def test_sections_in_order(text):
+    found = [line[3:] for line in text.splitlines() if line.startswith("## ")]
+    assert found == ["Deviations", "Mechanisms", "Published figures against ours", "Limits", "Environment and times"]
+
+
+def test_rows_are_signed_and_failures_are_words(text):
+    assert re.search(r"^\| alpha \| tuned \| ✓ 1\.\de-5 \|", text, re.MULTILINE)
+    assert re.search(r"^\| alpha \| naive \| ✗ \d\.\de-2 \|", text, re.MULTILINE)
+    assert "| gamma | best | – not installed: gamma <cannot> hold this scene |" in text
+
+
+def test_another_day_changes_the_last_section_only(results, text):
+    rows = [asdict(replace(record, seconds=9.9, setup_seconds=9.9)) for record in results.records]
+    environment = {**results.document["environment"], "date": "another day", "machine": "another"}
+    later = markdown(Results({**results.document, "records": rows, "environment": environment}, results.curves))
+    cut = "## Environment"
+    assert later != text
+    assert later.split(cut)[0] == text.split(cut)[0]
+
+
+def test_the_order_of_the_records_changes_nothing(results, text):
+    rows = list(reversed(results.document["records"]))
+    assert markdown(Results({**results.document, "records": rows}, results.curves)) == text
+
+
+def test_round_off_has_no_digits(results):
+    rows = [asdict(replace(record, error_max=4.4e-16)) for record in results.records if record.error_max is not None]
+    assert "✓ < 1e-13" in markdown(Results({**results.document, "records": rows}, results.curves))
+
+
+def test_bars_in_cells_are_escaped():
+    assert table(["a"], [["|x|"]]).splitlines()[-1] == "| \\|x\\| |"

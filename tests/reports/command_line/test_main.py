@@ -1,0 +1,327 @@
+"""The command line as a user meets it: whole processes, exit codes, JSON, one sentence for every fault."""
+
+import json
+import os
+import re
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import pytest
+
+from comparisons.runs.journal import FOLDER
+from tests.comparisons.faults import announce_engines
+
+JUKI = Path(__file__).parents[3] / "analytic" / "catalogue" / "juki-mf7923d.toml"
+
+
+def linkproof(*words, cwd=None):
+    command = [sys.executable, "-m", "reports.command_line.main", *map(str, words)]
+    return subprocess.run(command, capture_output=True, text=True, cwd=cwd, timeout=120, check=False)
+
+
+def refused(*words, cwd=None):
+    """Run a command that has to fail with exit code 2, nothing on stdout and one sentence on stderr."""
+    done = linkproof(*words, cwd=cwd)
+    assert done.returncode == 2, done.stderr
+    assert done.stdout == ""
+    assert "Traceback" not in done.stderr
+    assert done.stderr.startswith("linkproof: ")
+    assert done.stderr.count("\n") == 1
+    return done.stderr
+
+
+def test_help_imports_nothing_heavy():
+    script = (
+        "import sys; sys.argv = ['linkproof', '--help']\n"
+        "from reports.command_line.main import main\n"
+        "try:\n main()\nexcept SystemExit: pass\n"
+        "print([m for m in ('numpy', 'scipy', 'pydantic', 'exudyn', 'pymunk', 'matplotlib') if m in sys.modules])"
+    )
+    done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=True)
+    assert "compare" in done.stdout
+    assert done.stdout.strip().endswith("[]")
+
+
+def test_list_names_the_catalogue():
+    rows = json.loads(linkproof("list", "--json", "-").stdout)["records"]
+    assert {"juki-mf7923d", "rimoldi-164"} <= {row["mechanism"] for row in rows}
+    assert all(row["source"] and row["variants"] for row in rows)
+    assert "juki-mf7923d" in linkproof("list").stdout
+
+
+def test_show_gives_the_reduced_inertia_of_a_variant():
+    facts = json.loads(linkproof("show", "juki-mf7923d", "--variant", "as-printed", "--json", "-").stdout)
+    assert facts["Jeq"]["mean"] == pytest.approx(8.339e-5, rel=1e-4)
+    assert facts["Jeq"]["max"] == pytest.approx(9.128e-5, rel=1e-4)
+    assert facts["Jeq"]["min"] < facts["Jeq"]["mean"]
+    assert "RRP" in facts["structure"]
+    text = linkproof("show", "juki-mf7923d").stdout
+    assert "stroke 31 mm" in text
+
+
+def test_published_lists_every_figure_in_every_variant():
+    rows = json.loads(linkproof("published", "rimoldi-164", "--json", "-").stdout)["records"]
+    fields = {"mechanism", "variant", "quantity", "published", "ours", "deviation", "verdict", "source"}
+    assert all(fields <= set(row) for row in rows)
+    assert {"as-built", "as-printed"} <= {row["variant"] for row in rows}
+
+
+def test_compare_writes_json_records_and_exits_0(tmp_path):
+    done = linkproof("compare", "juki-mf7923d", "--engine", "direct", "--json", tmp_path / "r.json")
+    assert done.returncode == 0, done.stdout + done.stderr
+    assert "direct" in done.stdout
+    rows = json.loads((tmp_path / "r.json").read_text())["records"]
+    fields = {
+        "mechanism", "variant", "regime", "engine", "setting", "quantity", "unit", "error_max", "error_rms", "limit",
+        "outcome", "seconds", "steps",
+    }  # fmt: skip
+    assert all(fields <= set(row) for row in rows)
+    assert [row["quantity"] for row in rows][:7] == ["Jeq", "Teq", "Mkr", "Peq", "S", "v", "a"]
+    assert {(r["variant"], r["regime"], r["setting"]) for r in rows} == {("as-built", "run-up", "tuned")}
+
+
+def test_json_on_stdout_is_nothing_but_json():
+    done = linkproof("compare", "juki-mf7923d", "--engine", "direct", "--quantity", "Jeq", "--json", "-")
+    assert [row["quantity"] for row in json.loads(done.stdout)["records"]] == ["Jeq"]
+
+
+def test_naive_alone_over_its_limit_exits_1():
+    done = linkproof("compare", "juki-mf7923d", "--engine", "direct", "--setting", "naive")
+    assert done.returncode == 1
+    assert "over-limit" in done.stdout
+
+
+def test_a_users_own_file_runs_from_where_it_lies(tmp_path):
+    mine = tmp_path / "mine.toml"
+    mine.write_text(JUKI.read_text())
+    done = linkproof("compare", "mine.toml", "--engine", "direct", "--quantity", "Mkr", "--json", "-", cwd=tmp_path)
+    (record,) = json.loads(done.stdout)["records"]
+    assert record["mechanism"] == "mine"
+    assert record["outcome"] == "passed"
+
+
+def test_out_holds_all_and_the_report_is_rebuilt_from_it(tmp_path):
+    done = linkproof("compare", "juki-mf7923d", "--engine", "direct", "--out", tmp_path / "out")
+    assert done.returncode == 0, done.stderr
+    names = {"RESULTS.md", "curves.nc", "index.html", "records.json"}
+    assert {path.name for path in (tmp_path / "out").iterdir()} == names
+    page = (tmp_path / "out" / "index.html").read_text()
+    (tmp_path / "out" / "index.html").unlink()
+    assert linkproof("report", tmp_path / "out").returncode == 0
+    assert (tmp_path / "out" / "index.html").read_text() == page
+
+
+@pytest.mark.parametrize(
+    ("words", "sentence"),
+    [
+        (["show", "juki"], "did you mean 'juki-mf7923d'?"),
+        (["show", "juki-mf7923d", "--variant", "as-bilt"], "did you mean 'as-built'?"),
+        (["compare", "juki-mf7923d", "--quantity", "Jek"], "did you mean 'Jeq'?"),
+        (["compare", "juki-mf7923d", "--regime", "runup"], "did you mean 'run-up'?"),
+        (["compare", "juki-mf7923d", "--engine", "exodyn"], "did you mean 'exudyn'?"),
+        (["compare", "juki-mf7923d", "--setting", "tunned"], "did you mean 'tuned'?"),
+        (["compare", "no/such.toml"], "got 'no/such.toml', which is no file"),
+        (["compare", "juki-mf7923d", "--speed", "-5"], "expected a positive finite number"),
+        (["compare", "juki-mf7923d", "--speed", "nan"], "expected a positive finite number"),
+        (["compare", "juki-mf7923d", "--ramp-time", "0"], "expected a positive finite number"),
+        (["report", "no/such/folder"], "no saved curves"),
+        (["compare", "juki-mf7923d", "--engine", "direct", "--json", "/dev/null/r.json"], "cannot write"),
+        (["compare", "juki-mf7923d", "--resume"], "name that folder with --out, or leave it out"),
+        (["compare", "juki-mf7923d", "--time-limit", "0"], "expected a positive finite number of s, got 0"),
+        (["compare", "juki-mf7923d", "--memory-limit", "inf"], "expected a positive finite number of GiB, got inf"),
+        (["compare", "juki-mf7923d", "--jobs", "-1"], "expected a number of processes, or 0 for none, got -1"),
+        (["compare", "juki-mf7923d", "--jobs", "0", "--time-limit", "9"], "--jobs 0 asks for none"),
+    ],
+)
+def test_misuse_is_one_sentence_and_exit_code_2(words, sentence):
+    assert sentence in refused(*words)
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "sentence"),
+    [
+        ("mass    = 0.03", "mass    = -0.03", "got -0.03"),
+        ("mass    = 0.03", "mass    = 0", "got 0"),
+        ("mass    = 0.03", "mass    = nan", "got nan"),
+        ("mass    = 0.03\n", "", "mass is missing"),
+        ("inertia = 0.19e-4", "inertia = 0", "links.coupler.inertia"),
+        ("inertia = 0.19e-4\n", "", "links.coupler.inertia is missing"),
+        ("D = [54.5, 0]", "D = [0, 0]", "got 0; move one of them"),
+        ("D = [54.5, 0]", "D = [10.0, 0]", "cannot be assembled at"),
+        ('length = "mm"', 'length = "mmm"', "did you mean 'mm'?"),
+        ("[links.coupler]", "[links.coupler", "line 2"),
+        ("mass    = 0.03", "mas     = 0.03", "did you mean 'mass'?"),
+        ('crank   = "crank"', 'crank   = "crnk"', "did you mean 'crank'?"),
+    ],
+)
+def test_a_bad_file_is_one_sentence_and_nothing_is_written(tmp_path, old, new, sentence):
+    text = JUKI.read_text()
+    assert old in text
+    (tmp_path / "mine.toml").write_text(text.replace(old, new))
+    assert sentence in refused("compare", "mine.toml", "--out", "out", "--json", "r.json", cwd=tmp_path)
+    assert [path.name for path in tmp_path.iterdir()] == ["mine.toml"]
+
+
+BLOCKED = """
+import importlib.metadata, runpy, sys
+known = importlib.metadata.version
+def version(name):
+    if name == "pymunk":
+        raise importlib.metadata.PackageNotFoundError(name)
+    return known(name)
+importlib.metadata.version = version
+class Absent:
+    def find_spec(self, name, path=None, target=None):
+        if name.split(".")[0] == "pymunk":
+            raise ModuleNotFoundError("No module named 'pymunk'", name="pymunk")
+sys.meta_path.insert(0, Absent())
+sys.argv = ["linkproof", "compare", "juki-mf7923d", *sys.argv[1:]]
+runpy.run_module("reports.command_line.main", run_name="__main__")
+"""
+
+
+def without_pymunk(*words):
+    command = [sys.executable, "-c", BLOCKED, *words]
+    return subprocess.run(command, capture_output=True, text=True, timeout=120, check=False)
+
+
+def test_an_engine_that_is_not_installed_is_refused_where_it_is_named():
+    done = without_pymunk("--engine", "pymunk")
+    assert done.returncode == 2
+    assert "engine 'pymunk' is not installed: install it with: pip install 'linkproof[pymunk]'" in done.stderr
+
+
+def test_an_engine_that_is_not_installed_is_a_visible_row_where_it_is_not_named():
+    done = without_pymunk("--quantity", "Jeq", "--json", "-", "--jobs", "0")  # blocked in this process alone
+    outcomes = {row["engine"]: row["outcome"] for row in json.loads(done.stdout)["records"]}
+    assert outcomes["pymunk"] == "unavailable"
+    assert outcomes["direct"] == "passed"
+    assert done.returncode == 0
+
+
+def test_thread_feed_is_held_against_a_required_curve(tmp_path):
+    (tmp_path / "required.csv").write_text("phi_deg,feed_mm\n0,10\n90,20\n")
+    words = ("thread", "slotted-takeup", "--required", tmp_path / "required.csv")
+    facts = json.loads(linkproof(*words, "--json", "-").stdout)
+    assert facts["feed"]["min"] == pytest.approx(6e-3, abs=1e-5)
+    held = facts["comparison"]
+    assert [a - r for a, r in zip(held["actual"], held["required"], strict=True)] == pytest.approx(held["difference"])
+    assert "largest difference" in linkproof(*words).stdout
+
+
+@pytest.mark.parametrize(
+    ("words", "sentence"),
+    [
+        (["thread", "juki-mf7923d"], "has no thread"),
+        (["thread", "slotted-takeup", "--required", "none.csv"], "none.csv"),
+        (["compare", "juki-mf7923d", "--quantity", "thread_feed"], "has no thread"),
+        (["compare", "slotted-takeup", "--regime", "fre"], "did you mean 'free'?"),
+        (["compare", "slotted-takeup", "--regime", "free", "--quantity", "Mkr"], "is given, not a result"),
+    ],
+)
+def test_misuse_of_thread_and_own_regimes_is_one_sentence(tmp_path, words, sentence):
+    assert sentence in refused(*words, cwd=tmp_path)
+
+
+def test_a_released_crank_is_compared_by_its_own_motion():
+    words = ("compare", "slotted-takeup", "--regime", "free", "--engine", "direct", "--quantity", "phi", "--json", "-")
+    (record,) = json.loads(linkproof(*words).stdout)["records"]
+    assert record["outcome"] == "passed"
+    assert record["error_max"] < 1e-12
+
+
+def test_errata_of_a_users_own_file_are_judged_by_its_own_variants(tmp_path):
+    mine = tmp_path / "mine.toml"
+    mine.write_text((JUKI.parent / "two-crank-takeup.toml").read_text())
+    words = ("compare", mine, "--regime", "own", "--engine", "direct", "--quantity", "phi", "--json", "-")
+    done = linkproof(*words)
+    assert done.returncode == 0, done.stderr
+    judged = {row["erratum"]: row["supports"] for row in json.loads(done.stdout)["errata"]}
+    assert judged == {"S1 without US1": "corrected", "1000 fixed Runge-Kutta steps": "corrected"}
+
+
+def interrupted(*words, when):
+    """Press Ctrl-C, which every process of a terminal's foreground hears, as soon as ``when`` says so."""
+    command = [sys.executable, "-m", "reports.command_line.main", *map(str, words)]
+    pipe = subprocess.PIPE
+    with subprocess.Popen(command, stdout=pipe, stderr=pipe, text=True, start_new_session=True) as running:
+        patience = time.monotonic() + 60.0
+        while not when() and running.poll() is None and time.monotonic() < patience:
+            time.sleep(0.005)
+        os.killpg(running.pid, signal.SIGINT)
+        out, err = running.communicate(timeout=60.0)
+    return subprocess.CompletedProcess(command, running.returncode, out, err)
+
+
+def untimed(path):
+    told = json.loads(path.read_text())
+    rows = told["records"] + told["invariants"]
+    return [{k: v for k, v in row.items() if k not in ("seconds", "setup_seconds")} for row in rows]
+
+
+@pytest.mark.skipif(os.name != "posix", reason="sends signals to process groups")
+def test_a_campaign_interrupted_is_finished_by_resume(tmp_path):
+    words = ("compare", "juki-mf7923d", "--engine", "direct", "--setting", "all", "--regime", "all")
+    place = tmp_path / "out" / FOLDER
+    done = interrupted(*words, "--out", tmp_path / "out", when=lambda: len(list(place.glob("*"))) > 2)
+    assert done.returncode == 130
+    assert done.stdout == ""
+    kept = re.fullmatch(
+        r"linkproof: interrupted; (\d+) of 12 runs are kept in (.*): repeat the command with --resume to finish\n",
+        done.stderr,
+    )
+    assert kept is not None, done.stderr
+    assert kept[2] == str(tmp_path / "out")
+    assert 1 <= int(kept[1]) < 12
+    assert {path.name for path in (tmp_path / "out").iterdir()} == {FOLDER}
+    told = refused("compare", "juki-mf7923d", "--resume", "--out", tmp_path / "out")
+    assert "`linkproof compare juki-mf7923d --regime all --engine direct --setting all`, got `linkproof" in told
+    assert linkproof(*words, "--out", tmp_path / "out", "--resume").returncode == 0
+    names = {"RESULTS.md", "curves.nc", "index.html", "records.json"}
+    assert {path.name for path in (tmp_path / "out").iterdir()} == names
+    assert linkproof(*words, "--json", tmp_path / "here.json", "--jobs", "0").returncode == 0
+    assert untimed(tmp_path / "out" / "records.json") == untimed(tmp_path / "here.json")
+
+
+@pytest.mark.skipif(os.name != "posix", reason="sends signals to process groups")
+def test_a_campaign_begun_anew_discards_what_was_unfinished(tmp_path):
+    place = tmp_path / "out" / FOLDER
+    place.mkdir(parents=True)
+    (place / "request.txt").write_text("linkproof compare something else")
+    done = linkproof("compare", "juki-mf7923d", "--engine", "direct", "--quantity", "Jeq", "--out", tmp_path / "out")
+    assert done.returncode == 0, done.stderr
+    assert not place.exists()
+
+
+@pytest.mark.skipif(os.name != "posix", reason="sends signals to process groups")
+def test_without_a_folder_an_interruption_leaves_nothing():
+    begun = time.monotonic()
+    done = interrupted("compare", "--regime", "all", when=lambda: time.monotonic() > begun + 2.0)
+    assert (done.returncode, done.stdout) == (130, "")
+    assert done.stderr == "linkproof: interrupted; nothing was written\n"
+
+
+@pytest.mark.skipif(not sys.platform.startswith("linux"), reason="bounds on memory are Linux's")
+def test_engines_that_abort_hang_or_swell_cost_their_own_rows(tmp_path):
+    announce_engines(tmp_path)
+    faulty = ("aborting", "hanging", "leaving", "swelling", "writing")
+    engines = [word for name in ("direct", *faulty) for word in ("--engine", name)]
+    limits = ("--time-limit", "3", "--memory-limit", "0.25")
+    command = [sys.executable, "-m", "reports.command_line.main", "compare", "juki-mf7923d", *engines, *limits]
+    environment = {**os.environ, "PYTHONPATH": os.pathsep.join([str(tmp_path), str(Path(__file__).parents[3])])}
+    words = [*command, "--quantity", "Jeq", "--json", "-"]
+    done = subprocess.run(words, capture_output=True, text=True, env=environment, timeout=120, check=False)
+    assert (done.returncode, done.stderr) == (1, "")
+    rows = json.loads(done.stdout)["records"]
+    assert [(row["engine"], row["outcome"], row["detail"]) for row in rows] == [
+        ("direct", "passed", ""),
+        ("aborting", "crashed", "died by signal 6 (SIGABRT)"),
+        ("hanging", "timed-out", "took longer than 3 s"),
+        ("leaving", "crashed", "exited with code 3"),
+        ("swelling", "crashed", "needed more than 0.25 GiB of memory"),
+        ("writing", "diverged", "did nothing"),
+    ]
+    assert json.loads(done.stdout)["command"].endswith("--time-limit 3 --memory-limit 0.25")

@@ -1,0 +1,66 @@
+"""The stress command: names are checked before anything runs, cells are made alone, maps are written and resumed."""
+
+import json
+from dataclasses import replace
+
+import pytest
+
+from analytic.errors import LinkproofError
+from comparisons.stress import campaign
+from comparisons.stress.verdict import Judgement, StressVerdict
+from reports.command_line import stress
+from reports.command_line.stress import StressChoice, run
+
+CELL = "start/positions/1e-08/direct/tuned"
+
+
+@pytest.mark.parametrize(
+    ("choice", "options", "words"),
+    [
+        (StressChoice(("mas",)), {}, "mass"),
+        (StressChoice(("start/positions/1e-08/direct",)), {}, "AXIS/ROW/VALUE/ENGINE/USAGE"),
+        (StressChoice(("start/positions/much/direct/tuned",)), {}, "got 'much'"),
+        (StressChoice(("start", CELL)), {}, "either axes or cells"),
+        (StressChoice(engines=("nobody",)), {}, "nobody"),
+        (StressChoice(), {"resume": True}, "--out DIR"),
+        (StressChoice(), {"jobs": 0}, "--jobs"),
+    ],
+)
+def test_what_cannot_be_is_said_before_any_cell_is_made(choice, options, words, monkeypatch):
+    monkeypatch.setattr(stress, "stress", lambda *_: pytest.fail("cells were made"))
+    with pytest.raises(LinkproofError, match=words):
+        run(choice, None, None, **options)
+
+
+def test_a_cell_alone_is_told_in_full(capsys):
+    assert run(StressChoice((CELL,)), None, None) == 0
+    told = " ".join(capsys.readouterr().out.split())
+    assert told.startswith(f"{CELL}: within limit")
+    assert "worst invariant:" in told
+
+
+def test_a_cell_alone_as_json(capsys):
+    assert run(StressChoice((CELL,)), None, "-") == 0
+    (cell,) = json.loads(capsys.readouterr().out)["cells"]
+    assert (cell["verdict"], cell["command"]) == ("within limit", f"linkproof stress '{CELL}'")
+
+
+def test_maps_are_written_and_the_journal_is_gone(tmp_path, capsys):
+    choice = StressChoice(("start",), ("direct",), ("tuned",), quick=True)
+    assert run(choice, tmp_path, None) == 0
+    assert {path.name for path in tmp_path.iterdir()} == {"stress.json", "stress.html"}
+    assert "missed 0" in " ".join(capsys.readouterr().out.split())
+
+
+def test_a_missed_cell_fails_the_command(monkeypatch, capsys):
+    def missed(*_):
+        found = campaign.make_cells([stress.find_cell(CELL)])
+        return [_as_missed(one) for one in found]
+
+    monkeypatch.setattr(stress, "make_cells", missed)
+    assert run(StressChoice((CELL,)), None, None) == 1
+    assert "missed" in capsys.readouterr().out
+
+
+def _as_missed(result):
+    return replace(result, judgement=Judgement(StressVerdict.MISSED, "no invariant saw it"))

@@ -1,0 +1,38 @@
+"""The portrait of a mechanism: figures of an independent closed form, and structure in words."""
+
+import json
+
+import pytest
+
+from analytic.description.loading import find, load, parse
+from analytic.errors import AssemblyError
+from reports.facts.mechanism_summary import portrait
+
+
+def test_figures_and_structure():
+    facts = portrait(load("rimoldi-164", "as-printed"))
+    assert facts["Jeq"]["mean"] == pytest.approx(1.143e-4, rel=5e-4)
+    assert facts["Jeq"]["max"] == pytest.approx(1.272e-4, rel=5e-4)
+    assert facts["structure"] == "I (crank) -> rocker + rod (RRR) -> link + needle_bar (RRP)"
+    assert set(facts["signs"].values()) <= {1, -1}
+    assert facts["closure_error"] < 1e-15
+    assert facts["error_bound"]["second"] < 1e-11
+    assert json.loads(json.dumps(facts, allow_nan=False)) == facts
+
+
+def test_the_crank_slider_has_twice_its_crank_as_stroke():
+    facts = portrait(load("juki-mf7923d"))
+    assert facts["output"]["stroke"] == pytest.approx(2 * 15.5e-3, rel=1e-12)
+    assert facts["output"]["top_dead_centre"] == pytest.approx(90.0)
+    assert facts["output"]["bottom_dead_centre"] == pytest.approx(270.0)
+
+
+def test_link_inertias_add_up():
+    facts = portrait(load("juki-mf7923d"))
+    assert sum(link["Jeq_mean"] for link in facts["links"].values()) == pytest.approx(facts["Jeq"]["mean"], rel=1e-12)
+
+
+def test_a_linkage_that_cannot_turn_is_refused():
+    text = find("juki-mf7923d").read_text().replace("D = [54.5, 0]", "D = [10, 0]")
+    with pytest.raises(AssemblyError):
+        portrait(parse(text.replace("angle  = 0", "angle  = 90"), "short", "short.toml"))

@@ -1,0 +1,121 @@
+"""The benchmark's page: complete, escaped, offline; its tables and sentences say what the records say."""
+
+import json
+import re
+
+import pytest
+
+from comparisons.work_precision.records import FILE, save
+from reports.command_line.bench import rebuild
+from reports.work_precision import page as bench_page
+from reports.work_precision.facts import places
+from reports.work_precision.section import choice_tables, fragment, markdown
+from reports.work_precision.stories import stories
+from reports.work_precision.words import choice_cell, noise_share, standing_words
+from tests.reports.made_up_bench import made_up_bench, nothing_finished
+
+BENCH = made_up_bench()
+
+
+@pytest.fixture(scope="module")
+def page():
+    return bench_page.page(BENCH)
+
+
+def test_the_page_stands_alone_beside_its_script(page):
+    assert page.startswith("<!doctype html>")
+    assert '<script src="plotly.min.js"></script>' in page
+    assert not re.search(r"(src|href)=\"https?:", page)
+    assert "cdn" not in page
+
+
+def test_every_place_has_a_plot_a_table_and_an_anchor(page):
+    for place in places(BENCH):
+        key = f"bench-{place.mechanism}-{place.variant}-{place.regime}"
+        assert f'<section id="{key}"' in page
+        assert f'href="#{key}"' in page
+        assert f'id="{key}-plot"' in page
+
+
+def test_what_engines_say_is_escaped(page):
+    outside = re.sub(r"<script.*?</script>", "", page, flags=re.DOTALL)
+    assert "the joints &lt;gave&gt; way" in outside
+    assert "what &lt;plain&gt; does" in outside
+    assert "<gave>" not in outside
+    assert "NaN" not in outside
+
+
+def test_orders_floors_and_causes_stand_in_the_tables(page):
+    assert "still falling" in page
+    assert "10 iterations: 3.0e-2; 100 iterations: 6.1e-6" in page
+    assert page.count('<td class="num">2.0</td>') >= 2
+    assert page.count('<td class="num">4.0</td>') >= 2
+
+
+def test_how_it_was_measured_is_said_in_figures(page):
+    assert "some additions" in page
+    assert "1.00 ms at best, 10 % longer in the median" in page
+    assert "alpha 200 ms, beta 200 ms" in page
+
+
+def test_the_folder_has_page_script_and_plots(tmp_path):
+    save(tmp_path / FILE, BENCH.document)
+    rebuild(tmp_path)
+    assert {path.name for path in tmp_path.iterdir()} == {
+        FILE, "bench.html", "plotly.min.js", "bench-run-up-quintic.svg", "bench-run-up-quintic.png",
+    }  # fmt: skip
+    assert json.loads((tmp_path / FILE).read_text())["format"] == 1
+    assert (tmp_path / "bench-run-up-quintic.png").read_bytes().startswith(b"\x89PNG")
+
+
+def test_two_pages_of_one_benchmark_are_the_same_text(page):
+    assert bench_page.page(made_up_bench()) == page
+
+
+def test_a_benchmark_that_gave_nothing_has_a_page_that_says_why():
+    text = bench_page.page(nothing_finished())
+    assert "unavailable: not installed" in text
+
+
+def test_the_fragment_has_a_table_for_every_engine():
+    told = fragment(BENCH)
+    assert [table.engine for table in choice_tables(BENCH)] == ["alpha", "beta"]
+    assert told.count('<table class="choices">') == 2
+    assert told.count("<svg") == 1
+    assert "<made up>" not in told
+
+
+def test_markdown_tables_have_a_cell_for_every_error():
+    lines = [line for line in markdown(BENCH, "plot.svg").splitlines() if line.startswith("|")]
+    assert {line.count("|") for line in lines} == {11}
+    assert "![How accurate an engine is for its cost](plot.svg)" in markdown(BENCH, "plot.svg")
+    assert "not installed" in markdown(nothing_finished())
+
+
+def test_a_choice_names_its_way_its_step_and_its_price():
+    (alpha, _) = places(BENCH)[0].engines("Mkr")
+    cells = [choice_cell(choice, alpha) for choice in alpha.choices]
+    assert (cells[0].way, cells[0].step, cells[0].cost) == ("plain", "4", "4.00 ms")
+    assert cells[-1].reached
+    assert cells[-1].way == "best"
+
+
+def test_a_setting_is_said_to_be_on_ahead_of_or_off_the_front():
+    (alpha, _) = places(BENCH)[0].engines("Mkr")
+    told = {
+        one.record.setting: standing_words(one, alpha.way(one.rival) if one.rival else "", 0.1)
+        for one in alpha.standings
+    }
+    assert told["naive"].endswith("which is no solution")
+    assert told["best"].endswith("no method measured gets there")
+    assert "on the front: plain takes 15.8 ms" in told["tuned"]
+    (tuned,) = [one for one in alpha.standings if one.record.setting == "tuned"]
+    assert "1.1 × the front" in standing_words(tuned, "higher", 0.01)
+
+
+def test_stories_count_cases_and_name_the_cheapest():
+    told = {(one.engine, one.setting): one.told for one in stories(places(BENCH), noise_share(BENCH))}
+    assert "no solution at all in 2 of 2 cases" in told["alpha", "naive"]
+    assert "On or ahead of the methods' front in 2 of 2 cases" in told["alpha", "tuned"]
+    assert "Cheapest methods there: plain (2 times)" in told["alpha", "tuned"]
+    assert "No method measured gets as far in 2 of 2 cases" in told["beta", "best"]
