@@ -1,6 +1,6 @@
 """Pinned records: everything the commands say of mechanisms and engines, taken once and held after every change.
 
-``python tests/pins/pins.py hold [PART ...]`` makes the records anew and prints every one that moved; ``take`` renews
+``python tests/pins/pins.py hold [PART ...] [only=TEXT]`` makes the records anew and prints every one that moved; ``take`` renews
 the pins (say why in the commit). Parts: figures (list, show, thread, published), compare, bench, stress. Times, dates
 and borders are left out, and bench and stress are held where both trees finished. Engines' last digits belong to the
 machine and the versions that took them, so this is run by hand and not by the tests.
@@ -40,6 +40,7 @@ HELD = {
     "bench": ("outcome", "error_max", "error_rms", "peak", "steps"),
     "stress": ("verdict", "quantity", "deviation", "invariant", "invariant_error", "alarms"),
 }
+ONLY: list[str] = []  # parts of names: mechanisms of the figures and of compare that are made, all if empty
 UNSTEADY = {"timed-out", "crashed"}  # what a slower machine may make of a run
 
 
@@ -55,7 +56,8 @@ def said(*words: str) -> Any:
 
 def variants() -> list[tuple[str, str]]:
     """Every mechanism of the catalogue with each of its variants."""
-    return [(row["mechanism"], variant) for row in said("list")["records"] for variant in row["variants"]]
+    names = [(row["mechanism"], variant) for row in said("list")["records"] for variant in row["variants"]]
+    return [name for name in names if not ONLY or any(part in " ".join(name) for part in ONLY)]
 
 
 def figures() -> dict[str, Any]:
@@ -95,7 +97,7 @@ def moved(part: str, old: dict[str, Any], new: dict[str, Any]) -> list[str]:
     lines = []
     for key in sorted(old.keys() | new.keys()):
         if key not in old or key not in new:
-            if part in ("figures", "compare"):
+            if part in ("figures", "compare") and not ONLY:
                 lines.append(f"{key}: {'is new' if key in new else 'is gone'}")
         elif part == "figures":
             lines += _figures_moved(key, old[key], new[key], "")
@@ -150,7 +152,10 @@ def _close(where: str, old: Any, new: Any, scale: float) -> bool:
 
 def main() -> int:
     """Take or hold the parts named, all by default."""
-    action, parts = sys.argv[1], sys.argv[2:] or PARTS
+    action, words = sys.argv[1], sys.argv[2:]
+    only = [word.removeprefix("only=") for word in words if word.startswith("only=")]
+    ONLY.extend(only)
+    parts = [word for word in words if not word.startswith("only=")] or PARTS
     count = 0
     for part in parts:
         file = HERE / f"{part}.json.gz"
