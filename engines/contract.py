@@ -1,8 +1,5 @@
 """The contract between the suite and an engine: a scene of rigid bodies goes in, histories or a reason come out.
 
-Everything is SI and planar. A body's frame sits at its mass centre; ``angle`` is the angle of the link's own
-frame against the ground, so local anchors turn with it. Counter-clockwise is positive.
-
 An adapter receives data only. It never imports the closed forms, never prints, never raises for what a simulation can
 do wrong (that is an :class:`Outcome`), and returns the raw motion: every judgement is made by the suite.
 """
@@ -17,9 +14,7 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from analytic.description.crank_motion import CrankMotion
-from analytic.description.law import Law
-from analytic.description.linkage import Vector
+from engines.scene import Scene
 
 Array = NDArray[np.float64]
 
@@ -30,16 +25,6 @@ class Setting(StrEnum):
     NAIVE = "naive"  # what a newcomer would write, the engine's defaults wherever it has any
     TUNED = "tuned"  # the default: accurate for its price
     BEST = "best"  # the most accurate the adapter can do
-
-
-class Channel(StrEnum):
-    """What a run must hand back; an adapter records nothing that is not asked for."""
-
-    POSITION = "position"
-    VELOCITY = "velocity"
-    ACCELERATION = "acceleration"
-    TORQUE = "torque"
-    JOINT_FORCE = "joint_force"
 
 
 class Outcome(StrEnum):
@@ -69,150 +54,6 @@ class Method:
     levels: int = 1
     effort: float | None = None
     effort_unit: str = ""
-
-
-@dataclass(frozen=True)
-class Body:
-    """A moving rigid body in its start state; ``inertia`` is None where it cannot turn.
-
-    ``position`` is the mass centre's; velocity and acceleration are its first and second time derivative.
-    """
-
-    name: str
-    mass: float
-    inertia: float | None
-    position: Vector
-    angle: float
-    velocity: Vector
-    angular_velocity: float
-    acceleration: Vector
-    angular_acceleration: float
-
-
-@dataclass(frozen=True)
-class PinJoint:
-    """Revolute joint between two bodies; anchors in body frames, in ground coordinates for the ground.
-
-    The joint force is the force the joint exerts on ``first``.
-    """
-
-    name: str
-    first: str
-    second: str
-    first_anchor: Vector
-    second_anchor: Vector
-
-
-@dataclass(frozen=True)
-class SliderJoint:
-    """Prismatic joint: ``body`` does not turn against ``host`` and keeps ``anchor`` on the host's line."""
-
-    name: str
-    body: str
-    anchor: Vector
-    host: str
-    through: Vector
-    along: Vector
-
-
-@dataclass(frozen=True)
-class SlotJoint:
-    """Pin in a slot: ``anchor`` of ``body`` stays on the host's line; body and host turn freely."""
-
-    name: str
-    body: str
-    anchor: Vector
-    host: str
-    through: Vector
-    along: Vector
-
-
-@dataclass(frozen=True)
-class AppliedForce:
-    """Force on a body at an anchor; two components in the ground frame over the crank angle."""
-
-    body: str
-    anchor: Vector
-    force: Law
-
-
-@dataclass(frozen=True)
-class AppliedTorque:
-    """Torque on a body over the crank angle, one component."""
-
-    body: str
-    torque: Law
-
-
-@dataclass(frozen=True)
-class PointSpring:
-    """Linear spring and dashpot between two anchors (either body may be the ground)."""
-
-    first: str
-    second: str
-    first_anchor: Vector
-    second_anchor: Vector
-    stiffness: float
-    length: float
-    damping: float
-
-
-@dataclass(frozen=True)
-class TurnDamper:
-    """Viscous damper on the relative angular velocity of two bodies (either may be the ground)."""
-
-    first: str
-    second: str
-    coefficient: float
-
-
-@dataclass(frozen=True)
-class Prescribed:
-    """The crank follows ``motion`` exactly; the torque this takes is the drive torque."""
-
-    motion: CrankMotion
-
-
-@dataclass(frozen=True)
-class Free:
-    """The crank is moved by a constant torque (and the scene's loads) for ``duration`` seconds."""
-
-    torque: float
-    duration: float
-
-
-Drive = Prescribed | Free
-
-
-@dataclass(frozen=True)
-class Scene:
-    """All an engine is told. ``crank`` names the driven body, which is pinned to the ground.
-
-    ``crank_angle`` is φ at the start (the crank body's ``angle``, unwrapped).
-    """
-
-    crank: str
-    bodies: tuple[Body, ...]
-    pins: tuple[PinJoint, ...]
-    sliders: tuple[SliderJoint, ...]
-    slots: tuple[SlotJoint, ...]
-    gravity: Vector
-    drive: Drive
-    channels: frozenset[Channel]
-    forces: tuple[AppliedForce, ...] = ()
-    torques: tuple[AppliedTorque, ...] = ()
-    springs: tuple[PointSpring, ...] = ()
-    dampers: tuple[TurnDamper, ...] = ()
-
-    @property
-    def guided(self) -> tuple[SliderJoint | SlotJoint, ...]:
-        """The joints that keep a point of a body on a line of its host: sliders, then slots."""
-        return (*self.sliders, *self.slots)
-
-    @property
-    def crank_angle(self) -> float:
-        """φ at the start, rad."""
-        return next(body.angle for body in self.bodies if body.name == self.crank)
 
 
 @dataclass(frozen=True)

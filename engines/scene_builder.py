@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 from analytic.description.linkage import GROUND, Guide, Linkage, Pin, Slider, Vector
-from engines.contract import (
+from engines.scene import (
     AppliedForce,
     AppliedTorque,
     Body,

@@ -11,7 +11,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 
 from analytic.description.linkage import GROUND, Vector
-from engines.contract import Body, Prescribed, Scene, SliderJoint, SlotJoint
+from engines.scene import Body, Prescribed, Scene, SliderJoint, SlotJoint
 
 QUANTITIES = ("position", "velocity", "acceleration")
 UNITS = ("m", "m/s", "m/s²")

@@ -23,8 +23,9 @@ from comparisons.reference.case import Case, own_case
 from comparisons.runs.journal import Journal
 from comparisons.runs.run_engine import attempt
 from comparisons.runs.workers import DEFAULT_BOUNDS, Bounds, Lost, as_sent, run_jobs, usual_processes
-from engines.contract import Channel, Outcome, Run, Setting
+from engines.contract import Outcome, Run, Setting
 from engines.registry import engine, engine_names
+from engines.scene import Channel
 
 __all__ = ["Request", "RunResult", "cases", "compare", "tasks"]
 

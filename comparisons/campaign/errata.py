@@ -25,8 +25,9 @@ from comparisons.reference.case import Case, Motion, own_case, own_motion
 from comparisons.runs.journal import Journal
 from comparisons.runs.run_engine import attempt
 from comparisons.runs.workers import DEFAULT_BOUNDS, Bounds, Lost, as_sent, run_jobs, usual_processes
-from engines.contract import Channel, Outcome, Setting, Signal
+from engines.contract import Outcome, Setting, Signal
 from engines.registry import engine
+from engines.scene import Channel
 
 Array = NDArray[np.float64]
 VariantOf = Callable[[Linkage, str], Linkage]

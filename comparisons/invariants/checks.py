@@ -15,7 +15,8 @@ from comparisons.judging.records import Record
 from comparisons.judging.verdicts import judge
 from comparisons.observation.observed_motion import ObservedMotion
 from comparisons.reference.case import Case
-from engines.contract import Channel, Signal
+from engines.contract import Signal
+from engines.scene import Channel
 
 LARGEST = 1e150  # however far off a motion is, its square is a number
 

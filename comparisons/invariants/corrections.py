@@ -21,7 +21,7 @@ from comparisons.invariants.joint_equations import JointEquations
 from comparisons.observation.body_states import States
 from comparisons.observation.loads import wrenches
 from comparisons.observation.observed_motion import ObservedMotion
-from engines.contract import Channel, Prescribed
+from engines.scene import Channel, Prescribed
 
 Array = NDArray[np.float64]
 

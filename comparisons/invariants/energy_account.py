@@ -10,7 +10,8 @@ from comparisons.invariants.relaxation import forgotten, speed_errors
 from comparisons.observation.loads import other_power, potential_energy
 from comparisons.observation.observed_motion import ObservedMotion
 from comparisons.observation.quadrature import doubt, integral
-from engines.contract import Channel, Free, History, Prescribed, Signal
+from engines.contract import History, Signal
+from engines.scene import Channel, Free, Prescribed
 
 Array = NDArray[np.float64]
 

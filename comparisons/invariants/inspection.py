@@ -15,7 +15,8 @@ from comparisons.observation.body_states import States
 from comparisons.observation.interpolation import POINTS, resample
 from comparisons.observation.loads import dissipation
 from comparisons.observation.observed_motion import ObservedMotion
-from engines.contract import Body, Channel, Free, Prescribed, Signal
+from engines.contract import Signal
+from engines.scene import Body, Channel, Free, Prescribed
 
 Array = NDArray[np.float64]
 

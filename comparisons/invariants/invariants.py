@@ -31,7 +31,8 @@ from comparisons.invariants.corrections import LEVELS
 from comparisons.invariants.energy_account import energy_gained, released_phase, speed_drift
 from comparisons.invariants.inspection import Inspection
 from comparisons.observation.observed_motion import ObservedMotion
-from engines.contract import Channel, Free, Prescribed, Signal
+from engines.contract import Signal
+from engines.scene import Channel, Free, Prescribed
 
 Array = NDArray[np.float64]
 

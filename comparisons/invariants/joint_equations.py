@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from analytic.description.linkage import GROUND, Vector
 from comparisons.observation.body_states import Pair, States
-from engines.contract import Scene, SliderJoint, SlotJoint
+from engines.scene import Scene, SliderJoint, SlotJoint
 from engines.start_check import scene_size
 
 Array = NDArray[np.float64]

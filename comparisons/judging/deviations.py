@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from comparisons.judging.quantities import Quantity
 from comparisons.observation.observed_motion import ObservedMotion
 from comparisons.reference.case import Case
-from engines.contract import Channel
+from engines.scene import Channel
 
 Array = NDArray[np.float64]
 

@@ -20,7 +20,8 @@ from analytic.turn.thread_feed import feed, feed_of_length
 from analytic.turn.unit_functions import top_dead_centre
 from comparisons.observation.observed_motion import ObservedMotion
 from comparisons.reference.case import Case
-from engines.contract import Channel, Signal
+from engines.contract import Signal
+from engines.scene import Channel
 
 Array = NDArray[np.float64]
 

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from analytic.description.linkage import GROUND, Vector
 from comparisons.observation.body_states import Pair, States
 from comparisons.observation.observed_motion import ObservedMotion
-from engines.contract import Channel, PointSpring, Scene
+from engines.scene import Channel, PointSpring, Scene
 
 Array = NDArray[np.float64]
 

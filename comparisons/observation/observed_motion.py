@@ -10,7 +10,8 @@ from numpy.typing import NDArray
 
 from analytic.description.linkage import GROUND, Vector
 from comparisons.observation.interpolation import resample
-from engines.contract import Channel, History, Scene, Signal
+from engines.contract import History, Signal
+from engines.scene import Channel, Scene
 
 Array = NDArray[np.float64]
 

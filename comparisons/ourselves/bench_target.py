@@ -9,8 +9,9 @@ from comparisons.work_precision.analysis import by_engine
 from comparisons.work_precision.points import Extent
 from comparisons.work_precision.saving import Saving, saving
 from comparisons.work_precision.study import Announce, BenchRequest, bench
-from engines.contract import Channel, Setting
+from engines.contract import Setting
 from engines.registry import engine
+from engines.scene import Channel
 
 # The plain steps are followed for as long as a point takes no more than ten seconds, or two refinements bring nothing.
 PATIENT = Extent(tuple(12.0 * 2.0**k for k in range(16)), budget=10.0, repeats=3, patience=2.0)

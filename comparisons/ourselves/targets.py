@@ -26,8 +26,9 @@ from comparisons.judging.records import Record
 from comparisons.ourselves import promises, speed
 from comparisons.reference.case import own_motion
 from comparisons.reference.start_state import scene
-from engines.contract import Channel, Prescribed, Setting
+from engines.contract import Setting
 from engines.registry import engine
+from engines.scene import Channel, Prescribed
 
 TABLE = Path(__file__).with_name("targets.toml")
 REPEATS = 5

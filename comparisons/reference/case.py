@@ -20,7 +20,7 @@ from analytic.kinematics.mechanism import Mechanism
 from analytic.kinematics.sweep import Sweep
 from analytic.motion.released import FreeMotion, free_motion
 from comparisons.reference.start_state import scene
-from engines.contract import Channel, Drive, Free, Prescribed, Scene
+from engines.scene import Channel, Drive, Free, Prescribed, Scene
 from engines.scene_builder import joint_names
 
 Array = NDArray[np.float64]

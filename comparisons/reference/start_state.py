@@ -10,7 +10,7 @@ from analytic.dynamics.reduced import damping_coefficient, generalised_force, ha
 from analytic.kinematics.frames import Pair
 from analytic.kinematics.mechanism import Mechanism
 from analytic.kinematics.sweep import Sweep
-from engines.contract import Channel, Drive, Prescribed, Scene
+from engines.scene import Channel, Drive, Prescribed, Scene
 from engines.scene_builder import LinkState, build_scene
 
 

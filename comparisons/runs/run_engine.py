@@ -8,7 +8,8 @@ from dataclasses import replace
 import numpy as np
 
 from comparisons.observation.interpolation import POINTS
-from engines.contract import Channel, Engine, History, Outcome, Run, Scene, Setting, Signal
+from engines.contract import Engine, History, Outcome, Run, Setting, Signal
+from engines.scene import Channel, Scene
 
 
 def attempt(adapter: Engine, model: Scene, setting: Setting) -> Run:

@@ -27,7 +27,7 @@ from analytic.description.loading import catalogue, load
 from analytic.kinematics.mechanism import Mechanism
 from analytic.description.crank_motion import crank_motion
 from comparisons.reference.case import Case
-from engines.contract import Channel
+from engines.scene import Channel
 from engines.registry import engine
 scene = Case(Mechanism(load(catalogue()[0])), crank_motion("constant-speed")).scene([Channel.TORQUE])
 spent = []

@@ -18,8 +18,9 @@ from comparisons.runs.run_engine import attempt
 from comparisons.stress.axes import Axis, axes
 from comparisons.stress.scenes import Conditions, case, scene
 from comparisons.stress.verdict import Judgement, StressVerdict, judged
-from engines.contract import Engine, Method, Outcome, Run, Scene, Setting
+from engines.contract import Engine, Method, Outcome, Run, Setting
 from engines.registry import engine
+from engines.scene import Scene
 
 SETTINGS = tuple(setting.value for setting in Setting)
 

@@ -16,8 +16,9 @@ from comparisons.observation.observed_motion import ObservedMotion
 from comparisons.reference.case import Case
 from comparisons.runs.run_engine import attempt
 from comparisons.runs.workers import GIB, Bounds, Lost, run_jobs
-from engines.contract import Channel, Outcome, Setting, Signal
+from engines.contract import Outcome, Setting, Signal
 from engines.registry import engine
+from engines.scene import Channel
 
 TURNS: Final = 1000
 SPEED: Final = 1000.0  # rpm

@@ -15,7 +15,7 @@ from analytic.description.loading import catalogue, load
 from analytic.kinematics.mechanism import Mechanism
 from comparisons.reference.case import Case, own_case
 from comparisons.stress.stiff_motion import MOST_RELAXATIONS, relaxations, stiff_motion
-from engines.contract import Body, Channel, Free, Scene
+from engines.scene import Body, Channel, Free, Scene
 from engines.start_check import scene_size
 
 LINKAGES = Path(__file__).with_name("linkages")

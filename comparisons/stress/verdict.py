@@ -24,7 +24,8 @@ from comparisons.judging.records import Record, Verdict
 from comparisons.observation.observed_motion import ObservedMotion
 from comparisons.reference.case import Case
 from comparisons.stress.truth import wrongs
-from engines.contract import Outcome, Run, Scene
+from engines.contract import Outcome, Run
+from engines.scene import Scene
 
 LARGEST = 1e300
 # A joint is as far open as it is: over its limit that is a deviation from the truth, no inference that may be false.

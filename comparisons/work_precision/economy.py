@@ -23,8 +23,9 @@ from comparisons.reference.start_state import scene
 from comparisons.runs.run_engine import attempt
 from comparisons.work_precision.economy_records import AngleCost, Economy, RunCost
 from comparisons.work_precision.reductions import ASKS, OUTPUT, REDUCTIONS, Ask, Reduction, rest_of
-from engines.contract import Engine, History, Outcome, Prescribed, Run, Scene, Setting
+from engines.contract import Engine, History, Outcome, Run, Setting
 from engines.registry import engine
+from engines.scene import Prescribed, Scene
 
 Found = TypeVar("Found")
 

@@ -13,8 +13,9 @@ from comparisons.judging.quantities import JOINT_FORCE, QUANTITIES, Quantity, al
 from comparisons.observation.observed_motion import ObservedMotion
 from comparisons.reference.case import Case
 from comparisons.runs.timing import calibrate, timed
-from engines.contract import Channel, Engine, Method, Outcome, Run, Scene, Setting
+from engines.contract import Engine, Method, Outcome, Run, Setting
 from engines.registry import engine
+from engines.scene import Channel, Scene
 
 JOINTS = JOINT_FORCE.rstrip(":")
 # Steps per turn of the peak speed in the run that warms an engine up.

@@ -8,7 +8,7 @@ from typing import Final
 
 from analytic.description.linkage import Linkage, Slot
 from comparisons.judging.quantities import QUANTITIES
-from engines.contract import Channel
+from engines.scene import Channel
 from engines.scene_builder import is_pin_mass
 
 EVERYTHING: Final = frozenset(Channel)

@@ -25,8 +25,9 @@ from comparisons.work_precision.ledger import Ledger, Subject, records
 from comparisons.work_precision.measure import Taken, measure
 from comparisons.work_precision.points import FULL, Extent, Point, Track, tracks
 from comparisons.work_precision.records import BenchRecord
-from engines.contract import Channel, Method, Outcome, Setting
+from engines.contract import Method, Outcome, Setting
 from engines.registry import engine, engine_names
+from engines.scene import Channel
 
 QUANTITIES = ("Mkr", "Jeq", "phi", "joint_force")
 # A run that takes this much longer than its budget, s, hangs.

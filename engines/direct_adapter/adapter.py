@@ -17,11 +17,12 @@ from importlib import metadata
 import numpy as np
 
 from analytic.errors import LinkproofError
-from engines.contract import Channel, History, Method, Outcome, Run, Scene, Setting
+from engines.contract import History, Method, Outcome, Run, Setting
 from engines.direct_adapter.assembly import UnsolvableError
 from engines.direct_adapter.equations import Equations
 from engines.direct_adapter.motion import motion
 from engines.direct_adapter.recipes import METHODS, SETTINGS, Recipe, method_recipe
+from engines.scene import Channel, Scene
 from engines.start_check import start_misfit
 
 DISTRIBUTION = "linkproof"

@@ -26,7 +26,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from analytic.description.linkage import GROUND, Vector
-from engines.contract import Scene
+from engines.scene import Scene
 
 Reals = NDArray[np.floating[Any]]
 

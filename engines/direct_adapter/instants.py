@@ -7,10 +7,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from engines.contract import Channel, History, Signal
+from engines.contract import History, Signal
 from engines.direct_adapter.assembly import Closed, Solver
 from engines.direct_adapter.equations import Arms, Equations, Pose, Reals, across
 from engines.direct_adapter.loads import applied_loads
+from engines.scene import Channel
 
 FORCES = frozenset({Channel.TORQUE, Channel.JOINT_FORCE})
 KINETIC = FORCES | {Channel.ACCELERATION}

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from analytic.description.linkage import Vector
-from engines.contract import PointSpring, Scene
 from engines.direct_adapter.equations import Equations, Pose, Reals, across, dot
+from engines.scene import PointSpring, Scene
 
 
 def applied_loads(scene: Scene, equations: Equations, pose: Pose, rate: Reals, angle: Reals) -> Reals:

@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 
-from engines.contract import Free, History, Prescribed
+from engines.contract import History
 from engines.direct_adapter.assembly import UnsolvableError
 from engines.direct_adapter.collocation import POINTS, Problem, integrate
 from engines.direct_adapter.equations import Equations, Reals
@@ -15,6 +15,7 @@ from engines.direct_adapter.path import FULL_TURN, Path, reach
 from engines.direct_adapter.recipes import Exact, Recipe, RungeKutta
 from engines.direct_adapter.released import equation_of_motion
 from engines.direct_adapter.stepping import step_through
+from engines.scene import Free, Prescribed
 
 BLOCK = 512  # instants solved at once: their matrices stay in a processor's cache
 LEAST_SAMPLES = 1400

@@ -16,13 +16,13 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from analytic.description.law import Law
-from engines.contract import AppliedForce, AppliedTorque, Scene
 from engines.direct_adapter.collocation import Slope
 from engines.direct_adapter.equations import Equations, Reals
 from engines.direct_adapter.instants import metres, transfer
 from engines.direct_adapter.loads import applied_loads
 from engines.direct_adapter.path import Path
 from engines.direct_adapter.table import Table, tabulate
+from engines.scene import AppliedForce, AppliedTorque, Scene
 
 
 @dataclass(frozen=True)

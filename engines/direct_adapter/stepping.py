@@ -10,11 +10,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from engines.contract import Prescribed
 from engines.direct_adapter.assembly import UnsolvableError
 from engines.direct_adapter.equations import Arms, Equations, Pose, Reals
 from engines.direct_adapter.instants import Instants, coordinates, joint_forces, metres
 from engines.direct_adapter.loads import applied_loads
+from engines.scene import Prescribed
 
 
 @dataclass(frozen=True)

@@ -22,13 +22,14 @@ from dataclasses import replace
 from importlib import metadata
 
 from analytic.errors import LinkproofError
-from engines.contract import History, Method, Outcome, Run, Scene, Setting
+from engines.contract import History, Method, Outcome, Run, Setting
 from engines.exudyn_adapter.checks import assembly_obstacle, data_obstacle
 from engines.exudyn_adapter.model import build_model
 from engines.exudyn_adapter.passes import follow
 from engines.exudyn_adapter.readout import add_sensors
 from engines.exudyn_adapter.recipes import Recipe, method_recipe, setting_recipe, studied_methods
 from engines.exudyn_adapter.stepping import Stepper, StoppedError
+from engines.scene import Scene
 from engines.stepping.own_units import Units, own_units, restored, scaled
 
 

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import math
 
-from engines.contract import Prescribed, Scene
 from engines.exudyn_adapter.drive import crank_angle
 from engines.exudyn_adapter.model import ANGLE, Model
+from engines.scene import Prescribed, Scene
 from engines.start_check import State, misfits, scene_size, start_misfit
 
 # A joint may be open by this share of the scene's size over the square of the division: the drift of a constraint on

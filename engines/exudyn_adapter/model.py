@@ -17,8 +17,8 @@ from numpy.typing import NDArray
 
 from analytic.description.law import FULL_TURN, Law
 from analytic.description.linkage import GROUND, Vector
-from engines.contract import Body, Free, PinJoint, Prescribed, Scene, SliderJoint, SlotJoint
 from engines.exudyn_adapter.drive import Foreign, crank_angle
+from engines.scene import Body, Free, PinJoint, Prescribed, Scene, SliderJoint, SlotJoint
 
 Array = NDArray[np.float64]
 

@@ -8,10 +8,11 @@ from dataclasses import replace
 
 import numpy as np
 
-from engines.contract import Channel, Free, History, Signal
+from engines.contract import History, Signal
 from engines.exudyn_adapter.recipes import RETREAT, Recipe
 from engines.exudyn_adapter.segments import Stretch, free_stretch, prescribed_stretches, wanted_step
 from engines.exudyn_adapter.stepping import Stepper, StoppedError
+from engines.scene import Channel, Free
 from engines.stepping.richardson import change, extrapolate
 
 PILOTS = 12  # attempts at finding the speed of a free crank

@@ -9,8 +9,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from analytic.description.linkage import GROUND
-from engines.contract import Channel, History, Signal
+from engines.contract import History, Signal
 from engines.exudyn_adapter.model import ANGLE, Model
+from engines.scene import Channel
 
 Array = NDArray[np.float64]
 

@@ -11,7 +11,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
 from analytic.errors import UnknownNameError
-from engines.contract import Free, Method, Scene, Setting
+from engines.contract import Method, Setting
+from engines.scene import Free, Scene
 
 TIGHTER = 1e-2  # absolute tolerance of Newton's method over its relative one, as exudyn has it
 RETREAT = 2.0  # the cut of a step that failed, which says nothing of the step that would do

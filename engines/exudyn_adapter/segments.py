@@ -11,9 +11,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from analytic.description.crank_motion import Segment
-from engines.contract import Free, Prescribed, Scene
 from engines.exudyn_adapter.drive import ROUNDING, jumps
 from engines.exudyn_adapter.recipes import Recipe
+from engines.scene import Free, Prescribed, Scene
 
 Array = NDArray[np.float64]
 

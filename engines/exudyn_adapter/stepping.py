@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from analytic.description.crank_motion import Segment
-from engines.contract import History, Prescribed, Scene
+from engines.contract import History
 from engines.exudyn_adapter.checks import broken, not_finite
 from engines.exudyn_adapter.drive import Foreign, crank_value, derivative, polynomial, whole_angle
 from engines.exudyn_adapter.model import Model
@@ -25,6 +25,7 @@ from engines.exudyn_adapter.projection import Constraints, closed_state
 from engines.exudyn_adapter.readout import Recorder, Strip, join
 from engines.exudyn_adapter.recipes import TIGHTER, Recipe
 from engines.exudyn_adapter.segments import Stretch
+from engines.scene import Prescribed, Scene
 
 Array = NDArray[np.float64]
 

@@ -6,7 +6,7 @@ from importlib import metadata
 
 import numpy as np
 
-from engines.contract import History, Method, Outcome, Prescribed, Run, Scene, Setting
+from engines.contract import History, Method, Outcome, Run, Setting
 from engines.pymunk_adapter import checks
 from engines.pymunk_adapter.checks import DivergedError, check_read_out
 from engines.pymunk_adapter.cost import Cost
@@ -19,6 +19,7 @@ from engines.pymunk_adapter.release import WINDOW
 from engines.pymunk_adapter.released import free_history
 from engines.pymunk_adapter.solver import SlowSolverError, iterations_for
 from engines.pymunk_adapter.space import Rig
+from engines.scene import Prescribed, Scene
 
 Details = dict[str, str | int | float]
 

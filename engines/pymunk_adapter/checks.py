@@ -15,10 +15,11 @@ from numpy.typing import NDArray
 from analytic.description.crank_motion import Segment
 from analytic.description.law import Law
 from analytic.description.linkage import GROUND
-from engines.contract import Channel, Free, History, Scene
+from engines.contract import History
 from engines.pymunk_adapter.layout import Kind, Layout, exact_layout, turns
 from engines.pymunk_adapter.reactions import gaps
 from engines.pymunk_adapter.recording import WATCHED, Recording
+from engines.scene import Channel, Free, Scene
 from engines.start_check import start_misfit
 
 Array = NDArray[np.float64]

@@ -20,7 +20,7 @@ from typing import Final
 import numpy as np
 
 from analytic.description.linkage import GROUND, Vector
-from engines.contract import Body, Scene, SliderJoint, SlotJoint
+from engines.scene import Body, Scene, SliderJoint, SlotJoint
 
 STILL: Final = -1  # the number that stands for the ground among the parts
 

@@ -6,10 +6,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from analytic.description.linkage import Vector
-from engines.contract import PointSpring, Scene
 from engines.pymunk_adapter.layout import STILL, Layout
 from engines.pymunk_adapter.reactions import across, turned
 from engines.pymunk_adapter.space import carried_anchor, part_number
+from engines.scene import PointSpring, Scene
 
 Array = NDArray[np.float64]
 

@@ -14,9 +14,9 @@ from typing import TYPE_CHECKING
 
 from analytic.description.law import FULL_TURN, Law
 from analytic.description.linkage import GROUND
-from engines.contract import Scene, TurnDamper
 from engines.pymunk_adapter.layout import STILL
 from engines.pymunk_adapter.space import World, carried_anchor, part_number
+from engines.scene import Scene, TurnDamper
 
 if TYPE_CHECKING:
     import pymunk

@@ -7,7 +7,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from engines.contract import Channel, Free, History, Prescribed, Scene, Signal
+from engines.contract import History, Signal
 from engines.pymunk_adapter.checks import check_finite, check_joints
 from engines.pymunk_adapter.cost import Cost
 from engines.pymunk_adapter.disagreement import Pass
@@ -18,6 +18,7 @@ from engines.pymunk_adapter.plans import PlainPlan
 from engines.pymunk_adapter.reactions import joint_forces
 from engines.pymunk_adapter.space import World, add_motor, add_torque, build_world
 from engines.pymunk_adapter.stepping import Calls, calls, march
+from engines.scene import Channel, Free, Prescribed, Scene
 
 Array = NDArray[np.float64]
 

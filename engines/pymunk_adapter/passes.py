@@ -14,7 +14,6 @@ from numpy.typing import NDArray
 
 from analytic.description.crank_motion import CrankMotion, Segment
 from analytic.description.law import FULL_TURN
-from engines.contract import Scene
 from engines.pymunk_adapter.checks import DivergedError, check_crank, check_finite, check_impulses, check_joints
 from engines.pymunk_adapter.cost import Cost
 from engines.pymunk_adapter.disagreement import Pass, doubt
@@ -24,6 +23,7 @@ from engines.pymunk_adapter.plans import Plan
 from engines.pymunk_adapter.recording import Clock, Recording, joined, looks, marks
 from engines.pymunk_adapter.space import Rig, World, add_motor, add_torque, build_world
 from engines.pymunk_adapter.stepping import Calls, calls, march, march_wound, place
+from engines.scene import Scene
 
 Array = NDArray[np.float64]
 

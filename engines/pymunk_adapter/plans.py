@@ -18,7 +18,8 @@ from dataclasses import dataclass
 from typing import Final
 
 from analytic.errors import LinkproofError, UnknownNameError
-from engines.contract import Drive, Method, Prescribed, Setting
+from engines.contract import Method, Setting
+from engines.scene import Drive, Prescribed
 
 # A joint open by this share of the scene's size is the end of a naive run; less is for its reader to see.
 TORN_JOINT = 0.1

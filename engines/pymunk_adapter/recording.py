@@ -13,10 +13,11 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from engines.contract import Channel, History, Scene, Signal
+from engines.contract import History, Signal
 from engines.pymunk_adapter.layout import Layout
 from engines.pymunk_adapter.load_sums import loads_on_parts
 from engines.pymunk_adapter.reactions import across, joint_forces
+from engines.scene import Channel, Scene
 
 Array = NDArray[np.float64]
 

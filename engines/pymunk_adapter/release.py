@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from analytic.description.crank_motion import Segment
-from engines.contract import Channel, Free, History, Scene, Signal
+from engines.contract import History, Signal
 from engines.pymunk_adapter.checks import check_finite, check_joints
 from engines.pymunk_adapter.cost import Cost
 from engines.pymunk_adapter.disagreement import ORDERS, Pass, angle_doubt, extrapolated
@@ -22,6 +22,7 @@ from engines.pymunk_adapter.passes import RUN_IN, run_in
 from engines.pymunk_adapter.recording import Clock, Recording, joined, looks, marks
 from engines.pymunk_adapter.space import Rig, World, add_motor, add_torque, build_world
 from engines.pymunk_adapter.stepping import calls, march_wound
+from engines.scene import Channel, Free, Scene
 from engines.stepping.richardson import weights
 
 Array = NDArray[np.float64]

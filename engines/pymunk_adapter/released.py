@@ -8,13 +8,14 @@ from dataclasses import replace
 import numpy as np
 
 from analytic.description.law import FULL_TURN
-from engines.contract import Channel, Free, History
+from engines.contract import History
 from engines.pymunk_adapter.checks import DivergedError
 from engines.pymunk_adapter.cost import Cost
 from engines.pymunk_adapter.passes import step_count
 from engines.pymunk_adapter.plans import Aim, Plan
 from engines.pymunk_adapter.release import followed
 from engines.pymunk_adapter.space import Rig
+from engines.scene import Channel, Free
 
 # A step is cut by no more than this at a time: the pace seen with too long a step may be nonsense. One that is longer
 # than wanted by less than the slack will do.

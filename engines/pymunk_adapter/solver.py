@@ -8,11 +8,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from analytic.description.law import FULL_TURN
-from engines.contract import Prescribed, Scene
 from engines.pymunk_adapter.layout import Layout
 from engines.pymunk_adapter.reactions import contraction, gaps
 from engines.pymunk_adapter.space import add_motor, build_world
 from engines.pymunk_adapter.stepping import calls, place
+from engines.scene import Prescribed, Scene
 
 Array = NDArray[np.float64]
 

@@ -7,8 +7,8 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Final
 
 from analytic.description.linkage import GROUND, Vector
-from engines.contract import AppliedForce, PointSpring, Scene, TurnDamper
 from engines.pymunk_adapter.layout import STILL, Hold, Kind, Layout
+from engines.scene import AppliedForce, PointSpring, Scene, TurnDamper
 
 if TYPE_CHECKING:
     import pymunk

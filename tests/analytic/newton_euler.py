@@ -12,7 +12,7 @@ from analytic.description.crank_motion import CrankMotion, Segment
 from analytic.description.linkage import GROUND
 from analytic.kinematics.mechanism import Mechanism
 from comparisons.reference.start_state import scene
-from engines.contract import Prescribed, Scene
+from engines.scene import Prescribed, Scene
 
 
 def scene_at(mechanism: Mechanism, angle: float, speed: float, acceleration: float) -> Scene:

@@ -10,7 +10,8 @@ from analytic.dynamics.joint_forces import joint_forces
 from analytic.kinematics.mechanism import Mechanism
 from comparisons.observation.observed_motion import ObservedMotion
 from comparisons.reference.start_state import scene, start_state
-from engines.contract import Channel, History, Prescribed, Signal
+from engines.contract import History, Signal
+from engines.scene import Channel, Prescribed
 
 
 def perfect_motion(

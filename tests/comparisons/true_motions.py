@@ -7,7 +7,8 @@ import numpy as np
 from analytic.dynamics import reduced
 from analytic.dynamics.joint_forces import joint_forces
 from comparisons.stress.verdict import judged
-from engines.contract import Channel, Free, History, Outcome, Run, Signal
+from engines.contract import History, Outcome, Run, Signal
+from engines.scene import Channel, Free
 
 EVERYTHING = frozenset(Channel)
 

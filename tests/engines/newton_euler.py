@@ -11,7 +11,7 @@ import numpy as np
 from analytic.description.crank_motion import CrankMotion
 from analytic.description.linkage import GROUND
 from analytic.kinematics.mechanism import Mechanism
-from engines.contract import Scene
+from engines.scene import Scene
 
 Array = np.ndarray
 

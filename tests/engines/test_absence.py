@@ -8,8 +8,9 @@ from analytic.description.crank_motion import crank_motion
 from analytic.description.loading import load
 from analytic.kinematics.mechanism import Mechanism
 from comparisons.reference.start_state import scene
-from engines.contract import Channel, Outcome, Prescribed, Setting
+from engines.contract import Outcome, Setting
 from engines.registry import engine
+from engines.scene import Channel, Prescribed
 
 
 @pytest.mark.parametrize("name", ["exudyn", "pymunk"])

@@ -12,7 +12,7 @@ from analytic.description.linkage import GROUND
 from analytic.kinematics.mechanism import Mechanism
 from comparisons.reference.start_state import scene
 from comparisons.work_precision.reductions import without_gravity, without_loads, without_slot_masses
-from engines.contract import Channel, Outcome, Prescribed, Setting
+from engines.contract import Outcome, Setting
 from engines.direct_adapter import instants
 from engines.direct_adapter.adapter import DirectEngine
 from engines.direct_adapter.assembly import Solver
@@ -22,6 +22,7 @@ from engines.pymunk_adapter import recording as pymunk_recording
 from engines.pymunk_adapter.adapter import PymunkEngine
 from engines.pymunk_adapter.loads import StepLoads
 from engines.pymunk_adapter.recording import Recording
+from engines.scene import Channel, Prescribed
 from tests.analytic.linkages import mechanism
 from tests.counting import calls
 

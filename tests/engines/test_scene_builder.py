@@ -6,7 +6,7 @@ import pytest
 
 from analytic.description.crank_motion import crank_motion
 from comparisons.reference.start_state import scene
-from engines.contract import Channel, Prescribed
+from engines.scene import Channel, Prescribed
 from engines.scene_builder import is_pin_mass, joint_names
 from engines.start_check import start_misfit
 from tests.analytic.linkages import FULL_TURN, mechanism

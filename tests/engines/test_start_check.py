@@ -6,7 +6,7 @@ import pytest
 
 from analytic.description.crank_motion import crank_motion
 from comparisons.reference.start_state import scene
-from engines.contract import Prescribed
+from engines.scene import Prescribed
 from engines.start_check import misfits, start_misfit, start_state
 from tests.analytic.linkages import EVERY, mechanism
 

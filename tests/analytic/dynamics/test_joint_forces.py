@@ -12,8 +12,9 @@ from analytic.dynamics import joint_forces, reduced
 from analytic.errors import AssemblyError
 from analytic.kinematics.mechanism import Mechanism
 from comparisons.reference.start_state import scene
-from engines.contract import Channel, Outcome, Prescribed, Setting
+from engines.contract import Outcome, Setting
 from engines.direct_adapter.adapter import DirectEngine
+from engines.scene import Channel, Prescribed
 from tests.analytic.linkages import CATALOGUE, angles, mechanism
 from tests.analytic.loaded_linkages import ALL, on_trial
 from tests.analytic.newton_euler import Balance, scene_at

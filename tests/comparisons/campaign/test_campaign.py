@@ -17,7 +17,8 @@ from comparisons.judging.records import Verdict
 from comparisons.judging.run_result import ARRAYS
 from comparisons.runs.journal import Journal
 from comparisons.runs.workers import GIB, Bounds
-from engines.contract import Channel, Outcome, Run, Setting, Signal
+from engines.contract import Outcome, Run, Setting, Signal
+from engines.scene import Channel
 from tests.comparisons.faults import announce_engines
 from tests.comparisons.perfect_engine import perfect_motion
 

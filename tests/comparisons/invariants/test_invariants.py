@@ -21,7 +21,8 @@ from comparisons.observation.observed_motion import ObservedMotion
 from comparisons.reference.case import Case, own_case
 from comparisons.stress.scenes import LINKAGES, Conditions, case, reversal
 from comparisons.stress.verdict import StressVerdict
-from engines.contract import Channel, Signal
+from engines.contract import Signal
+from engines.scene import Channel
 from tests.comparisons.perfect_engine import perfect_motion
 from tests.comparisons.true_motions import EVERYTHING, cut, judgement, true_history, with_signal
 

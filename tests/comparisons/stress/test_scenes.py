@@ -13,7 +13,7 @@ from analytic.dynamics.joint_forces import joint_forces
 from analytic.errors import DescriptionError
 from analytic.kinematics.mechanism import Mechanism
 from comparisons.stress.scenes import LINKAGES, Conditions, case, in_units, linkage, motion, reversal, scene
-from engines.contract import Channel, Free
+from engines.scene import Channel, Free
 from engines.start_check import scene_size, start_misfit
 
 JUKI = Conditions("juki-mf7923d")

@@ -32,9 +32,10 @@ from comparisons.work_precision.economy import (
 )
 from comparisons.work_precision.economy_records import Economy
 from comparisons.work_precision.reductions import REDUCTIONS, rest_of, without_loads, without_slot_masses
-from engines.contract import Channel, History, Prescribed, Run, Setting, Signal
+from engines.contract import History, Run, Setting, Signal
 from engines.contract import Outcome as Ended
 from engines.direct_adapter.equations import Equations
+from engines.scene import Channel, Prescribed
 from reports.command_line.requests import Choice, request
 from tests.analytic.linkages import EVERY, FULL_TURN, angles, mechanism
 from tests.comparisons.perfect_engine import perfect_motion

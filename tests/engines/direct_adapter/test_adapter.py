@@ -19,19 +19,9 @@ from comparisons.observation.loads import other_power, potential_energy
 from comparisons.observation.observed_motion import ObservedMotion
 from comparisons.reference.case import Case
 from comparisons.reference.start_state import scene
-from engines.contract import (
-    AppliedForce,
-    Body,
-    Channel,
-    Free,
-    Outcome,
-    PinJoint,
-    Prescribed,
-    Scene,
-    Setting,
-    SliderJoint,
-)
+from engines.contract import Outcome, Setting
 from engines.direct_adapter.adapter import DirectEngine
+from engines.scene import AppliedForce, Body, Channel, Free, PinJoint, Prescribed, Scene, SliderJoint
 from tests.analytic.linkages import FULL_TURN, from_text, mechanism
 from tests.analytic.loaded_linkages import ODD, on_trial
 from tests.analytic.takeups import SLOTTED, TWO_CRANK, takeup

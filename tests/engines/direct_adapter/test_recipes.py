@@ -9,12 +9,13 @@ from analytic.description.crank_motion import crank_motion
 from analytic.dynamics import reduced
 from analytic.errors import LinkproofError, UnknownNameError
 from comparisons.reference.start_state import scene
-from engines.contract import Channel, Free, Method, Outcome, Prescribed, Setting
+from engines.contract import Method, Outcome, Setting
 from engines.direct_adapter.adapter import DirectEngine
 from engines.direct_adapter.assembly import UnsolvableError
 from engines.direct_adapter.equations import Equations
 from engines.direct_adapter.motion import motion
 from engines.direct_adapter.recipes import METHODS, RungeKutta
+from engines.scene import Channel, Free, Prescribed
 from tests.analytic.linkages import mechanism
 
 ENGINE = DirectEngine()

@@ -14,11 +14,12 @@ from analytic.dynamics import reduced
 from analytic.kinematics.mechanism import Mechanism
 from comparisons.judging.deviations import near_jumps
 from comparisons.reference.start_state import scene
-from engines.contract import Channel, Free, Outcome, Prescribed, Setting
+from engines.contract import Outcome, Setting
 from engines.exudyn_adapter import adapter, checks, recipes, stepping
 from engines.exudyn_adapter.adapter import ExudynEngine
 from engines.exudyn_adapter.model import build_model, pieces
 from engines.exudyn_adapter.readout import add_sensors
+from engines.scene import Channel, Free, Prescribed
 from tests.analytic.linkages import mechanism
 from tests.engines.newton_euler import joint_forces, true_motion
 

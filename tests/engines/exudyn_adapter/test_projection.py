@@ -5,12 +5,12 @@ import pytest
 
 from analytic.description.crank_motion import crank_motion
 from comparisons.reference.start_state import scene
-from engines.contract import Channel, Prescribed
 from engines.exudyn_adapter.model import build_model
 from engines.exudyn_adapter.projection import Constraints, closed_state
 from engines.exudyn_adapter.readout import add_sensors
 from engines.exudyn_adapter.recipes import TRAPEZOIDAL, Recipe
 from engines.exudyn_adapter.stepping import Stepper
+from engines.scene import Channel, Prescribed
 from engines.stepping.own_units import own_units, scaled
 from tests.analytic.linkages import mechanism
 from tests.engines.newton_euler import true_motion

@@ -13,10 +13,11 @@ from analytic.dynamics import reduced
 from analytic.errors import LinkproofError, UnknownNameError
 from comparisons.judging.deviations import near_jumps
 from comparisons.reference.start_state import scene
-from engines.contract import Channel, Free, Method, Outcome, Prescribed, Setting
+from engines.contract import Method, Outcome, Setting
 from engines.exudyn_adapter import checks
 from engines.exudyn_adapter.adapter import ExudynEngine
 from engines.exudyn_adapter.recipes import FREE, PRESCRIBED, method_recipe, studied_methods
+from engines.scene import Channel, Free, Prescribed
 from tests.analytic.linkages import mechanism
 
 exudyn = pytest.importorskip("exudyn")

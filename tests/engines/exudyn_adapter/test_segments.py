@@ -8,9 +8,9 @@ import pytest
 
 from analytic.description.crank_motion import CrankMotion, Segment, crank_motion
 from comparisons.reference.start_state import scene
-from engines.contract import Prescribed
 from engines.exudyn_adapter.recipes import AS_SHIPPED, TRAPEZOIDAL, Recipe
 from engines.exudyn_adapter.segments import FULL_TURN, prescribed_stretches
+from engines.scene import Prescribed
 from tests.analytic.linkages import mechanism
 
 CLOSE = 1e-9

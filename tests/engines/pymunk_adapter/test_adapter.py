@@ -14,12 +14,13 @@ from analytic.description.linkage import GROUND, RotaryDamper, Spring
 from analytic.dynamics import reduced
 from analytic.kinematics.mechanism import Mechanism
 from comparisons.reference.start_state import scene
-from engines.contract import AppliedForce, AppliedTorque, Channel, Free, Outcome, Prescribed, Setting
+from engines.contract import Outcome, Setting
 from engines.pymunk_adapter import adapter, checks, passes, plans, stepping
 from engines.pymunk_adapter.adapter import PymunkEngine
 from engines.pymunk_adapter.layout import exact_layout, plain_layout
 from engines.pymunk_adapter.loads import scalar_law
 from engines.pymunk_adapter.plans import Aim, Plan
+from engines.scene import AppliedForce, AppliedTorque, Channel, Free, Prescribed
 from tests.analytic.linkages import mechanism
 from tests.engines.newton_euler import joint_forces, true_motion
 

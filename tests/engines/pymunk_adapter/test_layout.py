@@ -9,7 +9,6 @@ from hypothesis import strategies as st
 
 from analytic.description.crank_motion import crank_motion
 from comparisons.reference.start_state import scene
-from engines.contract import Prescribed
 from engines.pymunk_adapter.layout import (
     Kind,
     Part,
@@ -20,6 +19,7 @@ from engines.pymunk_adapter.layout import (
     without_point,
     without_rail,
 )
+from engines.scene import Prescribed
 from tests.analytic.linkages import MADE_UP, mechanism
 
 ROUNDING = 1e-9  # relative; a point mass may be a millionth of its body

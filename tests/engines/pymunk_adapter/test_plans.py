@@ -14,11 +14,12 @@ from analytic.dynamics import reduced
 from analytic.errors import LinkproofError, UnknownNameError
 from analytic.motion.released import free_motion
 from comparisons.reference.start_state import scene
-from engines.contract import Channel, Free, Method, Outcome, Prescribed, Setting
+from engines.contract import Method, Outcome, Setting
 from engines.pymunk_adapter import passes, plans
 from engines.pymunk_adapter.adapter import PymunkEngine
 from engines.pymunk_adapter.layout import plain_layout
 from engines.pymunk_adapter.plans import METHODS, setting_plan
+from engines.scene import Channel, Free, Prescribed
 from tests.analytic.linkages import mechanism
 
 pytest.importorskip("pymunk")

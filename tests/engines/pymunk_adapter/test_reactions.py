@@ -5,13 +5,13 @@ import pytest
 
 from analytic.description.crank_motion import crank_motion
 from comparisons.reference.start_state import scene
-from engines.contract import Channel, Prescribed
 from engines.pymunk_adapter.layout import Kind, exact_layout
 from engines.pymunk_adapter.load_sums import loads_on_parts
 from engines.pymunk_adapter.reactions import contraction, directions, gaps, joint_forces
 from engines.pymunk_adapter.solver import iterations_for, turned_through
 from engines.pymunk_adapter.space import add_motor, build_world
 from engines.pymunk_adapter.stepping import calls, march
+from engines.scene import Channel, Prescribed
 from tests.analytic.linkages import mechanism
 
 pytest.importorskip("pymunk")

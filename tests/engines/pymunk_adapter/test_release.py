@@ -11,13 +11,14 @@ from analytic.motion.released import free_motion
 from comparisons.invariants import invariants
 from comparisons.observation.observed_motion import ObservedMotion
 from comparisons.reference.start_state import scene
-from engines.contract import Channel, Free, Outcome, Setting
+from engines.contract import Outcome, Setting
 from engines.pymunk_adapter import release
 from engines.pymunk_adapter.adapter import PymunkEngine
 from engines.pymunk_adapter.cost import Cost
 from engines.pymunk_adapter.layout import exact_layout
 from engines.pymunk_adapter.plans import METHODS
 from engines.pymunk_adapter.space import Rig
+from engines.scene import Channel, Free
 from tests.analytic.linkages import mechanism
 from tests.engines.newton_euler import joint_forces, true_motion
 

@@ -10,12 +10,13 @@ from analytic.dynamics import reduced
 from comparisons.invariants import invariants
 from comparisons.observation.observed_motion import ObservedMotion
 from comparisons.reference.start_state import scene
-from engines.contract import Channel, Outcome, Prescribed, Setting
+from engines.contract import Outcome, Setting
 from engines.pymunk_adapter import stepping
 from engines.pymunk_adapter.adapter import PymunkEngine
 from engines.pymunk_adapter.layout import exact_layout
 from engines.pymunk_adapter.space import add_motor, build_world
 from engines.pymunk_adapter.stepping import calls, march_wound
+from engines.scene import Channel, Prescribed
 from tests.analytic.linkages import mechanism
 
 pytest.importorskip("pymunk")

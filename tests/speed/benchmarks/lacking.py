@@ -20,6 +20,7 @@ BEFORE = {
     "comparisons.judging.quantities": "comparisons.quantities",
     "comparisons.observation.observed_motion": "comparisons.motion",
     "comparisons.reference.case": "comparisons.case",
+    "engines.scene": "engines.contract",
     "reports.command_line.main": "reports.command",
 }
 

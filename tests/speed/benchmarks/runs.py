@@ -16,12 +16,12 @@ def _case():
 
 def _run(engine):
     """The engine, its tuned setting and a scene in which everything but joint forces is recorded."""
-    contract = lacking.module("engines.contract")
+    setting, channel = lacking.module("engines.contract").Setting, lacking.module("engines.scene").Channel
     adapter = lacking.module("engines.registry").engine(engine)
     if adapter.version() is None:
         raise NotImplementedError(f"{engine} is not installed")
-    scene = _case().scene(frozenset(contract.Channel) - {contract.Channel.JOINT_FORCE})
-    return adapter, contract.Setting.TUNED, scene
+    scene = _case().scene(frozenset(channel) - {channel.JOINT_FORCE})
+    return adapter, setting.TUNED, scene
 
 
 class Tuned:
