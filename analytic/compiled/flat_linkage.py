@@ -18,7 +18,7 @@ from analytic.compiled.derivative_orders import needs
 from analytic.description.law import Law
 from analytic.description.linkage import GROUND, Guide, Linkage, Vector
 from analytic.kinematics.mechanism import Mechanism
-from analytic.kinematics.structure import KINDS, Dyad, Joint, Structure, Turning
+from analytic.kinematics.structure import KINDS, Dyad, Joint, Revolute, Structure
 
 Array = NDArray[np.float64]
 Integers = NDArray[np.int64]
@@ -201,7 +201,7 @@ class _Writer:
         return (KINDS.index(dyad.kind), dyad.sign, *near, *joints)
 
     def _joint(self, joint: Joint) -> tuple[int, int, int, int]:
-        if isinstance(joint, Turning):
+        if isinstance(joint, Revolute):
             return (self.points[joint.near, joint.point], self.points[joint.far, joint.point], 0, 0)
         return (*self.guides[joint.slider], int(joint.near == joint.slider))
 

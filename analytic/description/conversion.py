@@ -59,7 +59,7 @@ def interpret(document: doc.Document, name: str, variants: tuple[str, ...], sour
     return linkage
 
 
-def _regimes(reader: Reader) -> tuple[lk.OwnRegime, ...]:
+def _regimes(reader: Reader) -> tuple[lk.ReleasedRegime, ...]:
     """The linkage's own regimes by name; none may bear the name of a prescribed one."""
     found = []
     for name, table in sorted(reader.document.regimes.items()):
@@ -68,7 +68,7 @@ def _regimes(reader: Reader) -> tuple[lk.OwnRegime, ...]:
             raise reader.fail(f"{where}: expected a name of its own, got that of a prescribed regime; choose another")
         torque = reader.number(table.torque, "torque", f"{where}.torque")
         start = reader.number(table.start_angle, "angle", f"{where}.start_angle")
-        found.append(lk.OwnRegime(name, torque, start, table.start_speed, table.duration))
+        found.append(lk.ReleasedRegime(name, torque, start, table.start_speed, table.duration))
     return tuple(found)
 
 
@@ -173,7 +173,7 @@ def _sliders(reader: Reader) -> tuple[lk.Slider, ...]:
     return tuple(found)
 
 
-def _guide(reader: Reader, table: doc.Slides | doc.SlotTable, where: str) -> lk.Guide:
+def _guide(reader: Reader, table: doc.SlidesTable | doc.SlotTable, where: str) -> lk.Guide:
     host = reader.body(table.on, f"{where}.on")
     return lk.Guide(host, reader.vector(table.through, f"{where}.through"), reader.direction(table.along, where))
 

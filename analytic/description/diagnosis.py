@@ -95,7 +95,7 @@ def _known_keys(parents: Sequence[str]) -> list[str]:
 
 
 def _tables_in(annotation: Any) -> Iterator[type[BaseModel]]:  # noqa: ANN401 - an annotation may be anything
-    """The table models inside an annotation such as ``dict[str, LinkTable]`` or ``Sketch | None``."""
+    """The table models inside an annotation such as ``dict[str, LinkTable]`` or ``SketchTable | None``."""
     if isinstance(annotation, type) and issubclass(annotation, BaseModel):
         yield annotation
     for argument in getattr(annotation, "__args__", ()):
@@ -103,7 +103,7 @@ def _tables_in(annotation: Any) -> Iterator[type[BaseModel]]:  # noqa: ANN401 - 
 
 
 @dataclass(frozen=True)
-class Section:
+class HeaderSection:
     """The lines under one header of a TOML file; ``number`` counts the [[headers]] of one name."""
 
     keys: list[str]
@@ -136,7 +136,7 @@ def line_of(text: str, keys: Sequence[str], variant: str | None = None) -> str:
     return ""
 
 
-def _line_in(section: Section, names: Sequence[str]) -> int | None:
+def _line_in(section: HeaderSection, names: Sequence[str]) -> int | None:
     """The line of a section that writes the last of these keys, each looked for from where the one before it stands."""
     found, at = None, 0
     for name in names:
@@ -148,16 +148,16 @@ def _line_in(section: Section, names: Sequence[str]) -> int | None:
     return found
 
 
-def _sections(text: str) -> list[Section]:
+def _sections(text: str) -> list[HeaderSection]:
     """The file cut at its headers; what stands before the first has no keys."""
-    found = [Section([], None, 0, 0, [])]
+    found = [HeaderSection([], None, 0, 0, [])]
     for start, line in enumerate(text.splitlines()):
         header = line.split("#", maxsplit=1)[0].strip()
         if header.startswith("[") and header.endswith("]") and "=" not in header:
             keys = [key.strip().strip("\"'") for key in header.strip("[]").split(".")]
             variant, keys = (keys[1], keys[2:]) if keys[0] == "variants" and len(keys) > 1 else (None, keys)
             number = sum(1 for section in found if section.keys == keys) if header.startswith("[[") else 0
-            found.append(Section(keys, variant, number, start, []))
+            found.append(HeaderSection(keys, variant, number, start, []))
         found[-1].lines.append(line)
     return found
 

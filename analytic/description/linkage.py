@@ -124,7 +124,7 @@ class Output:
 
 
 @dataclass(frozen=True)
-class OwnRegime:
+class ReleasedRegime:
     """A regime of the linkage's own: the crank is released and moved by a constant torque, N m, and the loads.
 
     Starts at crank angle ``start_angle``, rad, with crank speed ``start_speed``, rad/s; lasts ``duration``, s.
@@ -191,7 +191,7 @@ class Linkage:
     dampers: tuple[RotaryDamper, ...] = ()
     output: Output | None = None
     thread: ThreadPath | None = None
-    regimes: tuple[OwnRegime, ...] = ()
+    regimes: tuple[ReleasedRegime, ...] = ()
     errata: tuple[Erratum, ...] = ()
     published: tuple[Published, ...] = ()
     notes: tuple[str, ...] = field(default=())

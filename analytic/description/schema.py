@@ -15,13 +15,13 @@ NotNegative = Annotated[float, Field(ge=0.0, allow_inf_nan=False, strict=True)]
 Pair = tuple[Finite, Finite]
 
 
-class Table(BaseModel):
+class TomlTable(BaseModel):
     """A TOML table that accepts no key it does not know."""
 
     model_config = ConfigDict(extra="forbid", frozen=True)
 
 
-class Polar(Table):
+class Polar(TomlTable):
     """A point by its distance and direction from ``about``, the frame's origin if that is not given."""
 
     radius: Positive
@@ -32,7 +32,7 @@ class Polar(Table):
 Place = Pair | Polar
 
 
-class Units(Table):
+class UnitsTable(TomlTable):
     """Units of the file; length, mass, inertia and angle have to be stated."""
 
     length: str
@@ -46,7 +46,7 @@ class Units(Table):
     turn_damping: str = "N*m*s"
 
 
-class Slides(Table):
+class SlidesTable(TomlTable):
     """A prismatic joint: the link keeps ``point`` on a line of ``on`` and does not turn against it."""
 
     point: str
@@ -55,17 +55,17 @@ class Slides(Table):
     along: Pair
 
 
-class LinkTable(Table):
+class LinkTable(TomlTable):
     """A moving link."""
 
     points: dict[str, Place] = Field(default_factory=dict)
     mass: Positive
     centre: Place = (0.0, 0.0)
     inertia: Positive | None = None
-    slides: Slides | None = None
+    slides: SlidesTable | None = None
 
 
-class SlotTable(Table):
+class SlotTable(TomlTable):
     """A pin in a slot."""
 
     point: str
@@ -74,7 +74,7 @@ class SlotTable(Table):
     along: Pair
 
 
-class ForceTable(Table):
+class ForceTable(TomlTable):
     """A force at a point: one pair, or a list of pairs over ``angle``."""
 
     point: str
@@ -83,7 +83,7 @@ class ForceTable(Table):
     angle: list[Finite] | None = None
 
 
-class TorqueTable(Table):
+class TorqueTable(TomlTable):
     """A torque on a link: a number, or a list of numbers over ``angle``."""
 
     link: str
@@ -91,7 +91,7 @@ class TorqueTable(Table):
     angle: list[Finite] | None = None
 
 
-class SpringTable(Table):
+class SpringTable(TomlTable):
     """A linear spring, and dashpot, between two points; ``links`` where a point belongs to several."""
 
     between: tuple[str, str]
@@ -101,28 +101,28 @@ class SpringTable(Table):
     damping: NotNegative = 0.0
 
 
-class DamperTable(Table):
+class DamperTable(TomlTable):
     """A viscous damper between two bodies that turn against each other."""
 
     between: tuple[str, str]
     coefficient: NotNegative
 
 
-class OutputTable(Table):
+class OutputTable(TomlTable):
     """The point whose S, v and a are wanted, and the direction they are measured along."""
 
     point: str
     along: Pair | None = None
 
 
-class Sketch(Table):
+class SketchTable(TomlTable):
     """Rough positions of points at one crank angle."""
 
     angle: Finite = 0.0
     points: dict[str, Pair] = Field(default_factory=dict)
 
 
-class RegimeTable(Table):
+class RegimeTable(TomlTable):
     """A regime of the linkage's own: released at an angle, moved by a constant crank torque and the loads."""
 
     torque: Finite = 0.0
@@ -131,7 +131,7 @@ class RegimeTable(Table):
     duration: Positive
 
 
-class StopTable(Table):
+class StopTable(TomlTable):
     """A stop of the thread: a fixed ``guide`` [x, y, z] with a name, or an ``eye``, a named point, at height ``z``."""
 
     guide: tuple[Finite, Finite, Finite] | None = None
@@ -140,14 +140,14 @@ class StopTable(Table):
     z: Finite = 0.0
 
 
-class ReferenceTable(Table):
+class ReferenceTable(TomlTable):
     """The crank angle at which an eye is highest or lowest."""
 
     eye: str
     extreme: Literal["highest", "lowest"]
 
 
-class ThreadTable(Table):
+class ThreadTable(TomlTable):
     """The thread's way, its stretch, and how its feed is counted."""
 
     stops: list[StopTable] = Field(min_length=2)
@@ -156,7 +156,7 @@ class ThreadTable(Table):
     reference: Finite | ReferenceTable = 0.0
 
 
-class ErratumTable(Table):
+class ErratumTable(TomlTable):
     """A model as printed, by its ½ Jeq', as a variant or by fixed Runge-Kutta ``steps``, held against this file's."""
 
     name: str
@@ -168,7 +168,7 @@ class ErratumTable(Table):
     note: str = ""
 
 
-class PublishedTable(Table):
+class PublishedTable(TomlTable):
     """A printed figure: SI units, ratios as plain numbers; ``half_digit`` is half a unit of its last printed digit."""
 
     quantity: str
@@ -180,12 +180,12 @@ class PublishedTable(Table):
     note: str = ""
 
 
-class Document(Table):
+class Document(TomlTable):
     """A whole linkage file with one variant already laid over it."""
 
     title: str
     source: str
-    units: Units
+    units: UnitsTable
     crank: str
     gravity: Pair = (0.0, 0.0)
     variant: str = "base"
@@ -197,7 +197,7 @@ class Document(Table):
     springs: list[SpringTable] = Field(default_factory=list)
     dampers: list[DamperTable] = Field(default_factory=list)
     output: OutputTable | None = None
-    sketch: Sketch = Sketch()
+    sketch: SketchTable = SketchTable()
     regimes: dict[str, RegimeTable] = Field(default_factory=dict)
     thread: ThreadTable | None = None
     errata: list[ErratumTable] = Field(default_factory=list)

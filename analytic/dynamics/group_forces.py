@@ -17,7 +17,7 @@ from analytic.description.linkage import GROUND, Vector
 from analytic.kinematics import frames
 from analytic.kinematics.dyad_solver import Poses, difference, sliding, turning
 from analytic.kinematics.frames import Pair, Scalar
-from analytic.kinematics.structure import Dyad, Sliding, Structure, Turning
+from analytic.kinematics.structure import Dyad, Prismatic, Revolute, Structure
 
 Wrench = tuple[Scalar, Scalar, Scalar]
 JointWrenches = tuple[Wrench, Wrench, Wrench]
@@ -31,9 +31,9 @@ def references(structure: Structure) -> dict[str, Vector]:
     found = {GROUND: (0.0, 0.0), structure.pivot.far: structure.pivot.far_local}
     for dyad in structure.dyads:
         inner = dyad.inner_joint
-        shared = (inner.far_local, inner.near_local) if isinstance(inner, Turning) else (None, None)
+        shared = (inner.far_local, inner.near_local) if isinstance(inner, Revolute) else (None, None)
         for body, outer, pin in zip(dyad.links, (dyad.first_joint, dyad.second_joint), shared, strict=True):
-            own = outer.far_local if isinstance(outer, Turning) else pin
+            own = outer.far_local if isinstance(outer, Revolute) else pin
             found[body] = own or structure.bodies[body].centre
     return found
 
@@ -56,7 +56,7 @@ class Statics:
         """Where the reference point of a body is."""
         return frames.point(self.poses[body], self.references[body])
 
-    def line(self, rail: Sliding) -> Pair:
+    def line(self, rail: Prismatic) -> Pair:
         """Direction of a slide."""
         return frames.arm((0.0, 0.0, *self.poses[rail.near][2:]), rail.along)
 

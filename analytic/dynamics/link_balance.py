@@ -7,7 +7,7 @@ from analytic.dynamics.group_forces import Statics, Wrench, references
 from analytic.dynamics.link_loads import LoadedSweep
 from analytic.kinematics import frames
 from analytic.kinematics.frames import Pair, Scalar
-from analytic.kinematics.structure import Dyad, Joint, Sliding, Turning
+from analytic.kinematics.structure import Dyad, Joint, Prismatic, Revolute
 
 
 class LinkBalance:
@@ -41,7 +41,7 @@ class LinkBalance:
     def book_outer(self, joint: Joint, wrench: Wrench) -> None:
         """Enter what an outer joint of a dyad exerts on its far link; its reverse is a load on the near one."""
         self.book(joint, wrench)
-        if isinstance(joint, Turning):
+        if isinstance(joint, Revolute):
             arm = self._from_reference(joint.near, joint.near_local)
         else:
             arm = frames.minus(self._place(joint.far), self._place(joint.near))
@@ -49,13 +49,13 @@ class LinkBalance:
 
     def book(self, joint: Joint, wrench: Wrench) -> None:
         """Enter what a joint exerts on its far body, and the reverse on the near one."""
-        if isinstance(joint, Turning):
+        if isinstance(joint, Revolute):
             self._add(joint.point, joint.far, (wrench[0], wrench[1]))
             self._add(joint.point, joint.near, (-wrench[0], -wrench[1]))
         else:
             self.on_sliders[joint.slider] = self._on_slider(joint, wrench)
 
-    def _on_slider(self, joint: Sliding, wrench: Wrench) -> Wrench:
+    def _on_slider(self, joint: Prismatic, wrench: Wrench) -> Wrench:
         """The wrench on a slide's far link as one on its slider, about the slider's guided point."""
         x, y, moment = wrench
         guided = self.guided.get(joint.slider, (0.0, 0.0))

@@ -14,7 +14,7 @@ import numpy as np
 
 from analytic.description.linkage import Vector
 from analytic.kinematics.frames import Pair, Pose, Rate, Scalar
-from analytic.kinematics.structure import Dyad, Joint, Sliding, Turning
+from analytic.kinematics.structure import Dyad, Joint, Prismatic, Revolute
 
 Poses = Mapping[str, Pose]
 Rates = Mapping[str, Rate]
@@ -65,15 +65,15 @@ class Group(Protocol):
         ...
 
 
-def turning(joint: Joint) -> Turning:
+def turning(joint: Joint) -> Revolute:
     """The joint as the R joint which the dyad's kind says it is."""
-    assert isinstance(joint, Turning)
+    assert isinstance(joint, Revolute)
     return joint
 
 
-def sliding(joint: Joint) -> Sliding:
+def sliding(joint: Joint) -> Prismatic:
     """The joint as the P joint which the dyad's kind says it is."""
-    assert isinstance(joint, Sliding)
+    assert isinstance(joint, Prismatic)
     return joint
 
 
@@ -95,7 +95,7 @@ def frame_direction(vector: Pair, length: float, local: Vector) -> Pair:
     return (vector[0] * a + vector[1] * b, vector[1] * a - vector[0] * b)
 
 
-def on_rail(rail: Sliding, local: Vector) -> Vector:
+def on_rail(rail: Prismatic, local: Vector) -> Vector:
     """A point of the sliding body, in the frame it slides on, at zero travel."""
     c, s = rail.turn
     x, y = rail.origin

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from analytic.description.linkage import GROUND, Vector
 from analytic.kinematics.frames import arm
-from analytic.kinematics.structure import Dyad, Turning
+from analytic.kinematics.structure import Dyad, Revolute
 from analytic.kinematics.sweep import Sweep
 
 Array = NDArray[np.float64]
@@ -100,7 +100,7 @@ class ErrorBounds:
             residual = self._residuals(dyad, order)
             found[order] = np.einsum("nij,nj->ni", inverse, residual)
             if order == 0:
-                distances = np.ravel([(1.0, 1.0 if isinstance(joint, Turning) else 0.0) for joint in dyad.joints])
+                distances = np.ravel([(1.0, 1.0 if isinstance(joint, Revolute) else 0.0) for joint in dyad.joints])
                 found[0] = _curved(inverse, found[0], self._reach(dyad), distances)
             found[order][np.isnan(found[order])] = np.inf
             for name, at in zip(dyad.links, (0, 3), strict=True):
@@ -111,7 +111,7 @@ class ErrorBounds:
         """Largest distance in the dyad by which an angle's error is carried, m."""
         reaches = [np.zeros(self.shape)]
         for joint in dyad.joints:
-            if isinstance(joint, Turning):
+            if isinstance(joint, Revolute):
                 reaches.append(np.full(self.shape, max(np.hypot(*joint.near_local), np.hypot(*joint.far_local))))
             else:
                 reaches.append(self._apart(joint.near, joint.far))
@@ -131,7 +131,7 @@ class ErrorBounds:
                 if body not in columns:
                     continue
                 at = columns[body]
-                if isinstance(joint, Turning):
+                if isinstance(joint, Revolute):
                     x, y = arm(self.motion(body).pose, joint.near_local if body == joint.near else joint.far_local)
                     jacobian[:, top, at] = jacobian[:, side, at + 1] = sign
                     jacobian[:, top, at + 2], jacobian[:, side, at + 2] = -sign * y, sign * x
@@ -148,7 +148,7 @@ class ErrorBounds:
         """What each of the six joint equations of an order may be out by; (n, 6)."""
         rows: list[Array] = []
         for joint in dyad.joints:
-            if isinstance(joint, Turning):
+            if isinstance(joint, Revolute):
                 total = np.zeros(self.shape)
                 for body, local in ((joint.near, joint.near_local), (joint.far, joint.far_local)):
                     reach, known = float(np.hypot(*local)), body not in dyad.links

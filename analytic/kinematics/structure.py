@@ -1,6 +1,6 @@
 """Taking a linkage apart: a class I crank, then Assur groups of two links, found from the description alone.
 
-Every joint is one of two kinds. A *turning* joint (R) joins all bodies that carry a point of one name. A *sliding*
+Every joint is one of two kinds. A *revolute* joint (R) joins all bodies that carry a point of one name. A *prismatic*
 joint (P) lets a body translate along a line of its host without turning against it; a pin in a slot is a massless
 slider with an R joint at the pin. A dyad is two unknown links joined to each other by one joint and by one joint each
 to bodies already placed; its kind names the three joints in order (outer, inner, outer).
@@ -21,7 +21,7 @@ KINDS = ("RRR", "RRP", "RPR", "RPP", "PRP")
 
 
 @dataclass(frozen=True)
-class Turning:
+class Revolute:
     """An R joint between two bodies: the point's coordinates in the frame of each."""
 
     point: str
@@ -37,7 +37,7 @@ class Turning:
 
 
 @dataclass(frozen=True)
-class Sliding:
+class Prismatic:
     """A P joint seen from ``near``: the frame of ``far`` lies at ``origin + t·along``, turned by ``turn``.
 
     All three are in the frame of ``near``.
@@ -56,7 +56,7 @@ class Sliding:
         return f"slide of '{self.near}' and '{self.far}'"
 
 
-Joint = Turning | Sliding
+Joint = Revolute | Prismatic
 
 
 @dataclass(frozen=True)
@@ -102,7 +102,7 @@ class Structure:
     """The linkage's bodies, the crank's pivot and the dyads in an order in which they can be solved."""
 
     bodies: Mapping[str, Link]
-    pivot: Turning
+    pivot: Revolute
     dyads: tuple[Dyad, ...]
 
     def with_signs(self, signs: tuple[int, ...]) -> Structure:
@@ -116,17 +116,17 @@ class Structure:
         return " -> ".join(["I (crank)", *(dyad.name for dyad in self.dyads)])
 
 
-def sliding_joint(slider: Slider, anchor: Vector, near: str) -> Sliding:
+def sliding_joint(slider: Slider, anchor: Vector, near: str) -> Prismatic:
     """The P joint of a slider, seen from its host or (the other way round) from the slider itself."""
     guide = slider.guide
     turn = guide.along
     arm = rotate(anchor, turn)
     origin = (guide.through[0] - arm[0], guide.through[1] - arm[1])
     if near == guide.host:
-        return Sliding(slider.link, guide.host, slider.link, turn, origin, guide.along)
+        return Prismatic(slider.link, guide.host, slider.link, turn, origin, guide.along)
     back = (turn[0], -turn[1])
     home = rotate(origin, back)
-    return Sliding(slider.link, slider.link, guide.host, back, (-home[0], -home[1]), (1.0, 0.0))
+    return Prismatic(slider.link, slider.link, guide.host, back, (-home[0], -home[1]), (1.0, 0.0))
 
 
 def _with_slot_sliders(linkage: Linkage) -> tuple[dict[str, Link], list[Pin], list[Slider]]:
@@ -158,7 +158,7 @@ class _Search:
         """Every joint between two bodies, seen from ``near``."""
         for pin in self.pins:
             if near in pin.links and far in pin.links:
-                yield Turning(pin.point, near, far, self.local(pin.point, near), self.local(pin.point, far))
+                yield Revolute(pin.point, near, far, self.local(pin.point, near), self.local(pin.point, far))
         for slider in self.sliders:
             if {near, far} == {slider.link, slider.guide.host}:
                 yield sliding_joint(slider, self.local(slider.point, slider.link), near)
@@ -173,14 +173,14 @@ class _Search:
         found: dict[str, Joint] = {}
         for near in sorted(self.placed, key=lambda name: (name != GROUND, name)):
             for joint in self.joints(near, body):
-                key = f"R {joint.point}" if isinstance(joint, Turning) else f"P {joint.near} {joint.slider}"
+                key = f"R {joint.point}" if isinstance(joint, Revolute) else f"P {joint.near} {joint.slider}"
                 found.setdefault(key, joint)
         return list(found.values())
 
     def inner_joints(self, second: str, first: str) -> list[Joint]:
         """Joints between two unplaced bodies; a pin that a placed body carries is an outer joint of both instead."""
         held = {pin.point for pin in self.pins if self.placed.intersection(pin.links)}
-        return [j for j in self.joints(second, first) if not (isinstance(j, Turning) and j.point in held)]
+        return [j for j in self.joints(second, first) if not (isinstance(j, Revolute) and j.point in held)]
 
     def next_dyad(self) -> Dyad | None:
         """Two unplaced bodies joined to each other and each to a placed one, the first such pair by name."""
@@ -198,7 +198,7 @@ class _Search:
         return None
 
     def _dyad(self, first: str, second: str, joints: tuple[Joint, Joint, Joint]) -> Dyad:
-        kind = "".join("R" if isinstance(joint, Turning) else "P" for joint in joints)
+        kind = "".join("R" if isinstance(joint, Revolute) else "P" for joint in joints)
         if kind in KINDS:
             return Dyad(kind, first, second, *joints)
         if kind[::-1] in KINDS:
@@ -223,7 +223,7 @@ def find_structure(linkage: Linkage) -> Structure:
     """
     search = _Search(linkage)
     pivots = list(search.joints(GROUND, linkage.crank))
-    if len(pivots) != 1 or not isinstance(pivots[0], Turning):
+    if len(pivots) != 1 or not isinstance(pivots[0], Revolute):
         raise StructureError(
             f"crank '{linkage.crank}' of '{linkage.name}': expected one pin to the ground and no other joint to it, "
             f"got {', '.join(joint.name for joint in pivots) or 'none'}; give it just one point that [ground] has too"

@@ -12,12 +12,12 @@ from analytic.kinematics.assembly import check_assembly, check_motion
 from analytic.kinematics.dyad_solver import Group
 from analytic.kinematics.dyad_solvers import group
 from analytic.kinematics.frames import Pair, Pose, Rate, Scalar
-from analytic.kinematics.structure import Dyad, Structure, Turning
+from analytic.kinematics.structure import Dyad, Revolute, Structure
 
 Array = NDArray[np.float64]
 
 
-def crank_pose(pivot: Turning, angle: Scalar) -> Pose:
+def crank_pose(pivot: Revolute, angle: Scalar) -> Pose:
     """Pose of the crank at φ."""
     return frames.pose_through(pivot.near_local, (np.cos(angle), np.sin(angle)), pivot.far_local)
 
@@ -146,7 +146,7 @@ class Sweep:
         for dyad in self.structure.dyads:
             self.poses(dyad.first)
             for joint in (dyad.first_joint, dyad.inner_joint, dyad.second_joint):
-                if isinstance(joint, Turning):
+                if isinstance(joint, Revolute):
                     gap = frames.minus(
                         self.local_point(joint.near, joint.near_local), self.local_point(joint.far, joint.far_local)
                     )

@@ -16,7 +16,7 @@ from typing import Any, Protocol
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from analytic.description.linkage import Erratum, Linkage, OwnRegime
+from analytic.description.linkage import Erratum, Linkage, ReleasedRegime
 from analytic.kinematics.mechanism import Mechanism
 from analytic.motion.rkfixed import fixed_step
 from comparisons.observation.interpolation import resample
@@ -201,7 +201,7 @@ def _printed(trial: _Trial, variant_of: VariantOf) -> Spin:
     return printed_motion(mechanism, own, erratum)
 
 
-def printed_motion(mechanism: Mechanism, own: OwnRegime, erratum: Erratum) -> Spin:
+def printed_motion(mechanism: Mechanism, own: ReleasedRegime, erratum: Erratum) -> Spin:
     """The crank's motion by the printed model, in the printed integrator where that is what is on trial.
 
     ``mechanism`` is the printed variant already, where the erratum names one.

@@ -16,7 +16,7 @@ from typing import Any
 import numpy as np
 
 from analytic.description.crank_motion import crank_motion
-from analytic.description.linkage import Linkage, OwnRegime
+from analytic.description.linkage import Linkage, ReleasedRegime
 from analytic.dynamics.reduced import damping_coefficient
 from analytic.evaluation import evaluate
 from analytic.kinematics.mechanism import Mechanism
@@ -171,7 +171,7 @@ def _steady_state(target: Target, linkages: Sequence[Linkage]) -> Iterator[Figur
         yield Figure(target, mechanism.linkage.name, abs(speed * damping / own.torque - 1.0))
 
 
-def _named(target: Target, linkages: Sequence[Linkage]) -> Iterator[tuple[Mechanism, OwnRegime]]:
+def _named(target: Target, linkages: Sequence[Linkage]) -> Iterator[tuple[Mechanism, ReleasedRegime]]:
     """The mechanism and the regime of its own that a target names."""
     for linkage in linkages:
         for own in linkage.regimes:

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from analytic.description.crank_motion import CrankMotion
-from analytic.description.linkage import Output, OwnRegime, Vector
+from analytic.description.linkage import Output, ReleasedRegime, Vector
 from analytic.dynamics import reduced
 from analytic.dynamics.joint_forces import joint_forces
 from analytic.errors import LinkproofError
@@ -179,7 +179,7 @@ class Case:
         return np.asarray(vectors @ np.asarray(self.output.along))
 
 
-def own_motion(mechanism: Mechanism, own: OwnRegime, half_slope: str = "exact") -> FreeMotion:
+def own_motion(mechanism: Mechanism, own: ReleasedRegime, half_slope: str = "exact") -> FreeMotion:
     """The motion of a regime of the linkage's own; ``half_slope`` names the model of ½ Jeq'."""
     motion = free_motion(
         mechanism,
@@ -192,7 +192,7 @@ def own_motion(mechanism: Mechanism, own: OwnRegime, half_slope: str = "exact") 
     return replace(motion, regime=own.name)
 
 
-def own_case(mechanism: Mechanism, own: OwnRegime) -> Case:
+def own_case(mechanism: Mechanism, own: ReleasedRegime) -> Case:
     """The case of a regime of the linkage's own: a released crank, its motion by the equation of motion."""
     motion = own_motion(mechanism, own)
     conditions = (

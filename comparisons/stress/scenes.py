@@ -10,7 +10,7 @@ import numpy as np
 
 from analytic.description.crank_motion import RPM, CrankMotion, Segment, crank_motion
 from analytic.description.law import Law
-from analytic.description.linkage import GROUND, Link, Linkage, OwnRegime, Vector
+from analytic.description.linkage import GROUND, Link, Linkage, ReleasedRegime, Vector
 from analytic.description.loading import catalogue, load
 from analytic.kinematics.mechanism import Mechanism
 from comparisons.reference.case import Case, own_case
@@ -200,7 +200,7 @@ def case(conditions: Conditions) -> Case:
     if conditions.motion != RELEASED:
         return Case(mechanism, motion(conditions))
     turn = 2.0 * math.pi / conditions.rate
-    own = OwnRegime(
+    own = ReleasedRegime(
         name="driven" if conditions.torque else "free",
         torque=conditions.torque,
         start_angle=math.radians(conditions.start_angle),

@@ -14,7 +14,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from analytic.description.linkage import OwnRegime
+from analytic.description.linkage import ReleasedRegime
 from analytic.dynamics.equation_of_motion import EquationOfMotion, equation_of_motion
 from analytic.dynamics.reduced import damping_coefficient, reduced_inertia
 from analytic.errors import LinkproofError
@@ -69,7 +69,7 @@ def relaxations(mechanism: Mechanism, duration: float) -> float:
     return duration * float(np.max(damping_coefficient(turn) / reduced_inertia(turn)))
 
 
-def stiff_motion(mechanism: Mechanism, own: OwnRegime) -> StiffMotion:
+def stiff_motion(mechanism: Mechanism, own: ReleasedRegime) -> StiffMotion:
     """Let the crank go; raises LinkproofError where Radau's method gives up."""
     from scipy.integrate import solve_ivp  # noqa: PLC0415  only stiff cells pay for it
 

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from analytic.description.crank_motion import RPM
-from analytic.description.linkage import OwnRegime
+from analytic.description.linkage import ReleasedRegime
 from analytic.description.loading import parse
 from analytic.dynamics import reduced
 from analytic.dynamics.equilibrium import equilibria
@@ -34,7 +34,7 @@ class Released:
     """A regime of the linkage's own: the crank is released to a constant torque and the loads."""
 
     mechanism: Mechanism
-    own: OwnRegime
+    own: ReleasedRegime
 
     @cached_property
     def motion(self) -> FreeMotion:

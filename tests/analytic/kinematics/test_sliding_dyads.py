@@ -5,7 +5,7 @@ import pytest
 
 from analytic.kinematics import frames
 from analytic.kinematics.dyad_solvers import group
-from analytic.kinematics.structure import Dyad, Sliding, Turning
+from analytic.kinematics.structure import Dyad, Prismatic, Revolute
 from tests.analytic.tolerances import EPS
 
 HALF = np.sqrt(0.5)
@@ -22,9 +22,9 @@ RATES = {"ground": frames.STILL, "cart": (1.0, 0.0, 0.0)}
 def test_prp_finds_the_crossing_of_its_guides_and_follows_it():
     # A vertical guide on the cart and a guide rising by 45° on the ground: the pin climbs as the cart moves.
     x = np.linspace(-2.0, 3.0, 7)
-    up = Sliding("one", "cart", "one", (0.0, 1.0), (0.0, 0.0), (0.0, 1.0))
-    rising = Sliding("two", "ground", "two", (HALF, HALF), (0.0, 1.0), (HALF, HALF))
-    pin = Turning("C", "two", "one", (0.0, 0.0), (0.0, 0.0))
+    up = Prismatic("one", "cart", "one", (0.0, 1.0), (0.0, 0.0), (0.0, 1.0))
+    rising = Prismatic("two", "ground", "two", (HALF, HALF), (0.0, 1.0), (HALF, HALF))
+    pin = Revolute("C", "two", "one", (0.0, 0.0), (0.0, 0.0))
     solver = group(Dyad("PRP", "one", "two", up, pin, rising))
     one, two = solver.poses(_hosts(x))
     assert np.allclose(one[:2], [x, x + 1.0], atol=8 * EPS)
@@ -36,9 +36,9 @@ def test_prp_finds_the_crossing_of_its_guides_and_follows_it():
 def test_rpp_keeps_its_pin_and_turns_with_its_host():
     # A block pinned to the cart slides up and down in a yoke that slides along the ground: the yoke follows x.
     x = np.linspace(-2.0, 3.0, 7)
-    pinned = Turning("A", "cart", "block", (0.5, 2.0), (0.0, 0.0))
-    in_yoke = Sliding("block", "yoke", "block", (0.0, 1.0), (0.0, 0.0), (0.0, 1.0))
-    on_ground = Sliding("yoke", "ground", "yoke", (1.0, 0.0), (0.0, 0.0), (1.0, 0.0))
+    pinned = Revolute("A", "cart", "block", (0.5, 2.0), (0.0, 0.0))
+    in_yoke = Prismatic("block", "yoke", "block", (0.0, 1.0), (0.0, 0.0), (0.0, 1.0))
+    on_ground = Prismatic("yoke", "ground", "yoke", (1.0, 0.0), (0.0, 0.0), (1.0, 0.0))
     solver = group(Dyad("RPP", "block", "yoke", pinned, in_yoke, on_ground))
     block, yoke = solver.poses(_hosts(x))
     assert np.allclose(yoke[0], x + 0.5, atol=8 * EPS)
@@ -49,9 +49,9 @@ def test_rpp_keeps_its_pin_and_turns_with_its_host():
 
 @pytest.mark.parametrize("tilt", [0.0, 1e-12])
 def test_parallel_guides_are_told_apart_from_crossing_ones(tilt):
-    along = Sliding("one", "cart", "one", (1.0, 0.0), (0.0, 1.0), (1.0, 0.0))
-    almost = Sliding("two", "ground", "two", (1.0, tilt), (0.0, 0.0), (1.0, tilt))
-    solver = group(Dyad("PRP", "one", "two", along, Turning("C", "two", "one", (0.0, 0.0), (0.0, 0.0)), almost))
+    along = Prismatic("one", "cart", "one", (1.0, 0.0), (0.0, 1.0), (1.0, 0.0))
+    almost = Prismatic("two", "ground", "two", (1.0, tilt), (0.0, 0.0), (1.0, tilt))
+    solver = group(Dyad("PRP", "one", "two", along, Revolute("C", "two", "one", (0.0, 0.0), (0.0, 0.0)), almost))
     solver.poses(_hosts(np.zeros(1)))
     assert not solver.meets()
     assert np.all(solver.missing()[0] < 0.0)

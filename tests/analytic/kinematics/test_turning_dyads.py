@@ -5,18 +5,18 @@ import pytest
 
 from analytic.kinematics import frames
 from analytic.kinematics.dyad_solvers import group
-from analytic.kinematics.structure import Dyad, Sliding, Turning
+from analytic.kinematics.structure import Dyad, Prismatic, Revolute
 from tests.analytic.tolerances import EPS
 
 STILL_AT = {"ground": (0.0, 0.0, 1.0, 0.0)}
 
 
 def _pin(point, far, near_local, far_local, near="ground"):
-    return Turning(point, near, far, near_local, far_local)
+    return Revolute(point, near, far, near_local, far_local)
 
 
 def _rail(near, far, origin=(0.0, 0.0), turn=(1.0, 0.0)):
-    return Sliding(far, near, far, turn, origin, (1.0, 0.0))
+    return Prismatic(far, near, far, turn, origin, (1.0, 0.0))
 
 
 def _two_arms(sign):
@@ -59,7 +59,7 @@ def test_rpr_has_its_pin_ahead_on_the_line_for_plus(sign):
 def test_the_two_modes_meet_in_the_dead_position_and_the_group_knows_it():
     outstretched = {"ground": (0.0, 0.0, 1.0, 0.0), "other": (2.0 * (1.0 - 1e-16), 0.0, 1.0, 0.0)}
     joints = _two_arms(1)
-    far = Turning("B", "other", "two", (6.0, 1.0), (0.0, 0.0))
+    far = Revolute("B", "other", "two", (6.0, 1.0), (0.0, 0.0))
     solver = group(Dyad("RRR", "one", "two", joints.first_joint, joints.inner_joint, far, 1))
     solver.poses(outstretched)
     assert solver.meets()
@@ -72,7 +72,7 @@ def test_the_two_modes_meet_in_the_dead_position_and_the_group_knows_it():
 def test_what_is_missing_is_negative_where_the_links_do_not_meet():
     apart = np.array([0.0, 2.5, 4.0])
     joints = _two_arms(1)
-    far = Turning("B", "other", "two", (6.0, 1.0), (0.0, 0.0))
+    far = Revolute("B", "other", "two", (6.0, 1.0), (0.0, 0.0))
     solver = group(Dyad("RRR", "one", "two", joints.first_joint, joints.inner_joint, far, 1))
     solver.poses({"ground": (0.0, 0.0, 1.0, 0.0), "other": (apart, 0.0 * apart, 1.0, 0.0)})
     assert not solver.meets()

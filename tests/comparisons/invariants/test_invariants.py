@@ -10,7 +10,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from analytic.description.crank_motion import REGIMES, crank_motion
-from analytic.description.linkage import OwnRegime, RotaryDamper
+from analytic.description.linkage import ReleasedRegime, RotaryDamper
 from analytic.description.loading import catalogue, load
 from analytic.kinematics.mechanism import Mechanism
 from comparisons.invariants import invariants
@@ -48,7 +48,7 @@ def released(name, turns=5.0, *, speed=100.0, damping=0.0, torque=0.0, start_ang
     linkage = load(name)
     damper = RotaryDamper((linkage.crank, "ground"), damping)
     linkage = dataclasses.replace(linkage, dampers=(damper,) if damping else ())
-    own = OwnRegime("free", torque, start_angle, speed, turns * 2.0 * np.pi / speed)
+    own = ReleasedRegime("free", torque, start_angle, speed, turns * 2.0 * np.pi / speed)
     return own_case(Mechanism(linkage), own)
 
 

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from analytic.description.linkage import OwnRegime
+from analytic.description.linkage import ReleasedRegime
 from analytic.dynamics.reduced import damping_coefficient
 from analytic.kinematics.mechanism import Mechanism
 from analytic.motion.released import FreeMotion
@@ -23,7 +23,7 @@ def damped(factor, turns=0.5):
 @pytest.mark.parametrize("factor", [100.0, 1000.0])
 def test_both_integrations_are_one_motion(factor):
     mechanism = Mechanism(linkage(damped(factor)))
-    own = OwnRegime("driven", 0.2, np.pi / 3.0, 0.0, 0.03)
+    own = ReleasedRegime("driven", 0.2, np.pi / 3.0, 0.0, 0.03)
     stiff, exact = stiff_motion(mechanism, own), own_motion(mechanism, own)
     time = np.linspace(0.0, 0.03, 501)
     assert np.max(np.abs(stiff.angle(time) - exact.angle(time))) < 1e-10
