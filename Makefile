@@ -11,7 +11,7 @@ EXTENT ?= --quick
 BASE   ?= HEAD~1
 SPEED  := --config tests/speed/asv.conf.json
 
-.PHONY: report pins test lint baseline speed clean
+.PHONY: report pins test lint baseline speed targets clean
 
 report: $(READY)  ## every mechanism in every engine and setting, costs and stability; page at build/report/index.html
 	$(BIN)/linkproof bench $(EXTENT) --out build/report
@@ -37,6 +37,9 @@ baseline: $(READY)  ## record today's deviations as those to be held in future
 speed: $(READY)  ## time the hot paths at two commits, turn and turn about; fails where one got a tenth slower
 	$(BIN)/asv machine --yes $(SPEED)
 	$(BIN)/asv continuous --interleave-rounds --no-only-changed --factor 1.1 $(SPEED) $(BASE) HEAD
+
+targets: $(READY)  ## measure the accuracy and speed targets of tests/targets/targets.toml; fails where a minimum is missed
+	$(BIN)/python -m tests.targets.targets
 
 clean:
 	rm -rf build $(VENV)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 import sys
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict
@@ -24,7 +23,6 @@ from comparisons.campaign.results import described, document, save
 from comparisons.campaign.results import load as load_results
 from comparisons.judging import baseline
 from comparisons.judging.records import Record, Verdict, to_json
-from comparisons.ourselves.targets import Figure, measure
 from comparisons.reference.published import all_variants, compare_published
 from comparisons.runs.files import check_writable, write_text
 from comparisons.runs.journal import Journal
@@ -169,28 +167,6 @@ def _errata(wanted: Request, files: Sequence[str], limits: _Limits) -> list[Erra
 
     asked = wanted.linkages if wanted.own_regimes else ()
     return list(judge_errata(asked, installed(wanted.engines), variant_of, **limits))
-
-
-def targets(target: str | None) -> int:
-    """Measure what the suite promises of itself; returns 1 if anything owed was missed."""
-    engines = installed(engine_names())
-    linkages = [linkage for linkage in map(load, catalogue()) if linkage.output is not None]
-    with progress() as announce:
-        figures = []
-        for number, figure in enumerate(measure(linkages, engines)):
-            announce(figure.target.name, number, number + 1)
-            figures.append(figure)
-    if target is None:
-        Console().print(terminal.targets(figures))
-    else:
-        _write_json(target, {"records": [_figure_row(figure) for figure in figures]})
-    return int(any(figure.verdict == "missed" for figure in figures))
-
-
-def _figure_row(figure: Figure) -> dict[str, Any]:
-    """A figure for JSON, which has no nan: what could not be measured is null."""
-    measured = math.isfinite(figure.reached)
-    return {**asdict(figure), "reached": figure.reached if measured else None, "verdict": figure.verdict}
 
 
 def exit_code(records: Sequence[Record]) -> int:

@@ -1,4 +1,4 @@
-"""The command line: ``linkproof list | show | thread | published | compare | bench | stress | report | targets``.
+"""The command line: ``linkproof list | show | thread | published | compare | bench | stress | report``.
 
 Exit codes: 0 all within limits, 1 a limit exceeded or a run that failed, 2 misuse or bad input, 130 interrupted.
 """
@@ -240,14 +240,6 @@ def report(
     from reports.command_line import commands
 
     commands.rebuild(saved, out)
-
-
-@app.command()
-def targets(json: JsonOption = None) -> None:
-    """Measure every figure the suite promises of itself and hold it against what is owed and aimed at."""
-    from reports.command_line import commands
-
-    raise typer.Exit(commands.targets(json))
 
 
 def main() -> None:

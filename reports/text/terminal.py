@@ -17,7 +17,6 @@ from analytic.turn.required_feed import FeedComparison
 from comparisons.campaign.campaign import RunResult
 from comparisons.judging.quantities import JOINT_FORCE
 from comparisons.judging.records import Record, Verdict
-from comparisons.ourselves.targets import Figure
 from comparisons.reference.published import PublishedRecord
 
 ACROSS = 4  # runs side by side in a table of 80 columns
@@ -140,27 +139,6 @@ def _published_table(records: Sequence[PublishedRecord]) -> Table:
 def _ours(record: PublishedRecord) -> Text:
     sign, style = VERDICTS[record.verdict]
     return Text(f"{record.ours:.4g} {sign}\n{record.deviation:+.1%}", style=style)
-
-
-def targets(figures: Sequence[Figure]) -> Group:
-    """Promised figures beside what was reached, then what ratios are made up of."""
-    table = Table("figure", "of", "must", "aim", "reached", "", box=None, pad_edge=False)
-    for number in (2, 3, 4):
-        table.columns[number].justify = "right"
-    words = {
-        "aim": ("aim reached", "green"),
-        "must": ("owed and reached", "green"),
-        "missed": ("missed", "red"),
-        "absent": ("not measured", "yellow"),
-    }
-    for figure in figures:
-        target = figure.target
-        word, style = words[figure.verdict]
-        unit = "" if target.unit == "of peak" else f" {target.unit}"
-        numbers = (f"{target.must:g}", f"{target.aim:g}", f"{figure.reached:.2g}{unit}")
-        table.add_row(target.name, figure.subject, *numbers, Text(word, style=style))
-    told = [Text(f"{figure.target.name}, {figure.subject}: {figure.detail}") for figure in figures if figure.detail]
-    return Group(table, *([Text("")] if told else []), *told)
 
 
 def campaign(results: Sequence[RunResult]) -> Group:

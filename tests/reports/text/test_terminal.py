@@ -6,7 +6,6 @@ from rich.console import Console
 
 from analytic.description.loading import catalogue, load
 from comparisons.campaign.campaign import RunResult
-from comparisons.ourselves.targets import Figure, Target
 from comparisons.reference.published import all_variants, compare_published
 from reports.facts.mechanism_summary import portrait
 from reports.text import terminal
@@ -55,10 +54,3 @@ def test_catalogue_portrait_and_published_name_their_mechanism():
     text = _text(terminal.published(compare_published(all_variants("juki-mf7923d"))))
     assert "9.127e-05 =" in text
     assert "+0.3%" in text
-
-
-def test_targets_say_what_was_reached():
-    target = Target("cost", "s", 2.0, 1.0, "process", [])
-    text = _text(terminal.targets([Figure(target, "a", 0.5), Figure(target, "b", 1.5), Figure(target, "c", 2.5)]))
-    for words in ("aim reached", "owed and", "missed"):
-        assert words in text

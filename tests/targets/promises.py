@@ -8,14 +8,14 @@ from typing import Any
 from analytic.description.crank_motion import crank_motion
 from analytic.description.loading import load
 from analytic.kinematics.mechanism import Mechanism
-from comparisons.ourselves.bench_target import plain_savings
-from comparisons.ourselves.endurance import killed_and_resumed
-from comparisons.ourselves.speed import Measured
 from comparisons.reference.case import Case
 from comparisons.stress.axes import chosen_axes
 from comparisons.stress.campaign import StressRequest, stress
 from comparisons.stress.long_run import LongRun, long_runs
 from engines.contract import Setting
+from tests.targets.bench_target import plain_savings
+from tests.targets.endurance import killed_and_resumed
+from tests.targets.speed import Measured
 
 
 def savings(asked: dict[str, Any], engines: Sequence[str]) -> Iterator[Measured]:

@@ -1,10 +1,10 @@
 """Studies behind promised figures: what they make of their findings."""
 
-from comparisons.ourselves import promises
 from comparisons.stress.campaign import Stressed
 from comparisons.stress.long_run import LongRun
 from comparisons.stress.verdict import StressVerdict
 from tests.comparisons.stress.test_border import result
+from tests.targets import promises
 
 
 def test_a_long_run_tells_its_ratio_and_what_it_is_made_of(monkeypatch):

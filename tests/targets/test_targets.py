@@ -1,16 +1,17 @@
-"""The promised figures: a complete table, errors as the records say; times are measured, never asserted."""
+"""The targets: a complete table, errors as the records say; times are measured, never asserted."""
 
 import dataclasses
 
 import pytest
+from rich.console import Console
 
 from analytic.description.loading import load
 from comparisons.campaign.campaign import RunResult
-from comparisons.ourselves import speed, targets
 from tests.comparisons.judging.test_baseline import RECORD
+from tests.targets import speed, targets
 
 
-def test_every_target_can_be_measured_and_aims_higher_than_it_owes():
+def test_every_target_can_be_measured_and_has_a_goal_within_its_minimum():
     for target in targets.targets():
         assert target.kind in {
             "errors",
@@ -28,7 +29,7 @@ def test_every_target_can_be_measured_and_aims_higher_than_it_owes():
             "missed",
             "endurance",
         }
-        assert 0.0 <= target.aim <= target.must
+        assert 0.0 <= target.goal <= target.minimum
 
 
 def test_the_worst_matching_error_of_each_engine_counts():
@@ -38,7 +39,7 @@ def test_the_worst_matching_error_of_each_engine_counts():
         for error, setting in ((1e-3, "tuned"), (2e-3, "tuned"), (0.5, "best"))
     ]
     (figure,) = targets._errors(target, [RunResult(tuple(records), ())], ["e", "absent"])
-    assert (figure.subject, figure.reached, figure.verdict) == ("e", 2e-3, "aim")
+    assert (figure.subject, figure.reached, figure.verdict) == ("e", 2e-3, "goal")
 
 
 def test_a_failed_run_misses_its_target():
@@ -78,3 +79,13 @@ def test_a_figure_without_its_baseline_is_not_judged(monkeypatch):
     target = next(t for t in targets.targets() if t.kind == "six_bar" and t.arguments["baseline"] == "pylinkage")
     (figure,) = targets._six_bar(target)
     assert (figure.subject, figure.verdict) == ("pylinkage is not installed", "absent")
+
+
+def test_the_table_says_what_was_reached():
+    target = targets.Target("cost", "s", 2.0, 1.0, "process", [])
+    figures = [targets.Figure(target, "a", 0.5), targets.Figure(target, "b", 1.5), targets.Figure(target, "c", 2.5)]
+    console = Console(width=80, no_color=True, force_terminal=False)
+    with console.capture() as capture:
+        console.print(targets.table(figures))
+    for words in ("goal met", "minimum met", "missed"):
+        assert words in capture.get()

@@ -114,7 +114,7 @@ def six_bar_contest(name: str, angles: int) -> Contest:
     """A six-bar's four moving joints and their two derivatives over as many crank angles, one core."""
     if not evaluation.available():
         return Contest({}, angles)
-    from comparisons.ourselves import speed_baselines as baselines  # noqa: PLC0415 - needs numba
+    from tests.targets import speed_baselines as baselines  # noqa: PLC0415 - needs numba
 
     mechanism = Mechanism(load(name))
     ours, measures = evaluation.CompiledMechanism(mechanism), baselines.six_bar(mechanism.linkage)
@@ -180,7 +180,7 @@ def forward_contest(name: str, regime: str) -> Contest:
     """A released crank in a regime of the linkage's own, φ within 1e-6 rad throughout."""
     if not evaluation.available():
         return Contest({}, 1)
-    from comparisons.ourselves import speed_baselines as baselines  # noqa: PLC0415 - needs numba
+    from tests.targets import speed_baselines as baselines  # noqa: PLC0415 - needs numba
 
     mechanism = Mechanism(load(name))
     (own,) = (found for found in mechanism.linkage.regimes if found.name == regime)

@@ -1,6 +1,6 @@
 """What the reference's speed is measured against: other people's code, and code written for one linkage only.
 
-Nothing but ``comparisons.ourselves.speed`` imports this. pylinkage's own compiled path, ``step_fast_with_kinematics``
+Nothing but ``tests.targets.speed`` imports this. pylinkage's own compiled path, ``step_fast_with_kinematics``
 of its ``simulation.Linkage``, covers positions, velocities and accelerations of all joints, so like is compared with
 like; it turns the crank by equal steps.
 """

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from comparisons.campaign.results import Results, load
-from comparisons.ourselves import endurance
-from comparisons.ourselves.endurance import compared, run_campaign
+from tests.targets import endurance
+from tests.targets.endurance import compared, run_campaign
 
 
 @pytest.fixture(scope="module")
