@@ -1,8 +1,12 @@
-"""Property tests: no deadline on a busy machine, and on CI the same examples every time."""
+"""What all tests share: property tests without a deadline, the same examples every time on CI; and Ctrl-C as it is."""
 
 import os
+import signal
 
 from hypothesis import settings
 
 settings.register_profile("steady", deadline=None, derandomize=bool(os.environ.get("CI")))
 settings.load_profile("steady")
+
+# A shell starts background jobs with SIGINT ignored, which children inherit: tests of Ctrl-C would send it in vain.
+signal.signal(signal.SIGINT, signal.default_int_handler)

@@ -68,7 +68,7 @@ def chosen(case: Case, names: Sequence[str]) -> dict[str, tuple[Quantity, ...]]:
         if name == JOINTS:
             found[name] = tuple(quantity for key, quantity in known.items() if key.startswith(JOINT_FORCE))
         elif name in known or name == "phi":
-            found[name] = (QUANTITIES[name],)
+            found[name] = (known.get(name, QUANTITIES["phi"]),)
     return {name: quantities for name, quantities in found.items() if quantities}
 
 

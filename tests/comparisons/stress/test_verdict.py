@@ -129,9 +129,12 @@ def test_numbers_beyond_all_bounds_are_wrong_and_still_numbers():
     assert np.isfinite(found.invariant_error)
 
 
-def test_six_samples_are_judged_too():
+def test_six_true_samples_are_caught_for_what_lies_between_them():
     found = judgement(case(), true_history(case(), 6))
-    assert found.verdict in (StressVerdict.WITHIN, StressVerdict.CAUGHT)
+    assert found.verdict is StressVerdict.CAUGHT
+    assert found.wrong == "0.8 of the duration has no samples"
+    assert found.deviation < found.deviation_limit
+    assert set(found.alarms) == {"closure", "crank_phase", "torque_two_routes", "force_balance"}
 
 
 def test_a_motion_with_a_regime_of_its_own_is_held_to_the_limits_of_the_like():

@@ -12,6 +12,7 @@ from analytic.description.crank_motion import crank_motion
 from analytic.description.law import Law
 from analytic.description.linkage import GROUND, RotaryDamper, Spring
 from analytic.dynamics import reduced
+from analytic.dynamics.joint_forces import joint_forces
 from analytic.kinematics.mechanism import Mechanism
 from comparisons.reference.start_state import scene
 from engines.contract import Outcome, Setting
@@ -22,7 +23,7 @@ from engines.pymunk_adapter.loads import scalar_law
 from engines.pymunk_adapter.plans import Aim, Plan
 from engines.scene import AppliedForce, AppliedTorque, Channel, Free, Prescribed
 from tests.analytic.linkages import mechanism
-from tests.engines.newton_euler import joint_forces, true_motion
+from tests.engines.newton_euler import true_motion
 
 pytest.importorskip("pymunk")
 
@@ -91,14 +92,19 @@ def test_motion_and_torque_follow_the_closed_form_at_every_sample(name, setting,
 
 
 @pytest.mark.parametrize("name", [*NEEDLE, *SLIDING])
-def test_joint_forces_are_those_of_every_bodys_equations_of_motion(name):
+def test_joint_forces_are_those_of_the_analysis_of_the_assur_groups(name):
     motion = _motion("run-up")
     model, run = _run(name, motion, channels=EVERYTHING)
     forces = run.history.joint_force
     assert set(forces) == {joint.name for joint in (*model.pins, *model.sliders, *model.slots)}
     time = run.history.torque.time
-    position, _, acceleration = true_motion(mechanism(name), motion, time)
-    truth, torque = joint_forces(model, position, acceleration)
+    sweep, speed, acceleration = (
+        mechanism(name).sweep(motion.angle(time)),
+        motion.speed(time),
+        motion.acceleration(time),
+    )
+    truth = {joint: force.T for joint, force in joint_forces(sweep, speed, acceleration).items()}
+    torque = reduced.drive_torque(sweep, speed, acceleration)
     assert _error(run.history.torque, torque) < LOAD[Setting.TUNED]
     largest = max(np.abs(force).max() for force in truth.values())
     for joint, force in truth.items():

@@ -33,4 +33,4 @@ class FreeMotion:
         self.free_motion(self.mechanism, **{**DRIVEN, "duration": 0.1}, **self.options)
 
     def time_driven(self, _path):
-        self.free_motion(self.mechanism, **DRIVEN, **self.options)
+        return self.free_motion(self.mechanism, **DRIVEN, **self.options).angle(1.0)

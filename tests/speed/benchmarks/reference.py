@@ -27,7 +27,7 @@ class Sweep:
         self.angle = np.linspace(0.0, 100.0, SWEEP)
 
     def time_evaluate(self, _name):
-        self.evaluate(self.mechanism, self.angle, QUANTITIES, speed=100.0)
+        return self.evaluate(self.mechanism, self.angle, QUANTITIES, speed=100.0)
 
 
 class CompiledSweep(Sweep):
@@ -41,7 +41,7 @@ class CompiledSweep(Sweep):
         self.time_evaluate(name)
 
     def time_evaluate(self, _name):
-        self.compiled.evaluate(self.angle, QUANTITIES, speed=100.0, cores=1)
+        return self.compiled.evaluate(self.angle, QUANTITIES, speed=100.0, cores=1)
 
 
 class Designs:
@@ -61,7 +61,7 @@ class Designs:
         self.time_inertia()
 
     def time_inertia(self):
-        self.evaluate(self.mechanism, self.rods, self.angle, ("Jeq",), cores=1, path="compiled")
+        return self.evaluate(self.mechanism, self.rods, self.angle, ("Jeq",), cores=1, path="compiled")
 
 
 def _compiled(name, module):

@@ -34,7 +34,7 @@ class Tuned:
         self.adapter, self.setting, self.scene = _run(engine)
 
     def time_run(self, _engine):
-        self.adapter.run(self.scene, self.setting)
+        return self.adapter.run(self.scene, self.setting).history.torque.values
 
 
 class Judging:
@@ -53,11 +53,17 @@ class Judging:
 
     def time_deviations(self, _engine):
         case, motion = _case(), self.observed(self.scene, self.history)
-        for quantity in self.quantities(case, ("Jeq", "Teq", "Mkr", "Peq", "S", "v", "a")):
-            self.deviation(case, quantity, motion)
+        quantities = self.quantities(case, ("Jeq", "Teq", "Mkr", "Peq", "S", "v", "a"))
+        return [self.deviation(case, quantity, motion).error_max for quantity in quantities]
 
     def time_invariants(self, _engine):
         motion = self.observed(self.scene, self.history)
-        self.invariants.joint_gaps(motion)
-        self.invariants.energy_balance(motion)
-        self.invariants.power_torque(motion, 1.0)
+        invariants = self.invariants
+        return [
+            signal.values
+            for signal in (
+                invariants.joint_gaps(motion),
+                invariants.energy_balance(motion),
+                invariants.power_torque(motion, 1.0),
+            )
+        ]
