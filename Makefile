@@ -14,7 +14,7 @@ SPEED  := --config tests/speed/asv.conf.json
 .PHONY: report pins test lint baseline speed targets clean
 
 report: $(READY)  ## every mechanism in every engine and setting, costs and stability; page at build/report/index.html
-	$(BIN)/linkproof bench $(EXTENT) --out build/report
+	$(BIN)/linkproof bench $(EXTENT) --costs --out build/report
 	$(BIN)/linkproof stress $(EXTENT) --out build/report
 	$(BIN)/linkproof compare --regime run-up --regime run-up-quintic --regime own --setting all $(FULL) --out build/report
 

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import json
 from collections.abc import Iterable, Mapping
-from dataclasses import asdict, dataclass, fields, replace
+from dataclasses import asdict, dataclass, fields
 from functools import cached_property
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
 from analytic.errors import LinkproofError
 from comparisons.runs.files import write_text
@@ -17,6 +17,8 @@ from engines.contract import Outcome
 
 FILE = "bench.json"
 SETTING, METHOD = "setting", "method"
+
+Row = TypeVar("Row", "BenchRecord", "Cost")
 
 
 @dataclass(frozen=True)
@@ -118,6 +120,28 @@ def series(records: Iterable[BenchRecord]) -> tuple[Series, ...]:
 
 
 @dataclass(frozen=True)
+class Cost:
+    """One reduction of a linkage in one engine, or one query put to the closed form by one path of ``evaluate``.
+
+    ``solver`` is the engine or the path, ``about`` what is recorded or asked for. ``seconds`` are of every repeat, s:
+    whole runs, of which ``stepping`` is the engine's own share, or evaluations at so many crank ``angles``; an engine
+    has none of these.
+    """
+
+    mechanism: str
+    variant: str
+    solver: str
+    reduction: str
+    about: str
+    angles: int = 0
+    outcome: str = Outcome.FINISHED.value
+    reason: str = ""
+    seconds: tuple[float, ...] = ()
+    stepping: tuple[float, ...] = ()
+    steps: int = 0
+
+
+@dataclass(frozen=True)
 class Bench:
     """A finished benchmark: its document as saved, and its records."""
 
@@ -126,11 +150,12 @@ class Bench:
     @cached_property
     def records(self) -> tuple[BenchRecord, ...]:
         """One record per point and quantity."""
-        names = [field.name for field in fields(BenchRecord)]
-        rows = self.document["records"]
-        return tuple(
-            replace(BenchRecord(**{name: row[name] for name in names}), repeats=tuple(row["repeats"])) for row in rows
-        )
+        return tuple(_from_row(BenchRecord, row) for row in self.document["records"])
+
+    @cached_property
+    def costs(self) -> tuple[Cost, ...]:
+        """What each output and load costs; empty where that was not asked for."""
+        return tuple(_from_row(Cost, row) for row in self.document["costs"])
 
     @cached_property
     def noise(self) -> Noise:
@@ -138,9 +163,16 @@ class Bench:
         return Noise(tuple(self.document["noise"]["samples"]))
 
 
-def rows(records: Iterable[BenchRecord]) -> list[dict[str, Any]]:
+def rows(records: Iterable[BenchRecord | Cost]) -> list[dict[str, Any]]:
     """Records as JSON has them."""
     return [asdict(record) for record in records]
+
+
+def _from_row(kind: type[Row], row: Mapping[str, Any]) -> Row:
+    """A record back from JSON, which knows lists alone; raises KeyError where a field is missing."""
+    values: dict[str, Any] = {one.name: row[one.name] for one in fields(kind)}
+    values = {name: tuple(value) if isinstance(value, list) else value for name, value in values.items()}
+    return kind(**values)
 
 
 def save(path: Path, document: Mapping[str, Any]) -> None:
@@ -167,7 +199,7 @@ def load(saved: Path) -> Bench:
         raise LinkproofError(f"no benchmark at '{path}': expected the folder given to bench --out, or its {FILE}")
     try:
         found = Bench(json.loads(path.read_text(encoding="utf-8")))
-        _ = found.records, found.noise
+        _ = found.records, found.costs, found.noise
     except (OSError, ValueError, KeyError, TypeError) as error:
         raise LinkproofError(f"'{path}' is no benchmark ({error}); run bench with --out again") from error
     return found

@@ -1,4 +1,4 @@
-"""Scenes with less in them, and what less can be asked of the closed form: what an economy is measured on."""
+"""Scenes with something left out, and queries to the closed form: what costs are measured on."""
 
 from __future__ import annotations
 
@@ -14,6 +14,8 @@ from engines.scene_builder import is_pin_mass
 EVERYTHING: Final = frozenset(Channel)
 SPEED, ACCELERATION = 100.0, 50.0  # rad/s and rad/s² in the closed form; any others cost the same
 
+OUTPUT: Final = frozenset({"S", "v", "a"})  # quantities of the output, which not every linkage names
+
 Rest = Callable[[Linkage], Linkage]
 
 
@@ -28,8 +30,8 @@ class Reduction:
 
 
 @dataclass(frozen=True)
-class Ask:
-    """What is asked of the closed form: names of ``evaluation.QUANTITIES``, and the crank's speed and acceleration."""
+class Query:
+    """Quantities that ``evaluate`` is asked for, at a crank speed, rad/s, and acceleration, rad/s²."""
 
     name: str
     quantities: tuple[str, ...]
@@ -37,9 +39,13 @@ class Ask:
     speed: float = SPEED
     acceleration: float = ACCELERATION
 
+    def names(self, linkage: Linkage) -> tuple[str, ...]:
+        """Those of the quantities that a linkage has."""
+        return tuple(name for name in self.quantities if linkage.output is not None or name not in OUTPUT)
 
-def rest_of(linkage: Linkage, part: Reduction | Ask) -> Linkage | None:
-    """What a reduction leaves of a linkage; None where it takes something out that the linkage has not."""
+
+def reduced(linkage: Linkage, part: Reduction | Query) -> Linkage | None:
+    """What a reduction or a query leaves of a linkage; None where it takes something out that the linkage has not."""
     if part.rest is None:
         return linkage
     rest = part.rest(linkage)
@@ -86,20 +92,18 @@ REDUCTIONS: Final = (
     Reduction("no loads", "all channels, no forces, torques, springs or dampers", rest=without_loads),
     Reduction("slots without mass", "all channels, bare pins in the slots", rest=without_slot_masses),
 )
-"""The scenes that are held against each other; the first is the whole one."""
+"""The scenes that are compared; the first is the whole one."""
 
-ASKS: Final = (
-    Ask("everything", ("S", "v", "a", "Jeq", "Teq", "Q", "Mkr", "Peq")),
-    Ask("Mkr", ("Mkr",)),
-    Ask("Mkr, no gravity", ("Mkr",), without_gravity),
-    Ask("Mkr, no loads", ("Mkr",), without_loads),
-    Ask("Mkr, crank at rest", ("Mkr",), speed=0.0, acceleration=0.0),
-    Ask("Q", ("Q",)),
-    Ask("Jeq", ("Jeq",)),
-    Ask("a", ("a",)),
-    Ask("v", ("v",)),
-    Ask("S", ("S",)),
+QUERIES: Final = (
+    Query("everything", ("S", "v", "a", "Jeq", "Teq", "Q", "Mkr", "Peq")),
+    Query("Mkr", ("Mkr",)),
+    Query("Mkr, no gravity", ("Mkr",), without_gravity),
+    Query("Mkr, no loads", ("Mkr",), without_loads),
+    Query("Mkr, crank at rest", ("Mkr",), speed=0.0, acceleration=0.0),
+    Query("Q", ("Q",)),
+    Query("Jeq", ("Jeq",)),
+    Query("a", ("a",)),
+    Query("v", ("v",)),
+    Query("S", ("S",)),
 )
 """What the closed form is asked for; the first is all of it."""
-
-OUTPUT: Final = frozenset({"S", "v", "a"})  # quantities of the output, which not every linkage names

@@ -9,7 +9,6 @@ from pathlib import Path
 from markupsafe import Markup
 
 from comparisons.work_precision import records
-from comparisons.work_precision.economy_records import Economy
 from reports.stress import page as stress_page
 from reports.stress import section as stability
 from reports.work_precision import economy_section
@@ -54,13 +53,12 @@ def _benchmark(folder: Path) -> Iterator[Beside]:
         bench_page.PAGE,
         costs.bench_style(),
     )
-    if rows := bench.document.get("economy"):
-        economy = Economy.from_rows(rows)
+    if measured := bench.costs:
         yield Beside(
-            "economy",
+            "costs",
             economy_section.TITLE,
-            economy_section.fragment(economy),
-            economy_section.markdown(economy),
+            economy_section.fragment(measured),
+            economy_section.markdown(measured),
         )
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import shlex
 import sys
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
@@ -19,7 +19,7 @@ from comparisons.reference.case import Case
 from comparisons.runs.environment import environment
 from comparisons.runs.files import check_writable, write_text
 from comparisons.runs.timing import WORK, first_use_seconds
-from comparisons.work_precision import economy
+from comparisons.work_precision import costs
 from comparisons.work_precision.measure import JOINTS, chosen
 from comparisons.work_precision.points import FULL, OUT_OF_TIME, QUICK, Extent
 from comparisons.work_precision.records import FILE, Bench, rows, save, text
@@ -31,6 +31,7 @@ from engines.registry import engine
 from reports.command_line.interruption import interruptible, journal
 from reports.command_line.progress import progress
 from reports.command_line.requests import Choice, request, texts
+from reports.work_precision.economy_section import terminal as cost_lines
 from reports.work_precision.terminal import bench_tables
 
 REGIMES, QUICK_REGIMES = ("run-up-quintic", "run-up"), ("run-up-quintic",)
@@ -45,6 +46,7 @@ class BenchChoice:
     engines: tuple[str, ...] = ()
     quantities: tuple[str, ...] = ()
     quick: bool = False
+    costs: bool = False
 
     @property
     def campaign(self) -> Choice:
@@ -67,7 +69,8 @@ class BenchChoice:
             ("--quantity", self.quantities),
         ):
             words += [word for value in values for word in (option, value)]
-        return shlex.join([*words, *(["--quick"] if self.quick else [])])
+        words += [*(["--quick"] if self.quick else []), *(["--costs"] if self.costs else [])]
+        return shlex.join(words)
 
 
 def bench(choice: BenchChoice, out: Path | None, target: str | None, *, resume: bool = False) -> int:
@@ -134,21 +137,21 @@ def _document(choice: BenchChoice, wanted: BenchRequest, measured: Measured) -> 
         ],
         "mechanisms": [{"name": one.name, "title": one.title, "variant": one.variant} for one in linkages.values()],
         "methods": methods_told(wanted),
-        "economy": _economy(linkages.values(), wanted.engines),
+        "costs": _costs(list(linkages.values()), wanted.engines) if choice.costs else [],
         "records": rows(measured.records),
     }
 
 
-def _economy(linkages: Iterable[Linkage], engines: Iterable[str]) -> Mapping[str, Any]:
-    """What leaving things out saves, in the linkage with most to leave out and the engines that are there."""
-    there = [name for name in engines if engine(name).version() is not None]
-    return economy.measure([economy.fullest(list(linkages))], there).rows()
+def _costs(linkages: Sequence[Linkage], engines: Iterable[str]) -> list[dict[str, Any]]:
+    """What each output and load costs, in the linkage with most to leave out and the engines that are installed."""
+    installed = [name for name in engines if engine(name).version() is not None]
+    return rows(costs.measure(costs.most_reducible(linkages), installed))
 
 
 def _written(found: Bench, choice: BenchChoice, out: Path | None, target: str | None) -> None:
     """Print and write a finished benchmark."""
     if target != "-":
-        Console().print(bench_tables(found, choice.quantities), highlight=False)
+        Console().print(bench_tables(found, choice.quantities), cost_lines(found.costs), highlight=False)
     if target == "-":
         sys.stdout.write(text(found.document))
     elif target:

@@ -175,6 +175,7 @@ def bench(
         list[str] | None, typer.Option(help="Repeatable; default: Mkr, Jeq, phi, joint_force (the worst joint's).")
     ] = None,
     quick: Annotated[bool, typer.Option("--quick", help="A coarser sweep of one regime: under a minute.")] = False,
+    costs: Annotated[bool, typer.Option("--costs", help="Measure too what each output and load costs.")] = False,
     out: Annotated[Path | None, typer.Option(metavar="DIR", help="Write bench.json and bench.html here.")] = None,
     json: JsonOption = None,
     resume: ResumeOption = False,
@@ -195,6 +196,7 @@ def bench(
         engines=tuple(engine or ()),
         quantities=tuple(quantity or ()),
         quick=quick,
+        costs=costs,
     )
     raise typer.Exit(run_bench(choice, out, json, resume=resume))
 

@@ -15,20 +15,17 @@ from rich.console import Group
 from rich.table import Table
 from rich.text import Text
 
-from comparisons.work_precision.economy_records import AngleCost, Economy, RunCost
+from comparisons.work_precision.records import Cost
 from engines.contract import Outcome
 from reports.text.numbers import figure, seconds
 
 TEMPLATES = Path(__file__).parents[1] / "templates"
-TITLE = "What leaving things out saves"
+TITLE = "What each output and load costs"
 ABOUT = (
     "Nothing is built, recorded or worked out that a scene does not need, and the suite's tests count it. Here is what "
     "that is worth: whole scenes beside the same scenes with less in them."
 )
-RUNS = (
-    *("engine", "scene", "least", "median", "of whole", "stepping"),
-    *("steps", "numbers", "bodies", "conditions", "loads"),
-)
+RUNS = ("engine", "scene", "least", "median", "of whole", "stepping", "steps")
 PATHS = {"numpy": "by NumPy", "compiled": "by the compiled path"}
 ANGLES = ("asked for", "least", "median", "of whole")
 
@@ -47,71 +44,60 @@ class CostTable:
     words: int
 
 
-def cost_tables(economy: Economy) -> tuple[CostTable, ...]:
-    """One table for the engines by mechanism, then one for the closed form by mechanism and path, as measured."""
-    runs = [_run_table(list(part)) for _, part in groupby(economy.runs, key=_mechanism)]
-    return (*runs, *(_angle_table(list(part)) for _, part in groupby(economy.angles, key=_evaluated)))
+def cost_tables(costs: Sequence[Cost]) -> tuple[CostTable, ...]:
+    """One table for the engines, then one for the closed form by each path, as measured."""
+    runs = [cost for cost in costs if not cost.angles]
+    queries = groupby([cost for cost in costs if cost.angles], key=lambda cost: cost.solver)
+    return (*([_run_table(runs)] if runs else []), *(_query_table(list(part)) for _, part in queries))
 
 
-def _mechanism(cost: RunCost | AngleCost) -> tuple[str, str]:
-    return cost.mechanism, cost.variant
-
-
-def _evaluated(cost: AngleCost) -> tuple[str, str, str]:
-    return (*_mechanism(cost), cost.path)
-
-
-def _run_table(costs: Sequence[RunCost]) -> CostTable:
-    first, whole = costs[0], {cost.engine: cost for cost in reversed(costs)}
+def _run_table(costs: Sequence[Cost]) -> CostTable:
+    first, whole = costs[0], {cost.solver: cost for cost in reversed(costs)}
     lead = (
-        f"Time of {first.mechanism} ({first.variant}) brought to speed, {first.setting}, from checking the scene to "
+        f"Time of {first.mechanism} ({first.variant}) brought to speed, tuned, from checking the scene to "
         f"reading the motion out: least and median of {len(first.seconds)} runs of every scene made in turn, the least "
         "over that of the whole scene, and the least that stepping alone took."
     )
     told = dict.fromkeys(f"{cost.reduction}: {cost.about}" for cost in costs)
-    failed = dict.fromkeys(f" {cost.engine}, {cost.reduction}: {cost.reason}." for cost in costs if cost.reason)
-    note = (
-        f"{'; '.join(told)}. Steps and numbers recorded are the engine's; bodies, conditions (equations of joints and "
-        f"drive) and loads the scene's.{''.join(failed)}"
-    )
-    return CostTable(lead, note, RUNS, tuple(_run_row(cost, whole[cost.engine]) for cost in costs), words=2)
+    failed = dict.fromkeys(f" {cost.solver}, {cost.reduction}: {cost.reason}." for cost in costs if cost.reason)
+    note = f"{'; '.join(told)}.{''.join(failed)}"
+    return CostTable(lead, note, RUNS, tuple(_run_row(cost, whole[cost.solver]) for cost in costs), words=2)
 
 
-def _run_row(cost: RunCost, whole: RunCost) -> tuple[str, ...]:
-    counts = (cost.bodies, cost.conditions, cost.loads)
+def _run_row(cost: Cost, whole: Cost) -> tuple[str, ...]:
     if cost.outcome != Outcome.FINISHED:
-        return (cost.engine, cost.reduction, cost.outcome, *[""] * 5, *map(str, counts))
+        return (cost.solver, cost.reduction, cost.outcome, "", "", "", "")
     times = (*map(seconds, _two(cost)), _share(cost, whole), seconds(min(cost.stepping)))
-    return (cost.engine, cost.reduction, *times, *map(str, (cost.steps, cost.values, *counts)))
+    return (cost.solver, cost.reduction, *times, str(cost.steps))
 
 
-def _angle_table(costs: Sequence[AngleCost]) -> CostTable:
+def _query_table(costs: Sequence[Cost]) -> CostTable:
     first = costs[0]
     lead = (
-        f"Time of the closed form of {first.mechanism} ({first.variant}) per crank angle, {PATHS[first.path]}: least "
+        f"Time of the closed form of {first.mechanism} ({first.variant}) per crank angle, {PATHS[first.solver]}: least "
         f"and median of {len(first.seconds)} evaluations at {first.angles} angles of every question put in turn, and "
         "the least over that of the first."
     )
-    note = f"{first.reduction}: {', '.join(first.quantities)}."
-    return CostTable(lead, note, ANGLES, tuple(_angle_row(cost, first) for cost in costs), words=1)
+    note = f"{first.reduction}: {first.about}."
+    return CostTable(lead, note, ANGLES, tuple(_query_row(cost, first) for cost in costs), words=1)
 
 
-def _angle_row(cost: AngleCost, whole: AngleCost) -> tuple[str, ...]:
+def _query_row(cost: Cost, whole: Cost) -> tuple[str, ...]:
     each = (f"{figure(spent / cost.angles * 1e9, 3)} ns" for spent in _two(cost))
     return (cost.reduction, *each, _share(cost, whole))
 
 
-def _two(cost: RunCost | AngleCost) -> tuple[float, float]:
+def _two(cost: Cost) -> tuple[float, float]:
     return min(cost.seconds), statistics.median(cost.seconds)
 
 
-def _share(cost: RunCost | AngleCost, whole: RunCost | AngleCost) -> str:
+def _share(cost: Cost, whole: Cost) -> str:
     return f"{100.0 * min(cost.seconds) / min(whole.seconds):.0f} %"
 
 
-def fragment(economy: Economy) -> Markup:
+def fragment(costs: Sequence[Cost]) -> Markup:
     """The section's HTML, heading and tables, as the page has it."""
-    return Markup(_template().render(title=TITLE, about=ABOUT, tables=cost_tables(economy)))
+    return Markup(_template().render(title=TITLE, about=ABOUT, tables=cost_tables(costs)))
 
 
 @cache
@@ -123,19 +109,19 @@ def _template() -> jinja2.Template:
     return environment.get_template("economy.html")
 
 
-def markdown(economy: Economy) -> str:
+def markdown(costs: Sequence[Cost]) -> str:
     """The section in Markdown."""
     parts = [f"## {TITLE}", ABOUT]
-    for table in cost_tables(economy):
+    for table in cost_tables(costs):
         rule = ["---"] * table.words + ["---:"] * (len(table.head) - table.words)
         rows = "\n".join(f"| {' | '.join(line)} |" for line in (table.head, rule, *table.rows))
         parts += [table.lead, rows, table.note]
     return "\n\n".join(parts) + "\n"
 
 
-def terminal(economy: Economy) -> Group:
+def terminal(costs: Sequence[Cost]) -> Group:
     """The section for a terminal of 100 columns."""
-    return Group(*(part for table in cost_tables(economy) for part in (Text(table.lead), _lines(table), Text(""))))
+    return Group(*(part for table in cost_tables(costs) for part in (Text(table.lead), _lines(table), Text(""))))
 
 
 def _lines(table: CostTable) -> Table:

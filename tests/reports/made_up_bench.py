@@ -51,6 +51,7 @@ def document(records, mechanisms, engines, **changes):
             for engine in engines
             for name, effort, unit, levels in methods
         ],
+        "costs": [],
         "records": rows(records),
         **changes,
     }  # fmt: skip

@@ -16,7 +16,7 @@ PROMISED = {
 
 
 def _document(records):
-    return {"format": 1, "noise": {"work": "w", "samples": [1e-3, 1.2e-3]}, "records": rows(records)}
+    return {"format": 1, "noise": {"work": "w", "samples": [1e-3, 1.2e-3]}, "costs": [], "records": rows(records)}
 
 
 def test_a_record_has_the_promised_keys():

@@ -6,6 +6,7 @@ from dataclasses import replace
 import pytest
 
 from analytic.errors import LinkproofError, UnknownNameError
+from comparisons.work_precision import costs
 from comparisons.work_precision.points import FULL, QUICK, Extent
 from comparisons.work_precision.records import load
 from reports.command_line import bench as bench_command
@@ -50,11 +51,22 @@ def test_a_benchmark_is_printed_written_and_read_back(short, tmp_path, capsys):
     assert not (tmp_path / "out" / "unfinished").exists()
 
 
+def test_costs_are_measured_where_they_are_asked_for(short, monkeypatch, capsys, tmp_path):
+    monkeypatch.setattr(costs, "BUDGET", 0.0)
+    asked = replace(CHOICE, costs=True)
+    assert asked.command == f"{CHOICE.command} --costs"
+    assert bench(asked, None, str(tmp_path / "r.json")) == 0
+    measured = load(tmp_path / "r.json").costs
+    assert {cost.solver for cost in measured} >= {"direct", "numpy"}
+    assert "motion alone" in capsys.readouterr().out
+
+
 def test_json_to_stdout_is_json_and_nothing_else(short, capsys):
     assert bench(CHOICE, None, "-") == 0
     found = json.loads(capsys.readouterr().out)
     assert found["command"] == CHOICE.command
     assert found["noise"]["samples"]
+    assert found["costs"] == []
 
 
 @pytest.mark.parametrize(
