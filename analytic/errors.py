@@ -3,11 +3,22 @@
 from __future__ import annotations
 
 import difflib
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
+from typing import Final
+
+MOST_NAMES: Final = 30  # of a list in a message
+LONGEST_NAME: Final = 60  # characters of a name or value worth repeating
+LONGEST: Final = 1500  # characters of a message
+SIMILAR: Final = 0.6  # share of equal characters from which one name is taken for a misspelling of another
 
 
 class LinkproofError(Exception):
     """Root of every error that is the caller's to mend; the command line turns it into exit code 2."""
+
+    def __str__(self) -> str:
+        """The message, safe to print: control characters escaped, the middle of a very long one left out."""
+        text = printable(super().__str__())
+        return text if len(text) <= LONGEST else f"{text[: LONGEST - 500]} ... {text[-495:]}"
 
 
 class DescriptionError(LinkproofError):
@@ -25,9 +36,52 @@ class AssemblyError(LinkproofError):
 class UnknownNameError(LinkproofError):
     """A name (mechanism, variant, engine, quantity, ...) that does not exist."""
 
-    def __init__(self, kind: str, name: str, known: Iterable[str]) -> None:
-        choices = sorted(known)
-        same = [choice for choice in choices if name and choice.lower().startswith(name.lower())]
-        near = same or difflib.get_close_matches(name, choices, n=1, cutoff=0.5)
-        hint = f"did you mean '{near[0]}'? " if near else ""
-        super().__init__(f"unknown {kind} '{name}': {hint}known are {', '.join(choices) or 'none'}")
+    def __init__(self, kind: str, name: str, known: Iterable[str], meant: str | None = None) -> None:
+        """``meant`` is the known name that is offered; by default the nearest by spelling, if there is one."""
+        choices = sorted(set(known))
+        nearest = meant or _nearest(name, choices)
+        hint = f"did you mean '{nearest}'? " if nearest else ""
+        super().__init__(f"unknown {kind} '{shortened(name)}': {hint}known are {listed(choices)}")
+
+
+def _nearest(name: str, choices: Sequence[str]) -> str | None:
+    """The choice that a name is the beginning or a misspelling of."""
+    begun = [choice for choice in choices if name and choice.lower().startswith(name.lower())]
+    if begun or len(name) > LONGEST_NAME:
+        return begun[0] if begun else None
+    by_spelling = {choice.lower(): choice for choice in choices if len(choice) <= LONGEST_NAME}
+    near = difflib.get_close_matches(name.lower(), by_spelling, n=1, cutoff=SIMILAR)
+    near = near or [choice for choice in by_spelling if _differ_by_a_letter(name.lower(), choice)]
+    return by_spelling[near[0]] if near else None
+
+
+def _differ_by_a_letter(one: str, other: str) -> bool:
+    same = sum(a == b for a, b in zip(one, other, strict=False))
+    return len(one) == len(other) == same + 1 > 1
+
+
+def listed(names: Iterable[str]) -> str:
+    """Names in a sentence, at most MOST_NAMES of them."""
+    every = list(names)
+    more = f" and {len(every) - MOST_NAMES} more" if len(every) > MOST_NAMES else ""
+    return ", ".join(map(shortened, every[:MOST_NAMES])) + more or "none"
+
+
+def shortened(text: str) -> str:
+    """A text of at most LONGEST_NAME characters, cut at its end."""
+    return text if len(text) <= LONGEST_NAME else f"{text[:LONGEST_NAME]}..."
+
+
+def is_safe(character: str) -> bool:
+    """Whether a character changes nothing but its own place on a terminal: no control character, no half of a pair."""
+    return character.isprintable() or not (
+        character < " " or "\x7f" <= character <= "\x9f" or "\u202a" <= character <= "\u202e"
+        or "\u2066" <= character <= "\u2069" or "\ud800" <= character <= "\udfff"
+    )  # fmt: skip
+
+
+def printable(text: str) -> str:
+    """A text with its control characters escaped; ends of lines stay."""
+    if text.isprintable():
+        return text
+    return "".join(c if c == "\n" or is_safe(c) else c.encode("unicode_escape").decode() for c in text)

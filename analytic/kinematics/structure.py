@@ -8,13 +8,14 @@ to bodies already placed; its kind names the three joints in order (outer, inner
 
 from __future__ import annotations
 
-import itertools
-from collections.abc import Iterator, Mapping, Sequence
+import heapq
+from collections import defaultdict
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 from analytic.description.linkage import GROUND, Link, Linkage, Pin, Slider, Vector
 from analytic.description.vectors import rotate
-from analytic.errors import StructureError
+from analytic.errors import StructureError, listed
 
 # Kinds of class II groups whose two links can be placed; PPP cannot turn and is no group.
 KINDS = ("RRR", "RRP", "RPR", "RPP", "PRP")
@@ -116,7 +117,7 @@ class Structure:
         return " -> ".join(["I (crank)", *(dyad.name for dyad in self.dyads)])
 
 
-def sliding_joint(slider: Slider, anchor: Vector, near: str) -> Prismatic:
+def prismatic_joint(slider: Slider, anchor: Vector, near: str) -> Prismatic:
     """The P joint of a slider, seen from its host or (the other way round) from the slider itself."""
     guide = slider.guide
     turn = guide.along
@@ -134,70 +135,127 @@ def _with_slot_sliders(linkage: Linkage) -> tuple[dict[str, Link], list[Pin], li
     bodies = dict(linkage.links)
     sliders = list(linkage.sliders)
     carriers = {pin.point: set(pin.links) for pin in linkage.pins}
+    owners = _carriers(linkage.links.values(), linkage.ground)
     for slot in linkage.slots:
         bodies[slot.name] = Link(slot.name, {slot.point: (0.0, 0.0)}, 0.0, (0.0, 0.0), None)
         sliders.append(Slider(slot.name, slot.point, slot.guide))
-        owners = [n for n in linkage.links if slot.point in linkage.links[n].points and n != slot.guide.host]
-        owners += [GROUND] if slot.point in linkage.ground else []
-        carriers.setdefault(slot.point, set()).update([slot.name, *owners])
+        pinned = set(owners[slot.point]) - {slot.guide.host}
+        carriers.setdefault(slot.point, set()).update([slot.name, *pinned])
     return bodies, [Pin(p, tuple(sorted(names))) for p, names in sorted(carriers.items())], sliders
 
 
+def _carriers(bodies: Iterable[Link], ground: Iterable[str]) -> Mapping[str, list[str]]:
+    """The bodies that carry each point, the ground included."""
+    carriers: dict[str, list[str]] = defaultdict(list)
+    for body in bodies:
+        for point in body.points:
+            carriers[point].append(body.name)
+    for point in ground:
+        carriers[point].append(GROUND)
+    return carriers
+
+
 class _Search:
-    """The bodies still to be placed and the joints between any two bodies."""
+    """The bodies already placed, and which of the others can be placed next.
+
+    A body is looked at when one of its joints gets a placed body on its other side, and never again: the work grows
+    with the number of joints.
+    """
 
     def __init__(self, linkage: Linkage) -> None:
         self.linkage = linkage
         self.bodies, self.pins, self.sliders = _with_slot_sliders(linkage)
-        self.placed = {GROUND, linkage.crank}
+        self.pins_of: dict[str, list[Pin]] = defaultdict(list)
+        for pin in self.pins:
+            for name in pin.links:
+                self.pins_of[name].append(pin)
+        self.sliders_of: dict[str, list[Slider]] = defaultdict(list)
+        for slider in self.sliders:
+            for name in (slider.link, slider.guide.host):
+                self.sliders_of[name].append(slider)
+        self.placed: set[str] = set()
+        self.holders: dict[str, str] = {}  # of each pin with a placed body: the one its joints are seen from
+        self.reachable: set[str] = set()  # bodies with a joint to a placed one
+        self.first_two: dict[str, list[str]] = defaultdict(list)  # of each pin: its first reachable bodies by name
+        self.pairs: list[tuple[str, str]] = []  # heap of reachable pairs with a joint between them
 
     def local(self, point: str, body: str) -> Vector:
         return self.linkage.ground[point] if body == GROUND else self.bodies[body].points[point]
 
+    def revolute(self, point: str, near: str, far: str) -> Revolute:
+        return Revolute(point, near, far, self.local(point, near), self.local(point, far))
+
+    def prismatic(self, slider: Slider, near: str) -> Prismatic:
+        return prismatic_joint(slider, self.local(slider.point, slider.link), near)
+
     def joints(self, near: str, far: str) -> Iterator[Joint]:
         """Every joint between two bodies, seen from ``near``."""
-        for pin in self.pins:
-            if near in pin.links and far in pin.links:
-                yield Revolute(pin.point, near, far, self.local(pin.point, near), self.local(pin.point, far))
-        for slider in self.sliders:
-            if {near, far} == {slider.link, slider.guide.host}:
-                yield sliding_joint(slider, self.local(slider.point, slider.link), near)
-
-    def carriers(self, point: str) -> list[str]:
-        """Bodies that carry a point, the ground included."""
-        names = [name for name, body in self.bodies.items() if point in body.points]
-        return names + ([GROUND] if point in self.linkage.ground else [])
+        for pin in self.pins_of[far]:
+            if near in pin.links:
+                yield self.revolute(pin.point, near, far)
+        for slider in self.sliders_of[far]:
+            if near in (slider.link, slider.guide.host):
+                yield self.prismatic(slider, near)
 
     def outer_joints(self, body: str) -> list[Joint]:
         """Joints of an unplaced body to placed ones; several placed bodies on one pin are one joint."""
-        found: dict[str, Joint] = {}
-        for near in sorted(self.placed, key=lambda name: (name != GROUND, name)):
-            for joint in self.joints(near, body):
-                key = f"R {joint.point}" if isinstance(joint, Revolute) else f"P {joint.near} {joint.slider}"
-                found.setdefault(key, joint)
-        return list(found.values())
+        points = [pin.point for pin in self.pins_of[body] if pin.point in self.holders]
+        joints: list[Joint] = [self.revolute(point, self.holders[point], body) for point in points]
+        for slider in self.sliders_of[body]:
+            near = _other_end(slider, body)
+            if near in self.placed:
+                joints.append(self.prismatic(slider, near))
+        return sorted(joints, key=lambda joint: _rank(joint.near))
 
     def inner_joints(self, second: str, first: str) -> list[Joint]:
         """Joints between two unplaced bodies; a pin that a placed body carries is an outer joint of both instead."""
-        held = {pin.point for pin in self.pins if self.placed.intersection(pin.links)}
-        return [j for j in self.joints(second, first) if not (isinstance(j, Revolute) and j.point in held)]
+        return [j for j in self.joints(second, first) if not (isinstance(j, Revolute) and j.point in self.holders)]
+
+    def place(self, *names: str) -> None:
+        """Add bodies to the placed ones; raises StructureError where another body gets too many joints by it."""
+        self.placed.update(names)
+        neighbours: set[str] = set()
+        for name in names:
+            for pin in self.pins_of[name]:
+                if pin.point not in self.holders:
+                    neighbours.update(pin.links)
+                self.holders[pin.point] = min(self.holders.get(pin.point, name), name, key=_rank)
+            neighbours.update(_other_end(slider, name) for slider in self.sliders_of[name])
+        for name in sorted(neighbours - self.placed):
+            outer = self.outer_joints(name)
+            if len(outer) > 1:
+                raise StructureError(self._overconstrained(name, outer))
+            self._reach(name)
+
+    def _reach(self, body: str) -> None:
+        """Add the pairs that a body forms with the reachable ones, of a pin only the first pair by name."""
+        self.reachable.add(body)
+        for pin in self.pins_of[body]:
+            if pin.point not in self.holders:
+                first_two = sorted([*self.first_two[pin.point], body])[:2]
+                self.first_two[pin.point] = first_two
+                if len(first_two) > 1:
+                    heapq.heappush(self.pairs, (first_two[0], first_two[1]))
+        for slider in self.sliders_of[body]:
+            partner = _other_end(slider, body)
+            if partner in self.reachable:
+                heapq.heappush(self.pairs, (min(body, partner), max(body, partner)))
 
     def next_dyad(self) -> Dyad | None:
         """Two unplaced bodies joined to each other and each to a placed one, the first such pair by name."""
-        unplaced = sorted(set(self.bodies) - self.placed)
-        outer = {name: self.outer_joints(name) for name in unplaced}
-        for name in unplaced:
-            if len(outer[name]) > 1:
-                raise StructureError(self._overconstrained(name, outer[name]))
-        for first, second in itertools.combinations([name for name in unplaced if outer[name]], 2):
+        while self.pairs:
+            first, second = heapq.heappop(self.pairs)
+            if first in self.placed or second in self.placed:
+                continue
             inner = self.inner_joints(second, first)
             if len(inner) > 1:
-                raise StructureError(self._overconstrained(first, [*outer[first], *inner]))
+                raise StructureError(self._overconstrained(first, [*self.outer_joints(first), *inner]))
             if inner:
-                return self._dyad(first, second, (outer[first][0], inner[0], outer[second][0]))
+                return self._dyad(first, second, inner[0])
         return None
 
-    def _dyad(self, first: str, second: str, joints: tuple[Joint, Joint, Joint]) -> Dyad:
+    def _dyad(self, first: str, second: str, inner: Joint) -> Dyad:
+        joints = (self.outer_joints(first)[0], inner, self.outer_joints(second)[0])
         kind = "".join("R" if isinstance(joint, Revolute) else "P" for joint in joints)
         if kind in KINDS:
             return Dyad(kind, first, second, *joints)
@@ -209,11 +267,20 @@ class _Search:
         )
 
     def _overconstrained(self, name: str, joints: Sequence[Joint]) -> str:
-        listed = ", ".join(joint.name for joint in joints)
         return (
-            f"'{name}' of '{self.linkage.name}' is held by too many joints ({listed}), so the linkage is locked or not "
-            "built of two-link groups: expected one joint to the links before it and one to its partner; leave one out"
+            f"'{name}' of '{self.linkage.name}' is held by too many joints ({listed(joint.name for joint in joints)}), "
+            "so the linkage is locked or not built of two-link groups: expected one joint to the links before it and "
+            "one to its partner; leave one out"
         )
+
+
+def _rank(body: str) -> tuple[bool, str]:
+    """The ground first, then by name."""
+    return (body != GROUND, body)
+
+
+def _other_end(slider: Slider, body: str) -> str:
+    return slider.guide.host if body == slider.link else slider.link
 
 
 def find_structure(linkage: Linkage) -> Structure:
@@ -226,15 +293,16 @@ def find_structure(linkage: Linkage) -> Structure:
     if len(pivots) != 1 or not isinstance(pivots[0], Revolute):
         raise StructureError(
             f"crank '{linkage.crank}' of '{linkage.name}': expected one pin to the ground and no other joint to it, "
-            f"got {', '.join(joint.name for joint in pivots) or 'none'}; give it just one point that [ground] has too"
+            f"got {listed(joint.name for joint in pivots)}; give it just one point that [ground] has too"
         )
+    search.place(GROUND, linkage.crank)
     dyads = []
     while len(search.placed) <= len(search.bodies):
         dyad = search.next_dyad()
         if dyad is None:
             raise StructureError(_leftover(search))
         dyads.append(dyad)
-        search.placed |= {dyad.first, dyad.second}
+        search.place(*dyad.links)
     return Structure(dict(sorted(search.bodies.items())), pivots[0], tuple(dyads))
 
 
@@ -244,16 +312,17 @@ def _leftover(search: _Search) -> str:
     moving = len(search.bodies)
     lower_pairs = sum(len(pin.links) - 1 for pin in search.pins) + len(search.sliders)
     mobility = 3 * moving - 2 * lower_pairs
-    named = ", ".join(f"'{name}'" for name in left)
+    names = listed(f"'{name}'" for name in left)
     if mobility != 1:
-        single = [p for name in left for p in search.bodies[name].points if len(search.carriers(p)) == 1]
-        loose = f"; on one link only: {', '.join(sorted(map(repr, single)))}" if single and mobility > 1 else ""
+        carriers = _carriers(search.bodies.values(), search.linkage.ground)
+        single = sorted(f"'{p}'" for name in left for p in search.bodies[name].points if len(carriers[p]) == 1)
+        loose = f"; on one link only: {listed(single)}" if single and mobility > 1 else ""
         cure = "add a joint to" if mobility > 1 else "leave out a joint of"
         return (
             f"'{search.linkage.name}': expected mobility 1, got {mobility} (3·{moving} links - 2·{lower_pairs} joints)"
-            f"; {cure} {named} (a point of one name on two links is a joint{loose})"
+            f"; {cure} {names} (a point of one name on two links is a joint{loose})"
         )
     return (
-        f"{named} of '{search.linkage.name}' form no group of two links (class II), and groups of a higher class "
+        f"{names} of '{search.linkage.name}' form no group of two links (class II), and groups of a higher class "
         "are not supported; check for a missing or misspelt point, or drive the linkage by another crank"
     )

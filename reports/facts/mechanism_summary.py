@@ -12,7 +12,7 @@ from analytic.description.thread_path import ThreadPath
 from analytic.dynamics import reduced
 from analytic.dynamics.equilibrium import equilibria
 from analytic.kinematics.mechanism import Mechanism
-from analytic.numerics.extremes import Extremes, extremes
+from analytic.numerics.extremes import Extremes, extremes, periodic_mean
 from analytic.turn.thread_feed import eye_travel, feed_diagram
 from analytic.turn.unit_functions import bottom_dead_centre, stroke, top_dead_centre
 
@@ -84,5 +84,5 @@ def _link(mechanism: Mechanism, name: str) -> dict[str, Any]:
         "mass": link.mass,
         "centre": list(link.centre),
         "inertia": link.inertia,
-        "Jeq_mean": extremes(lambda phi: reduced.link_inertia(mechanism.sweep(phi), name)).mean,
+        "Jeq_mean": periodic_mean(reduced.link_inertia(mechanism.turn, name)),
     }

@@ -24,3 +24,32 @@ def test_the_nearest_name_is_offered(name, hint):
 
 def test_nothing_may_be_known():
     assert str(UnknownNameError("variant", "x", [])) == "unknown variant 'x': known are none"
+
+
+@pytest.mark.parametrize(
+    ("name", "hint"), [("fast", ""), ("bst", "did you mean 'best'? "), ("beat", "did you mean 'best'? ")]
+)
+def test_what_is_far_from_a_name_is_not_taken_for_it(name, hint):
+    assert str(UnknownNameError("setting", name, ["naive", "tuned", "best"])).startswith(
+        f"unknown setting '{name}': {hint}known"
+    )
+
+
+def test_a_name_is_listed_once():
+    assert str(UnknownNameError("quantity", "x", ["S", "v", "S"])).endswith("known are S, v")
+
+
+def test_long_names_and_long_lists_make_no_long_message():
+    message = str(UnknownNameError("link", "x" * 1_000_000, [f"link{number}" for number in range(10_000)]))
+    assert message.startswith(f"unknown link '{'x' * 60}...': known are link0, ")
+    assert message.endswith(" and 9970 more")
+    long = str(LinkproofError("expected " + "x" * 1_000_000 + "; correct it"))
+    assert len(long) <= 1500
+    assert long.endswith("x; correct it")
+
+
+def test_control_characters_are_escaped():
+    assert (
+        str(LinkproofError("got '\x1b[2J', '\u202e', '\ud800' and 'ω²'"))
+        == r"got '\x1b[2J', '\u202e', '\ud800' and 'ω²'"
+    )

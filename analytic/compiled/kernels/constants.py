@@ -46,7 +46,7 @@ def _vector(numbers: Array, at: int) -> Pair:
 
 @kernel
 def _rail(numbers: Array, dyad: Integers, joint: int) -> Rail:
-    """A P joint seen from the near body: along, turn and origin, as ``structure.sliding_joint`` has them."""
+    """A P joint seen from the near body: along, turn and origin, as ``structure.prismatic_joint`` has them."""
     ex, ey = _vector(numbers, dyad[joint + ALONG])
     length = math.hypot(ex, ey)
     ex, ey = ex / length, ey / length

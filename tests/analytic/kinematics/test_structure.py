@@ -6,9 +6,13 @@ from dataclasses import replace
 import pytest
 
 from analytic.description.linkage import Guide, Slider
+from analytic.description.loading import parse
 from analytic.errors import StructureError
+from analytic.kinematics import structure
 from analytic.kinematics.structure import KINDS, find_structure
+from tests.analytic.chains import chain_of_dyads
 from tests.analytic.linkages import CATALOGUE, EVERY, MADE_UP, from_text, mechanism, text_of
+from tests.counting import calls
 
 HEAD = """
 title = "sample"
@@ -146,3 +150,26 @@ def test_three_sliding_joints_hold_nothing():
     odd = replace(linkage, links={**linkage.links, "block": block}, sliders=sliders, slots=())
     with pytest.raises(StructureError, match=r"held by three sliding joints \(PPP\), which fix no position"):
         find_structure(odd)
+
+
+def test_the_work_grows_with_the_number_of_links(monkeypatch):
+    joints = calls(monkeypatch, structure._Search, "revolute")
+    counts = []
+    for dyads in (20, 80):
+        joints.clear()
+        find_structure(parse(chain_of_dyads(dyads), "sample", "sample.toml"))
+        counts.append(len(joints))
+    assert counts[0] <= 20 * 10
+    assert counts[1] <= 4 * counts[0]
+
+
+def test_a_linkage_of_many_links_is_taken_apart_in_order():
+    dyads = from_text(chain_of_dyads(30)).structure.dyads
+    assert [dyad.links for dyad in dyads] == [(f"coupler{n}", f"rocker{n}") for n in range(1, 31)]
+
+
+def test_many_links_that_form_no_group_are_not_all_listed():
+    loose = _links(**{f"loose{n}": {"A": (0, 0)} for n in range(500)})
+    with pytest.raises(StructureError, match=r"expected mobility 1, got 501 .* 'loose0', .* and 470 more \(") as error:
+        from_text(HEAD + _links(crank=CRANK) + loose)
+    assert len(str(error.value)) < 1500
