@@ -5,7 +5,7 @@ from __future__ import annotations
 from functools import partial
 
 from analytic.description.linkage import Erratum
-from reports.campaign.parts import Part, Shown, shown
+from reports.campaign.parts import ReportFigure, ReportPart, shown
 from reports.drawing import forces, thread
 from reports.drawing.printed import printed_figure
 from reports.facts import forces as force_facts
@@ -15,7 +15,7 @@ from reports.facts.forces import TurnForces
 from reports.facts.views import View
 
 
-def thread_part(view: View) -> Part:
+def thread_part(view: View) -> ReportPart:
     """The thread's contour and feed diagram."""
     figures = [
         shown(
@@ -45,10 +45,10 @@ def thread_part(view: View) -> Part:
                 "the thread's contour in space",
             )
         )
-    return Part("Thread", thread_facts.lead(view), tuple(figures))
+    return ReportPart("Thread", thread_facts.lead(view), tuple(figures))
 
 
-def forces_part(view: View) -> Part:
+def forces_part(view: View) -> ReportPart:
     """Joint forces, shaking force and shaking moment by the closed form."""
     found = TurnForces(view)
     hodographs = "Fx against Fy of every joint, each to its own scale: dots are 30° of the crank apart."
@@ -84,18 +84,18 @@ def forces_part(view: View) -> Part:
             "shaking moment over the crank angle",
         ),
     )
-    return Part("Forces in the joints and on the frame", force_facts.lead(found), figures)
+    return ReportPart("Forces in the joints and on the frame", force_facts.lead(found), figures)
 
 
-def printed_part(view: View) -> Part:
+def printed_part(view: View) -> ReportPart:
     """Models as printed, and what the engines say of them."""
     lines = tuple(row["sentence"] for row in printed_models.judgements(view))
     figures = tuple(_printed(view, erratum) for erratum in printed_models.judged(view))
-    lead = "The engines know of neither model; each simulates the linkage as described, and its crank speed decides."
-    return Part("Printed models put to the engines", lead, figures, lines)
+    lead = "The engines know neither model; each simulates the linkage as described, and its crank speed decides."
+    return ReportPart("Printed models put to the engines", lead, figures, lines)
 
 
-def _printed(view: View, erratum: Erratum) -> Shown:
+def _printed(view: View, erratum: Erratum) -> ReportFigure:
     note = f": {erratum.note}" if erratum.note else ""
     return shown(
         view,

@@ -20,14 +20,15 @@ from reports.drawing import errors, inertia, kinematics, run_up
 from reports.drawing.last_turn import last_turn_figure
 from reports.drawing.panels import LEAST_ERROR
 from reports.drawing.style import picture
-from reports.facts.joint_rows import joint_rows
+from reports.facts.joint_rows import joint_table
 from reports.facts.released import STEPS, Released, released, sentences
 from reports.facts.views import Regime, Trace, View, anchor, family, title
 from reports.text.numbers import ROUND_OFF, bound, error, figure
+from reports.text.tables import ReportTable
 
 
 @dataclass(frozen=True)
-class Shown:
+class ReportFigure:
     """A figure: the sentence before it, its drawing, and whether it takes the page's whole width."""
 
     lead: str
@@ -36,35 +37,26 @@ class Shown:
 
 
 @dataclass(frozen=True)
-class Table:
-    """A small table and the sentence before it."""
-
-    lead: str
-    head: tuple[str, ...]
-    rows: tuple[tuple[str, ...], ...]
-
-
-@dataclass(frozen=True)
-class Part:
+class ReportPart:
     """Figures under one heading, with a sentence before them, ``lines`` of a list and a table after those."""
 
     heading: str
     lead: str
-    figures: tuple[Shown, ...]
+    figures: tuple[ReportFigure, ...]
     lines: tuple[str, ...] = ()
-    table: Table | None = None
+    table: ReportTable | None = None
 
 
 def shown(
     view: View, name: str, lead: str, draw: Callable[[], Figure], description: str, *, wide: bool = False
-) -> Shown:
+) -> ReportFigure:
     """A figure of a mechanism; ``description`` is what a reader without pictures gets."""
     key = anchor(view.key, name)
     alt = f"{view.linkage.title} ({view.linkage.variant}): {description}"
-    return Shown(lead, picture(draw(), key, alt), wide)
+    return ReportFigure(lead, picture(draw(), key, alt), wide)
 
 
-def kinematics_part(view: View) -> Part:
+def kinematics_part(view: View) -> ReportPart:
     """S, v, a, and the unit functions against harmonics."""
     _, values = kinematics.turn_at_final_speed(view)
     fastest, hardest = (float(np.max(np.abs(values[name]))) for name in ("v", "a"))
@@ -83,7 +75,7 @@ def kinematics_part(view: View) -> Part:
         shown(
             view,
             "units",
-            "Freed of stroke and speed: unit functions against a harmonic motion (dashed).",
+            "Normalised motion against simple harmonic motion (dashed).",
             lambda: kinematics.unit_figure(view),
             "unit functions of the output against harmonics",
         ),
@@ -100,10 +92,10 @@ def kinematics_part(view: View) -> Part:
         f"At {speed} the output {point} has a stroke of {figure(stroke(view.mechanism) * 1e3)} mm and reaches "
         f"{figure(fastest)} m/s and {figure(hardest)} m/s² at most; all curves are the closed form."
     )
-    return Part("Motion of the output", lead, figures)
+    return ReportPart("Motion of the output", lead, figures)
 
 
-def inertia_part(view: View) -> Part:
+def inertia_part(view: View) -> ReportPart:
     """Jeq by all methods, by group and by link."""
     found = extremes(lambda phi: reduced_inertia(view.mechanism.sweep(phi)))
     lead = (
@@ -128,10 +120,10 @@ def inertia_part(view: View) -> Part:
             "Jeq by link over the crank angle",
         ),
     )
-    return Part("Reduced moment of inertia Jeq", lead, figures)
+    return ReportPart("Reduced moment of inertia Jeq", lead, figures)
 
 
-def _methods(view: View) -> list[Shown]:
+def _methods(view: View) -> list[ReportFigure]:
     """Jeq by every method, where the campaign asked for it."""
     if not any(record.quantity == "Jeq" for record in view.records):
         return []
@@ -155,12 +147,12 @@ def _constant_share(view: View) -> str:
     return f" The constant share ({', '.join(constant)}) is left out." if constant else ""
 
 
-def regime_part(view: View, regime: Regime) -> Part:
+def regime_part(view: View, regime: Regime) -> ReportPart:
     """Every deviation of a regime, and the histories behind them."""
     found = released(view, regime)
     figures = [*_deviations(view, regime), *(_history(view, regime, name) for name in run_up.histories(view, regime))]
     figures += _last_turn(view, regime, found) if found else []
-    jumps = " Dotted uprights are jumps of the crank's acceleration." if regime.jumps else ""
+    jumps = " Dotted lines: jumps of the crank's acceleration." if regime.jumps else ""
     forces = (
         " Of the joint forces the one nearest its limit is drawn: magnitudes, while the largest deviation is the "
         "vector's."
@@ -174,17 +166,10 @@ def regime_part(view: View, regime: Regime) -> Part:
         f"scale, for every setting that ran.{jumps}{coarse}{forces}"
     )
     lines = tuple(sentences(found)) if found else ()
-    return Part(f"Regime {regime.name}", lead, tuple(figures), lines, _joint_table(view, regime))
+    return ReportPart(f"Regime {regime.name}", lead, tuple(figures), lines, joint_table(view, regime))
 
 
-def _joint_table(view: View, regime: Regime) -> Table | None:
-    rows = joint_rows(view, regime)
-    if rows is None:
-        return None
-    return Table("Joint forces: peak by the closed form, and the largest error of every run over it.", *rows)
-
-
-def _last_turn(view: View, regime: Regime, found: Released) -> list[Shown]:
+def _last_turn(view: View, regime: Regime, found: Released) -> list[ReportFigure]:
     """Speed and acceleration over the last turn, where the crank ends in one."""
     if found.ending is None:
         return []
@@ -199,7 +184,7 @@ def _has_forces(view: View) -> bool:
     return any(record.quantity != family(record.quantity) for record in view.records)
 
 
-def _deviations(view: View, regime: Regime) -> list[Shown]:
+def _deviations(view: View, regime: Regime) -> list[ReportFigure]:
     """All deviations at a glance, where any run gave one."""
     found = [r.error_max for r in view.records if r.regime == regime.name and r.error_max is not None]
     if not found:
@@ -217,7 +202,7 @@ def _deviations(view: View, regime: Regime) -> list[Shown]:
     ]
 
 
-def _history(view: View, regime: Regime, quantity: str) -> Shown:
+def _history(view: View, regime: Regime, quantity: str) -> ReportFigure:
     _, values = run_up.truth(view, regime, quantity)
     unit = next((record.unit for record in view.records if record.quantity == quantity), "")
     span = f"{run_up.symbol(quantity)}, {title(quantity)}"

@@ -11,39 +11,30 @@ import numpy as np
 from analytic.description.linkage import Link
 from analytic.errors import LinkproofError
 from reports.campaign.model_parts import forces_part, printed_part, thread_part
-from reports.campaign.parts import Part, Shown, inertia_part, kinematics_part, regime_part, shown
+from reports.campaign.parts import ReportFigure, ReportPart, inertia_part, kinematics_part, regime_part, shown
 from reports.drawing import inertia, scheme
 from reports.facts.printed_models import judgements
 from reports.facts.readings import Readings
 from reports.facts.views import View
 from reports.text.numbers import ABSENT, printed
+from reports.text.tables import ReportTable
+from reports.text.templates import plain
 
 
 @dataclass(frozen=True)
-class LinkRow:
-    """One link of the table beside the scheme, in the units of a drawing."""
-
-    name: str
-    mass: str
-    inertia: str
-    centre: str
-    share: str
-
-
-@dataclass(frozen=True)
-class Section:
+class MechanismSection:
     """Everything about one mechanism in one variant."""
 
     key: str
     view: View
     formula: str
-    scheme: Shown | None
-    links: tuple[LinkRow, ...]
-    parts: tuple[Part, ...]
+    scheme: ReportFigure | None
+    links: ReportTable
+    parts: tuple[ReportPart, ...]
     readings: Readings | None
 
 
-def section(view: View, readings: Readings | None) -> Section:
+def mechanism_section(view: View, readings: Readings | None) -> MechanismSection:
     """Build a mechanism's section."""
     parts = [_attempt("Motion of the output", partial(kinematics_part, view))] if view.has_output else []
     parts += [_attempt("Reduced moment of inertia Jeq", partial(inertia_part, view))] if view.makes_full_turn else []
@@ -54,7 +45,7 @@ def section(view: View, readings: Readings | None) -> Section:
     parts += [_attempt(f"Regime {regime.name}", partial(regime_part, view, regime)) for regime in view.regimes]
     if judgements(view):
         parts += [_attempt("Printed models put to the engines", partial(printed_part, view))]
-    return Section(
+    return MechanismSection(
         key=view.key,
         view=view,
         formula=view.mechanism.structure.formula.replace("->", "→").replace("_", " "),
@@ -65,15 +56,15 @@ def section(view: View, readings: Readings | None) -> Section:
     )
 
 
-def _attempt(heading: str, build: Callable[[], Part]) -> Part:
+def _attempt(heading: str, build: Callable[[], ReportPart]) -> ReportPart:
     """A part, or why there is none: a linkage may have velocities everywhere but in a dead position."""
     try:
         return build()
     except LinkproofError as error:
-        return Part(heading, f"Not to be had: {error}.", ())
+        return ReportPart(heading, f"Cannot be derived: {error}.", ())
 
 
-def _scheme(view: View) -> Shown:
+def _scheme(view: View) -> ReportFigure:
     number = scheme.scheme_of(view).shown
     output = view.linkage.output
     lead = (
@@ -86,20 +77,25 @@ def _scheme(view: View) -> Shown:
     return shown(view, "scheme", lead, lambda: scheme.scheme_figure(view), words)
 
 
-def _links(view: View) -> tuple[LinkRow, ...]:
+def _links(view: View) -> ReportTable:
+    """The moving links in the units of a drawing, with their shares of the mean Jeq where it exists over a turn."""
+    links = view.linkage.links
+    head = ("Link", "m, kg", "J, kg m²", "Mass centre, mm")
+    note = "Mass centres in the link's own frame; J about the mass centre, – where the link cannot turn."
+    caption = "The moving links as described"
     try:
         parts = inertia.links_inertia(view, np.linspace(0.0, 2.0 * np.pi, 720, endpoint=False))
     except LinkproofError:
-        return tuple(_link_row(link, None) for link in view.linkage.links.values())
-    whole = sum(float(np.mean(values)) for values in parts.values())
-    return tuple(_link_row(view.linkage.links[name], float(np.mean(values)) / whole) for name, values in parts.items())
+        return ReportTable(f"{caption}.", head, tuple(_link_row(link) for link in links.values()), note=note)
+    means = {name: float(np.mean(values)) for name, values in parts.items()}
+    whole = sum(means.values())
+    rows = tuple((*_link_row(links[name]), f"{100.0 * mean / whole:.1f}") for name, mean in means.items())
+    return ReportTable(f"{caption}, and what each gives to the mean Jeq.", (*head, "Jeq, %"), rows, note=note)
 
 
-def _link_row(link: Link, share: float | None) -> LinkRow:
+def _link_row(link: Link) -> tuple[str, ...]:
     centre = f"({_millimetres(link.centre[0])}, {_millimetres(link.centre[1])})"
-    turning = ABSENT if link.inertia is None else printed(link.inertia)
-    part = "" if share is None else f"{100.0 * share:.1f}"
-    return LinkRow(link.name.replace("_", " "), printed(link.mass), turning, centre, part)
+    return plain(link.name), printed(link.mass), ABSENT if link.inertia is None else printed(link.inertia), centre
 
 
 def _millimetres(value: float) -> str:

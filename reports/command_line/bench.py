@@ -31,7 +31,7 @@ from engines.registry import engine
 from reports.command_line.interruption import interruptible, journal
 from reports.command_line.progress import progress
 from reports.command_line.requests import Choice, request, texts
-from reports.work_precision.economy_section import terminal as cost_lines
+from reports.work_precision.cost_section import cost_tables
 from reports.work_precision.terminal import bench_tables
 
 REGIMES, QUICK_REGIMES = ("run-up-quintic", "run-up"), ("run-up-quintic",)
@@ -151,7 +151,7 @@ def _costs(linkages: Sequence[Linkage], engines: Iterable[str]) -> list[dict[str
 def _written(found: Bench, choice: BenchChoice, out: Path | None, target: str | None) -> None:
     """Print and write a finished benchmark."""
     if target != "-":
-        Console().print(bench_tables(found, choice.quantities), cost_lines(found.costs), highlight=False)
+        Console().print(bench_tables(found, choice.quantities), *cost_tables(found.costs), highlight=False)
     if target == "-":
         sys.stdout.write(text(found.document))
     elif target:

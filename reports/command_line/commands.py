@@ -177,14 +177,14 @@ def exit_code(records: Sequence[Record]) -> int:
 
 def rebuild(saved: Path, out: Path | None) -> None:
     """Write the page and the summary of a saved campaign."""
-    from reports.campaign.extra_sections import besides, rebuild_pages  # noqa: PLC0415
+    from reports.campaign.extra_sections import extra_sections, rebuild_pages  # noqa: PLC0415
     from reports.campaign.page import write_page  # noqa: PLC0415  figures cost a second that other commands do not pay
     from reports.campaign.summary import markdown  # noqa: PLC0415
 
     results = load_results(saved)
     kept = saved if saved.is_dir() else saved.parent
-    folder, others = out or kept, besides(kept)
-    write_page(results, folder / PAGE, others)
-    write_text(folder / SUMMARY, markdown(results, others))
+    folder = out or kept
+    write_page(results, folder / PAGE, extra_sections(kept))
+    write_text(folder / SUMMARY, markdown(results))
     rebuild_pages(kept, folder)
     Console(stderr=True).print(f"report: {folder / PAGE}", highlight=False)

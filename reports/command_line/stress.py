@@ -22,7 +22,7 @@ from comparisons.stress.verdict import StressVerdict
 from engines.registry import engine, engine_names
 from reports.command_line.interruption import INCIDENTAL, interruptible
 from reports.command_line.progress import progress
-from reports.stress.section import FILE, Stress
+from reports.stress.facts import FILE, Stress
 from reports.stress.terminal import stress_tables
 
 

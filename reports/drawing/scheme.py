@@ -41,7 +41,7 @@ NAME_STYLE = {
 
 
 @dataclass(frozen=True)
-class Scheme:
+class KinematicScheme:
     """Where everything is, in mm: over the twelve positions and over the whole turn."""
 
     linkage: Linkage
@@ -90,10 +90,10 @@ class Scheme:
         return spots.min(axis=0), spots.max(axis=0)
 
 
-def scheme_of(view: View) -> Scheme:
+def scheme_of(view: View) -> KinematicScheme:
     """The scheme of a mechanism at every 30° from φ = 0."""
     few = view.mechanism.sweep(np.linspace(0.0, 2.0 * np.pi, POSITIONS, endpoint=False))
-    return Scheme(view.linkage, few, view.mechanism.sweep(np.linspace(0.0, 2.0 * np.pi, TURN_POINTS)))
+    return KinematicScheme(view.linkage, few, view.mechanism.sweep(np.linspace(0.0, 2.0 * np.pi, TURN_POINTS)))
 
 
 def scheme_figure(view: View) -> Figure:
@@ -133,7 +133,7 @@ def draw_scheme(axes: Axes, view: View, size: float) -> None:
     _crank_numbers(axes, scheme, size, taken)
 
 
-def draw_position(axes: Axes, scheme: Scheme, size: float) -> Array:
+def draw_position(axes: Axes, scheme: KinematicScheme, size: float) -> Array:
     """The position drawn out, with guides, links, joints and names; returns where the names stand, (names, 2), mm."""
     _guides(axes, scheme, size)
     _links(axes, scheme, size)
@@ -141,7 +141,7 @@ def draw_position(axes: Axes, scheme: Scheme, size: float) -> Array:
     return _names(axes, scheme, size)
 
 
-def _ghosts(axes: Axes, scheme: Scheme) -> None:
+def _ghosts(axes: Axes, scheme: KinematicScheme) -> None:
     """Every link in every position, as thin lines."""
     lines = []
     for link in scheme.linkage.links:
@@ -152,7 +152,7 @@ def _ghosts(axes: Axes, scheme: Scheme) -> None:
     axes.add_collection(LineCollection(lines, colors=GHOST, linewidths=0.7, zorder=2.0))
 
 
-def _paths(axes: Axes, scheme: Scheme, view: View) -> None:
+def _paths(axes: Axes, scheme: KinematicScheme, view: View) -> None:
     """The circle or curve of every moving pin, the output's in colour."""
     output = view.linkage.output.point if view.linkage.output else None
     points = sorted({point for link in scheme.linkage.links.values() for point in link.points})
@@ -166,7 +166,7 @@ def _paths(axes: Axes, scheme: Scheme, view: View) -> None:
             axes.plot(*path, color=GHOST, linewidth=0.7, linestyle=(0, (2, 2)), zorder=1.8)
 
 
-def _crank_numbers(axes: Axes, scheme: Scheme, size: float, taken: Array) -> None:
+def _crank_numbers(axes: Axes, scheme: KinematicScheme, size: float, taken: Array) -> None:
     """0 to 11 around the crank pin's circle, but for the position drawn out and where a name is in the way."""
     link = scheme.linkage.links[scheme.linkage.crank]
     pivot = next(p.point for p in scheme.linkage.pins if {GROUND, link.name} <= set(p.links))
@@ -181,7 +181,7 @@ def _crank_numbers(axes: Axes, scheme: Scheme, size: float, taken: Array) -> Non
             _write(axes, places[:, number], str(number), NUMBER_STYLE)
 
 
-def _guides(axes: Axes, scheme: Scheme, size: float) -> None:
+def _guides(axes: Axes, scheme: KinematicScheme, size: float) -> None:
     """Guides of sliders and slots in the position drawn out, over the travel they see."""
     runs = [(s.guide, s.link, s.point) for s in scheme.linkage.sliders]
     runs += [(s.guide, scheme.few.carrier(s.point), s.point) for s in scheme.linkage.slots]
@@ -193,14 +193,14 @@ def _guides(axes: Axes, scheme: Scheme, size: float) -> None:
             symbols.slot(axes, start, end, size)
 
 
-def _free_side(scheme: Scheme, point: str, along: Array) -> float:
+def _free_side(scheme: KinematicScheme, point: str, along: Array) -> float:
     """+1 where the left of a guide is clear of the links that lead to its slider, -1 where the right is."""
     spots = _spots(scheme)
     pull = _pull(point, spots[point], spots, scheme)
     return -1.0 if float(along[0] * pull[1] - along[1] * pull[0]) > 0.0 else 1.0
 
 
-def _links(axes: Axes, scheme: Scheme, size: float) -> None:
+def _links(axes: Axes, scheme: KinematicScheme, size: float) -> None:
     """The links of the position drawn out, springs, blocks of sliders, mass centres clear of the joints."""
     linkage = scheme.linkage
     for number, name in enumerate(linkage.links):
@@ -219,7 +219,7 @@ def _links(axes: Axes, scheme: Scheme, size: float) -> None:
     _mass_centres(axes, scheme, size)
 
 
-def _mass_centres(axes: Axes, scheme: Scheme, size: float) -> None:
+def _mass_centres(axes: Axes, scheme: KinematicScheme, size: float) -> None:
     """Mass centres of turning links that are clear of the joints, tied to their link."""
     joints = np.array(list(_spots(scheme).values()))
     for name, link in scheme.linkage.links.items():
@@ -231,7 +231,7 @@ def _mass_centres(axes: Axes, scheme: Scheme, size: float) -> None:
                 symbols.mass_centre(axes, spot, size)
 
 
-def _joints(axes: Axes, scheme: Scheme, size: float) -> None:
+def _joints(axes: Axes, scheme: KinematicScheme, size: float) -> None:
     """Pins, fixed pivots, pins in slots, and the points where nothing is pinned."""
     linkage, spots = scheme.linkage, _spots(scheme)
     held = {end for spring in linkage.springs for end in spring.points} | {slot.point for slot in linkage.slots}
@@ -246,13 +246,13 @@ def _joints(axes: Axes, scheme: Scheme, size: float) -> None:
             symbols.eye(axes, spot, size)
 
 
-def _spots(scheme: Scheme) -> dict[str, Array]:
+def _spots(scheme: KinematicScheme) -> dict[str, Array]:
     """Every named point in the position drawn out, mm."""
     names = {p for link in scheme.linkage.links.values() for p in link.points} | set(scheme.linkage.ground)
     return {name: MILLIMETRE * scheme.few.point(name)[:, scheme.shown] for name in sorted(names)}
 
 
-def _names(axes: Axes, scheme: Scheme, size: float) -> Array:
+def _names(axes: Axes, scheme: KinematicScheme, size: float) -> Array:
     """Names of the points beside them, on the side no link leaves from; returns where they stand, (names, 2)."""
     spots, places = _spots(scheme), []
     across = {s.point: _across(scheme.direction(s.guide)[:, scheme.shown]) for s in scheme.linkage.sliders}
@@ -280,7 +280,7 @@ def _across(along: Array) -> Array:
     return np.array([-along[1], along[0]])
 
 
-def _pull(name: str, spot: Array, spots: dict[str, Array], scheme: Scheme) -> Array:
+def _pull(name: str, spot: Array, spots: dict[str, Array], scheme: KinematicScheme) -> Array:
     """Sum of the unit vectors from a point to its neighbours on the links that carry it."""
     total = np.zeros(2)
     for link in scheme.linkage.links.values():

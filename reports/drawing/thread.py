@@ -24,7 +24,7 @@ from reports.drawing.scheme import (
     PIN_INCHES,
     RIM,
     TURN_POINTS,
-    Scheme,
+    KinematicScheme,
     draw_position,
 )
 from reports.drawing.style import INK, MUTED, PALETTE, WIDTH, drawn, over_turn
@@ -46,11 +46,11 @@ def is_spatial(view: View) -> bool:
     return any((stop.z if isinstance(stop, ThreadEye) else stop.position[2]) != 0.0 for stop in stops)
 
 
-def reference_scheme(view: View) -> Scheme:
+def reference_scheme(view: View) -> KinematicScheme:
     """The linkage where the feed is counted from."""
     angle = reference_angle(view.mechanism, thread_of(view))
     turn = view.mechanism.sweep(np.linspace(0.0, 2.0 * np.pi, TURN_POINTS))
-    return Scheme(view.linkage, view.mechanism.sweep(np.array([angle])), turn)
+    return KinematicScheme(view.linkage, view.mechanism.sweep(np.array([angle])), turn)
 
 
 def plane_figure(view: View) -> Figure:
@@ -75,7 +75,7 @@ def plane_figure(view: View) -> Figure:
     return drawn(*full, draw)
 
 
-def draw_plane(axes: Axes, view: View, scheme: Scheme, size: float) -> None:
+def draw_plane(axes: Axes, view: View, scheme: KinematicScheme, size: float) -> None:
     """Links, eyes' paths and the contour in the reference position; the axes' limits are the caller's."""
     thread = thread_of(view)
     axes.set_aspect("equal")

@@ -7,8 +7,9 @@ from comparisons.judging.records import Record
 from reports.facts.forces import plain
 from reports.facts.views import Regime, View, worst
 from reports.text.numbers import ABSENT, figure, steady_error
+from reports.text.tables import ReportTable
 
-JointRows = tuple[tuple[str, ...], tuple[tuple[str, ...], ...]]
+CAPTION = "Joint forces: peak by the closed form, and the largest error of every run over it."
 
 
 def joint_records(view: View, regime: Regime) -> list[Record]:
@@ -23,13 +24,13 @@ def worst_joint(view: View, regime: Regime) -> list[str]:
     return [worst(mine).quantity] if mine else []
 
 
-def joint_rows(view: View, regime: Regime) -> JointRows | None:
-    """Head and rows, largest peak first; None where the campaign asked for no joint forces."""
+def joint_table(view: View, regime: Regime) -> ReportTable | None:
+    """A row per joint, largest peak first; None where the campaign asked for no joint forces."""
     records = joint_records(view, regime)
     if not records:
         return None
     runs = list(dict.fromkeys((r.engine, r.setting) for r in records))
-    found = {(r.quantity, r.engine, r.setting): r for r in records}
+    by_run = {(r.quantity, r.engine, r.setting): r for r in records}
     peaks = {
         name: _peak([r for r in records if r.quantity == name]) for name in dict.fromkeys(r.quantity for r in records)
     }
@@ -37,11 +38,11 @@ def joint_rows(view: View, regime: Regime) -> JointRows | None:
         (
             plain(name.removeprefix(JOINT_FORCE)),
             figure(peaks[name] or None),
-            *(_error(found.get((name, *run))) for run in runs),
+            *(_error(by_run.get((name, *run))) for run in runs),
         )
         for name in sorted(peaks, key=lambda name: (-peaks[name], name))
     ]
-    return ("joint", "peak, N", *(" ".join(run) for run in runs)), tuple(rows)
+    return ReportTable(CAPTION, ("joint", "peak, N", *(" ".join(run) for run in runs)), tuple(rows))
 
 
 def _peak(records: list[Record]) -> float:

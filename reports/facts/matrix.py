@@ -11,21 +11,13 @@ from comparisons.judging.limits import limit
 from comparisons.judging.records import Record, Verdict
 from reports.facts.views import SETTINGS, anchor, columns, family, ordered, worst
 from reports.text.numbers import bound, error
-
-# Sign, word and style class of each outcome: the sign and the word carry the meaning, the colour only helps.
-SIGNS: dict[str, tuple[str, str, str]] = {
-    Verdict.PASSED.value: ("✓", "within its limit", "pass"),
-    Verdict.OVER_LIMIT.value: ("✗", "over its limit", "over"),
-    Verdict.DIVERGED.value: ("✗", "diverged", "failed"),
-    Verdict.UNSUPPORTED.value: ("–", "unsupported", "absent"),
-    Verdict.UNAVAILABLE.value: ("–", "not installed", "absent"),
-    Verdict.TIMED_OUT.value: ("✗", "timed out", "failed"),
-    Verdict.CRASHED.value: ("✗", "crashed", "failed"),
-}
+from reports.text.signs import RUNS
+from reports.text.tables import ReportTable
+from reports.text.templates import plain
 
 
 @dataclass(frozen=True)
-class Cell:
+class MatrixCell:
     """One deviation: the largest error, its sign, its limit, and the sentence behind it."""
 
     error: float | None
@@ -36,26 +28,26 @@ class Cell:
 
 
 @dataclass(frozen=True)
-class Row:
+class MatrixRow:
     """One run; ``failure`` says why it gave no motion, in which case it has no cells."""
 
     engine: str
     version: str
     setting: str
-    cells: tuple[Cell | None, ...]
+    cells: tuple[MatrixCell | None, ...]
     style: str = ""
     failure: str = ""
 
 
 @dataclass(frozen=True)
-class Block:
+class MatrixBlock:
     """All runs of one mechanism and variant under one regime."""
 
     mechanism: str
     variant: str
     regime: str
     conditions: str
-    rows: tuple[Row, ...]
+    rows: tuple[MatrixRow, ...]
 
     @property
     def anchor(self) -> str:
@@ -63,7 +55,7 @@ class Block:
         return anchor(self.mechanism, self.variant)
 
 
-def blocks(results: Results) -> tuple[Block, ...]:
+def blocks(results: Results) -> tuple[MatrixBlock, ...]:
     """The whole matrix, in stable order."""
     names = [name for part in columns(results) for name in part]
     found = []
@@ -72,7 +64,7 @@ def blocks(results: Results) -> tuple[Block, ...]:
         runs = [list(run) for _, run in groupby(records, key=lambda record: record.run)]
         first = records[0]
         rows = tuple(_row(run, names) for run in runs)
-        found.append(Block(first.mechanism, first.variant, first.regime, first.conditions, rows))
+        found.append(MatrixBlock(first.mechanism, first.variant, first.regime, first.conditions, rows))
     return tuple(found)
 
 
@@ -81,32 +73,32 @@ def every_record(results: Results) -> tuple[Record, ...]:
     return ordered(results, (*results.records, *results.invariants))
 
 
-def _row(records: Sequence[Record], names: Sequence[str]) -> Row:
+def _row(records: Sequence[Record], names: Sequence[str]) -> MatrixRow:
     first = records[0]
     if all(record.error_max is None for record in records):
-        sign, word, style = SIGNS[first.outcome]
-        failure = f"{sign} {word}" + (f": {first.detail}" if first.detail else "")
-        return Row(first.engine, first.engine_version, first.setting, (), style, failure)
+        sign = RUNS[first.outcome]
+        failure = f"{sign.symbol} {sign.word}" + (f": {first.detail}" if first.detail else "")
+        return MatrixRow(first.engine, first.engine_version, first.setting, (), sign.style, failure)
     families: dict[str, list[Record]] = {}
     for record in records:
         families.setdefault(family(record.quantity), []).append(record)
     cells = tuple(_cell(families[name]) if name in families else None for name in names)
-    return Row(first.engine, first.engine_version, first.setting, cells)
+    return MatrixRow(first.engine, first.engine_version, first.setting, cells)
 
 
-def _cell(records: Sequence[Record]) -> Cell:
+def _cell(records: Sequence[Record]) -> MatrixCell:
     """The worst of a family: of the forces in all joints, say."""
     record = worst(records)
-    sign, word, style = SIGNS[record.outcome]
+    sign = RUNS[record.outcome]
     told = f"worst of {len(records)}, " if len(records) > 1 else ""
-    told += f"{record.quantity}: {word}"
+    told += f"{record.quantity}: {sign.word}"
     if record.error_max is not None:
         told += f"; largest {error(record.error_max)}, rms {error(record.error_rms)} of the peak"
         told += f", worst at {record.worst_time:.4g} s" if record.worst_time is not None else ""
         told += f"; {record.samples} samples" + (f", {record.left_out} left out" if record.left_out else "")
     if record.detail:
         told += f". {record.detail}"
-    return Cell(record.error_max, sign, style, _bound(record), told)
+    return MatrixCell(record.error_max, sign.symbol, sign.style, _bound(record), told)
 
 
 def _bound(record: Record) -> str:
@@ -124,7 +116,7 @@ def caught_by_baseline(record: Record) -> bool:
 
 
 @dataclass(frozen=True)
-class Standing:
+class EngineStanding:
     """How an engine at a setting came out over all it ran; ``nearest`` is the record that uses most of its limit."""
 
     engine: str
@@ -141,7 +133,7 @@ class Standing:
         return 0.0 if one is None or not one.limit or one.error_max is None else one.error_max / one.limit
 
 
-def standings(results: Results) -> tuple[Standing, ...]:
+def standings(results: Results) -> tuple[EngineStanding, ...]:
     """One standing per engine and setting."""
     records = sorted(every_record(results), key=_by_engine)
     return tuple(_standing(list(part)) for _, part in groupby(records, key=_by_engine))
@@ -152,12 +144,12 @@ def _by_engine(record: Record) -> tuple[str, int]:
     return record.engine, place
 
 
-def _standing(records: list[Record]) -> Standing:
+def _standing(records: list[Record]) -> EngineStanding:
     measured = [record for record in records if record.error_max is not None and record.limit]
     nearest = max(measured, key=lambda r: (r.error_max or 0.0) / (r.limit or 1.0), default=None)
-    failures = dict.fromkeys(f"{SIGNS[r.outcome][1]}: {r.detail}" for r in records if r.error_max is None)
+    failures = dict.fromkeys(f"{RUNS[r.outcome].word}: {r.detail}" for r in records if r.error_max is None)
     passed = sum(record.outcome == Verdict.PASSED.value for record in records)
-    return Standing(records[0].engine, records[0].setting, passed, len(records), nearest, tuple(failures))
+    return EngineStanding(records[0].engine, records[0].setting, passed, len(records), nearest, tuple(failures))
 
 
 def past_baseline(results: Results) -> tuple[str, ...]:
@@ -169,18 +161,7 @@ def past_baseline(results: Results) -> tuple[str, ...]:
     )
 
 
-@dataclass(frozen=True)
-class LimitRow:
-    """A limit of this campaign: what is held to it, and why it is what it is."""
-
-    quantities: str
-    settings: str
-    regimes: str
-    value: str
-    reason: str
-
-
-def limit_rows(results: Results) -> tuple[LimitRow, ...]:
+def limit_table(results: Results) -> ReportTable:
     """The limits these records are held against, largest first within the order of the quantities."""
     names = [name for part in columns(results) for name in part]
     groups: dict[tuple[float, str], list[Record]] = {}
@@ -193,8 +174,15 @@ def limit_rows(results: Results) -> tuple[LimitRow, ...]:
     for (value, reason), records in groups.items():
         held = {family(record.quantity) for record in records}
         settings, regimes = {r.setting for r in records}, {r.regime for r in records}
-        words = ", ".join(name for name in names if name in held)
-        order = [s for s in SETTINGS if s in settings]
-        rows.append((names.index(words.split(", ")[0]), -value,
-                     LimitRow(words, ", ".join(order), ", ".join(sorted(regimes)), bound(value), reason)))  # fmt: skip
-    return tuple(row for _, _, row in sorted(rows, key=lambda entry: entry[:2]))
+        quantities = [name for name in names if name in held]
+        cells = (
+            plain(", ".join(quantities)),
+            ", ".join(s for s in SETTINGS if s in settings),
+            ", ".join(sorted(regimes)),
+            bound(value),
+            reason,
+        )
+        rows.append((names.index(quantities[0]), -value, cells))
+    ordered_rows = tuple(cells for _, _, cells in sorted(rows, key=lambda entry: entry[:2]))
+    caption = "What a largest error over the reference's peak may be, and why."
+    return ReportTable(caption, ("Quantities", "Settings", "Regimes", "Limit", "Reason"), ordered_rows, align="lllrl")

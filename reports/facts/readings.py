@@ -8,9 +8,7 @@ from analytic.description.linkage import Linkage
 from analytic.description.loading import parse
 from comparisons.campaign.results import Results
 from comparisons.reference.published import PublishedRecord, compare_published
-
-VERDICT_SIGNS = {"reproduced": ("✓", "pass"), "not reproduced": ("✗", "over")}
-OTHERWISE = ("≈", "near")
+from reports.text.signs import PUBLISHED
 
 
 @dataclass(frozen=True)
@@ -62,11 +60,6 @@ def met(table: Readings) -> tuple[tuple[str, int, int, int], ...]:
     counts = []
     for number, variant in enumerate(table.variants):
         verdicts = [row.ours[number].verdict for row in table.rows if row.ours[number] is not None]  # type: ignore[union-attr]
-        signs = [VERDICT_SIGNS.get(verdict, OTHERWISE)[1] for verdict in verdicts]
+        signs = [PUBLISHED[verdict].style for verdict in verdicts]
         counts.append((variant, signs.count("pass"), signs.count("near"), len(signs)))
     return tuple(counts)
-
-
-def worded(quantity: str) -> str:
-    """A quantity's name for a reader: "Jeq:needle_bar.mean" is "Jeq of needle bar, mean"."""
-    return quantity.replace(":", " of ").replace(".", ", ").replace("_", " ")

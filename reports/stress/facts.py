@@ -8,7 +8,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, fields
 from functools import cached_property
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 from analytic.errors import LinkproofError
 from comparisons.stress.axes import axes
@@ -22,22 +22,34 @@ Line = tuple[str, str, str, str]  # axis, row, engine, usage
 # An outcome that says nothing of how far an engine goes.
 APART = (StressVerdict.UNSUPPORTED, StressVerdict.UNAVAILABLE)
 SILENT = (StressVerdict.CAUGHT, StressVerdict.MISSED)
-SYMBOLS: Mapping[StressVerdict, str] = {
-    StressVerdict.WITHIN: "✓",
-    StressVerdict.OVER: "○",
-    StressVerdict.CAUGHT: "!",
-    StressVerdict.MISSED: "✗",
-    StressVerdict.ALARM: "a",
-    StressVerdict.DIVERGED: "D",
-    StressVerdict.TIMED_OUT: "T",
-    StressVerdict.CRASHED: "C",
-    StressVerdict.UNSUPPORTED: "–",
-    StressVerdict.UNAVAILABLE: "·",
+
+
+class StressSign(NamedTuple):
+    """How a verdict is shown: a sign, what a cell is filled with, the ink of its sign, a style of the terminal."""
+
+    symbol: str
+    fill: str
+    ink: str
+    terminal: str = ""
+
+
+# Pale where all is well, dark where nothing ran to its end, and nothing as loud as a wrong motion that was let pass.
+SIGNS: Mapping[StressVerdict, StressSign] = {
+    StressVerdict.WITHIN: StressSign("✓", "#cfe8e0", "#07513c"),
+    StressVerdict.OVER: StressSign("○", "#f7e7a6", "#5c4a00"),
+    StressVerdict.CAUGHT: StressSign("!", "#f0a860", "#4a2200"),
+    StressVerdict.MISSED: StressSign("✗", "#c8004b", "#ffffff", "bold red"),
+    StressVerdict.ALARM: StressSign("a", "#d9c2ec", "#43206b", "magenta"),
+    StressVerdict.DIVERGED: StressSign("D", "#a9bfd8", "#14304f"),
+    StressVerdict.TIMED_OUT: StressSign("T", "#7f97b2", "#ffffff"),
+    StressVerdict.CRASHED: StressSign("C", "#3f5169", "#ffffff"),
+    StressVerdict.UNSUPPORTED: StressSign("–", "#eef0f3", "#5b6673"),
+    StressVerdict.UNAVAILABLE: StressSign("·", "#eef0f3", "#5b6673"),
 }
 
 
 @dataclass(frozen=True)
-class Border:
+class BorderRecord:
     """Where one line of a map leaves its limit: the last value ``inside``, the first ``outside`` and the verdict there.
 
     ``value`` lies between the two; it is None where it was not narrowed down.
@@ -72,7 +84,7 @@ class Stress:
         return tuple(sorted((from_document(row) for row in self.document["cells"]), key=lambda one: _place(one.cell)))
 
     @cached_property
-    def borders(self) -> tuple[Border, ...]:
+    def borders(self) -> tuple[BorderRecord, ...]:
         """Every border found."""
         return tuple(_border(row) for row in self.document.get("borders", ()))
 
@@ -90,9 +102,9 @@ class Stress:
         return {line: tuple(cells) for line, cells in found.items()}
 
     @cached_property
-    def line_borders(self) -> Mapping[Line, tuple[Border, ...]]:
+    def line_borders(self) -> Mapping[Line, tuple[BorderRecord, ...]]:
         """The borders of each line that has any."""
-        found: dict[Line, list[Border]] = {}
+        found: dict[Line, list[BorderRecord]] = {}
         for border in self.borders:
             found.setdefault(border.line, []).append(border)
         return {line: tuple(borders) for line, borders in found.items()}
@@ -135,9 +147,9 @@ def _rank(names: Sequence[str], name: str) -> int:
     return names.index(name) if name in names else len(names)
 
 
-def _border(row: Mapping[str, Any]) -> Border:
-    told = {field.name: row[field.name] for field in fields(Border)}
-    return Border(**{**told, "verdict": StressVerdict(row["verdict"])})
+def _border(row: Mapping[str, Any]) -> BorderRecord:
+    told = {field.name: row[field.name] for field in fields(BorderRecord)}
+    return BorderRecord(**{**told, "verdict": StressVerdict(row["verdict"])})
 
 
 def _long_run(row: Mapping[str, Any]) -> LongRun:

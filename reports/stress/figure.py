@@ -19,22 +19,8 @@ from comparisons.stress.axes import axes as axes_table
 from comparisons.stress.cells import CellResult
 from comparisons.stress.verdict import StressVerdict
 from reports.drawing.style import FULL_WIDTH, INK, MUTED, drawn
-from reports.stress.facts import SYMBOLS, Border, Stress, value_words
+from reports.stress.facts import SIGNS, BorderRecord, Stress, value_words
 
-# What a cell is filled with and what its sign is written in: pale where all is well, dark where nothing ran to its end,
-# and nothing else as loud as a motion that is wrong and was let pass.
-COLOURS: Mapping[StressVerdict, tuple[str, str]] = {
-    StressVerdict.WITHIN: ("#cfe8e0", "#07513c"),
-    StressVerdict.OVER: ("#f7e7a6", "#5c4a00"),
-    StressVerdict.CAUGHT: ("#f0a860", "#4a2200"),
-    StressVerdict.MISSED: ("#c8004b", "#ffffff"),
-    StressVerdict.ALARM: ("#d9c2ec", "#43206b"),
-    StressVerdict.DIVERGED: ("#a9bfd8", "#14304f"),
-    StressVerdict.TIMED_OUT: ("#7f97b2", "#ffffff"),
-    StressVerdict.CRASHED: ("#3f5169", "#ffffff"),
-    StressVerdict.UNSUPPORTED: ("#eef0f3", "#5b6673"),
-    StressVerdict.UNAVAILABLE: ("#eef0f3", "#5b6673"),
-}
 # Inches: height of a line, widest cell, gaps between engines and between rows, room for labels, title and values.
 LINE, WIDEST, GAP, ROW_GAP = 0.165, 0.42, 0.16, 0.07
 ROW_LETTER, USAGE_LETTER, TOP, BOTTOM = 0.066, 0.062, 0.3, 0.5
@@ -44,7 +30,7 @@ LINES_OF_LABEL = 0.13
 
 
 @dataclass(frozen=True)
-class Layout:
+class MapLayout:
     """Where everything of one map stands: ``tops`` is each row's upper edge, in, measured downwards."""
 
     values: tuple[float, ...]
@@ -59,7 +45,7 @@ class Layout:
         return len(set(self.usages.values())) == 1
 
 
-def layout(stress: Stress, axis: str) -> Layout:
+def layout(stress: Stress, axis: str) -> MapLayout:
     """Columns, rows and lines of an axis, in the order of the table of axes."""
     results = [one for one in stress.results if one.cell.axis == axis]
     usages: dict[str, dict[str, None]] = {}
@@ -71,7 +57,7 @@ def layout(stress: Stress, axis: str) -> Layout:
     for row in rows:
         tops.append(depth)
         depth += max(deep, len(_wrapped(row)) * LINES_OF_LABEL) + ROW_GAP
-    return Layout(
+    return MapLayout(
         columns(axis, results, quick=bool(stress.document["quick"])),
         rows,
         {name: tuple(found) for name, found in usages.items()},
@@ -111,14 +97,14 @@ def stress_figure(stress: Stress, axis: str) -> Figure:
     return drawn(width, height, draw)
 
 
-def _room(plan: Layout, engine: str, *, first: bool) -> float:
+def _room(plan: MapLayout, engine: str, *, first: bool) -> float:
     """What the labels left of a panel take, in."""
     letters = max(map(len, plan.usages[engine])) * USAGE_LETTER + 0.1
     label = max(SHORTEST, *(len(line) for row in plan.rows for line in _wrapped(row))) * ROW_LETTER + 0.15
     return (label if first else GAP) + (letters if first or not plan.shared else 0.0)
 
 
-def _panel(panel: Axes, stress: Stress, axis: str, engine: str, plan: Layout, *, first: bool) -> None:
+def _panel(panel: Axes, stress: Stress, axis: str, engine: str, plan: MapLayout, *, first: bool) -> None:
     panel.set_xlim(0.0, len(plan.values))
     panel.set_ylim(plan.depth, 0.0)
     panel.grid(visible=False)
@@ -146,12 +132,14 @@ def _cells(
             place = values.index(one.cell.value), at[one.cell.row, one.cell.usage]
             places.setdefault(one.verdict, []).append(place)
     for verdict, found in places.items():
-        fill, ink = COLOURS[verdict]
+        sign = SIGNS[verdict]
         boxes = [_box(x, y) for x, y in found]
-        panel.add_patch(PathPatch(Outline.make_compound_path(*boxes), facecolor=fill, edgecolor="white", linewidth=0.8))
+        panel.add_patch(
+            PathPatch(Outline.make_compound_path(*boxes), facecolor=sign.fill, edgecolor="white", linewidth=0.8)
+        )
         bold = "bold" if verdict in (StressVerdict.MISSED, StressVerdict.CAUGHT) else "normal"
         for x, y in found:
-            panel.text(x + 0.5, y + 0.54 * LINE, SYMBOLS[verdict], color=ink, fontsize=7.0, fontweight=bold,
+            panel.text(x + 0.5, y + 0.54 * LINE, sign.symbol, color=sign.ink, fontsize=7.0, fontweight=bold,
                        ha="center", va="center")  # fmt: skip
 
 
@@ -160,14 +148,14 @@ def _box(x: float, y: float) -> Outline:
     return Outline(corners, closed=True)
 
 
-def _border(panel: Axes, border: Border, top: float, values: Sequence[float]) -> None:
+def _border(panel: Axes, border: BorderRecord, top: float, values: Sequence[float]) -> None:
     """A bar between the last column inside and the first one beyond."""
     place = border_place(border, values)
     if place is not None:
         panel.plot([place, place], [top, top + LINE], color=INK, linewidth=2.2, solid_capstyle="butt", clip_on=False)
 
 
-def border_place(border: Border, values: Sequence[float]) -> int | None:
+def border_place(border: BorderRecord, values: Sequence[float]) -> int | None:
     """The column that a border stands left of; None if one of its sides was never found."""
     if border.inside is None or border.outside is None:
         return None
@@ -181,7 +169,7 @@ def _between(one: float, other: float) -> float:
     return math.sqrt(one * other) if min(one, other) > 0.0 else 0.5 * (one + other)
 
 
-def _labels(panel: Axes, at: Mapping[tuple[str, str], float], plan: Layout, *, first: bool) -> None:
+def _labels(panel: Axes, at: Mapping[tuple[str, str], float], plan: MapLayout, *, first: bool) -> None:
     panel.set_xticks([n + 0.5 for n in range(len(plan.values))], [value_words(value) for value in plan.values],
                      rotation=90, fontsize=6.5)  # fmt: skip
     named = first or not plan.shared
@@ -195,7 +183,7 @@ def _labels(panel: Axes, at: Mapping[tuple[str, str], float], plan: Layout, *, f
         _row_labels(panel, plan)
 
 
-def _row_labels(panel: Axes, plan: Layout) -> None:
+def _row_labels(panel: Axes, plan: MapLayout) -> None:
     room = _room(plan, next(iter(plan.usages)), first=True)
     for row, top in zip(plan.rows, plan.tops, strict=True):
         panel.annotate("\n".join(_wrapped(row)), (0.0, top), xycoords=("axes fraction", "data"), fontsize=7.0,

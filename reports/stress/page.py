@@ -13,25 +13,16 @@ from comparisons.stress.axes import axes
 from comparisons.stress.cells import CellResult
 from comparisons.stress.verdict import MEANINGS, StressVerdict
 from reports.drawing.style import picture
+from reports.facts.environment import environment_facts
 from reports.facts.views import anchor
-from reports.stress.facts import FILE, SYMBOLS, Stress, axis_title, value_words
-from reports.stress.figure import COLOURS, stress_figure
-from reports.stress.section import TEMPLATES, Table, border_table, fragment, templates
+from reports.stress.facts import FILE, SIGNS, Stress, axis_title, value_words
+from reports.stress.figure import stress_figure
+from reports.stress.section import border_table, section
+from reports.text.tables import ReportTable
+from reports.text.templates import render
 
 PAGE = "stress.html"
 MAP_WORDS = "A bar stands at the border of the limit, where bisection found it between two columns or beside one."
-
-
-@dataclass(frozen=True)
-class LegendEntry:
-    """A verdict as the maps show it."""
-
-    symbol: str
-    fill: str
-    ink: str
-    name: str
-    meaning: str
-    cells: int
 
 
 @dataclass(frozen=True)
@@ -44,29 +35,17 @@ class AxisPart:
     cells: int
     counts: str
     drawing: Markup
-    borders: Table
-
-
-@dataclass(frozen=True)
-class Incident:
-    """A cell worth a reader's look, with the command that makes it again."""
-
-    place: str
-    value: str
-    engine: str
-    usage: str
-    reason: str
-    command: str
+    borders: ReportTable
 
 
 @dataclass(frozen=True)
 class IncidentList:
-    """All cells of one verdict; a long list is folded away."""
+    """All cells of one verdict, each with the command that makes it again; a long list is folded away."""
 
     key: str
     title: str
     meaning: str
-    rows: tuple[Incident, ...]
+    table: ReportTable
     is_open: bool
 
 
@@ -78,42 +57,28 @@ def write(stress: Stress, folder: Path) -> Path:
 
 def page(stress: Stress) -> str:
     """The page's HTML."""
-    return (
-        templates()
-        .get_template("stress.html")
-        .render(
-            style=Markup((TEMPLATES / "style.css").read_text(encoding="utf-8")),
-            facts=facts(stress),
-            section=fragment(stress, with_borders=False),
-            legend=legend(stress),
-            map_words=MAP_WORDS,
-            axes=[axis_part(stress, name) for name in stress.axes],
-            incidents=incidents(stress),
-            command=stress.document["command"],
-            file=FILE,
-        )
+    return render(
+        "stress.html",
+        facts=facts(stress),
+        section=section(stress, with_borders=False),
+        signs=SIGNS,
+        meanings=MEANINGS,
+        count=stress.count(),
+        map_words=MAP_WORDS,
+        axes=[axis_part(stress, name) for name in stress.axes],
+        incidents=incidents(stress),
+        command=stress.document["command"],
+        file=FILE,
     )
 
 
 def facts(stress: Stress) -> list[tuple[str, str]]:
     """Name and value of everything that decides a cell."""
-    told = dict(stress.document["environment"])
-    first = [(name.capitalize(), told.pop(name)) for name in ("date", "machine", "commit") if name in told]
     spent = sum(one.spent for one in stress.results)
     return [
         ("Command", stress.document["command"]),
-        *first,
-        ("Versions", ", ".join(f"{name} {version}" for name, version in told.items())),
+        *environment_facts(stress.document["environment"]),
         ("Cells", f"{len(stress.results)}, {spent:.0f} s of work in all"),
-    ]
-
-
-def legend(stress: Stress) -> list[LegendEntry]:
-    """Every verdict with its sign and meaning, those that did not occur too."""
-    count = stress.count()
-    return [
-        LegendEntry(SYMBOLS[verdict], *COLOURS[verdict], verdict.value, MEANINGS[verdict], count[verdict])
-        for verdict in StressVerdict
     ]
 
 
@@ -134,7 +99,7 @@ def axis_part(stress: Stress, name: str) -> AxisPart:
 
 
 def incidents(stress: Stress) -> list[IncidentList]:
-    """What was missed, what was a false alarm, what was caught, what crashed; the worst first."""
+    """What was missed, what was a false alarm, what crashed, what was caught; engines together."""
     folded: Mapping[StressVerdict, bool] = {
         StressVerdict.MISSED: False,
         StressVerdict.ALARM: False,
@@ -143,19 +108,18 @@ def incidents(stress: Stress) -> list[IncidentList]:
     }
     return [
         IncidentList(anchor(verdict.value), verdict.value.capitalize(), MEANINGS[verdict],
-                     tuple(map(incident, _ordered(stress.of(verdict)))), is_open=not fold)
+                     incident_table(stress.of(verdict)), is_open=not fold)
         for verdict, fold in folded.items()
     ]  # fmt: skip
 
 
-def _ordered(results: Iterable[CellResult]) -> list[CellResult]:
-    """Engines together, each in the order of the maps."""
-    return sorted(results, key=lambda one: one.cell.engine)
+def incident_table(results: Iterable[CellResult]) -> ReportTable:
+    """A row per cell, with its reason and its command."""
+    rows = tuple(_incident(one) for one in sorted(results, key=lambda one: one.cell.engine))
+    return ReportTable("", ("Engine", "Axis: row", "Value", "Usage", "Reason", "Again"), rows, align="llrl")
 
 
-def incident(result: CellResult) -> Incident:
-    """A cell in words."""
-    cell = result.cell
+def _incident(result: CellResult) -> tuple[str, ...]:
+    cell, command = result.cell, Markup("<code>{}</code>").format(result.document["command"])
     place = f"{axis_title(cell.axis)}: {cell.row}"
-    command = str(result.document["command"])
-    return Incident(place, value_words(cell.value), cell.engine, cell.usage, result.judgement.reason, command)
+    return (cell.engine, place, value_words(cell.value), cell.usage, result.judgement.reason, command)

@@ -1,16 +1,9 @@
-"""Where every engine stops being right: what the stress maps come to, for pages, RESULTS.md and the terminal.
-
-Needs no engine and draws nothing: a saved stress test is read and nothing else.
-"""
+"""Where each engine fails: the tables and the summary of a stress test, for pages and the terminal; draws nothing."""
 
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
-from functools import cache
-from pathlib import Path
 
-import jinja2
 from markupsafe import Markup
 
 from comparisons.stress.cells import CellResult
@@ -18,33 +11,20 @@ from comparisons.stress.long_run import LEAST
 from comparisons.stress.verdict import StressVerdict
 from reports.stress.facts import (
     APART,
-    FILE,
+    SIGNS,
     SILENT,
-    SYMBOLS,
-    Border,
+    BorderRecord,
     Line,
     Stress,
     axis_title,
-    load,
     shown_verdicts,
     value_words,
 )
 from reports.text.numbers import ABSENT, error, figure
+from reports.text.tables import ReportTable
+from reports.text.templates import render
 
-__all__ = ["FILE", "TITLE", "Stress", "fragment", "load", "markdown", "summary"]
-TEMPLATES = Path(__file__).parents[1] / "templates"
-TITLE = "Where every engine stops being right"
-
-
-@dataclass(frozen=True)
-class Table:
-    """A table ready to be printed: ``words`` columns of words, then figures; the column ``loud`` is bold."""
-
-    lead: str
-    head: tuple[str, ...]
-    rows: tuple[tuple[str, ...], ...]
-    words: int
-    loud: int | None = None
+TITLE = "Where each engine fails"
 
 
 def summary(stress: Stress) -> str:
@@ -53,11 +33,11 @@ def summary(stress: Stress) -> str:
     wrong = sum(count[verdict] for verdict in SILENT)
     kind = "a quick map" if stress.document.get("quick") else "full maps"
     return (
-        f"Each engine is driven from where a problem is easy to where it gives way: {_of(len(stress.results), 'cell')} "
-        f"on {_of(len(stress.axes), 'axis', 'axes')}, {kind}, each run in a process of its own and held against the "
-        f"closed form. {_of(wrong, 'run')} said finished with a wrong motion; invariants that know no closed form "
-        f"caught {count[StressVerdict.CAUGHT]} and missed {count[StressVerdict.MISSED]}. They raised "
-        f"{_of(count[StressVerdict.ALARM], 'alarm')} at a motion within every limit."
+        f"Each engine is driven from easy conditions to conditions it cannot handle: {kind} of "
+        f"{_of(len(stress.results), 'cell')} on {_of(len(stress.axes), 'axis', 'axes')}, each run in a process of its "
+        f"own and compared with the closed form. {_of(wrong, 'run')} reported success with a wrong motion; the checks, "
+        f"which need no reference, flagged {count[StressVerdict.CAUGHT]} of them and missed "
+        f"{count[StressVerdict.MISSED]}. False alarms: {count[StressVerdict.ALARM]}."
     )
 
 
@@ -65,21 +45,20 @@ def _of(count: int, name: str, many: str = "") -> str:
     return f"{count} {name if count == 1 else many or name + 's'}"
 
 
-def verdict_table(stress: Stress) -> Table:
+def verdict_table(stress: Stress) -> ReportTable:
     """Cells by engine and verdict; that none is missed is the claim."""
     shown = shown_verdicts(stress)
     names = [*stress.engines, *([""] if len(stress.engines) > 1 else [])]
     counts = [(name or "all", stress.count(name)) for name in names]
-    return Table(
-        "Cells of every engine by verdict. Missed is a wrong motion that nothing of ours saw: none may be.",
-        ("engine", *(f"{SYMBOLS[verdict]} {verdict.value}" for verdict in shown), "cells"),
+    return ReportTable(
+        "Cells of every engine by verdict. Missed: a wrong motion that no check flagged; there must be none.",
+        ("engine", *(f"{SIGNS[verdict].symbol} {verdict.value}" for verdict in shown), "cells"),
         tuple((name, *(str(count[one]) for one in shown), str(count.total())) for name, count in counts),
-        words=1,
-        loud=1 + shown.index(StressVerdict.MISSED),
+        bold=1 + shown.index(StressVerdict.MISSED),
     )
 
 
-def border_table(stress: Stress, names: Iterable[str] = ()) -> Table:
+def border_table(stress: Stress, names: Iterable[str] = ()) -> ReportTable:
     """How far each line goes, engines side by side; of these axes, of all if none is named."""
     chosen = tuple(names)
     kept = [line for line in stress.lines if not chosen or line[0] in chosen]
@@ -91,11 +70,11 @@ def border_table(stress: Stress, names: Iterable[str] = ()) -> Table:
     ]
     first = 1 if len(chosen) == 1 else 0  # the axis goes without saying
     head = ("axis", "row", "usage", *engines)[first:]
-    return Table(
+    return ReportTable(
         "The last value within the limit, then the first beyond it and what it is there; found by bisection.",
         head,
         tuple(row[first:] for row in rows),
-        words=len(head),
+        align="l",
     )
 
 
@@ -123,17 +102,17 @@ def _nowhere(cells: Sequence[CellResult]) -> str:
     return f"none within: {', '.join(seen)}"
 
 
-def border_words(border: Border) -> str:
+def border_words(border: BorderRecord) -> str:
     """``0.001, over limit at 7.2e-4``."""
     beyond = f"{border.verdict.value} at {value_words(border.outside)}"
     return beyond if border.inside is None else f"{value_words(border.inside)}, {beyond}"
 
 
-def long_run_table(stress: Stress) -> Table | None:
+def long_run_table(stress: Stress) -> ReportTable | None:
     """First against last turn, if it was measured."""
     if not stress.long_runs:
         return None
-    return Table(
+    return ReportTable(
         "Long driven runs, first turn against last: the widest joint gap over the shortest link, the torque's largest "
         "error over its peak.",
         ("mechanism", "engine", "setting", "outcome", "turns",
@@ -144,7 +123,7 @@ def long_run_table(stress: Stress) -> Table | None:
              error(run.torque_first), error(run.torque_last), _ratio(run.torque_last, run.torque_first))
             for run in stress.long_runs
         ),
-        words=4,
+        align="llllr",
     )  # fmt: skip
 
 
@@ -155,44 +134,13 @@ def _ratio(last: float | None, first: float | None) -> str:
     return figure(max(last, LEAST) / max(first, LEAST), 2)
 
 
-def fragment(stress: Stress, *, with_borders: bool = True) -> Markup:
+def section(stress: Stress, *, with_borders: bool = True) -> Markup:
     """The section's HTML, heading and tables, as a page has it; the long table of borders folded away."""
-    return Markup(
-        templates()
-        .get_template("stress_section.html")
-        .render(
-            title=TITLE,
-            about=summary(stress),
-            verdicts=verdict_table(stress),
-            long_runs=long_run_table(stress),
-            borders=border_table(stress) if with_borders else None,
-        )
-    )
-
-
-@cache
-def templates() -> jinja2.Environment:
-    """The templates of the stress maps."""
-    return jinja2.Environment(
-        loader=jinja2.FileSystemLoader(TEMPLATES),
-        autoescape=True,
-        undefined=jinja2.StrictUndefined,
-        trim_blocks=True,
-        lstrip_blocks=True,
-    )
-
-
-def markdown(stress: Stress) -> str:
-    """The section in Markdown."""
-    parts = [f"## {TITLE}", summary(stress)]
-    for table in (verdict_table(stress), long_run_table(stress), border_table(stress)):
-        parts += [table.lead, _markdown_table(table)] if table else []
-    return "\n\n".join(parts) + "\n"
-
-
-def _markdown_table(table: Table) -> str:
-    rule = ["---" if number < table.words else "---:" for number in range(len(table.head))]
-    rows = [[f"**{cell}**" if n == table.loud else cell for n, cell in enumerate(row)] for row in table.rows]
-    return "\n".join(
-        "| " + " | ".join(cell.replace("|", "\\|") for cell in cells) + " |" for cells in (table.head, rule, *rows)
+    return render(
+        "stress_section.html",
+        title=TITLE,
+        about=summary(stress),
+        verdicts=verdict_table(stress),
+        long_runs=long_run_table(stress),
+        borders=border_table(stress) if with_borders else None,
     )

@@ -18,18 +18,9 @@ from comparisons.campaign.campaign import RunResult
 from comparisons.judging.quantities import JOINT_FORCE
 from comparisons.judging.records import Record, Verdict
 from comparisons.reference.published import PublishedRecord
+from reports.text.signs import PUBLISHED, RUNS
 
 ACROSS = 4  # runs side by side in a table of 80 columns
-
-SIGNS = {
-    Verdict.PASSED.value: ("✓", "green"),
-    Verdict.OVER_LIMIT.value: ("✗", "red"),
-    Verdict.DIVERGED.value: ("diverged", "red"),
-    Verdict.UNSUPPORTED.value: ("unsupported", "yellow"),
-    Verdict.UNAVAILABLE.value: ("not installed", "yellow"),
-    Verdict.TIMED_OUT.value: ("timed out", "red"),
-    Verdict.CRASHED.value: ("crashed", "red"),
-}
 
 
 def catalogue(linkages: Iterable[Linkage]) -> Table:
@@ -111,9 +102,6 @@ def feed_table(comparison: FeedComparison) -> Group:
     return Group(table, Text(line))
 
 
-VERDICTS = {"reproduced": ("=", "green"), "within 6 %": ("≈", ""), "not reproduced": ("≠", "red")}
-
-
 def published(records: Sequence[PublishedRecord]) -> Group:
     """Printed figures beside ours, a table per mechanism with a column per variant."""
     blocks: list[RenderableType] = []
@@ -121,7 +109,7 @@ def published(records: Sequence[PublishedRecord]) -> Group:
         together = list(part)
         noted = dict.fromkeys(f"{r.quantity} {r.published:.4g} {r.unit}: {r.note}" for r in together if r.note)
         blocks += [Text(mechanism, style="bold"), _published_table(together), *map(Text, noted), Text("")]
-    signs = "; ".join(f"{sign} {words}" for words, (sign, _) in VERDICTS.items())
+    signs = "; ".join(f"{sign.symbol} {sign.word}" for sign in PUBLISHED.values())
     return Group(*blocks, Text(f"{signs} (reproduced: to the printed digits)"))
 
 
@@ -137,8 +125,8 @@ def _published_table(records: Sequence[PublishedRecord]) -> Table:
 
 
 def _ours(record: PublishedRecord) -> Text:
-    sign, style = VERDICTS[record.verdict]
-    return Text(f"{record.ours:.4g} {sign}\n{record.deviation:+.1%}", style=style)
+    sign = PUBLISHED[record.verdict]
+    return Text(f"{record.ours:.4g} {sign.symbol}\n{record.deviation:+.1%}", style=sign.colour)
 
 
 def campaign(results: Sequence[RunResult]) -> Group:
@@ -192,8 +180,9 @@ def _limits(records: Sequence[Record | None]) -> str:
 def _cell(record: Record | None) -> Text:
     if record is None:
         return Text("")
-    sign, style = SIGNS[record.outcome]
-    return Text(sign if record.error_max is None else f"{record.error_max:.1e} {sign}", style=style)
+    sign = RUNS[record.outcome]
+    words = sign.word if record.error_max is None else f"{record.error_max:.1e} {sign.symbol}"
+    return Text(words, style=sign.colour)
 
 
 def _reasons(results: Sequence[RunResult]) -> list[Text]:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from comparisons.work_precision.records import Bench
+from reports.facts.environment import environment_facts
 from reports.text.numbers import seconds
 from reports.work_precision.facts import measured_points
 from reports.work_precision.words import noise_share
@@ -12,14 +13,10 @@ from reports.work_precision.words import noise_share
 
 def facts(bench: Bench) -> list[tuple[str, str]]:
     """Name and value of everything that decides a figure or a time."""
-    told = dict(bench.document["environment"])
-    first = [(name.capitalize(), told.pop(name)) for name in ("date", "machine", "commit") if name in told]
-    versions = ", ".join(f"{name} {version}" for name, version in told.items())
     return [
         ("Command", bench.document["command"]),
         ("Conditions", bench.document["conditions"]),
-        *first,
-        ("Versions", versions),
+        *environment_facts(bench.document["environment"]),
         ("Points", f"{measured_points(bench.records)}, timed {_runs(bench)} times in all"),
         ("First use", _first_use(bench)),
     ]

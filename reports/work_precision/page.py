@@ -11,12 +11,14 @@ from comparisons.runs.files import write_text
 from comparisons.work_precision.measure import JOINTS
 from comparisons.work_precision.records import FILE, Bench
 from reports.facts.views import anchor
+from reports.text.tables import ReportTable
+from reports.text.templates import render
 from reports.work_precision.circumstances import facts, measured
 from reports.work_precision.facts import PlaceFacts, engine_names, failed_methods, places
 from reports.work_precision.figure import save_figure
 from reports.work_precision.interactive import SCRIPT, bench_html, script
-from reports.work_precision.section import TEMPLATES, bench_style, fragment, overview, regimes, templates
-from reports.work_precision.words import MethodRow, method_row, method_rows, noise_share, standing_words
+from reports.work_precision.section import overview, regimes, section
+from reports.work_precision.words import floor_table, method_table, noise_share, standing_words
 
 PAGE = "bench.html"
 
@@ -26,8 +28,7 @@ class QuantityPart:
     """One quantity of one mechanism and regime."""
 
     name: str
-    lead: str
-    rows: tuple[MethodRow, ...]
+    table: ReportTable
     standings: tuple[str, ...]
 
 
@@ -57,22 +58,17 @@ def write(bench: Bench, folder: Path) -> Path:
 def page(bench: Bench) -> str:
     """The page's HTML."""
     every = places(bench)
-    return (
-        templates()
-        .get_template("bench.html")
-        .render(
-            style=Markup((TEMPLATES / "style.css").read_text(encoding="utf-8")),
-            bench_style=bench_style(),
-            script=SCRIPT,
-            titles=list(dict.fromkeys(place.title for place in every)),
-            facts=facts(bench),
-            section=fragment(bench),
-            places=[_place(bench, place) for place in every],
-            methods=method_rows(bench),
-            measured=list(measured(bench)),
-            command=bench.document["command"],
-            file=FILE,
-        )
+    return render(
+        "bench.html",
+        script=SCRIPT,
+        titles=list(dict.fromkeys(place.title for place in every)),
+        facts=facts(bench),
+        section=section(bench),
+        places=[_place(bench, place) for place in every],
+        methods=method_table(bench),
+        measured=list(measured(bench)),
+        command=bench.document["command"],
+        file=FILE,
     )
 
 
@@ -102,8 +98,7 @@ def _quantity(place: PlaceFacts, name: str, noise: float) -> QuantityPart:
     worst = "; of joint forces the worst joint's" if name == JOINTS else ""
     return QuantityPart(
         name=name.replace("_", " "),
-        lead=f"Largest error over the closed form's peak{over}{worst}.",
-        rows=tuple(method_row(facts, sweep) for facts in engines for sweep in facts.sweeps),
+        table=floor_table(engines, f"Largest error over the closed form's peak{over}{worst}."),
         standings=tuple(
             f"{facts.engine} {standing_words(one, facts.way(one.rival) if one.rival else '', noise)}"
             for facts in engines

@@ -1,16 +1,12 @@
-"""What to use for which error: a table per engine and a plot per regime, for pages and for RESULTS.md.
+"""What to use for which error: a table per engine and a plot per regime, for pages.
 
 Needs no engine: a saved benchmark is read and nothing else.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import cache
-from pathlib import Path
 
-import jinja2
 from markupsafe import Markup
 from matplotlib.figure import Figure
 
@@ -19,13 +15,13 @@ from comparisons.work_precision.records import Bench
 from reports.drawing.style import picture
 from reports.facts.views import anchor
 from reports.text.numbers import bound
+from reports.text.templates import render
 from reports.work_precision.circumstances import note
 from reports.work_precision.facts import EngineFacts, PlaceFacts, engine_names, failed_methods, places
 from reports.work_precision.figure import bench_figure
 from reports.work_precision.stories import LEAD, SettingStory, stories
 from reports.work_precision.words import ChoiceCell, choice_cell, noise_share
 
-TEMPLATES = Path(__file__).parents[1] / "templates"
 TITLE = "How accurate an engine is for its cost"
 ABOUT = (
     "Every engine's methods and settings over a sweep of steps, each error beside the wall time of the stepping alone. "
@@ -62,11 +58,6 @@ class Overview:
     regime: str
     lead: str
     drawing: Markup
-
-
-def wanted_words() -> tuple[str, ...]:
-    """The errors that choices are made for."""
-    return tuple(bound(error) for error in WANTED)
 
 
 def choice_tables(bench: Bench) -> tuple[ChoiceTable, ...]:
@@ -125,64 +116,15 @@ def overviews(bench: Bench, only_first: bool = False) -> tuple[Overview, ...]:
     )
 
 
-def fragment(bench: Bench, *, only_first: bool = False) -> Markup:
+def section(bench: Bench, *, only_first: bool = False) -> Markup:
     """The section's HTML, heading, plots and tables, as a page has it."""
-    return Markup(
-        templates()
-        .get_template("bench_section.html")
-        .render(
-            title=TITLE,
-            about=ABOUT,
-            figures=overviews(bench, only_first),
-            tables=choice_tables(bench),
-            wanted=wanted_words(),
-            lead=LEAD,
-            note=note(bench),
-        )
+    return render(
+        "bench_section.html",
+        title=TITLE,
+        about=ABOUT,
+        figures=overviews(bench, only_first),
+        tables=choice_tables(bench),
+        wanted=[bound(error) for error in WANTED],
+        lead=LEAD,
+        note=note(bench),
     )
-
-
-def bench_style() -> Markup:
-    """What a page's style needs besides, for the tables of ``fragment``."""
-    return Markup((TEMPLATES / "bench.css").read_text(encoding="utf-8"))
-
-
-@cache
-def templates() -> jinja2.Environment:
-    """The templates of the benchmark."""
-    return jinja2.Environment(
-        loader=jinja2.FileSystemLoader(TEMPLATES),
-        autoescape=True,
-        undefined=jinja2.StrictUndefined,
-        trim_blocks=True,
-        lstrip_blocks=True,
-    )
-
-
-def markdown(bench: Bench, picture_at: str = "") -> str:
-    """The section in Markdown; ``picture_at`` is where a plot of it lies, if anywhere."""
-    parts = [f"## {TITLE}", ABOUT]
-    parts += [f"![{TITLE}]({picture_at})"] if picture_at else []
-    for table in choice_tables(bench):
-        parts += [f"### {table.engine}: what to use for an error", table.lead, _markdown_table(table)]
-        parts += [LEAD, "\n".join(f"- {one.setting}: {one.told}" for one in table.stories)] if table.stories else []
-    return "\n\n".join([*parts, note(bench)]) + "\n"
-
-
-def _markdown_table(table: ChoiceTable) -> str:
-    head = ["mechanism", "regime", "quantity", *wanted_words()]
-    rows = [[row.mechanism, row.regime, row.quantity, *_markdown_cells(row)] for row in table.rows]
-    return "\n".join(_line(cells) for cells in (head, ["---"] * len(head), *rows))
-
-
-def _line(cells: Sequence[str]) -> str:
-    return "| " + " | ".join(cell.replace("|", "\\|") for cell in cells) + " |"
-
-
-def _markdown_cells(row: ChoiceRow) -> list[str]:
-    if not row.cells:
-        return [row.failure, *[""] * (len(WANTED) - 1)]
-    return [
-        f"{cell.cost}: {cell.way}{f' @ {cell.step}' if cell.step else ''}" if cell.reached else f"({cell.way})"
-        for cell in row.cells
-    ]

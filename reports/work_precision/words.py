@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass
+
+from markupsafe import Markup
 
 from comparisons.work_precision.analysis import Choice, Standing, SweepFinding
 from comparisons.work_precision.order import SATURATED
 from comparisons.work_precision.records import Bench, BenchRecord
 from reports.text.numbers import ABSENT, error, figure, seconds
+from reports.text.tables import ReportTable
 from reports.work_precision.facts import EngineFacts, effort_words
 
 
@@ -95,12 +99,32 @@ def method_row(facts: EngineFacts, sweep: SweepFinding) -> MethodRow:
     )
 
 
-def method_rows(bench: Bench) -> list[tuple[str, str, str, str]]:
+def floor_table(engines: Iterable[EngineFacts], caption: str) -> ReportTable:
+    """Order, floor and cause of every method at every effort, for a page."""
+    rows = [method_row(facts, sweep) for facts in engines for sweep in facts.sweeps]
+    cells = tuple(
+        (row.engine, row.way, row.order, row.floor, row.step, row.cost, _with_note(row.cause, row.evidence))
+        for row in rows
+    )
+    head = ("Engine", "Method", "Order", "Floor", "at steps a turn", "in", "What limits the error")
+    return ReportTable(caption, head, cells, align="llrrrrl")
+
+
+def _with_note(words: str, note: str) -> str:
+    return Markup('{}<small class="note">{}</small>').format(words, note) if note else words
+
+
+def method_table(bench: Bench) -> ReportTable:
     """Engine, method, what it is, and the solver effort it comes with."""
-    return [
+    rows = tuple(
         (told["engine"], told["name"], told["about"], effort_words(told["effort"], told["effort_unit"]))
         for told in bench.document["methods"]
-    ]
+    )
+    caption = (
+        "What an engine offers for study, each taking the step it is asked for; the settings are made of these and "
+        "find their steps themselves."
+    )
+    return ReportTable(caption, ("Engine", "Method", "What it is", "Solver effort"), rows, align="l")
 
 
 # Times closer than this are the same time, however quiet the machine.

@@ -87,9 +87,9 @@ def test_ids_are_unique_and_links_lead_somewhere(read):
 
 def test_sections_stand_in_the_order_of_a_report(read):
     tops = [
-        "What was run", "Every deviation beside its limit", "Juki MF-7923D needle mechanism (four-bar crank-slider)",
+        "What was run", "Every error beside its limit", "Juki MF-7923D needle mechanism (four-bar crank-slider)",
         "Rimoldi 164 needle mechanism (six-bar)", "Settings used", "Limits and their reasons", "Known limitations",
-        "Doing it again",
+        "Reproduce this report",
     ]  # fmt: skip
     assert [heading for heading in read.headings if heading in tops] == tops
     parts = ["Motion of the output", "Reduced moment of inertia Jeq", "Forces in the joints and on the frame",

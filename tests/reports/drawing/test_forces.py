@@ -12,7 +12,7 @@ from reports.campaign.model_parts import forces_part
 from reports.drawing import forces
 from reports.drawing.run_up import histories
 from reports.facts.forces import TurnForces, lead
-from reports.facts.joint_rows import joint_rows, worst_joint
+from reports.facts.joint_rows import joint_table, worst_joint
 from reports.facts.views import views
 from tests.reports.made_up_results import made_up_results, text_of
 
@@ -79,7 +79,8 @@ def test_only_the_worst_joint_has_a_history_and_all_have_a_row(view):
     (regime,) = view.regimes
     assert worst_joint(view, regime) == ["joint_force:P1"]
     assert histories(view, regime) == ["joint_force:P1"]
-    head, rows = joint_rows(view, regime)
+    table = joint_table(view, regime)
+    head, rows = table.head, table.rows
     assert head[:3] == ("joint", "peak, N", "alpha naive")
     assert {row[0] for row in rows} == {"P1", "slot slider on rocker"}
     assert set(next(row for row in rows if row[0] != "P1")[2:]) == {"< 1e-13"}
@@ -87,5 +88,5 @@ def test_only_the_worst_joint_has_a_history_and_all_have_a_row(view):
 
 def test_no_rows_without_joint_forces():
     (bare,) = views(made_up_results(samples=21, quantities=("Jeq",)))
-    assert joint_rows(bare, bare.regimes[0]) is None
+    assert joint_table(bare, bare.regimes[0]) is None
     assert worst_joint(bare, bare.regimes[0]) == []

@@ -63,10 +63,9 @@ def test_standings_count_and_name_the_record_that_uses_most_of_its_limit(results
 
 
 def test_limits_carry_their_reasons(results):
-    rows = matrix.limit_rows(results)
-    jeq = next(row for row in rows if row.quantities.startswith("Jeq"))
-    assert jeq.value == "1e-4"
-    assert "smoother than torque" in jeq.reason
+    jeq = next(row for row in matrix.limit_table(results).rows if row[0].startswith("Jeq"))
+    assert jeq[3] == "1e-4"
+    assert "smoother than torque" in jeq[4]
 
 
 def test_what_only_the_baseline_caught_is_told(results):

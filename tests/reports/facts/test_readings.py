@@ -1,6 +1,6 @@
 """Published figures stand beside every variant, whatever variant ran."""
 
-from reports.facts.readings import met, readings, worded
+from reports.facts.readings import met, readings
 from tests.reports.made_up_results import made_up_results
 
 
@@ -10,7 +10,3 @@ def test_every_variant_has_a_column():
     mean = next(row for row in found.rows if row.quantity == "Jeq.mean")
     assert [one.verdict for one in mean.ours] == ["within 6 %", "reproduced"]
     assert {total for _, _, _, total in met(found)} == {len(found.rows)}
-
-
-def test_quantities_are_worded():
-    assert worded("Jeq:needle_bar.mean") == "Jeq of needle bar, mean"

@@ -9,7 +9,7 @@ from comparisons.work_precision.records import FILE, save
 from reports.command_line.bench import rebuild
 from reports.work_precision import page as bench_page
 from reports.work_precision.facts import places
-from reports.work_precision.section import choice_tables, fragment, markdown
+from reports.work_precision.section import choice_tables, section
 from reports.work_precision.stories import stories
 from reports.work_precision.words import choice_cell, noise_share, standing_words
 from tests.reports.made_up_bench import made_up_bench, nothing_finished
@@ -78,18 +78,11 @@ def test_a_benchmark_that_gave_nothing_has_a_page_that_says_why():
 
 
 def test_the_fragment_has_a_table_for_every_engine():
-    told = fragment(BENCH)
+    told = section(BENCH)
     assert [table.engine for table in choice_tables(BENCH)] == ["alpha", "beta"]
     assert told.count('<table class="choices">') == 2
     assert told.count("<svg") == 1
     assert "<made up>" not in told
-
-
-def test_markdown_tables_have_a_cell_for_every_error():
-    lines = [line for line in markdown(BENCH, "plot.svg").splitlines() if line.startswith("|")]
-    assert {line.count("|") for line in lines} == {11}
-    assert "![How accurate an engine is for its cost](plot.svg)" in markdown(BENCH, "plot.svg")
-    assert "not installed" in markdown(nothing_finished())
 
 
 def test_a_choice_names_its_way_its_step_and_its_price():

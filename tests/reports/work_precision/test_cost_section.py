@@ -1,4 +1,4 @@
-"""The table of costs says what was measured, in HTML, Markdown and on a terminal."""
+"""The table of costs says what was measured, in HTML and on a terminal."""
 
 import re
 
@@ -6,7 +6,7 @@ import pytest
 from rich.console import Console
 
 from comparisons.work_precision.records import Cost
-from reports.work_precision.economy_section import ABOUT, TITLE, cost_tables, fragment, markdown, terminal
+from reports.work_precision.cost_section import TITLE, cost_tables, section
 
 
 def _run(engine, reduction, least, outcome="finished", reason=""):
@@ -55,16 +55,16 @@ def test_all_rows_are_as_long_as_the_head(tables):
 
 
 def test_the_leads_say_how_often_and_what(tables):
-    assert "made-up (base)" in tables[0].lead
-    assert "3 runs" in tables[0].lead
-    assert "by NumPy: least and median of 3 evaluations at 1000 angles" in tables[1].lead
-    assert "by the compiled path" in tables[2].lead
+    assert "made-up (base)" in tables[0].caption
+    assert "3 runs" in tables[0].caption
+    assert "by NumPy: least and median of 3 evaluations at 1000 angles" in tables[1].caption
+    assert "by the compiled path" in tables[2].caption
     assert "Jeq <alone>: about Jeq <alone>" in tables[0].note
     assert tables[1].note == "everything: S, Jeq."
 
 
 def test_the_page_has_every_cell_once_and_nothing_unescaped(tables):
-    found = fragment(COSTS)
+    found = section(COSTS)
     assert found.startswith(f"<h2>{TITLE}</h2>")
     assert "<alone>" not in found
     cells = re.findall(r"<t[hd][^>]*>([^<]*)</t[hd]>", found)
@@ -74,18 +74,10 @@ def test_the_page_has_every_cell_once_and_nothing_unescaped(tables):
         assert len(re.findall(f"<{tag}[ >]", found)) == found.count(f"</{tag}>")
 
 
-def test_markdown_has_the_same_cells(tables):
-    text = markdown(COSTS)
-    assert text.startswith(f"## {TITLE}\n\n{ABOUT}\n\n")
-    rows = [tuple(cell.strip() for cell in line.strip("|").split("|")) for line in text.splitlines() if line[:1] == "|"]
-    kept = [row for row in rows if not set("".join(row)) <= {"-", ":"}]
-    assert kept == [row for table in tables for row in (table.head, *table.rows)]
-
-
 def test_a_terminal_of_100_columns_holds_it_uncut(tables):
     console = Console(width=100)
     with console.capture() as captured:
-        console.print(terminal(COSTS))
+        console.print(*tables)
     lines = captured.get().splitlines()
     assert max(map(len, lines)) <= 100
     assert "…" not in captured.get()
