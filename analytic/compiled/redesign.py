@@ -9,8 +9,7 @@ from numpy.typing import NDArray
 
 from analytic.compiled.flat_linkage import CONSTANT, Program
 from analytic.description.law import Law
-from analytic.description.linkage import GROUND, Guide, Link, Linkage, Output, PointForce, Spring, Vector
-from analytic.description.vectors import unit
+from analytic.description.linkage import GROUND, Guide, Link, Linkage, Output, PointForce, Spring, Vector, unit
 
 Array = NDArray[np.float64]
 

@@ -8,9 +8,8 @@ from typing import Final
 
 from analytic.description import schema as doc
 from analytic.description.diagnosis import Source
-from analytic.description.linkage import GROUND, Vector
+from analytic.description.linkage import GROUND, Vector, unit
 from analytic.description.units import UNITS, factor
-from analytic.description.vectors import unit
 from analytic.errors import DescriptionError, UnknownNameError
 
 # SI magnitudes outside 1e±60 are slips of the pen, and products of four of them would leave the range of a double.

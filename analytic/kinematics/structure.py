@@ -13,8 +13,7 @@ from collections import defaultdict
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 
-from analytic.description.linkage import GROUND, Link, Linkage, Pin, Slider, Vector
-from analytic.description.vectors import rotate
+from analytic.description.linkage import GROUND, Link, Linkage, Pin, Slider, Vector, rotate
 from analytic.errors import StructureError, listed
 
 # Kinds of class II groups whose two links can be placed; PPP cannot turn and is no group.

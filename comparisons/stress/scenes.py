@@ -8,9 +8,9 @@ from pathlib import Path
 
 import numpy as np
 
+from analytic.description import changes
 from analytic.description.crank_motion import RPM, CrankMotion, Segment, crank_motion
-from analytic.description.law import Law
-from analytic.description.linkage import GROUND, Link, Linkage, ReleasedRegime, Vector
+from analytic.description.linkage import Linkage, ReleasedRegime, Vector
 from analytic.description.loading import catalogue, load
 from analytic.kinematics.mechanism import Mechanism
 from comparisons.reference.case import Case, own_case
@@ -90,75 +90,23 @@ class Conditions:
 def linkage(conditions: Conditions) -> Linkage:
     """The linkage of a cell; its name tells nothing of what was changed."""
     name = conditions.linkage
-    found = load(name if name in catalogue() else str(LINKAGES / f"{name}.toml"))
+    changed = load(name if name in catalogue() else str(LINKAGES / f"{name}.toml"))
     if conditions.mass_factor != 1.0:
-        found = _heavier(found, conditions.link, conditions.mass_factor)
+        link = f"links.{conditions.link}."
+        changed = changes.multiplied(changed, conditions.mass_factor, ("mass", "inertia"), link)
     if conditions.point:
-        found = _moved(found, conditions)
-    found = replace(found, dampers=tuple(replace(d, coefficient=d.coefficient * conditions.damper_factor)
-                                         for d in found.dampers if conditions.damper_factor))  # fmt: skip
+        x, y = (at + conditions.excess * slope for at, slope in zip(conditions.at, conditions.slope, strict=True))
+        changed = changes.with_point(changed, conditions.link, conditions.point, (x, y))
+    if conditions.damper_factor:
+        changed = changes.multiplied(changed, conditions.damper_factor, ("turn_damping",))
+    else:
+        changed = changes.without(changed, "dampers")
     if conditions.load:
-        found = _loaded(found, conditions.load, conditions.load_factor)
+        kinds: tuple[changes.Kind, ...] = ("stiffness", "damping", "turn_damping")
+        changed = changes.without(changed, *({"springs", "dampers"} - {conditions.load}))
+        changed = changes.multiplied(changed, conditions.load_factor, kinds)
     factors = {conditions.scaled: conditions.scale} if conditions.scaled else {}
-    return in_units(found, **factors) if factors else found
-
-
-def _heavier(found: Linkage, name: str, factor: float) -> Linkage:
-    link = found.links[name]
-    inertia = None if link.inertia is None else link.inertia * factor
-    return replace(found, links={**found.links, name: replace(link, mass=link.mass * factor, inertia=inertia)})
-
-
-def _moved(found: Linkage, conditions: Conditions) -> Linkage:
-    place = (
-        conditions.at[0] + conditions.excess * conditions.slope[0],
-        conditions.at[1] + conditions.excess * conditions.slope[1],
-    )
-    if conditions.link == GROUND:
-        return replace(found, ground={**found.ground, conditions.point: place})
-    link = found.links[conditions.link]
-    link = replace(link, points={**link.points, conditions.point: place})
-    return replace(found, links={**found.links, conditions.link: link})
-
-
-def _loaded(found: Linkage, kept: str, factor: float) -> Linkage:
-    """One kind of load alone, times a factor."""
-    springs = tuple(replace(s, stiffness=s.stiffness * factor, damping=s.damping * factor) for s in found.springs)
-    dampers = tuple(replace(d, coefficient=d.coefficient * factor) for d in found.dampers)
-    return replace(found, springs=springs if kept == "springs" else (), dampers=dampers if kept == "dampers" else ())
-
-
-def in_units(found: Linkage, length: float = 1.0, mass: float = 1.0, time: float = 1.0) -> Linkage:
-    """The same problem with every length, mass and time times a factor."""
-    force, torque = mass * length / time**2, mass * length**2 / time**2
-
-    def place(vector: Vector) -> Vector:
-        return (vector[0] * length, vector[1] * length)
-
-    def link(one: Link) -> Link:
-        inertia = None if one.inertia is None else one.inertia * mass * length**2
-        points = {name: place(point) for name, point in one.points.items()}
-        return replace(one, points=points, mass=one.mass * mass, centre=place(one.centre), inertia=inertia)
-
-    return replace(
-        found,
-        ground={name: place(point) for name, point in found.ground.items()},
-        links={name: link(one) for name, one in found.links.items()},
-        sliders=tuple(replace(s, guide=replace(s.guide, through=place(s.guide.through))) for s in found.sliders),
-        slots=tuple(replace(s, guide=replace(s.guide, through=place(s.guide.through))) for s in found.slots),
-        sketch={name: place(point) for name, point in found.sketch.items()},
-        gravity=(found.gravity[0] * length / time**2, found.gravity[1] * length / time**2),
-        forces=tuple(replace(f, force=Law(f.force.values * force, f.force.angles)) for f in found.forces),
-        torques=tuple(replace(t, torque=Law(t.torque.values * torque, t.torque.angles)) for t in found.torques),
-        springs=tuple(
-            replace(
-                s, stiffness=s.stiffness * mass / time**2, length=s.length * length, damping=s.damping * mass / time
-            )
-            for s in found.springs
-        ),
-        dampers=tuple(replace(d, coefficient=d.coefficient * torque * time) for d in found.dampers),
-        thread=None,
-    )
+    return changes.scaled(changed, **factors) if factors else changed
 
 
 def motion(conditions: Conditions) -> CrankMotion:

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Final
 
-from analytic.description.linkage import Linkage, Slot
+from analytic.description.changes import LOADS, with_bare_slots, without
+from analytic.description.linkage import Linkage
 from comparisons.judging.quantities import QUANTITIES
 from engines.scene import Channel
 from engines.scene_builder import is_pin_mass
@@ -54,28 +55,19 @@ def reduced(linkage: Linkage, part: Reduction | Query) -> Linkage | None:
 
 def without_gravity(linkage: Linkage) -> Linkage:
     """The linkage where nothing weighs anything."""
-    return replace(linkage, gravity=(0.0, 0.0))
+    return without(linkage, "gravity")
 
 
 def without_loads(linkage: Linkage) -> Linkage:
     """The linkage without forces, torques, springs and dampers; its weight stays."""
-    return replace(linkage, forces=(), torques=(), springs=(), dampers=())
+    return without(linkage, *LOADS)
 
 
 def without_slot_masses(linkage: Linkage) -> Linkage:
     """The linkage with bare pins in its slots, where a slider is nothing but a mass and an inertia there."""
     loaded = {force.link for force in linkage.forces} | {end for spring in linkage.springs for end in spring.links}
-    bare = {s.link: s for s in linkage.sliders if is_pin_mass(linkage, s) and s.link not in loaded}
-    if not bare:
-        return linkage
-    pins = [replace(pin, links=tuple(name for name in pin.links if name not in bare)) for pin in linkage.pins]
-    return replace(
-        linkage,
-        links={name: link for name, link in linkage.links.items() if name not in bare},
-        pins=tuple(pin for pin in pins if len(pin.links) > 1),
-        sliders=tuple(slider for slider in linkage.sliders if slider.link not in bare),
-        slots=(*linkage.slots, *(Slot(slider.point, slider.guide) for slider in bare.values())),
-    )
+    bare = {s.link for s in linkage.sliders if is_pin_mass(linkage, s) and s.link not in loaded}
+    return with_bare_slots(linkage, bare) if bare else linkage
 
 
 REDUCTIONS: Final = (

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import math
 import shlex
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
+from analytic.description.changes import without
 from analytic.description.crank_motion import REGIMES, RPM, CrankMotion, crank_motion
 from analytic.description.linkage import Linkage
 from analytic.description.loading import catalogue, find, load
@@ -130,7 +131,7 @@ def linkages(choice: Choice) -> tuple[Linkage, ...]:
             names = tuple(having)
         found = [load(name, choice.variant) for name in names]
     if not choice.gravity:
-        found = [replace(linkage, gravity=(0.0, 0.0)) for linkage in found]
+        found = [without(linkage, "gravity") for linkage in found]
     _check_names_differ(found)
     return tuple(found)
 

@@ -7,12 +7,13 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from analytic.description import changes
 from analytic.description.loading import catalogue, load
 from analytic.dynamics import reduced
 from analytic.dynamics.joint_forces import joint_forces
 from analytic.errors import DescriptionError
 from analytic.kinematics.mechanism import Mechanism
-from comparisons.stress.scenes import LINKAGES, Conditions, case, in_units, linkage, motion, reversal, scene
+from comparisons.stress.scenes import LINKAGES, Conditions, case, linkage, motion, reversal, scene
 from engines.scene import Channel, Free
 from engines.start_check import scene_size, start_misfit
 
@@ -24,7 +25,7 @@ LOADED = ["tests/linkages/spring-and-damper.toml", "tests/linkages/force-over-an
 @given(name=st.sampled_from(LOADED), length=POWERS, mass=POWERS, time=POWERS)
 def test_the_closed_form_does_not_notice_units(name, length, mass, time):
     """Torque has the unit m l² t⁻², joint forces m l t⁻²; in these all is the same to rounding."""
-    plain, scaled = Mechanism(load(name)), Mechanism(in_units(load(name), length, mass, time))
+    plain, scaled = Mechanism(load(name)), Mechanism(changes.scaled(load(name), length=length, mass=mass, time=time))
     angle = np.linspace(0.3, 9.0, 25)
     speed, acceleration = 70.0, 900.0
     found, there = plain.sweep(angle), scaled.sweep(angle)

@@ -1,0 +1,86 @@
+"""Every number of a linkage can be changed, and only what is named changes."""
+
+import pytest
+
+from analytic.description import changes
+from analytic.description.loading import load
+from analytic.errors import UnknownNameError
+from tests.analytic.linkages import EVERY, MADE_UP, mechanism
+
+SPRUNG, LOADED = (load(f"tests/linkages/{name}.toml") for name in ("spring-and-damper", "force-over-angle"))
+
+
+@pytest.mark.parametrize(("name", "variant"), EVERY)
+def test_a_change_of_nothing_is_no_change(name, variant):
+    linkage = mechanism(name, variant).linkage
+    assert changes.changed(linkage, lambda path, kind, value: value) == linkage
+
+
+@pytest.mark.parametrize("name", MADE_UP)
+def test_every_number_can_be_set_alone(name):
+    linkage = mechanism(name).linkage
+    before = changes.numbers(linkage)
+    assert len(before) > 10
+    for path, value in before.items():
+        if ".along." not in path:  # a component of a unit vector takes the other one with it
+            after = changes.numbers(changes.with_numbers(linkage, {path: value + 1.0}))
+            assert after == {**before, path: value + 1.0}
+
+
+def test_numbers_have_the_paths_of_the_file():
+    numbers = changes.numbers(load("juki-mf7923d"))
+    assert numbers["links.crank.points.A.x"] == pytest.approx(15.5e-3)
+    assert numbers["links.needle_bar.slides.along.y"] == 1.0
+    assert numbers["gravity.y"] == -9.81
+    assert "forces.1.force.3.x" in changes.numbers(LOADED)
+    assert {"springs.0.stiffness", "dampers.0.coefficient"} <= changes.numbers(SPRUNG).keys()
+
+
+def test_directions_stay_unit_vectors():
+    turned = changes.with_numbers(load("juki-mf7923d"), {"output.along.x": 1.0})
+    assert turned.output.along == pytest.approx((0.5**0.5, 0.5**0.5))
+
+
+def test_an_unknown_number():
+    with pytest.raises(UnknownNameError, match=r"unknown number 'links.crank.mas': did you mean 'links.crank.mass'\?"):
+        changes.with_numbers(load("juki-mf7923d"), {"links.crank.mas": 1.0})
+
+
+def test_points_are_put_elsewhere():
+    linkage = load("rimoldi-164")
+    moved = changes.with_point(linkage, "crank", "O1", (0.1, 0.2))
+    assert moved.links["crank"].points["O1"] == (0.1, 0.2)
+    assert moved.ground == linkage.ground
+    assert changes.with_point(linkage, "ground", "O1", (0.1, 0.2)).ground["O1"] == (0.1, 0.2)
+
+
+def test_scaling_follows_the_dimensions():
+    before, after = changes.numbers(SPRUNG), changes.numbers(changes.scaled(SPRUNG, length=2.0, mass=3.0, time=5.0))
+    factors = {
+        "links.crank.points.A.x": 2.0,
+        "links.crank.mass": 3.0,
+        "links.crank.inertia": 12.0,
+        "springs.0.stiffness": 3.0 / 25.0,
+        "springs.0.damping": 3.0 / 5.0,
+        "springs.0.length": 2.0,
+        "dampers.0.coefficient": 12.0 / 5.0,
+        "gravity.y": 2.0 / 25.0,
+    }
+    for path, factor in factors.items():
+        assert after[path] == pytest.approx(factor * before[path])
+    force = changes.numbers(LOADED)["forces.1.force.1.y"]
+    assert changes.numbers(changes.scaled(LOADED, mass=7.0))["forces.1.force.1.y"] == pytest.approx(7.0 * force)
+
+
+@pytest.mark.parametrize("part", changes.NOTHING)
+def test_a_part_left_out_is_gone_and_nothing_else(part):
+    linkage = load("slotted-takeup") if part == "thread" else SPRUNG
+    bare = changes.without(linkage, part)
+    assert getattr(bare, part) == changes.NOTHING[part]
+    others = [name for name in vars(linkage) if name != part]
+    assert [getattr(bare, name) for name in others] == [getattr(linkage, name) for name in others]
+
+
+def test_an_unknown_part():
+    with pytest.raises(UnknownNameError, match=r"unknown part 'force': did you mean 'forces'\?"):
+        changes.without(SPRUNG, "force")
