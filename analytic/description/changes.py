@@ -81,7 +81,7 @@ def with_point(linkage: Linkage, body: str, point: str, place: Vector) -> Linkag
     return with_numbers(linkage, {f"{path}.x": place[0], f"{path}.y": place[1]})
 
 
-def multiplied(linkage: Linkage, factor: float, kinds: Collection[Kind], under: str = "") -> Linkage:
+def multiplied(linkage: Linkage, factor: float, *kinds: Kind, under: str = "") -> Linkage:
     """The linkage with its numbers of these kinds times a factor, all or those whose path begins with ``under``."""
 
     def times(path: str, kind: Kind, value: float) -> float:

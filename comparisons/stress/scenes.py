@@ -92,19 +92,19 @@ def linkage(conditions: Conditions) -> Linkage:
     name = conditions.linkage
     changed = load(name if name in catalogue() else str(LINKAGES / f"{name}.toml"))
     if conditions.mass_factor != 1.0:
-        link = f"links.{conditions.link}."
-        changed = changes.multiplied(changed, conditions.mass_factor, ("mass", "inertia"), link)
+        changed = changes.multiplied(
+            changed, conditions.mass_factor, "mass", "inertia", under=f"links.{conditions.link}."
+        )
     if conditions.point:
         x, y = (at + conditions.excess * slope for at, slope in zip(conditions.at, conditions.slope, strict=True))
         changed = changes.with_point(changed, conditions.link, conditions.point, (x, y))
     if conditions.damper_factor:
-        changed = changes.multiplied(changed, conditions.damper_factor, ("turn_damping",))
+        changed = changes.multiplied(changed, conditions.damper_factor, "turn_damping")
     else:
         changed = changes.without(changed, "dampers")
     if conditions.load:
-        kinds: tuple[changes.Kind, ...] = ("stiffness", "damping", "turn_damping")
         changed = changes.without(changed, *({"springs", "dampers"} - {conditions.load}))
-        changed = changes.multiplied(changed, conditions.load_factor, kinds)
+        changed = changes.multiplied(changed, conditions.load_factor, "stiffness", "damping", "turn_damping")
     factors = {conditions.scaled: conditions.scale} if conditions.scaled else {}
     return changes.scaled(changed, **factors) if factors else changed
 
