@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-from analytic.description.linkage import GROUND, Guide, Linkage, Pin, Slider, Vector
+from analytic.description.linkage import GROUND, Guide, Linkage, Slider, Vector
 from engines.scene import (
     AppliedForce,
     AppliedTorque,
@@ -37,10 +37,14 @@ def build_scene(linkage: Linkage, start: Mapping[str, LinkState], drive: Drive, 
     """Everything an engine is told of a linkage; ``start`` holds the state of every link."""
     merged: dict[str, Slider] = {slider.link: slider for slider in linkage.sliders if is_pin_mass(linkage, slider)}
     bodies = tuple(_body(linkage, name, start[name], merged) for name in linkage.links)
-    pins = tuple(joint for pin in linkage.pins for joint in _pin_joints(linkage, pin))
+    pins = tuple(
+        PinJoint(name, link, pin.hub, _anchor(linkage, pin.point, link), _anchor(linkage, pin.point, pin.hub))
+        for pin in linkage.pins
+        for name, link in pin.joints.items()
+    )
     sliders = tuple(
         SliderJoint(
-            _slider_name(s),
+            s.name,
             s.link,
             _anchor(linkage, s.point, s.link),
             s.guide.host,
@@ -75,12 +79,6 @@ def build_scene(linkage: Linkage, start: Mapping[str, LinkState], drive: Drive, 
         ),
         dampers=tuple(TurnDamper(*damper.links, damper.coefficient) for damper in linkage.dampers),
     )
-
-
-def joint_names(linkage: Linkage) -> tuple[str, ...]:
-    """Names of all joints that carry a force, pins first, then sliders, then slots; nothing is solved for them."""
-    pins = [name for pin in linkage.pins for name, _, _ in _pinned(pin)]
-    return (*pins, *map(_slider_name, linkage.sliders), *(slot.name for slot in linkage.slots))
 
 
 def is_pin_mass(linkage: Linkage, slider: Slider) -> bool:
@@ -137,35 +135,16 @@ def _anchor(linkage: Linkage, point: str, body: str) -> Vector:
     return _from_centre(linkage, body, linkage.local(point, body))
 
 
-def _pinned(pin: Pin) -> list[tuple[str, str, str]]:
-    """Name and both bodies of a pin's k - 1 joints: to the ground if it has the pin, else to the first body by name."""
-    hub = GROUND if GROUND in pin.links else pin.links[0]
-    others = [name for name in pin.links if name != hub]
-    names = [pin.point] if len(others) == 1 else [f"{pin.point}:{name}" for name in others]
-    return [(name, body, hub) for name, body in zip(names, others, strict=True)]
-
-
-def _pin_joints(linkage: Linkage, pin: Pin) -> list[PinJoint]:
-    return [
-        PinJoint(name, body, hub, _anchor(linkage, pin.point, body), _anchor(linkage, pin.point, hub))
-        for name, body, hub in _pinned(pin)
-    ]
-
-
 def _slot_joints(linkage: Linkage, merged: Mapping[str, Slider]) -> tuple[SlotJoint, ...]:
     joints = []
     for slot in linkage.slots:
         owners = [name for name, link in linkage.links.items() if slot.point in link.points and name != slot.guide.host]
         body = GROUND if slot.point in linkage.ground else owners[0]
         joints.append(_slot(linkage, slot.name, body, slot.point, slot.guide))
-    joints += [_slot(linkage, _slider_name(s), s.link, s.point, s.guide) for s in merged.values()]
+    joints += [_slot(linkage, s.name, s.link, s.point, s.guide) for s in merged.values()]
     return tuple(joints)
 
 
 def _slot(linkage: Linkage, name: str, body: str, point: str, guide: Guide) -> SlotJoint:
     through = _from_centre(linkage, guide.host, guide.through)
     return SlotJoint(name, body, _anchor(linkage, point, body), guide.host, through, guide.along)
-
-
-def _slider_name(slider: Slider) -> str:
-    return f"{slider.link} on {slider.guide.host}"

@@ -33,7 +33,7 @@ class Segment:
     def value(self, time: ArrayLike, order: int = 0) -> NDArray[np.float64]:
         """The derivative of φ of the given order at ``time``; shape of ``time``."""
         x = np.asarray(time, dtype=float) - self.start
-        highest, *lower = _derivative(self.coefficients, order)
+        highest, *lower = derivative(self.coefficients, order)
         total = x * 0.0 + highest
         for coefficient in lower:
             total *= x
@@ -42,7 +42,7 @@ class Segment:
 
 
 @lru_cache(maxsize=256)
-def _derivative(coefficients: tuple[float, ...], order: int) -> tuple[float, ...]:
+def derivative(coefficients: tuple[float, ...], order: int) -> tuple[float, ...]:
     """Coefficients of a polynomial's derivative, highest power first, from those of the polynomial, lowest first.
 
     Stepping engines ask for one instant at a time: NumPy's own functions take ten times the time of the arithmetic.

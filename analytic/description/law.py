@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import math
+from bisect import bisect_right
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from functools import cached_property
 from typing import TYPE_CHECKING
@@ -46,3 +49,23 @@ class Law:
             values = self.values if order == 0 else np.zeros_like(self.values)
             return np.broadcast_to(values.reshape(-1, *([1] * angle.ndim)), (len(values), *angle.shape))
         return np.moveaxis(np.asarray(self._spline(angle, order)), -1, 0)
+
+    def of_float(self) -> Callable[[float], tuple[float, ...]]:
+        """The law as a plain function of one angle, which gives all components.
+
+        For solvers that ask for one value at a time: a call made for arrays costs more than a whole time step.
+        """
+        if self.angles is None:
+            constant = tuple(self.values.tolist())
+            return lambda _angle: constant
+        knots = self.angles.tolist()
+        cubics = np.stack([self(self.angles, k) / math.factorial(k) for k in range(4)], axis=-1)
+        pieces = cubics.transpose(1, 0, 2).tolist()  # piece, component, power
+
+        def value(angle: float) -> tuple[float, ...]:
+            angle = knots[0] + (angle - knots[0]) % FULL_TURN
+            piece = bisect_right(knots, angle) - 1
+            x = angle - knots[piece]
+            return tuple(a + x * (b + x * (c + x * d)) for a, b, c, d in pieces[piece])
+
+        return value

@@ -63,6 +63,17 @@ class Pin:
     point: str
     links: tuple[str, ...]
 
+    @property
+    def hub(self) -> str:
+        """The body all others are joined to: the ground if it has the pin, else the first by name."""
+        return GROUND if GROUND in self.links else self.links[0]
+
+    @property
+    def joints(self) -> Mapping[str, str]:
+        """Names of the pin's k - 1 joints, each with the link it joins to the hub and on which its force acts."""
+        others = [link for link in self.links if link != self.hub]
+        return {self.point if len(others) == 1 else f"{self.point}:{link}": link for link in others}
+
 
 @dataclass(frozen=True)
 class Slider:
@@ -74,6 +85,11 @@ class Slider:
     link: str
     point: str
     guide: Guide
+
+    @property
+    def name(self) -> str:
+        """Name of the joint."""
+        return f"{self.link} on {self.guide.host}"
 
 
 @dataclass(frozen=True)
@@ -206,6 +222,12 @@ class Linkage:
     errata: tuple[Erratum, ...] = ()
     published: tuple[Published, ...] = ()
     notes: tuple[str, ...] = field(default=())
+
+    @property
+    def joint_names(self) -> tuple[str, ...]:
+        """Names of all joints that carry a force, pins first, then sliders, then slots; nothing is solved for them."""
+        pins = itertools.chain.from_iterable(pin.joints for pin in self.pins)
+        return (*pins, *(slider.name for slider in self.sliders), *(slot.name for slot in self.slots))
 
     def local(self, point: str, body: str) -> Vector:
         """Coordinates of a point in the frame of a body (a link's name or ``ground``)."""

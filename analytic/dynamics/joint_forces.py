@@ -16,13 +16,13 @@ in ``Spring.links``, and the joint forces of this pin hold that link in balance.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from analytic.description.linkage import GROUND, Pin, Slider, Vector
+from analytic.description.linkage import Vector
 from analytic.dynamics.group_forces import Wrench, joint_wrenches
 from analytic.dynamics.link_balance import LinkBalance
 from analytic.dynamics.link_loads import LoadedSweep, resultant
@@ -60,11 +60,11 @@ def reactions(sweep: Sweep, speed: ArrayLike, acceleration: ArrayLike) -> Reacti
         balance.book_outer(dyad.second_joint, second)
     x, y, torque = balance.needs[linkage.crank]
     balance.book(structure.pivot, (x, y, 0.0))
-    forces = {joint: balance.at_pins[pin.point, link] for pin in linkage.pins for joint, link in _pin_joints(pin)}
+    forces = {joint: balance.at_pins[pin.point, link] for pin in linkage.pins for joint, link in pin.joints.items()}
     moments = {}
     for slider in linkage.sliders:
-        x, y, moments[_name(slider)] = balance.on_sliders[slider.link]
-        forces[_name(slider)] = (x, y)
+        x, y, moments[slider.name] = balance.on_sliders[slider.link]
+        forces[slider.name] = (x, y)
     for slot in linkage.slots:
         forces[slot.name] = balance.on_sliders[slot.name][:2]
     return Reactions(
@@ -109,18 +109,6 @@ def shaking_moment(sweep: Sweep, speed: ArrayLike, acceleration: ArrayLike, abou
 def _on_frame(sweep: Sweep, speed: ArrayLike, acceleration: ArrayLike, about: Vector) -> Wrench:
     """By d'Alembert's principle the frame takes all that acts on the links from outside; inner forces cancel."""
     return resultant(sweep, LoadedSweep(sweep, speed, acceleration).from_outside(), about)
-
-
-def _pin_joints(pin: Pin) -> Iterator[tuple[str, str]]:
-    """Joints of a pin and the link on which each one's force acts."""
-    hub = GROUND if GROUND in pin.links else pin.links[0]
-    others = [link for link in pin.links if link != hub]
-    for link in others:
-        yield (pin.point if len(others) == 1 else f"{pin.point}:{link}"), link
-
-
-def _name(slider: Slider) -> str:
-    return f"{slider.link} on {slider.guide.host}"
 
 
 def _full(sweep: Sweep, values: Scalar) -> Array:

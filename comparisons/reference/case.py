@@ -21,7 +21,6 @@ from analytic.kinematics.sweep import Sweep
 from analytic.motion.released import FreeMotion, free_motion
 from comparisons.reference.start_state import scene
 from engines.scene import Channel, Drive, Free, Prescribed, Scene
-from engines.scene_builder import joint_names
 
 Array = NDArray[np.float64]
 
@@ -166,7 +165,7 @@ class Case:
 
     def joint_names(self) -> tuple[str, ...]:
         """Names of all joints that carry a force."""
-        return joint_names(self.mechanism.linkage)
+        return self.mechanism.linkage.joint_names
 
     def output_anchor(self) -> Vector:
         """The output point relative to its link's mass centre, link frame, m."""

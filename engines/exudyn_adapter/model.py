@@ -7,7 +7,6 @@ rotation, no inertia, and a quarter to a third less time than a rigid body in a 
 from __future__ import annotations
 
 import math
-from bisect import bisect_right
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from functools import lru_cache
@@ -15,7 +14,7 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import NDArray
 
-from analytic.description.law import FULL_TURN, Law
+from analytic.description.law import Law
 from analytic.description.linkage import GROUND, Vector
 from engines.exudyn_adapter.drive import Foreign, crank_angle
 from engines.scene import Body, Free, PinJoint, Prescribed, Scene, SliderJoint, SlotJoint
@@ -195,8 +194,7 @@ class Assembly:
                 vector = [float(component) for component in force.force.values]
                 load = self.items.LoadForceVector(markerNumber=marker, loadVector=[*vector, 0.0])
             else:
-                over_turn = self._over_turn(force.force)
-                load = self.items.LoadForceVector(markerNumber=marker, loadVectorUserFunction=over_turn)
+                load = self.items.LoadForceVector(markerNumber=marker, loadVectorUserFunction=self._vector(force.force))
             self.mbs.AddLoad(load)
         for torque in self.scene.torques:
             if torque.body not in self.turning:
@@ -208,9 +206,9 @@ class Assembly:
                 load = self.items.LoadCoordinate(markerNumber=marker, loadUserFunction=self._first(torque.torque))
             self.mbs.AddLoad(load)
 
-    def _over_turn(self, law: Law) -> Callable[[Foreign, float, Foreign], list[float]]:
+    def _over_turn(self, law: Law) -> Callable[[Foreign, float, Foreign], tuple[float, ...]]:
         """A load's function in exudyn's form; a prescribed crank's angle is a matter of the time alone."""
-        value, drive = pieces(law), self.scene.drive
+        value, drive = law.of_float(), self.scene.drive
         if isinstance(drive, Prescribed):
             segments = drive.motion.segments
             at_time = lru_cache(maxsize=1)(lambda t: value(crank_angle(segments, t)))  # asked for at every iteration
@@ -218,6 +216,10 @@ class Assembly:
         start, node = self.scene.crank_angle, self.nodes[self.scene.crank]
         coordinates = self.exudyn.OutputVariableType.Coordinates
         return lambda mbs, _t, _load: value(start + mbs.GetNodeOutput(node, coordinates)[ANGLE])
+
+    def _vector(self, law: Law) -> Callable[[Foreign, float, Foreign], list[float]]:
+        over_turn = self._over_turn(law)
+        return lambda mbs, t, load: [*over_turn(mbs, t, load), 0.0]  # exudyn's vectors are three-dimensional
 
     def _first(self, law: Law) -> Callable[[Foreign, float, Foreign], float]:
         over_turn = self._over_turn(law)
@@ -274,24 +276,3 @@ def build_model(scene: Scene, *, plain: bool = False) -> Model:
         driver,
         assembly.joints,
     )
-
-
-def pieces(law: Law) -> Callable[[float], list[float]]:
-    """A tabulated law as a plain function of the angle, for a solver that asks for one value at a time.
-
-    The spline's own evaluation is made for arrays and costs more than a whole time step.
-    """
-    assert law.angles is not None
-    knots = [float(angle) for angle in law.angles]
-    powers = [np.asarray(law(law.angles, order)) / math.factorial(order) for order in range(4)]
-    table = np.stack(powers, axis=-1).transpose(1, 0, 2).tolist()  # piece, component, power
-    reach = [knot - knots[0] for knot in knots]
-
-    def value(angle: float) -> list[float]:
-        turned = (angle - knots[0]) % FULL_TURN
-        number = bisect_right(reach, turned) - 1
-        x = turned - reach[number]
-        components = [((c3 * x + c2) * x + c1) * x + c0 for c0, c1, c2, c3 in table[number]]
-        return components + [0.0] * (3 - len(components))  # exudyn's vectors are three-dimensional
-
-    return value

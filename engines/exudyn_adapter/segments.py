@@ -11,13 +11,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from analytic.description.crank_motion import Segment
-from engines.exudyn_adapter.drive import ROUNDING, jumps
 from engines.exudyn_adapter.recipes import Recipe
 from engines.scene import Free, Prescribed, Scene
 
 Array = NDArray[np.float64]
 
 FULL_TURN = 2.0 * math.pi
+ROUNDING = 1e-9  # of a speed
 GRADES = (0.5, 0.75)  # of the peak speed: where the step changes; no step is more than twice another's
 SAMPLED = 64  # places of a segment at which its speed is looked at
 
@@ -49,12 +49,11 @@ def prescribed_stretches(scene: Scene, recipe: Recipe) -> list[Stretch]:
     segments = drive.motion.segments
     if recipe.rule.as_shipped:
         return [Stretch(segments[0].start, segments[-1].end, _steps(drive.motion.duration / recipe.step, recipe))]
-    after_jump = [False, *(jumps(before, after) for before, after in pairwise(segments))]
-    peak = drive.motion.peak_speed
+    peak, jumps = drive.motion.peak_speed, drive.motion.jumps
     return [
         stretch
-        for segment, jump in zip(segments, after_jump, strict=True)
-        for stretch in _segment_stretches(segment, jump, peak, recipe)
+        for segment in segments
+        for stretch in _segment_stretches(segment, segment is not segments[0] and segment.start in jumps, peak, recipe)
     ]
 
 

@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 from analytic.description.crank_motion import Segment
 from engines.contract import History
 from engines.exudyn_adapter.checks import broken, not_finite
-from engines.exudyn_adapter.drive import Foreign, crank_value, derivative, polynomial, whole_angle
+from engines.exudyn_adapter.drive import Foreign, polynomial, whole_angle
 from engines.exudyn_adapter.model import Model
 from engines.exudyn_adapter.projection import Constraints, closed_state
 from engines.exudyn_adapter.readout import Recorder, Strip, join
@@ -107,8 +107,8 @@ class Stepper:
         """The state the stretch before has left, put back on the joints and the drive."""
         assert stretch.segment is not None
         began, left = time.perf_counter(), self._left()
-        pace = abs(crank_value(stretch.segment, stretch.start, 1))
-        pace += math.sqrt(abs(crank_value(stretch.segment, stretch.start, 2))) + 1.0 / (stretch.end - stretch.start)
+        speed, second = (abs(float(stretch.segment.value(stretch.start, order))) for order in (1, 2))
+        pace = speed + math.sqrt(second) + 1.0 / (stretch.end - stretch.start)
         constraints = Constraints(self.model)
         state = closed_state(constraints, left, stretch.start, pace, strict=self.checked)
         self.iterations += constraints.systems
@@ -132,12 +132,10 @@ class Stepper:
         """Angle from the start and speed over time, run by the solver itself: Python ones take a third more time."""
         from exudyn.advancedUtilities import CreateSymbolicUserFunction as Symbolic
 
-        angle, speed = (derivative(segment.coefficients, order) for order in range(2))
-        angle[0] -= self.scene.crank_angle
         mbs, driver = self.model.mbs, self.model.driver
         return (
-            Symbolic(mbs, polynomial(angle, segment.start), "offsetUserFunction", driver),
-            Symbolic(mbs, polynomial(speed, segment.start), "offsetUserFunction_t", driver),
+            Symbolic(mbs, polynomial(segment, 0, self.scene.crank_angle), "offsetUserFunction", driver),
+            Symbolic(mbs, polynomial(segment, 1), "offsetUserFunction_t", driver),
         )
 
     def _settings(self, recipe: Recipe, stretch: Stretch, division: int) -> Foreign:

@@ -8,11 +8,9 @@ ahead of the last ones known and are extrapolated from the last two, 1.5 v₁ �
 from __future__ import annotations
 
 import math
-from bisect import bisect_right
 from collections.abc import Callable
 from typing import TYPE_CHECKING
 
-from analytic.description.law import FULL_TURN, Law
 from analytic.description.linkage import GROUND
 from engines.pymunk_adapter.layout import STILL
 from engines.pymunk_adapter.space import World, carried_anchor, part_number
@@ -20,26 +18,6 @@ from engines.scene import Scene, TurnDamper
 
 if TYPE_CHECKING:
     import pymunk
-
-
-def scalar_law(law: Law, component: int) -> Callable[[float], float]:
-    """One component of a load over φ as a plain function of a float: a table's cubics, read off at its angles."""
-    if law.angles is None:
-        constant = float(law.values[component])
-        return lambda _angle: constant
-    knots = law.angles.tolist()
-    first = knots[0]
-    cubics = [law(law.angles, k)[component] / math.factorial(k) for k in range(4)]
-    pieces = list(zip(*(c.tolist() for c in cubics), strict=True))
-
-    def value(angle: float) -> float:
-        angle = first + (angle - first) % FULL_TURN
-        piece = bisect_right(knots, angle) - 1
-        x = angle - knots[piece]
-        a, b, c, d = pieces[piece]
-        return float(a + x * (b + x * (c + x * d)))
-
-    return value
 
 
 class StepLoads:
@@ -61,7 +39,7 @@ class StepLoads:
             self._force(world, scene, number) for number, f in enumerate(scene.forces) if not f.force.is_constant
         ]
         self._parts += [
-            self._torque(world.part(part_number(scene, load.body)), scalar_law(load.torque, 0))
+            self._torque(world.part(part_number(scene, load.body)), load.torque.of_float())
             for load in scene.torques
             if not load.torque.is_constant and load.body != GROUND
         ]
@@ -96,23 +74,23 @@ class StepLoads:
             return lambda _angle: None
         body, reach, total = world.bodies[index], self._reach, self._total(world.bodies[index])
         x, y = carried_anchor(world.layout, index, load.anchor)
-        along_x, along_y = scalar_law(load.force, 0), scalar_law(load.force, 1)
+        law = load.force.of_float()
 
         def add(angle: float) -> None:
             turn = body.angle + reach * body.angular_velocity
             c, s = math.cos(turn), math.sin(turn)
-            fx, fy = along_x(angle), along_y(angle)
+            fx, fy = law(angle)
             total[0] += fx
             total[1] += fy
             total[2] += (c * x - s * y) * fy - (s * x + c * y) * fx
 
         return add
 
-    def _torque(self, body: pymunk.Body, law: Callable[[float], float]) -> Callable[[float], None]:
+    def _torque(self, body: pymunk.Body, law: Callable[[float], tuple[float, ...]]) -> Callable[[float], None]:
         total = self._total(body)
 
         def add(angle: float) -> None:
-            total[2] += law(angle)
+            total[2] += law(angle)[0]
 
         return add
 

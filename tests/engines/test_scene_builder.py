@@ -7,7 +7,7 @@ import pytest
 from analytic.description.crank_motion import crank_motion
 from comparisons.reference.start_state import scene
 from engines.scene import Channel, Prescribed
-from engines.scene_builder import is_pin_mass, joint_names
+from engines.scene_builder import is_pin_mass
 from engines.start_check import start_misfit
 from tests.analytic.linkages import FULL_TURN, mechanism
 
@@ -37,6 +37,6 @@ def test_the_inertia_of_a_mass_in_a_slot_goes_to_the_slot():
 @pytest.mark.parametrize(("name", "variant"), FULL_TURN)
 def test_joint_names_are_those_of_the_scene(name, variant):
     model = scene(mechanism(name, variant), Prescribed(MOTION), EVERYTHING)
-    named = joint_names(mechanism(name, variant).linkage)
+    named = mechanism(name, variant).linkage.joint_names
     assert len(set(named)) == len(named)
     assert set(named) == {joint.name for joint in (*model.pins, *model.guided)}

@@ -19,6 +19,13 @@ def test_a_constant_is_itself_everywhere():
     assert law(0.3).shape == (2,)
 
 
+@pytest.mark.parametrize("law", [LAW, Law(np.array([3.0, -1.0]))])
+def test_the_law_of_one_float_is_the_law(law):
+    value = law.of_float()
+    for angle in np.linspace(-9.0, 9.0, 37):
+        assert np.array(value(angle)) == pytest.approx(law(angle), abs=FEW_ROUNDINGS * FULL_TURN)
+
+
 def test_the_law_passes_through_its_points_on_every_turn():
     assert not LAW.is_constant
     for turns in (0, 1, -3):

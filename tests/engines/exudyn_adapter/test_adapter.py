@@ -18,7 +18,7 @@ from comparisons.reference.start_state import scene
 from engines.contract import Outcome, Setting
 from engines.exudyn_adapter import adapter, checks, recipes, stepping
 from engines.exudyn_adapter.adapter import ExudynEngine
-from engines.exudyn_adapter.model import build_model, pieces
+from engines.exudyn_adapter.model import build_model
 from engines.exudyn_adapter.readout import add_sensors
 from engines.scene import Channel, Free, Prescribed
 from tests.analytic.linkages import mechanism
@@ -132,13 +132,6 @@ def test_a_damper_between_two_turning_links():
     truth = reduced.drive_torque(damped.sweep(motion.angle(time)), motion.speed(time), motion.acceleration(time))
     assert np.abs(truth - _true_torque("rimoldi-164", motion, time)).max() > LOAD[Setting.TUNED] * np.abs(truth).max()
     assert _error(run.history.torque, truth, motion) < LOAD[Setting.TUNED]
-
-
-def test_a_tabulated_load_is_the_laws_own_spline():
-    law = next(f.force for f in mechanism("force-over-angle").linkage.forces if not f.force.is_constant)
-    value = pieces(law)
-    for angle in np.linspace(-9.0, 9.0, 37):
-        assert value(angle)[:2] == pytest.approx(law(angle), rel=MOTION[Setting.BEST], abs=MOTION[Setting.BEST])
 
 
 def test_a_naive_run_finishes_and_is_as_rough_as_a_newcomers():

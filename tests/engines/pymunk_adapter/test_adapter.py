@@ -19,7 +19,6 @@ from engines.contract import Outcome, Setting
 from engines.pymunk_adapter import adapter, checks, passes, plans, stepping
 from engines.pymunk_adapter.adapter import PymunkEngine
 from engines.pymunk_adapter.layout import exact_layout, plain_layout
-from engines.pymunk_adapter.loads import scalar_law
 from engines.pymunk_adapter.plans import Aim, Plan
 from engines.scene import AppliedForce, AppliedTorque, Channel, Free, Prescribed
 from tests.analytic.linkages import mechanism
@@ -178,14 +177,6 @@ def test_constant_loads_cost_no_python_in_a_step():
     loaded = dataclasses.replace(model, forces=(force,), torques=(torque,))
     world = passes.build_world(loaded, exact_layout(loaded), iterations=10, error_bias=0.0)
     assert not passes.StepLoads(world, loaded, 1e-4, ahead=True)
-
-
-def test_a_tabulated_load_is_the_laws_own_spline():
-    law = next(f.force for f in mechanism("force-over-angle").linkage.forces if not f.force.is_constant)
-    for component in range(2):
-        value = scalar_law(law, component)
-        for angle in np.linspace(-9.0, 9.0, 37):
-            assert value(angle) == pytest.approx(law(angle)[component], rel=1e-12, abs=1e-12)
 
 
 # -- the stepping ------------------------------------------------------------------------------------------------------
