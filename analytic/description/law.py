@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from bisect import bisect_right
 from collections.abc import Callable
 from dataclasses import dataclass, field
@@ -59,8 +58,7 @@ class Law:
             constant = tuple(self.values.tolist())
             return lambda _angle: constant
         knots = self.angles.tolist()
-        cubics = np.stack([self(self.angles, k) / math.factorial(k) for k in range(4)], axis=-1)
-        pieces = cubics.transpose(1, 0, 2).tolist()  # piece, component, power
+        pieces = np.moveaxis(self._spline.c[::-1], 0, -1).tolist()  # piece, component, power
 
         def value(angle: float) -> tuple[float, ...]:
             angle = knots[0] + (angle - knots[0]) % FULL_TURN
