@@ -28,14 +28,12 @@ class Setting(StrEnum):
 
 
 class Outcome(StrEnum):
-    """How a run ended; the last two are found from outside, by whoever keeps the engine in a process of its own."""
+    """How a run ended, as its adapter says; ``comparisons.runs.failures.Failure`` has what else can happen to it."""
 
     FINISHED = "finished"
     DIVERGED = "diverged"
     UNSUPPORTED = "unsupported"
     UNAVAILABLE = "unavailable"
-    TIMED_OUT = "timed-out"
-    CRASHED = "crashed"
 
 
 @dataclass(frozen=True)

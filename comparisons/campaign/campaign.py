@@ -11,19 +11,19 @@ from analytic.description.crank_motion import CrankMotion
 from analytic.description.linkage import Linkage
 from analytic.errors import UnknownNameError
 from analytic.kinematics.mechanism import Mechanism
-from comparisons.invariants import invariants
 from comparisons.invariants.checks import checks
-from comparisons.judging.deviations import Deviation, deviation
+from comparisons.judging.deviations import Deviation, NoSampleError, deviation
 from comparisons.judging.quantities import Quantity, chosen_quantities
-from comparisons.judging.records import Record, Verdict
+from comparisons.judging.records import Record, Verdict, blank_record
 from comparisons.judging.run_result import RunResult, from_bytes, to_bytes
 from comparisons.judging.verdicts import judge
 from comparisons.observation.observed_motion import ObservedMotion
 from comparisons.reference.case import Case, own_case
+from comparisons.runs.failures import Failure, Lost, blamed_on
 from comparisons.runs.journal import Journal
-from comparisons.runs.run_engine import attempt
-from comparisons.runs.workers import DEFAULT_BOUNDS, Bounds, Lost, as_sent, run_jobs, usual_processes
-from engines.contract import Outcome, Run, Setting
+from comparisons.runs.run_engine import run_engine
+from comparisons.runs.workers import DEFAULT_BOUNDS, Bounds, as_sent, run_jobs, usual_processes
+from engines.contract import Outcome, Setting
 from engines.registry import engine, engine_names
 from engines.scene import Channel
 
@@ -206,86 +206,62 @@ def _run(cases: Sequence[Case], with_invariants: bool, order: _Order) -> RunResu
 
 def _lost(task: _Task, lost: Lost) -> RunResult:
     """The records of a run whose process gave no result."""
-    blank = _blank(task, engine(task.engine).version() or "")
-    return _all_alike(blank, task.quantities, Verdict(lost.outcome.value), lost.reason)
+    version = engine(task.engine).version() or ""
+    return _all_alike(task, blank_record(task.case, task.setting, task.engine, version), lost.outcome, lost.reason)
 
 
 def _channels(quantities: Iterable[Quantity], with_invariants: bool) -> frozenset[Channel]:
-    """What the engine has to record: what the quantities need, and for the invariants everything but joint forces."""
-    needed = frozenset(channel for q in quantities for channel in q.channels)
-    return needed | frozenset().union(*invariants.INVARIANTS.values()) if with_invariants else needed
+    """What the engine has to record: joint forces where something needs them, all else always.
+
+    An engine may choose its steps by what it records, and what is asked for is not to change what is simulated.
+    """
+    needed = frozenset(channel for quantity in quantities for channel in quantity.channels)
+    return frozenset(Channel) if with_invariants else needed | (frozenset(Channel) - {Channel.JOINT_FORCE})
 
 
 def _judged(task: _Task, with_invariants: bool) -> RunResult:
-    wanted = task.quantities
     adapter = engine(task.engine)
-    version = adapter.version()
-    blank = _blank(task, version or "")
+    with blamed_on(adapter):
+        version = adapter.version()
+    blank = blank_record(task.case, task.setting, task.engine, version or "")
     if version is None:
         reason = f"engine '{task.engine}' is not installed; install it with: pip install 'linkproof[{task.engine}]'"
-        return _all_alike(blank, wanted, Verdict.UNAVAILABLE, reason)
-    model = task.case.scene(_channels(wanted, with_invariants))
-    run = attempt(adapter, model, task.setting)
+        return _all_alike(task, blank, Outcome.UNAVAILABLE, reason)
+    model = task.case.scene(_channels(task.quantities, with_invariants))
+    run = run_engine(adapter, model, task.setting)
     blank = replace(blank, seconds=run.seconds, setup_seconds=run.setup_seconds, steps=run.steps)
     if run.outcome is not Outcome.FINISHED or run.history is None:
-        return _all_alike(blank, wanted, Verdict(run.outcome.value), run.reason)
+        return _all_alike(task, blank, run.outcome, run.reason)
     motion = ObservedMotion(model, run.history)
-    return _measured(task, wanted, run, motion, blank, with_invariants=with_invariants)
-
-
-def _measured(
-    task: _Task, wanted: Sequence[Quantity], run: Run, motion: ObservedMotion, blank: Record, *, with_invariants: bool
-) -> RunResult:
-    deviations = {q.name: deviation(task.case, q, motion) for q in wanted}
-    records = tuple(_record(replace(blank, quantity=q.name, unit=q.unit), deviations[q.name]) for q in wanted)
-    found = checks(task.case, motion, blank) if with_invariants else ()
-    return RunResult(records, found, deviations, dict(run.details))
-
-
-def _blank(task: _Task, version: str) -> Record:
-    linkage = task.case.mechanism.linkage
-    return Record(
-        mechanism=linkage.name,
-        variant=linkage.variant,
-        regime=task.case.motion.regime,
-        conditions=task.case.conditions,
-        engine=task.engine,
-        engine_version=version,
-        setting=task.setting.value,
-        quantity="",
-        unit="",
-        error_max=None,
-        error_rms=None,
-        limit=None,
-        baseline=None,
-        outcome=Verdict.PASSED.value,
-        detail="",
-        peak=None,
-        worst_time=None,
-        samples=0,
-        left_out=0,
-        seconds=0.0,
-        setup_seconds=0.0,
-        steps=0,
-    )
-
-
-def _all_alike(blank: Record, wanted: Iterable[Quantity], verdict: Verdict, reason: str) -> RunResult:
-    """The records of a run that gave no motion."""
+    compared = {quantity.name: _compared(task.case, quantity, motion, blank) for quantity in task.quantities}
     return RunResult(
-        tuple(replace(blank, quantity=q.name, unit=q.unit, outcome=verdict.value, detail=reason) for q in wanted), ()
+        tuple(record for record, _ in compared.values()),
+        checks(task.case, motion, blank) if with_invariants else (),
+        {name: found for name, (_, found) in compared.items() if found is not None},
+        dict(run.details),
     )
 
 
-def _record(blank: Record, found: Deviation) -> Record:
-    return judge(
-        replace(
-            blank,
-            error_max=found.error_max,
-            error_rms=found.error_rms,
-            peak=found.peak,
-            worst_time=found.worst_time,
-            samples=found.samples,
-            left_out=found.left_out,
-        )
+def _all_alike(task: _Task, blank: Record, outcome: Outcome | Failure, reason: str) -> RunResult:
+    """The records of a run that gave no motion."""
+    blank = replace(blank, outcome=Verdict(outcome.value).value, detail=reason)
+    return RunResult(tuple(replace(blank, quantity=q.name, unit=q.unit) for q in task.quantities), ())
+
+
+def _compared(case: Case, quantity: Quantity, motion: ObservedMotion, blank: Record) -> tuple[Record, Deviation | None]:
+    """The record of one quantity, and the deviation behind it; None where the run has no sample to judge."""
+    blank = replace(blank, quantity=quantity.name, unit=quantity.unit)
+    try:
+        found = deviation(case, quantity, motion)
+    except NoSampleError as error:
+        return replace(blank, outcome=Verdict.UNDEFINED.value, detail=str(error)), None
+    record = replace(
+        blank,
+        error_max=found.error_max,
+        error_rms=found.error_rms,
+        peak=found.peak,
+        worst_time=found.worst_time,
+        samples=found.samples,
+        left_out=found.left_out,
     )
+    return judge(record), found

@@ -22,9 +22,10 @@ from analytic.motion.rkfixed import fixed_step
 from comparisons.observation.interpolation import resample
 from comparisons.observation.observed_motion import ObservedMotion
 from comparisons.reference.case import Case, Motion, own_case, own_motion
+from comparisons.runs.failures import Lost
 from comparisons.runs.journal import Journal
-from comparisons.runs.run_engine import attempt
-from comparisons.runs.workers import DEFAULT_BOUNDS, Bounds, Lost, as_sent, run_jobs, usual_processes
+from comparisons.runs.run_engine import run_engine
+from comparisons.runs.workers import DEFAULT_BOUNDS, Bounds, as_sent, run_jobs, usual_processes
 from engines.contract import Outcome, Setting, Signal
 from engines.registry import engine
 from engines.scene import Channel
@@ -223,7 +224,7 @@ def printed_motion(mechanism: Mechanism, own: ReleasedRegime, erratum: Erratum) 
 def _crank_speed(cases: dict[tuple[str, str], Case], key: tuple[str, str], name: str) -> CrankSpeed:
     case, adapter = cases[key], engine(name)
     model = case.scene({Channel.VELOCITY})
-    run = attempt(adapter, model, Setting.TUNED)
+    run = run_engine(adapter, model, Setting.TUNED)
     if run.outcome is not Outcome.FINISHED or run.history is None:
         return run.outcome.value, None
     velocity = run.history.velocity

@@ -18,6 +18,10 @@ Array = NDArray[np.float64]
 JUMP_STEPS = 2.0
 
 
+class NoSampleError(ValueError):
+    """Not one sample of a run says anything of a quantity."""
+
+
 @dataclass(frozen=True)
 class Deviation:
     """One quantity of one run against the truth; errors are relative to the truth's peak over the run.
@@ -40,13 +44,17 @@ def deviation(case: Case, quantity: Quantity, motion: ObservedMotion) -> Deviati
     """Compare one quantity over every sample the engine returned.
 
     Samples of accelerations and torques within two steps of an acceleration jump are left out and counted, as are
-    those of Jeq near standstill.
+    those of Jeq near standstill. Raises NoSampleError where none is left.
     """
     signal = quantity.observed(case, motion)
-    reference = quantity.reference(case, signal.time)
     kept = np.ones(len(signal.time), dtype=bool)
     if quantity.holds_acceleration:
         kept &= ~near_jumps(signal.time, case.motion.jumps)
+    if not kept.any():
+        raise NoSampleError(
+            f"every sample of {quantity.name} lies at an acceleration jump or near standstill: run it for longer"
+        )
+    reference = quantity.reference(case, signal.time)
     difference = _size(signal.values - reference)[kept]
     peak = float(np.max(_size(reference)[kept]))
     scale = peak or 1.0

@@ -8,9 +8,11 @@ from dataclasses import asdict, dataclass, fields
 from enum import StrEnum
 from typing import Any
 
+from comparisons.reference.case import Case
+
 
 class Verdict(StrEnum):
-    """What came of a record."""
+    """What came of a record: ``failed`` ones count against an engine, those that are not ``judged`` say nothing."""
 
     PASSED = "passed"
     OVER_LIMIT = "over-limit"
@@ -19,6 +21,22 @@ class Verdict(StrEnum):
     UNAVAILABLE = "unavailable"
     TIMED_OUT = "timed-out"
     CRASHED = "crashed"
+    ADAPTER_ERROR = "adapter-error"  # the engine's adapter raised
+    SUITE_ERROR = "suite-error"  # the reference, the judging or a check raised: no fault of the engine
+    UNDEFINED = "undefined"  # no sample to judge by
+
+    @property
+    def failed(self) -> bool:
+        """Whether the engine or its adapter is to blame."""
+        return self in FAILED
+
+    @property
+    def judged(self) -> bool:
+        """Whether it says anything of the engine."""
+        return self is Verdict.PASSED or self.failed
+
+
+FAILED = frozenset((Verdict.OVER_LIMIT, Verdict.DIVERGED, Verdict.TIMED_OUT, Verdict.CRASHED, Verdict.ADAPTER_ERROR))
 
 
 @dataclass(frozen=True)
@@ -36,26 +54,32 @@ class Record:
     engine: str
     engine_version: str
     setting: str
-    quantity: str
-    unit: str
-    error_max: float | None
-    error_rms: float | None
-    limit: float | None
-    baseline: float | None
-    outcome: str
-    detail: str
-    peak: float | None
-    worst_time: float | None
-    samples: int
-    left_out: int
-    seconds: float
-    setup_seconds: float
-    steps: int
+    quantity: str = ""
+    unit: str = ""
+    error_max: float | None = None
+    error_rms: float | None = None
+    limit: float | None = None
+    baseline: float | None = None
+    outcome: str = Verdict.PASSED.value
+    detail: str = ""
+    peak: float | None = None
+    worst_time: float | None = None
+    samples: int = 0
+    left_out: int = 0
+    seconds: float = 0.0
+    setup_seconds: float = 0.0
+    steps: int = 0
 
     @property
     def run(self) -> tuple[str, str, str, str, str]:
         """What identifies the run behind the record."""
         return (self.mechanism, self.variant, self.regime, self.engine, self.setting)
+
+
+def blank_record(case: Case, setting: str, engine: str = "", version: str = "") -> Record:
+    """What all records of one run of a case share."""
+    linkage = case.mechanism.linkage
+    return Record(linkage.name, linkage.variant, case.motion.regime, case.conditions, engine, version, setting)
 
 
 def to_json(document: Mapping[str, Any]) -> str:

@@ -1,4 +1,4 @@
-"""Trying a scene in an engine: whatever it does, a run comes back, and one that finished is whole."""
+"""Running a scene in an engine: a run comes back, and one that finished is whole."""
 
 from __future__ import annotations
 
@@ -8,28 +8,34 @@ from dataclasses import replace
 import numpy as np
 
 from comparisons.observation.interpolation import POINTS
-from engines.contract import Engine, History, Outcome, Run, Setting, Signal
+from comparisons.runs.failures import blamed_on
+from engines.contract import Engine, History, Method, Outcome, Run, Setting, Signal
 from engines.scene import Channel, Scene
 
 
-def attempt(adapter: Engine, model: Scene, setting: Setting) -> Run:
-    """A run whose every exception is a failed run: one engine's fault may not end what the others do.
+def run_engine(adapter: Engine, model: Scene, way: Setting | Method, step: float | None = None) -> Run:
+    """The run of a scene by a setting, or by a method at a longest ``step``, s.
 
     A scene the engine cannot hold is not tried, and a run that finished has recorded all it was asked for, finite.
-    MemoryError alone is raised: what it means is for whoever set the bound (``comparisons.runs.workers``) to say.
+    Raises AdapterError for every exception of the adapter but MemoryError, which whoever set the bound explains
+    (``comparisons.runs.failures``).
     """
-    try:
+    with blamed_on(adapter):
         obstacle = adapter.obstacle(model)
-        run = adapter.run(model, setting) if obstacle is None else Run(Outcome.UNSUPPORTED, obstacle)
-    except MemoryError:
-        raise
-    except Exception as error:
-        words = " ".join(str(error).split())
-        return Run(Outcome.DIVERGED, f"{adapter.name} raised {type(error).__name__}: {words}")
-    return _checked(run, model)
+        if obstacle is not None:
+            return Run(Outcome.UNSUPPORTED, obstacle)
+        return checked(started(adapter, model, way, step), model)
 
 
-def _checked(run: Run, model: Scene) -> Run:
+def started(adapter: Engine, model: Scene, way: Setting | Method, step: float | None) -> Run:
+    """What the adapter returns, as it is."""
+    if isinstance(way, Setting):
+        return adapter.run(model, way)
+    assert step is not None
+    return adapter.run_method(model, way, step)
+
+
+def checked(run: Run, model: Scene) -> Run:
     """A run that claims to have finished, held to having returned every channel asked for, finite throughout."""
     if run.outcome is not Outcome.FINISHED:
         return run
@@ -49,5 +55,5 @@ def _signals(history: History | None, model: Scene) -> Iterator[tuple[str, Signa
     for channel in sorted(model.channels - {Channel.JOINT_FORCE}):
         yield channel.value, getattr(history, channel.value, None)
     if Channel.JOINT_FORCE in model.channels:
-        for name in [j.name for j in model.pins] + [j.name for j in model.sliders] + [j.name for j in model.slots]:
-            yield f"the force of joint {name}", history.joint_force.get(name) if history else None
+        for joint in (*model.pins, *model.guided):
+            yield f"the force of joint {joint.name}", history.joint_force.get(joint.name) if history else None

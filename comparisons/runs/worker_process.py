@@ -1,4 +1,4 @@
-"""What runs inside a worker process: one job after the other, each within a memory bound, heard by nobody.
+"""What runs inside a worker process: one job after the other, each within a memory bound, its output captured.
 
 Imports the standard library alone, so that the server which forks workers can be started before anything heavy is.
 """
@@ -19,17 +19,13 @@ from multiprocessing import forkserver
 from multiprocessing.connection import Connection, wait
 from pathlib import Path
 from types import ModuleType
-from typing import Any
+from typing import Final
 
-# First word of a worker's message: ready for a job, or what came of one.
-READY, DONE, RAISED, EXITED, OUT_OF_MEMORY = range(5)
+from comparisons.runs.failures import SHOW_OUTPUT, lost
 
-# Set to anything, this leaves a worker's output where it was: on the terminal.
-SHOW_OUTPUT = "LINKPROOF_WORKER_OUTPUT"
+READY: Final = b""  # a worker's first message; every other is the pickled result of a job
 # How workers are started: fork, forkserver or spawn, as multiprocessing has it.
-START = "LINKPROOF_WORKER_START"
-
-_REASON_LENGTH = 300
+START: Final = "LINKPROOF_WORKER_START"
 
 
 def start_method() -> str:
@@ -48,28 +44,26 @@ def start_server(modules: Sequence[str]) -> None:
     """
     if start_method() == "forkserver":
         forkserver.set_forkserver_preload(["comparisons.runs.worker_process", *modules])
-        with unheard(), _same_path():
+        with cut_off(), _same_path():
             forkserver.ensure_running()
 
 
 @contextlib.contextmanager
 def _same_path() -> Iterator[None]:
     """A Python started here finds modules where this one does, and none in the folder it happens to be run from."""
-    wanted = {"PYTHONPATH": os.pathsep.join(entry or str(Path.cwd()) for entry in sys.path), "PYTHONSAFEPATH": "1"}
-    before = {name: os.environ.get(name) for name in wanted}
-    os.environ.update(wanted)
+    path = os.pathsep.join(entry or str(Path.cwd()) for entry in sys.path)
+    before = dict(os.environ)
+    os.environ.update(PYTHONPATH=path, PYTHONSAFEPATH="1")
     try:
         yield
     finally:
-        for name, value in before.items():
-            if value is None:
-                del os.environ[name]
-            else:
-                os.environ[name] = value
+        for name in ("PYTHONPATH", "PYTHONSAFEPATH"):
+            del os.environ[name]
+            os.environ.update({name: before[name]} if name in before else {})
 
 
 @contextlib.contextmanager
-def unheard() -> Iterator[None]:
+def cut_off() -> Iterator[None]:
     """What is started here is cut off from the terminal: it sees no Ctrl-C, prints nothing and knows no main module.
 
     From its first instruction on; this process hears a Ctrl-C when it is over. Without the main module, where no job
@@ -114,32 +108,29 @@ def _silent() -> Iterator[None]:
     finally:
         for descriptor, known in zip((1, 2), before, strict=True):
             os.dup2(known, descriptor)
-        for one in (nowhere, *before):
-            os.close(one)
+        for descriptor in (nowhere, *before):
+            os.close(descriptor)
 
 
 def serve(channel: Connection, output: Connection | None, function: bytes, memory: int) -> None:
     """Answer every pickled tuple of arguments on the channel by what ``function`` makes of it, until it is closed."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     _die_with_parent()
-    _speak_to(output)
-    channel.send_bytes(pickle.dumps((READY, None)))
-    while True:
-        try:
-            job = channel.recv_bytes()
-        except EOFError:
-            return
-        channel.send_bytes(_answer(function, job, memory))
+    _redirect(output)
+    channel.send_bytes(READY)
+    with contextlib.suppress(EOFError):
+        while True:
+            channel.send_bytes(_answer(function, channel.recv_bytes(), memory))
 
 
 def _answer(function: bytes, job: bytes, memory: int) -> bytes:
-    """The pickled message on one job; whatever happens to it is part of the message."""
+    """The pickled result of one job; whatever happens to it is a result."""
     try:
         with _bounded(memory):
             value = _loaded(function)(*pickle.loads(job))
-        return pickle.dumps((DONE, value), protocol=pickle.HIGHEST_PROTOCOL)
+        return pickle.dumps(value, protocol=pickle.HIGHEST_PROTOCOL)
     except BaseException as error:
-        return pickle.dumps(failure(error))
+        return pickle.dumps(lost(error, memory))
 
 
 @functools.cache
@@ -147,16 +138,6 @@ def _loaded(function: bytes) -> Callable[..., object]:
     """A pickled function, the same for all jobs, so that what it has found once it can keep."""
     loaded: Callable[..., object] = pickle.loads(function)
     return loaded
-
-
-def failure(error: BaseException) -> tuple[int, Any]:
-    """The message on a job that raised."""
-    if isinstance(error, MemoryError):
-        return OUT_OF_MEMORY, None
-    if isinstance(error, SystemExit):
-        return EXITED, error.code if isinstance(error.code, int) else int(error.code is not None)
-    words = " ".join(str(error).split())
-    return RAISED, f"raised {type(error).__name__}: {words}"[:_REASON_LENGTH].rstrip(": ")
 
 
 def _die_with_parent() -> None:
@@ -185,8 +166,8 @@ def _outlive(sentinel: int) -> None:
     os._exit(1)
 
 
-def _speak_to(output: Connection | None) -> None:
-    """Send what is printed, and what a C core writes to file descriptors, to the parent's ear; leave no core dumps."""
+def _redirect(output: Connection | None) -> None:
+    """Send what is printed, and what a C core writes to file descriptors, to the parent; leave no core dumps."""
     with contextlib.suppress(ImportError):
         import resource  # noqa: PLC0415  POSIX only
 
@@ -209,8 +190,8 @@ def _bounded(memory: int) -> Iterator[None]:
         yield
         return
     before = resource.getrlimit(resource.RLIMIT_AS)
-    wanted = pages * resource.getpagesize() + memory
-    bounds = [value for value in (wanted, *before) if value != resource.RLIM_INFINITY]
+    largest = pages * resource.getpagesize() + memory
+    bounds = [value for value in (largest, *before) if value != resource.RLIM_INFINITY]
     resource.setrlimit(resource.RLIMIT_AS, (min(bounds), before[1]))
     try:
         yield

@@ -1,4 +1,4 @@
-"""Jobs in worker processes, each within a time and memory bound: a job that dies, hangs or swells costs itself alone.
+"""Jobs in worker processes, each within bounds: one that crashes, hangs or runs out of memory fails alone.
 
 Every worker has a pipe of its own and holds one job at a time, so nothing is shared that a dying process could leave
 locked, and whatever it was doing is known. The parent needs no threads: it waits for all pipes at once.
@@ -7,25 +7,37 @@ locked, and whatever it was doing is known. The parent needs no threads: it wait
 from __future__ import annotations
 
 import contextlib
+import math
+import multiprocessing
 import os
 import pickle
+import signal
 import time
 from collections import deque
 from collections.abc import Callable, Generator, Iterator, Sequence
 from dataclasses import dataclass, field
-from multiprocessing.connection import wait
-from typing import Any, TypeVar
+from functools import partial
+from multiprocessing.connection import Connection, wait
+from multiprocessing.process import BaseProcess
+from typing import Any, Final, TypeVar
 
 from analytic.errors import LinkproofError
-from comparisons.runs.worker_handle import Worker, how, read, started
-from comparisons.runs.worker_process import DONE, EXITED, OUT_OF_MEMORY, READY, failure
-from engines.contract import Outcome
+from comparisons.runs.failures import GIB, Failure, Lost, lost
+from comparisons.runs.worker_process import READY, cut_off, serve, start_method, start_server
 
 R = TypeVar("R")
 
-GIB = 1 << 30
 # What C and C++ run-time libraries say when an allocation fails and nobody catches it.
-_OUT_OF_MEMORY_WORDS = (b"bad_alloc", b"out of memory", b"Out of memory", b"Cannot allocate memory", b"MemoryError")
+_OUT_OF_MEMORY_WORDS: Final = (
+    b"bad_alloc",
+    b"out of memory",
+    b"Out of memory",
+    b"Cannot allocate memory",
+    b"MemoryError",
+)
+_OUTPUT_END: Final = 4096  # bytes kept of the end of a worker's output, to see what it died of
+_CHUNK: Final = 1 << 16
+_DYING: Final = 2.0  # s that a process which has hung up is given to end
 
 
 @dataclass(frozen=True)
@@ -40,14 +52,6 @@ class Bounds:
 
 
 DEFAULT_BOUNDS = Bounds()
-
-
-@dataclass(frozen=True)
-class Lost:
-    """A job that gave no result: TIMED_OUT or CRASHED, DIVERGED where it raised; ``reason`` in one sentence."""
-
-    outcome: Outcome
-    reason: str
 
 
 def cores() -> int:
@@ -106,17 +110,51 @@ def _run_here(
         try:
             result = function(*job)
         except (Exception, SystemExit) as error:
-            result = _lost(*failure(error), bounds)
+            result = lost(error, bounds.memory)
         yield number, result
 
 
-def _lost(kind: int, told: object, bounds: Bounds) -> Lost:
-    """What a failed job comes to, from the worker's message on it."""
-    if kind == OUT_OF_MEMORY:
-        return Lost(Outcome.CRASHED, f"needed more than {bounds.memory / GIB:.3g} GiB of memory")
-    if kind == EXITED:
-        return Lost(Outcome.CRASHED, f"exited with code {told}")
-    return Lost(Outcome.DIVERGED, str(told))
+@dataclass(eq=False)
+class _Worker:
+    """A worker process; ``job`` is None while it is free, ``used`` once it has finished any."""
+
+    process: BaseProcess
+    channel: Connection
+    output: Connection | None
+    ready: bool = False
+    used: bool = False
+    job: int | None = None
+    deadline: float = math.inf
+    written: bytes = b""
+
+    @property
+    def sources(self) -> list[Connection | int]:
+        """What can be waited for: its messages, its output, its end."""
+        return [self.channel, self.process.sentinel, *([self.output] if self.output else [])]
+
+    def read_output(self) -> None:
+        """Take what it has written since, keeping the end of it, so that a full pipe never holds it up."""
+        while self.output is not None and self.output.poll():
+            text = os.read(self.output.fileno(), _CHUNK)
+            self.written = (self.written + text)[-_OUTPUT_END:]
+            if not text:
+                self.output.close()
+                self.output = None
+
+    def exit_code(self) -> int | None:
+        """Exit code of a process that has hung up, None if it does not end: it may have closed what it is joined by."""
+        patience = time.monotonic() + _DYING
+        while self.process.exitcode is None and time.monotonic() < patience:
+            time.sleep(1e-3)
+        return self.process.exitcode
+
+    def stop(self) -> None:
+        """Kill it, whatever it is doing."""
+        self.process.kill()
+        self.process.join()
+        self.channel.close()
+        if self.output is not None:
+            self.output.close()
 
 
 @dataclass
@@ -128,7 +166,7 @@ class _Crew:
     bounds: Bounds
     size: int
     begun: Callable[[int], object]
-    workers: list[Worker] = field(default_factory=list)
+    workers: list[_Worker] = field(default_factory=list)
 
     def __post_init__(self) -> None:
         self.todo = deque(range(len(self.jobs)))
@@ -140,7 +178,8 @@ class _Crew:
         left = len(self.jobs)
         while left:
             self._hire()
-            found = [*self._told(self._waiting_time()), *self._overdue()]
+            self._wait()
+            found = [result for worker in list(self.workers) for result in (*self._heard(worker), *self._late(worker))]
             left -= len(found)
             if found:
                 self._hire()
@@ -153,73 +192,70 @@ class _Crew:
 
     def _hire(self) -> None:
         """Have as many workers as there is work for, each of them busy."""
-        if self._needs_fresh():
-            for worker in [worker for worker in self._free() if worker.used]:
+        fresh = bool(self.todo) and self.todo[0] in self.again  # the next job has died in a used worker already
+        for worker in self._free():
+            if fresh and worker.used:
                 self._dismiss(worker)
         busy = sum(worker.job is not None for worker in self.workers)
         while len(self.workers) < min(self.size, busy + len(self.todo)):
-            self.workers.append(started(self.pickled, self.function, self.bounds.memory))
+            self.workers.append(_started(self.pickled, self.function, self.bounds.memory))
         for worker in self._free():
-            if self.todo and not (worker.used and self._needs_fresh()):
+            if self.todo and not (worker.used and self.todo[0] in self.again):
                 self._assign(worker, self.todo.popleft())
 
-    def _free(self) -> list[Worker]:
+    def _free(self) -> list[_Worker]:
         return [worker for worker in self.workers if worker.ready and worker.job is None]
 
-    def _needs_fresh(self) -> bool:
-        """Whether the next job has died in a used worker already."""
-        return bool(self.todo) and self.todo[0] in self.again
-
-    def _assign(self, worker: Worker, number: int) -> None:
+    def _assign(self, worker: _Worker, number: int) -> None:
         message = pickle.dumps(self.jobs[number], protocol=pickle.HIGHEST_PROTOCOL)
-        worker.job, worker.heard = number, b""
+        worker.job, worker.written = number, b""
         worker.deadline = time.monotonic() + self.bounds.seconds
         self.begun(number)
         with contextlib.suppress(OSError):  # a worker that died meanwhile is found when it is waited for
             worker.channel.send_bytes(message)
 
-    def _waiting_time(self) -> float | None:
+    def _wait(self) -> None:
+        """Wait until any worker says or writes something, ends or is late."""
         first = min(worker.deadline for worker in self.workers)
-        return None if first == float("inf") else max(0.0, first - time.monotonic())
-
-    def _told(self, seconds: float | None) -> list[tuple[int, Any]]:
-        """Wait for any worker to say or write something or to die; returns the jobs that this ends."""
-        sources = [
-            source
-            for worker in self.workers
-            for source in (worker.channel, worker.output, worker.process.sentinel)
-            if source is not None
-        ]
-        wait(sources, seconds)
+        seconds = None if first == math.inf else max(0.0, first - time.monotonic())
+        wait([source for worker in self.workers for source in worker.sources], seconds)
         for worker in self.workers:
-            worker.listen()
-        return [found for worker in list(self.workers) for found in self._heard_from(worker)]
+            worker.read_output()
 
-    def _heard_from(self, worker: Worker) -> list[tuple[int, Any]]:
+    def _heard(self, worker: _Worker) -> list[tuple[int, Any]]:
+        """The job that a worker's message or death ends."""
         try:
             if not worker.channel.poll():
                 if worker.process.is_alive():
                     return []
                 raise EOFError
-            kind, told = read(worker.channel.recv_bytes())
+            message = worker.channel.recv_bytes()
         except (EOFError, OSError):
             return self._died(worker)
-        if kind == READY:
+        if message == READY:
             worker.ready = True
             return []
-        number, worker.job, worker.deadline, worker.used = worker.job, None, float("inf"), True
+        result = self._read(message)
+        number, worker.job, worker.deadline, worker.used = worker.job, None, math.inf, True
         assert number is not None
-        if kind in (EXITED, OUT_OF_MEMORY):
+        if isinstance(result, Lost) and result.outcome is Failure.CRASHED:
             self._dismiss(worker)  # who knows in what state it was left
-        return [(number, told if kind == DONE else _lost(kind, told, self.bounds))]
+        return [(number, result)]
 
-    def _died(self, worker: Worker) -> list[tuple[int, Lost]]:
+    def _read(self, message: bytes) -> object:
+        """A job's result; one that cannot be read back here is lost."""
+        try:
+            return pickle.loads(message)
+        except Exception as error:
+            return lost(error, self.bounds.memory)
+
+    def _died(self, worker: _Worker) -> list[tuple[int, Lost]]:
         code, number = worker.exit_code(), worker.job
-        worker.listen()
+        worker.read_output()
         self._dismiss(worker)
         if not worker.ready:
             raise LinkproofError(
-                f"expected a worker process, got one that {how(code)} at its start: run with --jobs 0 to do without"
+                f"expected a worker process, got one that {_how(code)} at its start: run with --jobs 0 to do without"
             )
         if number is None:
             return []
@@ -227,19 +263,52 @@ class _Crew:
             self.again.add(number)
             self.todo.appendleft(number)
             return []
-        if any(words in worker.heard for words in _OUT_OF_MEMORY_WORDS):
-            return [(number, _lost(OUT_OF_MEMORY, None, self.bounds))]
-        return [(number, Lost(Outcome.CRASHED, how(code)))]
+        if any(words in worker.written for words in _OUT_OF_MEMORY_WORDS):
+            return [(number, lost(MemoryError(), self.bounds.memory))]
+        return [(number, Lost(Failure.CRASHED, _how(code)))]
 
-    def _overdue(self) -> list[tuple[int, Lost]]:
-        """Jobs past their deadline; one that has answered meanwhile is not, however late it was asked."""
-        now, found = time.monotonic(), []
-        for worker in [w for w in self.workers if w.deadline <= now and not w.channel.poll()]:
-            assert worker.job is not None
-            found.append((worker.job, Lost(Outcome.TIMED_OUT, f"took longer than {self.bounds.seconds:g} s")))
-            self._dismiss(worker)
-        return found
+    def _late(self, worker: _Worker) -> list[tuple[int, Lost]]:
+        """The job of a worker past its deadline; one that has answered meanwhile is not, however late it is asked."""
+        if worker not in self.workers or worker.deadline > time.monotonic() or worker.channel.poll():
+            return []
+        assert worker.job is not None
+        self._dismiss(worker)
+        return [(worker.job, Lost(Failure.TIMED_OUT, f"took longer than {self.bounds.seconds:g} s"))]
 
-    def _dismiss(self, worker: Worker) -> None:
+    def _dismiss(self, worker: _Worker) -> None:
         self.workers.remove(worker)
         worker.stop()
+
+
+def _started(pickled: bytes, function: Callable[..., Any], memory: int) -> _Worker:
+    """A worker that has been started, though it may not be ready yet."""
+    while isinstance(function, partial):
+        function = function.func
+    try:
+        start_server([function.__module__])
+        context = multiprocessing.get_context(start_method())
+        channel, far_end = context.Pipe()
+        output, far_output = context.Pipe(duplex=False) if os.name == "posix" else (None, None)
+        process = context.Process(  # type: ignore[attr-defined]
+            target=serve, args=(far_end, far_output, pickled, memory), daemon=True
+        )
+        with cut_off():
+            process.start()
+    except (OSError, EOFError) as error:
+        raise LinkproofError(
+            f"expected to start a worker process, got {type(error).__name__}: {error}; run with --jobs 0 to do without"
+        ) from error
+    for end in filter(None, (far_end, far_output)):
+        end.close()
+    return _Worker(process, channel, output)
+
+
+def _how(code: int | None) -> str:
+    """How a process ended, from its exit code as multiprocessing gives it; None while it still runs."""
+    if code is None:
+        return "hung up without ending"
+    if code >= 0:
+        return f"exited with code {code}"
+    with contextlib.suppress(ValueError):
+        return f"died by signal {-code} ({signal.Signals(-code).name})"
+    return f"died by signal {-code}"

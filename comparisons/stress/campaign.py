@@ -8,14 +8,14 @@ from dataclasses import asdict, dataclass, field
 from typing import Any, Final
 
 from comparisons.runs.environment import environment
+from comparisons.runs.failures import GIB, Lost
 from comparisons.runs.journal import Journal
-from comparisons.runs.workers import GIB, Bounds, Lost, run_jobs
+from comparisons.runs.workers import Bounds, run_jobs
 from comparisons.stress.axes import Axis, axes
 from comparisons.stress.border import COARSE, PRECISE, Border, bisected, borders
 from comparisons.stress.cells import Cell, CellResult, cells, from_document, lost, made
 from comparisons.stress.long_run import LongRun, long_runs
 from comparisons.stress.verdict import StressVerdict
-from engines.contract import Outcome
 
 MEMORY: Final = 2 * GIB  # a cell may add
 # What a cell may take of a quick map, s, whatever its axis grants; and the usage whose borders a quick map looks for.
@@ -48,7 +48,7 @@ class Stressed:
     @property
     def missed(self) -> tuple[CellResult, ...]:
         """Wrong motions that no invariant of ours noticed: there must be none."""
-        return tuple(one for one in self.cells if one.verdict is StressVerdict.MISSED)
+        return tuple(cell for cell in self.cells if cell.verdict is StressVerdict.MISSED)
 
     def document(self, command: str, *, quick: bool) -> dict[str, Any]:
         """Everything as JSON-ready data."""
@@ -133,14 +133,7 @@ class _Maker:
         for number, found in run_jobs(made, jobs, bounds=bounds, processes=self.request.processes):
             cell = todo[number]
             self.announce(cell.key, len(self.done), self.known)
-            result = _lost(cell, found) if isinstance(found, Lost) else found
+            result = lost(cell, found) if isinstance(found, Lost) else found
             self.done[cell.key] = result
             if self.journal is not None:
                 self.journal.keep(cell.key, json.dumps(result.document, default=float).encode())
-
-
-def _lost(cell: Cell, found: Lost) -> CellResult:
-    """A cell whose worker gave no result. What it raised is not the engine's: those exceptions are runs."""
-    if found.outcome is Outcome.DIVERGED:
-        return lost(cell, Outcome.CRASHED, f"the suite itself failed, not the engine: {found.reason}")
-    return lost(cell, found.outcome, found.reason)

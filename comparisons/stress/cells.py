@@ -14,11 +14,12 @@ from typing import Any
 
 from analytic.errors import LinkproofError, UnknownNameError
 from comparisons.reference.case import Case
-from comparisons.runs.run_engine import attempt
+from comparisons.runs.failures import Lost, blamed_on
+from comparisons.runs.run_engine import run_engine
 from comparisons.stress.axes import Axis, axes
 from comparisons.stress.scenes import Conditions, case, scene
 from comparisons.stress.verdict import Judgement, StressVerdict, judged
-from engines.contract import Engine, Method, Outcome, Run, Setting
+from engines.contract import Engine, Outcome, Run, Setting
 from engines.registry import engine
 from engines.scene import Scene
 
@@ -173,9 +174,10 @@ def made(cell: Cell) -> CellResult:
     )
 
 
-def lost(cell: Cell, outcome: Outcome, reason: str) -> CellResult:
+def lost(cell: Cell, loss: Lost) -> CellResult:
     """A cell whose worker gave no result."""
-    return replace(_unmade(cell), judgement=Judgement(StressVerdict(outcome.value), reason), outcome=outcome.value)
+    judgement = Judgement(StressVerdict(loss.outcome.value), loss.reason)
+    return replace(_unmade(cell), judgement=judgement, outcome=loss.outcome.value)
 
 
 def _unmade(cell: Cell) -> CellResult:
@@ -190,29 +192,11 @@ def _case(conditions: Conditions) -> Case:
     return case(replace(conditions))
 
 
-@dataclass(frozen=True)
-class _Fixed:
-    """An engine with a method and a step in the place of its settings."""
-
-    adapter: Engine
-    method: Method
-    step: float
-
-    @property
-    def name(self) -> str:
-        return self.adapter.name
-
-    def obstacle(self, model: Scene) -> str | None:
-        return self.adapter.obstacle(model)
-
-    def run(self, model: Scene, _: Setting) -> Run:
-        return self.adapter.run_method(model, self.method, self.step)
-
-
 def _run(adapter: Engine, given: Scene, usage: str, conditions: Conditions) -> Run:
     if usage in SETTINGS:
-        return attempt(adapter, given, Setting(usage))
-    method = next(one for one in adapter.methods(given) if one.name == usage)
+        return run_engine(adapter, given, Setting(usage))
+    with blamed_on(adapter):
+        method = next(method for method in adapter.methods(given) if method.name == usage)
     if conditions.effort:
         method = replace(method, effort=conditions.effort)
-    return attempt(_Fixed(adapter, method, conditions.step), given, Setting.TUNED)  # type: ignore[arg-type]
+    return run_engine(adapter, given, method, conditions.step)

@@ -14,8 +14,9 @@ from analytic.kinematics.mechanism import Mechanism
 from comparisons.invariants.invariants import joint_gaps
 from comparisons.observation.observed_motion import ObservedMotion
 from comparisons.reference.case import Case
-from comparisons.runs.run_engine import attempt
-from comparisons.runs.workers import GIB, Bounds, Lost, run_jobs
+from comparisons.runs.failures import GIB, Lost
+from comparisons.runs.run_engine import run_engine
+from comparisons.runs.workers import Bounds, run_jobs
 from engines.contract import Outcome, Setting, Signal
 from engines.registry import engine
 from engines.scene import Channel
@@ -74,7 +75,7 @@ def long_run(name: str, engine_name: str, setting: Setting, turns: int) -> LongR
     motion = crank_motion("constant-speed", speed=SPEED * RPM, ramp_time=seconds, hold_time=0.0)
     case = Case(mechanism, motion)
     scene = case.scene([Channel.POSITION, Channel.TORQUE])
-    run = attempt(engine(engine_name), scene, setting)
+    run = run_engine(engine(engine_name), scene, setting)
     blank = LongRun(mechanism.linkage.name, engine_name, setting.value, turns, run.outcome.value, run.reason)
     if run.outcome is not Outcome.FINISHED or run.history is None:
         return blank

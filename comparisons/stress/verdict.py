@@ -17,10 +17,10 @@ from analytic.description.crank_motion import REGIMES
 from analytic.errors import LinkproofError
 from comparisons.invariants.checks import checks
 from comparisons.invariants.invariants import gaps_by_joint
-from comparisons.judging.deviations import deviation
+from comparisons.judging.deviations import NoSampleError, deviation
 from comparisons.judging.limits import OWN, limit
 from comparisons.judging.quantities import all_quantities
-from comparisons.judging.records import Record, Verdict
+from comparisons.judging.records import Record, Verdict, blank_record
 from comparisons.observation.observed_motion import ObservedMotion
 from comparisons.reference.case import Case
 from comparisons.stress.truth import wrongs
@@ -43,6 +43,8 @@ class StressVerdict(StrEnum):
     DIVERGED = "diverged"
     TIMED_OUT = "timed-out"
     CRASHED = "crashed"
+    ADAPTER_ERROR = "adapter-error"
+    SUITE_ERROR = "suite-error"
     UNSUPPORTED = "unsupported"
     UNAVAILABLE = "unavailable"
 
@@ -56,6 +58,8 @@ MEANINGS: Mapping[StressVerdict, str] = {
     StressVerdict.DIVERGED: "the engine, or its adapter, said that it failed",
     StressVerdict.TIMED_OUT: "took longer than a cell may",
     StressVerdict.CRASHED: "took its process down, or more memory than a cell may",
+    StressVerdict.ADAPTER_ERROR: "the adapter of the engine raised an exception",
+    StressVerdict.SUITE_ERROR: "linkproof itself raised an exception: the engine is not to blame",
     StressVerdict.UNSUPPORTED: "refused before it began",
     StressVerdict.UNAVAILABLE: "not installed",
 }
@@ -169,31 +173,7 @@ def _blank(case: Case, setting: str) -> Record:
     regime = case.motion.regime
     if case.is_prescribed and regime not in REGIMES:
         regime = "run-up" if case.motion.jumps else "run-up-quintic"
-    linkage = case.mechanism.linkage
-    return Record(
-        mechanism=linkage.name,
-        variant=linkage.variant,
-        regime=regime if case.is_prescribed else OWN,
-        conditions="stress",
-        engine="",
-        engine_version="",
-        setting=setting,
-        quantity="",
-        unit="",
-        error_max=None,
-        error_rms=None,
-        limit=None,
-        baseline=None,
-        outcome=Verdict.PASSED.value,
-        detail="",
-        peak=None,
-        worst_time=None,
-        samples=0,
-        left_out=0,
-        seconds=0.0,
-        setup_seconds=0.0,
-        steps=0,
-    )
+    return replace(blank_record(case, setting), regime=regime if case.is_prescribed else OWN, conditions="stress")
 
 
 def _invariants(case: Case, motion: ObservedMotion, blank: Record) -> tuple[list[Record], Record]:
@@ -208,7 +188,7 @@ def _deviations(case: Case, motion: ObservedMotion, blank: Record) -> Record | N
     for quantity in all_quantities(case).values():
         try:
             one = deviation(case, quantity, motion)
-        except ValueError:  # so few samples that none is left to compare
+        except NoSampleError:
             continue
         bound = limit(quantity.name, blank.setting, blank.regime).value
         outcome = Verdict.PASSED if one.error_max <= bound else Verdict.OVER_LIMIT

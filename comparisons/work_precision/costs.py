@@ -20,7 +20,8 @@ from analytic.description.linkage import Linkage
 from analytic.evaluation import evaluate
 from analytic.kinematics.mechanism import Mechanism
 from comparisons.reference.start_state import scene
-from comparisons.runs.run_engine import attempt
+from comparisons.runs.failures import AdapterError
+from comparisons.runs.run_engine import run_engine
 from comparisons.work_precision.records import Cost
 from comparisons.work_precision.reductions import QUERIES, REDUCTIONS, reduced
 from engines.contract import Engine, Outcome, Run, Setting
@@ -69,7 +70,10 @@ def run_jobs(linkage: Linkage, engines: Sequence[str]) -> Iterator[tuple[Cost, J
 
 
 def _run(adapter: Engine, model: Scene) -> Run:
-    return replace(attempt(adapter, model, Setting.TUNED), history=None)
+    try:
+        return replace(run_engine(adapter, model, Setting.TUNED), history=None)
+    except AdapterError as error:
+        return Run(Outcome.DIVERGED, str(error))
 
 
 def query_jobs(linkage: Linkage, paths: Sequence[str]) -> Iterator[tuple[Cost, Job]]:

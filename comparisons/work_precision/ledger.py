@@ -8,6 +8,7 @@ from dataclasses import asdict, dataclass, field, replace
 from typing import Any
 
 from comparisons.reference.case import Case
+from comparisons.runs.failures import Failure
 from comparisons.runs.journal import Journal
 from comparisons.runs.timing import smallest_and_median
 from comparisons.work_precision.measure import Error, Taken, longest_step
@@ -82,7 +83,7 @@ def records(
 
     A sweep there was no time for has its first point to say so.
     """
-    for point, taken in zip(track.points, track.taken or [Taken(Outcome.TIMED_OUT.value, track.ended)], strict=False):
+    for point, taken in zip(track.points, track.taken or [Taken(Failure.TIMED_OUT.value, track.ended)], strict=False):
         blank = replace(_blank(subject, point, taken, ledger.repeats(point, rounds)), ended=track.ended)
         if not taken.errors:
             yield from (replace(blank, quantity=name) for name in quantities)

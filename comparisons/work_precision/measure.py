@@ -8,10 +8,13 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import lru_cache
 
-from comparisons.judging.deviations import deviation
+from comparisons.judging.deviations import NoSampleError, deviation
 from comparisons.judging.quantities import JOINT_FORCE, QUANTITIES, Quantity, all_quantities
+from comparisons.judging.records import Verdict
 from comparisons.observation.observed_motion import ObservedMotion
 from comparisons.reference.case import Case
+from comparisons.runs.failures import blamed_on
+from comparisons.runs.run_engine import checked, started
 from comparisons.runs.timing import calibrate, timed
 from engines.contract import Engine, Method, Outcome, Run, Setting
 from engines.registry import engine
@@ -81,32 +84,39 @@ def measure(
     *,
     with_errors: bool,
 ) -> Taken:
-    """Run a pickled case once in an engine, by a setting or by a method at a step; raises MemoryError alone."""
-    try:
-        case = _case(pickled)
-        families = chosen(case, quantities)
-        channels = frozenset(channel for family in families.values() for one in family for channel in one.channels)
+    """Run a pickled case once in an engine, by a setting or by a method at a step.
+
+    Raises AdapterError for every exception of the adapter but MemoryError.
+    """
+    case, adapter = _case(pickled), engine(name)
+    families = chosen(case, quantities)
+    channels = frozenset(channel for family in families.values() for one in family for channel in one.channels)
+    scene = case.scene(channels)
+    step = None if steps_per_turn is None else longest_step(case, steps_per_turn)
+    with blamed_on(adapter):
         obstacle = _obstacle(pickled, name, channels)
         if obstacle is not None:
             return Taken(Outcome.UNSUPPORTED.value, obstacle)
-        adapter, scene = engine(name), case.scene(channels)
         _WARMTH.see_to(adapter, scene, longest_step(case, WARM))
         steady = calibrate()
-        step = None if steps_per_turn is None else longest_step(case, steps_per_turn)
-        run, wall = timed(lambda: _run(adapter, scene, way, step))
-        taken = _taken(run, wall, steady)
-        return replace(taken, errors=_errors(case, families, scene, run)) if with_errors else taken
-    except MemoryError:  # what it means is for whoever set the bound to say
-        raise
-    except Exception as error:
-        return Taken(Outcome.DIVERGED.value, f"{name} raised {type(error).__name__}: {error}")
+        run, wall = timed(lambda: started(adapter, scene, way, step))
+        run = checked(run, scene)
+    taken = _taken(run, wall, steady)
+    if not with_errors or run.outcome is not Outcome.FINISHED or run.history is None:
+        return taken
+    return _with_errors(taken, case, families, ObservedMotion(scene, run.history))
 
 
-def _run(adapter: Engine, scene: Scene, way: Setting | Method, step: float | None) -> Run:
-    if isinstance(way, Setting):
-        return adapter.run(scene, way)
-    assert step is not None
-    return adapter.run_method(scene, way, step)
+def _with_errors(taken: Taken, case: Case, families: Mapping[str, Sequence[Quantity]], motion: ObservedMotion) -> Taken:
+    """The same with the errors of its motion; they have to be numbers."""
+    try:
+        errors = _errors(case, families, motion)
+    except NoSampleError as error:
+        return replace(taken, outcome=Verdict.UNDEFINED.value, reason=str(error))
+    endless = [name for name, error in errors.items() if not math.isfinite(error.largest)]
+    if endless:
+        return replace(taken, outcome=Outcome.DIVERGED.value, reason=f"{endless[0]} is not finite")
+    return replace(taken, errors=errors)
 
 
 def _taken(run: Run, wall: float, steady: float) -> Taken:
@@ -128,19 +138,14 @@ def _short(value: str | int | float) -> str:
     return f"{value:.6g}" if isinstance(value, float) else str(value)
 
 
-def _errors(case: Case, families: Mapping[str, Sequence[Quantity]], scene: Scene, run: Run) -> dict[str, Error]:
-    """Errors of a run that finished; of a family of quantities the worst member's."""
-    if run.outcome is not Outcome.FINISHED or run.history is None:
-        return {}
-    motion = ObservedMotion(scene, run.history)
+def _errors(case: Case, families: Mapping[str, Sequence[Quantity]], motion: ObservedMotion) -> dict[str, Error]:
+    """Errors of a motion; of a family of quantities the worst member's."""
     alone = replace(case, _seen={})  # the closed form on this clock goes when the point is done
     found = {}
     for name, family in families.items():
         all_found = [(deviation(alone, one, motion), one.unit) for one in family]
         worst, unit = max(all_found, key=lambda pair: pair[0].error_max)
         rms = max(one.error_rms for one, _ in all_found)
-        if not math.isfinite(worst.error_max):
-            raise ArithmeticError(f"{name} is not finite")
         found[name] = Error(worst.error_max, rms, worst.peak, unit)
     return found
 

@@ -6,6 +6,7 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
+from comparisons.runs.failures import Failure
 from comparisons.work_precision.measure import Taken
 from comparisons.work_precision.order import still_improves
 from engines.contract import Method, Outcome, Setting
@@ -123,7 +124,7 @@ class Track:
     def _end_by_failure(self) -> str:
         """Failures end a sweep that worked before, and one that never did after three."""
         last = self.taken[-1]
-        lasting = last.outcome in (Outcome.TIMED_OUT, Outcome.UNSUPPORTED, Outcome.UNAVAILABLE)
+        lasting = last.outcome in (Failure.TIMED_OUT, Outcome.UNSUPPORTED, Outcome.UNAVAILABLE)
         worked = any(one.outcome == Outcome.FINISHED for one in self.taken)
         if lasting or worked or len(self.taken) in (FAILURES, len(self.points)):
             return f"{last.outcome}: {last.reason}"

@@ -17,9 +17,10 @@ from typing import Any
 
 from analytic.errors import UnknownNameError
 from comparisons.reference.case import Case
+from comparisons.runs.failures import Lost
 from comparisons.runs.journal import Journal
 from comparisons.runs.timing import Noise
-from comparisons.runs.workers import Bounds, Lost, run_jobs
+from comparisons.runs.workers import Bounds, run_jobs
 from comparisons.work_precision.analysis import judged
 from comparisons.work_precision.ledger import Ledger, Subject, records
 from comparisons.work_precision.measure import Taken, measure

@@ -11,8 +11,9 @@ import numpy as np
 from markupsafe import Markup
 
 from comparisons.campaign.results import Results
+from comparisons.runs.failures import Lost
 from comparisons.runs.files import write_text
-from comparisons.runs.workers import Lost, run_jobs, usual_processes
+from comparisons.runs.workers import run_jobs, usual_processes
 from reports.campaign.extra_sections import ExtraSection
 from reports.campaign.sections import mechanism_section
 from reports.facts import matrix

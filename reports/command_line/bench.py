@@ -21,13 +21,13 @@ from comparisons.runs.files import check_writable, write_text
 from comparisons.runs.timing import WORK, first_use_seconds
 from comparisons.work_precision import costs
 from comparisons.work_precision.measure import JOINTS, chosen
-from comparisons.work_precision.points import FULL, OUT_OF_TIME, QUICK, Extent
+from comparisons.work_precision.points import FULL, QUICK, Extent
 from comparisons.work_precision.records import FILE, Bench, rows, save, text
 from comparisons.work_precision.records import load as load_bench
 from comparisons.work_precision.study import QUANTITIES, BenchRequest, Measured, methods_told
 from comparisons.work_precision.study import bench as measure_all
-from engines.contract import Outcome
 from engines.registry import engine
+from reports.command_line.exit_codes import bench_exit_code
 from reports.command_line.interruption import interruptible, journal
 from reports.command_line.progress import progress
 from reports.command_line.requests import Choice, request, texts
@@ -74,7 +74,7 @@ class BenchChoice:
 
 
 def bench(choice: BenchChoice, out: Path | None, target: str | None, *, resume: bool = False) -> int:
-    """Measure, print the tables, write what was asked for; returns 0, or 1 where an engine gave nothing at all.
+    """Measure, print the tables, write what was asked for; returns the exit code.
 
     Raises LinkproofError for anything that does not exist or cannot be, before any run is made.
     """
@@ -93,7 +93,7 @@ def bench(choice: BenchChoice, out: Path | None, target: str | None, *, resume: 
         _written(found, choice, out, target)
         if kept:
             kept.clear()
-    return int(not all(_gave_anything(measured, name) for name in wanted.engines))
+    return bench_exit_code(measured.records, wanted.engines)
 
 
 def rebuild(saved: Path, out: Path | None = None) -> None:
@@ -165,10 +165,3 @@ def _write_page(found: Bench, folder: Path) -> None:
     from reports.work_precision.page import write  # noqa: PLC0415  plots cost seconds that a table does not pay
 
     Console(stderr=True).print(f"benchmark: {write(found, folder)}", highlight=False)
-
-
-def _gave_anything(measured: Measured, name: str) -> bool:
-    """Whether an engine finished any point, or is not to blame: not there, no time left, no scene it could hold."""
-    mine = [record for record in measured.records if record.engine == name]
-    excused = (Outcome.FINISHED, Outcome.UNAVAILABLE, Outcome.UNSUPPORTED)
-    return any(record.outcome in excused or record.detail == OUT_OF_TIME for record in mine)

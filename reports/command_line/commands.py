@@ -22,13 +22,13 @@ from comparisons.campaign.errata import ErratumRecord, judge_errata
 from comparisons.campaign.results import described, document, save
 from comparisons.campaign.results import load as load_results
 from comparisons.judging import baseline
-from comparisons.judging.records import Record, Verdict, to_json
+from comparisons.judging.records import to_json
 from comparisons.reference.published import all_variants, compare_published
 from comparisons.runs.files import check_writable, write_text
 from comparisons.runs.journal import Journal
 from comparisons.runs.workers import Bounds
-from engines.contract import Setting
 from engines.registry import engine, engine_names
+from reports.command_line.exit_codes import campaign_exit_code
 from reports.command_line.interruption import interruptible, journal
 from reports.command_line.progress import progress
 from reports.command_line.requests import DEFAULT_EFFORT, Choice, Effort, request, texts
@@ -36,7 +36,6 @@ from reports.facts.mechanism_summary import portrait, thread_facts
 from reports.text import terminal
 
 PAGE, SUMMARY = "index.html", "RESULTS.md"
-FAILED = (Verdict.OVER_LIMIT, Verdict.DIVERGED, Verdict.TIMED_OUT, Verdict.CRASHED)
 
 
 def _write_json(target: str, data: Mapping[str, Any]) -> None:
@@ -147,7 +146,7 @@ def compare(
                 rebuild(out, None)
         if kept:
             kept.clear()
-    return exit_code(records)
+    return campaign_exit_code(records)
 
 
 class _Limits(TypedDict):
@@ -167,12 +166,6 @@ def _errata(wanted: Request, files: Sequence[str], limits: _Limits) -> list[Erra
 
     asked = wanted.linkages if wanted.own_regimes else ()
     return list(judge_errata(asked, installed(wanted.engines), variant_of, **limits))
-
-
-def exit_code(records: Sequence[Record]) -> int:
-    """1 if any record failed; naive ones count only where nothing else ran."""
-    judged = [record for record in records if record.setting != Setting.NAIVE] or records
-    return int(any(record.outcome in FAILED for record in judged))
 
 
 def rebuild(saved: Path, out: Path | None) -> None:

@@ -1,6 +1,7 @@
 """The command line: ``linkproof list | show | thread | published | compare | bench | stress | report``.
 
-Exit codes: 0 all within limits, 1 a limit exceeded or a run that failed, 2 misuse or bad input, 130 interrupted.
+Exit codes: 0 all within limits, 1 a limit exceeded or a run that failed, 2 misuse, bad input or nothing judged, 3 a
+fault of linkproof itself, 130 interrupted.
 """
 
 from __future__ import annotations
@@ -12,8 +13,7 @@ from typing import Annotated
 import typer
 from typer.core import TyperGroup
 
-BAD_INPUT = 2
-INTERRUPTED = 130
+BAD_INPUT, SUITE_ERROR, INTERRUPTED = 2, 3, 130
 
 
 class InterruptedRunError(Exception):
@@ -245,7 +245,7 @@ def report(
 
 
 def main() -> None:
-    """Run the command line; every error a user can cause becomes one sentence and exit code 2."""
+    """Run the command line: a user's error is one sentence and exit code 2, a fault of ours one and exit code 3."""
     from analytic.errors import LinkproofError
 
     try:
@@ -259,6 +259,13 @@ def main() -> None:
     except BrokenPipeError:
         sys.stderr.close()
         sys.exit(0)
+    except MemoryError:
+        raise
+    except Exception as error:
+        from comparisons.runs.failures import lost
+
+        sys.stderr.write(f"linkproof: {lost(error, 0).reason}\n")
+        sys.exit(SUITE_ERROR)
 
 
 if __name__ == "__main__":

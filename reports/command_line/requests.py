@@ -12,7 +12,8 @@ from analytic.description.linkage import Linkage
 from analytic.description.loading import catalogue, find, load
 from analytic.errors import LinkproofError, UnknownNameError
 from comparisons.campaign.campaign import Request
-from comparisons.runs.workers import DEFAULT_BOUNDS, GIB, Bounds, cores
+from comparisons.runs.failures import GIB
+from comparisons.runs.workers import DEFAULT_BOUNDS, Bounds, cores
 from engines.contract import Setting
 from engines.registry import engine, engine_names
 

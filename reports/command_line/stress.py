@@ -18,8 +18,8 @@ from comparisons.runs.journal import Journal
 from comparisons.stress.axes import chosen_axes
 from comparisons.stress.campaign import Stressed, StressRequest, make_cells, stress
 from comparisons.stress.cells import CellResult, find_cell
-from comparisons.stress.verdict import StressVerdict
 from engines.registry import engine, engine_names
+from reports.command_line.exit_codes import stress_exit_code
 from reports.command_line.interruption import INCIDENTAL, interruptible
 from reports.command_line.progress import progress
 from reports.stress.facts import FILE, Stress
@@ -52,7 +52,7 @@ class StressChoice:
 def run(
     choice: StressChoice, out: Path | None, target: str | None, *, resume: bool = False, jobs: int | None = None
 ) -> int:
-    """Put engines under stress; returns 1 if an invariant of ours let a wrong motion pass.
+    """Put engines under stress; returns the exit code.
 
     Raises LinkproofError for anything that does not exist, before any cell is made.
     """
@@ -72,7 +72,7 @@ def run(
         _written(found, choice, out, target)
         if kept:
             kept.clear()
-    return int(bool(found.missed))
+    return stress_exit_code(found.cells)
 
 
 def _request(choice: StressChoice, jobs: int | None) -> StressRequest:
@@ -80,6 +80,11 @@ def _request(choice: StressChoice, jobs: int | None) -> StressRequest:
         engine(name)
     engines = tuple(dict.fromkeys(choice.engines)) or engine_names()
     there = tuple(name for name in engines if engine(name).version() is not None)
+    if not there:
+        raise LinkproofError(
+            f"expected an installed engine, got {', '.join(engines) or 'none at all'}: install it with: pip install "
+            f"'linkproof[{engines[0] if engines else 'pymunk'}]'"
+        )
     return StressRequest(tuple(chosen_axes(choice.words)), there, choice.settings, choice.quick, jobs)
 
 
@@ -102,7 +107,7 @@ def _alone(choice: StressChoice, target: str | None) -> int:
         sys.stdout.write(to_json({"cells": [one.document for one in found]}))
     else:
         Console().print(*map(_told, found), sep="\n\n", highlight=False)
-    return int(any(one.verdict is StressVerdict.MISSED for one in found))
+    return stress_exit_code(found)
 
 
 def _told(found: CellResult) -> str:

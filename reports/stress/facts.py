@@ -20,7 +20,7 @@ from reports.text.numbers import ABSENT, bound, printed
 FILE = "stress.json"
 Line = tuple[str, str, str, str]  # axis, row, engine, usage
 # An outcome that says nothing of how far an engine goes.
-APART = (StressVerdict.UNSUPPORTED, StressVerdict.UNAVAILABLE)
+APART = (StressVerdict.UNSUPPORTED, StressVerdict.UNAVAILABLE, StressVerdict.SUITE_ERROR)
 SILENT = (StressVerdict.CAUGHT, StressVerdict.MISSED)
 
 
@@ -43,6 +43,8 @@ SIGNS: Mapping[StressVerdict, StressSign] = {
     StressVerdict.DIVERGED: StressSign("D", "#a9bfd8", "#14304f"),
     StressVerdict.TIMED_OUT: StressSign("T", "#7f97b2", "#ffffff"),
     StressVerdict.CRASHED: StressSign("C", "#3f5169", "#ffffff"),
+    StressVerdict.ADAPTER_ERROR: StressSign("A", "#3f5169", "#ffffff"),
+    StressVerdict.SUITE_ERROR: StressSign("S", "#000000", "#ffffff", "bold red"),
     StressVerdict.UNSUPPORTED: StressSign("–", "#eef0f3", "#5b6673"),
     StressVerdict.UNAVAILABLE: StressSign("·", "#eef0f3", "#5b6673"),
 }

@@ -101,9 +101,11 @@ def axis_part(stress: Stress, name: str) -> AxisPart:
 def incidents(stress: Stress) -> list[IncidentList]:
     """What was missed, what was a false alarm, what crashed, what was caught; engines together."""
     folded: Mapping[StressVerdict, bool] = {
+        StressVerdict.SUITE_ERROR: False,
         StressVerdict.MISSED: False,
         StressVerdict.ALARM: False,
         StressVerdict.CRASHED: False,
+        StressVerdict.ADAPTER_ERROR: False,
         StressVerdict.CAUGHT: True,
     }
     return [

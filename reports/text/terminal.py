@@ -202,6 +202,9 @@ def _closing_line(results: Sequence[RunResult]) -> Text:
     records = [record for result in results for record in (*result.records, *result.invariants)]
     counts = {verdict: sum(r.outcome == verdict.value for r in records) for verdict in Verdict}
     left_out = sum(record.left_out for record in records)
-    words = [f"{count} {verdict.value}" for verdict, count in counts.items() if count]
+    words = [f"{count} {verdict.value}" for verdict, count in counts.items() if count and verdict.judged]
+    unjudged = [f"{count} {verdict.value}" for verdict, count in counts.items() if count and not verdict.judged]
     note = f"; {left_out} samples at acceleration jumps or near standstill left out" if left_out else ""
-    return Text(f"{len(records)} deviations: {', '.join(words)}{note}")
+    judged = sum(count for verdict, count in counts.items() if verdict.judged)
+    words += [f"{len(records) - judged} not judged ({', '.join(unjudged)})"] if unjudged else []
+    return Text(f"{judged} deviations: {', '.join(words)}{note}")

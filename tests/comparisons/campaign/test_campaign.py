@@ -12,14 +12,15 @@ from analytic.errors import AssemblyError, LinkproofError, UnknownNameError
 from analytic.kinematics.mechanism import Mechanism
 from comparisons.campaign import campaign
 from comparisons.campaign.campaign import Request, compare, tasks
-from comparisons.judging import baseline
+from comparisons.judging import baseline, deviations
 from comparisons.judging.records import Verdict
 from comparisons.judging.run_result import ARRAYS
+from comparisons.runs.failures import GIB
 from comparisons.runs.journal import Journal
-from comparisons.runs.workers import GIB, Bounds
+from comparisons.runs.workers import Bounds
 from engines.contract import Outcome, Run, Setting, Signal
 from engines.scene import Channel
-from tests.comparisons.faults import announce_engines
+from tests.comparisons.faults import announce_engines, fail
 from tests.comparisons.perfect_engine import perfect_motion
 
 JUKI = load("juki-mf7923d")
@@ -28,6 +29,10 @@ HISTORY = perfect_motion(Mechanism(JUKI), MOTION).history
 
 
 TAKEUP = load("slotted-takeup")
+RAISED = (
+    "the adapter of raising raised ValueError: first line second line (tests/comparisons/faults.py, line "
+    f"{fail.__code__.co_firstlineno + 1})"
+)
 BRIEF = tuple(crank_motion(name, ramp_time=0.05, hold_time=0.02) for name in ("run-up", "run-up-cubic"))
 
 
@@ -110,8 +115,54 @@ def test_an_exception_in_an_engine_costs_its_own_row(with_engine):
 
     with_engine(Scripted(fail))
     (result,) = compare(_request())
-    assert {r.outcome for r in result.records} == {"diverged"}
-    assert result.records[0].detail == "scripted raised RuntimeError: matrix is singular"
+    assert {r.outcome for r in result.records} == {"adapter-error"}
+    line = fail.__code__.co_firstlineno + 1
+    assert result.records[0].detail == (
+        "the adapter of scripted raised RuntimeError: matrix is singular "
+        f"(tests/comparisons/campaign/test_campaign.py, line {line})"
+    )
+
+
+def test_an_engine_that_returns_what_cannot_be_read_is_its_adapters_error(with_engine):
+    with_engine(Scripted(lambda scene: None))
+    (result,) = compare(_request())
+    assert {r.outcome for r in result.records} == {"adapter-error"}
+
+
+def _raise_type_error(*_):
+    raise TypeError("of our own making")
+
+
+@pytest.mark.parametrize("function", ["checks", "deviation"])
+@pytest.mark.parametrize("processes", [0, 1])
+def test_an_exception_of_ours_is_no_fault_of_the_engine(with_engine, monkeypatch, function, processes):
+    with_engine(Scripted(_finished))
+    monkeypatch.setenv("LINKPROOF_WORKER_START", "fork")
+    monkeypatch.setattr(campaign, function, _raise_type_error)
+    (result,) = compare(_request(), processes=processes)
+    assert {r.outcome for r in result.records} == {"suite-error"}
+    assert result.records[0].detail.startswith(
+        "this is a fault of linkproof: TypeError: of our own making (comparisons"
+    )
+    assert "report it with" in result.records[0].detail
+
+
+@pytest.mark.parametrize("processes", [0, 1])
+def test_the_whole_traceback_is_shown_where_it_is_asked_for(with_engine, monkeypatch, capfd, processes):
+    with_engine(Scripted(_raise_type_error))
+    monkeypatch.setenv("LINKPROOF_WORKER_START", "fork")
+    monkeypatch.setenv("LINKPROOF_WORKER_OUTPUT", "1")
+    list(compare(_request(), processes=processes))
+    assert "in _raise_type_error" in capfd.readouterr().err
+
+
+def test_a_quantity_without_a_sample_is_undefined(with_engine, monkeypatch):
+    with_engine(Scripted(_finished))
+    monkeypatch.setattr(deviations, "near_jumps", lambda time, jumps: np.ones(len(time), dtype=bool))
+    (result,) = compare(_request(quantities=("Mkr", "S"), with_invariants=False))
+    assert {r.quantity: r.outcome for r in result.records} == {"Mkr": "undefined", "S": "passed"}
+    assert "every sample of Mkr" in result.records[0].detail
+    assert list(result.deviations) == ["S"]
 
 
 @pytest.mark.parametrize(
@@ -130,10 +181,12 @@ def test_what_an_engine_cannot_do_is_a_record(with_engine, engine, outcome, word
     assert all(r.error_max is None for r in result.records)
 
 
-def test_a_scene_records_only_what_is_asked_for(with_engine):
+def test_what_is_asked_for_does_not_change_what_steps_are_chosen_by(with_engine):
     engine = with_engine(Scripted(_finished))
-    list(compare(_request(quantities=("Jeq",), with_invariants=False)))
-    assert engine.scenes[0].channels == {Channel.VELOCITY}
+    for names in ("Jeq",), ("Mkr",), ("joint_force",):
+        list(compare(_request(quantities=names, with_invariants=False)))
+    all_but_forces = frozenset(Channel) - {Channel.JOINT_FORCE}
+    assert [scene.channels for scene in engine.scenes] == [all_but_forces, all_but_forces, frozenset(Channel)]
 
 
 def test_deviations_three_times_their_record_fail_within_the_limit(with_engine, monkeypatch):
@@ -274,7 +327,7 @@ def test_faulty_engines_cost_their_own_rows(tmp_path, monkeypatch, capfd):
         "aborting": {("crashed", "died by signal 6 (SIGABRT)")},
         "hanging": {("timed-out", "took longer than 3 s")},
         "leaving": {("crashed", "exited with code 3")},
-        "raising": {("diverged", "raising raised ValueError: first line second line")},
+        "raising": {("adapter-error", RAISED)},
         "swelling": {("crashed", "needed more than 0.25 GiB of memory")},
         "writing": {("diverged", "did nothing")},
     }

@@ -16,24 +16,25 @@ from comparisons.campaign.campaign import Request
 from comparisons.campaign.results import document, save
 from comparisons.campaign.results import load as load_results
 from comparisons.judging.records import from_rows, to_json
-from comparisons.observation.observed_motion import ObservedMotion
 from engines.contract import Outcome, Run, Setting
 from tests.comparisons.perfect_engine import perfect_motion
 
 JUKI, MOTION = load("juki-mf7923d", "as-printed"), crank_motion("run-up", clockwise=True, start_angle=0.3)
 
 
+def _compared(request, run):
+    """What a campaign makes of this run of an engine."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(campaign, "run_engine", lambda *_: run)
+        return list(campaign.compare(request))
+
+
 @pytest.fixture(scope="module")
 def saved(tmp_path_factory):
     request = Request((JUKI,), (MOTION,), "as tested", ("direct",))
-    (task,) = campaign.tasks(request)
     motion = perfect_motion(Mechanism(JUKI), MOTION, 701)
     run = Run(Outcome.FINISHED, history=motion.history, details={"step": 1e-3})
-    wanted = list(task.quantities)
-    blank = campaign._blank(task, "1.0")
-    result = campaign._measured(
-        task, wanted, run, ObservedMotion(motion.scene, motion.history), blank, with_invariants=True
-    )
+    (result,) = _compared(request, run)
     folder = tmp_path_factory.mktemp("saved")
     told = document(request, [result], [find("juki-mf7923d").read_text()], "linkproof compare juki-mf7923d")
     save(folder, [result], told)
@@ -101,10 +102,7 @@ def test_json_never_holds_nan():
 
 def test_a_campaign_of_failures_can_be_saved(tmp_path):
     request = Request((JUKI,), (MOTION,), "as tested", ("direct",), (Setting.NAIVE,))
-    (task,) = campaign.tasks(request)
-    failed = campaign._all_alike(
-        campaign._blank(task, "1"), list(task.quantities), campaign.Verdict.DIVERGED, "ran away"
-    )
+    (failed,) = _compared(request, Run(Outcome.DIVERGED, "ran away"))
     told = document(request, [failed], [find("juki-mf7923d").read_text()], "linkproof compare")
     save(tmp_path, [failed], told)
     assert load_results(tmp_path).records == failed.records

@@ -12,30 +12,29 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from comparisons.runs.worker_process import SHOW_OUTPUT
-from comparisons.runs.workers import GIB, Bounds, Lost, run_jobs
-from engines.contract import Outcome
+from comparisons.runs.failures import GIB, SHOW_OUTPUT, Failure, Lost
+from comparisons.runs.workers import Bounds, run_jobs
 from tests.comparisons.faults import Counting, job, large
 
 ENVIRONMENT = {**os.environ, "PYTHONPATH": os.pathsep.join(filter(None, sys.path))}
 BOUNDS = Bounds(seconds=2.5, memory=GIB // 16)
 
 FATES = [
-    ("abort", None, Outcome.CRASHED, "died by signal 6 (SIGABRT)"),
-    ("crash", None, Outcome.CRASHED, "died by signal 11 (SIGSEGV)"),
-    ("leave_at_once", 3, Outcome.CRASHED, "exited with code 3"),
-    ("leave_at_once", 0, Outcome.CRASHED, "exited with code 0"),
-    ("leave", 3, Outcome.CRASHED, "exited with code 3"),
-    ("leave", None, Outcome.CRASHED, "exited with code 0"),
-    ("leave", "words", Outcome.CRASHED, "exited with code 1"),
-    ("sleep", None, Outcome.TIMED_OUT, "took longer than 2.5 s"),
-    ("spin", None, Outcome.TIMED_OUT, "took longer than 2.5 s"),
-    ("swell", None, Outcome.CRASHED, "needed more than 0.0625 GiB of memory"),
-    ("swell_in_c", None, Outcome.CRASHED, "needed more than 0.0625 GiB of memory"),
-    ("fail", None, Outcome.DIVERGED, "raised ValueError: first line second line"),
-    ("unsendable", None, Outcome.DIVERGED, "raised "),
-    ("unreadable", None, Outcome.DIVERGED, "raised ValueError: first line second line"),
-    ("hang_up", None, Outcome.CRASHED, "hung up without ending"),
+    ("abort", None, Failure.CRASHED, "died by signal 6 (SIGABRT)"),
+    ("crash", None, Failure.CRASHED, "died by signal 11 (SIGSEGV)"),
+    ("leave_at_once", 3, Failure.CRASHED, "exited with code 3"),
+    ("leave_at_once", 0, Failure.CRASHED, "exited with code 0"),
+    ("leave", 3, Failure.CRASHED, "exited with code 3"),
+    ("leave", None, Failure.CRASHED, "exited with code 0"),
+    ("leave", "words", Failure.CRASHED, "exited with code 1"),
+    ("sleep", None, Failure.TIMED_OUT, "took longer than 2.5 s"),
+    ("spin", None, Failure.TIMED_OUT, "took longer than 2.5 s"),
+    ("swell", None, Failure.CRASHED, "needed more than 0.0625 GiB of memory"),
+    ("swell_in_c", None, Failure.CRASHED, "needed more than 0.0625 GiB of memory"),
+    ("fail", None, Failure.SUITE_ERROR, "this is a fault of linkproof: ValueError: first line second line ("),
+    ("unsendable", None, Failure.SUITE_ERROR, "this is a fault of linkproof: "),
+    ("unreadable", None, Failure.SUITE_ERROR, "this is a fault of linkproof: ValueError: first line second line ("),
+    ("hang_up", None, Failure.CRASHED, "hung up without ending"),
 ]
 
 
@@ -75,7 +74,7 @@ def test_every_fault_costs_its_own_job_and_prints_nothing(capfd):
 @settings(max_examples=15)
 @given(st.lists(st.sampled_from(["fine", "abort", "fail", "leave_at_once", "write"]), max_size=12))
 def test_any_sequence_of_fates_gives_every_job_its_own(kinds):
-    outcomes = {"abort": Outcome.CRASHED, "fail": Outcome.DIVERGED, "leave_at_once": Outcome.CRASHED}
+    outcomes = {"abort": Failure.CRASHED, "fail": Failure.SUITE_ERROR, "leave_at_once": Failure.CRASHED}
     results = dict(run_jobs(job, [(kind, number % 256) for number, kind in enumerate(kinds)], processes=2))
     assert sorted(results) == list(range(len(kinds)))
     for number, kind in enumerate(kinds):
@@ -158,8 +157,9 @@ def test_without_processes_jobs_run_here_and_what_they_raise_is_caught():
     jobs = [("fine", 1), ("fail", None), ("leave", 3)]
     (_, fine), (_, failed), (_, left) = run_jobs(job, jobs, processes=0)
     assert fine == 1
-    assert failed == Lost(Outcome.DIVERGED, "raised ValueError: first line second line")
-    assert left == Lost(Outcome.CRASHED, "exited with code 3")
+    assert failed.outcome is Failure.SUITE_ERROR
+    assert "ValueError: first line second line (comparisons/runs/workers.py, line " in failed.reason
+    assert left == Lost(Failure.CRASHED, "exited with code 3")
     with pytest.raises(KeyboardInterrupt):
         list(run_jobs(job, [("interrupt_itself", None)], processes=0))
 

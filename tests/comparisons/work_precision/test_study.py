@@ -10,8 +10,9 @@ from analytic.description.loading import load
 from analytic.errors import UnknownNameError
 from analytic.kinematics.mechanism import Mechanism
 from comparisons.reference.case import Case
+from comparisons.runs import workers
+from comparisons.runs.failures import Failure, Lost
 from comparisons.runs.journal import Journal
-from comparisons.runs.workers import Lost
 from comparisons.work_precision import measure
 from comparisons.work_precision import study as benchmark
 from comparisons.work_precision.analysis import findings
@@ -19,7 +20,7 @@ from comparisons.work_precision.floor import Cause
 from comparisons.work_precision.points import OUT_OF_TIME, Extent
 from comparisons.work_precision.records import METHOD, SETTING
 from comparisons.work_precision.study import BenchRequest, bench, methods_told
-from engines.contract import Outcome, Setting
+from engines.contract import Setting
 from tests.comparisons.bench_engine import KnownEngine
 
 CASE = Case(Mechanism(load("juki-mf7923d")), crank_motion("run-up-quintic", ramp_time=0.15, hold_time=0.0))
@@ -113,16 +114,21 @@ def test_settings_stand_beside_methods(measured):
 def test_a_method_that_raises_costs_its_own_points(measured):
     broken = [one for one in measured.records if one.setting == "broken"]
     assert len(broken) == 3
-    assert {(one.outcome, one.error_max, one.seconds_min) for one in broken} == {("diverged", None, None)}
-    assert broken[0].detail == "known raised RuntimeError: matrix is singular"
-    assert broken[0].ended.startswith("diverged")
+    assert {(one.outcome, one.error_max, one.seconds_min) for one in broken} == {("adapter-error", None, None)}
+    assert "known raised RuntimeError: matrix is singular (tests/comparisons/bench_engine.py" in broken[0].detail
+    assert broken[0].ended.startswith("adapter-error")
+
+
+def _here(function, job):
+    ((_, found),) = workers.run_jobs(function, [job], processes=0)
+    return found
 
 
 def test_a_process_that_dies_costs_its_own_point(known, monkeypatch):
     def run_jobs(function, jobs, **_):
         for number, job in enumerate(jobs):
             dies = job[2] is Setting.BEST
-            yield number, Lost(Outcome.CRASHED, "died by signal 6 (SIGABRT)") if dies else function(*job)
+            yield number, Lost(Failure.CRASHED, "died by signal 6 (SIGABRT)") if dies else _here(function, job)
 
     monkeypatch.setattr(benchmark, "run_jobs", run_jobs)
     found = {one.setting: one for one in bench(REQUEST).records if one.kind == SETTING}

@@ -7,7 +7,8 @@ import pytest
 
 from analytic.description.loading import catalogue, find
 from analytic.errors import LinkproofError, UnknownNameError
-from comparisons.runs.workers import DEFAULT_BOUNDS, GIB, cores
+from comparisons.runs.failures import GIB
+from comparisons.runs.workers import DEFAULT_BOUNDS, cores
 from engines.contract import Setting
 from engines.registry import engine_names
 from reports.command_line import requests

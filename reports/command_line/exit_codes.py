@@ -1,0 +1,80 @@
+"""Exit codes: 0 all within limits, 1 a limit exceeded or a run that failed, 2 misuse, bad input or nothing judged.
+
+3 is a fault of linkproof itself, 130 an interruption.
+"""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Iterable, Sequence
+from typing import Final
+
+from analytic.errors import LinkproofError
+from comparisons.judging.records import Record, Verdict
+from comparisons.runs.failures import Failure
+from comparisons.stress.cells import CellResult
+from comparisons.stress.verdict import StressVerdict
+from comparisons.work_precision.points import OUT_OF_TIME
+from comparisons.work_precision.records import BenchRecord
+from engines.contract import Outcome, Setting
+
+PASSED: Final = 0
+FAILED: Final = 1
+BAD_INPUT: Final = 2
+SUITE_ERROR: Final = 3
+INTERRUPTED: Final = 130
+
+
+def campaign_exit_code(records: Sequence[Record]) -> int:
+    """Of judged records; naive ones count only where nothing else ran.
+
+    Raises LinkproofError where not one says anything of an engine.
+    """
+    counted = [record for record in records if record.setting != Setting.NAIVE] or records
+    verdicts = {Verdict(record.outcome) for record in counted}
+    if any(record.outcome == Verdict.SUITE_ERROR for record in records):
+        return SUITE_ERROR
+    if any(verdict.failed for verdict in verdicts):
+        return FAILED
+    if not any(verdict.judged for verdict in verdicts):
+        raise _nothing_judged((record.outcome, record.detail) for record in records)
+    return PASSED
+
+
+def bench_exit_code(records: Sequence[BenchRecord], engines: Iterable[str]) -> int:
+    """Of a benchmark's records: 1 where an engine finished no point and nothing excuses it.
+
+    Raises LinkproofError where no point of any engine could be measured.
+    """
+    if any(record.outcome == Failure.SUITE_ERROR for record in records):
+        return SUITE_ERROR
+    excused = (Outcome.FINISHED, Outcome.UNAVAILABLE, Outcome.UNSUPPORTED)
+    useful = {record.engine for record in records if record.outcome in excused or record.detail == OUT_OF_TIME}
+    if not useful.issuperset(engines):
+        return FAILED
+    if not any(record.finished for record in records):
+        raise _nothing_judged((record.outcome, record.detail) for record in records)
+    return PASSED
+
+
+def stress_exit_code(cells: Iterable[CellResult]) -> int:
+    """Of the cells of stability maps: 1 where our invariants missed a wrong motion.
+
+    Raises LinkproofError where not one cell says anything of an engine.
+    """
+    reasons = {cell.verdict: cell.judgement.reason for cell in cells}
+    if StressVerdict.SUITE_ERROR in reasons:
+        return SUITE_ERROR
+    if reasons.keys() <= {StressVerdict.UNSUPPORTED, StressVerdict.UNAVAILABLE}:
+        raise _nothing_judged((verdict.value, reason) for verdict, reason in reasons.items())
+    return FAILED if StressVerdict.MISSED in reasons else PASSED
+
+
+def _nothing_judged(outcomes: Iterable[tuple[str, str]]) -> LinkproofError:
+    """What to raise where no run can be judged; ``outcomes`` are those of all runs, each with its reason."""
+    counts = Counter(outcomes)
+    if not counts:
+        return LinkproofError("expected something to judge, got no run at all: ask for other regimes, axes or settings")
+    (outcome, reason), _ = counts.most_common(1)[0]
+    others = "" if len(counts) == 1 else f" (and {len(counts) - 1} other reasons)"
+    return LinkproofError(f"expected a run to judge, got none: {outcome}, {reason.rstrip('.')}{others}")

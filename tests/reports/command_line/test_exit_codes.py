@@ -1,0 +1,87 @@
+"""Exit codes tell engines' failures from faults of ours and from runs that say nothing."""
+
+import subprocess
+import sys
+
+import pytest
+
+from analytic.errors import LinkproofError
+from comparisons.judging.records import Record
+from comparisons.judging.run_result import RunResult
+from comparisons.stress.cells import CellResult, find_cell
+from comparisons.stress.verdict import Judgement, StressVerdict
+from reports.command_line.exit_codes import bench_exit_code, campaign_exit_code, stress_exit_code
+from reports.text.terminal import campaign as campaign_table
+from tests.comparisons.bench_rows import row
+
+
+def _record(outcome, setting="tuned"):
+    return Record("m", "v", "run-up", "", "direct", "1", setting, "Mkr", outcome=outcome, detail=f"it is {outcome}")
+
+
+@pytest.mark.parametrize(
+    ("outcomes", "code"),
+    [
+        (["passed"], 0),
+        (["passed", "unsupported", "undefined"], 0),
+        (["passed", "adapter-error"], 1),
+        (["passed", "crashed"], 1),
+        (["over-limit", "suite-error"], 3),
+    ],
+)
+def test_a_campaign_fails_by_its_worst_record(outcomes, code):
+    assert campaign_exit_code([_record(outcome) for outcome in outcomes]) == code
+
+
+def test_naive_records_count_only_where_nothing_else_ran():
+    assert campaign_exit_code([_record("diverged", "naive"), _record("passed")]) == 0
+    assert campaign_exit_code([_record("diverged", "naive")]) == 1
+
+
+@pytest.mark.parametrize("outcome", ["unsupported", "unavailable", "undefined"])
+def test_nothing_judged_is_no_success(outcome):
+    with pytest.raises(LinkproofError, match=f"got none: {outcome}, it is {outcome}$"):
+        campaign_exit_code([_record(outcome), _record(outcome)])
+    with pytest.raises(LinkproofError, match="no run at all"):
+        campaign_exit_code([])
+
+
+def _cell(verdict):
+    return CellResult(find_cell("start/positions/1e-08/direct/tuned"), "m", "", Judgement(verdict, "so it is"), {})
+
+
+def test_a_map_fails_by_its_worst_cell():
+    within, missed, ours = map(_cell, (StressVerdict.WITHIN, StressVerdict.MISSED, StressVerdict.SUITE_ERROR))
+    assert [stress_exit_code([within, *more]) for more in ([], [missed], [missed, ours])] == [0, 1, 3]
+    with pytest.raises(LinkproofError, match="got none: unsupported, so it is"):
+        stress_exit_code([_cell(StressVerdict.UNSUPPORTED)])
+
+
+def test_a_benchmark_fails_where_an_engine_gave_nothing():
+    absent = row(engine="beta", outcome="unavailable", error_max=None, detail="not installed")
+    broken, ours = (row(engine="beta", outcome=outcome, error_max=None) for outcome in ("adapter-error", "suite-error"))
+    codes = [bench_exit_code([row(), other], ("alpha", "beta")) for other in (row(engine="beta"), absent, broken, ours)]
+    assert codes == [0, 0, 1, 3]
+    with pytest.raises(LinkproofError, match="got none: unavailable, not installed"):
+        bench_exit_code([absent], ("beta",))
+
+
+def test_what_is_not_judged_is_counted_apart():
+    result = RunResult(tuple(map(_record, ["passed", "passed", "unavailable"])), ())
+    text = str(campaign_table([result]).renderables[-1])
+    assert text.startswith("2 deviations: 2 passed, 1 not judged")
+    assert "1 unavailable" in text
+
+
+def test_a_fault_of_ours_is_one_sentence_and_exit_code_3():
+    script = (
+        "import sys; sys.argv = ['linkproof', 'list']\n"
+        "from reports.command_line import commands, main\n"
+        "def fail(target): raise TypeError('a slip')\n"
+        "commands.list_mechanisms = fail\n"
+        "main.main()"
+    )
+    done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=False)
+    assert done.returncode == 3
+    assert done.stderr.startswith("linkproof: this is a fault of linkproof: TypeError: a slip (reports/command_line/")
+    assert done.stderr.count("\n") == 1
