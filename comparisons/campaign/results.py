@@ -18,6 +18,7 @@ from analytic.errors import LinkproofError
 from comparisons.campaign.campaign import Request, RunResult
 from comparisons.campaign.errata import ErratumRecord
 from comparisons.judging.records import Record, from_rows, to_json
+from comparisons.judging.run_result import ARRAYS
 from comparisons.runs.environment import environment
 from comparisons.runs.files import write_file
 
@@ -73,10 +74,10 @@ class Results:
             for (run, quantity), end, size in zip(names, ends, sizes, strict=True)
         }
 
-    def curve(self, run: Sequence[str], quantity: str) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Time, observed and reference of one run (mechanism, variant, regime, engine, setting) and quantity."""
+    def curve(self, run: Sequence[str], quantity: str) -> tuple[np.ndarray, ...]:
+        """``ARRAYS`` of one run (mechanism, variant, regime, engine, setting) and quantity, (samples,) each."""
         place = self._places["/".join(run), quantity]
-        return tuple(self.curves[name].values[place] for name in ("time", "observed", "reference"))  # type: ignore[return-value]
+        return tuple(self.curves[name].values[place] for name in ARRAYS)
 
 
 def described(text: str, name: str, variant: str | None, gravity: Vector) -> Linkage:
@@ -115,8 +116,8 @@ def document(
 def dataset(results: Sequence[RunResult], told: dict[str, Any]) -> xarray.Dataset:
     """The curves of all runs that finished, one after the other: a contiguous ragged array of the CF conventions.
 
-    Along ``sample``: time, s, observed and reference, in the quantity's unit. Along ``curve``: run, quantity and every
-    other label, and ``row_size``, how many samples each curve has.
+    Along ``sample``: time, s, true crank angle, rad, observed and reference, in the quantity's unit. Along ``curve``:
+    run, quantity and every other label, and ``row_size``, how many samples each curve has.
     """
     import xarray  # noqa: PLC0415  half a second that a run without --out does not pay
 
@@ -133,8 +134,7 @@ def dataset(results: Sequence[RunResult], told: dict[str, Any]) -> xarray.Datase
     return xarray.Dataset(
         {
             **{
-                array: ("sample", np.concatenate([getattr(found, array) for _, _, found in curves]))
-                for array in ("time", "observed", "reference")
+                array: ("sample", np.concatenate([getattr(found, array) for _, _, found in curves])) for array in ARRAYS
             },
             "row_size": ("curve", [len(found.time) for _, _, found in curves], {"sample_dimension": "sample"}),
         },
@@ -173,6 +173,7 @@ def load(folder: Path) -> Results:
         with xarray.open_dataset(path, engine="scipy", mmap=False) as opened:
             curves = opened.load()
         told = json.loads(curves.attrs["document"])
+        _ = [curves[name] for name in ARRAYS if "run" in curves]
     except (OSError, ValueError, KeyError, TypeError) as error:
         raise LinkproofError(f"'{path}' is no dataset of a campaign ({error}); run compare with --out again") from error
     return Results(told, curves)

@@ -26,10 +26,12 @@ class NoSampleError(ValueError):
 class Deviation:
     """One quantity of one run against the truth; errors are relative to the truth's peak over the run.
 
-    ``observed`` and ``reference`` of a vector are its magnitudes; its errors are those of the vector.
+    ``angle`` is the true crank angle at every sample, rad. ``observed`` and ``reference`` of a vector are its
+    magnitudes; its errors are those of the vector.
     """
 
     time: Array
+    angle: Array
     observed: Array
     reference: Array
     peak: float
@@ -61,6 +63,7 @@ def deviation(case: Case, quantity: Quantity, motion: ObservedMotion) -> Deviati
     worst = int(np.argmax(difference))
     return Deviation(
         time=signal.time,
+        angle=case.motion.angle(signal.time),
         observed=signal.values if signal.values.ndim == 1 else _size(signal.values),
         reference=reference if reference.ndim == 1 else _size(reference),
         peak=peak,

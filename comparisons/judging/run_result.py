@@ -12,7 +12,7 @@ import numpy as np
 from comparisons.judging.deviations import Deviation
 from comparisons.judging.records import Record, from_rows
 
-ARRAYS = ("time", "observed", "reference")
+ARRAYS = ("time", "angle", "observed", "reference")
 
 
 @dataclass(frozen=True)

@@ -2,8 +2,12 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 from numpy.typing import NDArray
+
+from reports.facts.views import Trace
 
 Array = NDArray[np.float64]
 
@@ -42,3 +46,15 @@ def last_turn(angle: Array) -> NDArray[np.intp]:
     """Indices of the last full turn of a crank angle, rad, in order of the angle within it; all if it made none."""
     inside = np.flatnonzero(np.abs(angle - angle[-1]) < FULL_TURN)
     return inside[np.argsort(angle[inside] % FULL_TURN, kind="stable")]
+
+
+def over_last_turn(trace: Trace) -> Trace:
+    """A trace over the last turn of its crank, its time replaced by the crank angle in degrees."""
+    order = last_turn(trace.angle)
+    return replace(
+        trace,
+        time=np.degrees(trace.angle[order]) % 360.0,
+        observed=trace.observed[order],
+        reference=trace.reference[order],
+        error=trace.error[order],
+    )

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import replace
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -12,10 +11,10 @@ from matplotlib.ticker import MaxNLocator
 from numpy.typing import NDArray
 
 from analytic.dynamics.reduced import group_inertia, link_inertia, reduced_inertia
-from reports.drawing.curves import last_turn
+from reports.drawing.curves import over_last_turn
 from reports.drawing.panels import draw_errors_beneath, draw_methods
 from reports.drawing.style import DASHES, FULL_WIDTH, INK, PALETTE, WIDTH, drawn, label_ends, over_turn
-from reports.facts.views import Trace, View
+from reports.facts.views import View
 
 Array = NDArray[np.float64]
 
@@ -51,9 +50,7 @@ def methods_figure(view: View) -> Figure:
 
 def draw_inertia(upper: Axes, lower: Axes, view: View) -> None:
     """Values above, |error| over peak below, both over the crank angle."""
-    regime = view.regimes[0]
-    angles = [(trace, view.angle(regime, trace)) for trace in view.traces(regime, "Jeq")]
-    traces = [_over_last_turn(trace, found) for trace, found in angles if found is not None]
+    traces = [over_last_turn(trace) for trace in view.traces(view.regimes[0], "Jeq")]
     angle, truth = turn_inertia(view)
     factor, prefix = power_for(float(np.max(truth)))
     draw_methods(upper, view, (angle, truth), traces, factor)
@@ -62,19 +59,6 @@ def draw_inertia(upper: Axes, lower: Axes, view: View) -> None:
     draw_errors_beneath(lower, view, traces)
     over_turn(upper, "")
     over_turn(lower)
-
-
-def _over_last_turn(trace: Trace, angle: Array) -> Trace:
-    """The trace over the last turn, its time replaced by the crank angle in degrees."""
-    order = last_turn(angle)
-    degrees = np.degrees(angle[order]) % 360.0
-    return replace(
-        trace,
-        time=degrees,
-        observed=trace.observed[order],
-        reference=trace.reference[order],
-        error=trace.error[order],
-    )
 
 
 def groups_figure(view: View) -> Figure:

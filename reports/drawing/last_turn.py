@@ -2,19 +2,17 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 import numpy as np
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 from numpy.typing import NDArray
 
 from analytic.description.crank_motion import RPM
-from reports.drawing.curves import last_turn
+from reports.drawing.curves import over_last_turn
 from reports.drawing.panels import draw_methods
 from reports.drawing.style import FULL_WIDTH, drawn, over_turn
 from reports.facts.released import Released
-from reports.facts.views import Regime, Trace, View
+from reports.facts.views import Regime, View
 
 Array = NDArray[np.float64]
 
@@ -29,7 +27,7 @@ def last_turn_figure(view: View, regime: Regime, found: Released) -> Figure:
         panels = figure.subplots(1, 2, gridspec_kw={"wspace": 0.62})
         figure.subplots_adjust(left=0.067, right=0.89, top=0.95, bottom=0.16)
         for axes, (quantity, label, factor) in zip(panels, PANELS, strict=True):
-            traces = [_over_turn(view, regime, trace) for trace in view.traces(regime, quantity)]
+            traces = [over_last_turn(trace) for trace in view.traces(regime, quantity)]
             draw_methods(axes, view, _truth(found, quantity), traces, factor)
             axes.set_ylabel(label)
             axes.yaxis.set_major_locator(MaxNLocator(5))
@@ -48,12 +46,3 @@ def _truth(found: Released, quantity: str) -> tuple[Array, Array]:
     degrees = np.degrees(motion.angle(time)) % 360.0
     order = np.argsort(degrees)
     return degrees[order], values[order]
-
-
-def _over_turn(view: View, regime: Regime, trace: Trace) -> Trace:
-    """A trace over the crank angle of its last turn; as it is where no crank angle is known."""
-    angle = view.angle(regime, trace)
-    if angle is None:
-        return replace(trace, time=trace.time[:0], observed=trace.observed[:0])
-    order = last_turn(angle)
-    return replace(trace, time=np.degrees(angle[order]) % 360.0, observed=trace.observed[order])

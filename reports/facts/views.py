@@ -25,7 +25,6 @@ Array = NDArray[np.float64]
 SETTINGS = tuple(setting.value for setting in Setting)
 # Speed at which the output's motion is shown where no regime prescribes one.
 NOMINAL_SPEED = 1000.0 * RPM
-CRANK_ANGLE = "phi"
 
 
 @dataclass(frozen=True)
@@ -44,13 +43,15 @@ class Regime:
 
 @dataclass(frozen=True)
 class Trace:
-    """One quantity of one run: ``time``, ``observed`` and ``reference``, all (n,), SI; of a vector, magnitudes.
+    """One quantity of one run: ``time``, true crank ``angle``, ``observed``, ``reference``, all (n,), SI.
 
+    Of a vector, ``observed`` and ``reference`` are magnitudes.
     ``error`` is |observed − reference| over the reference's peak, NaN where the comparison left a sample out.
     """
 
     record: Record
     time: Array
+    angle: Array
     observed: Array
     reference: Array
     error: Array
@@ -148,21 +149,11 @@ class View:
         return self._kept[key]
 
     def _trace(self, regime: Regime, record: Record) -> Trace:
-        time, observed, reference = self.results.curve(record.run, record.quantity)
+        time, angle, observed, reference = self.results.curve(record.run, record.quantity)
         error = np.abs(observed - reference) / (record.peak or 1.0)
         if regime.jumps and holds_acceleration(record.quantity):
             error = np.where(near_jumps(time, regime.jumps), np.nan, error)
-        return Trace(record, time, observed, reference, error)
-
-    def angle(self, regime: Regime, trace: Trace) -> Array | None:
-        """Crank angle along a trace, rad: as prescribed, else by the closed form's φ; None where neither is known."""
-        if regime.motion is not None:
-            return regime.motion.angle(trace.time)
-        truths = self.traces(regime, CRANK_ANGLE)
-        if not truths:
-            return None
-        finest = max(truths, key=lambda one: len(one.time))
-        return np.interp(trace.time, finest.time, finest.reference)
+        return Trace(record, time, angle, observed, reference, error)
 
 
 def views(results: Results) -> tuple[View, ...]:

@@ -112,6 +112,7 @@ def _deviation(case: Case, name: str, size: float, samples: int) -> Deviation:
     relative = np.abs(ripple[kept]) / peak
     return Deviation(
         time=time,
+        angle=case.motion.angle(time),
         observed=reference + ripple,
         reference=reference,
         peak=peak,

@@ -45,8 +45,9 @@ def test_curves_come_back_to_the_last_bit(saved):
     folder, result = saved
     results = load_results(folder)
     for name, found in result.deviations.items():
-        time, observed, reference = results.curve(result.records[0].run, name)
+        time, angle, observed, reference = results.curve(result.records[0].run, name)
         np.testing.assert_array_equal(time, found.time)
+        np.testing.assert_array_equal(angle, found.angle)
         np.testing.assert_array_equal(observed, found.observed)
         np.testing.assert_array_equal(reference, found.reference)
 
@@ -92,6 +93,13 @@ def test_what_is_no_dataset_is_refused_in_one_sentence(tmp_path, content):
     if content is not None:
         (tmp_path / "curves.nc").write_bytes(content)
     with pytest.raises(LinkproofError, match=r"curves\.nc"):
+        load_results(tmp_path)
+
+
+def test_curves_without_the_crank_angle_are_refused(saved, tmp_path):
+    curves = load_results(saved[0]).curves.drop_vars("angle")
+    curves.to_netcdf(tmp_path / "curves.nc", engine="scipy", format="NETCDF3_64BIT")
+    with pytest.raises(LinkproofError, match="run compare with --out again"):
         load_results(tmp_path)
 
 

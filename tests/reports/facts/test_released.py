@@ -88,7 +88,7 @@ def ran(driven):
     runs = []
     for engine in ("alpha", "beta"):
         first = next(record for record in made.records if record.engine == engine)
-        found = {name: off_by_a_thousandth(time, values) for name, values in truth.items()}
+        found = {name: off_by_a_thousandth(time, driven.motion.angle(time), values) for name, values in truth.items()}
         records = tuple(
             replace(first, regime="driven", quantity=name, peak=one.peak, error_max=one.error_max)
             for name, one in found.items()
@@ -98,10 +98,11 @@ def ran(driven):
     return Results({**made.document, **told}, dataset(runs, {**made.document, **told}))
 
 
-def off_by_a_thousandth(time, values):
+def off_by_a_thousandth(time, angle, values):
     peak = float(np.max(np.abs(values)))
     return Deviation(
         time=time,
+        angle=angle,
         observed=values + 1e-3 * peak,
         reference=values,
         peak=peak,
