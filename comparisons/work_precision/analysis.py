@@ -12,7 +12,7 @@ from itertools import groupby
 from comparisons.work_precision.floor import Floor, floor
 from comparisons.work_precision.front import pareto, price, sustained
 from comparisons.work_precision.order import observed_order
-from comparisons.work_precision.records import SETTING, BenchRecord, Series, series
+from comparisons.work_precision.records import SETTING, BenchRecord, PointRecord, Series, by_quantity, series
 
 # Largest errors, over the peak, that somebody may want.
 WANTED = tuple(10.0**-k for k in range(2, 9))
@@ -81,11 +81,25 @@ def _without_effort(record: BenchRecord) -> tuple[object, ...]:
     return (*record.place, record.engine, record.setting, record.quantity)
 
 
-def judged(records: Sequence[BenchRecord]) -> tuple[BenchRecord, ...]:
-    """The same records with their order and their place on the engine's front filled in."""
-    orders = {one.first.sweep: one.order for one in findings(records)}
-    front = {id(record) for group in by_engine(records).values() for record in on_front(group)}
-    return tuple(replace(one, order=orders.get(one.sweep), on_front=id(one) in front) for one in records)
+def judged(points: Sequence[PointRecord]) -> tuple[PointRecord, ...]:
+    """The same points with their orders and their places on their engine's fronts filled in."""
+    records = by_quantity(points, ())
+    orders = {_seen(one): finding.order for finding in findings(records) for one in finding.points.records}
+    front = {_seen(one) for group in by_engine(records).values() for one in on_front(group)}
+    completed = []
+    for point in points:
+        keys = {name: (id(point.errors), name) for name in point.errors}
+        errors = {
+            name: replace(error, order=orders.get(keys[name]), on_front=keys[name] in front)
+            for name, error in point.errors.items()
+        }
+        completed.append(replace(point, errors=errors))
+    return tuple(completed)
+
+
+def _seen(record: BenchRecord) -> tuple[int, str]:
+    """The point behind a record, which shares its errors, and the quantity."""
+    return id(record.errors), record.quantity
 
 
 Key = tuple[str, str, str, str, str]

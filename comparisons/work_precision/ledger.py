@@ -4,16 +4,16 @@ from __future__ import annotations
 
 import json
 from collections.abc import Iterator, Sequence
-from dataclasses import asdict, dataclass, field, replace
+from dataclasses import asdict, dataclass, field
 from typing import Any
 
 from comparisons.reference.case import Case
 from comparisons.runs.failures import Failure
 from comparisons.runs.journal import Journal
 from comparisons.runs.timing import smallest_and_median
-from comparisons.work_precision.measure import Error, Taken, longest_step
+from comparisons.work_precision.measure import Taken, longest_step
 from comparisons.work_precision.points import Extent, Point, Track
-from comparisons.work_precision.records import METHOD, SETTING, BenchRecord
+from comparisons.work_precision.records import METHOD, SETTING, PointError, PointRecord
 from engines.contract import Engine, Outcome
 
 
@@ -64,7 +64,7 @@ def _key(number: int, point: Point) -> str:
 
 def _from_json(payload: bytes) -> Taken:
     row: dict[str, Any] = json.loads(payload)
-    return Taken(**{**row, "errors": {name: Error(**error) for name, error in row["errors"].items()}})
+    return Taken(**{**row, "errors": {name: PointError(**error) for name, error in row["errors"].items()}})
 
 
 @dataclass(frozen=True)
@@ -76,28 +76,17 @@ class Subject:
     version: str
 
 
-def records(
-    subject: Subject, track: Track, ledger: Ledger, quantities: Sequence[str], rounds: int
-) -> Iterator[BenchRecord]:
-    """A record per point and quantity of a sweep; a point that gave no errors has one for every quantity asked for.
-
-    A sweep there was no time for has its first point to say so.
-    """
+def records(subject: Subject, track: Track, ledger: Ledger, rounds: int) -> Iterator[PointRecord]:
+    """A record per point of a sweep; a sweep there was no time for has its first point to say so."""
     for point, taken in zip(track.points, track.taken or [Taken(Failure.TIMED_OUT.value, track.ended)], strict=False):
-        blank = replace(_blank(subject, point, taken, ledger.repeats(point, rounds)), ended=track.ended)
-        if not taken.errors:
-            yield from (replace(blank, quantity=name) for name in quantities)
-        for name, error in taken.errors.items():
-            yield replace(
-                blank, quantity=name, unit=error.unit, error_max=error.largest, error_rms=error.rms, peak=error.peak
-            )
+        yield _record(subject, point, taken, ledger.repeats(point, rounds), track.ended)
 
 
-def _blank(subject: Subject, point: Point, taken: Taken, repeats: Sequence[Taken]) -> BenchRecord:
+def _record(subject: Subject, point: Point, taken: Taken, repeats: Sequence[Taken], ended: str) -> PointRecord:
     linkage, method = subject.case.mechanism.linkage, point.method
     least, median = smallest_and_median([one.seconds for one in repeats])
     steps = point.steps_per_turn
-    return BenchRecord(
+    return PointRecord(
         mechanism=linkage.name,
         variant=linkage.variant,
         regime=subject.case.motion.regime,
@@ -110,11 +99,7 @@ def _blank(subject: Subject, point: Point, taken: Taken, repeats: Sequence[Taken
         effort_unit=method.effort_unit if method else "",
         step=longest_step(subject.case, steps) if steps else None,
         steps_per_turn=steps,
-        quantity="",
-        unit="",
-        error_max=None,
-        error_rms=None,
-        peak=None,
+        errors=taken.errors,
         seconds_min=least,
         seconds_median=median,
         repeats=tuple(one.seconds for one in repeats),
@@ -123,10 +108,8 @@ def _blank(subject: Subject, point: Point, taken: Taken, repeats: Sequence[Taken
         steps=taken.steps,
         solver_work=taken.solver_work,
         work_unit=subject.adapter.work_unit,
-        order=None,
-        on_front=False,
         outcome=taken.outcome,
         detail=taken.reason,
         used=taken.used,
-        ended="",
+        ended=ended,
     )

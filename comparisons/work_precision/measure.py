@@ -16,6 +16,7 @@ from comparisons.reference.case import Case
 from comparisons.runs.failures import blamed_on
 from comparisons.runs.run_engine import checked, started
 from comparisons.runs.timing import calibrate, timed
+from comparisons.work_precision.records import PointError
 from engines.contract import Engine, Method, Outcome, Run, Setting
 from engines.registry import engine
 from engines.scene import Channel, Scene
@@ -23,16 +24,6 @@ from engines.scene import Channel, Scene
 JOINTS = JOINT_FORCE.rstrip(":")
 # Steps per turn of the peak speed in the run that warms an engine up.
 WARM = 16.0
-
-
-@dataclass(frozen=True)
-class Error:
-    """The largest and the root-mean-square error over ``peak``, the truth's largest magnitude in ``unit``."""
-
-    largest: float
-    rms: float
-    peak: float
-    unit: str
 
 
 @dataclass(frozen=True)
@@ -52,7 +43,7 @@ class Taken:
     solver_work: int = 0
     used: str = ""
     calibration: float = 0.0
-    errors: Mapping[str, Error] = field(default_factory=dict)
+    errors: Mapping[str, PointError] = field(default_factory=dict)
 
 
 def longest_step(case: Case, steps_per_turn: float) -> float:
@@ -113,7 +104,7 @@ def _with_errors(taken: Taken, case: Case, families: Mapping[str, Sequence[Quant
         errors = _errors(case, families, motion)
     except NoSampleError as error:
         return replace(taken, outcome=Verdict.UNDEFINED.value, reason=str(error))
-    endless = [name for name, error in errors.items() if not math.isfinite(error.largest)]
+    endless = [name for name, error in errors.items() if not math.isfinite(error.error_max)]
     if endless:
         return replace(taken, outcome=Outcome.DIVERGED.value, reason=f"{endless[0]} is not finite")
     return replace(taken, errors=errors)
@@ -138,7 +129,7 @@ def _short(value: str | int | float) -> str:
     return f"{value:.6g}" if isinstance(value, float) else str(value)
 
 
-def _errors(case: Case, families: Mapping[str, Sequence[Quantity]], motion: ObservedMotion) -> dict[str, Error]:
+def _errors(case: Case, families: Mapping[str, Sequence[Quantity]], motion: ObservedMotion) -> dict[str, PointError]:
     """Errors of a motion; of a family of quantities the worst member's."""
     alone = replace(case, _seen={})  # the closed form on this clock goes when the point is done
     found = {}
@@ -146,7 +137,7 @@ def _errors(case: Case, families: Mapping[str, Sequence[Quantity]], motion: Obse
         all_found = [(deviation(alone, one, motion), one.unit) for one in family]
         worst, unit = max(all_found, key=lambda pair: pair[0].error_max)
         rms = max(one.error_rms for one, _ in all_found)
-        found[name] = Error(worst.error_max, rms, worst.peak, unit)
+        found[name] = PointError(unit, worst.error_max, rms, worst.peak)
     return found
 
 

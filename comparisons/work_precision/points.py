@@ -106,7 +106,7 @@ class Track:
             return self._end_by_failure()
         finished = [one for one in done if one.outcome == Outcome.FINISHED]
         names = finished[0].errors if finished else ()
-        if finished and not any(still_improves([one.errors[name].largest for one in finished]) for name in names):
+        if finished and not any(still_improves([one.errors[name].error_max for one in finished]) for name in names):
             return "two refinements in a row improved nothing"
         if len(done) == len(self.points):
             return "the sweep ends here"

@@ -1,10 +1,10 @@
-"""The record of a benchmark: one quantity of one point, flat and ready for JSON; and the file that holds them all."""
+"""The records of a benchmark, one to a point, and the file that holds them all."""
 
 from __future__ import annotations
 
 import json
-from collections.abc import Iterable, Mapping
-from dataclasses import asdict, dataclass, fields
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import asdict, dataclass, fields, replace
 from functools import cached_property
 from pathlib import Path
 from typing import Any, TypeVar
@@ -16,19 +16,34 @@ from comparisons.work_precision.order import Sweep
 from engines.contract import Outcome
 
 FILE = "bench.json"
+FORMAT = 2  # 1 had a record for each quantity of a point
 SETTING, METHOD = "setting", "method"
 
-Row = TypeVar("Row", "BenchRecord", "Cost")
+Row = TypeVar("Row", "PointRecord", "Cost")
 
 
 @dataclass(frozen=True)
-class BenchRecord:
-    """One quantity of one point. Errors are over ``peak``, the truth's largest magnitude in ``unit``.
+class PointError:
+    """A point's errors in one quantity, over ``peak``, the truth's largest magnitude in ``unit``.
+
+    ``order`` is that of the point's whole sweep. ``on_front``: no other point of the engine is as cheap and as exact.
+    """
+
+    unit: str
+    error_max: float
+    error_rms: float
+    peak: float
+    order: float | None = None
+    on_front: bool = False
+
+
+@dataclass(frozen=True)
+class PointRecord:
+    """One point, as it is saved; ``errors`` by quantity are empty where it did not finish.
 
     ``kind`` tells a setting, which finds its own steps (``step`` is None), from a method, which takes the ``step``, s,
     it is asked for. ``seconds_min`` and ``seconds_median`` are of ``repeats``, all wall times of the stepping alone, s;
-    ``setup_seconds`` and ``readout_seconds`` are the shortest of theirs. ``order`` is that of the point's whole sweep.
-    ``on_front``: no other point of the engine is as cheap and as exact. ``detail`` says why, where it did not finish;
+    ``setup_seconds`` and ``readout_seconds`` are the shortest of theirs. ``detail`` says why, where it did not finish;
     ``used`` is what the adapter says of the run, ``ended`` why its sweep goes no further.
     """
 
@@ -44,11 +59,7 @@ class BenchRecord:
     effort_unit: str
     step: float | None
     steps_per_turn: float | None
-    quantity: str
-    unit: str
-    error_max: float | None
-    error_rms: float | None
-    peak: float | None
+    errors: Mapping[str, PointError]
     seconds_min: float | None
     seconds_median: float | None
     repeats: tuple[float, ...]
@@ -57,8 +68,6 @@ class BenchRecord:
     steps: int
     solver_work: int
     work_unit: str
-    order: float | None
-    on_front: bool
     outcome: str
     detail: str
     used: str
@@ -69,15 +78,37 @@ class BenchRecord:
         """Mechanism, variant and regime."""
         return (self.mechanism, self.variant, self.regime)
 
+
+@dataclass(frozen=True)
+class BenchRecord(PointRecord):
+    """A point seen in one of its quantities."""
+
+    quantity: str
+
     @property
     def sweep(self) -> tuple[str, str, str, str, str, str, float | None, str]:
         """What the points of one sweep share: all but the step."""
         return (*self.place, self.engine, self.kind, self.setting, self.effort, self.quantity)
 
     @property
+    def error(self) -> PointError | None:
+        """The errors in this quantity; None where it did not finish."""
+        return self.errors.get(self.quantity)
+
+    @property
+    def error_max(self) -> float | None:
+        """The largest error, over the peak."""
+        return self.error.error_max if self.error else None
+
+    @property
     def finished(self) -> bool:
         """Whether it has an error and a time to go with it."""
-        return self.outcome == Outcome.FINISHED and self.error_max is not None and self.seconds_min is not None
+        return self.outcome == Outcome.FINISHED and self.error is not None and self.seconds_min is not None
+
+
+def by_quantity(points: Iterable[PointRecord], quantities: Sequence[str]) -> tuple[BenchRecord, ...]:
+    """Points in each of their quantities; one that did not finish in all of ``quantities``, those asked for."""
+    return tuple(BenchRecord(**vars(point), quantity=name) for point in points for name in (point.errors or quantities))
 
 
 @dataclass(frozen=True)
@@ -148,9 +179,18 @@ class Bench:
     document: Mapping[str, Any]
 
     @cached_property
+    def points(self) -> tuple[PointRecord, ...]:
+        """One record per point."""
+        points = [_from_row(PointRecord, row) for row in self.document["records"]]
+        return tuple(
+            replace(point, errors={name: PointError(**error) for name, error in point.errors.items()})  # type: ignore[arg-type]
+            for point in points
+        )
+
+    @cached_property
     def records(self) -> tuple[BenchRecord, ...]:
-        """One record per point and quantity."""
-        return tuple(_from_row(BenchRecord, row) for row in self.document["records"])
+        """Every point in each of its quantities."""
+        return by_quantity(self.points, self.document["quantities"])
 
     @cached_property
     def costs(self) -> tuple[Cost, ...]:
@@ -163,7 +203,7 @@ class Bench:
         return Noise(tuple(self.document["noise"]["samples"]))
 
 
-def rows(records: Iterable[BenchRecord | Cost]) -> list[dict[str, Any]]:
+def rows(records: Iterable[PointRecord | Cost]) -> list[dict[str, Any]]:
     """Records as JSON has them."""
     return [asdict(record) for record in records]
 
@@ -198,8 +238,11 @@ def load(saved: Path) -> Bench:
     if not path.is_file():
         raise LinkproofError(f"no benchmark at '{path}': expected the folder given to bench --out, or its {FILE}")
     try:
-        found = Bench(json.loads(path.read_text(encoding="utf-8")))
-        _ = found.records, found.costs, found.noise
-    except (OSError, ValueError, KeyError, TypeError) as error:
+        document = json.loads(path.read_text(encoding="utf-8"))
+        if document["format"] != FORMAT:
+            raise LinkproofError(f"expected '{path}' in format {FORMAT}, got {document['format']}: run bench again")
+        bench = Bench(document)
+        _ = bench.records, bench.costs, bench.noise
+    except (OSError, ValueError, KeyError, TypeError, AttributeError) as error:
         raise LinkproofError(f"'{path}' is no benchmark ({error}); run bench with --out again") from error
-    return found
+    return bench

@@ -25,7 +25,7 @@ from comparisons.work_precision.analysis import judged
 from comparisons.work_precision.ledger import Ledger, Subject, records
 from comparisons.work_precision.measure import Taken, measure
 from comparisons.work_precision.points import FULL, Extent, Point, Track, tracks
-from comparisons.work_precision.records import BenchRecord
+from comparisons.work_precision.records import BenchRecord, PointRecord, by_quantity
 from engines.contract import Method, Outcome, Setting
 from engines.registry import engine, engine_names
 from engines.scene import Channel
@@ -58,8 +58,14 @@ class BenchRequest:
 class Measured:
     """A finished benchmark: its records, judged, and the machine's noise."""
 
-    records: tuple[BenchRecord, ...]
+    points: tuple[PointRecord, ...]
+    quantities: tuple[str, ...]
     noise: Noise
+
+    @property
+    def records(self) -> tuple[BenchRecord, ...]:
+        """Every point in each of its quantities."""
+        return by_quantity(self.points, self.quantities)
 
 
 def bench(request: BenchRequest, announce: Announce = lambda *_: None, journal: Journal | None = None) -> Measured:
@@ -80,7 +86,7 @@ def bench(request: BenchRequest, announce: Announce = lambda *_: None, journal: 
     done = [point for track in sweeps for point in track.points[: len(track.taken)]]
     for number in range(1, request.extent.repeats):
         runner.run(number, [one for one in done if ledger.is_worth_repeating(one, number, request.extent)])
-    return Measured(judged(_records(request, sweeps, ledger)), Noise(ledger.calibrations))
+    return Measured(judged(_records(request, sweeps, ledger)), request.quantities, Noise(ledger.calibrations))
 
 
 def methods_told(request: BenchRequest) -> list[Mapping[str, Any]]:
@@ -125,7 +131,7 @@ def _in_turn(sweeps: Sequence[Track]) -> list[Track]:
     return [track for turn in zip_longest(*groups.values()) for track in turn if track is not None]
 
 
-def _records(request: BenchRequest, sweeps: Sequence[Track], ledger: Ledger) -> list[BenchRecord]:
+def _records(request: BenchRequest, sweeps: Sequence[Track], ledger: Ledger) -> list[PointRecord]:
     """All records, by case and engine as asked for, then as measured."""
     adapters = {name: engine(name) for name in request.engines}
     versions = {name: adapter.version() or "" for name, adapter in adapters.items()}
@@ -134,7 +140,7 @@ def _records(request: BenchRequest, sweeps: Sequence[Track], ledger: Ledger) -> 
     for track in sorted(sweeps, key=lambda one: (one.points[0].case, places[one.points[0].engine])):
         first = track.points[0]
         subject = Subject(request.cases[first.case], adapters[first.engine], versions[first.engine])
-        found += list(records(subject, track, ledger, request.quantities, request.extent.repeats))
+        found += list(records(subject, track, ledger, request.extent.repeats))
     return found
 
 

@@ -22,7 +22,7 @@ from comparisons.runs.timing import WORK, first_use_seconds
 from comparisons.work_precision import costs
 from comparisons.work_precision.measure import JOINTS, chosen
 from comparisons.work_precision.points import FULL, QUICK, Extent
-from comparisons.work_precision.records import FILE, Bench, rows, save, text
+from comparisons.work_precision.records import FILE, FORMAT, Bench, rows, save, text
 from comparisons.work_precision.records import load as load_bench
 from comparisons.work_precision.study import QUANTITIES, BenchRequest, Measured, methods_told
 from comparisons.work_precision.study import bench as measure_all
@@ -126,7 +126,7 @@ def _document(choice: BenchChoice, wanted: BenchRequest, measured: Measured) -> 
     linkages = {case.mechanism.linkage.name: case.mechanism.linkage for case in wanted.cases}
     extent = {name: value for name, value in asdict(wanted.extent).items() if value != float("inf")}
     return {
-        "format": 1,
+        "format": FORMAT,
         "command": choice.command,
         "conditions": choice.campaign.conditions,
         "environment": environment(),
@@ -138,7 +138,8 @@ def _document(choice: BenchChoice, wanted: BenchRequest, measured: Measured) -> 
         "mechanisms": [{"name": one.name, "title": one.title, "variant": one.variant} for one in linkages.values()],
         "methods": methods_told(wanted),
         "costs": _costs(list(linkages.values()), wanted.engines) if choice.costs else [],
-        "records": rows(measured.records),
+        "quantities": list(measured.quantities),
+        "records": rows(measured.points),
     }
 
 

@@ -7,7 +7,6 @@ from collections.abc import Iterator
 from comparisons.work_precision.records import Bench
 from reports.facts.environment import environment_facts
 from reports.text.numbers import seconds
-from reports.work_precision.facts import measured_points
 from reports.work_precision.words import noise_share
 
 
@@ -17,16 +16,9 @@ def facts(bench: Bench) -> list[tuple[str, str]]:
         ("Command", bench.document["command"]),
         ("Conditions", bench.document["conditions"]),
         *environment_facts(bench.document["environment"]),
-        ("Points", f"{measured_points(bench.records)}, timed {_runs(bench)} times in all"),
+        ("Points", f"{len(bench.points)}, timed {sum(len(point.repeats) for point in bench.points)} times in all"),
         ("First use", _first_use(bench)),
     ]
-
-
-def _runs(bench: Bench) -> int:
-    seen = {
-        (*one.place, one.engine, one.kind, one.setting, one.effort, one.step): len(one.repeats) for one in bench.records
-    }
-    return sum(seen.values())
 
 
 def _first_use(bench: Bench) -> str:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
 
@@ -152,8 +152,3 @@ def failed_methods(facts: EngineFacts) -> tuple[str, ...]:
     names = dict.fromkeys(r.setting for r in facts.records if not r.finished and r.setting not in finished)
     reasons = {r.setting: f"{r.outcome}: {r.detail}" for r in reversed(facts.records) if not r.finished}
     return tuple(f"{name or facts.engine}: {reasons[name]}" for name in names)
-
-
-def measured_points(records: Iterable[BenchRecord]) -> int:
-    """How many points were measured, whatever the quantities."""
-    return len({(*one.place, one.engine, one.kind, one.setting, one.effort, one.step) for one in records})

@@ -155,22 +155,23 @@ def _points(records: Sequence[BenchRecord]) -> dict[str, Any]:
 
 def _hover(record: BenchRecord) -> str:
     """Everything a record holds, a line for each thing."""
-    effort = effort_words(record.effort, record.effort_unit)
+    effort, found = effort_words(record.effort, record.effort_unit), record.error
+    assert found is not None  # points that did not finish are not drawn
     step = "finds its own steps" if record.step is None else f"{record.step:.3e} s, {record.steps_per_turn:.0f} a turn"
     repeats = ", ".join(seconds(one) for one in record.repeats)
     lines = [
         f"<b>{record.engine} {record.engine_version}, {record.kind} {record.setting}</b>",
         f"{record.mechanism} ({record.variant}), {record.regime}",
-        f"{record.quantity}: max {error(record.error_max)}, RMS {error(record.error_rms)}"
-        f" of {record.peak or 0.0:.4g} {record.unit}",
+        f"{record.quantity}: max {error(found.error_max)}, RMS {error(found.error_rms)}"
+        f" of {found.peak:.4g} {found.unit}",
         f"step: {step}" + (f"; levels {record.levels}" if record.levels else ""),
         f"solver: {effort}" if effort else "",
         f"stepping: min {seconds(record.seconds_min or 0.0)}, median {seconds(record.seconds_median or 0.0)}",
         f"repeats: {repeats}",
         f"set-up {seconds(record.setup_seconds or 0.0)}, read-out {seconds(record.readout_seconds or 0.0)}",
         f"{record.steps} steps, {record.solver_work} {record.work_unit}",
-        f"observed order {ABSENT if record.order is None else f'{record.order:.2f}'}"
-        + ("; on its engine's front" if record.on_front else ""),
+        f"observed order {ABSENT if found.order is None else f'{found.order:.2f}'}"
+        + ("; on its engine's front" if found.on_front else ""),
         f"as run: {_wrapped(record.used)}" if record.used else "",
         f"sweep ends: {record.ended}" if record.kind != SETTING else "",
     ]

@@ -93,8 +93,8 @@ def _place(bench: Bench, place: PlaceFacts) -> PlacePart:
 
 def _quantity(place: PlaceFacts, name: str, noise: float) -> QuantityPart:
     engines = place.engines(name)
-    peak = next((r for r in place.records if r.quantity == name and r.peak), None)
-    over = f" ({peak.peak:.4g} {peak.unit})" if peak and peak.peak else ""
+    found = next((r.error for r in place.records if r.quantity == name and r.error), None)
+    over = f" ({found.peak:.4g} {found.unit})" if found and found.peak else ""
     worst = "; of joint forces the worst joint's" if name == JOINTS else ""
     return QuantityPart(
         name=name.replace("_", " "),

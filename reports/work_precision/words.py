@@ -57,8 +57,9 @@ def choice_cell(choice: Choice, facts: EngineFacts) -> ChoiceCell:
         least = choice.closest
         words = f"not reached; least {error(least.error_max)} by {facts.way(least)} {step_words(least)}".strip()
         return ChoiceCell(False, f"least {error(least.error_max)}", "", "", words)
+    rms = record.error.error_rms if record.error else None
     told = (
-        f"{error(record.error_max)} (RMS {error(record.error_rms)}) in {record.steps} steps, set-up "
+        f"{error(record.error_max)} (RMS {error(rms)}) in {record.steps} steps, set-up "
         f"{seconds(record.setup_seconds or 0.0)}, read-out {seconds(record.readout_seconds or 0.0)}"
     )
     per_turn = "" if record.steps_per_turn is None else f"{record.steps_per_turn:.0f}"

@@ -1,10 +1,10 @@
 """Benchmark records of engines that do not exist, with errors and times that are given."""
 
-from comparisons.work_precision.records import METHOD, SETTING, BenchRecord
+from comparisons.work_precision.records import METHOD, SETTING, BenchRecord, PointError, PointRecord
 
 
-def row(**changes):
-    """A finished point of a method."""
+def row(*, error_max=1e-3, **changes):
+    """A finished point of a method in one quantity; none where its error is None."""
     values = {
         "mechanism": "m",
         "variant": "v",
@@ -19,10 +19,6 @@ def row(**changes):
         "step": 1e-3,
         "steps_per_turn": 60.0,
         "quantity": "Mkr",
-        "unit": "N m",
-        "error_max": 1e-3,
-        "error_rms": 5e-4,
-        "peak": 0.2,
         "seconds_min": 1e-2,
         "seconds_median": 1.1e-2,
         "repeats": (1e-2, 1.2e-2),
@@ -31,14 +27,14 @@ def row(**changes):
         "steps": 700,
         "solver_work": 2100,
         "work_unit": "iterations",
-        "order": None,
-        "on_front": False,
         "outcome": "finished",
         "detail": "",
         "used": "",
         "ended": "the sweep ends here",
     }
-    return BenchRecord(**{**values, **changes})
+    values |= changes
+    error = None if error_max is None else PointError("N m", error_max, 0.5 * error_max, 0.2)
+    return BenchRecord(**values, errors={values["quantity"]: error} if error else {})
 
 
 def sweep_rows(errors, *, first=0.06, ratio=2.0, cost=1e-3, **changes):
@@ -48,7 +44,6 @@ def sweep_rows(errors, *, first=0.06, ratio=2.0, cost=1e-3, **changes):
             step=first / ratio**k,
             steps_per_turn=ratio**k,
             error_max=error,
-            error_rms=0.5 * error,
             seconds_min=cost * ratio**k,
             seconds_median=1.1 * cost * ratio**k,
             repeats=(cost * ratio**k, 1.2 * cost * ratio**k),
@@ -63,3 +58,13 @@ def setting_row(name, error, seconds, **changes):
     return row(
         kind=SETTING, setting=name, step=None, steps_per_turn=None, error_max=error, seconds_min=seconds, **changes
     )
+
+
+def points(records):
+    """The points behind records, each once with the errors in all its quantities."""
+    found = {}
+    for record in records:
+        shared = {name: value for name, value in vars(record).items() if name not in ("quantity", "errors")}
+        errors = found.setdefault(repr(shared), PointRecord(**shared, errors={})).errors
+        errors |= record.errors
+    return list(found.values())

@@ -79,8 +79,15 @@ def compare() -> dict[str, Any]:
 
 
 def bench() -> dict[str, Any]:
-    """The points of the quick work-precision study."""
-    return _by_key("bench", said("bench", "--quick")["records"])
+    """The points of the quick work-precision study, each in all its quantities."""
+    document = said("bench", "--quick")
+    nothing = dict.fromkeys(("error_max", "error_rms", "peak"))
+    rows = [
+        {**row, "quantity": quantity, **row["errors"].get(quantity, nothing)}
+        for row in document["records"]
+        for quantity in (row["errors"] or document["quantities"])
+    ]
+    return _by_key("bench", rows)
 
 
 def stress() -> dict[str, Any]:

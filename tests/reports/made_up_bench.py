@@ -1,8 +1,8 @@
 """A finished benchmark of engines that do not exist, for tests of its page and tables."""
 
 from comparisons.work_precision.analysis import judged
-from comparisons.work_precision.records import Bench, rows
-from tests.comparisons.bench_rows import row, setting_row, sweep_rows
+from comparisons.work_precision.records import FORMAT, Bench, rows
+from tests.comparisons.bench_rows import points, row, setting_row, sweep_rows
 
 
 def made_up_bench(mechanisms=("juki-mf7923d", "rimoldi-164"), regimes=("run-up-quintic",), engines=("alpha", "beta")):
@@ -14,7 +14,7 @@ def made_up_bench(mechanisms=("juki-mf7923d", "rimoldi-164"), regimes=("run-up-q
                 where = {"mechanism": mechanism, "regime": regime, "engine": engine}
                 for quantity in ("Mkr", "joint_force"):
                     records += _engine(quantity, 1.0 + number, where)
-    return Bench(document(judged(records), mechanisms, engines))
+    return Bench(document(judged(points(records)), mechanisms, engines))
 
 
 def _engine(quantity, dearer, where):
@@ -29,7 +29,7 @@ def _engine(quantity, dearer, where):
         for name, error, seconds in (("naive", 0.9, 2e-3), ("tuned", 4e-4, 1.7e-2), ("best", 1e-12, 0.4))
     ]
     failed = row(setting="torn", outcome="diverged", detail="the joints <gave> way", error_max=None, seconds_min=None,
-                 seconds_median=None, repeats=(), peak=None, error_rms=None, **told)  # fmt: skip
+                 seconds_median=None, repeats=(), **told)  # fmt: skip
     return [*settings, *second, *loose, *fourth, failed]
 
 
@@ -37,7 +37,7 @@ def document(records, mechanisms, engines, **changes):
     """All a saved benchmark holds."""
     methods = [("plain", 100.0, "iterations", 1), ("higher", None, "", 2), ("torn", None, "", 1)]
     return {
-        "format": 1,
+        "format": FORMAT,
         "command": "linkproof bench --quick",
         "conditions": "as tested",
         "environment": {"date": "today", "machine": "this one", "commit": "none", "python": "3"},
@@ -52,6 +52,7 @@ def document(records, mechanisms, engines, **changes):
             for name, effort, unit, levels in methods
         ],
         "costs": [],
+        "quantities": ["Mkr", "joint_force"],
         "records": rows(records),
         **changes,
     }  # fmt: skip
@@ -67,10 +68,8 @@ def nothing_finished():
         outcome="unavailable",
         detail="not installed",
         error_max=None,
-        error_rms=None,
-        peak=None,
         seconds_min=None,
         seconds_median=None,
         repeats=(),
     )
-    return Bench(document([absent], ("m",), ("gamma",), methods=[], noise={"work": "none", "samples": []}))
+    return Bench(document(points([absent]), ("m",), ("gamma",), methods=[], noise={"work": "none", "samples": []}))

@@ -5,7 +5,7 @@ import pytest
 from comparisons.work_precision.analysis import WANTED, by_engine, choices, findings, judged, on_front, standings
 from comparisons.work_precision.floor import Cause
 from comparisons.work_precision.saving import saving
-from tests.comparisons.bench_rows import row, setting_row, sweep_rows
+from tests.comparisons.bench_rows import points, row, setting_row, sweep_rows
 
 SECOND = sweep_rows([0.1 / 4**k for k in range(8)], setting="second")
 FOURTH = sweep_rows([0.1 / 16**k for k in range(6)], setting="fourth", cost=4e-3, levels=2)
@@ -16,7 +16,8 @@ def test_order_and_floor_of_every_sweep_are_found_and_written_into_its_points():
     assert found["second"].order == pytest.approx(2.0)
     assert found["fourth"].order == pytest.approx(4.0)
     assert found["second"].floor.cause is Cause.FALLING
-    orders = {(one.setting, one.order) for one in judged([*SECOND, setting_row("tuned", 1e-4, 1e-2)])}
+    completed = judged(points([*SECOND, setting_row("tuned", 1e-4, 1e-2)]))
+    orders = {(one.setting, one.errors["Mkr"].order) for one in completed}
     assert orders == {("second", found["second"].order), ("tuned", None)}
 
 
@@ -61,7 +62,7 @@ def test_the_front_leaves_nothing_better_out():
     for one in records:
         beaten = any(o.seconds_min <= one.seconds_min and o.error_max <= one.error_max and o != one for o in records)
         assert (one in front) is not beaten
-    assert {one.on_front for one in judged(records) if one.setting == "tuned"} == {True}
+    assert {one.errors["Mkr"].on_front for one in judged(points(records)) if one.setting == "tuned"} == {True}
 
 
 def test_a_setting_is_held_against_the_price_of_its_own_error():

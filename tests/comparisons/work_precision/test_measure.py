@@ -25,7 +25,7 @@ def test_an_exact_method_has_errors_of_round_off_in_every_quantity():
     taken = measure(PICKLED, "direct", EXACT, 24.0, FOUR, with_errors=True)
     assert taken.outcome == "finished"
     assert set(taken.errors) == set(FOUR)
-    assert all(error.rms <= error.largest < 1e-12 and error.peak > 0.0 for error in taken.errors.values())
+    assert all(error.error_rms <= error.error_max < 1e-12 and error.peak > 0.0 for error in taken.errors.values())
     assert taken.errors["Mkr"].unit == "N m"
     assert min(taken.seconds, taken.steps, taken.calibration) > 0
     assert min(taken.setup, taken.readout) >= 0.0
@@ -42,7 +42,7 @@ def test_the_worst_joint_stands_for_all():
         for name, truth in CASE.at(time).joint_forces.items()
     ]
     assert len(errors) > 2
-    assert taken.errors["joint_force"].largest == pytest.approx(max(errors), rel=1e-9)
+    assert taken.errors["joint_force"].error_max == pytest.approx(max(errors), rel=1e-9)
     assert max(errors) > 2 * min(errors)
     assert [one.name for one in chosen(CASE, ("joint_force:A",))["joint_force:A"]] == ["joint_force:A"]
 

@@ -5,8 +5,9 @@ import math
 
 import pytest
 
-from comparisons.work_precision.measure import Error, Taken
+from comparisons.work_precision.measure import Taken
 from comparisons.work_precision.points import FULL, OUT_OF_TIME, QUICK, Point, Track, tracks
+from comparisons.work_precision.records import PointError
 from engines.contract import Method, Setting
 
 METHOD = Method("plain", "as it comes", effort_unit="iterations")
@@ -18,7 +19,9 @@ def _track(budget=math.inf):
 
 
 def _taken(error, seconds=1e-3, also=None):
-    errors = {"Mkr": Error(error, error, 1.0, "N m")} | ({"Jeq": Error(also, also, 1.0, "kg m²")} if also else {})
+    errors = {"Mkr": PointError("N m", error, error, 1.0)} | (
+        {"Jeq": PointError("kg m²", also, also, 1.0)} if also else {}
+    )
     return Taken("finished", seconds=seconds, errors=errors)
 
 

@@ -6,21 +6,24 @@ import pytest
 
 from analytic.errors import LinkproofError
 from comparisons.work_precision import records as bench_records
-from comparisons.work_precision.records import Bench, load, rows, save, series
-from tests.comparisons.bench_rows import row, setting_row, sweep_rows
+from comparisons.work_precision.records import FORMAT, Bench, by_quantity, load, rows, save, series
+from tests.comparisons.bench_rows import points, row, setting_row, sweep_rows
 
-PROMISED = {
-    "mechanism", "regime", "engine", "setting", "step", "quantity", "error_max", "error_rms", "seconds_min",
-    "seconds_median", "steps", "order", "outcome",
+KEYS = {
+    "mechanism", "regime", "engine", "setting", "step", "errors", "seconds_min", "seconds_median", "steps", "outcome",
 }  # fmt: skip
 
 
 def _document(records):
-    return {"format": 1, "noise": {"work": "w", "samples": [1e-3, 1.2e-3]}, "costs": [], "records": rows(records)}
+    noise = {"work": "w", "samples": [1e-3, 1.2e-3]}
+    return {"format": FORMAT, "noise": noise, "costs": [], "quantities": ["Mkr"], "records": rows(points(records))}
 
 
-def test_a_record_has_the_promised_keys():
-    assert set(rows([row()])[0]) >= PROMISED
+def test_a_point_has_the_keys_that_readers_of_the_file_use():
+    (point,) = rows(points([row(), row(quantity="Jeq")]))
+    assert set(point) >= KEYS
+    assert set(point["errors"]) == {"Mkr", "Jeq"}
+    assert set(point["errors"]["Jeq"]) == {"unit", "error_max", "error_rms", "peak", "order", "on_front"}
 
 
 def test_what_is_saved_is_what_is_loaded(tmp_path):
@@ -33,18 +36,35 @@ def test_what_is_saved_is_what_is_loaded(tmp_path):
 
 
 def test_the_file_is_json_with_a_record_to_a_line(tmp_path):
-    text = bench_records.text(_document([row(), row()]))
-    assert json.loads(text)["records"][1]["quantity"] == "Mkr"
+    text = bench_records.text(_document([row(), row(step=1.0)]))
+    assert json.loads(text)["records"][1]["step"] == 1.0
     assert sum(line.startswith('{"mechanism"') for line in text.splitlines()) == 2
     with pytest.raises(ValueError, match="not JSON compliant"):
         bench_records.text(_document([row(error_max=float("nan"))]))
 
 
-@pytest.mark.parametrize("content", ["", "{}", '{"records": [{}], "noise": {"samples": []}}', "[1]"])
+@pytest.mark.parametrize(
+    "content", ["", "{}", '{"format": 2}', '{"format": 2, "quantities": [], "records": [{}]}', "[1]"]
+)
 def test_a_file_that_is_no_benchmark_is_refused(tmp_path, content):
     (tmp_path / bench_records.FILE).write_text(content)
     with pytest.raises(LinkproofError, match="is no benchmark"):
         load(tmp_path)
+
+
+def test_a_file_of_an_older_format_is_refused_with_the_cure(tmp_path):
+    (tmp_path / bench_records.FILE).write_text('{"format": 1, "records": []}')
+    with pytest.raises(LinkproofError, match="in format 2, got 1: run bench again"):
+        load(tmp_path)
+
+
+def test_a_point_that_did_not_finish_stands_in_every_quantity_asked_for():
+    failed, finished = points([row(error_max=None, outcome="diverged")]), points([row()])
+    assert [(one.quantity, one.finished) for one in by_quantity(failed, ("Jeq", "phi"))] == [
+        ("Jeq", False),
+        ("phi", False),
+    ]
+    assert [one.quantity for one in by_quantity(finished, ("Jeq", "phi"))] == ["Mkr"]
 
 
 def test_a_folder_without_one_is_refused(tmp_path):

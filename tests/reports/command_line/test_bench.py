@@ -95,7 +95,7 @@ def test_an_engine_that_gives_nothing_at_all_fails(short, monkeypatch):
 
     def failing(wanted, *rest):
         measured = real(wanted, *rest)
-        return replace(measured, records=tuple(replace(one, outcome="diverged") for one in measured.records))
+        return replace(measured, points=tuple(replace(one, outcome="diverged") for one in measured.points))
 
     monkeypatch.setattr(bench_command, "measure_all", failing)
     assert bench(CHOICE, None, None) == 1

@@ -64,7 +64,7 @@ def test_the_folder_has_page_script_and_plots(tmp_path):
     assert {path.name for path in tmp_path.iterdir()} == {
         FILE, "bench.html", "plotly.min.js", "bench-run-up-quintic.svg", "bench-run-up-quintic.png",
     }  # fmt: skip
-    assert json.loads((tmp_path / FILE).read_text())["format"] == 1
+    assert json.loads((tmp_path / FILE).read_text())["format"] == 2
     assert (tmp_path / "bench-run-up-quintic.png").read_bytes().startswith(b"\x89PNG")
 
 
