@@ -34,7 +34,7 @@ MOST_CELLS: Final = 8192  # of a level: functions so rough are left as they are,
 class PeriodicTable:
     """Functions of period 2π.
 
-    ``edges`` (cells + 1,), rad, start at 0 and end at 2π; ``coefficients`` (cells, degree + 1, functions) are of powers
+    ``edges`` (cells + 1,), rad, span a turn or less; ``coefficients`` (cells, degree + 1, functions) are of powers
     of the coordinate in [-1, 1] across the cell; ``error`` is the largest deviation found between the nodes,
     relative to the function's peak.
     """
@@ -52,7 +52,7 @@ class PeriodicTable:
     def __call__(self, angle: Array) -> Array:
         """Every function at each crank angle, rad; shape (functions, *angle.shape)."""
         starts, middle, scale = self._cells
-        turned = np.ravel(angle) % FULL_TURN
+        turned = starts[0] + (np.ravel(angle) - starts[0]) % FULL_TURN
         cell = starts.searchsorted(turned, "right") - 1
         powers = np.empty((len(turned), 1, self.coefficients.shape[1]))
         powers[:, 0, 0] = 1.0
@@ -61,12 +61,22 @@ class PeriodicTable:
         return np.asarray((powers @ self.coefficients[cell])[:, 0].T.reshape(-1, *np.shape(angle)))
 
 
-def tabulate(functions: Functions, degree: int = DEGREE) -> PeriodicTable:
-    """Tabulate functions (angles (n,) to values (functions, n)) over a turn with polynomials of a degree."""
+def tabulate(
+    functions: Functions,
+    degree: int = DEGREE,
+    *,
+    ends: tuple[float, float] = (0.0, FULL_TURN),
+    least_peak: Array | float = 0.0,
+) -> PeriodicTable:
+    """Tabulate functions (angles (n,) to values (functions, n)) over a turn with polynomials of a degree.
+
+    ``ends``, rad, are those of what is tabulated, a turn at most. A function whose peak is smaller than
+    ``least_peak`` is tabulated to that accuracy: what is left of terms that cancel is rounding.
+    """
     nodes, analysis, powers = _rules(degree)
     between = chebyshev.chebpts2(degree + 2)
     checked = np.vander(between, degree + 1, increasing=True)
-    edges = np.linspace(0.0, FULL_TURN, FIRST_CELLS + 1)
+    edges = np.linspace(*ends, FIRST_CELLS + 1)
     left, right = edges[:-1], edges[1:]
     parents: Array = np.full(len(left), np.inf)
     peak: Array | None = None
@@ -74,7 +84,7 @@ def tabulate(functions: Functions, degree: int = DEGREE) -> PeriodicTable:
     for level in range(MOST_HALVINGS + 1):
         last = level == MOST_HALVINGS or len(left) > MOST_CELLS
         values = _on(functions, left, right, nodes)
-        peak = np.maximum(np.abs(values).max(axis=(1, 2)), 0.0 if peak is None else peak)
+        peak = np.maximum(np.abs(values).max(axis=(1, 2)), least_peak if peak is None else peak)
         # Two products: in one, the large entries of the conversion to powers would amplify roundings of the values.
         coefficients = np.moveaxis((values @ analysis.T) @ powers.T, 0, -1)
         true = np.moveaxis(_on(functions, left, right, between), 0, -1)
@@ -93,7 +103,7 @@ def tabulate(functions: Functions, degree: int = DEGREE) -> PeriodicTable:
     starts, coefficients, errors = (np.concatenate(parts) for parts in zip(*done, strict=True))
     order = np.argsort(starts)
     return PeriodicTable(
-        np.append(starts[order], FULL_TURN), np.ascontiguousarray(coefficients[order]), float(errors.max())
+        np.append(starts[order], ends[1]), np.ascontiguousarray(coefficients[order]), float(errors.max())
     )
 
 

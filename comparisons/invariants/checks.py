@@ -65,11 +65,11 @@ def _torque_scale(case: Case, motion: ObservedMotion) -> float:
     peak = float(np.max(np.abs(motion.signal(Channel.TORQUE).values)))
     if case.is_prescribed:
         return peak
-    energy = motion.kinetic_energy()
-    speed = motion.crank(Channel.VELOCITY, energy.time)
+    time = motion.signal(Channel.VELOCITY).time
+    speed = motion.crank(Channel.VELOCITY, time)
     fast = np.abs(speed) >= case.least_speed
-    inertia = 2.0 * energy.values[fast] / speed[fast] ** 2
-    return max(peak, float(np.max(np.abs(inertia * motion.crank(Channel.ACCELERATION, energy.time)[fast]))))
+    inertia = 2.0 * motion.kinetic_energy(time)[fast] / speed[fast] ** 2
+    return max(peak, float(np.max(np.abs(inertia * motion.crank(Channel.ACCELERATION, time)[fast]))))
 
 
 def _away_from_jumps(case: Case, signal: Signal) -> Signal:

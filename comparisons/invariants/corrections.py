@@ -5,22 +5,24 @@ error of the state: G δ = −r. Near a dead position a joint that is open by li
 δ says so, where the gap itself does not. Each level is taken at the corrected state of the one below it, since a
 velocity may fit a wrong position. The forces that the corrected state requires follow from the transposed equations,
 Gᵀ λ = M q̈ − Q (E. J. Haug, Computer Aided Kinematics and Dynamics of Mechanical Systems, 1989, chapters 3 and 7).
+
+The equations are those of ``engines.mechanics``, which ``direct`` solves too; nothing is shared with the closed form.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass
 from functools import cached_property
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from comparisons.invariants.joint_equations import JointEquations
-from comparisons.observation.body_states import States
-from comparisons.observation.loads import wrenches
+from comparisons.invariants.assur_groups import AssurGroups
 from comparisons.observation.observed_motion import ObservedMotion
+from engines.mechanics.joints import Arms, JointEquations
+from engines.mechanics.loads import applied_loads
+from engines.mechanics.states import Pose, Reals, pose_of
 from engines.scene import Channel, Prescribed
 
 Array = NDArray[np.float64]
@@ -31,69 +33,91 @@ BLOCK = 4096  # instants whose equations are held in memory at a time
 
 
 @dataclass(frozen=True)
-class Instants:
-    """An observed motion at the samples of one clock; lengths are in the scene's size, orders count time derivatives.
+class Corrected:
+    """An observed motion at the samples of one clock, and as it would fit its joints and drive.
 
-    What rests on G⁻¹ is not a number in a position that is dead to the last digit.
+    Lengths are in the equations' unit, orders count time derivatives, bodies are (instants, bodies, 3). What rests on
+    G⁻¹ is not a number in a position that is dead to the last digit.
     """
 
     motion: ObservedMotion
-    equations: JointEquations
+    groups: AssurGroups
     time: Array
-    _states: dict[int, States] = field(default_factory=dict, repr=False, compare=False)
+
+    @property
+    def equations(self) -> JointEquations:
+        """The scene's."""
+        return self.groups.equations
 
     def observed(self, order: int) -> Array:
-        """Position, velocity or acceleration of every body, (instants, bodies, 3)."""
-        size = self.equations.size
-        return np.asarray(self.motion.on_clock(LEVELS[order], self.time) / np.array([size, size, 1.0]))
+        """Position, velocity or acceleration of every body."""
+        return np.asarray(self.motion.bodies(LEVELS[order], self.time) / self.equations.metres)
 
     def correction(self, order: int) -> Array:
-        """What the position, velocity or acceleration lacks, (instants, bodies, 3)."""
-        corrected = self.corrected(order)
-        return np.asarray(getattr(corrected, LEVELS[order].value) - self.observed(order))
+        """What the position, velocity or acceleration lacks."""
+        if order == 0:
+            return self._position_lack
+        return self._velocity_lack if order == 1 else self._acceleration_lack
 
-    def corrected(self, order: int) -> States:
-        """The states up to this order as they would fit the joints and the drive."""
-        if order not in self._states:
-            states = self._with(self.corrected(order - 1) if order else self._seen, order, self.observed(order))
-            lack = self._lack(states, order)
-            self._states[order] = self._with(states, order, getattr(states, LEVELS[order].value) + lack)
-        return self._states[order]
-
-    @staticmethod
-    def _with(states: States, order: int, values: Array) -> States:
-        changed: dict[str, Any] = {LEVELS[order].value: values}
-        return replace(states, **changed)
+    def corrected(self, order: int) -> Array:
+        """Position, velocity or acceleration as it would fit the joints and the drive."""
+        return self.observed(order) + self.correction(order)
 
     @cached_property
-    def _seen(self) -> States:
-        return States(self.equations.numbers, self.equations.size, self.observed(0))
+    def _seen(self) -> tuple[Pose, Arms]:
+        pose = pose_of(self.observed(0))
+        return pose, self.equations.arms(pose)
 
-    def _lack(self, states: States, order: int) -> Array:
-        residual = self.equations.residual(states, order)
-        residual[:, -1] -= self.crank_target(order)
-        lack = self.equations.spread(-np.einsum("ncr,nr->nc", self.inverse, residual))
-        for number, angle in self.equations.still:
-            lack[:, number, 2] = (angle if order == 0 else 0.0) - getattr(states, LEVELS[order].value)[:, number, 2]
-        return lack
+    @cached_property
+    def _closed(self) -> tuple[Pose, Arms]:
+        pose = pose_of(self.corrected(0))
+        return pose, self.equations.arms(pose)
+
+    @cached_property
+    def _position_lack(self) -> Array:
+        residual = self.equations.residual(*self._seen)
+        residual[:, self.equations.crank_row] = self.observed(0)[:, self.equations.crank, 2]
+        return self._lack(residual, 0)
+
+    @cached_property
+    def _velocity_lack(self) -> Array:
+        return self._lack(self._rates(1), 1)
+
+    @cached_property
+    def _acceleration_lack(self) -> Array:
+        return self._lack(self._rates(2) - self.equations.bend(self._closed[1], self.corrected(1)), 2)
+
+    def _rates(self, order: int) -> Reals:
+        jacobian = self.equations.jacobian(self._closed[1])
+        return np.asarray(np.einsum("nrc,nc->nr", jacobian, self.equations.gather(self.observed(order))))
+
+    def _lack(self, residual: Reals, order: int) -> Array:
+        """The coordinates that take a residual away; what slides without turning keeps its angle."""
+        equations, bodies = self.equations, self.equations.scene.bodies
+        residual[:, equations.crank_row] -= self.crank_target(order)
+        lack = equations.spread(-np.einsum("ncr,nr->nc", self.inverse, residual))
+        for number in {equations.index[s.body] for s in equations.scene.sliders}:
+            if bodies[number].inertia is None:
+                held = bodies[number].angle if order == 0 else 0.0
+                lack[:, number, 2] = held - self.observed(order)[:, number, 2]
+        return np.asarray(lack, dtype=float)
 
     def crank_target(self, order: int) -> Array:
         """Crank angle, speed or acceleration as the drive prescribes it; a released crank's own."""
-        scene = self.equations.scene
-        if isinstance(scene.drive, Prescribed):
-            motion = scene.drive.motion
-            return (motion.angle, motion.speed, motion.acceleration)[order](self.time)
-        return self.observed(order)[:, self.equations.numbers[scene.crank], 2]
+        drive = self.equations.scene.drive
+        if isinstance(drive, Prescribed):
+            return (drive.motion.angle, drive.motion.speed, drive.motion.acceleration)[order](self.time)
+        return np.asarray(self.observed(order)[:, self.equations.crank, 2])
 
     @cached_property
     def jacobian(self) -> Array:
         """G, (instants, equations, coordinates)."""
-        return self.equations.jacobian(self._seen)
+        return np.asarray(self.equations.jacobian(self._seen[1]), dtype=float)
 
     @cached_property
     def determinants(self) -> Array:
-        """Of every group's equations, (instants, groups); see ``JointEquations.group_determinants``."""
-        return self.equations.group_determinants(self.jacobian)
+        """Of every group's equations, (instants, groups); see ``AssurGroups.determinants``."""
+        return np.asarray(self.groups.determinants(self.jacobian), dtype=float)
 
     @cached_property
     def inverse(self) -> Array:
@@ -105,24 +129,22 @@ class Instants:
 
     @cached_property
     def reactions(self) -> Array:
-        """λ of the corrected state, (instants, equations): N m; for a pin or a line its force times the scene's size.
+        """λ of the corrected state, (instants, equations), N; moments are over the equations' unit."""
+        equations = self.equations
+        velocity, acceleration = (self.corrected(order) * equations.metres for order in (1, 2))
+        loads = applied_loads(equations.scene, self._closed[0].scaled(equations.unit), velocity)
+        needed = equations.generalised(equations.mass * acceleration - loads)
+        return np.asarray(np.einsum("nc,ncr->nr", needed, self.inverse))
 
-        The crank's is the torque of its drive by the principle of virtual power, standstill included.
-        """
-        states, size = self.corrected(2), self.equations.size
-        unit = np.array([size, size, 1.0])
-        wanted = (self.motion.masses * unit * states.acceleration - wrenches(self.equations.scene, states)) * unit
-        return np.asarray(np.einsum("nc,ncr->nr", wanted[:, self.equations.free], self.inverse))
+    @property
+    def torque(self) -> Array:
+        """Drive torque by the principle of virtual power, standstill included, (instants,), N m."""
+        return np.asarray(self.reactions[:, self.equations.crank_row] * self.equations.unit)
 
     @property
     def forces(self) -> Array:
         """What every pin, then every guided point, exerts on its first body, (instants, joints, 2), N."""
-        scene, forces = self.equations.scene, self.reactions / self.equations.size
-        found = [forces[:, [row, row + 1]] for row in self.equations.pin_rows]
-        for joint, row in zip(scene.guided, self.equations.line_rows, strict=True):
-            x, y = self.corrected(0).turned(joint.host, joint.along)
-            found.append(np.stack([-y * forces[:, row], x * forces[:, row]], axis=1))
-        return np.stack(found, axis=1)
+        return np.asarray(self.equations.joint_forces(self._closed[1], self.reactions))
 
 
 @dataclass(frozen=True)
@@ -142,31 +164,31 @@ class Findings:
     forces: Array
 
 
-def findings(motion: ObservedMotion, equations: JointEquations, time: Array, order: int) -> Findings:
+def findings(motion: ObservedMotion, groups: AssurGroups, time: Array, order: int) -> Findings:
     """Look at a motion block by block."""
-    found = list(_blocks(motion, equations, time, order))
+    blocks = list(_blocks(motion, groups, time, order))
     orders = range(order + 1)
     return Findings(
         time,
-        lacking=tuple(np.concatenate([one.lacking[k] for one in found]) for k in orders),
-        moving=tuple(np.concatenate([one.moving[k] for one in found]) for k in orders),
-        determinants=np.concatenate([one.determinants for one in found]),
-        torque=np.concatenate([one.torque for one in found]),
-        forces=np.concatenate([one.forces for one in found]),
+        lacking=tuple(np.concatenate([block.lacking[k] for block in blocks]) for k in orders),
+        moving=tuple(np.concatenate([block.moving[k] for block in blocks]) for k in orders),
+        determinants=np.concatenate([block.determinants for block in blocks]),
+        torque=np.concatenate([block.torque for block in blocks]),
+        forces=np.concatenate([block.forces for block in blocks]),
     )
 
 
-def _blocks(motion: ObservedMotion, equations: JointEquations, time: Array, order: int) -> Iterator[Findings]:
+def _blocks(motion: ObservedMotion, groups: AssurGroups, time: Array, order: int) -> Iterator[Findings]:
     for start in range(0, len(time), BLOCK):
-        instants = Instants(motion, equations, time[start : start + BLOCK])
-        orders, forces = range(order + 1), order == len(LEVELS) - 1
+        state = Corrected(motion, groups, time[start : start + BLOCK])
+        orders, has_forces = range(order + 1), order == len(LEVELS) - 1
         yield Findings(
-            instants.time,
-            tuple(size(instants.correction(k)) for k in orders),
-            tuple(size(instants.observed(k)) for k in orders),
-            instants.determinants,
-            instants.reactions[:, -1] if forces else np.zeros(0),
-            instants.forces if forces else np.zeros(0),
+            state.time,
+            tuple(size(state.correction(k)) for k in orders),
+            tuple(size(state.observed(k)) for k in orders),
+            state.determinants,
+            state.torque if has_forces else np.zeros(0),
+            state.forces if has_forces else np.zeros(0),
         )
 
 

@@ -7,10 +7,10 @@ from numpy.typing import NDArray
 
 from comparisons.invariants.inspection import Inspection
 from comparisons.invariants.relaxation import forgotten, speed_errors
-from comparisons.observation.loads import other_power, potential_energy
 from comparisons.observation.observed_motion import ObservedMotion
 from comparisons.observation.quadrature import doubt, integral
 from engines.contract import History, Signal
+from engines.mechanics.states import start_motion
 from engines.scene import Channel, Free, Prescribed
 
 Array = NDArray[np.float64]
@@ -20,19 +20,15 @@ TINY = float(np.finfo(float).tiny)
 
 def energy(motion: ObservedMotion, time: Array) -> Array:
     """T + V at these times, J."""
-    return np.asarray(_kinetic(motion, time) + potential_energy(motion, time))
-
-
-def _kinetic(motion: ObservedMotion, time: Array) -> Array:
-    return np.asarray(0.5 * np.einsum("nbk,bk->n", motion.on_clock(Channel.VELOCITY, time) ** 2, motion.masses))
+    return motion.kinetic_energy(time) + motion.potential_energy(time)
 
 
 def energy_at_play(motion: ObservedMotion) -> float:
     """Peak kinetic energy, range of the potential energy and work of all other loads, J."""
     time = motion.signal(Channel.POSITION).time
-    work = integral(Signal(time, other_power(motion, time)), ())
-    stored = np.ptp(potential_energy(motion, time))
-    return float(np.max(motion.kinetic_energy().values) + stored + np.max(np.abs(work)))
+    work = integral(Signal(time, motion.load_power(time)), ())
+    stored = np.ptp(motion.potential_energy(time))
+    return float(np.max(motion.kinetic_energy(motion.signal(Channel.VELOCITY).time)) + stored + np.max(np.abs(work)))
 
 
 def energy_gained(seen: Inspection) -> Signal:
@@ -43,7 +39,7 @@ def energy_gained(seen: Inspection) -> Signal:
     motion, drive = seen.motion, seen.motion.scene.drive
     torque = motion.signal(Channel.TORQUE)
     time = torque.time
-    power, done = other_power(motion, time), np.zeros(len(time))
+    power, done = motion.load_power(time), np.zeros(len(time))
     borders: tuple[float, ...] = ()
     if isinstance(drive, Prescribed):
         power = power + torque.values * motion.crank(Channel.VELOCITY, time)
@@ -65,7 +61,7 @@ def released_phase(seen: Inspection) -> Signal:
     motion = seen.motion
     time = motion.signal(Channel.TORQUE).time
     angle, speed = motion.crank(Channel.POSITION, time), motion.crank(Channel.VELOCITY, time)
-    kinetic = _kinetic(motion, time)
+    kinetic = motion.kinetic_energy(time)
     gained = energy_gained(seen).values + _start_excess(motion, time[:1])
     gained = forgotten(gained, 2.0 * seen.relaxation_rate(time), time)
     share = gained / (2.0 * np.maximum(kinetic, np.abs(gained)) + TINY)
@@ -78,10 +74,9 @@ def released_phase(seen: Inspection) -> Signal:
 def _start_excess(motion: ObservedMotion, first: Array) -> float:
     """Energy at the first sample's time (1,) beyond the start state's and the work done since, J."""
     scene, clock = motion.scene, np.zeros(1)
-    position = np.array([[(*body.position, body.angle) for body in scene.bodies]])
-    velocity = np.array([[(*body.velocity, body.angular_velocity) for body in scene.bodies]])
+    position, velocity = (np.asarray(part[:, :-1], dtype=float) for part in start_motion(scene)[:2])
     start = ObservedMotion(scene, History(position=Signal(clock, position), velocity=Signal(clock, velocity)))
-    work = float(first[0] * other_power(start, clock)[0])
+    work = float(first[0] * start.load_power(clock)[0])
     if isinstance(scene.drive, Free):
         work += scene.drive.torque * float(motion.crank(Channel.POSITION, first)[0] - scene.crank_angle)
     return float(energy(motion, first)[0] - energy(start, clock)[0]) - work

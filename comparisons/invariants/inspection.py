@@ -9,13 +9,12 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from comparisons.invariants.assur_groups import AssurGroups
 from comparisons.invariants.corrections import LEVELS, Findings, findings
-from comparisons.invariants.joint_equations import JointEquations
-from comparisons.observation.body_states import States
 from comparisons.observation.interpolation import POINTS, resample
-from comparisons.observation.loads import dissipation
 from comparisons.observation.observed_motion import ObservedMotion
 from engines.contract import Signal
+from engines.mechanics.joints import JointEquations, scene_size
 from engines.scene import Body, Channel, Free, Prescribed
 
 Array = NDArray[np.float64]
@@ -39,14 +38,14 @@ class Inspection:
     motion: ObservedMotion
 
     @cached_property
-    def equations(self) -> JointEquations:
-        """The scene's."""
-        return JointEquations(self.motion.scene)
+    def groups(self) -> AssurGroups:
+        """The scene's, their equations' lengths counted in its size."""
+        return AssurGroups(JointEquations(self.motion.scene, scene_size(self.motion.scene)))
 
     @property
     def crank(self) -> Body:
         """The crank in its start state."""
-        return self.motion.scene.bodies[self.equations.numbers[self.motion.scene.crank]]
+        return self.motion.scene.bodies[self.groups.equations.crank]
 
     @property
     def duration(self) -> float:
@@ -58,7 +57,7 @@ class Inspection:
     def _findings(self) -> dict[bytes, Findings]:
         """By clock, each looked at up to the highest derivative that has it, so that channels on one share the work."""
         clocks = {(time := self.motion.signal(c).time).tobytes(): (time, order) for order, c in enumerate(LEVELS)}
-        return {key: findings(self.motion, self.equations, *clock) for key, clock in clocks.items()}
+        return {key: findings(self.motion, self.groups, *clock) for key, clock in clocks.items()}
 
     def on(self, channel: Channel) -> Findings:
         """What is found at a channel's samples."""
@@ -84,10 +83,8 @@ class Inspection:
 
     def _start_modes(self) -> Array:
         """Sign of every group's determinant in the start state; of one that starts at a change point, soon after."""
-        bodies, size = self.motion.scene.bodies, self.equations.size
-        places = [(b.position[0] / size, b.position[1] / size, b.angle) for b in bodies]
-        start = States(self.equations.numbers, size, np.array([places]))
-        first = self.equations.group_determinants(self.equations.jacobian(start))
+        equations = self.groups.equations
+        first = self.groups.determinants(equations.jacobian(equations.arms(equations.start())))
         seen = np.concatenate([first, self.on(Channel.POSITION).determinants])
         told = np.argmax(np.abs(seen) > NOWHERE, axis=0)
         return np.asarray(np.sign(np.take_along_axis(seen, told[None], axis=0)[0]))
@@ -131,10 +128,10 @@ class Inspection:
 
     def relaxation_rate(self, time: Array) -> Array:
         """Rate at which dampers take an error of the speed, 1/s: half the power they take over the kinetic energy."""
-        power = dissipation(self.motion, time)
+        power = self.motion.dissipation(time)
         if not power.any():
             return power
-        kinetic = 0.5 * np.einsum("nbk,bk->n", self.motion.on_clock(Channel.VELOCITY, time) ** 2, self.motion.masses)
+        kinetic = self.motion.kinetic_energy(time)
         moving = kinetic > STANDSTILL * np.max(kinetic)
         return np.asarray(np.interp(time, time[moving], 0.5 * power[moving] / kinetic[moving]))
 

@@ -16,17 +16,17 @@ complete: what passes them all is the motion of the scene, short of what their l
   its way past an unstable equilibrium an error of phase grows as in any true motion, and no balance tells how far.)
 - ``crank_phase`` also holds a history to its whole duration: half a motion is not a motion.
 
-``energy_balance`` and ``joint_gap`` say nothing beyond these for a prescribed motion; they share no equation with them.
+``energy_balance`` and ``joint_gap`` say nothing beyond these for a prescribed motion. The joints' equations and the
+loads are those of ``engines.mechanics``, shared with ``direct``: no formula is shared with the closed form.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 
 import numpy as np
 from numpy.typing import NDArray
 
-from analytic.description.linkage import GROUND, Vector
 from comparisons.invariants.corrections import LEVELS
 from comparisons.invariants.energy_account import energy_gained, released_phase, speed_drift
 from comparisons.invariants.inspection import Inspection
@@ -55,27 +55,7 @@ HALF_TURN = np.pi  # rad between two samples: beyond it they show no motion
 def joint_gaps(motion: ObservedMotion) -> Signal:
     """Largest opening of any joint, m, over time: pins apart, sliders and slot pins off their line."""
     time = motion.signal(Channel.POSITION).time
-    worst = np.zeros(len(time))
-    for _, gap in gaps_by_joint(motion, time):
-        worst = np.maximum(worst, gap)
-    return Signal(time, worst)
-
-
-def gaps_by_joint(motion: ObservedMotion, time: Array) -> Iterator[tuple[str, Array]]:
-    """Every joint by name and how far it is open, m, at these times."""
-    for pin in motion.scene.pins:
-        first = motion.point(pin.first, pin.first_anchor, time)
-        yield pin.name, np.hypot(*(first - motion.point(pin.second, pin.second_anchor, time)).T)
-    for joint in motion.scene.guided:
-        gap = motion.point(joint.body, joint.anchor, time) - motion.point(joint.host, joint.through, time)
-        x, y = _direction(motion, joint.host, joint.along, time)
-        yield joint.name, np.abs(x * gap[:, 1] - y * gap[:, 0])
-
-
-def _direction(motion: ObservedMotion, host: str, along: Vector, time: Array) -> tuple[Array, Array]:
-    if host == GROUND:
-        return np.full(len(time), along[0]), np.full(len(time), along[1])
-    return motion.arm(host, along, time)
+    return Signal(time, np.max(list(motion.joint_gaps(time).values()), axis=0))
 
 
 def closure(seen: Inspection) -> dict[str, Signal]:

@@ -63,10 +63,15 @@ class Quantity:
 
 
 def _inertia(case: Case, motion: ObservedMotion) -> Signal:
-    energy = motion.kinetic_energy()
-    speed = motion.crank(Channel.VELOCITY, energy.time)
-    fast = np.abs(case.at(energy.time).speed) >= case.least_speed
-    return Signal(energy.time[fast], 2.0 * energy.values[fast] / speed[fast] ** 2)
+    time = motion.signal(Channel.VELOCITY).time
+    fast = np.abs(case.at(time).speed) >= case.least_speed
+    inertia = 2.0 * motion.kinetic_energy(time)[fast] / motion.crank(Channel.VELOCITY, time)[fast] ** 2
+    return Signal(time[fast], inertia)
+
+
+def _kinetic_energy(case: Case, motion: ObservedMotion) -> Signal:
+    time = motion.signal(Channel.VELOCITY).time
+    return Signal(time, motion.kinetic_energy(time))
 
 
 def _power(case: Case, motion: ObservedMotion) -> Signal:
@@ -82,12 +87,12 @@ def _displacement(case: Case, motion: ObservedMotion) -> Signal:
 
 def _velocity(case: Case, motion: ObservedMotion) -> Signal:
     time = motion.signal(Channel.VELOCITY).time
-    return Signal(time, -case.along(motion.point_velocity(case.output.link, case.output_anchor(), time)))
+    return Signal(time, -case.along(motion.point(case.output.link, case.output_anchor(), time, 1)))
 
 
 def _acceleration(case: Case, motion: ObservedMotion) -> Signal:
     time = motion.signal(Channel.ACCELERATION).time
-    return Signal(time, -case.along(motion.point_acceleration(case.output.link, case.output_anchor(), time)))
+    return Signal(time, -case.along(motion.point(case.output.link, case.output_anchor(), time, 2)))
 
 
 def _crank(channel: Channel, case: Case, motion: ObservedMotion) -> Signal:
@@ -196,7 +201,7 @@ QUANTITIES: Mapping[str, Quantity] = {
             title="kinetic energy",
             clock=Channel.VELOCITY,
             reference=lambda case, time: 0.5 * case.at(time).inertia * case.at(time).speed ** 2,
-            observed=lambda case, motion: motion.kinetic_energy(),
+            observed=_kinetic_energy,
         ),
         Quantity(
             name="Mkr",

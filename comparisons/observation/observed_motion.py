@@ -1,16 +1,27 @@
-"""Reading a motion back: energies, gaps and powers from the raw history, never from an engine's own word for them."""
+"""Reading a motion back: energies, points and powers from the raw history, never from an engine's own word for them."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
 
-from analytic.description.linkage import GROUND, Vector
+from analytic.description.linkage import Vector
 from comparisons.observation.interpolation import resample
 from engines.contract import History, Signal
+from engines.mechanics.joints import JointEquations
+from engines.mechanics.loads import applied_loads, potential_energy, without_potential
+from engines.mechanics.states import (
+    Pose,
+    body_masses,
+    body_numbers,
+    point_acceleration,
+    point_velocity,
+    pose_of,
+    with_ground,
+)
 from engines.scene import Channel, Scene
 
 Array = NDArray[np.float64]
@@ -18,19 +29,23 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class ObservedMotion:
-    """The history of one run beside the scene that made it; arrays are (samples, ...) on the clock asked for."""
+    """The history of one run beside the scene that made it; arrays are (samples, ...) on the clock asked for.
+
+    Bodies are in the scene's order, the ground behind them.
+    """
 
     scene: Scene
     history: History
 
     @cached_property
-    def _index(self) -> dict[str, int]:
-        return {body.name: number for number, body in enumerate(self.scene.bodies)}
+    def numbers(self) -> dict[str, int]:
+        """The place of every body, by name."""
+        return body_numbers(self.scene)
 
     @cached_property
     def masses(self) -> Array:
         """(bodies, 3): mass, mass and inertia, the weights of (x, y, θ)."""
-        return np.array([(body.mass, body.mass, body.inertia or 0.0) for body in self.scene.bodies])
+        return np.asarray(body_masses(self.scene), dtype=float)
 
     def signal(self, channel: Channel) -> Signal:
         """A channel's signal; the channel has to be among those asked for."""
@@ -42,65 +57,56 @@ class ObservedMotion:
         """A channel's values at other times, interpolated to sixth order between its samples."""
         return resample(self.signal(channel), time)
 
+    def bodies(self, channel: Channel, time: Array) -> Array:
+        """Position, velocity or acceleration of every body, (n, bodies, 3)."""
+        return np.asarray(with_ground(self.on_clock(channel, time)), dtype=float)
+
+    def pose(self, time: Array) -> Pose:
+        """Where the bodies are."""
+        return pose_of(self.bodies(Channel.POSITION, time))
+
     def crank(self, channel: Channel, time: Array) -> Array:
         """Crank angle, speed or acceleration by the engine's own account."""
         signal = self.signal(channel)
-        column = Signal(signal.time, signal.values[:, self._index[self.scene.crank], 2])
+        column = Signal(signal.time, signal.values[:, self.numbers[self.scene.crank], 2])
         return resample(column, time)
 
-    def kinetic_energy(self) -> Signal:
-        """T = Σ ½ m v² + ½ J ω², J, on the velocity's clock."""
-        velocity = self.signal(Channel.VELOCITY)
-        return Signal(velocity.time, 0.5 * np.einsum("nbk,bk->n", velocity.values**2, self.masses))
+    def kinetic_energy(self, time: Array) -> Array:
+        """T = Σ ½ m v² + ½ J ω², J."""
+        velocity = self.bodies(Channel.VELOCITY, time)
+        return np.asarray(0.5 * np.einsum("nbk,bk->n", velocity**2, self.masses))
 
-    def kinetic_power(self, time: Array) -> Array:
-        """dT/dt = Σ m v·a + J ω α, W."""
-        velocity, acceleration = self.on_clock(Channel.VELOCITY, time), self.on_clock(Channel.ACCELERATION, time)
-        return np.asarray(np.einsum("nbk,bk->n", velocity * acceleration, self.masses))
+    def potential_energy(self, time: Array) -> Array:
+        """Energy of gravity and springs, J; that of gravity is 0 at the ground's origin."""
+        return np.asarray(potential_energy(self.scene, self.pose(time)), dtype=float)
 
-    def arm(self, body: str, anchor: Vector, time: Array) -> tuple[Array, Array]:
-        """Vector from the mass centre to an anchor, ground frame."""
-        angle = self.on_clock(Channel.POSITION, time)[:, self._index[body], 2]
-        c, s = np.cos(angle), np.sin(angle)
-        return c * anchor[0] - s * anchor[1], s * anchor[0] + c * anchor[1]
+    def load_power(self, time: Array) -> Array:
+        """Power of forces at points, torques on links, dampers and dashpots, W: of the loads without a potential."""
+        return self._power(without_potential(self.scene), time)
 
-    def point(self, body: str, anchor: Vector, time: Array) -> Array:
-        """Position of an anchor, (n, 2), m."""
-        if body == GROUND:
-            return np.broadcast_to(np.asarray(anchor), (len(time), 2))
-        place = self.on_clock(Channel.POSITION, time)[:, self._index[body], :2]
-        if anchor == (0.0, 0.0):
-            return place
-        return place + np.stack(self.arm(body, anchor, time), axis=-1)
+    def dissipation(self, time: Array) -> Array:
+        """Power that dampers and dashpots take, W; never negative."""
+        damped = replace(without_potential(self.scene), forces=(), torques=())
+        return np.maximum(-self._power(damped, time), 0.0)
 
-    def point_velocity(self, body: str, anchor: Vector, time: Array) -> Array:
-        """Velocity of an anchor, (n, 2), m/s."""
-        if body == GROUND:
-            return np.zeros((len(time), 2))
-        rate = self.on_clock(Channel.VELOCITY, time)[:, self._index[body]]
-        if anchor == (0.0, 0.0):
-            return rate[:, :2]
-        x, y = self.arm(body, anchor, time)
-        return rate[:, :2] + rate[:, 2:] * np.stack([-y, x], axis=-1)
-
-    def point_acceleration(self, body: str, anchor: Vector, time: Array) -> Array:
-        """Acceleration of an anchor, (n, 2), m/s²."""
-        second = self.on_clock(Channel.ACCELERATION, time)[:, self._index[body]]
-        if anchor == (0.0, 0.0):
-            return second[:, :2]
-        turn = self.on_clock(Channel.VELOCITY, time)[:, self._index[body], 2:]
-        x, y = self.arm(body, anchor, time)
-        across, along = np.stack([-y, x], axis=-1), np.stack([x, y], axis=-1)
-        return second[:, :2] + second[:, 2:] * across - turn**2 * along
-
-    def angle(self, body: str, time: Array) -> Array:
-        """Angle of a body, rad; 0 for the ground."""
-        if body == GROUND:
+    def _power(self, scene: Scene, time: Array) -> Array:
+        if not (scene.forces or scene.torques or scene.dampers or scene.springs):
             return np.zeros(len(time))
-        return self.on_clock(Channel.POSITION, time)[:, self._index[body], 2]
+        rate = self.bodies(Channel.VELOCITY, time)
+        return np.asarray(np.einsum("nbk,nbk->n", applied_loads(scene, self.pose(time), rate), rate))
 
-    def turn_rate(self, body: str, time: Array) -> Array:
-        """Angular velocity of a body, rad/s; 0 for the ground."""
-        if body == GROUND:
-            return np.zeros(len(time))
-        return self.on_clock(Channel.VELOCITY, time)[:, self._index[body], 2]
+    def joint_gaps(self, time: Array) -> dict[str, Array]:
+        """How far every joint is open, m: pins apart, sliders and slot pins off their line."""
+        equations, pose = JointEquations(self.scene, unit=1.0), self.pose(time)
+        openings = equations.openings(equations.residual(pose, equations.arms(pose)))
+        return {name: np.asarray(openings[:, number]) for number, name in enumerate(equations.joints)}
+
+    def point(self, body: str, anchor: Vector, time: Array, order: int = 0) -> Array:
+        """A point fixed in a body, (n, 2), m; its velocity (``order`` 1) or acceleration (2)."""
+        number, pose = self.numbers[body], self.pose(time)
+        if order == 0:
+            return np.asarray(pose.point(number, anchor))
+        arm, rate = pose.arm(number, anchor), self.bodies(Channel.VELOCITY, time)[:, number]
+        if order == 1:
+            return np.asarray(point_velocity(arm, rate))
+        return np.asarray(point_acceleration(arm, rate, self.bodies(Channel.ACCELERATION, time)[:, number]))

@@ -15,8 +15,8 @@ from analytic.description.loading import catalogue, load
 from analytic.kinematics.mechanism import Mechanism
 from comparisons.reference.case import Case, own_case
 from comparisons.stress.stiff_motion import MOST_RELAXATIONS, relaxations, stiff_motion
+from engines.mechanics.joints import scene_size
 from engines.scene import Body, Channel, Free, Scene
-from engines.start_check import scene_size
 
 LINKAGES = Path(__file__).with_name("linkages")
 RELEASED, REVERSAL = "released", "reversal"

@@ -15,8 +15,8 @@ from comparisons.invariants.invariants import HALF_TURN
 from comparisons.judging.deviations import near_jumps
 from comparisons.observation.observed_motion import ObservedMotion
 from comparisons.reference.case import Case
+from engines.mechanics.joints import scene_size
 from engines.scene import Channel, Scene
-from engines.start_check import scene_size
 
 Array = NDArray[np.float64]
 

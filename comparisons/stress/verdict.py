@@ -16,7 +16,6 @@ import numpy as np
 from analytic.description.crank_motion import REGIMES
 from analytic.errors import LinkproofError
 from comparisons.invariants.checks import checks
-from comparisons.invariants.invariants import gaps_by_joint
 from comparisons.judging.deviations import NoSampleError, deviation
 from comparisons.judging.limits import OWN, limit
 from comparisons.judging.quantities import all_quantities
@@ -161,7 +160,8 @@ def _said(record: Record, motion: ObservedMotion) -> str:
 def _open_joint(record: Record, motion: ObservedMotion) -> str:
     """The joint that is furthest open at a record's worst time."""
     at = np.array([record.worst_time or 0.0])
-    return max(gaps_by_joint(motion, at), key=lambda found: float(found[1][0]))[0]
+    gaps = motion.joint_gaps(at)
+    return max(gaps, key=lambda joint: float(gaps[joint][0]))
 
 
 def _share(error: float | None) -> str:

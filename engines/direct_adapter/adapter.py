@@ -1,7 +1,7 @@
 """The suite's own second derivation as an engine: constrained bodies, every instant solved exactly, NumPy alone.
 
 It shares no formula with the closed form: no Assur groups, no angles from triangles, no transfer functions in closed
-form; only joints as equations between bodies (``engines.direct_adapter.equations``). So where the two agree to
+form; only joints as equations between bodies (``engines.mechanics.joints``). So where the two agree to
 rounding, both are right. A prescribed motion needs no time steps: positions, velocities, accelerations and forces of an
 instant depend on nothing but that instant. A free crank follows the bodies' own equation of motion
 (``engines.direct_adapter.released``).
@@ -18,8 +18,7 @@ import numpy as np
 
 from analytic.errors import LinkproofError
 from engines.contract import History, Method, Outcome, Run, Setting
-from engines.direct_adapter.assembly import UnsolvableError
-from engines.direct_adapter.equations import Equations
+from engines.direct_adapter.assembly import Equations, UnsolvableError
 from engines.direct_adapter.motion import motion
 from engines.direct_adapter.recipes import METHODS, SETTINGS, Recipe, method_recipe
 from engines.scene import Channel, Scene
@@ -46,10 +45,10 @@ class DirectEngine:
         if crank.inertia is None:
             return f"crank '{scene.crank}' has no inertia, so it cannot turn; give it one"
         equations = Equations(scene)
-        found, expected = equations.rows - 1, equations.size - 1
-        if found != expected:
-            surplus = "some are redundant" if found > expected else "more than the crank can move"
-            return f"the joints give {found} equations where {expected} leave one freedom: {surplus}"
+        given, expected = equations.rows - 1, equations.size - 1
+        if given != expected:
+            surplus = "some are redundant" if given > expected else "more than the crank can move"
+            return f"the joints give {given} equations where {expected} leave one freedom: {surplus}"
         return _degeneracy(equations)
 
     def run(self, scene: Scene, setting: Setting) -> Run:
@@ -108,11 +107,8 @@ def _degeneracy(equations: Equations) -> str | None:
 def _not_finite(history: History) -> str | None:
     """Which channel holds something that is no number."""
     for channel in Channel:
-        found = getattr(history, channel.value)
-        signals = found.values() if channel is Channel.JOINT_FORCE else [found]
-        for signal in signals:
-            if signal is not None and not np.all(np.isfinite(signal.values)):
-                return (
-                    f"the {channel.value.replace('_', ' ')} is not finite everywhere; check masses, inertias and loads"
-                )
+        recorded = getattr(history, channel.value)
+        signals = recorded.values() if channel is Channel.JOINT_FORCE else [recorded]
+        if not all(signal is None or np.all(np.isfinite(signal.values)) for signal in signals):
+            return f"the {channel.value.replace('_', ' ')} is not finite everywhere; check masses, inertias and loads"
     return None

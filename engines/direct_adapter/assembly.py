@@ -11,7 +11,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from engines.direct_adapter.equations import Arms, Equations, Pose, Reals
+from engines.mechanics.joints import Arms, JointEquations
+from engines.mechanics.states import Pose, Reals
+from engines.scene import Scene
 
 NEAR = 1e-6  # units and rad of a first correction that leave an inverse good enough for two refinements
 CONTRACTION = 0.25  # of a second correction over the first: Newton's method has its solution in sight
@@ -21,6 +23,14 @@ UNFINISHED = 1e-9  # a correction that no longer shrinks is rounding if it is sm
 
 class UnsolvableError(Exception):
     """The scene cannot be put together or solved somewhere; the message is the run's reason."""
+
+
+class Equations(JointEquations):
+    """The joints' equations with a count of the linear systems solved, one for every right-hand side of an instant."""
+
+    def __init__(self, scene: Scene) -> None:
+        super().__init__(scene)
+        self.solves = 0
 
 
 @dataclass(frozen=True)

@@ -1,27 +1,27 @@
-"""The motion of a scene under its drive by a recipe: sampled instants solved exactly, or time steps."""
+"""The motion of a scene under its drive: sampled instants, each solved by itself."""
 
 from __future__ import annotations
 
 import math
 
 import numpy as np
+from numpy.typing import NDArray
 
+from analytic.description.law import FULL_TURN
 from engines.contract import History
-from engines.direct_adapter.assembly import UnsolvableError
-from engines.direct_adapter.collocation import POINTS, Problem, integrate
-from engines.direct_adapter.equations import Equations, Reals
-from engines.direct_adapter.instants import Crank, history, solve
-from engines.direct_adapter.path import FULL_TURN, Path, reach
-from engines.direct_adapter.recipes import Exact, Recipe, RungeKutta
-from engines.direct_adapter.released import equation_of_motion
-from engines.direct_adapter.stepping import step_through
+from engines.direct_adapter.assembly import Equations, UnsolvableError
+from engines.direct_adapter.path import Path, reach
+from engines.direct_adapter.recipes import Recipe
+from engines.direct_adapter.released import BLOCK, NODES, released_motion
+from engines.direct_adapter.solution import Crank, history, solve
 from engines.scene import Free, Prescribed
 
-BLOCK = 512  # instants solved at once: their matrices stay in a processor's cache
+Array = NDArray[np.float64]
+
 LEAST_SAMPLES = 1400
 SAMPLES_PER_TURN = 120
 FREE_SPACING = 1e-3  # s
-LEAST_STEPS = 8  # fewer samples cannot be read between
+FEWEST = 8  # fewer intervals cannot be read between
 
 Details = dict[str, str | int | float]
 Result = tuple[History, int, Details]
@@ -29,41 +29,25 @@ Result = tuple[History, int, Details]
 
 def motion(equations: Equations, recipe: Recipe) -> Result:
     """History, number of instants or time steps, and settings used; raises UnsolvableError with the reason."""
-    if isinstance(recipe, RungeKutta):
-        return _stepped(equations, recipe)
     if isinstance(equations.scene.drive, Prescribed):
         return _prescribed(equations, equations.scene.drive, recipe)
     return _free(equations, equations.scene.drive, recipe)
 
 
-def _stepped(equations: Equations, recipe: RungeKutta) -> Result:
-    drive = equations.scene.drive
-    duration = drive.motion.duration if isinstance(drive, Prescribed) else drive.duration
-    time = _clock(duration, _fitting(duration, recipe.step))
-    found = step_through(equations, time, recipe.largest_gap)
-    details: Details = {
-        "procedure": "accelerations and joint forces from one system (index 1), Runge-Kutta 4, no stabilisation",
-        "step_s": float(time[1]),
-    }
-    return history(time, found, equations.joints, equations.scene.channels), len(time) - 1, details
-
-
-def _clock(duration: float, steps: int) -> Reals:
-    return np.linspace(0.0, duration, steps + 1)
-
-
-def _fitting(duration: float, step: float) -> int:
-    return max(LEAST_STEPS, math.ceil(duration / step - 1e-6))
+def _clock(duration: float, spacing: float | None, samples: int) -> Array:
+    """Instants at a longest spacing, s, or so many of them."""
+    if spacing is not None:
+        samples = max(FEWEST, math.ceil(duration / spacing - 1e-6))
+    return np.linspace(0.0, duration, samples + 1)
 
 
 def _samples(turns: float) -> int:
     return max(LEAST_SAMPLES, round(SAMPLES_PER_TURN * turns))
 
 
-def _prescribed(equations: Equations, drive: Prescribed, recipe: Exact) -> Result:
+def _prescribed(equations: Equations, drive: Prescribed, recipe: Recipe) -> Result:
     crank = drive.motion
-    samples = _samples(crank.duration * crank.peak_speed / FULL_TURN)
-    time = _clock(crank.duration, samples if recipe.spacing is None else _fitting(crank.duration, recipe.spacing))
+    time = _clock(crank.duration, recipe.spacing, _samples(crank.duration * crank.peak_speed / FULL_TURN))
     angle = crank.angle(time)
     known = Crank(angle, crank.speed(time), crank.acceleration(time))
     path = reach(equations, float(np.min(angle)), float(np.max(angle)))
@@ -71,7 +55,7 @@ def _prescribed(equations: Equations, drive: Prescribed, recipe: Exact) -> Resul
     return _sampled(path, time, known, recipe)
 
 
-def _check_reach(path: Path, time: Reals, angle: Reals) -> None:
+def _check_reach(path: Path, time: Array, angle: Array) -> None:
     """Raise UnsolvableError with the first instant whose crank angle the path does not hold."""
     if path.turns is not None:
         return
@@ -85,13 +69,13 @@ def _check_reach(path: Path, time: Reals, angle: Reals) -> None:
         )
 
 
-def _sampled(path: Path, time: Reals, crank: Crank, recipe: Exact) -> Result:
+def _sampled(path: Path, time: Array, crank: Crank, recipe: Recipe) -> Result:
     """Every instant of the clock solved, in blocks."""
-    equations, found = path.equations, []
+    equations, blocks = path.equations, []
     for start in range(0, len(time), BLOCK):
         part = crank.part(slice(start, start + BLOCK))
         closed = path.closed(part.angle, recipe.precision)
-        found.append(solve(equations, closed, part, equations.scene.channels, recipe.refinements))
+        blocks.append(solve(equations, closed, part, equations.scene.channels, recipe.refinements))
     details: Details = {
         "procedure": "each instant by Newton's method and one inverted matrix, refined",
         "rounding": float(np.finfo(recipe.precision).eps),
@@ -100,26 +84,20 @@ def _sampled(path: Path, time: Reals, crank: Crank, recipe: Exact) -> Result:
         "spacing_s": float(time[1]),
         "path_poses": len(path.angle),
     }
-    return history(time, found, equations.joints, equations.scene.channels), len(time), details
+    return history(time, blocks, equations.joints, equations.scene.channels), len(time), details
 
 
-def _free(equations: Equations, drive: Free, recipe: Exact) -> Result:
+def _free(equations: Equations, drive: Free, recipe: Recipe) -> Result:
     start = equations.scene.crank_angle
-    speed = equations.scene.bodies[equations.crank].angular_velocity
     path = reach(equations, start - FULL_TURN, start + FULL_TURN)
-    law = equation_of_motion(equations, path, drive.torque)
-    period = FULL_TURN if path.turns is not None else math.inf
-    problem = Problem(law, recipe.tolerance, period, law.breaks)
-    trajectory = integrate(problem, start, speed, drive.duration)
-    samples = max(round(drive.duration / FREE_SPACING), _samples(drive.duration * trajectory.peak_speed / FULL_TURN))
-    time = _clock(drive.duration, samples if recipe.spacing is None else _fitting(drive.duration, recipe.spacing))
-    angle, speeds = trajectory(time)
-    crank = Crank(angle, speeds, None, drive.torque)
+    windows = released_motion(equations, path, drive, recipe.tolerance)
+    turns = drive.duration * float(np.max(np.abs(windows.speed_at(windows.starts)))) / FULL_TURN
+    time = _clock(drive.duration, recipe.spacing, max(round(drive.duration / FREE_SPACING), _samples(turns)))
+    crank = Crank(windows.angle_at(time), windows.speed_at(time), None, drive.torque)
     result, _, details = _sampled(path, time, crank, recipe)
-    steps = len(trajectory.windows)
     details |= {
-        "integrator": f"Gauss collocation, {POINTS} points a window",
+        "integrator": f"Gauss collocation, {NODES} points a window",
         "tolerance": recipe.tolerance,
-        "windows": steps,
+        "windows": len(windows.base),
     }
-    return result, steps, details
+    return result, len(windows.base), details

@@ -7,16 +7,15 @@ poses, quintics through their first two derivatives come so near that all instan
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 
-from engines.direct_adapter.assembly import NEAR, Closed, UnsolvableError, close, inverted
-from engines.direct_adapter.equations import Equations, Pose, Reals
+from analytic.description.law import FULL_TURN
+from engines.direct_adapter.assembly import NEAR, Closed, Equations, UnsolvableError, close, inverted
+from engines.mechanics.states import Pose, Reals, pose_of
 
-FULL_TURN = 2.0 * math.pi
 LARGEST_STEP = FULL_TURN / 24.0  # rad of crank between two poses of a path
 FARTHEST = 1e-3  # units and rad that a predicted pose may be off; farther, another solution may be nearer
 LEAST_STEP = 1e-5  # rad; a path that has to go slower than this has come to its end
@@ -52,13 +51,13 @@ class Path:
 
     def closed(self, crank: Reals, dtype: type[np.floating[Any]] = np.float64) -> Closed:
         """The poses at crank angles (n,); raises UnsolvableError where the path is too coarse to find them."""
-        found = close(self.equations, self.guess(crank, dtype))
-        if float(np.max(found.first)) <= NEAR:
-            return found
-        matrix = self.equations.jacobian(found.arms).astype(float)
+        closed = close(self.equations, self.guess(crank, dtype))
+        if float(np.max(closed.first)) <= NEAR:
+            return closed
+        matrix = self.equations.jacobian(closed.arms).astype(float)
         if np.any(np.linalg.slogdet(matrix)[0] != self.side):
             raise UnsolvableError("the linkage cannot be kept in its assembly mode")
-        return replace(found, inverse=inverted(matrix))
+        return replace(closed, inverse=inverted(matrix))
 
     def guess(self, crank: Reals, dtype: type[np.floating[Any]] = np.float64) -> Pose:
         """Poses near the exact ones at crank angles (n,), the crank itself exact."""
@@ -103,7 +102,7 @@ def node(equations: Equations, pose: Pose) -> Node:
     first = equations.spread(inverse[:, :, equations.crank_row])
     second = equations.spread((inverse @ equations.bend(closed.arms, first)[..., None])[..., 0])
     equations.solves += 2
-    position = np.concatenate([closed.pose.place, closed.pose.angle[..., None]], axis=-1)
+    position = closed.pose.coordinates()
     angle = float(closed.pose.angle[0, equations.crank])
     return Node(angle, np.stack([position[0], first[0], second[0]]), float(np.linalg.slogdet(matrix[0])[0]))
 
@@ -130,10 +129,10 @@ def follow(equations: Equations, start: Node, end: float, largest: float) -> tup
 
 def _next(equations: Equations, nodes: list[Node], crank: float) -> Node:
     """The node at a crank angle in the mode of the nodes before; raises UnsolvableError."""
-    found = node(equations, _predicted(equations, nodes, crank))
-    if found.side != nodes[-1].side:
+    following = node(equations, _predicted(equations, nodes, crank))
+    if following.side != nodes[-1].side:
         raise UnsolvableError("the pose is in another assembly mode")
-    return found
+    return following
 
 
 def _predicted(equations: Equations, nodes: list[Node], crank: float) -> Pose:
@@ -142,9 +141,8 @@ def _predicted(equations: Equations, nodes: list[Node], crank: float) -> Pose:
     step = crank - here.angle
     third = 0.0 if len(nodes) == 1 else (here.state[2] - nodes[-2].state[2]) / (here.angle - nodes[-2].angle)
     state = here.state[0] + step * (here.state[1] + step / 2.0 * (here.state[2] + step / 3.0 * third))
-    angle = state[None, :, 2]
-    angle[0, equations.crank] = crank
-    return Pose(state[None, :, :2], angle, np.cos(angle), np.sin(angle))
+    state[equations.crank, 2] = crank
+    return pose_of(state[None])
 
 
 def reach(equations: Equations, low: float, high: float) -> Path:

@@ -1,4 +1,4 @@
-"""The free crank: the constrained bodies' equation of motion projected on q', tabulated over φ.
+"""The free crank: the constrained bodies' equation of motion projected on q', tabulated over φ and integrated.
 
 With q̇ = q' φ̇ and q̈ = q' φ̈ + q'' φ̇² (coordinate partitioning: R. A. Wehage, E. J. Haug, ASME Journal of Mechanical
 Design 104, 1982), the projection of M q̈ = F + Gᵀ λ on q' has no joint forces in it and reads
@@ -6,7 +6,8 @@ Design 104, 1982), the projection of M q̈ = F + Gᵀ λ on q' has no joint forc
     (q'ᵀ M q') φ̈ = M1 + q'ᵀ F − (q'ᵀ M q'') φ̇²
 
 whose coefficients depend on φ alone. They are solved from the bodies and tabulated. Loads over the crank angle need not
-be smooth: only the levers they act on are tabulated, the loads are evaluated.
+be smooth: only the levers they act on are tabulated, the loads are evaluated. Table and integrator are those of
+``analytic.numerics``, which know no linkage: numerical methods are shared with the closed form, formulas are not.
 """
 
 from __future__ import annotations
@@ -14,46 +15,72 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 import numpy as np
+from numpy.typing import NDArray
 
-from analytic.description.law import Law
-from engines.direct_adapter.collocation import Slope
-from engines.direct_adapter.equations import Equations, Reals
-from engines.direct_adapter.instants import metres, transfer
-from engines.direct_adapter.loads import applied_loads
+from analytic.description.law import FULL_TURN, Law
+from analytic.errors import AssemblyError, LinkproofError
+from analytic.numerics.collocation import Windows, gauss_scheme
+from analytic.numerics.integration import integrate
+from analytic.numerics.periodic_table import PeriodicTable, tabulate
+from engines.direct_adapter.assembly import Equations, UnsolvableError
 from engines.direct_adapter.path import Path
-from engines.direct_adapter.table import Table, tabulate
-from engines.scene import AppliedForce, AppliedTorque, Scene
+from engines.direct_adapter.solution import transfer
+from engines.mechanics.loads import applied_loads
+from engines.scene import AppliedForce, AppliedTorque, Free, Scene
+
+Array = NDArray[np.float64]
+
+NODES = 24  # of a window of the integration
+BLOCK = 512  # instants solved at once: their matrices stay in a processor's cache
+LOOKS = 97  # angles at which the terms of the coefficients are looked at
+LEAST = 1e-3  # of its terms' peak: a coefficient smaller than this is what is left of terms that cancel
+ROUNDINGS = 64.0  # of the terms of an acceleration, that it may be off by
+EPS = float(np.finfo(float).eps)
 
 
 @dataclass(frozen=True)
-class EquationOfMotion:
-    """φ̈ of a free crank with its derivative over φ̇, at angles and speeds (n,)."""
+class FreeCrank:
+    """φ̈ of a free crank at angles and speeds (n,), from coefficients over a path.
 
-    table: Table
+    ``rounding`` is what of φ̈ at rest is noise, rad/s².
+    """
+
+    table: PeriodicTable
     laws: tuple[Law, ...]
     torque: float
+    rounding: float
 
-    @property
-    def breaks(self) -> Reals:
-        """Angles of one turn at which a load over φ is not smooth, rad."""
-        return np.unique(np.concatenate([[], *(law.angles for law in self.laws if law.angles is not None)]))
-
-    def __call__(self, angle: Reals, speed: Reals) -> Slope:
-        """For an integrator; raises UnsolvableError outside the table."""
+    def __call__(self, angle: Array, speed: Array) -> Array:
+        """For an integrator; raises AssemblyError outside the table."""
+        start, end = self.table.edges[[0, -1]]
+        if np.max((angle - start) % FULL_TURN) > end - start:
+            raise AssemblyError("the free crank runs up against its stop")
         columns = self.table(angle)
-        inertia, centrifugal, drag = columns[0], columns[1], columns[3]
-        values = [value for law in self.laws for value in law(angle)]
-        factors = np.stack([-speed * speed, np.ones_like(speed), -speed, *values])
-        magnitude = abs(self.torque) + self.table.largest[1:] @ np.abs(factors)
-        return Slope(
-            (self.torque + np.sum(factors * columns[1:], axis=0)) / inertia,
-            -(drag + 2.0 * centrifugal * speed) / inertia,
-            magnitude / inertia,
+        loads = [value for law in self.laws for value in law(angle)]
+        factors = np.stack([-speed * speed, np.ones_like(speed), -speed, *loads])
+        return np.asarray((self.torque + np.sum(factors * columns[1:], axis=0)) / columns[0])
+
+
+def released_motion(equations: Equations, path: Path, drive: Free, tolerance: float) -> Windows:
+    """The motion of a crank let go in its start state; raises UnsolvableError where it cannot be followed."""
+    scene = equations.scene
+    start = (scene.crank_angle, scene.bodies[equations.crank].angular_velocity)
+    crank = free_crank(equations, path, drive.torque)
+    try:
+        return integrate(
+            crank, start, drive.duration, gauss_scheme(NODES), tolerance=tolerance, rounding=crank.rounding
         )
+    except LinkproofError as error:
+        raise UnsolvableError(
+            f"the free crank cannot be followed, the linkage locks or all but locks: {error}"
+        ) from None
 
 
-def equation_of_motion(equations: Equations, path: Path, torque: float) -> EquationOfMotion:
+def free_crank(equations: Equations, path: Path, torque: float) -> FreeCrank:
     """Tabulate the coefficients of the free crank's motion along a path."""
+    first, last = float(path.angle[0]), float(path.angle[-1])
+    if path.turns is None and last - first > FULL_TURN:
+        raise UnsolvableError("the linkage is in another pose after a turn of its crank")
     scene = equations.scene
     forces = [load for load in scene.forces if not load.force.is_constant]
     torques = [load for load in scene.torques if not load.torque.is_constant]
@@ -64,11 +91,21 @@ def equation_of_motion(equations: Equations, path: Path, torque: float) -> Equat
     )
     units = _unit_loads(scene, forces, torques)
 
-    def coefficients(angle: Reals) -> tuple[Reals, Reals]:
-        return _coefficients(equations, path, steady, units, angle)
+    def coefficients(angle: Array) -> tuple[Array, Array]:
+        blocks = np.array_split(angle, max(1, len(angle) // BLOCK))
+        parts = [_coefficients(equations, path, steady, units, block) for block in blocks]
+        values, terms = (np.concatenate(part, axis=1) for part in zip(*parts, strict=True))
+        if not np.all(np.isfinite(values)):
+            raise UnsolvableError("the equation of motion is not finite everywhere; check masses, inertias and loads")
+        return values, terms
 
     laws = (*(load.force for load in forces), *(load.torque for load in torques))
-    return EquationOfMotion(tabulate(coefficients, path), laws, torque)
+    most = [np.max(np.abs(law.values[..., part])) for law in laws for part in range(law.values.shape[-1])]
+    values, terms = coefficients(np.linspace(first, last, LOOKS))
+    moment = abs(torque) + terms[2] + np.array(most) @ terms[4:]
+    least_peak = LEAST * np.max(terms, axis=1)
+    table = tabulate(lambda angle: coefficients(angle)[0], ends=(first, last), least_peak=least_peak)
+    return FreeCrank(table, laws, torque, float(ROUNDINGS * EPS * np.max(moment / values[0])))
 
 
 def _unit_loads(scene: Scene, forces: list[AppliedForce], torques: list[AppliedTorque]) -> list[Scene]:
@@ -83,8 +120,8 @@ def _unit_loads(scene: Scene, forces: list[AppliedForce], torques: list[AppliedT
 
 
 def _coefficients(
-    equations: Equations, path: Path, steady: Scene, units: list[Scene], angle: Reals
-) -> tuple[Reals, Reals]:
+    equations: Equations, path: Path, steady: Scene, units: list[Scene], angle: Array
+) -> tuple[Array, Array]:
     """Rows (c, n): q'ᵀMq', q'ᵀMq'', q'ᵀF at rest, drag per φ̇, and the levers of loads over φ; and their terms' sizes.
 
     The sizes take each coordinate's lever for at least one unit of length: what is small beside them is cancellation.
@@ -93,12 +130,12 @@ def _coefficients(
     solver = closed.solver(equations)
     first = transfer(equations, solver)
     bend = solver.solve(equations.bend(closed.arms, equations.spread(first)))
-    lever, second = (equations.spread(part) * metres(equations) for part in (first, bend))
-    rest = np.zeros_like(lever)
-    at_rest, moving = (applied_loads(steady, equations, closed.pose, rate, angle) for rate in (rest, lever))
+    lever, second = (equations.spread(part) * equations.metres for part in (first, bend))
+    pose, rest = closed.pose.scaled(equations.unit), np.zeros_like(lever)
+    at_rest, moving = (applied_loads(steady, pose, rate) for rate in (rest, lever))
     forces = [equations.mass * lever, equations.mass * second, at_rest, at_rest - moving]
-    forces += [applied_loads(unit, equations, closed.pose, rest, angle) for unit in units]
+    forces += [applied_loads(unit, pose, rest) for unit in units]
     values = [np.sum(lever * force, axis=(1, 2)) for force in forces]
-    reaches = np.abs(lever) + metres(equations)
+    reaches = np.abs(lever) + equations.metres
     sizes = [np.sum(reaches * np.abs(force), axis=(1, 2)) for force in forces]
-    return np.stack(values), np.stack(sizes)
+    return np.stack(values).astype(float), np.stack(sizes).astype(float)

@@ -6,8 +6,10 @@ import math
 
 from engines.exudyn_adapter.drive import crank_angle
 from engines.exudyn_adapter.model import ANGLE, Model
+from engines.mechanics.joints import scene_size
+from engines.mechanics.states import Reals, body_numbers, start_motion
 from engines.scene import Prescribed, Scene
-from engines.start_check import State, misfits, scene_size, start_misfit
+from engines.start_check import misfits, start_misfit
 
 # A joint may be open by this share of the scene's size over the square of the division: the drift of a constraint on
 # velocity level is second order in the step, and what does not shrink like that is not drift.
@@ -52,23 +54,24 @@ def not_finite(model: Model, now: float) -> str | None:
 def broken(model: Model, now: float, division: int) -> str | None:
     """Whether the linkage is still closed, and the crank where its drive has it, in a pass of that division."""
     scene = model.scene
-    states = _states(model)
+    position = _position(model)
     size = scene_size(scene)
-    for miss in misfits(scene, states, orders=1):
+    for miss in misfits(scene, position):
         share = miss.size / size
         if not share <= LARGEST_GAP / division**2:
             return f"joint '{miss.joint}' is open by {share:.2%} of a link at {now:.4g} s"
     if isinstance(scene.drive, Prescribed):
-        lag = states[scene.crank].position[ANGLE] - crank_angle(scene.drive.motion.segments, now)
+        lag = position[0, body_numbers(scene)[scene.crank], ANGLE] - crank_angle(scene.drive.motion.segments, now)
         if not abs(lag) <= LARGEST_LAG:
             return f"the crank is {lag:.3g} rad away from its drive at {now:.4g} s"
     return None
 
 
-def _states(model: Model) -> dict[str, State]:
+def _position(model: Model) -> Reals:
+    """Position of all bodies, the ground among them, (1, bodies, 3)."""
     shift = iter(model.mbs.systemData.GetODE2Coordinates().tolist())
-    states: dict[str, State] = {}
-    for body in model.scene.bodies:
-        x, y = body.position[0] + next(shift), body.position[1] + next(shift)
-        states[body.name] = State((x, y, body.angle + (next(shift) if body.name in model.turning else 0.0)))
-    return states
+    position = start_motion(model.scene)[0]
+    for number, body in enumerate(model.scene.bodies):
+        for part in (0, 1, ANGLE) if body.name in model.turning else (0, 1):
+            position[0, number, part] += next(shift)
+    return position

@@ -16,8 +16,8 @@ from numpy.typing import NDArray
 from analytic.description.law import Law
 from analytic.description.linkage import Vector
 from engines.contract import History, Signal
+from engines.mechanics.joints import scene_size
 from engines.scene import Body, Free, PinJoint, PointSpring, Scene, SliderJoint, SlotJoint
-from engines.start_check import scene_size
 
 Array = NDArray[np.float64]
 

@@ -13,10 +13,9 @@ from analytic.kinematics.mechanism import Mechanism
 from comparisons.reference.start_state import scene
 from comparisons.work_precision.reductions import without_gravity, without_loads, without_slot_masses
 from engines.contract import Outcome, Setting
-from engines.direct_adapter import instants
+from engines.direct_adapter import solution
 from engines.direct_adapter.adapter import DirectEngine
-from engines.direct_adapter.assembly import Solver
-from engines.direct_adapter.equations import Equations
+from engines.direct_adapter.assembly import Equations, Solver
 from engines.exudyn_adapter.adapter import ExudynEngine
 from engines.pymunk_adapter import recording as pymunk_recording
 from engines.pymunk_adapter.adapter import PymunkEngine
@@ -300,7 +299,7 @@ def solved(monkeypatch):
     return Solved(
         calls(monkeypatch, Solver, "solve"),
         calls(monkeypatch, Solver, "solve_transposed"),
-        calls(monkeypatch, instants, "applied_loads"),
+        calls(monkeypatch, solution, "applied_loads"),
     )
 
 
@@ -332,7 +331,7 @@ def test_direct_solves_for_velocities_once_and_for_accelerations_once_more(solve
 
 @pytest.mark.parametrize(("channels", "are_found"), [(NO_FORCES, False), (EVERYTHING, True)])
 def test_direct_works_out_joint_forces_only_where_they_are_asked_for(monkeypatch, channels, are_found):
-    forces = calls(monkeypatch, instants, "joint_forces")
+    forces = calls(monkeypatch, Equations, "joint_forces")
     _finished(DirectEngine(), _scene(SIX_BAR, channels))
     assert bool(forces) is are_found
 

@@ -6,8 +6,9 @@ import pytest
 
 from analytic.description.crank_motion import crank_motion
 from comparisons.reference.start_state import scene
+from engines.mechanics.states import start_motion
 from engines.scene import Prescribed
-from engines.start_check import misfits, start_misfit, start_state
+from engines.start_check import misfits, start_misfit
 from tests.analytic.linkages import EVERY, mechanism
 
 SLIP = 1e-3  # of whatever is changed
@@ -23,7 +24,7 @@ def _scene(name, variant=None, angle=0.3):
 def test_a_true_start_fits_in_position_velocity_and_acceleration(name, variant, angle):
     model = _scene(name, variant, angle)
     assert start_misfit(model) is None
-    orders = {miss.order for miss in misfits(model, start_state(model))}
+    orders = {miss.order for miss in misfits(model, *start_motion(model))}
     assert orders == {0, 1, 2}
 
 
@@ -47,9 +48,9 @@ def test_a_slip_in_any_kind_of_joint_is_found(name, body, joint, order):
         bodies.append(dataclasses.replace(item, **{field: (x + change, y + change)}) if item.name == body else item)
     broken = dataclasses.replace(model, bodies=tuple(bodies))
     assert field in (start_misfit(broken) or "")
-    before = {(m.joint, m.order): m.size for m in misfits(model, start_state(model))}
+    before = {(m.joint, m.order): m.size for m in misfits(model, *start_motion(model))}
     grown = {
-        m.joint for m in misfits(broken, start_state(broken)) if m.size > 2.0 * before[m.joint, m.order] + SLIP / 2
+        m.joint for m in misfits(broken, *start_motion(broken)) if m.size > 2.0 * before[m.joint, m.order] + SLIP / 2
     }
     assert joint in grown
 

@@ -11,11 +11,13 @@ from analytic.description.loading import load
 from analytic.dynamics.joint_forces import joint_forces
 from analytic.kinematics.mechanism import Mechanism
 from comparisons.invariants import corrections
-from comparisons.invariants.corrections import LEVELS, Instants, findings
-from comparisons.invariants.joint_equations import JointEquations
+from comparisons.invariants.assur_groups import AssurGroups
+from comparisons.invariants.corrections import LEVELS, Corrected, findings
 from comparisons.observation.observed_motion import ObservedMotion
 from comparisons.reference.case import Case
 from engines.contract import Signal
+from engines.mechanics.joints import JointEquations
+from engines.mechanics.states import pose_of, with_ground
 from tests.comparisons.true_motions import EVERYTHING, true_history
 
 NAMES = ["juki-mf7923d", "rimoldi-164", "slotted-takeup", "tests/linkages/moving-guides.toml"]
@@ -27,51 +29,57 @@ def truth(name):
     return case, true_history(case, 101)
 
 
+def groups_of(scene):
+    return AssurGroups(JointEquations(scene))
+
+
 def off(name, level, size, seed=3):
     """A true history with one level off by random errors of a size, and the errors."""
     case, history = truth(name)
     signal = getattr(history, LEVELS[level].value)
-    equations = JointEquations(case.scene(EVERYTHING))
+    groups = groups_of(case.scene(EVERYTHING))
+    equations = groups.equations
     scale = np.max(np.abs(signal.values)) if level else 1.0
-    error = size * scale * np.random.default_rng(seed).normal(size=signal.values.shape) * equations.free
-    error[:, :, :2] *= equations.size
+    error = size * scale * np.random.default_rng(seed).normal(size=signal.values.shape)
+    error *= (equations.column[:-1] != equations.size) * equations.metres
     changed = dataclasses.replace(history, **{LEVELS[level].value: Signal(signal.time, signal.values + error)})
-    return Instants(ObservedMotion(case.scene(EVERYTHING), changed), equations, signal.time), error
+    return Corrected(ObservedMotion(case.scene(EVERYTHING), changed), groups, signal.time), error
 
 
 @pytest.mark.parametrize("name", NAMES)
 @pytest.mark.parametrize("level", [0, 1, 2])
 def test_a_correction_is_the_error_turned_round(name, level):
     instants, error = off(name, level, 1e-7)
-    unit = np.array([instants.equations.size] * 2 + [1.0])
-    found = instants.correction(level)
-    assert np.max(np.abs(found + error / unit)) < 1e-5 * np.max(np.abs(error / unit))
+    error = error / instants.equations.metres
+    assert np.max(np.abs(instants.correction(level)[:, :-1] + error)) < 1e-5 * np.max(np.abs(error))
 
 
 @pytest.mark.parametrize("name", NAMES)
 def test_a_velocity_that_fits_a_wrong_position_lacks_what_the_right_one_asks_for(name):
     instants, _ = off(name, 0, 1e-4)
     case, history = truth(name)
-    wrong = instants.equations.jacobian(instants.corrected(0))  # of the right position, as it turns out
-    right = np.linalg.solve(wrong, case.motion.speed(instants.time)[:, None, None] * np.eye(len(wrong[0]))[:, -1:])
-    unit = np.array([instants.equations.size] * 2 + [1.0])
-    true = history.velocity.values / unit
-    np.testing.assert_allclose(true[:, instants.equations.free], right[..., 0], atol=1e-5 * np.max(np.abs(true)))
-    assert np.max(np.abs(instants.corrected(1).velocity - true)) < 1e-5 * np.max(np.abs(true))
+    equations = instants.equations
+    matrix = equations.jacobian(equations.arms(pose_of(instants.corrected(0))))
+    speed = case.motion.speed(instants.time)[:, None] * equations.crank_unit(len(matrix))
+    right = equations.spread(np.linalg.solve(matrix, speed[..., None])[..., 0])
+    true = with_ground(history.velocity.values) / equations.metres * (equations.column != equations.size)
+    assert np.max(np.abs(true - right)) < 1e-5 * np.max(np.abs(true))
+    corrected = instants.corrected(1) * (equations.column != equations.size)
+    assert np.max(np.abs(corrected - true)) < 1e-5 * np.max(np.abs(true))
 
 
 @pytest.mark.parametrize("name", NAMES)
 def test_reactions_are_the_closed_forms(name):
     case, history = truth(name)
     scene = case.scene(EVERYTHING)
-    instants = Instants(ObservedMotion(scene, history), JointEquations(scene), history.position.time)
+    instants = Corrected(ObservedMotion(scene, history), groups_of(scene), history.position.time)
     time = history.position.time
     forces = joint_forces(case.sweep(time), case.motion.speed(time), case.motion.acceleration(time))
     peak = max(np.max(np.abs(force)) for force in forces.values())
     for number, joint in enumerate([*scene.pins, *scene.guided]):
         assert np.max(np.abs(instants.forces[:, number] - forces[joint.name].T)) < 1e-12 * peak
     torque = history.torque.values
-    assert np.max(np.abs(instants.reactions[:, -1] - torque)) < 1e-12 * np.max(np.abs(torque))
+    assert np.max(np.abs(instants.torque - torque)) < 1e-12 * np.max(np.abs(torque))
 
 
 def test_a_heavy_flywheel_shows_what_its_drive_asks_for_not_how_it_trembles():
@@ -79,17 +87,17 @@ def test_a_heavy_flywheel_shows_what_its_drive_asks_for_not_how_it_trembles():
     case, history = truth("juki-mf7923d")
     instants, _ = off("juki-mf7923d", 2, 1e-3)
     torque = history.torque.values
-    assert np.max(np.abs(instants.reactions[:, -1] - torque)) < 1e-12 * np.max(np.abs(torque))
+    assert np.max(np.abs(instants.torque - torque)) < 1e-12 * np.max(np.abs(torque))
     assert case.is_prescribed
 
 
 def test_blocks_of_a_long_motion_say_the_same_as_the_whole(monkeypatch):
     case, history = truth("rimoldi-164")
     scene = case.scene(EVERYTHING)
-    motion, equations = ObservedMotion(scene, history), JointEquations(scene)
-    whole = findings(motion, equations, history.position.time, 2)
+    motion, groups = ObservedMotion(scene, history), groups_of(scene)
+    whole = findings(motion, groups, history.position.time, 2)
     monkeypatch.setattr(corrections, "BLOCK", 17)
-    parts = findings(motion, equations, history.position.time, 2)
+    parts = findings(motion, groups, history.position.time, 2)
     for name in ("determinants", "torque", "forces"):
         np.testing.assert_array_equal(getattr(whole, name), getattr(parts, name))
     for one, other in zip(whole.lacking, parts.lacking, strict=True):

@@ -1,4 +1,4 @@
-"""The joints of a scene as constraint equations in body coordinates: residual, Jacobian and acceleration terms.
+"""The joints of a scene as equations in body coordinates: residual, Jacobian and acceleration terms.
 
 Every body has the coordinates x, y of its mass centre and, where it can turn, its angle θ. A pin holds two points
 together, a slot or slider keeps a point on a line of its host, a slider keeps its angle against the host as well, and
@@ -10,9 +10,11 @@ one square matrix G = ∂Φ/∂q per instant:
 with e the crank's row and λ the joint forces and, in the crank's row, the drive torque. (E. J. Haug, Computer Aided
 Kinematics and Dynamics of Mechanical Systems, 1989, chapters 3 and 7, gives the method.)
 
-Lengths are counted in ``unit``, a power of two near the longest arm, which brings the entries of G near 1 without
-rounding anything. Arrays are (instants, ...); the ground is the last body. Nothing depends on the floating type, which
-is that of the pose.
+The check of a start state, the ``direct`` engine and the suite's invariants share these equations. None of them shares
+a formula with the closed form: no dyad is solved here, no triangle.
+
+Lengths are counted in ``unit``, which brings the entries of G near 1. Arrays are (instants, ...); the ground is the
+last body. Nothing depends on the floating type, which is that of the pose.
 """
 
 from __future__ import annotations
@@ -20,48 +22,22 @@ from __future__ import annotations
 import itertools
 import math
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from analytic.description.linkage import GROUND, Vector
+from engines.mechanics.states import (
+    Numbers,
+    Pose,
+    Reals,
+    across,
+    body_masses,
+    body_numbers,
+    dot,
+    pose_of,
+    start_motion,
+)
 from engines.scene import Scene
-
-Reals = NDArray[np.floating[Any]]
-
-
-@dataclass(frozen=True)
-class Pose:
-    """All bodies at n instants: ``place`` (n, bodies, 2) in units; ``angle``, ``cosine``, ``sine`` (n, bodies).
-
-    Cosine and sine are carried beside the angle, as an angle of many turns is too coarse for them.
-    """
-
-    place: Reals
-    angle: Reals
-    cosine: Reals
-    sine: Reals
-
-    def moved(self, step: Reals) -> Pose:
-        """The pose after a small step (n, bodies, 3) in x, y and θ."""
-        turn = step[..., 2]
-        c, s = np.cos(turn), np.sin(turn)
-        return Pose(
-            self.place + step[..., :2],
-            self.angle + turn,
-            self.cosine * c - self.sine * s,
-            self.sine * c + self.cosine * s,
-        )
-
-    def turned(self, vectors: Reals, bodies: NDArray[np.intp]) -> Reals:
-        """Vectors (j, 2) of the frames of ``bodies`` (j,), in the ground frame: (n, j, 2)."""
-        c, s = self.cosine[:, bodies], self.sine[:, bodies]
-        x, y = vectors[:, 0], vectors[:, 1]
-        result = np.empty((*c.shape, 2), dtype=c.dtype)
-        result[..., 0] = c * x - s * y
-        result[..., 1] = s * x + c * y
-        return result
 
 
 @dataclass(frozen=True)
@@ -74,43 +50,31 @@ class Arms:
     along: Reals
 
 
-def across(vectors: Reals) -> Reals:
-    """Vectors turned by a right angle, counter-clockwise."""
-    result = np.empty_like(vectors)  # np.stack would cost a single instant several times as much
-    np.negative(vectors[..., 1], out=result[..., 0])
-    result[..., 1] = vectors[..., 0]
-    return result
+class JointEquations:
+    """The joints' equations of a scene; rows are pins in x, pins in y, lines, angles, crank.
 
-
-def dot(one: Reals, other: Reals) -> Reals:
-    """Scalar product along the last axis."""
-    return one[..., 0] * other[..., 0] + one[..., 1] * other[..., 1]
-
-
-class Equations:
-    """The constraint equations of a scene; rows are pins in x, pins in y, lines, angles, crank.
-
-    ``solves`` counts the linear systems solved so far, one for every right-hand side of every instant.
+    ``unit`` is the length that lengths are counted in, m; by default a power of two near the scene's size, which rounds
+    nothing.
     """
 
-    def __init__(self, scene: Scene) -> None:
+    def __init__(self, scene: Scene, unit: float | None = None) -> None:
         self.scene = scene
-        self.index = {**{body.name: number for number, body in enumerate(scene.bodies)}, GROUND: len(scene.bodies)}
+        self.index = body_numbers(scene)
         self.pins, self.lines = len(scene.pins), len(scene.guided)
         self.joints = (*(pin.name for pin in scene.pins), *(line.name for line in scene.guided))
         self.body = self._numbers([*(pin.first for pin in scene.pins), *(line.body for line in scene.guided)])
         self.host = self._numbers([*(pin.second for pin in scene.pins), *(line.host for line in scene.guided)])
         body_anchor = _table([*(pin.first_anchor for pin in scene.pins), *(line.anchor for line in scene.guided)])
         host_anchor = _table([*(pin.second_anchor for pin in scene.pins), *(line.through for line in scene.guided)])
-        self.unit = _power_of_two(np.concatenate([body_anchor, host_anchor]))
+        self.unit = _power_of_two(scene_size(scene)) if unit is None else unit
+        self.metres = np.array([self.unit, self.unit, 1.0])  # factors from units and rad to m and rad
         self.body_anchor, self.host_anchor = body_anchor / self.unit, host_anchor / self.unit
         self.along = _table([line.along for line in scene.guided])
         self._count_coordinates()
         self._count_rows()
         self._template = self._constant_entries()
-        self.solves = 0
 
-    def _numbers(self, names: list[str]) -> NDArray[np.intp]:
+    def _numbers(self, names: list[str]) -> Numbers:
         return np.array([self.index[name] for name in names], dtype=np.intp)
 
     def _count_coordinates(self) -> None:
@@ -121,7 +85,7 @@ class Equations:
         self.size = len(self.free)
         self.column = np.full(free.shape, self.size, dtype=np.intp)  # a spare last column takes what is fixed
         self.column[free] = np.arange(self.size)
-        self.mass = np.array([(b.mass, b.mass, b.inertia or 0.0) for b in self.scene.bodies] + [(0.0, 0.0, 0.0)])
+        self.mass = body_masses(self.scene)
 
     def _count_rows(self) -> None:
         sliders = [s for s in self.scene.sliders if self._turns(s.body) or self._turns(s.host)]
@@ -165,9 +129,9 @@ class Equations:
         result[:, self.x_rows], result[:, self.y_rows] = arms.gap[:, : self.pins, 0], arms.gap[:, : self.pins, 1]
         result[:, self.line_rows] = dot(across(arms.along), arms.gap[:, self.pins :])
         if len(self.turn_rows):
-            one, other = self.turn_body, self.turn_host
-            c = pose.cosine[:, one] * pose.cosine[:, other] + pose.sine[:, one] * pose.sine[:, other]
-            s = pose.sine[:, one] * pose.cosine[:, other] - pose.cosine[:, one] * pose.sine[:, other]
+            body, host = self.turn_body, self.turn_host
+            c = pose.cosine[:, body] * pose.cosine[:, host] + pose.sine[:, body] * pose.sine[:, host]
+            s = pose.sine[:, body] * pose.cosine[:, host] - pose.cosine[:, body] * pose.sine[:, host]
             result[:, self.turn_rows] = s * self.turn_cosine - c * self.turn_sine
         return result
 
@@ -194,16 +158,33 @@ class Equations:
 
     def bend(self, arms: Arms, rate: Reals) -> Reals:
         """γ (n, rows), the part of G q̈ that the rates (n, bodies, 3) alone determine, without the crank's ε."""
-        one, other = rate[:, self.body], rate[:, self.host]
-        first, second = one[..., 2:], other[..., 2:]
+        body, host = rate[:, self.body], rate[:, self.host]
+        first, second = body[..., 2:], host[..., 2:]
         inward = first * first * arms.body - second * second * arms.host
         result = np.zeros((len(rate), self.rows), dtype=rate.dtype)
         result[:, self.x_rows], result[:, self.y_rows] = inward[:, : self.pins, 0], inward[:, : self.pins, 1]
-        gap_rate = one[..., :2] - other[..., :2] + first * across(arms.body) - second * across(arms.host)
+        gap_rate = body[..., :2] - host[..., :2] + first * across(arms.body) - second * across(arms.host)
         lines = slice(self.pins, None)
         coriolis = 2.0 * second[:, lines, 0] * dot(arms.along, gap_rate[:, lines])
         result[:, self.line_rows] = dot(across(arms.along), inward[:, lines]) + coriolis
         return result
+
+    def openings(self, residual: Reals) -> Reals:
+        """How far each joint's point is off, (n, joints), of a residual or of its time derivative: no turning."""
+        pins = np.hypot(residual[:, self.x_rows], residual[:, self.y_rows])
+        return np.concatenate([pins, np.abs(residual[:, self.line_rows])], axis=1)
+
+    def joint_forces(self, arms: Arms, multipliers: Reals) -> Reals:
+        """Force on each joint's first body, N, (n, joints, 2), from λ (n, rows), N."""
+        forces = np.empty_like(arms.gap)
+        forces[:, : self.pins, 0] = multipliers[:, self.x_rows]
+        forces[:, : self.pins, 1] = multipliers[:, self.y_rows]
+        forces[:, self.pins :] = multipliers[:, self.line_rows, None] * across(arms.along)
+        return forces
+
+    def generalised(self, loads: Reals) -> Reals:
+        """Loads (n, bodies, 3), N and N m, along the coordinates, (n, k), N: moments are taken over the unit."""
+        return self.gather(loads / np.array([1.0, 1.0, self.unit]))
 
     def crank_unit(self, count: int) -> Reals:
         """The vector e for each instant, (count, rows): 1 in the crank's row."""
@@ -223,16 +204,19 @@ class Equations:
 
     def start(self) -> Pose:
         """The scene's start state, one instant."""
-        bodies = self.scene.bodies
-        place = np.array([[*(body.position for body in bodies), (0.0, 0.0)]]) / self.unit
-        angle = np.array([[*(body.angle for body in bodies), 0.0]])
-        return Pose(place, angle, np.cos(angle), np.sin(angle))
+        return pose_of(start_motion(self.scene)[0] / self.metres)
+
+
+def scene_size(scene: Scene) -> float:
+    """Largest distance of a pin from the mass centre of a body that it is on, m: the scale of what a gap may be."""
+    anchors = [pin.first_anchor for pin in scene.pins]
+    anchors += [pin.second_anchor for pin in scene.pins if pin.second != GROUND]
+    return max((math.hypot(*anchor) for anchor in anchors), default=0.0) or 1.0
 
 
 def _table(pairs: list[Vector]) -> Reals:
     return np.array(pairs, dtype=float).reshape(-1, 2)
 
 
-def _power_of_two(anchors: Reals) -> float:
-    longest = float(np.max(np.hypot(anchors[:, 0], anchors[:, 1]), initial=0.0))
-    return 2.0 ** round(math.log2(longest)) if longest > 0.0 and math.isfinite(longest) else 1.0
+def _power_of_two(length: float) -> float:
+    return 2.0 ** round(math.log2(length)) if length > 0.0 and math.isfinite(length) else 1.0

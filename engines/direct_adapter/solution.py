@@ -1,0 +1,113 @@
+"""Positions, velocities, accelerations and joint forces at given instants, each instant solved by itself."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from engines.contract import History, Signal
+from engines.direct_adapter.assembly import Closed, Equations, Solver
+from engines.mechanics.loads import applied_loads
+from engines.mechanics.states import Reals
+from engines.scene import Channel
+
+Array = NDArray[np.float64]
+
+FORCES = frozenset({Channel.TORQUE, Channel.JOINT_FORCE})
+KINETIC = FORCES | {Channel.ACCELERATION}
+
+
+@dataclass(frozen=True)
+class Crank:
+    """The crank's motion at n instants, rad and s; ``acceleration`` is None where ``torque``, N m, sets it."""
+
+    angle: Reals
+    speed: Reals
+    acceleration: Reals | None
+    torque: float = 0.0
+
+    def part(self, instants: slice) -> Crank:
+        """Some of the instants."""
+        second = None if self.acceleration is None else self.acceleration[instants]
+        return Crank(self.angle[instants], self.speed[instants], second, self.torque)
+
+
+@dataclass(frozen=True)
+class Solution:
+    """What is known of n instants, SI, by channel: bodies' coordinates (n, bodies, 3), the drive's torque (n,).
+
+    ``joint_force`` is (n, joints, 2).
+    """
+
+    position: Reals
+    velocity: Reals | None = None
+    acceleration: Reals | None = None
+    torque: Reals | None = None
+    joint_force: Reals | None = None
+
+
+def solve(equations: Equations, closed: Closed, crank: Crank, channels: frozenset[Channel], passes: int) -> Solution:
+    """The instants' motion and forces, no further than the channels need."""
+    pose = closed.pose.scaled(equations.unit)
+    if channels <= {Channel.POSITION}:
+        return Solution(pose.coordinates())
+    solver = closed.solver(equations, passes)
+    lever = transfer(equations, solver)
+    rate = equations.spread(lever * crank.speed[:, None])
+    velocity = rate * equations.metres
+    if not channels & KINETIC:
+        return Solution(pose.coordinates(), velocity)
+    bend = solver.solve(equations.bend(closed.arms, rate))
+    loads: Reals = np.zeros(0)
+    second = crank.acceleration
+    if second is None or channels & FORCES:  # a prescribed crank moves as it does whatever pulls at the links
+        loads = applied_loads(equations.scene, pose, velocity)
+        loads[:, equations.crank, 2] += crank.torque
+    if second is None:
+        second = _free_acceleration(equations, lever, bend, loads)
+    acceleration = equations.spread(bend + lever * second[:, None]) * equations.metres
+    if not channels & FORCES:
+        return Solution(pose.coordinates(), velocity, acceleration)
+    multipliers = solver.solve_transposed(equations.generalised(equations.mass * acceleration - loads))
+    torque = multipliers[:, equations.crank_row] * equations.unit
+    if crank.acceleration is None:
+        torque = np.full_like(crank.speed, crank.torque)  # the row of the crank takes nothing: rounding, no torque
+    forces = equations.joint_forces(closed.arms, multipliers) if Channel.JOINT_FORCE in channels else None
+    return Solution(pose.coordinates(), velocity, acceleration, torque, forces)
+
+
+def transfer(equations: Equations, solver: Solver) -> Reals:
+    """The derivatives q' = dq/dφ, (n, k), in units and rad."""
+    return solver.solve(equations.crank_unit(len(solver.matrix)))
+
+
+def _free_acceleration(equations: Equations, lever: Reals, bend: Reals, loads: Reals) -> Reals:
+    """ε of a crank that nothing drives but the loads: d'Alembert's principle along q'."""
+    lever, bend = equations.spread(lever) * equations.metres, equations.spread(bend) * equations.metres
+    power = np.sum(lever * (loads - equations.mass * bend), axis=(1, 2))
+    return np.asarray(power / np.sum(lever * lever * equations.mass, axis=(1, 2)))
+
+
+def history(time: Array, blocks: list[Solution], joints: Iterable[str], channels: frozenset[Channel]) -> History:
+    """The channels asked for, from consecutive blocks of instants."""
+
+    def values(channel: Channel) -> Array:
+        return np.concatenate([getattr(block, channel.value) for block in blocks]).astype(np.float64)
+
+    def signal(channel: Channel) -> Signal | None:
+        if channel not in channels:
+            return None
+        whole = values(channel)
+        return Signal(time, whole[:, :-1] if whole.ndim == 3 else whole)  # without the ground, the last body
+
+    forces = values(Channel.JOINT_FORCE).swapaxes(0, 1) if Channel.JOINT_FORCE in channels else ()
+    return History(
+        signal(Channel.POSITION),
+        signal(Channel.VELOCITY),
+        signal(Channel.ACCELERATION),
+        signal(Channel.TORQUE),
+        {name: Signal(time, force) for name, force in zip(joints, forces, strict=False)},
+    )

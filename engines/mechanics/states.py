@@ -1,0 +1,123 @@
+"""Poses of all bodies of a scene at many instants, and the points fixed in them.
+
+Arrays are (instants, bodies, 3) in x, y, angle; the last body is the ground, which rests at the origin. Nothing depends
+on the floating type.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from analytic.description.linkage import GROUND, Vector
+from engines.scene import Scene
+
+Reals = NDArray[np.floating[Any]]
+Numbers = NDArray[np.intp]
+
+
+@dataclass(frozen=True)
+class Pose:
+    """All bodies at n instants: ``place`` (n, bodies, 2); ``angle``, ``cosine``, ``sine`` (n, bodies).
+
+    Cosine and sine are carried beside the angle, as an angle of many turns is too coarse for them.
+    """
+
+    place: Reals
+    angle: Reals
+    cosine: Reals
+    sine: Reals
+
+    def moved(self, step: Reals) -> Pose:
+        """The pose after a small step (n, bodies, 3) in x, y and angle."""
+        turn = step[..., 2]
+        c, s = np.cos(turn), np.sin(turn)
+        return Pose(
+            self.place + step[..., :2],
+            self.angle + turn,
+            self.cosine * c - self.sine * s,
+            self.sine * c + self.cosine * s,
+        )
+
+    def scaled(self, factor: float) -> Pose:
+        """The pose in another unit of length."""
+        return Pose(self.place * factor, self.angle, self.cosine, self.sine)
+
+    def coordinates(self) -> Reals:
+        """x, y and angle of every body, (n, bodies, 3)."""
+        return np.concatenate([self.place, self.angle[..., None]], axis=-1)
+
+    def turned(self, vectors: Reals, bodies: Numbers) -> Reals:
+        """Vectors (j, 2) of the frames of ``bodies`` (j,), in the ground frame: (n, j, 2)."""
+        c, s = self.cosine[:, bodies], self.sine[:, bodies]
+        x, y = vectors[:, 0], vectors[:, 1]
+        result = np.empty((*c.shape, 2), dtype=c.dtype)
+        result[..., 0] = c * x - s * y
+        result[..., 1] = s * x + c * y
+        return result
+
+    def arm(self, body: int, anchor: Vector) -> Reals:
+        """From a body's mass centre to a point fixed in it, (n, 2)."""
+        return self.turned(np.array([anchor]), np.array([body]))[:, 0]
+
+    def point(self, body: int, anchor: Vector) -> Reals:
+        """A point fixed in a body, (n, 2)."""
+        return self.place[:, body] + self.arm(body, anchor)
+
+
+def pose_of(coordinates: Reals) -> Pose:
+    """The pose of coordinates (n, bodies, 3), the ground among the bodies."""
+    angle = coordinates[..., 2]
+    return Pose(coordinates[..., :2], angle, np.cos(angle), np.sin(angle))
+
+
+def with_ground(values: Reals) -> Reals:
+    """Values (n, bodies, 3) of the moving bodies, and zeros for the ground behind them."""
+    return np.concatenate([values, np.zeros_like(values[:, :1])], axis=1)
+
+
+def start_motion(scene: Scene) -> tuple[Reals, Reals, Reals]:
+    """Position, velocity and acceleration of the start state, SI, one instant: each (1, bodies, 3)."""
+    rows = [
+        [(*b.position, b.angle) for b in scene.bodies],
+        [(*b.velocity, b.angular_velocity) for b in scene.bodies],
+        [(*b.acceleration, b.angular_acceleration) for b in scene.bodies],
+    ]
+    position, velocity, acceleration = (with_ground(np.array([row], dtype=float)) for row in rows)
+    return position, velocity, acceleration
+
+
+def body_numbers(scene: Scene) -> dict[str, int]:
+    """The place of every body in the arrays, by name; the ground is the last."""
+    return {name: number for number, name in enumerate([*(body.name for body in scene.bodies), GROUND])}
+
+
+def body_masses(scene: Scene) -> Reals:
+    """Mass, mass and moment of inertia, the weights of x, y and angle, (bodies, 3); 0 for the ground."""
+    return np.array([(b.mass, b.mass, b.inertia or 0.0) for b in scene.bodies] + [(0.0, 0.0, 0.0)])
+
+
+def across(vectors: Reals) -> Reals:
+    """Vectors turned by a right angle, counter-clockwise."""
+    result = np.empty_like(vectors)  # np.stack would cost a single instant several times as much
+    np.negative(vectors[..., 1], out=result[..., 0])
+    result[..., 1] = vectors[..., 0]
+    return result
+
+
+def dot(first: Reals, second: Reals) -> Reals:
+    """Scalar product along the last axis."""
+    return first[..., 0] * second[..., 0] + first[..., 1] * second[..., 1]
+
+
+def point_velocity(arm: Reals, rate: Reals) -> Reals:
+    """Velocity of a point fixed in a body, (n, 2), from its arm (n, 2) and the body's rates (n, 3)."""
+    return rate[:, :2] + rate[:, 2:] * across(arm)
+
+
+def point_acceleration(arm: Reals, rate: Reals, second: Reals) -> Reals:
+    """Acceleration of a point fixed in a body, (n, 2), from its arm and the body's rates and their rates (n, 3)."""
+    return second[:, :2] + second[:, 2:] * across(arm) - rate[:, 2:] ** 2 * arm
