@@ -32,7 +32,7 @@ def test_an_exact_method_has_errors_of_round_off_in_every_quantity():
 
 
 def test_the_worst_joint_stands_for_all():
-    method = Method("defaults", "")
+    method = Method("exact", "")
     taken = measure(PICKLED, "direct", method, 24.0, FOUR, with_errors=True)
     scene = CASE.scene(frozenset(Channel))
     history = engine("direct").run_method(scene, method, longest_step(CASE, 24.0)).history

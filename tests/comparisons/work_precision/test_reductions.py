@@ -20,7 +20,7 @@ from comparisons.work_precision.reductions import (
     without_loads,
     without_slot_masses,
 )
-from engines.direct_adapter.equations import Equations
+from engines.mechanics.joints import JointEquations
 from engines.scene import Prescribed
 from tests.analytic.linkages import FULL_TURN, angles, mechanism
 
@@ -75,5 +75,5 @@ def test_every_mechanism_of_the_catalogue_can_be_reduced(name):
         rest = reduced(load(name), part)
         if rest is not None:
             model = scene(Mechanism(rest), Prescribed(crank_motion(start_angle=0.7)), part.channels)
-            equations = Equations(model)
+            equations = JointEquations(model)
             assert equations.rows == equations.size
