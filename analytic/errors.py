@@ -81,7 +81,7 @@ def is_safe(character: str) -> bool:
 
 
 def printable(text: str) -> str:
-    """A text with its control characters escaped; ends of lines stay."""
+    """A text on one line, its control characters escaped."""
     if text.isprintable():
         return text
-    return "".join(c if c == "\n" or is_safe(c) else c.encode("unicode_escape").decode() for c in text)
+    return "".join(c if is_safe(c) else c.encode("unicode_escape").decode() for c in text)

@@ -98,8 +98,8 @@ def _stop(reader: Reader, stop: doc.StopTable, where: str) -> ThreadGuide | Thre
 
 
 def _check_eye(reader: Reader, eye: str, where: str) -> None:
-    if eye not in reader.all_points():
-        raise reader.fail(f"{where}: {UnknownNameError('point', eye, reader.all_points())}")
+    if eye not in reader.carriers:
+        raise reader.fail(f"{where}: {UnknownNameError('point', eye, reader.carriers)}")
 
 
 def _errata(reader: Reader, variants: tuple[str, ...]) -> tuple[lk.Erratum, ...]:
@@ -159,8 +159,7 @@ def _gravity(reader: Reader) -> Vector:
 
 
 def _pins(reader: Reader) -> tuple[lk.Pin, ...]:
-    owners = {point: reader.owners(point) for point in reader.all_points()}
-    return tuple(lk.Pin(point, tuple(names)) for point, names in owners.items() if len(names) > 1)
+    return tuple(lk.Pin(point, tuple(names)) for point, names in reader.carriers.items() if len(names) > 1)
 
 
 def _sliders(reader: Reader) -> tuple[lk.Slider, ...]:
@@ -183,9 +182,9 @@ def _slots(reader: Reader) -> tuple[lk.Slot, ...]:
     for number, table in enumerate(reader.document.slots):
         where = f"slots.{number}"
         slot = lk.Slot(table.point, _guide(reader, table, where))
-        owners = reader.owners(table.point)
-        if not owners:
-            raise reader.fail(f"{where}: {UnknownNameError('point', table.point, reader.all_points())}")
+        owners = reader.carriers.get(table.point)
+        if owners is None:
+            raise reader.fail(f"{where}: {UnknownNameError('point', table.point, reader.carriers)}")
         if slot.guide.host in owners:
             raise reader.fail(
                 f"{where}: expected a pin that another body carries, got '{table.point}' of '{slot.guide.host}', which "
@@ -198,10 +197,9 @@ def _slots(reader: Reader) -> tuple[lk.Slot, ...]:
 
 
 def _sketch(reader: Reader) -> dict[str, Vector]:
-    known = reader.all_points()
     for point in reader.document.sketch.points:
-        if point not in known:
-            raise reader.fail(f"sketch.points: {UnknownNameError('point', point, known)}")
+        if point not in reader.carriers:
+            raise reader.fail(f"sketch.points: {UnknownNameError('point', point, reader.carriers)}")
     points = sorted(reader.document.sketch.points.items())
     return {key: reader.vector(place, f"sketch.points.{key}") for key, place in points}
 
@@ -210,7 +208,7 @@ def _output(reader: Reader) -> lk.Output | None:
     table = reader.document.output
     if table is None:
         return None
-    owners = [name for name in reader.owners(table.point) if name != GROUND]
+    owners = [name for name in reader.carriers.get(table.point, ()) if name != GROUND]
     if not owners:
         moving = {point for link in reader.document.links for point in reader.points(link)}
         raise reader.fail(f"output: {UnknownNameError('moving point', table.point, moving)}")

@@ -2,17 +2,21 @@
 
 from __future__ import annotations
 
+import re
+import tomllib
+from collections import Counter
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from typing import Any
+from functools import cached_property
+from typing import Any, Final
 
 from pydantic import BaseModel, ValidationError
 from pydantic_core import ErrorDetails
 
 from analytic.description.schema import EXPECTED, PLAIN, Document
-from analytic.errors import UnknownNameError
+from analytic.errors import UnknownNameError, shortened
 
-LONGEST = 60  # characters of a wrong value worth repeating
+LONGEST_NUMBER: Final = 10_000  # bits of an integer that Python still writes out
 WITHOUT = " is missing"
 
 
@@ -24,9 +28,23 @@ class Source:
     text: str = ""
     variant: str | None = None
 
+    @cached_property
+    def _lines(self) -> dict[str, int]:
+        return key_lines(self.text)
+
+    def line(self, keys: Sequence[str]) -> int:
+        """The line of a key, the variant's before the file's own, or of the innermost table or list it belongs to."""
+        roots = ["", *([f"variants.{self.variant}."] if self.variant else [])]
+        for depth in range(len(keys), 0, -1):
+            for root in reversed(roots):
+                path = root + ".".join(keys[:depth])
+                if path in self._lines:
+                    return self._lines[path]
+        return 1
+
     def at(self, keys: Sequence[str]) -> str:
-        """The file, the line if it is found, and the key, to begin a message with."""
-        return f"{self.name}{line_of(self.text, keys, self.variant)}: {readable(keys)}"
+        """File, line and key, to begin a message with."""
+        return f"{self.name}:{self.line(keys)}: {readable(keys)}"
 
     def place(self, message: str) -> str:
         """A message that begins with a key (``links.rod.mass: ...``), put behind the file and the line."""
@@ -37,7 +55,7 @@ class Source:
 
 def readable(keys: Sequence[str]) -> str:
     """A path of keys for a reader, who counts from 1: ``forces #2.force``."""
-    return ".".join(f"#{int(key) + 1}" if key.isdigit() else key for key in keys).replace(".#", " #")
+    return ".".join(f"#{int(key) + 1}" if key.isdigit() else shortened(key) for key in keys).replace(".#", " #")
 
 
 def sentence(error: ValidationError, source: Source) -> str:
@@ -81,8 +99,11 @@ def _expected(fault: ErrorDetails, keys: Sequence[str]) -> str:
 
 def shown(value: object) -> str:
     """A value as the file has it, cut short."""
-    written = str(value).lower() if isinstance(value, bool) else repr(value) if isinstance(value, str) else str(value)
-    return written if len(written) <= LONGEST else f"{written[:LONGEST]}..."
+    if isinstance(value, int) and not isinstance(value, bool) and value.bit_length() > LONGEST_NUMBER:
+        return f"a number of {value.bit_length()} bits"
+    return shortened(
+        str(value).lower() if isinstance(value, bool) else repr(value) if isinstance(value, str) else str(value)
+    )
 
 
 def _known_keys(parents: Sequence[str]) -> list[str]:
@@ -102,69 +123,100 @@ def _tables_in(annotation: Any) -> Iterator[type[BaseModel]]:  # noqa: ANN401 - 
         yield from _tables_in(argument)
 
 
-@dataclass(frozen=True)
-class HeaderSection:
-    """The lines under one header of a TOML file; ``number`` counts the [[headers]] of one name."""
-
-    keys: list[str]
-    variant: str | None
-    number: int
-    start: int
-    lines: list[str]
+# Strings of all four kinds, comments, marks, and what is left: bare keys with their dots, numbers, dates, true, false.
+TOKEN: Final = re.compile(
+    r"\"\"\"(?:\\.|[^\\])*?\"{3,5}|'''.*?'{3,5}|\"(?:\\.|[^\"\\])*\"|'[^']*'|#[^\n]*|[\[\]{}=,\n]|[^\s\[\]{}=,#\"']+",
+    re.DOTALL,
+)
 
 
-def line_of(text: str, keys: Sequence[str], variant: str | None = None) -> str:
-    """Where a key stands in the file, as ", line 7"; "" if it is not found.
-
-    The section whose header leads deepest towards the key is searched first, the variant's before the file's own.
-    """
-    names = [key for key in keys if not key.isdigit()]
-    wanted = next((int(key) for key in keys if key.isdigit()), 0)
-    found = [
-        section
-        for section in _sections(text)
-        if section.variant in (None, variant)
-        and section.keys == names[: len(section.keys)]
-        and section.number in (0, wanted)
-    ]
-    for section in sorted(found, key=lambda s: (s.variant is None, -len(s.keys), -s.number)):
-        line = _line_in(section, names[len(section.keys) :])
-        if line is None and section.keys and section.variant is None:
-            line = section.start
-        if line is not None:
-            return f", line {line + 1}"
-    return ""
+def key_lines(text: str) -> dict[str, int]:
+    """Where each key of a valid TOML text stands: its line by its dotted path, elements of lists counted from 0."""
+    return _KeyScan(text).lines
 
 
-def _line_in(section: HeaderSection, names: Sequence[str]) -> int | None:
-    """The line of a section that writes the last of these keys, each looked for from where the one before it stands."""
-    found, at = None, 0
-    for name in names:
-        at = next(
-            (n for n in range(at, len(section.lines)) if name in _keys_written(section.lines[n])), len(section.lines)
-        )
-        if at < len(section.lines):
-            found = section.start + at
-    return found
+class _KeyScan:
+    """One pass over the words of a TOML text."""
 
+    def __init__(self, text: str) -> None:
+        self.words: list[tuple[str, int]] = []
+        line = 1
+        for match in TOKEN.finditer(text):
+            word = match.group()
+            if not word.startswith("#"):
+                self.words.append((word, line))
+            line += word.count("\n")
+        self.words.append(("\n", line))
+        self.at = 0
+        self.lines: dict[str, int] = {}
+        self.counts: Counter[str] = Counter()  # tables so far in each [[list of tables]]
+        table = ""
+        while self.skip("\n"):
+            if self.words[self.at][0] == "[":
+                table = self.header()
+            else:
+                self.entry(table)
 
-def _sections(text: str) -> list[HeaderSection]:
-    """The file cut at its headers; what stands before the first has no keys."""
-    found = [HeaderSection([], None, 0, 0, [])]
-    for start, line in enumerate(text.splitlines()):
-        header = line.split("#", maxsplit=1)[0].strip()
-        if header.startswith("[") and header.endswith("]") and "=" not in header:
-            keys = [key.strip().strip("\"'") for key in header.strip("[]").split(".")]
-            variant, keys = (keys[1], keys[2:]) if keys[0] == "variants" and len(keys) > 1 else (None, keys)
-            number = sum(1 for section in found if section.keys == keys) if header.startswith("[[") else 0
-            found.append(HeaderSection(keys, variant, number, start, []))
-        found[-1].lines.append(line)
-    return found
+    def skip(self, *passed: str) -> bool:
+        """Go on behind these words; whether any word is left."""
+        while self.at < len(self.words) and self.words[self.at][0] in passed:
+            self.at += 1
+        return self.at < len(self.words)
 
+    def key(self, end: str) -> list[str]:
+        """The parts of a key, up to the word behind it."""
+        parts: list[str] = []
+        while (word := self.words[self.at][0]) != end:
+            parts += [tomllib.loads(f"text = {word}")["text"]] if word[0] in "\"'" else filter(None, word.split("."))
+            self.at += 1
+        self.at += 1
+        return parts
 
-def _keys_written(line: str) -> list[str]:
-    """The keys of a line: words that an equals sign follows."""
-    for mark in "\"'{},":
-        line = line.replace(mark, " ")
-    parts = line.split("#", maxsplit=1)[0].split("=")[:-1]
-    return [key for part in parts if part.split() for key in part.split()[-1].split(".")]
+    def header(self) -> str:
+        """The path of a [table], or of the next [[table]] of a list."""
+        first, line = self.at, self.words[self.at][1]
+        self.skip("[")
+        is_list = self.at - first == 2
+        *outer, last = self.key("]")
+        path = ""
+        for part in outer:
+            path = self.noted(path, part, line)
+            if self.counts[path]:
+                path = f"{path}.{self.counts[path] - 1}"
+        path = self.noted(path, last, line)
+        if is_list:
+            self.counts[path] += 1
+            path = self.noted(path, str(self.counts[path] - 1), line)
+        self.skip("]")
+        return path
+
+    def entry(self, path: str) -> None:
+        """A key with its value."""
+        line = self.words[self.at][1]
+        for part in self.key("="):
+            path = self.noted(path, part, line)
+        self.value(path)
+
+    def noted(self, path: str, part: str, line: int) -> str:
+        """The path one part longer; its line is where it first stands."""
+        path = f"{path}.{part}" if path else part
+        self.lines.setdefault(path, line)
+        return path
+
+    def value(self, path: str) -> None:
+        """A value, noting the lines of the keys and elements in it."""
+        word = self.words[self.at][0]
+        self.at += 1
+        if word == "{":
+            while self.skip("\n", ",") and self.words[self.at][0] != "}":
+                self.entry(path)
+            self.at += 1
+        elif word == "[":
+            number = 0
+            while self.skip("\n", ",") and self.words[self.at][0] != "]":
+                self.value(self.noted(path, str(number), self.words[self.at][1]))
+                number += 1
+            self.at += 1
+        else:
+            while self.words[self.at][0] not in ("\n", ",", "]", "}"):  # a date with its time behind a space
+                self.at += 1

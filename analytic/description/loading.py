@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+import re
+import sys
 import tomllib
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
 from functools import lru_cache
 from pathlib import Path
-from typing import Any
+from typing import Any, Final
 
 from pydantic import ValidationError
 
@@ -14,9 +17,30 @@ from analytic.description.conversion import interpret
 from analytic.description.diagnosis import Source, sentence, shown
 from analytic.description.linkage import Linkage
 from analytic.description.schema import Document
-from analytic.errors import DescriptionError, UnknownNameError
+from analytic.errors import DescriptionError, UnknownNameError, is_safe, listed, printable
 
 CATALOGUE = Path(__file__).parents[1] / "catalogue"
+
+BYTE_ORDER_MARK: Final = "\ufeff"
+MOST_DIGITS: Final = re.compile(rf"(?:\d_?){{{sys.get_int_max_str_digits() + 1}}}")
+# A key of this many parts is no linkage's, and takes the TOML parser a time that grows with their square.
+DEEPEST: Final = re.compile(
+    r"^[ \t\[]*(?:[\w-]+|\"[^\"\n]*\"|'[^'\n]*')(?:\s*\.\s*(?:[\w-]+|\"[^\"\n]*\"|'[^'\n]*')){99}", re.MULTILINE
+)
+PLACE: Final = re.compile(r" \(at (?:line (\d+), column (\d+)|end of document)\)$")
+
+
+@dataclass(frozen=True)
+class LinkageFile:
+    """A linkage file as it was read: the mechanism's name, what messages call the file, and its text."""
+
+    name: str
+    origin: str
+    text: str
+
+    def linkage(self, variant: str | None = None) -> Linkage:
+        """The linkage in a variant, the file's own values if None; raises as ``load`` does."""
+        return parse(self.text, self.name, self.origin, variant)
 
 
 def catalogue() -> tuple[str, ...]:
@@ -27,64 +51,77 @@ def catalogue() -> tuple[str, ...]:
 def find(name: str) -> Path:
     """Path of a mechanism: a catalogue name, or the path of a user's own ``.toml`` file."""
     path = Path(name)
-    if path.suffix.lower() == ".toml" or path.parent != Path():
-        if not _is_file(path):
-            raise DescriptionError(
-                f"expected the path of a linkage file, got '{name}', which is no file; give the path of a .toml file "
-                f"that exists, or one of the mechanisms {', '.join(catalogue())}"
-            )
-        return path
-    if name not in catalogue():
-        raise UnknownNameError("mechanism", name, catalogue())
-    return CATALOGUE / f"{name}.toml"
+    if not path.suffix and path.parent == Path():
+        if name not in catalogue():
+            raise UnknownNameError("mechanism", name, catalogue())
+        return CATALOGUE / f"{name}.toml"
+    known = f"the path of a linkage file, whose name ends in .toml, or one of the mechanisms {listed(catalogue())}"
+    if path.suffix.lower() != ".toml":
+        raise DescriptionError(f"expected {known}, got '{name}'; give one of them")
+    fault = _fault(path)
+    if fault:
+        raise DescriptionError(f"expected {known}, got '{name}', which {fault}; check the path")
+    return path
 
 
-def _is_file(path: Path) -> bool:
+def _fault(path: Path) -> str | None:
+    """What a path is instead of a file."""
     try:
-        return path.is_file()
+        return None if path.is_file() else "is a folder" if path.is_dir() else "does not exist"
     except (OSError, ValueError):  # a name too long for the system, or with a null character
-        return False
+        return "does not exist"
+
+
+def read(name: str) -> LinkageFile:
+    """Read a mechanism's file by catalogue name or path; raises DescriptionError or UnknownNameError."""
+    path = find(str(name))
+    try:
+        text = path.read_text(encoding="utf-8-sig")
+    except UnicodeDecodeError as error:
+        line = error.object[: error.start].count(b"\n") + 1
+        raise DescriptionError(
+            f"{path}:{line}: expected a text file in UTF-8, got other bytes; save it as UTF-8"
+        ) from error
+    except OSError as error:
+        raise DescriptionError(f"{path}: expected a readable file, got '{error.strerror}'; check it") from error
+    return LinkageFile(printable(path.stem), path.name if path.parent == CATALOGUE else str(path), text)
 
 
 def load(name: str, variant: str | None = None) -> Linkage:
     """Read a mechanism by catalogue name or path, in the variant asked for (its first one if None).
 
-    Raises DescriptionError, with the file's line where one is known, or UnknownNameError.
+    Raises DescriptionError, with file and line, or UnknownNameError.
     """
-    path = find(str(name))
-    try:
-        text = path.read_text(encoding="utf-8-sig")
-    except UnicodeDecodeError as error:
-        raise DescriptionError(f"{path}: expected a text file in UTF-8, got other bytes; save it as UTF-8") from error
-    except OSError as error:
-        raise DescriptionError(f"{path}: expected a readable file, got '{error.strerror}'; check it") from error
-    return parse(text, path.stem, str(path) if path.parent != CATALOGUE else path.name, variant)
+    return read(name).linkage(variant)
 
 
 @lru_cache(maxsize=64)
 def parse(text: str, name: str, origin: str, variant: str | None = None) -> Linkage:
     """Turn a file's text into a Linkage; ``origin`` names the file in messages."""
+    text = text.removeprefix(BYTE_ORDER_MARK)
     raw = _tables(text, origin)
+    source = Source(origin, text)
+    _check_characters(raw, source)
     overlays = raw.pop("variants", {})
     base_name = str(raw.get("variant", "base"))
     if not isinstance(overlays, dict) or not all(isinstance(part, dict) for part in overlays.values()):
         raise DescriptionError(
-            f"{origin}: variants: expected tables [variants.NAME], got {shown(overlays)}; write them so"
+            source.place(f"variants: expected tables [variants.NAME], got {shown(overlays)}; write them so")
         )
     if base_name in overlays:
         raise DescriptionError(
-            f"{origin}: variants: expected other names than '{base_name}', which is the file itself (key variant), got "
-            f"[variants.{base_name}]; rename one of them"
+            f"{source.at(['variants', base_name])}: expected another name than '{base_name}', which is the file itself "
+            "(key variant); rename one of them"
         )
     names = (base_name, *sorted(overlays))
     chosen = base_name if variant is None else variant
     if chosen not in names:
         raise UnknownNameError(f"variant of '{name}'", chosen, names)
     if chosen != base_name:
-        _check_links(raw.get("links"), overlays[chosen].get("links"), f"{origin}: variant '{chosen}'")
+        _check_links(raw.get("links"), overlays[chosen].get("links"), source, chosen)
         raw = _merged(raw, overlays[chosen])
         raw["variant"] = chosen
-    source = Source(origin, text, None if chosen == base_name else chosen)
+        source = Source(origin, text, chosen)
     return interpret(_validated(raw, source), name, names, source)
 
 
@@ -92,25 +129,68 @@ def _tables(text: str, origin: str) -> dict[str, Any]:
     """The file as nested dictionaries."""
     if not text.strip():
         raise DescriptionError(
-            f"{origin}: expected a linkage description, got an empty file; start from a catalogue file"
+            f"{origin}:1: expected a linkage description, got an empty file; start from a catalogue file"
         )
+    deepest = DEEPEST.search(text)
+    if deepest:
+        raise _too_deep(f"{origin}:{_line(text, deepest.start())}")
     try:
         return tomllib.loads(text)
     except tomllib.TOMLDecodeError as error:
-        raise DescriptionError(
-            f"{origin}: expected valid TOML, got a slip of syntax: {error}; correct it there"
-        ) from error
+        raise DescriptionError(_syntax(str(error), text, origin)) from error
+    except ValueError as error:
+        digits = MOST_DIGITS.search(text)
+        line = _line(text, digits.start()) if digits else 1
+        raise DescriptionError(f"{origin}:{line}: expected a number, got one of too many digits; correct it") from error
     except RecursionError:
-        raise DescriptionError(
-            f"{origin}: expected tables and short lists, got very deep nesting; flatten it"
-        ) from None
+        raise _too_deep(f"{origin}:1") from None
 
 
-def _check_links(base: object, over: object, where: str) -> None:
+def _line(text: str, position: int) -> int:
+    return text.count("\n", 0, position) + 1
+
+
+def _too_deep(place: str) -> DescriptionError:
+    return DescriptionError(f"{place}: expected tables and short lists, got very deep nesting; flatten it")
+
+
+def _syntax(fault: str, text: str, origin: str) -> str:
+    """A fault that the TOML parser found, its place put first."""
+    place = PLACE.search(fault)
+    line, column = place.groups() if place and place[1] else (_line(text.rstrip(), len(text)), None)
+    where = f" in column {column}" if column else " at the end of the file"
+    return f"{origin}:{line}: not valid TOML: {PLACE.sub('', fault)}{where}; correct it"
+
+
+def _check_characters(raw: Mapping[str, Any], source: Source) -> None:
+    """Refuse control characters, which would reach terminals and pages from names and titles; texts may have lines."""
+    for keys, text in _texts(raw, []):
+        name = keys[-1]
+        if not (text.isprintable() or all(is_safe(c) or c in "\n\t" for c in text)) or not all(map(is_safe, name)):
+            raise DescriptionError(
+                f"{source.at(keys)}: expected no control characters, got {shown(text or name)}; leave them out"
+            )
+
+
+def _texts(value: object, keys: list[str]) -> Iterator[tuple[list[str], str]]:
+    """Every text of a document with the keys that lead to it, and every key, with no text."""
+    if isinstance(value, dict):
+        for key, inner in value.items():
+            yield [*keys, key], ""
+            yield from _texts(inner, [*keys, key])
+    elif isinstance(value, list):
+        for number, inner in enumerate(value):
+            yield from _texts(inner, [*keys, str(number)])
+    elif isinstance(value, str):
+        yield keys, value
+
+
+def _check_links(base: object, over: object, source: Source, variant: str) -> None:
     """A variant's link of another name is a slip, unless it is a whole new link."""
     if isinstance(base, dict) and isinstance(over, dict):
         for link, table in over.items():
             if link not in base and not (isinstance(table, dict) and "mass" in table):
+                where = source.at(["variants", variant, "links", link])
                 raise DescriptionError(f"{where}: {UnknownNameError('link', link, base)}")
 
 

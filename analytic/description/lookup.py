@@ -3,14 +3,16 @@
 from __future__ import annotations
 
 import math
+from collections import defaultdict
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Final
 
 from analytic.description import schema as doc
 from analytic.description.diagnosis import Source
 from analytic.description.linkage import GROUND, Vector, unit
 from analytic.description.units import UNITS, factor
-from analytic.errors import DescriptionError, UnknownNameError
+from analytic.errors import DescriptionError, UnknownNameError, listed
 
 # SI magnitudes outside 1e±60 are slips of the pen, and products of four of them would leave the range of a double.
 LARGEST: Final = 1e60
@@ -74,32 +76,33 @@ class Reader:
             return {table.slides.point: (0.0, 0.0), **table.points}
         return table.points
 
-    def owners(self, point: str) -> list[str]:
-        """Bodies that carry a point, sorted, the ground included."""
-        names = [name for name in self.document.links if point in self.points(name)]
-        return sorted(names + ([GROUND] if point in self.document.ground else []))
+    @cached_property
+    def carriers(self) -> dict[str, list[str]]:
+        """The bodies that carry each named point, sorted, the ground included; points in order of their names."""
+        carriers: dict[str, list[str]] = defaultdict(list)
+        for point in self.document.ground:
+            carriers[point].append(GROUND)
+        for name in self.document.links:
+            for point in self.points(name):
+                carriers[point].append(name)
+        return {point: sorted(names) for point, names in sorted(carriers.items())}
 
     def owner(self, point: str, named: str | None, where: str) -> str:
         """The one body a load at a point acts on."""
-        owners = self.owners(point)
-        if not owners:
-            raise self.fail(f"{where}: {UnknownNameError('point', point, self.all_points())}")
+        owners = self.carriers.get(point)
+        if owners is None:
+            raise self.fail(f"{where}: {UnknownNameError('point', point, self.carriers)}")
         if named is not None and named not in owners:
             raise self.fail(
-                f"{where}: expected a body that carries '{point}' ({', '.join(owners)}), got '{named}'; correct it"
+                f"{where}: expected a body that carries '{point}' ({listed(owners)}), got '{named}'; correct it"
             )
         moving = [name for name in owners if name != GROUND]
         if named is None and GROUND not in owners and len(moving) > 1:
             raise self.fail(
-                f"{where}: expected one link to take the load, got point '{point}' of {', '.join(moving)}; name one of "
+                f"{where}: expected one link to take the load, got point '{point}' of {listed(moving)}; name one of "
                 "them with link = ... (links = [...] for a spring)"
             )
         return named or (GROUND if GROUND in owners else moving[0])
-
-    def all_points(self) -> list[str]:
-        """Every named point of the file, sorted."""
-        names = {point for link in self.document.links for point in self.points(link)}
-        return sorted(names | set(self.document.ground))
 
     def body(self, name: str, where: str) -> str:
         """A link's name or the ground, checked."""

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Literal
+from typing import Annotated, Literal, TypeVar
 
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import BaseModel, ConfigDict, FailFast, Field
 
 from analytic.description.units import UNITS
 
@@ -13,6 +13,8 @@ Finite = Annotated[float, Field(allow_inf_nan=False, strict=True)]
 Positive = Annotated[float, Field(gt=0.0, allow_inf_nan=False, strict=True)]
 NotNegative = Annotated[float, Field(ge=0.0, allow_inf_nan=False, strict=True)]
 Pair = tuple[Finite, Finite]
+_T = TypeVar("_T")
+Tables = Annotated[list[_T], FailFast()]  # the first fault is told: the others need not be looked for
 
 
 class TomlTable(BaseModel):
@@ -191,17 +193,17 @@ class Document(TomlTable):
     variant: str = "base"
     ground: dict[str, Place]
     links: dict[str, LinkTable]
-    slots: list[SlotTable] = Field(default_factory=list)
-    forces: list[ForceTable] = Field(default_factory=list)
-    torques: list[TorqueTable] = Field(default_factory=list)
-    springs: list[SpringTable] = Field(default_factory=list)
-    dampers: list[DamperTable] = Field(default_factory=list)
+    slots: Tables[SlotTable] = Field(default_factory=list)
+    forces: Tables[ForceTable] = Field(default_factory=list)
+    torques: Tables[TorqueTable] = Field(default_factory=list)
+    springs: Tables[SpringTable] = Field(default_factory=list)
+    dampers: Tables[DamperTable] = Field(default_factory=list)
     output: OutputTable | None = None
     sketch: SketchTable = SketchTable()
     regimes: dict[str, RegimeTable] = Field(default_factory=dict)
     thread: ThreadTable | None = None
-    errata: list[ErratumTable] = Field(default_factory=list)
-    published: list[PublishedTable] = Field(default_factory=list)
+    errata: Tables[ErratumTable] = Field(default_factory=list)
+    published: Tables[PublishedTable] = Field(default_factory=list)
     notes: list[str] = Field(default_factory=list)
     format: Literal[1] = 1
 

@@ -1,8 +1,12 @@
 """Faults are found again in the file: the line, the key, counted as a reader counts."""
 
+import tomllib
+
 import pytest
 
-from analytic.description.diagnosis import Source, line_of, readable, shown
+from analytic.description.diagnosis import Source, key_lines, readable, shown
+from analytic.description.loading import find
+from tests.analytic.linkages import CATALOGUE, FOLDER, MADE_UP
 
 TEXT = """title = "sample"          # 1
 units = { length = "mm" } # 2
@@ -49,11 +53,11 @@ mass = 4                  # 24
         (["links", "crank", "mass"], "light", 22),
         (["links", "long rod", "mass"], "light", 24),
         (["links", "long rod", "points", "A"], "light", 10),
-        (["sketch"], None, None),
+        (["sketch"], None, 1),
     ],
 )
 def test_lines(keys, variant, line):
-    assert line_of(TEXT, keys, variant) == (f", line {line}" if line else "")
+    assert Source("mine.toml", TEXT, variant).line(keys) == line
 
 
 def test_a_reader_counts_from_one():
@@ -62,12 +66,63 @@ def test_a_reader_counts_from_one():
 
 def test_a_message_is_put_behind_file_and_line():
     source = Source("mine.toml", TEXT)
-    assert source.place("links.crank.mass: too heavy: 3 kg") == "mine.toml, line 6: links.crank.mass: too heavy: 3 kg"
-    assert source.place("links.crank.inertia is missing: add it").startswith(
-        "mine.toml, line 5: links.crank.inertia is"
-    )
+    assert source.place("links.crank.mass: too heavy: 3 kg") == "mine.toml:6: links.crank.mass: too heavy: 3 kg"
+    assert source.place("links.crank.inertia is missing: add it").startswith("mine.toml:5: links.crank.inertia is")
 
 
 def test_values_are_shown_as_the_file_has_them_and_cut_short():
     assert (shown(True), shown("a"), shown(1.5), shown([1, 2])) == ("true", "'a'", "1.5", "[1, 2]")
     assert shown("x" * 100) == "'" + "x" * 59 + "..."
+
+
+AWKWARD = r"""# [links.no]
+title = '''a = 1
+[links]''' # 3
+note = "b = [\"" # 4
+links."a.b" = { mass = 1, points = { "A = 2" = [
+  1, # 6
+  2 ] } }
+date = 2025-01-01 10:00:00
+text = '''
+c = 3'''
+[[forces]] # 11
+[forces.law] # 12
+angle = [[1, 2],
+  [3, 4]]
+[[ forces ]] # 15
+[[forces.parts]] # 16
+[[forces.parts]] # 17
+x.y = 1
+"""
+
+
+def test_every_way_of_writing_a_key_is_read():
+    lines = key_lines(AWKWARD)
+    assert lines.keys() == set(_paths(tomllib.loads(AWKWARD)))
+    assert {path: lines[path] for path in ("title", "note", "links.a.b.mass", "links.a.b.points.A = 2.1", "date")} == {
+        "title": 2,
+        "note": 4,
+        "links.a.b.mass": 5,
+        "links.a.b.points.A = 2.1": 7,
+        "date": 8,
+    }
+    assert [lines[f"forces.{end}"] for end in ("0", "0.law", "0.law.angle.1.0", "1", "1.parts.0", "1.parts.1.x.y")] == [
+        11, 12, 14, 15, 16, 18,
+    ]  # fmt: skip
+
+
+@pytest.mark.parametrize("name", [name for name, _ in CATALOGUE] + list(MADE_UP))
+def test_every_key_of_a_linkage_file_has_its_line(name):
+    text = find(name if name not in MADE_UP else str(FOLDER / f"{name}.toml")).read_text(encoding="utf-8")
+    lines = key_lines(text)
+    assert lines.keys() == set(_paths(tomllib.loads(text)))
+    written = text.splitlines()
+    assert all(key.split(".")[-1] in written[line - 1] for key, line in lines.items() if not key[-1].isdigit())
+
+
+def _paths(value, path=()):
+    """Dotted paths of all keys and elements of a TOML document."""
+    inner = value.items() if isinstance(value, dict) else enumerate(value) if isinstance(value, list) else ()
+    for key, part in inner:
+        yield ".".join((*path, str(key)))
+        yield from _paths(part, (*path, str(key)))

@@ -1,11 +1,15 @@
 """Bad linkage files: each fault is one sentence that says where it is, what was expected and what was got."""
 
+import os
 import re
+import tomllib
 
 import pytest
 from hypothesis import HealthCheck, given, settings
+from pydantic import ValidationError
 
-from analytic.description.loading import catalogue, find, load, parse
+from analytic.description.loading import catalogue, find, load, parse, read
+from analytic.description.schema import Document
 from analytic.dynamics import reduced
 from analytic.errors import DescriptionError, LinkproofError, UnknownNameError
 from analytic.kinematics.mechanism import Mechanism
@@ -141,14 +145,14 @@ FAULTS = {
     "variant of the file's own name": (
         "variants.as-printed",
         "variants.as-built",
-        "variants: expected other names than",
+        "variants.as-built: expected another name than",
     ),
 }
 
 SYNTAX = {
-    "number": ("mass    = 0.64", "mass    = 0.64.3", "(at line 20, column 15); correct it there"),
-    "header": ("[links.coupler]", "[links.coupler", "(at line 24, column 15); correct it there"),
-    "key twice": ("mass    = 0.64", "mass    = 0.64\nmass = 3", "(at line 21, column 9); correct it there"),
+    "number": ("mass    = 0.64", "mass    = 0.64.3", (20, 15)),
+    "header": ("[links.coupler]", "[links.coupler", (24, 15)),
+    "key twice": ("mass    = 0.64", "mass    = 0.64\nmass = 3", (21, 9)),
 }
 
 
@@ -157,7 +161,7 @@ def test_a_fault_in_the_file(fault):
     old, new, expected = FAULTS[fault]
     assert old in JUKI
     message = message_of(JUKI.replace(old, new, 1))
-    assert message.startswith("sample.toml")
+    assert re.match(r"sample.toml:\d+: ", message)
     assert expected in message
 
 
@@ -165,15 +169,13 @@ def test_a_fault_in_the_file(fault):
 def test_a_slip_of_syntax_has_its_line(fault):
     old, new, expected = SYNTAX[fault]
     message = message_of(JUKI.replace(old, new, 1))
-    assert message.startswith("sample.toml: expected valid TOML, got a slip of syntax:")
-    assert message.endswith(expected)
+    assert message.startswith(f"sample.toml:{expected[0]}: not valid TOML: ")
+    assert message.endswith(f" in column {expected[1]}; correct it")
 
 
 def test_a_fault_has_its_line():
     line = JUKI.splitlines().index("mass    = 0.64") + 1
-    assert message_of(JUKI.replace("mass    = 0.64", "mass = 0")).startswith(
-        f"sample.toml, line {line}: links.crank.mass"
-    )
+    assert message_of(JUKI.replace("mass    = 0.64", "mass = 0")).startswith(f"sample.toml:{line}: links.crank.mass")
 
 
 @pytest.mark.parametrize(
@@ -188,7 +190,7 @@ def test_a_fault_has_its_line():
         (
             "as-printed.links.coupler]",
             "as-printed.links.couplr]",
-            "variant 'as-printed': unknown link 'couplr': did you mean",
+            "unknown link 'couplr': did you mean",
         ),
     ],
 )
@@ -198,7 +200,7 @@ def test_a_fault_in_a_variant(old, new, expected):
     message = message_of(text, "as-printed")
     assert expected in message
     if "couplr" not in new:
-        assert f", line {JUKI.splitlines().index('centre = [-12.9, 0]') + 1}: " in message
+        assert f":{JUKI.splitlines().index('centre = [-12.9, 0]') + 1}: " in message
 
 
 def test_an_unknown_variant():
@@ -228,11 +230,15 @@ def test_a_file_with_nothing_in_it(text, expected):
         ("", "unknown mechanism '': known are"),
         (
             "mine.toml",
-            "expected the path of a linkage file, got 'mine.toml', which is no file; give the path of a .toml",
+            "got 'mine.toml', which does not exist; check the path",
         ),
-        ("no/such/folder/mine", "expected the path of a linkage file, got 'no/such/folder/mine'"),
-        ("x" * 5000 + ".toml", "which is no file"),
-        ("a\0b.toml", "which is no file"),
+        (
+            "no/such/folder/mine",
+            "expected the path of a linkage file, whose name ends in .toml, or one of the mechanisms fork-takeup,",
+        ),
+        ("x" * 5000 + ".toml", "which does not exist"),
+        ("a\0b.toml", r"got 'a\x00b.toml', which does not exist"),
+        ("j.json", "whose name ends in .toml, or one of the mechanisms"),
     ],
 )
 def test_a_file_that_is_not_there(name, expected):
@@ -241,8 +247,9 @@ def test_a_file_that_is_not_there(name, expected):
 
 
 def test_a_folder_for_a_file(tmp_path):
-    with pytest.raises(DescriptionError, match="which is no file"):
-        load(str(tmp_path))
+    (tmp_path / "mine.toml").mkdir()
+    with pytest.raises(DescriptionError, match="which is a folder; check the path"):
+        load(str(tmp_path / "mine.toml"))
 
 
 def test_bytes_for_text(tmp_path):
@@ -256,6 +263,73 @@ def test_a_file_of_ones_own_may_begin_with_a_byte_order_mark(tmp_path):
     path = tmp_path / "mine.toml"
     path.write_text("\ufeff" + JUKI, encoding="utf-8")
     assert load(str(path)).name == "mine"
+    assert read(str(path)).text == JUKI
+    assert parse("\ufeff" + JUKI, "mine", "mine.toml") == load(str(path))
+
+
+def test_a_file_is_read_once(tmp_path, monkeypatch):
+    path = tmp_path / "mine.toml"
+    path.write_text(JUKI, encoding="utf-8")
+    file = read(str(path))
+    path.unlink()
+    assert [file.linkage(variant).variant for variant in (None, "as-printed")] == ["as-built", "as-printed"]
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "line", "shown"),
+    [
+        ('"Juki', r'"\u001b[2JJuki', 3, r"'\x1b[2JJuki"),
+        ('"D"', r'"\u0008"', 9, r"'\x08'"),
+        ("[links.coupler]", r'[links."a\u0007"]', 24, r"'a\x07'"),
+        ("[links.coupler]", r'[links."a\nb"]', 24, r"'a\nb'"),
+        ('"Juki', r'"\u202eikuJ', 3, r"'\u202eikuJ"),
+    ],
+)
+def test_control_characters_are_refused(old, new, line, shown):
+    message = message_of(JUKI.replace(old, new, 1))
+    assert message.startswith(f"sample.toml:{line}: ")
+    assert f"expected no control characters, got {shown}" in message
+    assert message.isprintable()
+
+
+def test_texts_may_have_lines():
+    assert "\n" in parse(JUKI.replace('title   = "', 'title   = "a\\nb\\t', 1), "sample", "sample.toml").title
+
+
+def test_long_names_make_no_long_message():
+    assert len(message_of(JUKI.replace("inertia = 0.64e-4", "x" * 1_000_000 + " = 1"))) < 1000
+    assert len(message_of(JUKI.replace("[links.coupler]", f"[links.{'x' * 1_000_000}]\nmass = 0"))) < 1000
+
+
+@pytest.mark.parametrize("number", ["1" * 5000, "0x" + "f" * 5000, "1_" * 4999 + "1"])
+def test_a_number_of_thousands_of_digits(number):
+    message = message_of(JUKI.replace("mass    = 0.64", f"mass    = {number}"))
+    assert message.startswith("sample.toml:20: ")
+    assert len(message) < 300
+
+
+def test_a_key_of_thousands_of_parts():
+    message = message_of(JUKI + "\n" + ".".join(f"k{number}" for number in range(20_000)) + " = 1")
+    assert re.match(r"sample.toml:\d+: expected tables and short lists, got very deep nesting", message)
+
+
+def test_a_file_name_that_is_not_utf_8(tmp_path):
+    path = tmp_path / os.fsdecode(b"caf\xe9.toml")
+    path.write_text(JUKI.replace("mass    = 0.64", "mass    = 0"), encoding="utf-8")
+    with pytest.raises(DescriptionError, match=r"caf\\udce9.toml:20: links.crank.mass") as error:
+        load(str(path))
+    str(error.value).encode()
+    path.write_text(JUKI, encoding="utf-8")
+    assert load(str(path)).name == r"caf\udce9"
+
+
+def test_of_many_faults_the_first_is_told_without_looking_for_the_others():
+    faults = '[[forces]]\npoint = "D"\nforce = [0, "x"]\n' * 3
+    message = message_of(JUKI + faults)
+    assert message.startswith(f"sample.toml:{JUKI.count(chr(10)) + 3}: forces #1.force #2: expected [x, y]")
+    with pytest.raises(ValidationError) as error:
+        Document.model_validate(tomllib.loads(JUKI + faults))
+    assert {fault["loc"][1] for fault in error.value.errors() if fault["loc"][0] == "forces"} == {0}
 
 
 @pytest.mark.parametrize(("name", "variant"), CATALOGUE)

@@ -125,5 +125,5 @@ def test_what_is_told_is_what_differs_from_a_plain_run_up():
 
 
 def test_an_unknown_linkage_is_refused():
-    with pytest.raises(DescriptionError, match="no file"):
+    with pytest.raises(DescriptionError, match="does not exist"):
         linkage(Conditions("no-such-linkage"))
