@@ -3,13 +3,31 @@
 from __future__ import annotations
 
 import difflib
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from typing import Final
 
 MOST_NAMES: Final = 30  # of a list in a message
 LONGEST_NAME: Final = 60  # characters of a name or value worth repeating
 LONGEST: Final = 1500  # characters of a message
 SIMILAR: Final = 0.6  # share of equal characters from which one name is taken for a misspelling of another
+
+
+# Symbols of quantities by the words a user may try in their place.
+SYMBOLS: Final[Mapping[str, str]] = {
+    "torque": "Mkr",
+    "moment": "Mkr",
+    "power": "Peq",
+    "energy": "Teq",
+    "inertia": "Jeq",
+    "stroke": "S",
+    "position": "S",
+    "displacement": "S",
+    "velocity": "v",
+    "speed": "v",
+    "acceleration": "a",
+    "force": "joint_force",
+    "forces": "joint_force",
+}
 
 
 class LinkproofError(Exception):
@@ -36,11 +54,11 @@ class AssemblyError(LinkproofError):
 class UnknownNameError(LinkproofError):
     """A name (mechanism, variant, engine, quantity, ...) that does not exist."""
 
-    def __init__(self, kind: str, name: str, known: Iterable[str], meant: str | None = None) -> None:
-        """``meant`` is the known name that is offered; by default the nearest by spelling, if there is one."""
+    def __init__(self, kind: str, name: str, known: Iterable[str]) -> None:
         choices = sorted(set(known))
-        nearest = meant or _nearest(name, choices)
-        hint = f"did you mean '{nearest}'? " if nearest else ""
+        meant = SYMBOLS.get(name.lower())
+        meant = meant if meant in choices else _nearest(name, choices)
+        hint = f"did you mean '{meant}'? " if meant else ""
         super().__init__(f"unknown {kind} '{shortened(name)}': {hint}known are {listed(choices)}")
 
 

@@ -53,3 +53,14 @@ def test_control_characters_are_escaped():
         str(LinkproofError("got '\x1b[2J', '\u202e', '\ud800' and 'ω²'"))
         == r"got '\x1b[2J', '\u202e', '\ud800' and 'ω²'"
     )
+
+
+@pytest.mark.parametrize(
+    ("word", "symbol"),
+    [("torque", "Mkr"), ("Power", "Peq"), ("energy", "Teq"), ("inertia", "Jeq"), ("stroke", "S"), ("position", "S"),
+     ("velocity", "v"), ("acceleration", "a"), ("forces", "joint_force")],
+)  # fmt: skip
+def test_a_quantity_is_offered_for_its_word(word, symbol):
+    known = ["Jeq", "Mkr", "Teq", "Peq", "S", "v", "a", "joint_force"]
+    assert f"did you mean '{symbol}'? " in str(UnknownNameError("quantity", word, known))
+    assert f"did you mean '{symbol}'? " not in str(UnknownNameError("link", word, ["rod"]))
