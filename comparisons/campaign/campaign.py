@@ -9,11 +9,12 @@ from functools import partial
 
 from analytic.description.crank_motion import CrankMotion
 from analytic.description.linkage import Linkage
-from analytic.errors import UnknownNameError
+from analytic.errors import LinkproofError, UnknownNameError
 from analytic.kinematics.mechanism import Mechanism
 from comparisons.invariants.checks import checks
+from comparisons.judging import baseline
 from comparisons.judging.deviations import Deviation, NoSampleError, deviation
-from comparisons.judging.quantities import Quantity, chosen_quantities
+from comparisons.judging.quantities import Quantity, check_defined, chosen_quantities
 from comparisons.judging.records import Record, Verdict, blank_record
 from comparisons.judging.run_result import RunResult, from_bytes, to_bytes
 from comparisons.judging.verdicts import judge
@@ -85,6 +86,8 @@ def tasks(request: Request) -> list[_Task]:
         if name not in engine_names():
             raise UnknownNameError("engine", name, engine_names())
     chosen = [(case, tuple(chosen_quantities(case, request.quantities))) for case in cases(request)]
+    for case, quantities in chosen:
+        check_defined(case, quantities)
     return [
         _Task(case, name, setting, quantities)
         for case, quantities in chosen
@@ -94,14 +97,20 @@ def tasks(request: Request) -> list[_Task]:
 
 
 def cases(request: Request) -> list[Case]:
-    """Every linkage under every motion asked for, then in those of its own regimes that are asked for."""
+    """Every linkage under every motion asked for, then in those of its own regimes that are asked for.
+
+    Raises LinkproofError where there is none, AssemblyError where a linkage cannot follow its motion.
+    """
     found = []
     for linkage in request.linkages:
         mechanism = Mechanism(linkage)
-        if request.motions:
-            mechanism.check_full_turn()
         found += [Case(mechanism, motion, conditions=request.conditions) for motion in request.motions]
         found += [own_case(mechanism, own) for own in linkage.regimes if own.name in request.own_regimes]
+    if not found:
+        names = ", ".join(f"'{linkage.name}'" for linkage in request.linkages)
+        raise LinkproofError(f"expected a regime that {names} can run in, got none of its own: ask for another regime")
+    for case in found:
+        case.check_motion()
     return found
 
 
@@ -121,8 +130,9 @@ def compare(
     those that it has kept already.
 
     What ``tasks`` raises is raised at once, before the first run is asked for; LinkproofError too, if the journal is
-    another request's.
+    another request's or the baseline is damaged.
     """
+    baseline.recorded()
     todo = tasks(request)
     kept = {} if journal is None else journal.kept()
     done = {number: from_bytes(kept[task.key]) for number, task in enumerate(todo) if task.key in kept}

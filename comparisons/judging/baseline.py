@@ -7,6 +7,7 @@ from collections.abc import Iterable
 from functools import cache
 from pathlib import Path
 
+from analytic.errors import LinkproofError
 from comparisons.judging.records import Record
 from comparisons.runs.files import write_text
 
@@ -25,11 +26,17 @@ def key(record: Record) -> str:
 
 @cache
 def recorded() -> dict[str, dict[str, float]]:
-    """Deviations by key and quantity; empty before the first recording."""
+    """Deviations by key and quantity; empty before the first recording. Raises LinkproofError if it cannot be read."""
     if not TABLE.is_file():
         return {}
-    table: dict[str, dict[str, float]] = json.loads(TABLE.read_text(encoding="utf-8"))
-    return table
+    try:
+        table = json.loads(TABLE.read_text(encoding="utf-8"))
+        return {key: {name: float(value) for name, value in row.items()} for key, row in table.items()}
+    except (OSError, ValueError, TypeError, AttributeError) as error:
+        raise LinkproofError(
+            f"expected recorded deviations in '{TABLE}', got a damaged file ({error}); restore it, or delete it to "
+            "judge by the limits alone"
+        ) from error
 
 
 def allowed(record: Record) -> float | None:

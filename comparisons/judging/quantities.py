@@ -291,6 +291,19 @@ def chosen_quantities(case: Case, names: Iterable[str]) -> list[Quantity]:
     return list((found or known).values())
 
 
+def check_defined(case: Case, quantities: Iterable[Quantity]) -> None:
+    """Raise LinkproofError for a quantity that the closed form does not have in this case."""
+    for quantity in quantities:
+        try:
+            quantity.reference(case, np.zeros(1))
+        except LinkproofError as error:
+            reason = str(error).partition(";")[0]
+            raise LinkproofError(
+                f"{quantity.name} is undefined in regime '{case.motion.regime}', because {reason}; ask for other "
+                "quantities with --quantity"
+            ) from error
+
+
 def _refuse(case: Case, name: str, known: Mapping[str, Quantity]) -> None:
     if name not in QUANTITIES:
         raise UnknownNameError("quantity", name, [*QUANTITIES, JOINT_FORCE.rstrip(":"), *known])

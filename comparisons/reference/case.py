@@ -16,7 +16,7 @@ from analytic.description.linkage import Output, ReleasedRegime, Vector
 from analytic.dynamics import reduced
 from analytic.dynamics.joint_forces import joint_forces
 from analytic.errors import LinkproofError
-from analytic.kinematics.mechanism import Mechanism
+from analytic.kinematics.mechanism import FULL_TURN, Mechanism
 from analytic.kinematics.sweep import Sweep
 from analytic.motion.released import FreeMotion, free_motion
 from comparisons.reference.start_state import scene
@@ -26,6 +26,9 @@ Array = NDArray[np.float64]
 
 # Jeq = 2T/ω² says nothing near standstill: samples slower than this share of the peak speed are left out.
 SLOW_SHARE = 0.05
+# Instants and, rad, steps at which a motion is checked before it is run.
+INSTANTS: Final = 2001
+LOOK: Final = math.radians(0.5)
 # Clocks whose truth is kept. A run has no more than two or three, and no other run has the same.
 KEPT: Final = 4
 
@@ -139,6 +142,19 @@ class Case:
     def least_speed(self) -> float:
         """Crank speed, rad/s, below which quantities divided by ω are left out."""
         return SLOW_SHARE * self.motion.peak_speed
+
+    def check_motion(self) -> None:
+        """Raise AssemblyError where the linkage cannot be assembled, or cannot move, at an angle the crank passes."""
+        angle = self.motion.angle(np.linspace(0.0, self.motion.duration, INSTANTS))
+        low, high = float(np.min(angle)), float(np.max(angle))
+        passed = np.linspace(low, high, math.ceil((high - low) / LOOK) + 2)
+        for sweep in (self.mechanism.turn if high - low >= FULL_TURN else self.mechanism.sweep(passed), self.start()):
+            for body in self.mechanism.structure.bodies:
+                sweep.rates(body)
+
+    def start(self) -> Sweep:
+        """The linkage in its first instant."""
+        return self.sweep(np.zeros(1))
 
     def scene(self, channels: Iterable[Channel]) -> Scene:
         """What an engine is given of the case."""

@@ -1,7 +1,8 @@
 """What of a motion is wrong, by the closed form.
 
-A motion is *wrong* where the position or velocity of any body, the crank's angle among them, or the torque of a driven
-crank is off by more than ``WRONG`` of its scale, or where nothing is told of as much of the motion.
+A motion is *wrong* where the position or velocity of any body, the crank's angle among them, the torque of a driven
+crank or the force in a joint is off by more than ``WRONG`` of its scale, or where nothing is told of as much of the
+motion.
 """
 
 from __future__ import annotations
@@ -11,10 +12,12 @@ from collections.abc import Iterator
 import numpy as np
 from numpy.typing import NDArray
 
+from comparisons.invariants.inspection import FAINT_FORCE
 from comparisons.invariants.invariants import HALF_TURN
 from comparisons.judging.deviations import near_jumps
 from comparisons.observation.observed_motion import ObservedMotion
 from comparisons.reference.case import Case
+from engines.contract import Signal
 from engines.mechanics.joints import scene_size
 from engines.scene import Channel, Scene
 
@@ -37,18 +40,25 @@ def _errors(case: Case, motion: ObservedMotion) -> Iterator[tuple[float, str]]:
             f"{name} of {body} off by {share:.2g} of {('the size (or rad)', 'the peak')[order]} at {time:.3g} s",
         )
     if case.is_prescribed:
-        signal = motion.signal(Channel.TORQUE)
-        kept = ~near_jumps(signal.time, case.motion.jumps)
-        if kept.any():
-            truth = case.at(signal.time).torque
-            error = np.abs(signal.values - truth)[kept] / (float(np.max(np.abs(truth[kept]))) or 1.0)
-            worst = int(np.argmax(error))
-            yield (
-                float(error[worst]),
-                f"torque off by {error[worst]:.2g} of its peak at {signal.time[kept][worst]:.3g} s",
-            )
+        torque = motion.signal(Channel.TORQUE)
+        yield from _off("torque", case, torque, case.at(torque.time).torque)
+    forces = motion.history.joint_force
+    truths = {joint: case.at(signal.time).joint_forces[joint].T for joint, signal in forces.items()}
+    faint = FAINT_FORCE * max((float(np.max(np.hypot(*truth.T))) for truth in truths.values()), default=0.0)
+    for joint, truth in truths.items():
+        yield from _off(f"force in {joint}", case, forces[joint], truth, faint)
     missing = _missing(case, motion)
     yield missing, f"{missing:.2g} of the duration has no samples"
+
+
+def _off(name: str, case: Case, signal: Signal, truth: Array, least: float = 0.0) -> Iterator[tuple[float, str]]:
+    """Largest error of a torque or a force over its peak, ``least`` at least, away from jumps of the acceleration."""
+    kept = ~near_jumps(signal.time, case.motion.jumps)
+    if kept.any():
+        away, size = (np.linalg.norm(v.reshape(len(v), -1)[kept], axis=1) for v in (signal.values - truth, truth))
+        error = away / (max(float(np.max(size)), least) or 1.0)
+        worst = int(np.argmax(error))
+        yield float(error[worst]), f"{name} off by {error[worst]:.2g} of its peak at {signal.time[kept][worst]:.3g} s"
 
 
 def _missing(case: Case, motion: ObservedMotion) -> float:

@@ -15,6 +15,7 @@ from analytic.description.linkage import Linkage
 from analytic.errors import LinkproofError, UnknownNameError
 from comparisons.campaign.campaign import Request, cases
 from comparisons.judging.quantities import QUANTITIES as COMPARED
+from comparisons.judging.quantities import check_defined
 from comparisons.reference.case import Case
 from comparisons.runs.environment import environment
 from comparisons.runs.files import check_writable, write_text
@@ -108,8 +109,10 @@ def _request(choice: BenchChoice, asked: Request) -> BenchRequest:
         if name not in (*COMPARED, JOINTS):
             raise UnknownNameError("quantity", name, (*COMPARED, JOINTS))
     for case in every:
-        if not chosen(case, quantities):
+        found = chosen(case, quantities)
+        if not found:
             raise LinkproofError(_nothing_to_measure(case, quantities))
+        check_defined(case, [quantity for family in found.values() for quantity in family])
     return BenchRequest(every, asked.engines, quantities, extent=choice.extent)
 
 

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from analytic.description.crank_motion import crank_motion
+from analytic.description.linkage import ReleasedRegime
 from analytic.description.loading import load
 from analytic.errors import AssemblyError, LinkproofError, UnknownNameError
 from analytic.kinematics.mechanism import Mechanism
@@ -29,6 +30,10 @@ HISTORY = perfect_motion(Mechanism(JUKI), MOTION).history
 
 
 TAKEUP = load("slotted-takeup")
+PARALLELOGRAM = load("tests/linkages/parallelogram.toml")
+# Its coupler is too short for a full turn.
+COUPLER = dataclasses.replace(JUKI.links["coupler"], points={"A": (0.0, 0.0), "D": (0.0100, 0.0)})
+SHORT = dataclasses.replace(JUKI, links={**JUKI.links, "coupler": COUPLER}, sketch_angle=np.pi / 2)
 RAISED = (
     "the adapter of raising raised ValueError: first line second line (tests/comparisons/faults.py, line "
     f"{fail.__code__.co_firstlineno + 1})"
@@ -212,11 +217,55 @@ def test_unknown_engines_are_refused_before_any_run(with_engine):
 
 def test_a_linkage_that_cannot_turn_is_refused_before_any_run(with_engine):
     engine = with_engine(Scripted(_finished))
-    link = JUKI.links["coupler"]
-    short = dataclasses.replace(link, points={"A": (0.0, 0.0), "D": (0.0100, 0.0)})
-    broken = dataclasses.replace(JUKI, links={**JUKI.links, "coupler": short}, sketch_angle=np.pi / 2)
     with pytest.raises(AssemblyError, match="cannot be assembled at"):
-        list(compare(_request(linkages=(JUKI, broken))))
+        list(compare(_request(linkages=(JUKI, SHORT))))
+    assert engine.scenes == []
+
+
+@pytest.mark.parametrize("linkage", [PARALLELOGRAM, dataclasses.replace(PARALLELOGRAM, output=None)])
+@pytest.mark.parametrize("start", [0.0, np.pi / 2])
+def test_a_dead_position_on_the_way_is_refused_before_any_run(with_engine, linkage, start):
+    engine = with_engine(Scripted(_finished))
+    with pytest.raises(AssemblyError, match="dead position at 0°"):
+        compare(_request(linkages=(linkage,), motions=(crank_motion("run-up", start_angle=start),)))
+    assert engine.scenes == []
+
+
+@pytest.mark.parametrize("linkage", [PARALLELOGRAM, SHORT])
+def test_only_angles_that_the_crank_passes_matter(linkage):
+    part = crank_motion("constant-speed", speed=1.0, ramp_time=0.2, hold_time=0.0, start_angle=1.4)
+    request = _request(linkages=(linkage,), motions=(part,), engines=("direct",), quantities=("Mkr", "v", "Jeq"))
+    (result,) = compare(request)
+    assert {record.outcome for record in result.records} == {"passed"}
+
+
+@pytest.mark.parametrize("regimes", [{"motions": ()}, {}])
+def test_a_quantity_that_takes_a_full_turn_is_refused_where_there_is_none(with_engine, regimes):
+    engine = with_engine(Scripted(_finished))
+    swing = ReleasedRegime("swing", torque=0.0, start_angle=1.5, start_speed=1.0, duration=0.01)
+    part = crank_motion("constant-speed", speed=1.0, ramp_time=0.2, hold_time=0.0, start_angle=1.4)
+    request = _request(
+        linkages=(dataclasses.replace(SHORT, regimes=(swing,)),), motions=(part,), own_regimes=("swing",)
+    )
+    request = dataclasses.replace(request, **regimes)
+    with pytest.raises(LinkproofError, match=r"S is undefined in regime .* cannot be assembled at .*ask for other"):
+        compare(request)
+    assert engine.scenes == []
+
+
+def test_no_regime_at_all_is_refused():
+    with pytest.raises(LinkproofError, match="'juki-mf7923d' can run in, got none"):
+        compare(_request(motions=(), own_regimes=("free",), engines=("direct",)))
+
+
+def test_a_damaged_baseline_is_refused_before_any_run(with_engine, monkeypatch, tmp_path):
+    engine = with_engine(Scripted(_finished))
+    monkeypatch.setattr(baseline, "TABLE", tmp_path / "baseline.json")
+    baseline.TABLE.write_text("{")
+    baseline.recorded.cache_clear()
+    with pytest.raises(LinkproofError, match="damaged"):
+        compare(_request())
+    baseline.recorded.cache_clear()
     assert engine.scenes == []
 
 

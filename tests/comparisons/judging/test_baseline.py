@@ -4,6 +4,7 @@ import dataclasses
 
 import pytest
 
+from analytic.errors import LinkproofError
 from comparisons.judging import baseline
 from comparisons.judging.records import Record
 
@@ -46,6 +47,15 @@ def test_round_off_is_never_judged_by_growth():
 def test_other_conditions_have_other_baselines():
     baseline.record_all([RECORD])
     assert baseline.allowed(dataclasses.replace(RECORD, conditions="2000 rpm")) is None
+
+
+@pytest.mark.usefixtures("table")
+@pytest.mark.parametrize("text", ["{", "[1]", '{"a": 1}', '{"a": {"Mkr": "much"}}', "\ufeff{}"])
+def test_a_damaged_baseline_is_said_in_one_sentence(text):
+    baseline.TABLE.write_text(text, encoding="utf-8")
+    for use in (lambda: baseline.allowed(RECORD), lambda: baseline.record_all([RECORD])):
+        with pytest.raises(LinkproofError, match=r"expected recorded deviations in .*, got a damaged file"):
+            use()
 
 
 def test_failed_runs_are_not_recorded(table):

@@ -1,5 +1,6 @@
 """What is wrong of a motion is said in words, and nothing is of a right one."""
 
+from dataclasses import replace
 from functools import cache
 
 import numpy as np
@@ -9,9 +10,10 @@ from analytic.description.crank_motion import crank_motion
 from analytic.description.loading import catalogue, load
 from analytic.kinematics.mechanism import Mechanism
 from comparisons.observation.observed_motion import ObservedMotion
-from comparisons.reference.case import Case
+from comparisons.reference.case import Case, own_case
 from comparisons.reference.start_state import start_state
 from comparisons.stress.truth import WRONG, true_states, wrongs
+from engines.contract import Signal
 from tests.comparisons.true_motions import EVERYTHING, cut, true_history, with_signal
 
 
@@ -46,6 +48,19 @@ def test_true_states_are_those_a_scene_would_start_from(name, order):
 def test_nothing_is_wrong_of_the_truth(name, regime):
     one = case(name, regime)
     assert found(one, true_history(one, 301)) == []
+
+
+@pytest.mark.parametrize("share", [0.5, 2.0])
+@pytest.mark.parametrize("own", [False, True])
+def test_a_joint_force_that_is_off_is_wrong(share, own):
+    linkage = load("slotted-takeup")
+    one = own_case(Mechanism(linkage), linkage.regimes[0]) if own else case("slotted-takeup")
+    history = true_history(one, 3001 if own else 301)
+    joint, force = next(iter(history.joint_force.items()))
+    values = force.values.copy()
+    values[150] += share * WRONG * np.max(np.hypot(*values.T)) * np.array([0.6, 0.8])
+    changed = replace(history, joint_force={**history.joint_force, joint: Signal(force.time, values)})
+    assert [words.partition(" off by")[0] for words in found(one, changed)] == [f"force in {joint}"] * (share > 1.0)
 
 
 def test_whole_turns_apart_is_the_same_place():
