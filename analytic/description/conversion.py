@@ -50,7 +50,7 @@ def interpret(document: doc.Document, name: str, variants: tuple[str, ...], sour
         dampers=load_tables.dampers(reader),
         output=_output(reader),
         thread=_thread(reader),
-        regimes=_regimes(reader),
+        regimes=tuple(_regime(reader, name) for name in sorted(document.regimes)),
         errata=_errata(reader, variants),
         published=tuple(lk.Published(**entry.model_dump()) for entry in document.published),
         notes=tuple(document.notes),
@@ -59,17 +59,14 @@ def interpret(document: doc.Document, name: str, variants: tuple[str, ...], sour
     return linkage
 
 
-def _regimes(reader: Reader) -> tuple[lk.ReleasedRegime, ...]:
-    """The linkage's own regimes by name; none may bear the name of a prescribed one."""
-    found = []
-    for name, table in sorted(reader.document.regimes.items()):
-        where = f"regimes.{name}"
-        if name in REGIMES:
-            raise reader.fail(f"{where}: expected a name of its own, got that of a prescribed regime; choose another")
-        torque = reader.number(table.torque, "torque", f"{where}.torque")
-        start = reader.number(table.start_angle, "angle", f"{where}.start_angle")
-        found.append(lk.ReleasedRegime(name, torque, start, table.start_speed, table.duration))
-    return tuple(found)
+def _regime(reader: Reader, name: str) -> lk.ReleasedRegime:
+    """A regime of the linkage's own, which may not bear the name of a prescribed one."""
+    table, where = reader.document.regimes[name], f"regimes.{name}"
+    if name in REGIMES:
+        raise reader.fail(f"{where}: expected a name of its own, got that of a prescribed regime; choose another")
+    torque = reader.number(table.torque, "torque", f"{where}.torque")
+    start = reader.number(table.start_angle, "angle", f"{where}.start_angle")
+    return lk.ReleasedRegime(name, torque, start, table.start_speed, table.duration)
 
 
 def _thread(reader: Reader) -> ThreadPath | None:
@@ -128,11 +125,11 @@ def _link(reader: Reader, name: str) -> lk.Link:
 def _check_lengths(reader: Reader, linkage: Linkage) -> None:
     least = COINCIDENT * linkage.extent()
     for name, link in linkage.links.items():
-        for (one, a), (two, b) in itertools.combinations(link.points.items(), 2):
+        for (first, a), (second, b) in itertools.combinations(link.points.items(), 2):
             if math.dist(a, b) <= least:
                 raise reader.fail(
-                    f"links.{name}.points: expected a positive length between '{one}' and '{two}', got 0; move one of "
-                    "them, or give both one name"
+                    f"links.{name}.points: expected a positive length between '{first}' and '{second}', got 0; move "
+                    "one of them, or give both one name"
                 )
 
 
@@ -163,13 +160,10 @@ def _pins(reader: Reader) -> tuple[lk.Pin, ...]:
 
 
 def _sliders(reader: Reader) -> tuple[lk.Slider, ...]:
-    found = []
-    for name, table in sorted(reader.document.links.items()):
-        if table.slides is not None:
-            _turns(reader, name)  # a slider of a circle of sliders has no place
-            guide = _guide(reader, table.slides, f"links.{name}.slides")
-            found.append(lk.Slider(name, table.slides.point, guide))
-    return tuple(found)
+    slides = [(name, table.slides) for name, table in sorted(reader.document.links.items()) if table.slides]
+    for name, _ in slides:
+        _turns(reader, name)  # a slider of a circle of sliders has no place
+    return tuple(lk.Slider(name, table.point, _guide(reader, table, f"links.{name}.slides")) for name, table in slides)
 
 
 def _guide(reader: Reader, table: doc.SlidesTable | doc.SlotTable, where: str) -> lk.Guide:
@@ -178,7 +172,7 @@ def _guide(reader: Reader, table: doc.SlidesTable | doc.SlotTable, where: str) -
 
 
 def _slots(reader: Reader) -> tuple[lk.Slot, ...]:
-    found: dict[str, lk.Slot] = {}
+    slots: dict[str, lk.Slot] = {}
     for number, table in enumerate(reader.document.slots):
         where = f"slots.{number}"
         slot = lk.Slot(table.point, _guide(reader, table, where))
@@ -190,10 +184,10 @@ def _slots(reader: Reader) -> tuple[lk.Slot, ...]:
                 f"{where}: expected a pin that another body carries, got '{table.point}' of '{slot.guide.host}', which "
                 "has the slot; name another point"
             )
-        if slot.name in found or slot.name in reader.document.links:
+        if slot.name in slots or slot.name in reader.document.links:
             raise reader.fail(f"{where}: expected one slot for '{slot.name}', got a second one; leave it out")
-        found[slot.name] = slot
-    return tuple(slot for _, slot in sorted(found.items()))
+        slots[slot.name] = slot
+    return tuple(slot for _, slot in sorted(slots.items()))
 
 
 def _sketch(reader: Reader) -> dict[str, Vector]:

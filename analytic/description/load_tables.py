@@ -9,6 +9,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from analytic.description import schema as doc
 from analytic.description.law import FULL_TURN, Law
 from analytic.description.linkage import GROUND, LinkTorque, PointForce, RotaryDamper, Spring
 from analytic.description.lookup import Reader
@@ -18,27 +19,27 @@ LEAST_STEP = 1e-6  # rad between the angles of a law: nearer ones are one angle 
 
 def forces(reader: Reader) -> tuple[PointForce, ...]:
     """Forces at points; one on the ground moves nothing and is left out."""
-    found = []
-    for number, table in enumerate(reader.document.forces):
-        where = f"forces.{number}"
-        link = reader.owner(table.point, table.link, where)
-        rows = table.force if isinstance(table.force, list) else [table.force]
-        law = _law(reader, rows, table.angle, "force", where)
-        found.append(PointForce(table.point, link, law))
-    return tuple(
-        sorted((f for f in found if f.link != GROUND), key=lambda force: (force.point, force.link, _key(force.force)))
-    )
+    loads = [_force(reader, table, f"forces.{number}") for number, table in enumerate(reader.document.forces)]
+    moving = (load for load in loads if load.link != GROUND)
+    return tuple(sorted(moving, key=lambda load: (load.point, load.link, _key(load.force))))
+
+
+def _force(reader: Reader, table: doc.ForceTable, where: str) -> PointForce:
+    rows = table.force if isinstance(table.force, list) else [table.force]
+    link = reader.owner(table.point, table.link, where)
+    return PointForce(table.point, link, _law(reader, rows, table.angle, "force", where))
 
 
 def torques(reader: Reader) -> tuple[LinkTorque, ...]:
     """Torques on links; one on the ground moves nothing and is left out."""
-    found = []
-    for number, table in enumerate(reader.document.torques):
-        where = f"torques.{number}"
-        values = table.torque if isinstance(table.torque, list) else [table.torque]
-        law = _law(reader, [(value,) for value in values], table.angle, "torque", where)
-        found.append(LinkTorque(reader.body(table.link, where), law))
-    return tuple(sorted((t for t in found if t.link != GROUND), key=lambda torque: (torque.link, _key(torque.torque))))
+    loads = [_torque(reader, table, f"torques.{number}") for number, table in enumerate(reader.document.torques)]
+    return tuple(sorted((t for t in loads if t.link != GROUND), key=lambda load: (load.link, _key(load.torque))))
+
+
+def _torque(reader: Reader, table: doc.TorqueTable, where: str) -> LinkTorque:
+    values = table.torque if isinstance(table.torque, list) else [table.torque]
+    law = _law(reader, [(value,) for value in values], table.angle, "torque", where)
+    return LinkTorque(reader.body(table.link, where), law)
 
 
 def _key(law: Law) -> tuple[bytes, bytes]:
@@ -72,33 +73,32 @@ def _law(reader: Reader, rows: Sequence[tuple[float, ...]], angles: list[float] 
 
 def springs(reader: Reader) -> tuple[Spring, ...]:
     """Springs with their dashpots; an end on a pivot of the ground counts as the ground's."""
-    found = []
-    for number, table in enumerate(reader.document.springs):
-        where = f"springs.{number}"
-        one, two = (
-            reader.owner(point, link, where)
-            for point, link in zip(table.between, table.links or (None, None), strict=True)
+    loads = [_spring(reader, table, f"springs.{number}") for number, table in enumerate(reader.document.springs)]
+    return tuple(sorted(loads, key=lambda load: (load.points, load.links, load.stiffness, load.length, load.damping)))
+
+
+def _spring(reader: Reader, table: doc.SpringTable, where: str) -> Spring:
+    ends = zip(table.between, table.links or (None, None), strict=True)
+    first, second = (reader.owner(point, link, where) for point, link in ends)
+    if first == second:
+        raise reader.fail(
+            f"{where}: expected ends on two different bodies, got both on '{first}', where nothing stretches; attach "
+            "the other end elsewhere"
         )
-        if one == two:
-            raise reader.fail(
-                f"{where}: expected ends on two different bodies, got both on '{one}', where nothing stretches; attach "
-                "one end elsewhere"
-            )
-        stiffness = reader.number(table.stiffness, "stiffness", f"{where}.stiffness")
-        length = reader.number(table.length, "length", f"{where}.length")
-        damping = reader.number(table.damping, "damping", f"{where}.damping")
-        found.append(Spring(table.between, (one, two), stiffness, length, damping))
-    return tuple(sorted(found, key=lambda s: (s.points, s.links, s.stiffness, s.length, s.damping)))
+    stiffness = reader.number(table.stiffness, "stiffness", f"{where}.stiffness")
+    length = reader.number(table.length, "length", f"{where}.length")
+    damping = reader.number(table.damping, "damping", f"{where}.damping")
+    return Spring(table.between, (first, second), stiffness, length, damping)
 
 
 def dampers(reader: Reader) -> tuple[RotaryDamper, ...]:
     """Dampers of the relative rotation of two bodies."""
-    found = []
-    for number, table in enumerate(reader.document.dampers):
-        where = f"dampers.{number}"
-        one, two = (reader.body(name, where) for name in table.between)
-        if one == two:
-            raise reader.fail(f"{where}: expected two different bodies, got '{one}' twice; correct one of them")
-        coefficient = reader.number(table.coefficient, "turn_damping", f"{where}.coefficient")
-        found.append(RotaryDamper((one, two), coefficient))
-    return tuple(sorted(found, key=lambda damper: (damper.links, damper.coefficient)))
+    loads = [_damper(reader, table, f"dampers.{number}") for number, table in enumerate(reader.document.dampers)]
+    return tuple(sorted(loads, key=lambda load: (load.links, load.coefficient)))
+
+
+def _damper(reader: Reader, table: doc.DamperTable, where: str) -> RotaryDamper:
+    first, second = (reader.body(name, where) for name in table.between)
+    if first == second:
+        raise reader.fail(f"{where}: expected two different bodies, got '{first}' twice; correct one of them")
+    return RotaryDamper((first, second), reader.number(table.coefficient, "turn_damping", f"{where}.coefficient"))

@@ -51,10 +51,10 @@ class Axis:
 
     def row(self, label: str) -> Row:
         """A row by its label."""
-        found = {row.label: row for row in self.rows}
-        if label not in found:
-            raise UnknownNameError(f"row of axis '{self.name}'", label, found)
-        return found[label]
+        rows = {row.label: row for row in self.rows}
+        if label not in rows:
+            raise UnknownNameError(f"row of axis '{self.name}'", label, rows)
+        return rows[label]
 
     def conditions(self, label: str, value: float) -> Conditions:
         """All conditions of a cell."""
@@ -79,11 +79,11 @@ def axes() -> Mapping[str, Axis]:
 
 def chosen_axes(names: Iterable[str]) -> list[Axis]:
     """The axes of these names, all if none is named; raises UnknownNameError."""
-    known, wanted = axes(), list(names)
-    for name in wanted:
+    known, chosen = axes(), list(names)
+    for name in chosen:
         if name not in known:
             raise UnknownNameError("axis", name, known)
-    return [axis for axis in known.values() if not wanted or axis.name in wanted]
+    return [axis for axis in known.values() if not chosen or axis.name in chosen]
 
 
 def _axis(table: dict[str, Any]) -> Axis:
@@ -102,11 +102,11 @@ def _plain(value: object) -> object:
     return tuple(value) if isinstance(value, list) else value
 
 
-def nearest(values: Sequence[float], wanted: float) -> int:
+def nearest(values: Sequence[float], target: float) -> int:
     """Place of the value nearest to one, by ratio."""
-    return min(range(len(values)), key=lambda n: _ratio(values[n], wanted))
+    return min(range(len(values)), key=lambda n: _ratio(values[n], target))
 
 
-def _ratio(one: float, other: float) -> float:
-    low, high = sorted((one, other))
+def _ratio(first: float, second: float) -> float:
+    low, high = sorted((first, second))
     return float("inf") if low <= 0.0 < high else (high / low if low > 0.0 else 1.0)

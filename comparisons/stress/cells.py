@@ -151,7 +151,7 @@ def made(cell: Cell) -> CellResult:
     """Make a cell's run here and now, and judge it."""
     begun = time.perf_counter()
     conditions = axes()[cell.axis].conditions(cell.row, cell.value)
-    found = replace(_unmade(cell), conditions=conditions.told)
+    found = replace(_unmade(cell), conditions=conditions.differing)
     adapter = engine(cell.engine)
     if adapter.version() is None:
         return replace(found, judgement=Judgement(StressVerdict.UNAVAILABLE, "not installed"), outcome="unavailable")
@@ -183,7 +183,7 @@ def lost(cell: Cell, loss: Lost) -> CellResult:
 def _unmade(cell: Cell) -> CellResult:
     conditions = axes()[cell.axis].conditions(cell.row, cell.value)
     nothing = Judgement(StressVerdict.UNAVAILABLE)
-    return CellResult(cell, conditions.linkage, Outcome.UNAVAILABLE.value, nothing, conditions.told)
+    return CellResult(cell, conditions.linkage, Outcome.UNAVAILABLE.value, nothing, conditions.differing)
 
 
 @lru_cache(maxsize=4)

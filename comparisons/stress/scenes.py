@@ -62,14 +62,14 @@ class Conditions:
     effort: float = 0.0
 
     @property
-    def told(self) -> dict[str, str | float | bool | list[float]]:
+    def differing(self) -> dict[str, str | float | bool | list[float]]:
         """What differs from the defaults, by name."""
-        found = {}
-        for one in fields(self):
-            value = getattr(self, one.name)
-            if one.name == "linkage" or value != one.default:
-                found[one.name] = list(value) if isinstance(value, tuple) else value
-        return found
+        differing = {}
+        for field in fields(self):
+            value = getattr(self, field.name)
+            if field.name == "linkage" or value != field.default:
+                differing[field.name] = list(value) if isinstance(value, tuple) else value
+        return differing
 
     @property
     def time_factor(self) -> float:
@@ -162,15 +162,14 @@ def case(conditions: Conditions) -> Case:
 
 def scene(conditions: Conditions, of: Case) -> Scene:
     """What an engine is given of a cell: everything to be recorded, the start disturbed if it is to be."""
-    found = of.scene(frozenset(Channel))
+    undisturbed = of.scene(frozenset(Channel))
     if not conditions.disturbed:
-        return found
-    size = conditions.disturbance * scene_size(found)
+        return undisturbed
+    size = conditions.disturbance * scene_size(undisturbed)
     if conditions.disturbed == "velocity":
         size *= abs(conditions.rate)
-    return replace(
-        found, bodies=tuple(_off(body, n, conditions.disturbed, size) for n, body in enumerate(found.bodies))
-    )
+    bodies = (_off(body, number, conditions.disturbed, size) for number, body in enumerate(undisturbed.bodies))
+    return replace(undisturbed, bodies=tuple(bodies))
 
 
 def _off(body: Body, number: int, what: str, size: float) -> Body:

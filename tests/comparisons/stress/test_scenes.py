@@ -119,7 +119,7 @@ def test_a_released_crank_is_let_go_as_told():
 
 
 def test_what_is_told_is_what_differs_from_a_plain_run_up():
-    told = dataclasses.replace(JUKI, link="coupler", mass_factor=10.0, at=(1.0, 2.0)).told
+    told = dataclasses.replace(JUKI, link="coupler", mass_factor=10.0, at=(1.0, 2.0)).differing
     assert told == {"linkage": "juki-mf7923d", "link": "coupler", "mass_factor": 10.0, "at": [1.0, 2.0]}
     assert Conditions(**{k: tuple(v) if isinstance(v, list) else v for k, v in told.items()}).mass_factor == 10.0
 
