@@ -1,8 +1,7 @@
-"""The parts of a mechanism's section: figures under one heading, each with the sentence that says what to see."""
+"""The parts of a section that tell of the model itself: figures under one heading, each with a sentence before it."""
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import partial
@@ -10,21 +9,20 @@ from functools import partial
 import numpy as np
 from markupsafe import Markup
 from matplotlib.figure import Figure
-from numpy.typing import NDArray
 
-from analytic.description.crank_motion import RPM
 from analytic.dynamics.reduced import reduced_inertia
 from analytic.numerics.extremes import extremes
 from analytic.turn.unit_functions import stroke, unit_functions
-from reports.drawing import errors, inertia, kinematics, run_up
-from reports.drawing.last_turn import last_turn_figure
-from reports.drawing.panels import LEAST_ERROR
+from reports.drawing import forces, inertia, kinematics, thread
+from reports.drawing.printed import printed_figure
 from reports.drawing.style import picture
-from reports.facts.joint_rows import joint_table
-from reports.facts.released import STEPS, Released, released, sentences
-from reports.facts.views import Regime, Trace, View, anchor, family, title
-from reports.text.numbers import ROUND_OFF, bound, error, figure
+from reports.facts import forces as force_facts
+from reports.facts import thread as thread_facts
+from reports.facts.forces import TurnForces
+from reports.facts.printed_models import judged, judgements
+from reports.facts.views import Regime, View, anchor
 from reports.text.tables import ReportTable
+from reports.text.templates import captions, filled, plain, sentence
 
 
 @dataclass(frozen=True)
@@ -47,187 +45,80 @@ class ReportPart:
     table: ReportTable | None = None
 
 
-def shown(
-    view: View, name: str, lead: str, draw: Callable[[], Figure], description: str, *, wide: bool = False
-) -> ReportFigure:
-    """A figure of a mechanism; ``description`` is what a reader without pictures gets."""
-    key = anchor(view.key, name)
-    alt = f"{view.linkage.title} ({view.linkage.variant}): {description}"
-    return ReportFigure(lead, picture(draw(), key, alt), wide)
+def shown(view: View, kind: str, draw: Callable[[], Figure], name: str = "", **values: object) -> ReportFigure:
+    """A figure of a mechanism with the words of its ``kind``, filled in with ``values``; ``name`` is its anchor."""
+    words = captions()[kind]
+    values = {"view": view, **values}
+    alt = f"{view.linkage.title} ({view.linkage.variant}): {filled(words['alt'], **values)}"
+    drawing = picture(draw(), anchor(view.key, name or kind), alt)
+    return ReportFigure(filled(words["caption"], **values), drawing, words.get("wide", False))
 
 
 def kinematics_part(view: View) -> ReportPart:
     """S, v, a, and the unit functions against harmonics."""
     _, values = kinematics.turn_at_final_speed(view)
     fastest, hardest = (float(np.max(np.abs(values[name]))) for name in ("v", "a"))
-    point = view.linkage.output.point if view.linkage.output else ""
-    speed = view.speed_words
-    means = unit_functions(view.mechanism).deviations
-    named = ", ".join(f"{name} {100.0 * mean:.2f} %" for name, mean in zip("Sva", means, strict=True))
+    lead = sentence("output_motion", view=view, stroke=stroke(view.mechanism), fastest=fastest, hardest=hardest)
+    means = list(zip("Sva", unit_functions(view.mechanism).deviations, strict=True))
     figures = (
-        shown(
-            view,
-            "output",
-            f"S from top dead centre, v and a over the crank angle at {speed}; dots mark the extremes.",
-            lambda: kinematics.output_figure(view),
-            "displacement, velocity and acceleration of the output over the crank angle",
-        ),
-        shown(
-            view,
-            "units",
-            "Normalised motion against simple harmonic motion (dashed).",
-            lambda: kinematics.unit_figure(view),
-            "unit functions of the output against harmonics",
-        ),
-        shown(
-            view,
-            "differences",
-            f"Unit function less harmonic; mean absolute difference over the turn: {named}.",
-            lambda: kinematics.difference_figure(view),
-            "differences of unit functions and harmonics",
-            wide=True,
-        ),
-    )
-    lead = (
-        f"At {speed} the output {point} has a stroke of {figure(stroke(view.mechanism) * 1e3)} mm and reaches "
-        f"{figure(fastest)} m/s and {figure(hardest)} m/s² at most; all curves are the closed form."
+        shown(view, "output", partial(kinematics.output_figure, view)),
+        shown(view, "units", partial(kinematics.unit_figure, view)),
+        shown(view, "differences", partial(kinematics.difference_figure, view), means=means),
     )
     return ReportPart("Motion of the output", lead, figures)
 
 
 def inertia_part(view: View) -> ReportPart:
-    """Jeq by all methods, by group and by link."""
-    found = extremes(lambda phi: reduced_inertia(view.mechanism.sweep(phi)))
-    lead = (
-        f"Jeq lies between {figure(found.minimum)} kg m² at {math.degrees(found.minimum_angle):.1f}° and "
-        f"{figure(found.maximum)} kg m² at {math.degrees(found.maximum_angle):.1f}°, mean {figure(found.mean)} kg m², "
-        f"relative pulsation {100.0 * found.relative_pulsation:.2f} %."
-    )
-    figures = (
-        *_methods(view),
-        shown(
-            view,
-            "groups",
-            "Where Jeq comes from: the class I crank and each Assur group, one on the other.",
-            lambda: inertia.groups_figure(view),
-            "Jeq by Assur group over the crank angle",
-        ),
-        shown(
-            view,
-            "links",
-            f"What varies: Jeq of each link by itself.{_constant_share(view)}",
-            lambda: inertia.links_figure(view),
-            "Jeq by link over the crank angle",
-        ),
-    )
-    return ReportPart("Reduced moment of inertia Jeq", lead, figures)
-
-
-def _methods(view: View) -> list[ReportFigure]:
-    """Jeq by every method, where the campaign asked for it."""
-    if not any(record.quantity == "Jeq" for record in view.records):
-        return []
-    regime = view.regimes[0]
-    lead = f"Jeq by every method over the last turn of {regime.name}, and beneath how far each is off. "
-    return [
-        shown(
-            view,
-            "methods",
-            lead + _largest(view, view.traces(regime, "Jeq")),
-            lambda: inertia.methods_figure(view),
-            "Jeq of all methods and their deviation over the crank angle",
-            wide=True,
-        )
-    ]
-
-
-def _constant_share(view: View) -> str:
+    """Jeq by all methods, where the campaign asked for it, by group and by link."""
+    lead = sentence("reduced_inertia", found=extremes(lambda phi: reduced_inertia(view.mechanism.sweep(phi))))
     parts = inertia.links_inertia(view, np.linspace(0.0, 2.0 * np.pi, 25))
-    constant = [name.replace("_", " ") for name, values in parts.items() if not inertia.varies(values)]
-    return f" The constant share ({', '.join(constant)}) is left out." if constant else ""
-
-
-def regime_part(view: View, regime: Regime) -> ReportPart:
-    """Every deviation of a regime, and the histories behind them."""
-    found = released(view, regime)
-    figures = [*_deviations(view, regime), *(_history(view, regime, name) for name in run_up.histories(view, regime))]
-    figures += _last_turn(view, regime, found) if found else []
-    jumps = " Dotted lines: jumps of the crank's acceleration." if regime.jumps else ""
-    forces = (
-        " Of the joint forces the one nearest its limit is drawn: magnitudes, while the largest deviation is the "
-        "vector's."
-        if _has_forces(view)
-        else ""
-    )
-    coarse = f" The thin black line is the articles' integrator, {STEPS}." if found and found.coarse else ""
-    lead = (
-        f"{regime.conditions[:1].upper()}{regime.conditions[1:]}. Grey is the closed form, the engines at setting "
-        f"{view.setting} are dashed; beneath stands the upper envelope of |error| over the peak, on a logarithmic "
-        f"scale, for every setting that ran.{jumps}{coarse}{forces}"
-    )
-    lines = tuple(sentences(found)) if found else ()
-    return ReportPart(f"Regime {regime.name}", lead, tuple(figures), lines, joint_table(view, regime))
-
-
-def _last_turn(view: View, regime: Regime, found: Released) -> list[ReportFigure]:
-    """Speed and acceleration over the last turn, where the crank ends in one."""
-    if found.ending is None:
-        return []
-    lead = f"The last full turn: n between {found.ending.smallest / RPM:.1f} and {found.ending.largest / RPM:.1f} rpm, "
-    lead += f"begun and ended at φ = {math.degrees(float(found.motion.angle(found.motion.duration))) % 360.0:.1f}°."
-    draw = partial(last_turn_figure, view, regime, found)
-    words = f"crank speed and acceleration over the last turn, {regime.name}"
-    return [shown(view, f"{regime.name}-last-turn", lead, draw, words, wide=True)]
-
-
-def _has_forces(view: View) -> bool:
-    return any(record.quantity != family(record.quantity) for record in view.records)
-
-
-def _deviations(view: View, regime: Regime) -> list[ReportFigure]:
-    """All deviations at a glance, where any run gave one."""
-    found = [r.error_max for r in view.records if r.regime == regime.name and r.error_max is not None]
-    if not found:
-        return []
-    zeros = f" Smaller than {bound(LEAST_ERROR)} is drawn there." if min(found) < LEAST_ERROR else ""
-    return [
-        shown(
-            view,
-            f"{regime.name}-errors",
-            f"Every deviation of this regime: the further left of its limit (red stroke), the better.{zeros}",
-            lambda: errors.errors_figure(view, regime),
-            f"largest deviation of every run by quantity, {regime.name}",
-            wide=True,
-        )
+    constant = [plain(name) for name, values in parts.items() if not inertia.varies(values)]
+    figures = [
+        shown(view, "groups", partial(inertia.groups_figure, view)),
+        shown(view, "links", partial(inertia.links_figure, view), constant=constant),
     ]
+    if any(record.quantity == "Jeq" for record in view.records):
+        regime = view.regimes[0]
+        words, draw = largest_errors(view, regime, "Jeq"), partial(inertia.methods_figure, view)
+        figures.insert(0, shown(view, "methods", draw, regime=regime, largest=words))
+    return ReportPart("Reduced moment of inertia Jeq", lead, tuple(figures))
 
 
-def _history(view: View, regime: Regime, quantity: str) -> ReportFigure:
-    _, values = run_up.truth(view, regime, quantity)
-    unit = next((record.unit for record in view.records if record.quantity == quantity), "")
-    span = f"{run_up.symbol(quantity)}, {title(quantity)}"
-    if len(values):
-        span += f", between {_signed(values, np.min)} and {_signed(values, np.max)} {unit}"
-    return shown(
-        view,
-        f"{regime.name}-{quantity}",
-        f"{span}. {_largest(view, view.traces(regime, quantity))}",
-        lambda: run_up.history_figure(view, regime, quantity),
-        f"{quantity} over time by the closed form and the engines, {regime.name}",
+def largest_errors(view: View, regime: Regime, quantity: str) -> str:
+    """The largest error of each engine at the view's setting, over the whole regime, in words."""
+    records = [trace.record for trace in view.traces(regime, quantity) if trace.record.setting == view.setting]
+    return sentence("largest_errors", records=records, setting=view.setting)
+
+
+def forces_part(view: View) -> ReportPart:
+    """Joint forces, shaking force and shaking moment by the closed form."""
+    found = TurnForces(view)
+    figures = (
+        shown(view, "joint-forces", partial(forces.magnitudes_figure, found)),
+        shown(view, "hodographs", partial(forces.hodographs_figure, found)),
+        shown(view, "shaking-force", partial(forces.shaking_force_figure, found)),
+        shown(view, "shaking-moment", partial(forces.shaking_moment_figure, found), found=found),
     )
+    return ReportPart("Forces in the joints and on the frame", force_facts.lead(found), figures)
 
 
-def _signed(values: NDArray[np.float64], end: Callable[[NDArray[np.float64]], np.float64]) -> str:
-    """An end of a range; what is round-off beside the other end is nought."""
-    value = float(end(values))
-    value = 0.0 if abs(value) < ROUND_OFF * float(np.max(np.abs(values))) else value
-    return figure(value).replace("-", "−", 1) if value < 0.0 else figure(value)
+def thread_part(view: View) -> ReportPart:
+    """The thread's contour and feed diagram."""
+    figures = [
+        shown(view, "contour", partial(thread.plane_figure, view)),
+        shown(view, "feed", partial(thread.feed_figure, view)),
+    ]
+    if thread.is_spatial(view):
+        figures.append(shown(view, "contour-in-space", partial(thread.space_figure, view)))
+    return ReportPart("Thread", thread_facts.lead(view), tuple(figures))
 
 
-def _largest(view: View, traces: list[Trace]) -> str:
-    """The largest deviation of each engine at the view's setting, over the whole regime."""
-    mine = [trace.record for trace in traces if trace.record.setting == view.setting]
-    if not mine:
-        return f"No engine gave a curve at setting {view.setting}."
-    words = ", ".join(f"{record.engine} {error(record.error_max)}" for record in mine)
-    return f"Largest deviation at {view.setting}: {words}."
+def printed_part(view: View) -> ReportPart:
+    """Models as printed, and what the engines say of them."""
+    lines = tuple(row["sentence"] for row in judgements(view))
+    figures = tuple(
+        shown(view, "printed", partial(printed_figure, view, erratum), f"printed-{erratum.name}", erratum=erratum)
+        for erratum in judged(view)
+    )
+    lead = "The engines know neither model; each simulates the linkage as described, and its crank speed decides."
+    return ReportPart("Printed models put to the engines", lead, figures, lines)

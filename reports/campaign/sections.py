@@ -10,8 +10,17 @@ import numpy as np
 
 from analytic.description.linkage import Link
 from analytic.errors import LinkproofError
-from reports.campaign.model_parts import forces_part, printed_part, thread_part
-from reports.campaign.parts import ReportFigure, ReportPart, inertia_part, kinematics_part, regime_part, shown
+from reports.campaign.parts import (
+    ReportFigure,
+    ReportPart,
+    forces_part,
+    inertia_part,
+    kinematics_part,
+    printed_part,
+    shown,
+    thread_part,
+)
+from reports.campaign.regime_part import regime_part
 from reports.drawing import inertia, scheme
 from reports.facts.printed_models import judgements
 from reports.facts.readings import Readings
@@ -65,16 +74,8 @@ def _attempt(heading: str, build: Callable[[], ReportPart]) -> ReportPart:
 
 
 def _scheme(view: View) -> ReportFigure:
-    number = scheme.scheme_of(view).shown
-    output = view.linkage.output
-    lead = (
-        f"The linkage to scale in {scheme.POSITIONS} crank positions, numbered every {360 // scheme.POSITIONS}° from "
-        f"φ = 0; position {number} is drawn out with its joints, and quartered discs are mass centres clear of a joint."
-    )
-    if output is not None:
-        lead += f" The blue line is the path of the output {output.point}, its dots the same positions."
-    words = f"kinematic scheme in {scheme.POSITIONS} positions"
-    return shown(view, "scheme", lead, lambda: scheme.scheme_figure(view), words)
+    draw, number = partial(scheme.scheme_figure, view), scheme.scheme_of(view).shown
+    return shown(view, "scheme", draw, positions=scheme.POSITIONS, shown=number)
 
 
 def _links(view: View) -> ReportTable:

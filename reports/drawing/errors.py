@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from functools import partial
 from itertools import groupby
 from typing import Literal
 
@@ -14,7 +15,7 @@ from matplotlib.ticker import FuncFormatter, LogLocator, NullLocator
 
 from comparisons.judging.records import Record
 from reports.drawing.panels import LEAST_ERROR
-from reports.drawing.style import FAINT, FULL_WIDTH, INK, LIMIT_COLOUR, MUTED, colour, drawn, power_of_ten
+from reports.drawing.style import FAINT, FULL_WIDTH, INK, LIMIT_COLOUR, MUTED, colour, panels, power_of_ten
 from reports.facts.views import SETTINGS, Regime, View, columns, engines, family, worst
 
 Filling = Literal["none", "left", "full"]
@@ -28,13 +29,8 @@ def errors_figure(view: View, regime: Regime) -> Figure:
     quantities, invariants = _rows(view, regime)
     lanes = len({record.engine for record in view.records if record.error_max is not None})
     height = ROW * (len(quantities) + len(invariants)) * (1.0 + 0.2 * max(lanes - 1, 0)) + FRAME
-
-    def draw(figure: Figure) -> None:
-        axes = figure.subplots()
-        figure.subplots_adjust(left=0.135, right=0.985, top=1.0 - 0.34 / height, bottom=0.42 / height)
-        draw_errors(axes, view, regime)
-
-    return drawn(FULL_WIDTH, height, draw)
+    edges = (0.135, 0.985, 1.0 - 0.34 / height, 0.42 / height)
+    return panels(FULL_WIDTH, height, edges, partial(draw_errors, view=view, regime=regime))
 
 
 def draw_errors(axes: Axes, view: View, regime: Regime) -> None:

@@ -2,15 +2,18 @@
 
 from __future__ import annotations
 
+from functools import partial
+
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 from numpy.typing import NDArray
 
-from reports.drawing.style import DASHES, FULL_WIDTH, INK, MUTED, PALETTE, WIDTH, drawn, label_ends, over_turn
-from reports.facts.forces import POINTS, TurnForces, plain
+from reports.drawing.style import DASHES, FULL_WIDTH, INK, MUTED, PALETTE, WIDTH, drawn, label_ends, over_turn, panels
+from reports.facts.forces import POINTS, TurnForces
 from reports.text.numbers import figure as digits
+from reports.text.templates import plain
 
 Array = NDArray[np.float64]
 
@@ -24,13 +27,7 @@ PATCH = {"boxstyle": "round,pad=0.08", "facecolor": "white", "edgecolor": "none"
 
 def magnitudes_figure(found: TurnForces) -> Figure:
     """|F| of every joint."""
-
-    def draw(figure: Figure) -> None:
-        axes = figure.subplots()
-        figure.subplots_adjust(left=0.067, right=0.8, top=0.97, bottom=0.15)
-        draw_magnitudes(axes, found)
-
-    return drawn(FULL_WIDTH, HEIGHT, draw)
+    return panels(FULL_WIDTH, HEIGHT, (0.067, 0.8, 0.97, 0.15), partial(draw_magnitudes, found=found))
 
 
 def draw_magnitudes(axes: Axes, found: TurnForces) -> None:
@@ -113,25 +110,18 @@ def _name_angles(axes: Axes, force: Array, half: float) -> None:
 
 def shaking_force_figure(found: TurnForces) -> Figure:
     """Hodograph of the force on the frame."""
-
-    def draw(figure: Figure) -> None:
-        axes = figure.subplots()
-        figure.subplots_adjust(left=0.17, right=0.95, top=0.97, bottom=0.14)
-        draw_hodograph(axes, found.shaking, PALETTE[0])
-
-    return drawn(WIDTH, 3.4, draw)
+    draw = partial(draw_hodograph, force=found.shaking, ink=PALETTE[0])
+    return panels(WIDTH, 3.4, (0.17, 0.95, 0.97, 0.14), draw)
 
 
 def shaking_moment_figure(found: TurnForces) -> Figure:
     """Moment on the frame over the turn."""
 
-    def draw(figure: Figure) -> None:
-        axes = figure.subplots()
-        figure.subplots_adjust(left=0.16, right=0.97, top=0.97, bottom=0.14)
+    def draw(axes: Axes) -> None:
         axes.axhline(0.0, color=MUTED, linewidth=0.6)
         axes.plot(np.degrees(found.angle), found.moment, color=PALETTE[1], linewidth=1.5)
         axes.set_ylabel(f"shaking moment about {found.pivot}, N m")
         axes.yaxis.set_major_locator(MaxNLocator(6))
         over_turn(axes)
 
-    return drawn(WIDTH, 3.4, draw)
+    return panels(WIDTH, 3.4, (0.16, 0.97, 0.97, 0.14), draw)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from functools import partial
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -13,13 +13,14 @@ from numpy.typing import NDArray
 from analytic.dynamics.reduced import group_inertia, link_inertia, reduced_inertia
 from reports.drawing.curves import over_last_turn
 from reports.drawing.panels import draw_errors_beneath, draw_methods
-from reports.drawing.style import DASHES, FULL_WIDTH, INK, PALETTE, WIDTH, drawn, label_ends, over_turn
+from reports.drawing.style import DASHES, FULL_WIDTH, INK, PALETTE, WIDTH, label_ends, over_turn, panels
 from reports.facts.views import View
 
 Array = NDArray[np.float64]
 
 POINTS = 361
 HEIGHT = 3.9
+PARTS = (WIDTH, 2.7, (0.13, 0.66, 0.97, 0.16))
 CONSTANT = 1e-9
 SHADES = ("#31506f", "#7ea0be", "#c9d8e6", "#d9a441", "#f1d9a7", "#8aa37b", "#cfdcc6", "#a5698a", "#e0c3d3")
 
@@ -39,13 +40,7 @@ def power_for(largest: float) -> tuple[float, str]:
 
 def methods_figure(view: View) -> Figure:
     """Jeq by every method over the last full turn of the first regime, its deviation beneath."""
-
-    def draw(figure: Figure) -> None:
-        upper, lower = figure.subplots(2, 1, sharex=True, gridspec_kw={"height_ratios": (1.15, 1), "hspace": 0.12})
-        figure.subplots_adjust(left=0.067, right=0.885, top=0.97, bottom=0.12)
-        draw_inertia(upper, lower, view)
-
-    return drawn(FULL_WIDTH, HEIGHT, draw)
+    return panels(FULL_WIDTH, HEIGHT, (0.067, 0.885, 0.97, 0.12), partial(draw_inertia, view=view), ratios=(1.15, 1.0))
 
 
 def draw_inertia(upper: Axes, lower: Axes, view: View) -> None:
@@ -63,21 +58,12 @@ def draw_inertia(upper: Axes, lower: Axes, view: View) -> None:
 
 def groups_figure(view: View) -> Figure:
     """Jeq by Assur group, stacked to the whole."""
-    return _parts_figure(lambda axes: draw_groups(axes, view))
+    return panels(*PARTS, partial(draw_groups, view=view))
 
 
 def links_figure(view: View) -> Figure:
     """Jeq of the links whose share varies."""
-    return _parts_figure(lambda axes: draw_links(axes, view))
-
-
-def _parts_figure(draw_on: Callable[[Axes], None]) -> Figure:
-    def draw(figure: Figure) -> None:
-        axes = figure.subplots()
-        figure.subplots_adjust(left=0.13, right=0.66, top=0.97, bottom=0.16)
-        draw_on(axes)
-
-    return drawn(WIDTH, 2.7, draw)
+    return panels(*PARTS, partial(draw_links, view=view))
 
 
 def draw_groups(axes: Axes, view: View) -> None:

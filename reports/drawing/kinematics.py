@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from functools import partial
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -14,7 +15,7 @@ from analytic.description.crank_motion import crank_motion
 from analytic.turn.unit_functions import UnitFunctions, unit_functions
 from comparisons.judging.quantities import QUANTITIES
 from comparisons.reference.case import Case
-from reports.drawing.style import FULL_WIDTH, INK, MUTED, PALETTE, WIDTH, drawn, label_ends, over_turn
+from reports.drawing.style import FULL_WIDTH, INK, MUTED, PALETTE, WIDTH, label_ends, over_turn, panels
 from reports.facts.views import View
 from reports.text.numbers import figure as digits
 
@@ -47,19 +48,21 @@ def turn_at_final_speed(view: View) -> tuple[Array, dict[str, Array]]:
 
 def output_figure(view: View) -> Figure:
     """S, v and a, one under the other."""
+    return panels(
+        WIDTH,
+        HEIGHT,
+        (0.14, 0.97, 0.98, 0.11),
+        partial(draw_output, view),
+        ratios=(1.0, 1.0, 1.0),
+        gap=0.14,
+        aligned=True,
+    )
 
-    def draw(figure: Figure) -> None:
-        panels = figure.subplots(3, 1, sharex=True, gridspec_kw={"hspace": 0.14})
-        figure.subplots_adjust(left=0.14, right=0.97, top=0.98, bottom=0.11)
-        draw_output(list(panels), view)
 
-    return drawn(WIDTH, HEIGHT, draw)
-
-
-def draw_output(panels: list[Axes], view: View) -> None:
+def draw_output(view: View, *axes_of: Axes) -> None:
     """S, v and a on three axes, their extremes marked with value and crank angle."""
     angle, values = turn_at_final_speed(view)
-    for axes, (name, label, factor), ink in zip(panels, PANELS, COLOURS, strict=True):
+    for axes, (name, label, factor), ink in zip(axes_of, PANELS, COLOURS, strict=True):
         shown = factor * values[name]
         axes.axhline(0.0, color=MUTED, linewidth=0.6)
         axes.plot(angle[::THINNING], shown[::THINNING], color=ink, linewidth=1.5)
@@ -68,9 +71,6 @@ def draw_output(panels: list[Axes], view: View) -> None:
         axes.margins(y=0.22)
         _mark_extremes(axes, angle, shown, ink)
         over_turn(axes, "crank angle φ, °" if name == "a" else "")
-    figure = panels[0].get_figure()
-    if figure is not None:
-        figure.align_ylabels(panels)
 
 
 def _mark_extremes(axes: Axes, angle: Array, values: Array, ink: str) -> None:
@@ -94,22 +94,16 @@ def _mark_extremes(axes: Axes, angle: Array, values: Array, ink: str) -> None:
 def unit_figure(view: View) -> Figure:
     """The unit functions beside the harmonics they are held against."""
     found = unit_functions(view.mechanism, clockwise=view.final_speed < 0.0)
-
-    def draw(figure: Figure) -> None:
-        panels = figure.subplots(3, 1, sharex=True, gridspec_kw={"hspace": 0.14})
-        figure.subplots_adjust(left=0.14, right=0.82, top=0.98, bottom=0.11)
-        draw_units(list(panels), found)
-
-    return drawn(WIDTH, HEIGHT, draw)
+    return panels(WIDTH, HEIGHT, (0.14, 0.82, 0.98, 0.11), partial(draw_units, found), ratios=(1.0, 1.0, 1.0), gap=0.14)
 
 
-def draw_units(panels: list[Axes], found: UnitFunctions) -> None:
+def draw_units(found: UnitFunctions, *axes_of: Axes) -> None:
     """Unit functions in colour, harmonics dashed."""
     phase = np.degrees(found.phase)
     ours = (found.displacement, found.velocity, found.acceleration)
     words = ("S / stroke", "v / max |v|", "a / max |a|"), ("½(1 − cos)", "sin", "cos")
     step = max(1, THINNING * len(phase) // POINTS)
-    for number, axes in enumerate(panels):
+    for number, axes in enumerate(axes_of):
         harmonic, ink = found.harmonics[number], COLOURS[number]
         axes.plot(phase[::step], harmonic[::step], color=MUTED, linewidth=1.0, linestyle=(0, (4, 2)))
         axes.plot(phase[::step], ours[number][::step], color=ink, linewidth=1.5)
@@ -118,7 +112,7 @@ def draw_units(panels: list[Axes], found: UnitFunctions) -> None:
         axes.yaxis.set_major_locator(
             FixedLocator([0.0, 0.25, 0.5, 0.75, 1.0] if number == 0 else [-1.0, -0.5, 0.0, 0.5, 1.0])
         )
-        over_turn(axes, "crank angle from top dead centre, °" if number == len(panels) - 1 else "")
+        over_turn(axes, "crank angle from top dead centre, °" if number == len(axes_of) - 1 else "")
         place = 0.62 if number == 0 else 0.25
         label_ends(axes, [(place, "mechanism", ink), (place - 0.2, words[1][number], MUTED)])
 
@@ -126,16 +120,10 @@ def draw_units(panels: list[Axes], found: UnitFunctions) -> None:
 def difference_figure(view: View) -> Figure:
     """Unit functions less harmonics, with the mean absolute difference of each."""
     found = unit_functions(view.mechanism, clockwise=view.final_speed < 0.0)
-
-    def draw(figure: Figure) -> None:
-        axes = figure.subplots()
-        figure.subplots_adjust(left=0.067, right=0.875, top=0.97, bottom=0.19)
-        draw_differences(axes, found)
-
-    return drawn(FULL_WIDTH, 2.3, draw)
+    return panels(FULL_WIDTH, 2.3, (0.067, 0.875, 0.97, 0.19), partial(draw_differences, found))
 
 
-def draw_differences(axes: Axes, found: UnitFunctions) -> None:
+def draw_differences(found: UnitFunctions, axes: Axes) -> None:
     """ΔS, Δv and Δa on one axis."""
     phase, ends = np.degrees(found.phase), []
     step = max(1, THINNING * len(phase) // POINTS)

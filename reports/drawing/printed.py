@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
+from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 from numpy.typing import NDArray
@@ -11,7 +12,7 @@ from analytic.description.linkage import Erratum
 from analytic.motion.released import FreeMotion
 from reports.drawing.curves import thinned
 from reports.drawing.panels import Other, draw_errors_beneath, draw_methods
-from reports.drawing.style import FULL_WIDTH, LIMIT_COLOUR, drawn
+from reports.drawing.style import FULL_WIDTH, LIMIT_COLOUR, panels
 from reports.facts.printed_models import printed_motion
 from reports.facts.released import released
 from reports.facts.views import Regime, View
@@ -31,9 +32,7 @@ def printed_figure(view: View, erratum: Erratum) -> Figure:
     truth, theirs = corrected.motion.speed(time), printed_motion(view, erratum).speed(time)
     missed = Other("as printed", LIMIT_COLOUR, time, np.abs(theirs - truth) / float(np.max(np.abs(truth))))
 
-    def draw(figure: Figure) -> None:
-        upper, lower = figure.subplots(2, 1, sharex=True, gridspec_kw={"height_ratios": (1.15, 1), "hspace": 0.12})
-        figure.subplots_adjust(left=0.067, right=0.86, top=0.97, bottom=0.12)
+    def draw(upper: Axes, lower: Axes) -> None:
         draw_methods(upper, view, (time, truth), traces)
         upper.plot(*thinned(time, theirs), color=LIMIT_COLOUR, linewidth=1.2, label="as printed", zorder=4.0)
         upper.legend(loc="upper left", bbox_to_anchor=(1.0, 1.04), handlelength=1.9)
@@ -43,7 +42,7 @@ def printed_figure(view: View, erratum: Erratum) -> Figure:
         lower.set_xlim(0.0, float(time[-1]))
         lower.set_xlabel("time, s")
 
-    return drawn(FULL_WIDTH, HEIGHT, draw)
+    return panels(FULL_WIDTH, HEIGHT, (0.067, 0.86, 0.97, 0.12), draw, ratios=(1.15, 1.0))
 
 
 def _instants(motion: FreeMotion) -> Array:

@@ -15,7 +15,7 @@ from comparisons.reference.case import Case
 from reports.drawing.curves import thinned
 from reports.drawing.inertia import power_for
 from reports.drawing.panels import Other, draw_errors_beneath, draw_methods
-from reports.drawing.style import INK, MUTED, WIDTH, drawn
+from reports.drawing.style import INK, MUTED, WIDTH, panels
 from reports.facts.joint_rows import worst_joint
 from reports.facts.released import Released, released
 from reports.facts.views import Regime, View, family
@@ -41,14 +41,13 @@ def histories(view: View, regime: Regime) -> list[str]:
 def history_figure(view: View, regime: Regime, quantity: str) -> Figure:
     """A quantity over the time of a regime."""
 
-    def draw(figure: Figure) -> None:
-        upper, lower = figure.subplots(2, 1, sharex=True, gridspec_kw={"height_ratios": (1.35, 1), "hspace": 0.12})
-        figure.subplots_adjust(left=0.155, right=0.64 if quantity == SPEED else 0.77, top=0.97, bottom=0.12)
+    def draw(upper: Axes, lower: Axes) -> None:
         draw_history(upper, lower, view, regime, quantity)
         if quantity == SPEED:
             _count_turns(upper)
 
-    return drawn(WIDTH, HEIGHT, draw)
+    right = 0.64 if quantity == SPEED else 0.77
+    return panels(WIDTH, HEIGHT, (0.155, right, 0.97, 0.12), draw, ratios=(1.35, 1.0))
 
 
 def draw_history(upper: Axes, lower: Axes, view: View, regime: Regime, quantity: str) -> None:

@@ -11,6 +11,7 @@ import io
 import math
 import re
 from collections.abc import Callable, Sequence
+from functools import cache
 from html import escape
 from typing import Any
 
@@ -19,6 +20,8 @@ from markupsafe import Markup
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import FuncFormatter, LogLocator, MultipleLocator, NullLocator
+
+from reports.text.templates import FOLDER
 
 # Okabe and Ito, the darker ones first; the closed form is always ink.
 PALETTE = ("#0072b2", "#d55e00", "#009e73", "#aa4499", "#56b4e9", "#997700")
@@ -33,47 +36,6 @@ WIDTH, FULL_WIDTH = 4.4, 9.2
 # An inline drawing beyond this many characters goes into the page as a picture instead.
 LARGEST_DRAWING = 300_000
 DOTS_PER_INCH = 160
-
-# Typed loosely: which keys matplotlib's own stubs know changes from release to release.
-_STYLE: Any = {
-    "font.family": "DejaVu Sans",
-    "font.size": 8.5,
-    "axes.titlesize": 9.0,
-    "axes.titlelocation": "left",
-    "axes.titlepad": 5.0,
-    "axes.labelsize": 8.5,
-    "axes.labelcolor": INK,
-    "axes.edgecolor": MUTED,
-    "axes.linewidth": 0.6,
-    "axes.spines.top": False,
-    "axes.spines.right": False,
-    "axes.grid": True,
-    "axes.axisbelow": True,
-    "axes.unicode_minus": True,
-    "grid.color": FAINT,
-    "grid.linewidth": 0.5,
-    "xtick.color": MUTED,
-    "ytick.color": MUTED,
-    "xtick.labelcolor": INK,
-    "ytick.labelcolor": INK,
-    "xtick.labelsize": 8.0,
-    "ytick.labelsize": 8.0,
-    "xtick.major.size": 2.5,
-    "ytick.major.size": 2.5,
-    "xtick.major.width": 0.6,
-    "ytick.major.width": 0.6,
-    "xtick.minor.size": 0.0,
-    "ytick.minor.size": 0.0,
-    "legend.frameon": False,
-    "legend.fontsize": 8.0,
-    "lines.linewidth": 1.3,
-    "text.color": INK,
-    "svg.fonttype": "none",
-    "svg.hashsalt": "linkproof",
-    "text.parse_math": False,
-    "path.simplify": True,
-    "path.simplify_threshold": 0.2,
-}
 
 _COORDINATES = re.compile(r'\b(?:d|x|y|x1|x2|y1|y2|width|height|transform|points)="[^"]*"')
 _LONG_NUMBER = re.compile(r"(\d\.\d\d)\d+")
@@ -93,17 +55,49 @@ def dashes(engine: str, engines: Sequence[str]) -> Dashes:
     return DASHES[engines.index(engine) % len(DASHES)]
 
 
+@cache
+def _style() -> Any:  # noqa: ANN401  which keys matplotlib's stubs know changes from release to release
+    return matplotlib.rc_params_from_file(FOLDER / "figures.mplstyle", use_default_template=False)
+
+
 def drawn(width: float, height: float, draw: Callable[[Figure], None]) -> Figure:
     """A figure of so many inches, drawn in the house style."""
-    with matplotlib.rc_context(_STYLE):
+    with matplotlib.rc_context(_style()):
         figure = Figure(figsize=(width, height))
         draw(figure)
     return figure
 
 
+def panels(
+    width: float,
+    height: float,
+    edges: tuple[float, float, float, float],
+    draw: Callable[..., object],
+    *,
+    ratios: Sequence[float] = (1.0,),
+    gap: float = 0.12,
+    aligned: bool = False,
+) -> Figure:
+    """A figure of axes one above the other over a common x axis, of these relative heights, given to ``draw``.
+
+    ``edges`` are the left, right, top and bottom of the axes as shares of the figure, ``gap`` the room between two;
+    with ``aligned`` the labels of their y axes stand in one column.
+    """
+
+    def draw_all(figure: Figure) -> None:
+        spacing = {"height_ratios": ratios, "hspace": gap}
+        grid = figure.subplots(len(ratios), 1, sharex=True, squeeze=False, gridspec_kw=spacing)
+        figure.subplots_adjust(**dict(zip(("left", "right", "top", "bottom"), edges, strict=True)))
+        draw(*grid[:, 0])
+        if aligned:
+            figure.align_ylabels()
+
+    return drawn(width, height, draw_all)
+
+
 def picture(figure: Figure, key: str, description: str) -> Markup:
     """The figure for a page: an inline drawing, or a picture where the drawing would be too large."""
-    with matplotlib.rc_context(_STYLE):
+    with matplotlib.rc_context(_style()):
         drawing = _drawing(figure, key, description)
         if len(drawing) <= LARGEST_DRAWING:
             return Markup(drawing)

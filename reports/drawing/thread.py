@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -27,7 +28,7 @@ from reports.drawing.scheme import (
     KinematicScheme,
     draw_position,
 )
-from reports.drawing.style import INK, MUTED, PALETTE, WIDTH, drawn, over_turn
+from reports.drawing.style import INK, MUTED, PALETTE, WIDTH, drawn, over_turn, panels
 from reports.facts.thread import MM, diagram, thread_of, travels
 from reports.facts.views import View
 
@@ -148,14 +149,8 @@ def _space_scales(axes: Axes3D) -> None:
 
 def feed_figure(view: View) -> Figure:
     """Pd over a turn, the contour's length beneath."""
-
-    def draw(figure: Figure) -> None:
-        upper, lower = figure.subplots(2, 1, sharex=True, gridspec_kw={"hspace": 0.14})
-        figure.subplots_adjust(left=0.14, right=0.97, top=0.92, bottom=0.1)
-        draw_feed(upper, lower, view)
-        figure.align_ylabels()
-
-    return drawn(WIDTH, FEED_HEIGHT, draw)
+    draw = partial(draw_feed, view=view)
+    return panels(WIDTH, FEED_HEIGHT, (0.14, 0.97, 0.92, 0.1), draw, ratios=(1.0, 1.0), gap=0.14, aligned=True)
 
 
 def draw_feed(upper: Axes, lower: Axes, view: View) -> None:

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from analytic.dynamics.joint_forces import joint_forces, shaking_force, shaking_moment
 from reports.facts.views import View
-from reports.text.numbers import figure
+from reports.text.templates import sentence
 
 Array = NDArray[np.float64]
 
@@ -62,16 +62,6 @@ class TurnForces:
 def lead(found: TurnForces) -> str:
     """The forces in words."""
     joint = max(found.peaks, key=lambda name: found.peaks[name][0])
-    most, where = found.peaks[joint]
-    shake = np.hypot(*found.shaking)
-    low, high = (figure(float(value)).replace("-", "−") for value in (found.moment.min(), found.moment.max()))
-    return (
-        f"At a steady {found.view.speed_words} the largest joint force is {figure(most)} N in {plain(joint)} at "
-        f"{where:.0f}°; the frame takes up to {figure(float(shake.max()))} N and between {low} and {high} N m about "
-        f"{found.pivot}, weights and drive included."
-    )
-
-
-def plain(joint: str) -> str:
-    """A joint's name for a reader."""
-    return joint.replace("_", " ")
+    largest, angle = found.peaks[joint]
+    shake = float(np.hypot(*found.shaking).max())
+    return sentence("forces", found=found, joint=joint, largest=largest, angle=angle, shake=shake)

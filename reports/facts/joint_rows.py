@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from comparisons.judging.quantities import JOINT_FORCE
 from comparisons.judging.records import Record
-from reports.facts.forces import plain
 from reports.facts.views import Regime, View, worst
 from reports.text.numbers import ABSENT, figure, steady_error
 from reports.text.tables import ReportTable
+from reports.text.templates import plain
 
 CAPTION = "Joint forces: peak by the closed form, and the largest error of every run over it."
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
 
@@ -13,7 +12,7 @@ from analytic.description.crank_motion import RPM
 from analytic.description.linkage import ReleasedRegime
 from analytic.description.loading import parse
 from analytic.dynamics import reduced
-from analytic.dynamics.equilibrium import equilibria
+from analytic.dynamics.equilibrium import Equilibrium, equilibria
 from analytic.errors import LinkproofError
 from analytic.kinematics.mechanism import Mechanism
 from analytic.motion.released import FreeMotion
@@ -22,7 +21,7 @@ from analytic.motion.steady_rotation import Rotation, last_turns, steady_state
 from analytic.numerics.extremes import grid, periodic_mean
 from comparisons.reference.case import own_motion
 from reports.facts.views import Regime, View
-from reports.text.numbers import decade, error, figure
+from reports.text.templates import lines
 
 Array = NDArray[np.float64]
 
@@ -66,6 +65,16 @@ class Released:
         return found.time, np.abs(theirs - ours(found.time))
 
     @cached_property
+    def rests(self) -> list[Equilibrium]:
+        """Where the crank can rest under its torque and the loads."""
+        return list(equilibria(self.mechanism, self.own.torque))
+
+    @cached_property
+    def damping(self) -> float:
+        """Mean of the reduced damping coefficient over a turn, N m s/rad."""
+        return periodic_mean(reduced.damping_coefficient(self.mechanism.sweep(grid())))
+
+    @cached_property
     def ending(self) -> Rotation | None:
         """Rotation in the last whole turn under a torque; None where there is no torque or no such turn."""
         try:
@@ -100,50 +109,4 @@ def _released(text: str, name: str, variant: str, gravity: tuple[float, float], 
 
 def sentences(found: Released) -> list[str]:
     """What there is to say of a released crank, in this order: rest, rotation, own error, the articles' integrator."""
-    return [_rest(found), *_rotation(found), _own_error(found), _published_integrator(found)]
-
-
-def _rest(found: Released) -> str:
-    places = equilibria(found.mechanism, found.own.torque)
-    load = f"the crank torque of {found.own.torque:g} N m and the loads" if found.own.torque else "its loads"
-    if not places:
-        return f"Under {load} the crank can rest at no angle."
-    words = [f"{math.degrees(one.angle):.2f}° ({'stable' if one.stable else 'unstable'})" for one in places]
-    return f"Under {load} the crank can rest at {' and '.join(words)}."
-
-
-def _rotation(found: Released) -> list[str]:
-    """Mean speed and coefficient of fluctuation, at the end and when settled, against M1/b."""
-    lines = []
-    if found.ending is not None:
-        one = found.ending
-        lines.append(
-            f"In its last turn it runs at {figure(one.mean_speed, 6)} rad/s ({figure(one.mean_speed / RPM, 6)} rpm) in "
-            f"the mean over time, {figure(one.mean_speed_over_angle, 6)} over φ, coefficient of fluctuation "
-            f"{figure(one.fluctuation, 3)}."
-        )
-    if found.settled is not None:
-        one = found.settled
-        damping = periodic_mean(reduced.damping_coefficient(found.mechanism.sweep(grid())))
-        lines.append(
-            f"Left alone it settles at {figure(one.mean_speed, 6)} rad/s over time and "
-            f"{figure(one.mean_speed_over_angle, 6)} over φ, where M1/b is {figure(found.own.torque / damping, 6)}, "
-            f"with a fluctuation of {figure(one.fluctuation, 3)}."
-        )
-    return lines
-
-
-def _own_error(found: Released) -> str:
-    motion = found.motion
-    return (
-        f"By its own bound the closed form's φ is within {decade(motion.error_bound)} rad of the exact solution; "
-        f"energy and work balance to {decade(motion.energy_imbalance)} of the energy at play."
-    )
-
-
-def _published_integrator(found: Released) -> str:
-    steps = f"The fixed step of articles 000 and 001, {PUBLISHED_STEPS} Runge-Kutta steps for the whole time,"
-    angle, speed = found.coarse_error("phi"), found.coarse_error("omega")
-    if angle is None or speed is None:
-        return f"{steps} gives no finite motion here."
-    return f"{steps} is off by up to {error(float(angle[1].max()))} rad and {error(float(speed[1].max()))} rad/s."
+    return lines("released_crank", one=found, rpm=RPM, steps=PUBLISHED_STEPS)

@@ -2,12 +2,10 @@
 
 from __future__ import annotations
 
-import math
-
 from analytic.description.thread_path import EyeReference, ThreadPath
 from analytic.turn.thread_feed import EyeTravel, FeedDiagram, eye_travel, feed_diagram
 from reports.facts.views import View
-from reports.text.numbers import figure
+from reports.text.templates import sentence
 
 MM = 1e3
 
@@ -36,18 +34,4 @@ def travels(view: View) -> dict[str, EyeTravel]:
 
 def lead(view: View) -> str:
     """The thread in words."""
-    found, thread = diagram(view), thread_of(view)
-    counted = "a shortening contour gives thread" if thread.feed == "shortening" else "a lengthening contour counts"
-    eyes = "; ".join(
-        f"eye {name} is highest at φ_top = {math.degrees(one.top_angle):.2f}° and lowest at φ_bottom = "
-        f"{math.degrees(one.bottom_angle):.2f}°"
-        for name, one in travels(view).items()
-    )
-    ends = found.length_extremes
-    return (
-        f"The total feed is {figure(found.total_feed * MM)} mm a turn: the contour is between "
-        f"{figure(ends.minimum * MM)} mm long at {math.degrees(ends.minimum_angle):.2f}° and "
-        f"{figure(ends.maximum * MM)} mm at {math.degrees(ends.maximum_angle):.2f}°. Pd counts from φ_ref = "
-        f"{math.degrees(found.reference_angle):.2f}°, where it is the stretch of {thread.stretch * MM:g} mm; "
-        f"{counted}; {eyes}."
-    )
+    return sentence("thread", path=thread_of(view), diagram=diagram(view), travels=travels(view))

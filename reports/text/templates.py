@@ -1,9 +1,13 @@
-"""The page templates: one environment for all pages and sections; everything that is not markup is escaped."""
+"""The words of reports: page templates, which escape what is not markup, and sentences and captions as plain text."""
 
 from __future__ import annotations
 
+import math
+import tomllib
+from collections.abc import Mapping
 from functools import cache
 from pathlib import Path
+from typing import Any
 
 import jinja2
 from markupsafe import Markup
@@ -14,22 +18,46 @@ FOLDER = Path(__file__).parents[1] / "templates"
 
 
 def render(template: str, **values: object) -> Markup:
-    """A template of ``reports/templates``, filled in."""
-    return Markup(_environment().get_template(template).render(**values))
+    """A page template of ``reports/templates``, filled in."""
+    return Markup(_environment(escaped=True).get_template(template).render(**values))
+
+
+def lines(macro: str, **values: object) -> list[str]:
+    """The sentences of one macro of ``sentences.txt``, a line each, as plain text."""
+    words: Any = _environment(escaped=False).get_template("sentences.txt").module
+    found = str(getattr(words, macro)(**values)).splitlines()
+    return [" ".join(line.split()) for line in found if line.strip()]
+
+
+def sentence(macro: str, **values: object) -> str:
+    """The sentences of one macro as one paragraph."""
+    return " ".join(lines(macro, **values))
 
 
 @cache
-def _environment() -> jinja2.Environment:
+def captions() -> Mapping[str, Mapping[str, Any]]:
+    """Of every kind of figure: its ``caption``, ``alt`` for a reader without pictures, whether it is ``wide``."""
+    return tomllib.loads((FOLDER / "figures.toml").read_text(encoding="utf-8"))
+
+
+def filled(text: str, **values: object) -> str:
+    """A caption filled in, as plain text."""
+    return _environment(escaped=False).from_string(text).render(**values)
+
+
+@cache
+def _environment(*, escaped: bool) -> jinja2.Environment:
     environment = jinja2.Environment(
         loader=jinja2.FileSystemLoader(FOLDER),
-        autoescape=True,
+        autoescape=escaped,
         undefined=jinja2.StrictUndefined,
         trim_blocks=True,
         lstrip_blocks=True,
         keep_trailing_newline=True,
     )
-    filters = (numbers.figure, numbers.bound, numbers.printed, numbers.error, numbers.per_cent, plain, worded)
-    environment.filters.update({one.__name__: one for one in filters})
+    own = (numbers.figure, numbers.bound, numbers.decade, numbers.printed, numbers.error, numbers.per_cent,
+           numbers.seconds, plain, worded, math.degrees)  # fmt: skip
+    environment.filters.update({one.__name__: one for one in own})
     return environment
 
 

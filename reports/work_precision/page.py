@@ -66,7 +66,7 @@ def page(bench: Bench) -> str:
         section=section(bench),
         places=[_place(bench, place) for place in every],
         methods=method_table(bench),
-        measured=list(measured(bench)),
+        measured=measured(bench),
         command=bench.document["command"],
         file=FILE,
     )

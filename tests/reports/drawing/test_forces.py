@@ -8,7 +8,7 @@ import pytest
 
 from analytic.description.loading import load
 from comparisons.campaign.results import Results
-from reports.campaign.model_parts import forces_part
+from reports.campaign.parts import forces_part
 from reports.drawing import forces
 from reports.drawing.run_up import histories
 from reports.facts.forces import TurnForces, lead

@@ -5,7 +5,7 @@ import pytest
 
 from analytic.description.loading import load
 from analytic.turn.thread_feed import contour_length, reference_angle
-from reports.campaign.model_parts import thread_part
+from reports.campaign.parts import thread_part
 from reports.drawing import thread
 from reports.facts import thread as thread_facts
 from reports.facts.views import views

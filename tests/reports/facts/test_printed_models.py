@@ -5,8 +5,8 @@ import pytest
 
 from analytic.description.loading import load
 from comparisons.campaign.results import Results
-from reports.campaign.model_parts import printed_part
 from reports.campaign.page import page
+from reports.campaign.parts import printed_part
 from reports.campaign.summary import markdown
 from reports.facts.printed_models import judged, judgements, printed_motion
 from reports.facts.released import released

@@ -11,7 +11,7 @@ from comparisons.campaign.campaign import RunResult
 from comparisons.campaign.results import Results, dataset
 from comparisons.judging.deviations import Deviation
 from engines.contract import Setting
-from reports.campaign.parts import regime_part
+from reports.campaign.regime_part import regime_part
 from reports.drawing import run_up
 from reports.drawing.last_turn import last_turn_figure
 from reports.facts.released import Released, released, sentences

@@ -1,7 +1,8 @@
-"""The report in one picture: scheme, Jeq by all methods, the run-up's torque, and every deviation."""
+"""The README's picture of a report: ``python -m docs.preview DIR docs/preview.png``, DIR as given to ``--out``."""
 
 from __future__ import annotations
 
+import sys
 from pathlib import Path
 
 import matplotlib
@@ -9,7 +10,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from comparisons.campaign.results import Results
+from comparisons.campaign.results import Results, load
 from comparisons.runs.files import write_file
 from reports.drawing.errors import draw_errors
 from reports.drawing.inertia import draw_inertia
@@ -65,3 +66,7 @@ def _panels(figure: Figure, left: float, right: float, title: str) -> tuple[Axes
     upper.tick_params(labelbottom=False)
     upper.set_title(title)
     return upper, lower
+
+
+if __name__ == "__main__":
+    preview(load(Path(sys.argv[1])), Path(sys.argv[2]))

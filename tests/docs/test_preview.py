@@ -1,6 +1,6 @@
 """The report in one picture."""
 
-from reports.drawing.overview import preview
+from docs.preview import preview
 from tests.reports.made_up_results import made_up_results
 
 
