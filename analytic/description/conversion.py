@@ -54,6 +54,7 @@ def interpret(document: doc.Document, name: str, variants: tuple[str, ...], sour
         errata=_errata(reader, variants),
         published=tuple(lk.Published(**entry.model_dump()) for entry in document.published),
         notes=tuple(document.notes),
+        length_unit=document.units.length,
     )
     _check_lengths(reader, linkage)
     return linkage

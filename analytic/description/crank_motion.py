@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
 
@@ -11,6 +12,12 @@ from numpy.typing import ArrayLike, NDArray
 from analytic.errors import LinkproofError, UnknownNameError
 
 RPM = np.pi / 30.0
+
+
+def degrees(angle: float) -> str:
+    """A crank angle, rad, for a reader: in [0°, 360°) as it is written."""
+    return f"{float(f'{math.degrees(angle) % 360.0:.4g}') % 360.0:g}°"
+
 
 # ω over its final value as a polynomial of x = t / ramp time, lowest power first.
 RAMPS: dict[str, tuple[float, ...]] = {

@@ -16,6 +16,7 @@ from typing import Final
 
 from analytic.description.law import Law
 from analytic.description.thread_path import ThreadPath
+from analytic.description.units import factor
 
 GROUND: Final = "ground"
 
@@ -222,12 +223,17 @@ class Linkage:
     errata: tuple[Erratum, ...] = ()
     published: tuple[Published, ...] = ()
     notes: tuple[str, ...] = field(default=())
+    length_unit: str = "m"
 
     @property
     def joint_names(self) -> tuple[str, ...]:
         """Names of all joints that carry a force, pins first, then sliders, then slots; nothing is solved for them."""
         pins = itertools.chain.from_iterable(pin.joints for pin in self.pins)
         return (*pins, *(slider.name for slider in self.sliders), *(slot.name for slot in self.slots))
+
+    def written(self, length: float) -> str:
+        """A length, m, for a reader: in the unit of the linkage's file."""
+        return f"{length / factor('length', self.length_unit):.4g} {self.length_unit}"
 
     def local(self, point: str, body: str) -> Vector:
         """Coordinates of a point in the frame of a body (a link's name or ``ground``)."""

@@ -11,7 +11,7 @@ from analytic.description.law import FULL_TURN, Law
 from analytic.dynamics import reduced
 from analytic.dynamics.equation_of_motion import crank_torque
 from analytic.kinematics.mechanism import Mechanism
-from analytic.numerics.extremes import grid
+from analytic.numerics.extremes import grid, in_turn
 from analytic.numerics.roots import root
 from analytic.numerics.where_assembled import where_assembled
 
@@ -53,7 +53,7 @@ def equilibria(mechanism: Mechanism, torque: float | Law = 0.0) -> tuple[Equilib
         angle = root(lambda phi: float(moment(np.asarray(phi))), left, right)
         ends = max(abs(before[change]), abs(after[change]))
         if abs(float(moment(np.asarray(angle)))) <= ends:  # else it passes through infinity, at a dead position
-            found.append(Equilibrium(float(angle % FULL_TURN), bool(after[change] < before[change])))
+            found.append(Equilibrium(float(in_turn(angle)), bool(after[change] < before[change])))
     return tuple(sorted(found))
 
 

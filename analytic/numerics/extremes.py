@@ -6,7 +6,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from analytic.description.law import FULL_TURN
 
@@ -39,6 +39,12 @@ class Extremes:
 def grid(points: int = GRID) -> Array:
     """Crank angles over one turn, rad, the end left out."""
     return np.linspace(0.0, FULL_TURN, points, endpoint=False)
+
+
+def in_turn(angle: ArrayLike) -> Array:
+    """Crank angles brought into [0, 2π): the remainder of one just below zero rounds to 2π, which is 0."""
+    remainder = np.mod(angle, FULL_TURN)
+    return np.where(remainder < FULL_TURN, remainder, 0.0)
 
 
 def periodic_mean(values: Array) -> float:
@@ -75,7 +81,7 @@ def _highest(quantity: Quantity, angle: Array, values: Array) -> tuple[float, fl
         peaks, heights = near[rows, best], seen[rows, best]
         step *= 2.0 / (LOOK - 1)
     first = int(np.argmax(heights))
-    return float(heights[first]), float(peaks[first] % FULL_TURN)
+    return float(heights[first]), float(in_turn(peaks[first]))
 
 
 def zeros(quantity: Quantity, slope: Quantity, points: int = GRID) -> Array:
@@ -97,4 +103,4 @@ def zeros(quantity: Quantity, slope: Quantity, points: int = GRID) -> Array:
         root = moved
         if done:
             break
-    return np.sort(root % FULL_TURN)
+    return np.sort(in_turn(root))

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from numpy.polynomial import polynomial
 
-from analytic.description.crank_motion import RAMPS, REGIMES, RPM, crank_motion
+from analytic.description.crank_motion import RAMPS, REGIMES, RPM, crank_motion, degrees
 from analytic.errors import LinkproofError, UnknownNameError
 from tests.analytic.tolerances import EPS, FEW_ROUNDINGS
 
@@ -88,3 +88,10 @@ def test_an_unknown_regime():
 def test_numbers_that_make_no_motion(values, message):
     with pytest.raises(LinkproofError, match=message):
         crank_motion(**values)
+
+
+@pytest.mark.parametrize(
+    ("angle", "written"), [(0.0, "0°"), (np.pi, "180°"), (-1e-9, "0°"), (2.0 * np.pi - 1e-7, "0°"), (7.0, "41.07°")]
+)
+def test_an_angle_is_written_below_a_full_turn(angle, written):
+    assert degrees(angle) == written

@@ -2,6 +2,7 @@
 
 import pytest
 
+from analytic.description.loading import load
 from tests.analytic.linkages import from_text, mechanism, text_of
 
 
@@ -30,3 +31,11 @@ def test_points_are_looked_up_by_body():
 
 def test_a_slot_bears_the_name_of_its_pin_and_host():
     assert [slot.name for slot in mechanism("shaper").linkage.slots] == ["A in rocker", "F in rocker"]
+
+
+def test_lengths_are_written_in_the_units_of_the_file():
+    assert load("juki-mf7923d").written(0.0155) == "15.5 mm"
+    assert (
+        from_text(text_of("spring-and-damper").replace('length = "mm"', 'length = "in"')).linkage.written(0.0254)
+        == "1 in"
+    )

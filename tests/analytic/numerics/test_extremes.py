@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from analytic.dynamics import reduced
-from analytic.numerics.extremes import extremes, largest, zeros
+from analytic.numerics.extremes import extremes, in_turn, largest, zeros
 from tests.analytic.linkages import mechanism
 from tests.analytic.tolerances import EPS, FIFTY_DIGITS, FOUR_DIGITS
 
@@ -86,3 +86,17 @@ def test_zeros_where_newton_alone_would_leave_the_bracket():
 
 def test_no_zeros_where_there_is_no_change_of_sign():
     assert len(zeros(lambda phi: 2.0 + np.cos(phi), lambda phi: -np.sin(phi))) == 0
+
+
+def test_angles_are_brought_below_a_full_turn():
+    angles = in_turn(np.array([-1e-17, 0.0, 1.0, 2.0 * np.pi, 2.0 * np.pi + 1.0, -1.0]))
+    assert np.all((angles >= 0.0) & (angles < 2.0 * np.pi))
+    assert angles[0] == angles[3] == 0.0
+    assert angles[[2, 4, 5]] == pytest.approx([1.0, 1.0, 2.0 * np.pi - 1.0])
+
+
+def test_an_extreme_at_the_ends_of_the_turn_is_at_its_beginning():
+    assert extremes(lambda phi: np.cos(phi + 1e-17)).maximum_angle < 2.0 * np.pi
+    for shift in np.linspace(-1e-15, 1e-15, 41):
+        ends = extremes(lambda phi, shift=shift: np.cos(phi + shift))
+        assert 0.0 <= ends.maximum_angle < 2.0 * np.pi
