@@ -14,23 +14,22 @@ and the methods that can be studied.
 
 from __future__ import annotations
 
-import math
-import time
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import replace
-from importlib import metadata
 
-from analytic.errors import LinkproofError
 from engines.contract import History, Method, Outcome, Run, Setting
-from engines.exudyn_adapter.checks import assembly_obstacle, data_obstacle
+from engines.exudyn_adapter.checks import assemble, data_obstacle
 from engines.exudyn_adapter.model import build_model
 from engines.exudyn_adapter.passes import follow
 from engines.exudyn_adapter.readout import add_sensors
 from engines.exudyn_adapter.recipes import Recipe, method_recipe, setting_recipe, studied_methods
-from engines.exudyn_adapter.stepping import Stepper, StoppedError
+from engines.exudyn_adapter.stepping import Stepper
+from engines.installed import installed_version, why_absent
 from engines.scene import Scene
-from engines.stepping.own_units import Units, own_units, restored, scaled
+from engines.stepping.cost import Cost
+from engines.stepping.driver import UnsupportedError, check_step, run_stepping
+from engines.stepping.own_units import own_units, restored, scaled
 
 
 class ExudynEngine:
@@ -40,85 +39,57 @@ class ExudynEngine:
     work_unit = "Newton iterations"
 
     def version(self) -> str | None:
-        try:
-            return metadata.version("exudyn")
-        except metadata.PackageNotFoundError:
-            return None
+        return installed_version(self.name)
 
     def obstacle(self, scene: Scene) -> str | None:
         reason = data_obstacle(scene)
-        if reason is not None or _missing() is not None:
+        if reason is not None or why_absent(self.name) is not None:
             return reason
         with _silent():
-            return assembly_obstacle(build_model(scene))
+            try:
+                assemble(build_model(scene))
+            except UnsupportedError as error:
+                return str(error)
+        return None
 
     def run(self, scene: Scene, setting: Setting) -> Run:
-        return _attempted(scene, setting_recipe(scene, setting), checked=True)
+        return self._run(scene, setting_recipe(scene, setting), checked=True)
 
     def methods(self, scene: Scene) -> tuple[Method, ...]:
         return studied_methods()
 
     def run_method(self, scene: Scene, method: Method, step: float) -> Run:
-        if not 0.0 < step < math.inf:
-            raise LinkproofError(f"step: expected a positive finite number of seconds, got {step:g}; correct it")
-        run = _attempted(scene, method_recipe(method, step), checked=False)
+        check_step(step)
+        run = self._run(scene, method_recipe(method, step), checked=False)
         return replace(run, details={"method": method.name, **run.details})
 
-
-def _attempted(scene: Scene, recipe: Recipe, *, checked: bool) -> Run:
-    """A run by a recipe, if exudyn is there and can hold the scene."""
-    missing = _missing()
-    if missing is not None:
-        return Run(Outcome.UNAVAILABLE, missing)
-    reason = data_obstacle(scene)
-    if reason is not None:
-        return Run(Outcome.UNSUPPORTED, reason)
-    with _silent():
-        return _run(scene, recipe, checked=checked)
-
-
-def _run(scene: Scene, recipe: Recipe, *, checked: bool) -> Run:
-    began = time.perf_counter()
-    plain = recipe.rule.as_shipped
-    units = Units(1.0, 1.0) if plain else own_units(scene)
-    model = build_model(scene if plain else scaled(scene, units), plain=plain)
-    stepper = Stepper(model, add_sensors(model), checked=checked)
-    reason = assembly_obstacle(model)
-    if reason is not None:
-        return Run(Outcome.UNSUPPORTED, reason)
-    stepper.prepare(recipe)
-    built = time.perf_counter() - began
-    outcome, reason, history = _stepped(stepper, recipe)
-    if history is not None and not plain:
-        history = restored(history, units)
-    return Run(
-        outcome,
-        reason,
-        history,
-        seconds=stepper.seconds,
-        setup_seconds=built,
-        steps=stepper.steps,
-        solver_work=stepper.iterations,
-        details=stepper.details,
-    )
+    def _run(self, scene: Scene, recipe: Recipe, *, checked: bool) -> Run:
+        """A run by a recipe, if exudyn is there and can hold the scene."""
+        absent = why_absent(self.name)
+        if absent is not None:
+            return Run(Outcome.UNAVAILABLE, absent)
+        reason = data_obstacle(scene)
+        if reason is not None:
+            return Run(Outcome.UNSUPPORTED, reason)
+        cost = Cost()
+        with _silent():
+            return run_stepping(cost, lambda: _history(scene, recipe, cost, checked=checked))
 
 
-def _stepped(stepper: Stepper, recipe: Recipe) -> tuple[Outcome, str, History | None]:
-    try:
-        return Outcome.FINISHED, "", follow(recipe, stepper)
-    except StoppedError as stop:
-        return Outcome.DIVERGED, str(stop), None
+def _history(scene: Scene, recipe: Recipe, cost: Cost, *, checked: bool) -> History:
+    if recipe.rule.as_shipped:
+        return follow(recipe, _stepper(scene, recipe, cost, checked=checked))
+    units = own_units(scene)
+    return restored(follow(recipe, _stepper(scaled(scene, units), recipe, cost, checked=checked)), units)
 
 
-def _missing() -> str | None:
-    """Why exudyn cannot be imported; an error inside an installed exudyn is not hidden by this."""
-    try:
-        import exudyn  # noqa: F401
-    except ModuleNotFoundError as error:
-        if error.name != "exudyn":
-            raise
-        return "exudyn is not installed: pip install 'linkproof[exudyn]' brings it"
-    return None
+def _stepper(scene: Scene, recipe: Recipe, cost: Cost, *, checked: bool) -> Stepper:
+    with cost.building():
+        model = build_model(scene, plain=recipe.rule.as_shipped)
+        stepper = Stepper(model, add_sensors(model), cost, checked=checked)
+        assemble(model)
+        stepper.prepare(recipe)
+        return stepper
 
 
 @contextmanager

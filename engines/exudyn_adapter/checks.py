@@ -10,6 +10,7 @@ from engines.mechanics.joints import scene_size
 from engines.mechanics.states import Reals, body_numbers, start_motion
 from engines.scene import Prescribed, Scene
 from engines.start_check import misfits, start_misfit
+from engines.stepping.driver import UnsupportedError
 
 # A joint may be open by this share of the scene's size over the square of the division: the drift of a constraint on
 # velocity level is second order in the step, and what does not shrink like that is not drift.
@@ -28,20 +29,23 @@ def data_obstacle(scene: Scene) -> str | None:
     return start_misfit(scene)
 
 
-def assembly_obstacle(model: Model) -> str | None:
-    """Assemble a model; redundant joints would make it singular, which exudyn says only in the middle of a solve."""
+def assemble(model: Model) -> None:
+    """Assemble a model; raises UnsupportedError where exudyn refuses it or its joints do not fit the drive.
+
+    Redundant joints would make it singular, which exudyn says only in the middle of a solve.
+    """
     try:
         model.mbs.Assemble()
     except model.exudyn.ExudynError as error:
-        return "exudyn refuses the scene: " + str(error).partition("\n")[0]
-    found = model.exudyn.ComputeSystemDegreeOfFreedom(model.mbs)
-    if found["redundantConstraints"]:
-        return f"the joints repeat {found['redundantConstraints']} of their conditions, which makes exudyn singular"
+        raise UnsupportedError("exudyn refuses the scene: " + str(error).partition("\n")[0]) from error
+    freedom = model.exudyn.ComputeSystemDegreeOfFreedom(model.mbs)
+    redundant = freedom["redundantConstraints"]
+    if redundant:
+        raise UnsupportedError(f"the joints repeat {redundant} of their conditions, which makes exudyn singular")
     expected = 1 if model.driver is None else 0
-    left = int(found["degreeOfFreedom"])
+    left = int(freedom["degreeOfFreedom"])
     if left != expected:
-        return f"the joints leave {left} degrees of freedom where the drive needs {expected}"
-    return None
+        raise UnsupportedError(f"the joints leave {left} degrees of freedom where the drive needs {expected}")
 
 
 def not_finite(model: Model, now: float) -> str | None:

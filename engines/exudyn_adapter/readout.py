@@ -23,19 +23,6 @@ COORDINATES = {
 
 
 @dataclass(frozen=True)
-class Strip:
-    """What was recorded between two restarts: ``motion`` (n, bodies, 3) by channel, ``loads`` by name.
-
-    Loads are the drive's torque (n,) under "" and the joint forces (n, 2) under the joints' names. The multipliers
-    belong to a step, not to a state, so the first sample of a load is void.
-    """
-
-    time: Array
-    motion: Mapping[Channel, Array]
-    loads: Mapping[str, Array]
-
-
-@dataclass(frozen=True)
 class Recorder:
     """The sensors of a model, by what they measure."""
 
@@ -58,19 +45,33 @@ class Recorder:
         speed, second = (np.abs(self.model.mbs.GetSensorStoredData(s)[:, 1 + ANGLE]).max() for s in self.crank)
         return float(speed + second / speed) if speed > 0.0 else 0.0
 
-    def read(self) -> Strip:
-        """The samples of the latest solve."""
-        get = self.model.mbs.GetSensorStoredData
-        data = {sensor: get(sensor) for sensor in self.sensors}
+    def read(self, *, last: bool, before_jump: bool) -> History:
+        """The samples of the latest solve, without those that belong to the interval after it.
+
+        Where two intervals meet, the motion is taken from the later one: an acceleration at a jump is the value just
+        after it. The multipliers belong to a step, not to a state: loads have no sample at a start, and none at a
+        jump, where they have two values.
+        """
+        data = {sensor: self.model.mbs.GetSensorStoredData(sensor) for sensor in self.sensors}
         time = next(iter(data.values()))[:, 0] if data else np.zeros(0)
+        moving = slice(None) if last else slice(None, -1)
+        loaded = slice(1, -1) if before_jump else slice(1, None)
         motion = {
-            channel: self._motion(channel, [data[sensor] for sensor in sensors], len(time))
+            channel.value: Signal(
+                time[moving], self._motion(channel, [data[sensor] for sensor in sensors], len(time))[moving]
+            )
             for channel, sensors in self.motion.items()
         }
-        loads = {name: self._force(name, data) for name in self.forces}
+        torque = None  # exudyn reports what the crank does to the drive
         if self.torque is not None:
-            loads[""] = -data[self.torque][:, 1]  # exudyn reports what the crank does to the drive
-        return Strip(time, motion, loads)
+            torque = Signal(time[loaded], -data[self.torque][loaded, 1])
+        forces = {name: Signal(time[loaded], self._force(name, data)[loaded]) for name in self.forces}
+        return History(**motion, torque=torque, joint_force=forces)
+
+    def samples(self) -> int | None:
+        """Number of samples of the latest solve; None where nothing is recorded."""
+        sensors = self.sensors
+        return len(self.model.mbs.GetSensorStoredData(sensors[0])) if sensors else None
 
     def _motion(self, channel: Channel, columns: Sequence[Array], samples: int) -> Array:
         result = np.zeros((samples, len(columns), 3))
@@ -128,29 +129,4 @@ def add_sensors(model: Model) -> Recorder:
         torque=None if model.driver is None or Channel.TORQUE not in channels else on_item(model.driver, "Force"),
         forces={name: on_item(output.item, output.output) for name, output in joints.items()},
         crank=tuple(pace),
-    )
-
-
-def join(strips: Sequence[Strip], jumps: Sequence[bool]) -> History:
-    """One history of consecutive strips; ``jumps`` says after which of them the acceleration jumps.
-
-    Where two strips meet, the motion is taken from the later one: an acceleration at a jump is the value just after it.
-    Loads have no sample at a start and none at a jump, where they have two values.
-    """
-    last = len(strips) - 1
-    moving = [slice(None) if number == last else slice(None, -1) for number in range(len(strips))]
-    loaded = [slice(1, -1) if jump and number != last else slice(1, None) for number, jump in enumerate(jumps)]
-
-    def signal(kept: Sequence[slice], values: Sequence[Array]) -> Signal:
-        time = np.concatenate([strip.time[part] for strip, part in zip(strips, kept, strict=True)])
-        return Signal(time, np.concatenate([value[part] for value, part in zip(values, kept, strict=True)]))
-
-    motion = {channel: signal(moving, [strip.motion[channel] for strip in strips]) for channel in strips[0].motion}
-    loads = {name: signal(loaded, [strip.loads[name] for strip in strips]) for name in strips[0].loads}
-    return History(
-        position=motion.get(Channel.POSITION),
-        velocity=motion.get(Channel.VELOCITY),
-        acceleration=motion.get(Channel.ACCELERATION),
-        torque=loads.pop("", None),
-        joint_force=loads,
     )

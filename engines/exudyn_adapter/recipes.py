@@ -13,6 +13,7 @@ from dataclasses import dataclass, replace
 from analytic.errors import UnknownNameError
 from engines.contract import Method, Setting
 from engines.scene import Free, Scene
+from engines.stepping.intervals import Pace
 
 TIGHTER = 1e-2  # absolute tolerance of Newton's method over its relative one, as exudyn has it
 RETREAT = 2.0  # the cut of a step that failed, which says nothing of the step that would do
@@ -54,27 +55,21 @@ def generalised_alpha(damping: float) -> Rule:
 AS_SHIPPED = replace(generalised_alpha(0.9), as_shipped=True)
 
 
-@dataclass(frozen=True)
-class Recipe:
-    """A rule, the ``divisions`` of the basic step that are run and extrapolated, and the basic step.
+@dataclass(frozen=True, kw_only=True)
+class Recipe(Pace):
+    """A rule, how fine its basic step is, and the ``divisions`` of that step that are run and extrapolated.
 
-    The step is the longest that is not over ``step``, s, or that makes ``steps_per_turn`` of the fastest turn. At least
-    ``levels`` divisions are run, the others if the estimated error of accelerations and torque, relative to their
-    peaks, is above ``accuracy``; if that does not do, all is done again with a shorter step, ``attempts`` times in all.
-    ``tolerance`` is Newton's relative one; None leaves exudyn's own. A prescribed motion is started anew, from a state
-    that fits all joints, at least every so many ``turns``.
+    At least ``levels`` divisions are run, the others if the estimated error of accelerations and torque, relative to
+    their peaks, is above ``accuracy``; if that does not do, all is done again with a shorter step, ``attempts`` times
+    in all. ``tolerance`` is Newton's relative one; None leaves exudyn's own.
     """
 
     rule: Rule
     divisions: tuple[int, ...] = (1,)
     tolerance: float | None = None
-    step: float = math.inf
-    steps_per_turn: float = 0.0
     levels: int = 1
     accuracy: float = math.inf
     attempts: int = 1
-    turns: float = math.inf
-    least_steps: int = 8  # of a stretch between restarts; fewer samples cannot be read between
 
     def details(self) -> dict[str, str | int | float]:
         """The recipe in words, for the record of a run."""
@@ -112,7 +107,7 @@ def _searching(levels: int, steps_per_turn: float, accuracy: float, tolerance: f
     )
 
 
-NAIVE = Recipe(AS_SHIPPED, step=1e-3)
+NAIVE = Recipe(rule=AS_SHIPPED, step=1e-3)
 # From work against precision of the methods below on the catalogue's mechanisms: fourth order is cheapest down to 1e-5
 # of the torque's peak, sixth down to 1e-7, eighth below; 50 steps a turn are the fewest whose samples can be read
 # between. Smooth linkages stay at fourth order in tuned, sharp ones get the divisions they need.
@@ -139,26 +134,26 @@ def _extrapolated(count: int) -> tuple[str, Recipe]:
     about = (
         f"the same at 1/{parts} of the step, extrapolated to order {2 * count}, closed again every {CLOSED_EVERY} turns"
     )
-    return about, Recipe(TRAPEZOIDAL, ODD[:count], 1e-12, levels=count, turns=CLOSED_EVERY)
+    return about, Recipe(rule=TRAPEZOIDAL, divisions=ODD[:count], tolerance=1e-12, levels=count, turns=CLOSED_EVERY)
 
 
 STUDIED: Mapping[str, tuple[str, Recipe]] = {
     "defaults": ("a rigid body for every link, the drive a Python function, exudyn's settings as shipped", NAIVE),
     "generalised alpha": (
         "generalised α as shipped (index 3, spectral radius 0.9) from consistent accelerations, restarted at jumps",
-        Recipe(generalised_alpha(0.9), tolerance=1e-10),
+        Recipe(rule=generalised_alpha(0.9), tolerance=1e-10),
     ),
     "generalised alpha 0.6": (
         "the same with a spectral radius of 0.6, which forgets a start sooner",
-        Recipe(generalised_alpha(0.6), tolerance=1e-10),
+        Recipe(rule=generalised_alpha(0.6), tolerance=1e-10),
     ),
     "trapezoidal, index 3": (
         "the implicit trapezoidal rule, constraints on position level: nothing damps the multipliers",
-        Recipe(replace(TRAPEZOIDAL, index=3), tolerance=1e-10),
+        Recipe(rule=replace(TRAPEZOIDAL, index=3), tolerance=1e-10),
     ),
     "trapezoidal": (
         "the implicit trapezoidal rule, constraints on velocity level, started anew where the acceleration jumps",
-        Recipe(TRAPEZOIDAL, tolerance=1e-10),
+        Recipe(rule=TRAPEZOIDAL, tolerance=1e-10),
     ),
     **{f"trapezoidal x{count}": _extrapolated(count) for count in (2, 3, 4)},
 }

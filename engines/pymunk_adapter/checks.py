@@ -19,8 +19,10 @@ from engines.contract import History
 from engines.pymunk_adapter.layout import Kind, Layout, exact_layout, turns
 from engines.pymunk_adapter.reactions import gaps
 from engines.pymunk_adapter.recording import WATCHED, Recording
-from engines.scene import Channel, Free, Scene
+from engines.scene import Free, Scene
 from engines.start_check import start_misfit
+from engines.stepping.driver import DivergedError
+from engines.stepping.histories import labelled
 
 Array = NDArray[np.float64]
 
@@ -34,10 +36,6 @@ LEAST, LARGEST = 1e-60, 1e60
 
 # Share of the torque added for its sign below which the drive's impulse leaves the sign in doubt.
 DOUBT = 0.05
-
-
-class DivergedError(Exception):
-    """A motion that is not the scene's; the message says what gave it away."""
 
 
 def obstacle(scene: Scene) -> str | None:
@@ -171,10 +169,8 @@ def check_joints(times: Array, seen: Array, layout: Layout, share: float = OPEN_
 
 def check_read_out(history: History) -> None:
     """Raise DivergedError where a signal is not finite: states may be, and their products not."""
-    signals = {channel.value: getattr(history, channel.value) for channel in Channel if channel != Channel.JOINT_FORCE}
-    signals |= {f"force of joint '{name}'": force for name, force in history.joint_force.items()}
-    for name, signal in signals.items():
-        if signal is not None and not np.isfinite(signal.values).all():
+    for name, signal in labelled(history):
+        if not np.isfinite(signal.values).all():
             raise DivergedError(f"the {name} is no longer a finite number")
 
 

@@ -9,16 +9,17 @@ from numpy.typing import NDArray
 
 from engines.contract import History, Signal
 from engines.pymunk_adapter.checks import check_finite, check_joints
-from engines.pymunk_adapter.cost import Cost
-from engines.pymunk_adapter.disagreement import Pass
 from engines.pymunk_adapter.layout import Layout, plain_layout
 from engines.pymunk_adapter.load_sums import loads_on_parts
 from engines.pymunk_adapter.loads import StepLoads
+from engines.pymunk_adapter.passes import count_steps
 from engines.pymunk_adapter.plans import PlainPlan
 from engines.pymunk_adapter.reactions import joint_forces
 from engines.pymunk_adapter.space import World, add_motor, add_torque, build_world
 from engines.pymunk_adapter.stepping import Calls, calls, march
 from engines.scene import Channel, Free, Prescribed, Scene
+from engines.stepping.cost import Cost
+from engines.stepping.richardson import Pass
 
 Array = NDArray[np.float64]
 
@@ -42,13 +43,13 @@ def naive_pass(scene: Scene, plan: PlainPlan, cost: Cost) -> Pass:
     count = math.ceil(duration / plan.step * (1.0 - 1e-9))
     step = duration / count
     with cost.stepping():
-        seen, torque = _stepped(scene, world, on, step, count)
-        cost.count(world, count)
+        seen, torque = _naive_steps(scene, world, on, step, count)
+        count_steps(cost, world, count)
     times = step * np.arange(count + 1, dtype=np.float64)
     check_finite(times, seen)
     if plan.torn is not None:
         check_joints(times, seen, layout, plan.torn)
-    return Pass(step, _history(scene, layout, step, seen, torque))
+    return Pass(step, _naive_history(scene, layout, step, seen, torque))
 
 
 def _let_go(scene: Scene, world: World) -> Calls:
@@ -60,7 +61,7 @@ def _let_go(scene: Scene, world: World) -> Calls:
     return calls(world, None)
 
 
-def _stepped(scene: Scene, world: World, on: Calls, step: float, count: int) -> tuple[Array, Array]:
+def _naive_steps(scene: Scene, world: World, on: Calls, step: float, count: int) -> tuple[Array, Array]:
     """States (count + 1, bodies, 2, 3), the start's first, and the drive's torques (count,)."""
     drive = scene.drive
     rates = [0.0] * count
@@ -73,15 +74,15 @@ def _stepped(scene: Scene, world: World, on: Calls, step: float, count: int) -> 
     return on.collected(), torque
 
 
-def _history(scene: Scene, layout: Layout, step: float, seen: Array, torque: Array) -> History:
+def _naive_history(scene: Scene, layout: Layout, step: float, seen: Array, torque: Array) -> History:
     times = step * np.arange(1, len(seen), dtype=np.float64)
     state, rates = seen[:, :, 0], seen[:, :, 1]
     acceleration = np.diff(rates, axis=0) / step
     forces = {}
     if Channel.JOINT_FORCE in scene.channels:
         load = loads_on_parts(scene, layout, state[1:], rates[1:])
-        found = joint_forces(layout, state[1:], acceleration, load)
-        forces = {name: Signal(times, values) for name, values in found.items()}
+        reactions = joint_forces(layout, state[1:], acceleration, load)
+        forces = {name: Signal(times, values) for name, values in reactions.items()}
 
     def signal(channel: Channel, values: Array) -> Signal | None:
         return Signal(times, values) if channel in scene.channels else None

@@ -14,16 +14,20 @@ from numpy.typing import NDArray
 
 from analytic.description.crank_motion import CrankMotion, Segment
 from analytic.description.law import FULL_TURN
-from engines.pymunk_adapter.checks import DivergedError, check_crank, check_finite, check_impulses, check_joints
-from engines.pymunk_adapter.cost import Cost
-from engines.pymunk_adapter.disagreement import Pass, doubt
+from engines.pymunk_adapter.checks import check_crank, check_finite, check_impulses, check_joints
 from engines.pymunk_adapter.layout import Layout
 from engines.pymunk_adapter.loads import StepLoads
 from engines.pymunk_adapter.plans import Plan
-from engines.pymunk_adapter.recording import Clock, Recording, joined, looks, marks
+from engines.pymunk_adapter.recording import Clock, Recording, looks, marks
 from engines.pymunk_adapter.space import Rig, World, add_motor, add_torque, build_world
 from engines.pymunk_adapter.stepping import Calls, calls, march, march_wound, place
 from engines.scene import Scene
+from engines.stepping.cost import Cost
+from engines.stepping.driver import DivergedError, refined
+from engines.stepping.error_estimate import disagreement
+from engines.stepping.histories import joined
+from engines.stepping.intervals import Pace, intervals
+from engines.stepping.richardson import Pass
 
 Array = NDArray[np.float64]
 
@@ -34,19 +38,17 @@ RUN_IN = 40
 COLD_SHARE = 0.25
 COLD = 4
 
+# Powers of the step in the error of a pass; the read-outs are centred, the closing of the joints is not.
+ORDERS = (2, 3, 4, 5, 6, 7, 8)
+
 # Passes of a prescribed motion at most, what another one has to make of their disagreement to be followed by more, and
 # how far they may disagree in the end.
 MOST_PASSES = 7
 WORTHWHILE = 0.5
-LARGEST_DOUBT = 0.05
+LARGEST_DISAGREEMENT = 0.05
 
 # Fewest samples of a segment, however short it is.
 LEAST_SAMPLES = 4
-
-
-def step_count(duration: float, step: float) -> int:
-    """Number of equal steps of at most ``step`` seconds that make up a duration."""
-    return max(LEAST_SAMPLES, math.ceil(duration / step * (1.0 - 1e-9)))
 
 
 def clocks(motion: CrankMotion, step: float, ratio: int) -> list[tuple[Segment, Clock]]:
@@ -55,10 +57,10 @@ def clocks(motion: CrankMotion, step: float, ratio: int) -> list[tuple[Segment, 
     A segment has its start among its samples; the last one has its end as well.
     """
     result = []
-    for segment in motion.segments:
-        count = step_count(segment.end - segment.start, step)
-        samples = count + 1 if segment is motion.segments[-1] else count
-        result.append((segment, Clock(segment.start, (segment.end - segment.start) / count, samples, count, ratio)))
+    for part in intervals(motion, Pace(step, least_steps=LEAST_SAMPLES)):
+        assert part.segment is not None
+        samples = part.samples + 1 if part.segment is motion.segments[-1] else part.samples
+        result.append((part.segment, Clock(part.start, part.step, samples, part.samples, ratio)))
     return result
 
 
@@ -93,19 +95,29 @@ def prescribed_passes(rig: Rig, motion: CrankMotion, plan: Plan, cost: Cost) -> 
     if isinstance(aim, float):
         return [prescribed_pass(rig, motion, aim, ratio, cost) for ratio in plan.ratios]
     step = min(FULL_TURN / motion.peak_speed / aim.samples_per_turn, motion.duration / aim.least_samples)
-    ratios = list(plan.ratios)
-    passes = [prescribed_pass(rig, motion, step, ratio, cost) for ratio in ratios]
-    found, before = doubt(passes, rig.layout), math.inf
-    while aim.doubt < found.size < WORTHWHILE * before and len(passes) < MOST_PASSES:
-        ratios.append(ratios[-1] + 2)
-        passes.append(prescribed_pass(rig, motion, step, ratios[-1], cost))
-        found, before = doubt(passes, rig.layout), found.size
-    if found.size > LARGEST_DOUBT:
+    levels = len(plan.ratios)
+    further = [plan.ratios[-1] + 2 * number for number in range(1, MOST_PASSES - levels + 1)]
+    passes, left = refined(
+        lambda ratio: prescribed_pass(rig, motion, step, ratio, cost),
+        [*plan.ratios, *further],
+        levels=levels,
+        estimate=lambda passes: disagreement(passes, ORDERS, rig.layout.reach).size,
+        accuracy=aim.disagreement,
+        worthwhile=WORTHWHILE,
+    )
+    if left > LARGEST_DISAGREEMENT:
+        worst = disagreement(passes, ORDERS, rig.layout.reach)
         raise DivergedError(
-            f"runs at different steps do not agree: {found.about} differs by {found.size:.2g} of its scale at "
-            f"{found.time:.4g} s"
+            f"runs at different steps do not agree: {worst.about} differs by {worst.size:.2g} of its scale at "
+            f"{worst.time:.4g} s"
         )
     return passes
+
+
+def count_steps(cost: Cost, world: World, steps: int) -> None:
+    """Note steps that a world took with its present number of iterations."""
+    cost.steps += steps
+    cost.solver_work += steps * world.visits
 
 
 def prescribed_pass(rig: Rig, motion: CrankMotion, step: float, ratio: int, cost: Cost) -> Pass:
@@ -125,7 +137,7 @@ def prescribed_pass(rig: Rig, motion: CrankMotion, step: float, ratio: int, cost
         with cost.stepping():
             recording = _driven(rig, world, on, cost, segment=segment, clock=clock, offset=offset)
         check_finite(recording.times, recording.seen)
-        if rig.judged:
+        if rig.checked:
             check_joints(recording.times, recording.seen, rig.layout)
             check_crank(recording, rig.layout, segment)
             check_impulses(recording, offset)
@@ -147,7 +159,7 @@ def _driven(
     count = int(steps[-1]) + 1
     rates = (-mean_speeds(segment, clock.start, fine, count)).tolist()
     seen, impulses = march_wound(world, on, fine, rates=rates, looks=marks(steps[steps >= 0], count), loads=loads)
-    cost.count(world, count)
+    count_steps(cost, world, count)
     return Recording(clock, steps, seen, offset - np.array(before + impulses) / fine)
 
 
@@ -161,14 +173,14 @@ def run_in(
     count = _run_in_steps(segment, clock)
     start = clock.start - count * clock.fine
     world.space.iterations = COLD * rig.iterations
-    cost.count(world, place(world, on, clock.fine, float(segment.value(start))))
+    count_steps(cost, world, place(world, on, clock.fine, float(segment.value(start))))
     changing = StepLoads(world, rig.scene, clock.fine, ahead=True)
     loads = changing if changing else None
     rates, cold = (-mean_speeds(segment, start, clock.fine, count)).tolist(), math.ceil(COLD_SHARE * count)
     for part, effort in ((slice(cold), COLD), (slice(cold, None), 1)):
         world.space.iterations = effort * rig.iterations
         march(on, clock.fine, rates[part], [0] * len(rates[part]), loads)
-        cost.count(world, len(rates[part]))
+        count_steps(cost, world, len(rates[part]))
     return loads
 
 

@@ -1,7 +1,7 @@
 """How pymunk is stepped: the plans behind the settings, and those behind the methods that are offered for study.
 
 - ``naive`` and ``defaults`` are what a newcomer writes: pymunk's defaults, every read-out at face value.
-- ``centred`` is the stepping made second order (see pymunk_passes); passes with more steps to a sample are
+- ``centred`` is the stepping made second order (see ``passes``); passes with more steps to a sample are
   extrapolated with it.
 
 The plans of ``tuned`` and ``best`` were chosen by error against time over steps, iterations and numbers of passes on
@@ -12,7 +12,6 @@ change take longer than four that leave 0.2, and are off by thirteen times as mu
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Final
@@ -20,6 +19,7 @@ from typing import Final
 from analytic.errors import LinkproofError, UnknownNameError
 from engines.contract import Method, Setting
 from engines.scene import Drive, Prescribed
+from engines.stepping.driver import check_step
 
 # A joint open by this share of the scene's size is the end of a naive run; less is for its reader to see.
 TORN_JOINT = 0.1
@@ -36,13 +36,13 @@ UNIT: Final = "iterations"
 class Aim:
     """What a setting asks of the steps it is to find by itself.
 
-    ``samples_per_turn`` at the peak speed, ``least_samples`` in all. ``doubt`` is how far the result may depend on the
-    coarsest pass (see pymunk_doubt; the angle of a free crank by the end, rad).
+    ``samples_per_turn`` at the peak speed, ``least_samples`` in all. ``disagreement`` is how far the result may depend
+    on the coarsest pass (``stepping.error_estimate``; the angle of a free crank by the end, rad).
     """
 
     samples_per_turn: int
     least_samples: int
-    doubt: float
+    disagreement: float
 
 
 @dataclass(frozen=True)
@@ -79,7 +79,8 @@ PRESCRIBED: Mapping[Setting, PlainPlan | Plan] = {
 }
 
 # A free crank adds up its error of phase over all turns, and a prescribed one has none: it takes smaller steps. Over a
-# hundred turns and more, its doubt was measured to be several hundred times the error of three passes, thirty of four.
+# hundred turns and more, its disagreement was measured to be several hundred times the error of three passes, thirty of
+# four.
 FREE: Mapping[Setting, PlainPlan | Plan] = {
     Setting.NAIVE: PRESCRIBED[Setting.NAIVE],
     Setting.TUNED: Plan((3, 5, 7), Aim(100, 1000, 0.1), 0.2),
@@ -119,8 +120,7 @@ def method_plan(method: Method, step: float) -> PlainPlan | Plan:
     """The plan of a method at a longest step, s; raises LinkproofError for a method, step or effort that is none."""
     if method.name not in {known.name for known in METHODS}:
         raise UnknownNameError("method of pymunk", method.name, [known.name for known in METHODS])
-    if not 0.0 < step < math.inf:
-        raise LinkproofError(f"step: expected a positive finite number of seconds, got {step:g}; give a longer one")
+    check_step(step)
     iterations = None
     if method.effort is not None:
         if not 1.0 <= method.effort < 2**31:

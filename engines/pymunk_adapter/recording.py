@@ -7,7 +7,7 @@ velocity signal therefore lives on the middles, and the acceleration at a sample
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -180,23 +180,3 @@ def _carried_velocity(scene: Scene, layout: Layout, state: Array, rates: Array, 
         arm = _arm(offset, state[:, number, 2] + ahead * turn_rate)
         result[:, number, :2] += turn_rate[:, None] * across(arm)
     return result
-
-
-def joined(stretches: Sequence[History]) -> History:
-    """Histories of consecutive stretches as one; a channel is None in all or in none."""
-
-    def join(signals: Sequence[Signal | None]) -> Signal | None:
-        present = [signal for signal in signals if signal is not None]
-        if not present:
-            return None
-        return Signal(np.concatenate([s.time for s in present]), np.concatenate([s.values for s in present]))
-
-    first = stretches[0]
-    forces = {name: join([s.joint_force[name] for s in stretches]) for name in first.joint_force}
-    return History(
-        join([s.position for s in stretches]),
-        join([s.velocity for s in stretches]),
-        join([s.acceleration for s in stretches]),
-        join([s.torque for s in stretches]),
-        {name: signal for name, signal in forces.items() if signal is not None},
-    )

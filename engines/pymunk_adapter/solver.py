@@ -13,6 +13,7 @@ from engines.pymunk_adapter.reactions import contraction, gaps
 from engines.pymunk_adapter.space import add_motor, build_world
 from engines.pymunk_adapter.stepping import calls, place
 from engines.scene import Prescribed, Scene
+from engines.stepping.driver import UnsupportedError
 
 Array = NDArray[np.float64]
 
@@ -36,16 +37,12 @@ MOVING_STEP = 1e-4
 CLOSED = 1e-4
 
 
-class SlowSolverError(Exception):
-    """A scene on which pymunk's solver gets nowhere; the message says where and why."""
-
-
 def iterations_for(scene: Scene, layout: Layout, remaining: float) -> int:
     """Iterations after which no more than ``remaining`` of an impulse's change over a step is left wrong.
 
     The linkage is turned through the crank angles of its motion, and the worst convergence met on the way counts. A
-    free crank may not reach them all: those at which the joints do not close are left out. Raises SlowSolverError where
-    a motion leads through an angle at which no number of iterations will do.
+    free crank may not reach them all: those at which the joints do not close are left out. Raises UnsupportedError
+    where a motion leads through an angle at which no number of iterations will do.
     """
     states = turned_through(scene, layout)
     try:
@@ -55,7 +52,7 @@ def iterations_for(scene: Scene, layout: Layout, remaining: float) -> int:
     worst = float(np.max(factors))
     if _iterations(worst, LARGEST_REMAINDER) > MOST and isinstance(scene.drive, Prescribed):
         angle = math.degrees(states[int(np.argmax(factors)), layout.crank, 2])
-        raise SlowSolverError(
+        raise UnsupportedError(
             f"pymunk's solver does not converge at a crank angle of {angle:.0f}°, where the linkage all but falls into "
             f"its other assembly: an iteration leaves {worst:.6f} of the error, and {MOST} are the most that are tried"
         )

@@ -21,13 +21,13 @@ FAR: Final = 1e15
 class Rig:
     """A scene made ready for pymunk: how it is cut into parts, and the solver's iterations per step.
 
-    Where ``judged``, a pass whose motion is not the scene's ends the run; else only one that cannot be read out does.
+    Where ``checked``, a pass whose motion is not the scene's ends the run; else only one that cannot be read out does.
     """
 
     scene: Scene
     layout: Layout
     iterations: int
-    judged: bool
+    checked: bool
 
 
 @dataclass(frozen=True)
@@ -45,6 +45,11 @@ class World:
         """The driven body."""
         return self.bodies[self.layout.crank]
 
+    @property
+    def visits(self) -> int:
+        """Constraint visits of a step: in every iteration the solver goes once through all constraints of the space."""
+        return int(self.space.iterations * len(self.space.constraints))
+
     def part(self, number: int) -> pymunk.Body:
         """Body of a part, the static body for the ground."""
         return self.space.static_body if number == STILL else self.bodies[number]
@@ -61,7 +66,7 @@ def build_world(
     """Build the space in the scene's start state, at rest; None leaves pymunk's default.
 
     No shapes, hence no collisions; gravity only where there is any. ``native_damping`` lets pymunk's own springs damp,
-    which they do to first order; else dampers and dashpots are stepped beside them (see pymunk_loads).
+    which they do to first order; else dampers and dashpots are stepped beside them (see ``loads``).
     """
     import pymunk
 

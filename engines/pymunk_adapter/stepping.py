@@ -16,9 +16,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from analytic.description.law import FULL_TURN
-from engines.pymunk_adapter.checks import DivergedError
 from engines.pymunk_adapter.layout import geared
 from engines.pymunk_adapter.space import World
+from engines.stepping.driver import DivergedError
 
 if TYPE_CHECKING:
     import pymunk

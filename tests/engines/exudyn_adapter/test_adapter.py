@@ -147,7 +147,9 @@ def test_order_of_convergence(monkeypatch, divisions, order):
     motion, errors = _motion(), []
     for steps in (30, 60):
         rule, levels = recipes.TRAPEZOIDAL, len(divisions)
-        recipe = recipes.Recipe(rule, divisions, 1e-13, steps_per_turn=steps, levels=levels, turns=1.0)
+        recipe = recipes.Recipe(
+            rule=rule, divisions=divisions, tolerance=1e-13, steps_per_turn=steps, levels=levels, turns=1.0
+        )
         monkeypatch.setattr(adapter, "setting_recipe", lambda _scene, _setting, recipe=recipe: recipe)
         errors.append(_torque_error("rimoldi-164", motion, _run("rimoldi-164", motion)[1]))
     assert math.log2(errors[0] / errors[1]) > order - LOOSE_ORDER

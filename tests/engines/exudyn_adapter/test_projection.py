@@ -11,6 +11,7 @@ from engines.exudyn_adapter.readout import add_sensors
 from engines.exudyn_adapter.recipes import TRAPEZOIDAL, Recipe
 from engines.exudyn_adapter.stepping import Stepper
 from engines.scene import Channel, Prescribed
+from engines.stepping.cost import Cost
 from engines.stepping.own_units import own_units, scaled
 from tests.analytic.linkages import mechanism
 from tests.engines.newton_euler import true_motion
@@ -27,9 +28,9 @@ def _stepper(name, motion):
     wanted = scene(mechanism(name), Prescribed(motion), set(Channel))
     units = own_units(wanted)
     model = build_model(scaled(wanted, units))
-    stepper = Stepper(model, add_sensors(model), checked=True)
+    stepper = Stepper(model, add_sensors(model), Cost(), checked=True)
     model.mbs.Assemble()
-    stepper.prepare(Recipe(TRAPEZOIDAL, step=1e-3))
+    stepper.prepare(Recipe(rule=TRAPEZOIDAL, step=1e-3))
     return stepper, units
 
 

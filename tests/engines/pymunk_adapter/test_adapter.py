@@ -137,7 +137,7 @@ def test_a_groove_that_is_not_cut_free_gives_a_wrong_velocity(monkeypatch):
 
     assert worst() < MOTION[Setting.TUNED] * 10.0
     monkeypatch.setattr(adapter, "exact_layout", plain_layout)
-    monkeypatch.setattr(passes, "LARGEST_DOUBT", math.inf)
+    monkeypatch.setattr(passes, "LARGEST_DISAGREEMENT", math.inf)
     assert worst() > WRONG_GROOVE
 
 
@@ -186,14 +186,14 @@ def test_constant_loads_cost_no_python_in_a_step():
 def test_order_of_convergence(monkeypatch, ratios, order):
     motion, errors = _motion(), []
     for samples in (40, 80):
-        plan = Plan(ratios, Aim(samples, 10, doubt=math.inf), 1e-4)
+        plan = Plan(ratios, Aim(samples, 10, disagreement=math.inf), 1e-4)
         monkeypatch.setattr(plans, "PRESCRIBED", {Setting.TUNED: plan})
         errors.append(_torque_error("rimoldi-164", motion, _run("rimoldi-164", motion)[1]))
     assert math.log2(errors[0] / errors[1]) > order - LOOSE_ORDER
 
 
 def test_a_sharp_linkage_gets_more_passes_than_a_smooth_one(monkeypatch):
-    plan = Plan((1, 3, 5), Aim(40, 50, doubt=1e-4), 0.03)
+    plan = Plan((1, 3, 5), Aim(40, 50, disagreement=1e-4), 0.03)
     monkeypatch.setattr(plans, "PRESCRIBED", {Setting.TUNED: plan})
     _, smooth = _run("centric-slider-crank", _motion())
     _, sharp = _run("double-crank", _motion())
@@ -384,7 +384,7 @@ def test_a_crank_that_does_not_follow_is_not_passed_off_as_finished(monkeypatch)
 
 
 def test_passes_that_do_not_agree_are_not_passed_off_as_finished(monkeypatch):
-    monkeypatch.setattr(passes, "LARGEST_DOUBT", 1e-12)
+    monkeypatch.setattr(passes, "LARGEST_DISAGREEMENT", 1e-12)
     run = ENGINE.run(scene(mechanism("juki-mf7923d"), Prescribed(_motion()), NO_FORCES), Setting.TUNED)
     assert run.outcome is Outcome.DIVERGED
     assert "do not agree" in run.reason

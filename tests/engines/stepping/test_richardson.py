@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from engines.contract import History, Signal
-from engines.stepping.richardson import change, extrapolate, weights
+from engines.stepping.richardson import Pass, extrapolate, weights
 
 ROUNDING = 1e-12
 TIME = np.linspace(0.0, 1.0, 11)
@@ -15,11 +15,12 @@ def _run(step, error):
     """A history whose every sample is off by ``error(step, samples)``."""
     values = TRUTH + error(step, np.arange(len(TIME)) * round(0.1 / step))
     body = np.repeat(values[:, None, None], 3, axis=2)
-    return step, History(
+    history = History(
         position=Signal(TIME, body),
         torque=Signal(TIME[1:], values[1:]),
         joint_force={"A": Signal(TIME, np.stack([values, -values], axis=-1))},
     )
+    return Pass(step, history)
 
 
 def _even_powers(step, _number):
@@ -74,21 +75,12 @@ def test_every_channel_is_combined_and_absent_ones_stay_absent():
 
 
 def test_clocks_that_differ_are_refused():
-    step, coarse = _run(0.1, _even_powers)
+    coarse = _run(0.1, _even_powers).history
     fine = History(torque=Signal(TIME, TRUTH))
     with pytest.raises(ValueError, match="same sample times"):
-        extrapolate([(step, History(torque=coarse.torque)), (step / 3.0, fine)])
+        extrapolate([Pass(0.1, History(torque=coarse.torque)), Pass(0.1 / 3.0, fine)])
 
 
 def test_too_few_orders_are_refused():
     with pytest.raises(ValueError, match="at least 2 orders"):
         weights([1.0, 0.5, 0.25], (2,))
-
-
-def test_change_is_relative_to_the_peak_of_each_component():
-    torque = Signal(TIME, np.full(11, 4.0))
-    assert change(History(torque=Signal(TIME, torque.values + 1.0)), History(torque=torque)) == pytest.approx(0.25)
-    force = Signal(TIME, np.tile([10.0, 0.1], (11, 1)))
-    other = Signal(TIME, np.tile([10.0, 0.2], (11, 1)))
-    assert change(History(joint_force={"A": force}), History(joint_force={"A": other})) == pytest.approx(0.5)
-    assert change(History(), History()) == 0.0

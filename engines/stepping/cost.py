@@ -1,27 +1,24 @@
-"""What a run costs: time of stepping and of building, steps, and what pymunk's solver did in them."""
+"""What a run costs: time of stepping and of building, steps, and what the constraint solver did in them."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from time import perf_counter
 
-from engines.pymunk_adapter.space import World
+from engines.contract import History, Outcome, Run
 
 
 @dataclass
 class Cost:
-    """What a run has taken so far, passes that failed included.
-
-    ``visits`` counts constraint visits: in every iteration of a step the solver goes once through all constraints of
-    the space, those that carry a load among them.
-    """
+    """What a run has taken so far, passes that failed included, and the ``details`` settled on the way."""
 
     seconds: float = 0.0
     setup_seconds: float = 0.0
     steps: int = 0
-    visits: int = 0
+    solver_work: int = 0
+    details: dict[str, str | int | float] = field(default_factory=dict)
 
     @contextmanager
     def building(self) -> Iterator[None]:
@@ -41,7 +38,8 @@ class Cost:
         finally:
             self.seconds += perf_counter() - begun
 
-    def count(self, world: World, steps: int) -> None:
-        """Note steps that a world took with its present number of iterations."""
-        self.steps += steps
-        self.visits += steps * world.space.iterations * len(world.space.constraints)
+    def run(self, outcome: Outcome, reason: str = "", history: History | None = None) -> Run:
+        """The run that ended so at this cost."""
+        return Run(
+            outcome, reason, history, self.seconds, self.setup_seconds, self.steps, self.solver_work, self.details
+        )

@@ -12,13 +12,13 @@ from comparisons.invariants import invariants
 from comparisons.observation.observed_motion import ObservedMotion
 from comparisons.reference.start_state import scene
 from engines.contract import Outcome, Setting
-from engines.pymunk_adapter import release
+from engines.pymunk_adapter import released
 from engines.pymunk_adapter.adapter import PymunkEngine
-from engines.pymunk_adapter.cost import Cost
 from engines.pymunk_adapter.layout import exact_layout
 from engines.pymunk_adapter.plans import METHODS
 from engines.pymunk_adapter.space import Rig
 from engines.scene import Channel, Free
+from engines.stepping.cost import Cost
 from tests.analytic.linkages import mechanism
 from tests.engines.newton_euler import joint_forces, true_motion
 
@@ -71,7 +71,7 @@ def test_releases_leave_no_trace(monkeypatch):
     model, truth = _spun("rimoldi-164", 0.3)
     errors = {}
     for window in (150, 10**6):
-        monkeypatch.setattr(release, "WINDOW", window)
+        monkeypatch.setattr(released, "WINDOW", window)
         history = _finished(model).history
         exact = true_motion(mechanism("rimoldi-164"), truth, history.acceleration.time)[2]
         errors[window] = np.abs(history.acceleration.values - exact)[..., :2].max(axis=(1, 2)) / np.abs(exact).max()
@@ -84,7 +84,7 @@ def test_releases_keep_the_passes_in_step(monkeypatch):
     model, _ = _spun("juki-mf7923d", 2.0, frozenset({Channel.POSITION}))
     opened = {}
     for window in (500, 10**6):
-        monkeypatch.setattr(release, "WINDOW", window)
+        monkeypatch.setattr(released, "WINDOW", window)
         opened[window] = invariants.joint_gaps(ObservedMotion(model, _finished(model).history)).values.max()
     size = mechanism("juki-mf7923d").linkage.shortest_length()
     assert opened[500] < IN_STEP * size
@@ -92,7 +92,7 @@ def test_releases_keep_the_passes_in_step(monkeypatch):
 
 
 def test_samples_go_on_evenly_over_releases(monkeypatch):
-    monkeypatch.setattr(release, "WINDOW", 120)
+    monkeypatch.setattr(released, "WINDOW", 120)
     model, _ = _spun("juki-mf7923d", 0.2)
     history = _finished(model).history
     assert len(history.position.time) == 401
@@ -106,7 +106,7 @@ def test_samples_go_on_evenly_over_releases(monkeypatch):
 
 @pytest.mark.parametrize("channel", [Channel.VELOCITY, Channel.TORQUE, Channel.JOINT_FORCE])
 def test_what_releases_need_to_see_is_not_handed_back(monkeypatch, channel):
-    monkeypatch.setattr(release, "WINDOW", 100)
+    monkeypatch.setattr(released, "WINDOW", 100)
     model, _ = _spun("juki-mf7923d", 0.15, frozenset({channel}))
     whole, _ = _spun("juki-mf7923d", 0.15)
     history, complete = _finished(model).history, _finished(whole).history
@@ -143,15 +143,15 @@ def test_read_outs_stay_in_phase_over_many_turns(setting):
     assert np.abs(signal.values - exact)[..., :2].max() < limit * reach
 
 
-def test_the_doubt_about_a_long_motion_is_not_too_small():
+def test_the_disagreement_about_a_long_motion_is_not_too_small():
     model, truth = _spun("slotted-takeup", 2.0, frozenset({Channel.POSITION}), 0.025, 0.0)
-    rig = Rig(model, exact_layout(model), 60, judged=False)
+    rig = Rig(model, exact_layout(model), 60, checked=False)
     crank = rig.layout.crank
-    doubts, errors = [], []
+    disagreements, errors = [], []
     for step in (2e-3, 1e-3):
-        history, doubt = release.followed(rig, model.drive, step, (3, 5, 7), Cost())
+        history, left = released.followed(rig, model.drive, step, (3, 5, 7), Cost())
         position = history.position
-        doubts.append(doubt)
+        disagreements.append(left)
         errors.append(np.abs(position.values[:, crank, 2] - truth.angle(position.time)).max())
-    assert all(doubt > error for doubt, error in zip(doubts, errors, strict=True))
-    assert all(finer < coarser / 4.0 for coarser, finer in itertools.pairwise(doubts))
+    assert all(left > error for left, error in zip(disagreements, errors, strict=True))
+    assert all(finer < coarser / 4.0 for coarser, finer in itertools.pairwise(disagreements))

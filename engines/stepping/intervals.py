@@ -1,0 +1,95 @@
+"""A prescribed motion cut into intervals, each started anew, in a whole number of basic steps."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass
+from itertools import pairwise
+
+import numpy as np
+from numpy.typing import NDArray
+
+from analytic.description.crank_motion import CrankMotion, Segment
+from analytic.description.law import FULL_TURN
+from engines.stepping.driver import ROUNDING, whole_steps
+
+Array = NDArray[np.float64]
+
+GRADES = (0.5, 0.75)  # of the peak speed: where the step changes; no step is more than twice another's
+EVEN = 1.0 + 1e-9  # an even speed has one grade
+SAMPLED = 64  # places of a segment at which its speed is looked at
+
+
+@dataclass(frozen=True)
+class Interval:
+    """A part of a run between fresh starts, in ``samples`` basic steps.
+
+    If the motion is prescribed it lies in one ``segment`` of it. ``after_jump``: the acceleration jumps at its start.
+    """
+
+    start: float
+    end: float
+    samples: int
+    segment: Segment | None = None
+    after_jump: bool = False
+
+    @property
+    def step(self) -> float:
+        """Basic step, s."""
+        return (self.end - self.start) / self.samples
+
+
+@dataclass(frozen=True)
+class Pace:
+    """How fine a motion is stepped: steps of at most ``step``, s, and at least ``steps_per_turn`` at each part's peak.
+
+    A segment has ``least_steps`` or more and is started anew at least every so many ``turns``.
+    """
+
+    step: float = math.inf
+    steps_per_turn: float = 0.0
+    least_steps: int = 8
+    turns: float = math.inf
+
+
+def whole_interval(duration: float, step: float, least: int) -> Interval:
+    """All of a run as one interval in steps of at most ``step``, s."""
+    return Interval(0.0, duration, whole_steps(duration, step, least))
+
+
+def intervals(motion: CrankMotion, pace: Pace) -> list[Interval]:
+    """The motion's segments in steps as fine as the pace asks for."""
+    first = motion.segments[0]
+    return [
+        interval
+        for segment in motion.segments
+        for interval in _of_segment(segment, segment is not first and segment.start in motion.jumps, motion, pace)
+    ]
+
+
+def _of_segment(segment: Segment, after_jump: bool, motion: CrankMotion, pace: Pace) -> Iterator[Interval]:
+    """A segment in parts of about one speed, in steps of as many per turn of a part's fastest, cut every few turns.
+
+    Loads by inertia grow with the square of the speed, so a slow part's error is small beside the peak of a fast one.
+    Steps given in seconds stay what they are at any speed.
+    """
+    time = np.linspace(segment.start, segment.end, SAMPLED + 1)
+    speed = np.abs(segment.value(time, 1))
+    cuts = [0, *(_grade_changes(speed, motion.peak_speed) if pace.steps_per_turn else []), SAMPLED]
+    longest = min(pace.step, (segment.end - segment.start) / pace.least_steps)
+    for first, last in pairwise(cuts):
+        length = float(time[last] - time[first])
+        turns = length * float(speed[first : last + 1].max()) / FULL_TURN
+        parts = max(1, math.ceil(turns / pace.turns - ROUNDING))
+        samples = max(1, math.ceil(max(length / longest, turns * pace.steps_per_turn) / parts - ROUNDING))
+        for start, end in pairwise(np.linspace(time[first], time[last], parts + 1).tolist()):
+            yield Interval(start, end, samples, segment, after_jump)
+            after_jump = False
+
+
+def _grade_changes(speed: Array, peak: float) -> list[int]:
+    """Where speeds (n,) sampled over a segment pass a grade, within it."""
+    grade = np.digitize(speed, np.multiply(GRADES, peak * EVEN))
+    changes = np.flatnonzero(np.diff(grade)) + 1
+    return [int(change) for change in changes if change < len(speed) - 1]
