@@ -7,12 +7,12 @@ import json
 import os
 import re
 import shutil
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from itertools import zip_longest
 from pathlib import Path
 
 from analytic.errors import LinkproofError
-from comparisons.runs.files import write_file
+from comparisons.runs.files import Claim, claim, write_file
 
 FOLDER = "unfinished"
 HEADER = "request.txt"
@@ -24,11 +24,12 @@ class Journal:
     """What is kept of a request in ``folder/unfinished`` until it is finished.
 
     ``request`` is the text that tells it from any other: first the command that began it, then, line by line, all
-    else that decides its results, such as versions.
+    else that decides its results, such as versions. From its first use on no other process may use the folder.
     """
 
     folder: Path
     request: str
+    _claims: list[Claim] = field(default_factory=list, compare=False, repr=False)
 
     @property
     def place(self) -> Path:
@@ -40,10 +41,11 @@ class Journal:
 
         Raises LinkproofError if the work begun there is another request's.
         """
+        self._claim()
         self._check_header()
         found = {}
         for path in sorted(self.place.iterdir()) if self.place.is_dir() else ():
-            if path.name == HEADER:
+            if path.name == HEADER or not path.is_file():
                 continue
             piece = self._piece(path.read_bytes())
             if piece is None or path != self._path(piece[0]):
@@ -54,6 +56,7 @@ class Journal:
 
     def keep(self, key: str, payload: bytes) -> None:
         """Keep one finished piece of work under its key, in one step; a piece already kept there is replaced."""
+        self._claim()
         if not (self.place / HEADER).is_file():
             _write(self.place / HEADER, self.request.encode())
         title = {"key": key, "request": _digest(self.request.encode()), "digest": _digest(payload)}
@@ -61,8 +64,13 @@ class Journal:
 
     def clear(self) -> None:
         """Forget everything that is kept, of whatever request."""
+        self._claim()
         if self.place.is_dir():
             shutil.rmtree(self.place)
+
+    def _claim(self) -> None:
+        if not self._claims:
+            self._claims.append(claim(self.folder))
 
     def _path(self, key: str) -> Path:
         """A file name that can be read, is allowed everywhere and differs for every key."""
@@ -83,11 +91,12 @@ class Journal:
 
     def _check_header(self) -> None:
         header = self.place / HEADER
-        begun = header.read_text(encoding="utf-8") if header.is_file() else self.request
-        if begun == self.request:
-            return
+        begun = header.read_text(encoding="utf-8", errors="replace") if header.is_file() else self.request
         lines = zip_longest(begun.splitlines(), self.request.splitlines(), fillvalue="nothing")
-        expected, got = next((then, now) for then, now in lines if then != now)
+        different = [(then, now) for then, now in lines if then != now]
+        if not different:
+            return
+        expected, got = different[0]
         raise LinkproofError(
             f"expected the request that was begun in '{self.folder}': `{expected}`, got `{got}`; repeat it, or leave "
             "out --resume to start anew"

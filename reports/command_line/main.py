@@ -244,11 +244,20 @@ def report(
     commands.rebuild(saved, out)
 
 
+def _has_folder() -> bool:
+    try:
+        return Path.cwd().is_dir()
+    except FileNotFoundError:
+        return False
+
+
 def main() -> None:
     """Run the command line: a user's error is one sentence and exit code 2, a fault of ours one and exit code 3."""
     from analytic.errors import LinkproofError
 
     try:
+        if not _has_folder():
+            raise LinkproofError("expected a working folder, got one that was deleted: change to another")
         app()
     except LinkproofError as error:
         sys.stderr.write(f"linkproof: {error}\n")

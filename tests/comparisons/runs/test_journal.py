@@ -1,5 +1,7 @@
 """What a journal keeps comes back whole, and nothing else does."""
 
+import subprocess
+import sys
 import tempfile
 from pathlib import Path
 
@@ -39,6 +41,54 @@ def test_a_piece_kept_again_replaces_the_first(tmp_path):
     journal.keep("run", b"first")
     journal.keep("run", b"second")
     assert journal.kept() == {"run": b"second"}
+
+
+def test_a_folder_among_the_pieces_is_left_alone(tmp_path):
+    journal = Journal(tmp_path, REQUEST)
+    journal.keep("run", b"payload")
+    (journal.place / "folder").mkdir()
+    assert journal.kept() == {"run": b"payload"}
+
+
+def test_a_header_with_a_newline_more_is_of_the_same_request(tmp_path):
+    journal = Journal(tmp_path, REQUEST)
+    journal.keep("run", b"payload")
+    (journal.place / HEADER).write_text(REQUEST + "\n")
+    assert journal.kept() == {"run": b"payload"}
+
+
+def test_a_header_that_is_no_text_is_another_request(tmp_path):
+    journal = Journal(tmp_path, REQUEST)
+    journal.keep("run", b"payload")
+    (journal.place / HEADER).write_bytes(b"\xff\xfe" + REQUEST.encode())
+    with pytest.raises(LinkproofError, match="leave out --resume"):
+        journal.kept()
+
+
+OTHER = """
+import sys
+from pathlib import Path
+from analytic.errors import LinkproofError
+from comparisons.runs.journal import Journal
+try:
+    getattr(Journal(Path(sys.argv[1]), "another"), sys.argv[2])()
+except LinkproofError as error:
+    sys.exit(str(error))
+"""
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="no lock there")
+@pytest.mark.parametrize("use", ["kept", "clear"])
+def test_another_process_is_kept_out_until_the_journal_is_done_with(tmp_path, use):
+    command = [sys.executable, "-c", OTHER, str(tmp_path), use]
+    journal = Journal(tmp_path, REQUEST)
+    journal.keep("run", b"payload")
+    done = subprocess.run(command, capture_output=True, text=True, check=False)
+    assert "got another command that still writes there" in done.stderr
+    assert Journal(tmp_path, REQUEST).kept() == {"run": b"payload"}
+    journal.clear()
+    del journal
+    assert subprocess.run(command, capture_output=True, text=True, check=False).stderr == ""
 
 
 @pytest.mark.parametrize("left", [0.0, 0.3, 0.9])
@@ -102,9 +152,9 @@ def test_clearing_forgets_every_request(tmp_path):
     Journal(tmp_path, "another").clear()
 
 
-def test_nothing_is_touched_before_something_is_kept(tmp_path):
+def test_nothing_is_written_before_something_is_kept(tmp_path):
     assert Journal(tmp_path / "new", REQUEST).kept() == {}
-    assert list(tmp_path.iterdir()) == []
+    assert list(tmp_path.rglob("*")) == [tmp_path / "new"]
 
 
 def test_a_folder_that_cannot_be_written_is_the_users_to_mend(tmp_path):

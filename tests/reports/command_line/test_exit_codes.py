@@ -1,5 +1,6 @@
 """Exit codes tell engines' failures from faults of ours and from runs that say nothing."""
 
+import os
 import subprocess
 import sys
 
@@ -71,6 +72,21 @@ def test_what_is_not_judged_is_counted_apart():
     text = str(campaign_table([result]).renderables[-1])
     assert text.startswith("2 deviations: 2 passed, 1 not judged")
     assert "1 unavailable" in text
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="a working folder cannot be deleted there")
+def test_a_working_folder_that_was_deleted_is_one_sentence(tmp_path):
+    gone = tmp_path / "gone"
+    gone.mkdir()
+    script = (
+        f"import os, sys; sys.argv = ['linkproof', 'compare', 'juki-mf7923d']; os.rmdir({str(gone)!r})\n"
+        "from reports.command_line.main import main; main()"
+    )
+    environment = {**os.environ, "PYTHONPATH": os.pathsep.join(filter(None, sys.path))}
+    command = [sys.executable, "-c", script]
+    done = subprocess.run(command, cwd=gone, env=environment, capture_output=True, text=True, check=False)
+    assert (done.returncode, done.stderr.count("\n")) == (2, 1)
+    assert "a working folder" in done.stderr
 
 
 def test_a_fault_of_ours_is_one_sentence_and_exit_code_3():
