@@ -6,17 +6,20 @@ from collections.abc import Iterator
 from dataclasses import replace
 
 import numpy as np
+from numpy.typing import NDArray
 
 from comparisons.invariants import invariants
-from comparisons.invariants.energy_account import energy_at_play, energy_gained
+from comparisons.invariants.energy_account import EnergyBalance, energy_at_play, energy_balance
 from comparisons.invariants.inspection import Inspection
 from comparisons.judging.deviations import near_jumps
-from comparisons.judging.records import Record
+from comparisons.judging.records import Record, Verdict
 from comparisons.judging.verdicts import judge
 from comparisons.observation.observed_motion import ObservedMotion
 from comparisons.reference.case import Case
 from engines.contract import Signal
 from engines.scene import Channel
+
+Array = NDArray[np.float64]
 
 LARGEST = 1e150  # however far off a motion is, its square is a number
 
@@ -28,7 +31,7 @@ def checks(case: Case, motion: ObservedMotion, blank: Record) -> tuple[Record, .
 
 def _checks(case: Case, motion: ObservedMotion, blank: Record) -> Iterator[Record]:
     seen = Inspection(motion)
-    torque, acceleration = motion.signal(Channel.TORQUE), motion.signal(Channel.ACCELERATION)
+    acceleration = motion.signal(Channel.ACCELERATION)
 
     def check(name: str, unit: str, signal: Signal, scale: float, total: int) -> Record:
         return _check(replace(blank, quantity=name, unit=unit), signal, scale, total)
@@ -41,8 +44,8 @@ def _checks(case: Case, motion: ObservedMotion, blank: Record) -> Iterator[Recor
     yield check("assembly_mode", "", mode, 1.0, len(mode.time))
     phase = invariants.crank_phase(seen)
     yield check("crank_phase", "rad", phase, 1.0, len(phase.time))
-    energy = _away_from_jumps(case, energy_gained(seen))
-    yield check("energy_balance", "J", energy, energy_at_play(motion), len(torque.time))
+    energy = replace(blank, quantity="energy_balance", unit="J", peak=energy_at_play(motion))
+    yield _check_energy(case, energy, energy_balance(seen))
     required = _away_from_jumps(case, seen.torque_required())
     routes = Signal(required.time, required.values - motion.on_clock(Channel.TORQUE, required.time))
     yield check("torque_two_routes", "N m", routes, _torque_scale(case, motion), len(acceleration.time))
@@ -79,18 +82,48 @@ def _away_from_jumps(case: Case, signal: Signal) -> Signal:
 
 
 def _check(blank: Record, signal: Signal, scale: float, total: int) -> Record:
-    """A record of a signal that should be zero everywhere, relative to a scale; what is undefined is left out."""
-    told = ~np.isnan(signal.values)
-    time, relative = signal.time[told], np.minimum(np.abs(signal.values[told]) / (scale or 1.0), LARGEST)
-    worst = int(np.argmax(relative)) if len(relative) else 0
+    """A record of a signal that should be zero everywhere, relative to a scale; samples without a value are left out.
+
+    Without a single value nothing is judged, and nothing has passed.
+    """
+    defined = ~np.isnan(signal.values)
+    time, relative = signal.time[defined], np.minimum(np.abs(signal.values[defined]) / (scale or 1.0), LARGEST)
+    record = replace(blank, peak=scale, samples=len(relative), left_out=total - len(relative))
+    if not len(relative):
+        return _undefined(record, "no sample has a value to judge, as in a linkage that starts at a dead position")
+    worst = int(np.argmax(relative))
     return judge(
         replace(
-            blank,
-            error_max=float(relative[worst]) if len(relative) else 0.0,
-            error_rms=float(np.sqrt(np.mean(relative**2))) if len(relative) else 0.0,
-            peak=scale,
-            worst_time=float(time[worst]) if len(relative) else None,
-            samples=len(relative),
-            left_out=total - len(relative),
+            record,
+            error_max=float(relative[worst]),
+            error_rms=float(np.sqrt(np.mean(relative**2))),
+            worst_time=float(time[worst]),
         )
     )
+
+
+def _check_energy(case: Case, blank: Record, balance: EnergyBalance) -> Record:
+    """The record of an energy balance: what is gained, or the error estimate of that where it is larger.
+
+    What exceeds the limit by more than its error estimate fails; what is over it only with that decides nothing.
+    """
+
+    def check(values: Array) -> Record:
+        return _check(blank, _away_from_jumps(case, Signal(balance.time, values)), blank.peak or 1.0, len(balance.time))
+
+    certain = check(balance.excess)
+    if certain.outcome != Verdict.PASSED or not np.all(np.isfinite(balance.error_estimate)):
+        reason = "too few samples for an error estimate of the balance"
+        return certain if certain.outcome != Verdict.PASSED else _undefined(replace(certain, error_max=None), reason)
+    possible = check(np.maximum(np.abs(balance.gained), balance.error_estimate))
+    error, bound = possible.error_max, possible.limit
+    if error is None or bound is None or error <= bound:
+        return possible
+    reason = (
+        f"its own error estimate, {error:.2g} of the energy at play, is over the limit {bound:.2g}: use more samples"
+    )
+    return _undefined(possible, reason)
+
+
+def _undefined(record: Record, reason: str) -> Record:
+    return replace(record, outcome=Verdict.UNDEFINED.value, detail=reason)

@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import numpy as np
 from numpy.typing import NDArray
 
 from comparisons.invariants.inspection import Inspection
 from comparisons.invariants.relaxation import forgotten, speed_errors
 from comparisons.observation.observed_motion import ObservedMotion
-from comparisons.observation.quadrature import doubt, integral
+from comparisons.observation.quadrature import error_estimate, integral
 from engines.contract import History, Signal
 from engines.mechanics.states import start_motion
 from engines.scene import Channel, Free, Prescribed
@@ -31,29 +33,42 @@ def energy_at_play(motion: ObservedMotion) -> float:
     return float(np.max(motion.kinetic_energy(motion.signal(Channel.VELOCITY).time)) + stored + np.max(np.abs(work)))
 
 
-def energy_gained(seen: Inspection) -> Signal:
-    """Energy gained beyond the work put in, J: T + V − (T + V)₀ − ∫ (Mkr ω + loads) dt, on the torque's clock.
+@dataclass(frozen=True)
+class EnergyBalance:
+    """Energy gained beyond the work put in, J, at the samples of a clock, and the error estimate of that, J."""
 
-    What the quadrature itself leaves in doubt is not held against the engine, nor what happens within a sample or two.
+    time: Array
+    gained: Array
+    error_estimate: Array
+
+    @property
+    def excess(self) -> Array:
+        """What is gained beyond the error estimate, J: what certainly comes from nowhere."""
+        return np.asarray(np.sign(self.gained) * np.maximum(np.abs(self.gained) - self.error_estimate, 0.0))
+
+
+def energy_balance(seen: Inspection) -> EnergyBalance:
+    """T + V − (T + V)₀ − ∫ (Mkr ω + loads) dt on the torque's clock.
+
+    The error is that of the quadrature and, where the motion changes within a sample or two, all that changes there.
     """
     motion, drive = seen.motion, seen.motion.scene.drive
     torque = motion.signal(Channel.TORQUE)
     time = torque.time
     power, done = motion.load_power(time), np.zeros(len(time))
-    borders: tuple[float, ...] = ()
+    jumps: tuple[float, ...] = ()
     if isinstance(drive, Prescribed):
         power = power + torque.values * motion.crank(Channel.VELOCITY, time)
-        borders = tuple(segment.start for segment in drive.motion.segments)
+        jumps = drive.motion.jumps
     else:  # a constant torque does its work by the angle alone
         angle = motion.crank(Channel.POSITION, time)
         done = drive.torque * (angle - angle[0])
-    work = integral(Signal(time, power), borders)
+    work = integral(Signal(time, power), jumps)
     stored = energy(motion, time) - done
-    gained = stored - stored[0] - work
     swing = np.abs(np.diff(stored)) + np.abs(np.diff(work))
-    unsure = doubt(Signal(time, power), work, borders)
-    unsure += np.concatenate([[0.0], np.cumsum(np.where(seen.unresolved(time), swing, 0.0))])
-    return Signal(time, np.sign(gained) * np.maximum(np.abs(gained) - unsure, 0.0))
+    estimate = error_estimate(Signal(time, power), work, jumps)
+    estimate += np.concatenate([[0.0], np.cumsum(np.where(seen.unresolved(time), swing, 0.0))])
+    return EnergyBalance(time, stored - stored[0] - work, estimate)
 
 
 def released_phase(seen: Inspection) -> Signal:
@@ -62,12 +77,12 @@ def released_phase(seen: Inspection) -> Signal:
     time = motion.signal(Channel.TORQUE).time
     angle, speed = motion.crank(Channel.POSITION, time), motion.crank(Channel.VELOCITY, time)
     kinetic = motion.kinetic_energy(time)
-    gained = energy_gained(seen).values + _start_excess(motion, time[:1])
+    gained = energy_balance(seen).excess + _start_excess(motion, time[:1])
     gained = forgotten(gained, 2.0 * seen.relaxation_rate(time), time)
     share = gained / (2.0 * np.maximum(kinetic, np.abs(gained)) + TINY)
     turned = integral(Signal(time, speed), ())
     slip = np.abs(angle - seen.crank.angle - seen.crank.angular_velocity * time[0] - turned)
-    slip = np.maximum(slip - doubt(Signal(time, speed), turned, ()), 0.0)
+    slip = np.maximum(slip - error_estimate(Signal(time, speed), turned, ()), 0.0)
     return Signal(time, np.abs(integral(Signal(time, share * speed), ())) + slip)
 
 
@@ -83,7 +98,7 @@ def _start_excess(motion: ObservedMotion, first: Array) -> float:
 
 
 def speed_drift(seen: Inspection) -> Signal:
-    """Crank speed beyond what the start and the claimed acceleration make of it, over its peak; doubt left out."""
+    """Crank speed less what the start and the claimed acceleration make of it and the error of that, over its peak."""
     motion, crank = seen.motion, seen.crank
     time = motion.signal(Channel.VELOCITY).time
     rate = seen.relaxation_rate(time)

@@ -28,7 +28,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from comparisons.invariants.corrections import LEVELS
-from comparisons.invariants.energy_account import energy_gained, released_phase, speed_drift
+from comparisons.invariants.energy_account import released_phase, speed_drift
 from comparisons.invariants.inspection import Inspection
 from comparisons.observation.observed_motion import ObservedMotion
 from engines.contract import Signal
@@ -87,11 +87,6 @@ def _untold(seen: Inspection) -> float:
         turned = float(np.max(np.abs(np.diff(motion.crank(Channel.POSITION, time)))))
         worst = max(worst, turned if turned > HALF_TURN else 0.0)
     return worst
-
-
-def energy_balance(motion: ObservedMotion) -> Signal:
-    """``energy_account.energy_gained`` of a motion."""
-    return energy_gained(Inspection(motion))
 
 
 def power_torque(motion: ObservedMotion, least_speed: float = 0.0) -> Signal:

@@ -6,11 +6,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from comparisons.observation.interpolation import POINTS
-from comparisons.observation.quadrature import DOUBT_SHARE
 
 Array = NDArray[np.float64]
 
 TINY = float(np.finfo(float).tiny)
+ERROR_SHARE = 0.25  # of the distance from every other sample: fourth order leaves a fifteenth, if it converges
 SLOW = 0.5  # of a relaxation time: within so long a step the ends' slopes still improve a quadrature
 
 
@@ -36,7 +36,7 @@ def forgotten(gained: Array, rate: Array, time: Array) -> Array:
 
 
 def speed_errors(time: Array, speed: Array, acceleration: Array, rate: Array, start: float) -> Array:
-    """|ω − what the claimed acceleration makes of it|, rad/s, beyond what coarse samples leave in doubt.
+    """|ω − what the claimed acceleration makes of it|, rad/s, beyond the error of coarse samples.
 
     ``rate`` is b/Jeq, 1/s, with which a speed relaxes; ``start`` is the first sample's own error. Between samples the
     drive and loads, ε + rate · ω, are taken to be smooth, not ε itself, which may be over within a fraction of a step.
@@ -46,7 +46,7 @@ def speed_errors(time: Array, speed: Array, acceleration: Array, rate: Array, st
         return np.zeros(len(time))
     coarse = carried(start, *_steps(time[::2], speed[::2], acceleration[::2], rate[::2]))
     converging = bool(np.all(np.diff(time) * np.maximum(rate[1:], rate[:-1]) < SLOW))
-    unsure = (DOUBT_SHARE if converging else 1.0) * np.maximum.accumulate(np.abs(coarse - errors[::2]))
+    unsure = (ERROR_SHARE if converging else 1.0) * np.maximum.accumulate(np.abs(coarse - errors[::2]))
     return np.maximum(np.abs(errors) - unsure[np.arange(len(time)) // 2], 0.0)
 
 

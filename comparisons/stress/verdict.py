@@ -177,8 +177,12 @@ def _blank(case: Case, setting: str) -> Record:
 
 
 def _invariants(case: Case, motion: ObservedMotion, blank: Record) -> tuple[list[Record], Record]:
-    """Those that failed, the one furthest over its limit first, and the one nearest to or furthest over it."""
-    records = sorted(checks(case, motion, blank), key=_over, reverse=True)
+    """Those that failed, the one furthest over its limit first, and the one nearest to or furthest over it.
+
+    What is undefined has neither failed nor passed.
+    """
+    records = [record for record in checks(case, motion, blank) if record.outcome != Verdict.UNDEFINED]
+    records.sort(key=_over, reverse=True)
     return [record for record in records if record.outcome != Verdict.PASSED], records[0]
 
 

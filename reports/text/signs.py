@@ -27,7 +27,7 @@ RUNS: Mapping[str, VerdictSign] = {
     Verdict.CRASHED.value: VerdictSign("✗", "crashed", "failed", "red"),
     Verdict.ADAPTER_ERROR.value: VerdictSign("✗", "adapter error", "failed", "red"),
     Verdict.SUITE_ERROR.value: VerdictSign("–", "fault of linkproof", "absent", "bold red"),
-    Verdict.UNDEFINED.value: VerdictSign("–", "undefined", "absent", "yellow"),
+    Verdict.UNDEFINED.value: VerdictSign("?", "undefined", "absent", "yellow"),
 }
 PUBLISHED: Mapping[str, VerdictSign] = {
     "reproduced": VerdictSign("✓", "reproduced", "pass", "green"),

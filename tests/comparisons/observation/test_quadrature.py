@@ -1,9 +1,9 @@
-"""Integrals over samples: fourth order between jumps, with an honest doubt."""
+"""Integrals over samples: sixth order between jumps, with an error estimate."""
 
 import numpy as np
 import pytest
 
-from comparisons.observation.quadrature import doubt, integral
+from comparisons.observation.quadrature import error_estimate, integral
 from engines.contract import Signal
 
 
@@ -12,27 +12,38 @@ def test_an_integral_crosses_a_jump_without_losing_its_order():
     values = np.where(time < 1.0, np.cos(time), 5.0 + time)
     exact = np.where(time < 1.0, np.sin(time), np.sin(1.0) + 5.0 * (time - 1.0) + (time**2 - 1.0) / 2.0)
     found = integral(Signal(time, values), (0.0, 1.0))
-    np.testing.assert_allclose(found, exact, atol=1e-8)
+    np.testing.assert_allclose(found, exact, atol=1e-11)
 
 
 @pytest.mark.parametrize("per_turn", [12, 20, 40, 80])
-def test_the_doubt_covers_what_a_smooth_integral_is_wrong_by(per_turn):
+def test_the_error_estimate_covers_what_a_smooth_integral_is_wrong_by(per_turn):
     time = np.linspace(0.0, 3.0, 3 * per_turn + 1)
     values = np.exp(np.sin(2.0 * np.pi * time))
     fine = np.linspace(0.0, 3.0, 300 * per_turn + 1)
     exact = integral(Signal(fine, np.exp(np.sin(2.0 * np.pi * fine))), ())[::100]
     found = integral(Signal(time, values), ())
-    unsure = doubt(Signal(time, values), found, ())
-    assert np.all(np.diff(unsure) >= 0.0)
-    assert np.max(np.abs(found - exact)) < 3.0 * unsure[-1] + 1e-12
+    estimate = error_estimate(Signal(time, values), found, ())
+    assert np.all(np.diff(estimate) >= 0.0)
+    assert np.max(np.abs(found - exact)) < estimate[-1] + 1e-12
 
 
-def test_too_few_samples_leave_everything_in_doubt():
+def test_too_few_samples_leave_everything_in_error_estimate():
     time = np.linspace(0.0, 1.0, 12)
-    assert np.all(np.isinf(doubt(Signal(time, time), integral(Signal(time, time), ()), ())))
+    assert np.all(np.isinf(error_estimate(Signal(time, time), integral(Signal(time, time), ()), ())))
 
 
 def test_a_stretch_of_a_sample_or_two_is_integrated_all_the_same():
     time = np.linspace(0.0, 1.0, 101)
     found = integral(Signal(time, np.ones(101)), (0.501, 0.512, 0.515))
     np.testing.assert_allclose(found, time, atol=0.02)
+
+
+def test_a_peak_of_a_few_samples_is_not_believed_to_be_resolved():
+    """A torque spike beside a toggle: one sample in three of its width."""
+    time = np.linspace(0.0, 1.0, 201)
+    width = 1.2 * (time[1] - time[0])
+    x = (time - 0.5012) / width
+    found = integral(Signal(time, -2.0 * x * np.exp(-(x**2)) / width), ())
+    error = np.abs(found - np.exp(-(x**2)))
+    assert np.max(error) > 1e-2
+    assert np.all(error <= error_estimate(Signal(time, -2.0 * x * np.exp(-(x**2)) / width), found, ()) + 1e-12)
