@@ -1,20 +1,23 @@
 """A linkage with something changed: numbers set, multiplied or scaled, or something left out.
 
-A number has a path as a linkage file has it (``links.rod.points.B.x``, ``links.bar.slides.through.y``, ``gravity.y``)
-and a kind that says what it measures. Loads and slots are counted from 0 in the linkage's own order. Sketch angle,
-regimes, thread and published figures are no numbers in this sense. The linkage given is never altered.
+A number has a kind, which says what it measures, and a name: ``rod.B.x``, ``rod.mass``, ``rod.centre.y``,
+``rod.inertia``, ``bar.through.x``, ``bar.along.y``, ``E in rocker.through.x`` (of a slot), ``ground.O2.x``,
+``gravity.y``, ``forces.E.x``, ``forces.E.3.x`` (of a table over the crank angle), ``torques.rod``,
+``springs.A.B.stiffness``, ``dampers.crank.ground.coefficient``, ``output.along.x``, ``sketch.B.x``. A second number of
+one name, such as that of another force at the point, is followed by `` #2``. Sketch angle, regimes, thread and
+published figures are no numbers in this sense. The linkage given is never altered.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Iterator, Mapping
-from dataclasses import dataclass, replace
+from collections.abc import Callable, Collection, Mapping
+from dataclasses import replace
 from typing import Final, Literal
 
 import numpy as np
 
 from analytic.description.law import Law
-from analytic.description.linkage import GROUND, Guide, Link, Linkage, Slot, Spring, Vector, unit
+from analytic.description.linkage import GROUND, Guide, Link, Linkage, RotaryDamper, Slot, Spring, Vector, unit
 from analytic.errors import UnknownNameError
 
 Kind = Literal[
@@ -50,42 +53,44 @@ DIMENSIONS: Final[Mapping[Kind, tuple[int, int, int]]] = {
 
 
 def changed(linkage: Linkage, change: Change) -> Linkage:
-    """The linkage with every number replaced by ``change(path, kind, number)``; directions are made unit vectors."""
+    """The linkage with every number replaced by ``change(name, kind, number)``; directions are made unit vectors."""
     return _Walk(change).linkage(linkage)
 
 
 def numbers(linkage: Linkage) -> dict[str, float]:
-    """Every number of a linkage by its path, SI units."""
-    by_path: dict[str, float] = {}
+    """Every number of a linkage by its name, SI units."""
+    by_name: dict[str, float] = {}
 
-    def note(path: str, _: Kind, value: float) -> float:
-        by_path[path] = value
+    def note(name: str, _: Kind, value: float) -> float:
+        by_name[name] = value
         return value
 
     changed(linkage, note)
-    return by_path
+    return by_name
 
 
 def with_numbers(linkage: Linkage, values: Mapping[str, float]) -> Linkage:
-    """The linkage with other numbers (SI units) at these paths; raises UnknownNameError."""
+    """The linkage with other numbers (SI units) under these names; raises UnknownNameError."""
     known = numbers(linkage)
-    for path in values:
-        if path not in known:
-            raise UnknownNameError("number", path, known)
-    return changed(linkage, lambda path, _, value: values.get(path, value))
+    for name in values:
+        if name not in known:
+            raise UnknownNameError("number", name, known)
+    return changed(linkage, lambda name, _, value: values.get(name, value))
 
 
 def with_point(linkage: Linkage, body: str, point: str, place: Vector) -> Linkage:
     """The linkage with a named point of a link, or of the ground, at another place in the body's frame, m."""
-    path = f"ground.{point}" if body == GROUND else f"links.{body}.points.{point}"
-    return with_numbers(linkage, {f"{path}.x": place[0], f"{path}.y": place[1]})
+    if body == GROUND:
+        return replace(linkage, ground={**linkage.ground, point: place})
+    link = linkage.links[body]
+    return replace(linkage, links={**linkage.links, body: replace(link, points={**link.points, point: place})})
 
 
 def multiplied(linkage: Linkage, factor: float, *kinds: Kind, under: str = "") -> Linkage:
-    """The linkage with its numbers of these kinds times a factor, all or those whose path begins with ``under``."""
+    """The linkage with its numbers of these kinds times a factor, all or those whose name begins with ``under``."""
 
-    def times(path: str, kind: Kind, value: float) -> float:
-        return value * factor if kind in kinds and path.startswith(under) else value
+    def times(name: str, kind: Kind, value: float) -> float:
+        return value * factor if kind in kinds and name.startswith(under) else value
 
     return changed(linkage, times)
 
@@ -118,78 +123,79 @@ def with_bare_slots(linkage: Linkage, sliders: Collection[str]) -> Linkage:
     )
 
 
-@dataclass(frozen=True)
 class _Walk:
-    """Visits every number of a linkage and builds the linkage of what the change makes of them."""
+    """Visits every number of a linkage and builds the linkage of what the change makes of them.
 
-    change: Change
+    Masses come before points, lest a point called ``centre`` take the mass centre's name.
+    """
 
-    def linkage(self, old: Linkage) -> Linkage:
-        return replace(
-            old,
-            ground=self.points("ground", old.ground),
-            links={name: self.link(link) for name, link in old.links.items()},
-            sliders=tuple(replace(s, guide=self.guide(f"links.{s.link}.slides", s.guide)) for s in old.sliders),
-            slots=tuple(replace(s, guide=self.guide(f"slots.{n}", s.guide)) for n, s in enumerate(old.slots)),
-            sketch=self.points("sketch.points", old.sketch),
-            gravity=self.vector("gravity", old.gravity, "acceleration"),
-            forces=tuple(
-                replace(f, force=self.law(f"forces.{n}.force", f.force, "force")) for n, f in enumerate(old.forces)
-            ),
-            torques=tuple(
-                replace(t, torque=self.law(f"torques.{n}.torque", t.torque, "torque"))
-                for n, t in enumerate(old.torques)
-            ),
-            springs=tuple(self.spring(f"springs.{n}", spring) for n, spring in enumerate(old.springs)),
-            dampers=tuple(
-                replace(d, coefficient=self.change(f"dampers.{n}.coefficient", "turn_damping", d.coefficient))
-                for n, d in enumerate(old.dampers)
-            ),
-            output=old.output and replace(old.output, along=self.direction("output.along", old.output.along)),
-        )
+    def __init__(self, change: Change) -> None:
+        self.change = change
+        self.names: set[str] = set()
 
-    def vector(self, path: str, vector: Vector, kind: Kind = "length") -> Vector:
-        return (self.change(f"{path}.x", kind, vector[0]), self.change(f"{path}.y", kind, vector[1]))
+    def number(self, name: str, kind: Kind, value: float) -> float:
+        """What becomes of a number; if its name is taken it is followed by a count."""
+        free, count = name, 2
+        while free in self.names:
+            free, count = f"{name} #{count}", count + 1
+        self.names.add(free)
+        return self.change(free, kind, value)
 
-    def points(self, path: str, points: Mapping[str, Vector]) -> dict[str, Vector]:
-        return {name: self.vector(f"{path}.{name}", place) for name, place in points.items()}
+    def vector(self, name: str, vector: Vector, kind: Kind = "length") -> Vector:
+        return (self.number(f"{name}.x", kind, vector[0]), self.number(f"{name}.y", kind, vector[1]))
 
-    def direction(self, path: str, old: Vector) -> Vector:
-        new = self.vector(path, old, "direction")
+    def direction(self, name: str, old: Vector) -> Vector:
+        new = self.vector(name, old, "direction")
         return old if new == old else unit(new)
 
-    def link(self, link: Link) -> Link:
-        path = f"links.{link.name}"
+    def points(self, body: str, points: Mapping[str, Vector]) -> dict[str, Vector]:
+        return {point: self.vector(f"{body}.{point}", place) for point, place in points.items()}
+
+    def linkage(self, old: Linkage) -> Linkage:
+        bodies = {name: self.mass(link) for name, link in old.links.items()}
         return replace(
-            link,
-            points=self.points(f"{path}.points", link.points),
-            mass=self.change(f"{path}.mass", "mass", link.mass),
-            centre=self.vector(f"{path}.centre", link.centre),
-            inertia=None if link.inertia is None else self.change(f"{path}.inertia", "inertia", link.inertia),
+            old,
+            ground=self.points(GROUND, old.ground),
+            links={name: replace(link, points=self.points(name, link.points)) for name, link in bodies.items()},
+            sliders=tuple(replace(slider, guide=self.guide(slider.link, slider.guide)) for slider in old.sliders),
+            slots=tuple(replace(slot, guide=self.guide(slot.name, slot.guide)) for slot in old.slots),
+            gravity=self.vector("gravity", old.gravity, "acceleration"),
+            forces=tuple(replace(f, force=self.law(f"forces.{f.point}", f.force, "force")) for f in old.forces),
+            torques=tuple(replace(t, torque=self.law(f"torques.{t.link}", t.torque, "torque")) for t in old.torques),
+            springs=tuple(self.spring(spring) for spring in old.springs),
+            dampers=tuple(self.damper(damper) for damper in old.dampers),
+            output=old.output and replace(old.output, along=self.direction("output.along", old.output.along)),
+            sketch=self.points("sketch", old.sketch),
         )
 
-    def guide(self, path: str, guide: Guide) -> Guide:
-        through = self.vector(f"{path}.through", guide.through)
-        return replace(guide, through=through, along=self.direction(f"{path}.along", guide.along))
+    def mass(self, link: Link) -> Link:
+        mass = self.number(f"{link.name}.mass", "mass", link.mass)
+        centre = self.vector(f"{link.name}.centre", link.centre)
+        inertia = None if link.inertia is None else self.number(f"{link.name}.inertia", "inertia", link.inertia)
+        return replace(link, mass=mass, centre=centre, inertia=inertia)
 
-    def law(self, path: str, law: Law, kind: Kind) -> Law:
-        """A law with other values: ``path`` or ``path.x``, of a table with the row before: ``path.3.x``."""
-        names = list(_components(path, law.values.shape))
-        flat = [self.change(name, kind, float(value)) for name, value in zip(names, law.values.flat, strict=True)]
-        values = np.array(flat).reshape(law.values.shape)
+    def guide(self, name: str, guide: Guide) -> Guide:
+        through = self.vector(f"{name}.through", guide.through)
+        return replace(guide, through=through, along=self.direction(f"{name}.along", guide.along))
+
+    def law(self, name: str, law: Law, kind: Kind) -> Law:
+        """A law with other values: of a table the row's number stands before the component."""
+        rows = [name] if law.angles is None else [f"{name}.{row}" for row in range(len(law.values))]
+        ends = ("",) if law.values.shape[-1] == 1 else (".x", ".y")
+        names = [f"{row}{end}" for row in rows for end in ends]
+        flat = [self.number(one, kind, float(value)) for one, value in zip(names, law.values.flat, strict=True)]
+        values = np.reshape(flat, law.values.shape)
         return law if np.array_equal(values, law.values) else Law(values, law.angles)
 
-    def spring(self, path: str, spring: Spring) -> Spring:
+    def spring(self, spring: Spring) -> Spring:
+        name = f"springs.{'.'.join(spring.points)}"
         return replace(
             spring,
-            stiffness=self.change(f"{path}.stiffness", "stiffness", spring.stiffness),
-            length=self.change(f"{path}.length", "length", spring.length),
-            damping=self.change(f"{path}.damping", "damping", spring.damping),
+            stiffness=self.number(f"{name}.stiffness", "stiffness", spring.stiffness),
+            length=self.number(f"{name}.length", "length", spring.length),
+            damping=self.number(f"{name}.damping", "damping", spring.damping),
         )
 
-
-def _components(path: str, shape: tuple[int, ...]) -> Iterator[str]:
-    """Paths of a law's values: of each row, if there are several, and of each component, if there are several."""
-    rows = [f"{path}.{n}" for n in range(shape[0])] if len(shape) > 1 else [path]
-    for row in rows:
-        yield from (f"{row}.x", f"{row}.y") if shape[-1] > 1 else (row,)
+    def damper(self, damper: RotaryDamper) -> RotaryDamper:
+        name = f"dampers.{'.'.join(damper.links)}.coefficient"
+        return replace(damper, coefficient=self.number(name, "turn_damping", damper.coefficient))

@@ -92,9 +92,7 @@ def linkage(conditions: Conditions) -> Linkage:
     name = conditions.linkage
     changed = load(name if name in catalogue() else str(LINKAGES / f"{name}.toml"))
     if conditions.mass_factor != 1.0:
-        changed = changes.multiplied(
-            changed, conditions.mass_factor, "mass", "inertia", under=f"links.{conditions.link}."
-        )
+        changed = changes.multiplied(changed, conditions.mass_factor, "mass", "inertia", under=f"{conditions.link}.")
     if conditions.point:
         x, y = (at + conditions.excess * slope for at, slope in zip(conditions.at, conditions.slope, strict=True))
         changed = changes.with_point(changed, conditions.link, conditions.point, (x, y))
