@@ -13,7 +13,7 @@ from analytic.errors import LinkproofError
 from analytic.kinematics.mechanism import Mechanism
 from comparisons.campaign import campaign
 from comparisons.campaign.campaign import Request
-from comparisons.campaign.results import document, save
+from comparisons.campaign.results import described, document, save
 from comparisons.campaign.results import load as load_results
 from comparisons.judging.records import from_rows, to_json
 from engines.contract import Outcome, Run, Setting
@@ -114,3 +114,8 @@ def test_a_campaign_of_failures_can_be_saved(tmp_path):
     told = document(request, [failed], [find("juki-mf7923d").read_text()], "linkproof compare")
     save(tmp_path, [failed], told)
     assert load_results(tmp_path).records == failed.records
+
+
+def test_a_saved_text_with_a_byte_order_mark_is_read_again():
+    text = find("juki-mf7923d").read_text(encoding="utf-8")
+    assert described("\ufeff" + text, "juki-mf7923d", None, (0.0, -9.81)) == load("juki-mf7923d")

@@ -6,7 +6,10 @@ import pytest
 
 from analytic.description.loading import find, load, parse
 from analytic.errors import AssemblyError
+from analytic.kinematics.mechanism import Mechanism
 from reports.facts.mechanism_summary import portrait
+from tests.analytic.chains import chain_of_dyads
+from tests.counting import calls
 
 
 def test_figures_and_structure():
@@ -36,3 +39,12 @@ def test_a_linkage_that_cannot_turn_is_refused():
     text = find("juki-mf7923d").read_text().replace("D = [54.5, 0]", "D = [10, 0]")
     with pytest.raises(AssemblyError):
         portrait(parse(text.replace("angle  = 0", "angle  = 90"), "short", "short.toml"))
+
+
+def test_a_turn_is_swept_as_often_however_many_links_there_are(monkeypatch):
+    sweeps, counts = calls(monkeypatch, Mechanism, "sweep"), []
+    for dyads in (3, 30):
+        sweeps.clear()
+        portrait(parse(chain_of_dyads(dyads), "chain", "chain.toml"))
+        counts.append(len(sweeps))
+    assert counts[1] < 2 * counts[0]
