@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Container, Generator, Iterable, Iterator, Sequence
-from contextlib import closing
+import pickle
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace
-from functools import partial
 
 from analytic.description.crank_motion import CrankMotion
 from analytic.description.linkage import Linkage
@@ -19,18 +18,17 @@ from comparisons.judging.records import Record, Verdict, blank_record
 from comparisons.judging.run_result import RunResult, from_bytes, to_bytes
 from comparisons.judging.verdicts import judge
 from comparisons.observation.observed_motion import ObservedMotion
-from comparisons.reference.case import Case, own_case
+from comparisons.reference.case import Case, own_case, unpickled
 from comparisons.runs.failures import Failure, Lost, blamed_on
 from comparisons.runs.journal import Journal
 from comparisons.runs.run_engine import run_engine
-from comparisons.runs.workers import DEFAULT_BOUNDS, Bounds, as_sent, run_jobs, usual_processes
+from comparisons.runs.study import Announce, Study, Task
+from comparisons.runs.workers import DEFAULT_BOUNDS, Bounds, usual_processes
 from engines.contract import Outcome, Setting
 from engines.registry import engine, engine_names
 from engines.scene import Channel
 
 __all__ = ["Request", "RunResult", "cases", "compare", "tasks"]
-
-Announce = Callable[[str, int, int], object]
 
 
 @dataclass(frozen=True)
@@ -52,48 +50,31 @@ class Request:
     with_invariants: bool = True
 
 
-@dataclass(frozen=True)
-class _Task:
-    """One run still to be made."""
-
-    case: Case
-    engine: str
-    setting: Setting
-    quantities: tuple[Quantity, ...]
-
-    @property
-    def label(self) -> str:
-        return f"{self.case.mechanism.linkage.name}, {self.case.motion.regime}: {self.engine} {self.setting}"
-
-    @property
-    def key(self) -> str:
-        """What identifies the run within its request, as ``Record.run`` does."""
-        linkage = self.case.mechanism.linkage
-        return "/".join((linkage.name, linkage.variant, self.case.motion.regime, self.engine, self.setting))
-
-    @property
-    def weight(self) -> float:
-        """What a run costs, very roughly: crank angle turned through at top speed, times links."""
-        return self.case.motion.duration * self.case.motion.peak_speed * len(self.case.mechanism.linkage.links)
-
-
-def tasks(request: Request) -> list[_Task]:
-    """The runs of a request, in a stable order.
+def tasks(request: Request) -> list[Task]:
+    """The runs of a request, in a stable order; a key identifies a run as ``Record.run`` does.
 
     Raises UnknownNameError, AssemblyError or StructureError before any run is made.
     """
     for name in request.engines:
         if name not in engine_names():
             raise UnknownNameError("engine", name, engine_names())
-    chosen = [(case, tuple(chosen_quantities(case, request.quantities))) for case in cases(request)]
-    for case, quantities in chosen:
-        check_defined(case, quantities)
-    return [
-        _Task(case, name, setting, quantities)
-        for case, quantities in chosen
-        for name in request.engines
-        for setting in (request.settings if case.is_prescribed else request.own_settings)
-    ]
+    return [task for case in cases(request) for task in _tasks(request, case)]
+
+
+def _tasks(request: Request, case: Case) -> Iterator[Task]:
+    quantities = chosen_quantities(case, request.quantities)
+    check_defined(case, quantities)
+    linkage, motion, pickled = case.mechanism.linkage, case.motion, pickle.dumps(case)
+    names = tuple(quantity.name for quantity in quantities)
+    turned = motion.duration * motion.peak_speed
+    for name in request.engines:
+        for setting in request.settings if case.is_prescribed else request.own_settings:
+            yield Task(
+                key="/".join((linkage.name, linkage.variant, motion.regime, name, setting)),
+                job=(pickled, name, setting, names, request.with_invariants),
+                label=f"{linkage.name}, {motion.regime}: {name} {setting}",
+                weight=turned * len(linkage.links),
+            )
 
 
 def cases(request: Request) -> list[Case]:
@@ -134,90 +115,16 @@ def compare(
     """
     baseline.recorded()
     todo = tasks(request)
-    kept = {} if journal is None else journal.kept()
-    done = {number: from_bytes(kept[task.key]) for number, task in enumerate(todo) if task.key in kept}
-    way = _Way(announce, bounds, usual_processes(len(todo)) if processes is None else processes, journal)
-    return _in_order(len(todo), done, _made(todo, frozenset(done), way, with_invariants=request.with_invariants))
+    count = usual_processes(len(todo)) if processes is None else processes
+    study = Study(_judged, _lost, to_bytes, from_bytes, journal, announce, count)
+    return study.in_order(todo, bounds)
 
 
-@dataclass(frozen=True)
-class _Way:
-    """How runs are made, as ``compare`` is told."""
-
-    announce: Announce
-    bounds: Bounds
-    processes: int
-    journal: Journal | None
-
-
-@dataclass(frozen=True)
-class _Order:
-    """One run asked for in words that another process understands; ``place`` is its case's among those it was given."""
-
-    place: int
-    engine: str
-    setting: Setting
-    quantities: tuple[str, ...]
-
-
-def _in_order(
-    count: int, done: dict[int, RunResult], made: Generator[tuple[int, RunResult], None, None]
-) -> Iterator[RunResult]:
-    """Results in the order of their numbers, each as soon as all before it are there."""
-    with closing(made):
-        for number in range(count):
-            while number not in done:
-                finished, result = next(made)
-                done[finished] = result
-            yield done.pop(number)
-
-
-def _made(
-    todo: Sequence[_Task], done: Container[int], way: _Way, *, with_invariants: bool
-) -> Generator[tuple[int, RunResult], None, None]:
-    """The runs not done yet, as they finish."""
-    missing = [number for number in range(len(todo)) if number not in done]
-    if way.processes > 1:  # the heaviest first, so that no core is left alone with it at the end
-        missing.sort(key=lambda number: -todo[number].weight)
-    cases, jobs = _ordered([todo[number] for number in missing])
-    finished = len(todo) - len(missing)
-
-    def begun(index: int) -> None:
-        way.announce(todo[missing[index]].label, finished, len(todo))
-
-    run = partial(_run, as_sent(cases), with_invariants)
-    with closing(run_jobs(run, jobs, bounds=way.bounds, processes=way.processes, begun=begun)) as results:
-        for index, found in results:
-            task = todo[missing[index]]
-            result = _lost(task, found) if isinstance(found, Lost) else found
-            if way.journal is not None:
-                way.journal.keep(task.key, to_bytes(result))
-            finished += 1
-            way.announce(task.label, finished, len(todo))
-            yield missing[index], result
-
-
-def _ordered(todo: Sequence[_Task]) -> tuple[tuple[Case, ...], list[tuple[_Order]]]:
-    """The cases of these tasks, each once, and an order for every task."""
-    cases = {id(task.case): task.case for task in todo}
-    places = {key: place for place, key in enumerate(cases)}
-    orders = [
-        _Order(places[id(task.case)], task.engine, task.setting, tuple(q.name for q in task.quantities))
-        for task in todo
-    ]
-    return tuple(cases.values()), [(order,) for order in orders]
-
-
-def _run(cases: Sequence[Case], with_invariants: bool, order: _Order) -> RunResult:
-    case = cases[order.place]
-    quantities = tuple(chosen_quantities(case, order.quantities))
-    return _judged(_Task(case, order.engine, order.setting, quantities), with_invariants)
-
-
-def _lost(task: _Task, lost: Lost) -> RunResult:
+def _lost(lost: Lost, pickled: bytes, name: str, setting: Setting, names: tuple[str, ...], _: bool) -> RunResult:
     """The records of a run whose process gave no result."""
-    version = engine(task.engine).version() or ""
-    return _all_alike(task, blank_record(task.case, task.setting, task.engine, version), lost.outcome, lost.reason)
+    case = unpickled(pickled)
+    blank = blank_record(case, setting, name, engine(name).version() or "")
+    return _all_alike(chosen_quantities(case, names), blank, lost.outcome, lost.reason)
 
 
 def _channels(quantities: Iterable[Quantity], with_invariants: bool) -> frozenset[Channel]:
@@ -229,33 +136,35 @@ def _channels(quantities: Iterable[Quantity], with_invariants: bool) -> frozense
     return frozenset(Channel) if with_invariants else needed | (frozenset(Channel) - {Channel.JOINT_FORCE})
 
 
-def _judged(task: _Task, with_invariants: bool) -> RunResult:
-    adapter = engine(task.engine)
+def _judged(pickled: bytes, name: str, setting: Setting, names: tuple[str, ...], with_invariants: bool) -> RunResult:
+    """One run of a pickled case, judged by the quantities of these names."""
+    case, adapter = unpickled(pickled), engine(name)
+    quantities = chosen_quantities(case, names)
     with blamed_on(adapter):
         version = adapter.version()
-    blank = blank_record(task.case, task.setting, task.engine, version or "")
+    blank = blank_record(case, setting, name, version or "")
     if version is None:
-        reason = f"engine '{task.engine}' is not installed; install it with: pip install 'linkproof[{task.engine}]'"
-        return _all_alike(task, blank, Outcome.UNAVAILABLE, reason)
-    model = task.case.scene(_channels(task.quantities, with_invariants))
-    run = run_engine(adapter, model, task.setting)
+        reason = f"engine '{name}' is not installed; install it with: pip install 'linkproof[{name}]'"
+        return _all_alike(quantities, blank, Outcome.UNAVAILABLE, reason)
+    model = case.scene(_channels(quantities, with_invariants))
+    run = run_engine(adapter, model, setting)
     blank = replace(blank, seconds=run.seconds, setup_seconds=run.setup_seconds, steps=run.steps)
     if run.outcome is not Outcome.FINISHED or run.history is None:
-        return _all_alike(task, blank, run.outcome, run.reason)
+        return _all_alike(quantities, blank, run.outcome, run.reason)
     motion = ObservedMotion(model, run.history)
-    compared = {quantity.name: _compared(task.case, quantity, motion, blank) for quantity in task.quantities}
+    compared = {quantity.name: _compared(case, quantity, motion, blank) for quantity in quantities}
     return RunResult(
         tuple(record for record, _ in compared.values()),
-        checks(task.case, motion, blank) if with_invariants else (),
+        checks(case, motion, blank) if with_invariants else (),
         {name: found for name, (_, found) in compared.items() if found is not None},
         dict(run.details),
     )
 
 
-def _all_alike(task: _Task, blank: Record, outcome: Outcome | Failure, reason: str) -> RunResult:
+def _all_alike(quantities: Iterable[Quantity], blank: Record, outcome: Outcome | Failure, reason: str) -> RunResult:
     """The records of a run that gave no motion."""
     blank = replace(blank, outcome=Verdict(outcome.value).value, detail=reason)
-    return RunResult(tuple(replace(blank, quantity=q.name, unit=q.unit) for q in task.quantities), ())
+    return RunResult(tuple(replace(blank, quantity=q.name, unit=q.unit) for q in quantities), ())
 
 
 def _compared(case: Case, quantity: Quantity, motion: ObservedMotion, blank: Record) -> tuple[Record, Deviation | None]:

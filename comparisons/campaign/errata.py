@@ -7,10 +7,10 @@ corrected closed form and against the printed one.
 from __future__ import annotations
 
 import io
-from collections.abc import Callable, Generator, Iterable, Iterator, Sequence
+import pickle
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import closing
 from dataclasses import dataclass
-from functools import partial
 from typing import Any, Protocol
 
 import numpy as np
@@ -21,11 +21,12 @@ from analytic.kinematics.mechanism import Mechanism
 from analytic.motion.rkfixed import fixed_step
 from comparisons.observation.interpolation import resample
 from comparisons.observation.observed_motion import ObservedMotion
-from comparisons.reference.case import Case, Motion, own_case, own_motion
+from comparisons.reference.case import Case, Motion, own_case, own_motion, unpickled
 from comparisons.runs.failures import Lost
 from comparisons.runs.journal import Journal
 from comparisons.runs.run_engine import run_engine
-from comparisons.runs.workers import DEFAULT_BOUNDS, Bounds, as_sent, run_jobs, usual_processes
+from comparisons.runs.study import Study, Task
+from comparisons.runs.workers import DEFAULT_BOUNDS, Bounds, usual_processes
 from engines.contract import Outcome, Setting, Signal
 from engines.registry import engine
 from engines.scene import Channel
@@ -106,15 +107,11 @@ class Stepped:
 
 @dataclass(frozen=True)
 class _Trial:
-    """A printed model on trial; ``key`` is the case's: linkage and regime."""
+    """A printed model on trial."""
 
     linkage: Linkage
     erratum: Erratum
     case: Case
-
-    @property
-    def key(self) -> tuple[str, str]:
-        return (self.linkage.name, self.erratum.regime)
 
 
 def judge_errata(
@@ -131,21 +128,25 @@ def judge_errata(
     The engines run as ``comparisons.campaign.campaign.compare`` runs them.
     """
     trials = list(_trials(linkages))
-    cases = {trial.key: trial.case for trial in trials}
-    asked = [(*key, name) for key in cases for name in engines]
-    kept = {} if journal is None else journal.kept()
-    runs = {run: _from_bytes(kept[_key(*run)]) for run in asked if _key(*run) in kept}
-    missing = [run for run in asked if run not in runs]
-    count = usual_processes(len(asked)) if processes is None else processes
-    with closing(_made(cases, missing, bounds, count, journal)) as made:
+    asked = [_task(trial, name) for trial in trials for name in engines]
+    count = usual_processes(len({task.key for task in asked})) if processes is None else processes
+    study = Study(_crank_speed, _lost, _to_bytes, _from_bytes, journal, processes=count)
+    with closing(study.in_order(asked, bounds)) as runs:
         for trial in trials:
             printed = None
-            for name in engines:
-                while (*trial.key, name) not in runs:
-                    runs.update([next(made)])
-                # computed while the workers are busy
-                printed = printed or _printed(trial, variant_of)
-                yield _record(trial.linkage, trial.erratum, name, (trial.case.motion, printed), runs[*trial.key, name])
+            for name, run in zip(engines, runs, strict=False):
+                printed = printed or _printed(trial, variant_of)  # while the workers are busy
+                yield _record(trial.linkage, trial.erratum, name, (trial.case.motion, printed), run)
+
+
+def _task(trial: _Trial, name: str) -> Task:
+    """The run that a trial needs of an engine; trials of one linkage and regime share it."""
+    key = "/".join(("errata", trial.linkage.name, trial.erratum.regime, name))
+    return Task(key, (pickle.dumps(trial.case), name))
+
+
+def _lost(lost: Lost, *_: object) -> CrankSpeed:
+    return lost.outcome.value, None
 
 
 def _trials(linkages: Iterable[Linkage]) -> Iterator[_Trial]:
@@ -157,28 +158,6 @@ def _trials(linkages: Iterable[Linkage]) -> Iterator[_Trial]:
         asked = dict.fromkeys(erratum.regime for erratum in linkage.errata)
         cases = {name: own_case(mechanism, regimes[name]) for name in asked}
         yield from (_Trial(linkage, erratum, cases[erratum.regime]) for erratum in linkage.errata)
-
-
-def _made(
-    cases: dict[tuple[str, str], Case],
-    missing: Sequence[tuple[str, str, str]],
-    bounds: Bounds,
-    processes: int,
-    journal: Journal | None,
-) -> Generator[tuple[tuple[str, str, str], CrankSpeed], None, None]:
-    """The runs not made yet, by linkage, regime and engine, as they finish."""
-    jobs = [(run[:2], run[2]) for run in missing]
-    with closing(run_jobs(partial(_crank_speed, as_sent(cases)), jobs, bounds=bounds, processes=processes)) as results:
-        for index, found in results:
-            run = (found.outcome.value, None) if isinstance(found, Lost) else found
-            if journal is not None:
-                journal.keep(_key(*missing[index]), _to_bytes(run))
-            yield missing[index], run
-
-
-def _key(mechanism: str, regime: str, name: str) -> str:
-    """Under what name a run is kept in a journal."""
-    return "/".join(("errata", mechanism, regime, name))
 
 
 def _to_bytes(run: CrankSpeed) -> bytes:
@@ -221,8 +200,8 @@ def printed_motion(mechanism: Mechanism, own: ReleasedRegime, erratum: Erratum) 
     return Stepped(Signal(stepped.time, stepped.angle), Signal(stepped.time, stepped.speed))
 
 
-def _crank_speed(cases: dict[tuple[str, str], Case], key: tuple[str, str], name: str) -> CrankSpeed:
-    case, adapter = cases[key], engine(name)
+def _crank_speed(pickled: bytes, name: str) -> CrankSpeed:
+    case, adapter = unpickled(pickled), engine(name)
     model = case.scene({Channel.VELOCITY})
     run = run_engine(adapter, model, Setting.TUNED)
     if run.outcome is not Outcome.FINISHED or run.history is None:

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import math
+import pickle
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, replace
-from functools import cached_property
+from functools import cached_property, lru_cache
 from typing import Any, Final, Protocol
 
 import numpy as np
@@ -192,6 +193,17 @@ class Case:
     def along(self, vectors: Array) -> Array:
         """Component of (n, 2) vectors along the output's direction."""
         return np.asarray(vectors @ np.asarray(self.output.along))
+
+
+@lru_cache(maxsize=64)
+def unpickled(case: bytes) -> Case:
+    """The case of a worker's job, the same for all its jobs, so that they share what it has worked out.
+
+    Cases are pickled even for jobs in this process: an array that has travelled lies otherwise in memory, and linear
+    algebra adds it up in another order.
+    """
+    found: Case = pickle.loads(case)
+    return found
 
 
 def own_motion(mechanism: Mechanism, own: ReleasedRegime, half_slope: str = "exact") -> FreeMotion:

@@ -3,14 +3,16 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import asdict, dataclass, field
+from collections.abc import Iterable, Sequence
+from dataclasses import asdict, dataclass
+from functools import partial
 from typing import Any, Final
 
 from comparisons.runs.environment import environment
-from comparisons.runs.failures import GIB, Lost
+from comparisons.runs.failures import GIB
 from comparisons.runs.journal import Journal
-from comparisons.runs.workers import Bounds, run_jobs
+from comparisons.runs.study import Announce, Study, Task
+from comparisons.runs.workers import Bounds
 from comparisons.stress.axes import Axis, axes
 from comparisons.stress.border import COARSE, PRECISE, Border, bisected, borders
 from comparisons.stress.cells import Cell, CellResult, cells, from_document, lost, made
@@ -23,18 +25,20 @@ QUICK_SECONDS: Final = 4.0
 QUICK_BORDERS: Final = "tuned"
 DRIVEN: Final = "turns-driven"  # the map of long driven runs
 
-Announce = Callable[[str, int, int], None]
-
 
 @dataclass(frozen=True)
 class StressRequest:
-    """What to put under stress; no ``usages`` means every setting and method of each axis."""
+    """What to put under stress; no ``usages`` means every setting and method of each axis.
+
+    ``time_limit`` is what a cell may take, s; by default what its axis grants.
+    """
 
     axes: tuple[Axis, ...]
     engines: tuple[str, ...]
     usages: tuple[str, ...] = ()
     quick: bool = False
     processes: int | None = None
+    time_limit: float | None = None
 
 
 @dataclass(frozen=True)
@@ -78,62 +82,53 @@ def stress(request: StressRequest, announce: Announce = lambda *_: None, journal
 
     ``announce`` hears a label, how many cells are done and how many are known of.
     """
-    maker = _Maker(request, announce, journal, _kept(journal))
-    grid = maker.make(cells(request.axes, request.engines, request.usages, quick=request.quick))
+    make = partial(_made, study := _study(announce, journal, request.processes), request)
+    grid = make(cells(request.axes, request.engines, request.usages, quick=request.quick))
     rough = borders(grid)
     if request.quick:
         rough = [one for one in rough if one.inside.cell.usage == QUICK_BORDERS]
-    narrow = bisected(rough, maker.make, COARSE if request.quick else PRECISE)
-    return Stressed(tuple(maker.done.values()), tuple(narrow), tuple(_long_runs(request)))
+    narrow = bisected(rough, make, COARSE if request.quick else PRECISE)
+    return Stressed(tuple(study.results.values()), tuple(narrow), tuple(_long_runs(request, journal)))
 
 
-def _long_runs(request: StressRequest) -> Iterable[LongRun]:
+def _long_runs(request: StressRequest, journal: Journal | None) -> Iterable[LongRun]:
     """First turn against last on the linkages of the map of long driven runs; too long for a quick look."""
     wanted = [row.conditions.linkage for axis in request.axes if axis.name == DRIVEN for row in axis.rows]
-    return () if request.quick else long_runs(request.engines, wanted)
+    return () if request.quick else long_runs(request.engines, wanted, journal=journal)
 
 
-def make_cells(wanted: Sequence[Cell]) -> list[CellResult]:
-    """These cells alone, each in a worker process of its own, in their order."""
-    return list(_Maker(StressRequest((), ()), lambda *_: None, None, {}).make(wanted))
+def make_cells(wanted: Sequence[Cell], time_limit: float | None = None) -> list[CellResult]:
+    """These cells alone, each in a worker process of its own, in their order; ``time_limit`` as in a request."""
+    return _made(_study(lambda *_: None, None, None), StressRequest((), (), time_limit=time_limit), wanted)
 
 
-def _kept(journal: Journal | None) -> dict[str, CellResult]:
-    return {} if journal is None else {key: from_document(json.loads(text)) for key, text in journal.kept().items()}
+def _study(announce: Announce, journal: Journal | None, processes: int | None) -> Study[CellResult]:
+    return Study(made, lost, _to_bytes, _from_bytes, journal, announce, processes)
 
 
-@dataclass
-class _Maker:
-    """Makes cells that are not made yet, and keeps them."""
+def _to_bytes(result: CellResult) -> bytes:
+    return json.dumps(result.document, default=float).encode()
 
-    request: StressRequest
-    announce: Announce
-    journal: Journal | None
-    kept: Mapping[str, CellResult]
-    done: dict[str, CellResult] = field(default_factory=dict)
-    known: int = 0
 
-    def make(self, wanted: Sequence[Cell]) -> list[CellResult]:
-        """Results of cells, in their order."""
-        self.done |= {cell.key: self.kept[cell.key] for cell in wanted if cell.key in self.kept}
-        todo = list({cell.key: cell for cell in wanted if cell.key not in self.done}.values())
-        self.known = len(self.done) + len(todo)
-        for seconds in sorted({self._seconds(cell) for cell in todo}):
-            self._run([cell for cell in todo if self._seconds(cell) == seconds], seconds)
-        self.announce("", len(self.done), self.known)
-        return [self.done[cell.key] for cell in wanted]
+def _from_bytes(content: bytes) -> CellResult:
+    return from_document(json.loads(content))
 
-    def _seconds(self, cell: Cell) -> float:
-        granted = axes()[cell.axis].seconds
-        return min(granted, QUICK_SECONDS) if self.request.quick else granted
 
-    def _run(self, todo: Sequence[Cell], seconds: float) -> None:
-        jobs = [(cell,) for cell in todo]
-        bounds = Bounds(seconds, MEMORY)
-        for number, found in run_jobs(made, jobs, bounds=bounds, processes=self.request.processes):
-            cell = todo[number]
-            self.announce(cell.key, len(self.done), self.known)
-            result = lost(cell, found) if isinstance(found, Lost) else found
-            self.done[cell.key] = result
-            if self.journal is not None:
-                self.journal.keep(cell.key, json.dumps(result.document, default=float).encode())
+def _made(study: Study[CellResult], request: StressRequest, wanted: Sequence[Cell]) -> list[CellResult]:
+    """Results of cells, in their order."""
+    by_seconds: dict[float, list[Task]] = {}
+    for cell in wanted:
+        by_seconds.setdefault(_seconds(request, cell), []).append(Task(cell.key, (cell,), cell.key))
+    study.expect(task for tasks in by_seconds.values() for task in tasks)
+    for seconds in sorted(by_seconds):
+        for _ in study.make(by_seconds[seconds], Bounds(seconds, MEMORY)):
+            pass  # the study holds the result
+    return [study.results[cell.key] for cell in wanted]
+
+
+def _seconds(request: StressRequest, cell: Cell) -> float:
+    """What a cell may take, s."""
+    if request.time_limit is not None:
+        return request.time_limit
+    granted = axes()[cell.axis].seconds
+    return min(granted, QUICK_SECONDS) if request.quick else granted

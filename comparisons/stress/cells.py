@@ -174,7 +174,7 @@ def made(cell: Cell) -> CellResult:
     )
 
 
-def lost(cell: Cell, loss: Lost) -> CellResult:
+def lost(loss: Lost, cell: Cell) -> CellResult:
     """A cell whose worker gave no result."""
     judgement = Judgement(StressVerdict(loss.outcome.value), loss.reason)
     return replace(_unmade(cell), judgement=judgement, outcome=loss.outcome.value)

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from typing import Final
 
 import numpy as np
@@ -15,8 +16,10 @@ from comparisons.invariants.invariants import joint_gaps
 from comparisons.observation.observed_motion import ObservedMotion
 from comparisons.reference.case import Case
 from comparisons.runs.failures import GIB, Lost
+from comparisons.runs.journal import Journal
 from comparisons.runs.run_engine import run_engine
-from comparisons.runs.workers import Bounds, run_jobs
+from comparisons.runs.study import Study, Task
+from comparisons.runs.workers import Bounds
 from engines.contract import Outcome, Setting, Signal
 from engines.registry import engine
 from engines.scene import Channel
@@ -56,16 +59,32 @@ class LongRun:
 
 
 def long_runs(
-    engines: Sequence[str], mechanisms: Sequence[str] = (), setting: Setting = Setting.TUNED, turns: int = TURNS
+    engines: Sequence[str],
+    mechanisms: Sequence[str] = (),
+    setting: Setting = Setting.TUNED,
+    turns: int = TURNS,
+    journal: Journal | None = None,
 ) -> Iterator[LongRun]:
     """Mechanisms (catalogue names or files) turned at constant speed in every engine that is installed."""
-    jobs = [(name, one, setting, turns) for name in mechanisms for one in engines if engine(one).version() is not None]
-    found = dict(run_jobs(long_run, jobs, bounds=BOUNDS))
-    for number, (name, one, _, _) in enumerate(jobs):
-        result = found[number]
-        if isinstance(result, Lost):
-            result = LongRun(load(name).name, one, setting.value, turns, result.outcome.value, result.reason)
-        yield result
+    installed = [name for name in engines if engine(name).version() is not None]
+    tasks = [
+        Task(f"long run/{mechanism}/{name}/{setting}/{turns}", (mechanism, name, setting, turns))
+        for mechanism in mechanisms
+        for name in installed
+    ]
+    return Study(long_run, _lost, _to_bytes, _from_bytes, journal).in_order(tasks, BOUNDS)
+
+
+def _lost(lost: Lost, name: str, engine_name: str, setting: Setting, turns: int) -> LongRun:
+    return LongRun(load(name).name, engine_name, setting.value, turns, lost.outcome.value, lost.reason)
+
+
+def _to_bytes(run: LongRun) -> bytes:
+    return json.dumps(asdict(run)).encode()
+
+
+def _from_bytes(content: bytes) -> LongRun:
+    return LongRun(**json.loads(content))
 
 
 def long_run(name: str, engine_name: str, setting: Setting, turns: int) -> LongRun:

@@ -218,6 +218,10 @@ def stress(
     out: Annotated[Path | None, typer.Option(metavar="DIR", help="Write stress.json and stress.html here.")] = None,
     json: JsonOption = None,
     resume: ResumeOption = False,
+    time_limit: Annotated[
+        float | None,
+        typer.Option(metavar="SECONDS", help="Wall time that one cell may take; default: that of its map."),
+    ] = None,
     jobs: Annotated[int | None, typer.Option(metavar="N", help="Worker processes; default: the cores.")] = None,
 ) -> None:
     """Map where engines stop being right, and whether our invariants notice.
@@ -229,7 +233,7 @@ def stress(
     start_server(["comparisons.stress.cells"])  # its imports run beside ours
     from reports.command_line.stress import StressChoice, run
 
-    choice = StressChoice(tuple(words or ()), tuple(engine or ()), tuple(setting or ()), quick)
+    choice = StressChoice(tuple(words or ()), tuple(engine or ()), tuple(setting or ()), quick, time_limit)
     raise typer.Exit(run(choice, out, json, resume=resume, jobs=jobs))
 
 

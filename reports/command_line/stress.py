@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import shlex
 import sys
 from dataclasses import dataclass
@@ -34,6 +35,7 @@ class StressChoice:
     engines: tuple[str, ...] = ()
     settings: tuple[str, ...] = ()
     quick: bool = False
+    time_limit: float | None = None
 
     @property
     def cells(self) -> tuple[str, ...]:
@@ -46,7 +48,8 @@ class StressChoice:
         words = ["linkproof", "stress", *self.words]
         for option, values in (("--engine", self.engines), ("--setting", self.settings)):
             words += [word for value in values for word in (option, value)]
-        return shlex.join([*words, *(["--quick"] if self.quick else [])])
+        words += ["--quick"] if self.quick else []
+        return shlex.join([*words, *(["--time-limit", f"{self.time_limit:g}"] if self.time_limit is not None else [])])
 
 
 def run(
@@ -60,6 +63,8 @@ def run(
         raise LinkproofError("--resume finishes what --out DIR has kept: name that folder with --out, or leave it out")
     if jobs is not None and jobs < 1:
         raise LinkproofError(f"--jobs: expected 1 or more worker processes, got {jobs}; a cell may not run without one")
+    if choice.time_limit is not None and not 0.0 < choice.time_limit < math.inf:
+        raise LinkproofError(f"--time-limit: expected a positive finite number of s, got {choice.time_limit:g}")
     for path in (*([Path(target)] if target not in (None, "-") else []), *([out / FILE] if out else [])):
         check_writable(path)
     if choice.cells:
@@ -85,7 +90,9 @@ def _request(choice: StressChoice, jobs: int | None) -> StressRequest:
             f"expected an installed engine, got {', '.join(engines) or 'none at all'}: install it with: pip install "
             f"'linkproof[{engines[0] if engines else 'pymunk'}]'"
         )
-    return StressRequest(tuple(chosen_axes(choice.words)), there, choice.settings, choice.quick, jobs)
+    return StressRequest(
+        tuple(chosen_axes(choice.words)), there, choice.settings, choice.quick, jobs, choice.time_limit
+    )
 
 
 def _journal(out: Path, choice: StressChoice, wanted: StressRequest, *, resume: bool) -> Journal:
@@ -102,7 +109,7 @@ def _alone(choice: StressChoice, target: str | None) -> int:
     """Make the cells that are named, each on its own, and tell all of them."""
     if len(choice.cells) < len(choice.words):
         raise LinkproofError("expected either axes or cells (AXIS/ROW/VALUE/ENGINE/USAGE), got both; ask for one kind")
-    found = make_cells([find_cell(name) for name in choice.cells])
+    found = make_cells([find_cell(name) for name in choice.cells], choice.time_limit)
     if target == "-":
         sys.stdout.write(to_json({"cells": [one.document for one in found]}))
     else:

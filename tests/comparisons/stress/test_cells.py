@@ -76,7 +76,7 @@ def with_engine(monkeypatch):
         for module in (stress, campaign):
             if hasattr(module, "engine"):
                 monkeypatch.setattr(module, "engine", lambda name: one)
-        monkeypatch.setattr(campaign, "long_runs", lambda *_: ())
+        monkeypatch.setattr(campaign, "long_runs", lambda *_, **__: ())
         return one
 
     return install
@@ -165,7 +165,7 @@ def test_json_holds_all_of_a_cell(with_engine, engine):
     assert from_document(told) == found
     assert told["command"] == "linkproof stress 'mass/four-bar, coupler/10000/perfect/tuned'"
     for failure in Failure:
-        found = lost(COUPLER, Lost(failure, "as tested")).document
+        found = lost(Lost(failure, "as tested"), COUPLER).document
         assert found["verdict"] == found["outcome"] == failure.value
 
 

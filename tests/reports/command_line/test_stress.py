@@ -24,6 +24,7 @@ CELL = "start/positions/1e-08/direct/tuned"
         (StressChoice(engines=("nobody",)), {}, "nobody"),
         (StressChoice(), {"resume": True}, "--out DIR"),
         (StressChoice(), {"jobs": 0}, "--jobs"),
+        (StressChoice(time_limit=0.0), {}, "--time-limit"),
     ],
 )
 def test_what_cannot_be_is_said_before_any_cell_is_made(choice, options, words, monkeypatch):
@@ -37,6 +38,13 @@ def test_a_cell_alone_is_told_in_full(capsys):
     told = " ".join(capsys.readouterr().out.split())
     assert told.startswith(f"{CELL}: within limit")
     assert "worst invariant:" in told
+
+
+def test_a_cell_may_take_as_long_as_it_is_given(capsys):
+    choice = StressChoice((CELL,), time_limit=1e-3)
+    assert choice.command == f"linkproof stress {CELL} --time-limit 0.001"
+    assert run(choice, None, None) == 0
+    assert "took longer than 0.001 s" in " ".join(capsys.readouterr().out.split())
 
 
 def test_a_cell_alone_as_json(capsys):

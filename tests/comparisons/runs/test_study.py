@@ -1,0 +1,97 @@
+"""A study makes every task once, keeps it, and gives results in order or as they come."""
+
+import pytest
+
+from comparisons.runs import study as spine
+from comparisons.runs.failures import Failure, Lost
+from comparisons.runs.journal import Journal
+from comparisons.runs.study import Study, Task
+from tests.comparisons.faults import job
+
+TASKS = [Task(f"task {n}", ("fine", n), f"label {n}", weight=n) for n in (1, 3, 2)]
+
+
+def study(**changes):
+    def lost(loss, kind, value):
+        return f"{kind} {value}: {loss.outcome}"
+
+    common = {"lost": lost, "encode": lambda value: str(value).encode(), "decode": int, "processes": 0}
+    return Study(**{"function": job, **common, **changes})
+
+
+def failing(*_):
+    pytest.fail("a task was made again")
+
+
+def test_results_come_in_the_order_of_the_tasks():
+    assert list(study().in_order(TASKS)) == [1, 3, 2]
+    assert list(study(processes=2).in_order(TASKS)) == [1, 3, 2]
+
+
+def test_several_processes_begin_with_the_heaviest(monkeypatch):
+    begun = []
+
+    def run_jobs(function, jobs, **_):
+        for number, arguments in enumerate(jobs):
+            begun.append(arguments[1])
+            yield number, function(*arguments)
+
+    monkeypatch.setattr(spine, "run_jobs", run_jobs)
+    assert list(study(processes=2).in_order(TASKS)) == [1, 3, 2]
+    assert begun == [3, 2, 1]
+
+
+def test_a_task_asked_for_twice_is_made_once():
+    made = []
+    twice = study(function=lambda kind, value: made.append(value) or value)
+    assert list(twice.in_order([*TASKS, TASKS[0]])) == [1, 3, 2, 1]
+    assert [task.key for task in twice.make(TASKS)] == []
+    assert sorted(made) == [1, 2, 3]
+
+
+def test_a_lost_task_has_the_result_of_what_went_wrong():
+    (found,) = study().in_order([Task("t", ("fail", None))])
+    assert found == "fail None: suite-error"
+
+
+def test_a_lost_task_may_count_as_never_begun():
+    dropping = study(lost=lambda *_: None)
+    assert list(dropping.make([Task("t", ("fail", None)), TASKS[0]])) == [TASKS[0]]
+    assert dropping.results == {"task 1": 1}
+
+
+def test_what_a_journal_holds_is_not_made_again(tmp_path):
+    journal = Journal(tmp_path, "as tested")
+    first = study(journal=journal)
+    next(first.make(TASKS))
+    assert journal.kept() == {"task 1": b"1"}
+    heard = []
+    again = study(journal=journal, announce=lambda *words: heard.append(words))
+    assert list(again.in_order(TASKS)) == [1, 3, 2]
+    assert heard == [("label 3", 1, 3), ("label 3", 2, 3), ("label 2", 2, 3), ("label 2", 3, 3)]
+    assert list(study(journal=journal, function=failing).in_order(TASKS)) == [1, 3, 2]
+
+
+def test_tasks_expected_count_before_they_are_begun():
+    heard = []
+    expecting = study(announce=lambda *words: heard.append(words[1:]))
+    expecting.expect(TASKS)
+    list(expecting.make(TASKS[:1]))
+    assert heard == [(0, 3), (1, 3)]
+
+
+def test_closing_a_study_ends_its_workers(monkeypatch):
+    closed = []
+
+    def run_jobs(*_, **__):
+        try:
+            yield 0, Lost(Failure.CRASHED, "died")
+            yield 1, 3
+        finally:
+            closed.append(True)
+
+    monkeypatch.setattr(spine, "run_jobs", run_jobs)
+    results = study().in_order(TASKS)
+    next(results)
+    results.close()
+    assert closed == [True]
