@@ -14,7 +14,7 @@ from analytic.dynamics.reduced import reduced_inertia
 from analytic.numerics.extremes import extremes
 from analytic.turn.unit_functions import stroke, unit_functions
 from reports.drawing import forces, inertia, kinematics, thread
-from reports.drawing.printed import printed_figure
+from reports.drawing.released import printed_figure
 from reports.drawing.style import picture
 from reports.facts import forces as force_facts
 from reports.facts import thread as thread_facts

@@ -11,8 +11,7 @@ from matplotlib.ticker import MaxNLocator
 from numpy.typing import NDArray
 
 from analytic.dynamics.reduced import group_inertia, link_inertia, reduced_inertia
-from reports.drawing.curves import over_last_turn
-from reports.drawing.panels import draw_errors_beneath, draw_methods
+from reports.drawing.panels import draw_errors_beneath, draw_methods, over_last_turn
 from reports.drawing.style import DASHES, FULL_WIDTH, INK, PALETTE, WIDTH, label_ends, over_turn, panels
 from reports.facts.views import View
 

@@ -12,9 +12,8 @@ from analytic.description.crank_motion import RPM
 from analytic.motion.rkfixed import PUBLISHED_STEPS
 from comparisons.judging.quantities import QUANTITIES
 from comparisons.reference.case import Case
-from reports.drawing.curves import thinned
 from reports.drawing.inertia import power_for
-from reports.drawing.panels import Other, draw_errors_beneath, draw_methods
+from reports.drawing.panels import Other, draw_errors_beneath, draw_methods, thinned
 from reports.drawing.style import INK, MUTED, WIDTH, panels
 from reports.facts.joint_rows import worst_joint
 from reports.facts.released import Released, released

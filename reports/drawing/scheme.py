@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, partial
 from typing import Any
 
 import numpy as np
@@ -98,25 +98,37 @@ def scheme_of(view: View) -> KinematicScheme:
 
 def scheme_figure(view: View) -> Figure:
     """The scheme on a page of its own, to scale in both directions."""
-    scheme = scheme_of(view)
-    low, high = scheme.extent
-    pad = 0.42  # inches around the outermost points: pivots, numbers and names need it
+    largest, draw = (LARGEST_WIDTH, LARGEST_HEIGHT), partial(draw_scheme, view=view)
+    return scaled_figure(scheme_of(view).extent, 0.42, largest, SMALLEST_WIDTH, draw)
+
+
+def scaled_figure(
+    corners: tuple[Array, Array],
+    pad: float,
+    largest: tuple[float, float],
+    narrowest: float,
+    draw: Callable[..., object],
+) -> Figure:
+    """A figure of the plane between two corners, mm, as large as ``largest``, in, allows to one scale both ways.
+
+    ``pad`` is the room around the corners, in, for pivots, numbers and names; ``narrowest`` the least width of the
+    axes. ``draw`` is given the axes and ``size``, a pin's radius, mm.
+    """
+    (low, high), rims = corners, np.array([LEFT + RIM, BELOW + RIM])
     span = np.maximum(high - low, 1e-9)
-    scale = float(
-        min((LARGEST_WIDTH - LEFT - RIM - 2 * pad) / span[0], (LARGEST_HEIGHT - BELOW - RIM - 2 * pad) / span[1])
-    )
-    width = max(span[0] * scale + 2 * pad, SMALLEST_WIDTH)
-    height = span[1] * scale + 2 * pad
-    full = (width + LEFT + RIM, height + BELOW + RIM)
+    room = largest - rims - 2.0 * pad
+    scale = float(np.min(room / span))
+    box = np.maximum(span * scale + 2.0 * pad, (narrowest, 0.0))
+    full = box + rims
 
-    def draw(figure: Figure) -> None:
-        axes = figure.add_axes((LEFT / full[0], BELOW / full[1], width / full[0], height / full[1]))
-        middle = 0.5 * (low + high)
-        axes.set_xlim(middle[0] - 0.5 * width / scale, middle[0] + 0.5 * width / scale)
-        axes.set_ylim(middle[1] - 0.5 * height / scale, middle[1] + 0.5 * height / scale)
-        draw_scheme(axes, view, PIN_INCHES / scale)
+    def draw_all(figure: Figure) -> None:
+        axes = figure.add_axes((LEFT / full[0], BELOW / full[1], box[0] / full[0], box[1] / full[1]))
+        middle, half = 0.5 * (low + high), 0.5 * box / scale
+        axes.set_xlim(middle[0] - half[0], middle[0] + half[0])
+        axes.set_ylim(middle[1] - half[1], middle[1] + half[1])
+        draw(axes, size=PIN_INCHES / scale)
 
-    return drawn(*full, draw)
+    return drawn(float(full[0]), float(full[1]), draw_all)
 
 
 def draw_scheme(axes: Axes, view: View, size: float) -> None:

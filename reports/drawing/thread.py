@@ -16,17 +16,16 @@ from analytic.description.thread_path import ThreadEye, ThreadGuide
 from analytic.turn.thread_feed import contour, reference_angle
 from reports.drawing import symbols
 from reports.drawing.scheme import (
-    BELOW,
     GHOST,
     LARGEST_HEIGHT,
     LEFT,
     MILLIMETRE,
     NAME_STYLE,
-    PIN_INCHES,
     RIM,
     TURN_POINTS,
     KinematicScheme,
     draw_position,
+    scaled_figure,
 )
 from reports.drawing.style import INK, MUTED, PALETTE, WIDTH, drawn, over_turn, panels
 from reports.facts.thread import MM, diagram, thread_of, travels
@@ -60,20 +59,8 @@ def plane_figure(view: View) -> Figure:
     spots = MILLIMETRE * contour(scheme.few, thread_of(view))[:, :2, 0]
     low = np.minimum(scheme.extent[0], spots.min(axis=0))
     high = np.maximum(scheme.extent[1], spots.max(axis=0))
-    span = high - low
-    room = (WIDTH - LEFT - RIM, LARGEST_HEIGHT - BELOW - RIM)
-    scale = float(min((room[0] - 2 * PAD) / span[0], (room[1] - 2 * PAD) / span[1]))
-    height = span[1] * scale + 2 * PAD
-    full = (WIDTH, height + BELOW + RIM)
-
-    def draw(figure: Figure) -> None:
-        axes = figure.add_axes((LEFT / full[0], BELOW / full[1], room[0] / full[0], height / full[1]))
-        middle = 0.5 * (low + high)
-        axes.set_xlim(middle[0] - 0.5 * room[0] / scale, middle[0] + 0.5 * room[0] / scale)
-        axes.set_ylim(middle[1] - 0.5 * height / scale, middle[1] + 0.5 * height / scale)
-        draw_plane(axes, view, scheme, PIN_INCHES / scale)
-
-    return drawn(*full, draw)
+    draw = partial(draw_plane, view=view, scheme=scheme)
+    return scaled_figure((low, high), PAD, (WIDTH, LARGEST_HEIGHT), WIDTH - LEFT - RIM, draw)
 
 
 def draw_plane(axes: Axes, view: View, scheme: KinematicScheme, size: float) -> None:

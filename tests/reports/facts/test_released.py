@@ -13,7 +13,7 @@ from comparisons.judging.deviations import Deviation
 from engines.contract import Setting
 from reports.campaign.regime_part import regime_part
 from reports.drawing import run_up
-from reports.drawing.last_turn import last_turn_figure
+from reports.drawing.released import last_turn_figure
 from reports.facts.released import Released, released, sentences
 from reports.facts.views import Regime, View, views
 from tests.reports.made_up_results import made_up_results, text_of

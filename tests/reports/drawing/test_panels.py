@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from reports.drawing.curves import envelope, last_turn, thinned
+from reports.drawing.panels import envelope, last_turn, thinned
 
 
 def test_a_single_spike_survives_thinning():

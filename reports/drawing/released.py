@@ -1,4 +1,4 @@
-"""Crank speed by the corrected model, by the model as printed and by the engines, and how far each is off."""
+"""A released crank: its last turn, and its speed by the corrected model, by the model as printed and by the engines."""
 
 from __future__ import annotations
 
@@ -8,19 +8,49 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 from numpy.typing import NDArray
 
+from analytic.description.crank_motion import RPM
 from analytic.description.linkage import Erratum
 from analytic.motion.released import FreeMotion
-from reports.drawing.curves import thinned
-from reports.drawing.panels import Other, draw_errors_beneath, draw_methods
-from reports.drawing.style import FULL_WIDTH, LIMIT_COLOUR, panels
+from reports.drawing.panels import Other, draw_errors_beneath, draw_methods, over_last_turn, thinned
+from reports.drawing.style import FULL_WIDTH, LIMIT_COLOUR, drawn, over_turn, panels
 from reports.facts.printed_models import printed_motion
-from reports.facts.released import released
+from reports.facts.released import Released, released
 from reports.facts.views import Regime, View
 
 Array = NDArray[np.float64]
 
+LAST_TURN_POINTS = 721
+LAST_TURN = (("omega", "n, rpm", 1.0 / RPM), ("epsilon", "ε, rad/s²", 1.0))
 POINTS_PER_TURN, LEAST_POINTS = 30, 2000
 HEIGHT = 3.9
+
+
+def last_turn_figure(view: View, regime: Regime, found: Released) -> Figure:
+    """N and ε over the last full turn; the motion must have made one."""
+
+    def draw(figure: Figure) -> None:
+        grid = figure.subplots(1, 2, gridspec_kw={"wspace": 0.62})
+        figure.subplots_adjust(left=0.067, right=0.89, top=0.95, bottom=0.16)
+        for axes, (quantity, label, factor) in zip(grid, LAST_TURN, strict=True):
+            traces = [over_last_turn(trace) for trace in view.traces(regime, quantity)]
+            draw_methods(axes, view, _truth(found, quantity), traces, factor)
+            axes.set_ylabel(label)
+            axes.yaxis.set_major_locator(MaxNLocator(5))
+            over_turn(axes)
+
+    return drawn(FULL_WIDTH, 2.7, draw)
+
+
+def _truth(found: Released, quantity: str) -> tuple[Array, Array]:
+    """Crank angle, degrees in order, and the closed form's value over the last turn."""
+    motion, rotation = found.motion, found.ending
+    assert rotation is not None, "only a motion that ends in a full turn has a last one"
+    start = motion.duration - 2.0 * np.pi / abs(rotation.mean_speed)
+    time = np.linspace(start, motion.duration, LAST_TURN_POINTS)[1:]
+    values = motion.speed(time) if quantity == "omega" else motion.acceleration(time)
+    degrees = np.degrees(motion.angle(time)) % 360.0
+    order = np.argsort(degrees)
+    return degrees[order], values[order]
 
 
 def printed_figure(view: View, erratum: Erratum) -> Figure:
