@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import pickle
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import lru_cache
@@ -12,7 +11,7 @@ from comparisons.judging.deviations import NoSampleError, deviation
 from comparisons.judging.quantities import JOINT_FORCE, QUANTITIES, Quantity, all_quantities
 from comparisons.judging.records import Verdict
 from comparisons.observation.observed_motion import ObservedMotion
-from comparisons.reference.case import Case
+from comparisons.reference.case import Case, unpickled
 from comparisons.runs.failures import blamed_on
 from comparisons.runs.run_engine import checked, started
 from comparisons.runs.timing import calibrate, timed
@@ -66,20 +65,19 @@ def chosen(case: Case, names: Sequence[str]) -> dict[str, tuple[Quantity, ...]]:
     return {name: quantities for name, quantities in found.items() if quantities}
 
 
-def measure(
+def measure(  # noqa: PLR0917  a worker's job is a plain tuple
     pickled: bytes,
     name: str,
     way: Setting | Method,
     steps_per_turn: float | None,
     quantities: Sequence[str],
-    *,
     with_errors: bool,
 ) -> Taken:
     """Run a pickled case once in an engine, by a setting or by a method at a step.
 
     Raises AdapterError for every exception of the adapter but MemoryError.
     """
-    case, adapter = _case(pickled), engine(name)
+    case, adapter = unpickled(pickled), engine(name)
     families = chosen(case, quantities)
     channels = frozenset(channel for family in families.values() for one in family for channel in one.channels)
     scene = case.scene(channels)
@@ -141,17 +139,10 @@ def _errors(case: Case, families: Mapping[str, Sequence[Quantity]], motion: Obse
     return found
 
 
-@lru_cache(maxsize=64)
-def _case(pickled: bytes) -> Case:
-    """The case, kept from one job of a worker to the next."""
-    case: Case = pickle.loads(pickled)
-    return case
-
-
 @lru_cache(maxsize=256)
 def _obstacle(pickled: bytes, name: str, channels: frozenset[Channel]) -> str | None:
     """Why an engine cannot hold a case, asked once."""
-    return engine(name).obstacle(_case(pickled).scene(channels))
+    return engine(name).obstacle(unpickled(pickled).scene(channels))
 
 
 @dataclass

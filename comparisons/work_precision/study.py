@@ -6,35 +6,25 @@ point for its time alone. Each round visits all points in turn, so that a slow s
 
 from __future__ import annotations
 
-import pickle
-import time
-from collections.abc import Callable, Iterator, Mapping, Sequence
-from contextlib import closing
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass
-from functools import partial
 from itertools import zip_longest
 from typing import Any
 
 from analytic.errors import UnknownNameError
 from comparisons.reference.case import Case
-from comparisons.runs.failures import Lost
 from comparisons.runs.journal import Journal
+from comparisons.runs.study import Announce
 from comparisons.runs.timing import Noise
-from comparisons.runs.workers import Bounds, run_jobs
 from comparisons.work_precision.analysis import judged
-from comparisons.work_precision.ledger import Ledger, Subject, records
-from comparisons.work_precision.measure import Taken, measure
 from comparisons.work_precision.points import FULL, Extent, Point, Track, tracks
 from comparisons.work_precision.records import BenchRecord, PointRecord, by_quantity
-from engines.contract import Method, Outcome, Setting
+from comparisons.work_precision.rounds import Rounds, Subject, records
+from engines.contract import Method, Setting
 from engines.registry import engine, engine_names
 from engines.scene import Channel
 
 QUANTITIES = ("Mkr", "Jeq", "phi", "joint_force")
-# A run that takes this much longer than its budget, s, hangs.
-HANGS = 60.0
-
-Announce = Callable[[str, int, int], None]
 
 
 @dataclass(frozen=True)
@@ -77,16 +67,21 @@ def bench(request: BenchRequest, announce: Announce = lambda *_: None, journal: 
     for name in request.engines:
         if name not in engine_names():
             raise UnknownNameError("engine", name, engine_names())
-    sweeps, ledger = _in_turn(list(_sweeps(request))), Ledger(journal)
-    runner = _Runner(request, ledger, announce)
+    sweeps = _in_turn(list(_sweeps(request)))
+    rounds = Rounds(
+        *(request.cases, request.quantities, request.extent),
+        announce=announce,
+        journal=journal,
+        processes=request.processes,
+    )
     while batch := [(track, point) for track in sweeps if (point := track.next()) is not None]:
-        runner.run(0, [point for _, point in batch])
+        rounds.run(0, [point for _, point in batch])
         for track, point in batch:
-            track.take(ledger.get(0, point) if ledger.has(0, point) else None)
+            track.take(rounds.taken(0, point))
     done = [point for track in sweeps for point in track.points[: len(track.taken)]]
     for number in range(1, request.extent.repeats):
-        runner.run(number, [one for one in done if ledger.is_worth_repeating(one, number, request.extent)])
-    return Measured(judged(_records(request, sweeps, ledger)), request.quantities, Noise(ledger.calibrations))
+        rounds.run(number, [point for point in done if rounds.is_worth_repeating(point, number)])
+    return Measured(judged(_records(request, sweeps, rounds)), request.quantities, Noise(rounds.calibrations))
 
 
 def methods_told(request: BenchRequest) -> list[Mapping[str, Any]]:
@@ -131,7 +126,7 @@ def _in_turn(sweeps: Sequence[Track]) -> list[Track]:
     return [track for turn in zip_longest(*groups.values()) for track in turn if track is not None]
 
 
-def _records(request: BenchRequest, sweeps: Sequence[Track], ledger: Ledger) -> list[PointRecord]:
+def _records(request: BenchRequest, sweeps: Sequence[Track], rounds: Rounds) -> list[PointRecord]:
     """All records, by case and engine as asked for, then as measured."""
     adapters = {name: engine(name) for name in request.engines}
     versions = {name: adapter.version() or "" for name, adapter in adapters.items()}
@@ -140,58 +135,5 @@ def _records(request: BenchRequest, sweeps: Sequence[Track], ledger: Ledger) -> 
     for track in sorted(sweeps, key=lambda one: (one.points[0].case, places[one.points[0].engine])):
         first = track.points[0]
         subject = Subject(request.cases[first.case], adapters[first.engine], versions[first.engine])
-        found += list(records(subject, track, ledger, request.extent.repeats))
+        found += list(records(subject, track, rounds))
     return found
-
-
-@dataclass
-class _Runner:
-    """Runs points one after the other in one worker process and writes down what they give."""
-
-    request: BenchRequest
-    ledger: Ledger
-    announce: Announce
-    done: int = 0
-
-    def __post_init__(self) -> None:
-        self.pickled = [pickle.dumps(case) for case in self.request.cases]
-        self.ends = time.monotonic() + self.request.extent.deadline
-
-    def run(self, number: int, points: Sequence[Point]) -> None:
-        """Measure those points of a round that the ledger lacks."""
-        todo = []
-        for point in points:
-            if point.is_run and not self.ledger.has(number, point):
-                todo.append(point)
-            elif not point.is_run:
-                self.ledger.keep(number, point, _absent(point))
-        self.done += len(points) - len(todo)
-        total = self.done + len(todo)
-        bounds = Bounds(seconds=min(HANGS + 20.0 * self.request.extent.budget, max(1.0, self._left())))
-        job = partial(measure, quantities=self.request.quantities, with_errors=number == 0)
-        jobs = [(self.pickled[one.case], one.engine, one.setting or one.method, one.steps_per_turn) for one in todo]
-
-        def begun(place: int) -> None:
-            self.announce(self._label(number, todo[place]), self.done, total)
-
-        results = run_jobs(job, jobs, bounds=bounds, processes=self.request.processes, begun=begun)
-        with closing(results):  # which ends the worker, if the time is up
-            while self._left() > 0.0 and (result := next(results, None)) is not None:
-                place, found = result
-                if isinstance(found, Lost) and self._left() <= 0.0:
-                    break  # by our own deadline, not by the engine's fault
-                taken = Taken(found.outcome.value, found.reason) if isinstance(found, Lost) else found
-                self.ledger.keep(number, todo[place], taken)
-                self.done += 1
-
-    def _left(self) -> float:
-        return self.ends - time.monotonic()
-
-    def _label(self, number: int, point: Point) -> str:
-        case = self.request.cases[point.case]
-        return f"round {number + 1}: {case.mechanism.linkage.name}, {case.motion.regime}, {point.engine} {point.way}"
-
-
-def _absent(point: Point) -> Taken:
-    words = f"engine '{point.engine}' is not installed; install it with: pip install 'linkproof[{point.engine}]'"
-    return Taken(Outcome.UNAVAILABLE.value, words)

@@ -10,6 +10,7 @@ from analytic.description.loading import load
 from analytic.errors import UnknownNameError
 from analytic.kinematics.mechanism import Mechanism
 from comparisons.reference.case import Case
+from comparisons.runs import study as spine
 from comparisons.runs import workers
 from comparisons.runs.failures import Failure, Lost
 from comparisons.runs.journal import Journal
@@ -130,7 +131,7 @@ def test_a_process_that_dies_costs_its_own_point(known, monkeypatch):
             dies = job[2] is Setting.BEST
             yield number, Lost(Failure.CRASHED, "died by signal 6 (SIGABRT)") if dies else _here(function, job)
 
-    monkeypatch.setattr(benchmark, "run_jobs", run_jobs)
+    monkeypatch.setattr(spine, "run_jobs", run_jobs)
     found = {one.setting: one for one in bench(REQUEST).records if one.kind == SETTING}
     assert (found["best"].outcome, found["best"].detail) == ("crashed", "died by signal 6 (SIGABRT)")
     assert found["tuned"].finished

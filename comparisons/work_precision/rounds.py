@@ -1,0 +1,155 @@
+"""The rounds of a benchmark: points measured one after the other in one worker process, and what they come to."""
+
+from __future__ import annotations
+
+import json
+import pickle
+import time
+from collections.abc import Iterator, Sequence
+from contextlib import closing
+from dataclasses import asdict, dataclass
+from typing import Any
+
+from comparisons.reference.case import Case
+from comparisons.runs.failures import Failure, Lost
+from comparisons.runs.journal import Journal
+from comparisons.runs.study import Announce, Study, Task
+from comparisons.runs.timing import smallest_and_median
+from comparisons.runs.workers import Bounds
+from comparisons.work_precision.measure import Taken, longest_step, measure
+from comparisons.work_precision.points import Extent, Point, Track
+from comparisons.work_precision.records import METHOD, SETTING, PointError, PointRecord
+from engines.contract import Engine, Outcome
+
+# A run that takes this much longer than its budget, s, hangs.
+HANGS = 60.0
+
+
+class Rounds:
+    """What every point took in every round; no run is begun after the deadline of ``extent``.
+
+    The first round takes the errors, the others the time alone. What the journal has is not measured again.
+    """
+
+    def __init__(
+        self,
+        cases: Sequence[Case],
+        quantities: Sequence[str],
+        extent: Extent,
+        *,
+        announce: Announce,
+        journal: Journal | None,
+        processes: int,
+    ) -> None:
+        self.cases, self.quantities, self.extent = cases, quantities, extent
+        self.pickled = [pickle.dumps(case) for case in cases]
+        self.ends = time.monotonic() + extent.deadline
+        self.study: Study[Taken] = Study(measure, self._lost, _to_json, _from_json, journal, announce, processes)
+
+    def run(self, number: int, points: Sequence[Point]) -> None:
+        """Measure points in a round, as long as there is time."""
+        tasks = [self._task(number, point) for point in points if point.is_run]
+        self.study.expect(tasks)
+        bounds = Bounds(seconds=min(HANGS + 20.0 * self.extent.budget, max(1.0, self._left())))
+        with closing(self.study.make(tasks, bounds)) as ended:  # which ends the worker, if the time is up
+            while self._left() > 0.0 and next(ended, None) is not None:
+                pass
+
+    def taken(self, number: int, point: Point) -> Taken | None:
+        """What a point took in a round; None where it was not measured."""
+        if not point.is_run:
+            cure = f"install it with: pip install 'linkproof[{point.engine}]'"
+            return Taken(Outcome.UNAVAILABLE.value, f"engine '{point.engine}' is not installed; {cure}")
+        return self.study.results.get(_key(number, point))
+
+    def repeats(self, point: Point, rounds: int) -> list[Taken]:
+        """What a point took, round by round, where it finished."""
+        every = (self.taken(number, point) for number in range(rounds))
+        return [taken for taken in every if taken is not None and taken.outcome == Outcome.FINISHED]
+
+    def is_worth_repeating(self, point: Point, number: int) -> bool:
+        """Whether a point takes part in a later round: while it has not taken too long."""
+        before = self.repeats(point, number)
+        return bool(before) and sum(taken.seconds for taken in before) < self.extent.patience
+
+    @property
+    def calibrations(self) -> tuple[float, ...]:
+        """How long the fixed work took beside every run, s."""
+        return tuple(taken.calibration for taken in self.study.results.values() if taken.calibration > 0.0)
+
+    def _task(self, number: int, point: Point) -> Task:
+        case = self.cases[point.case]
+        way, run = point.setting or point.method, f"{point.engine} {point.way}"
+        return Task(
+            key=_key(number, point),
+            job=(self.pickled[point.case], point.engine, way, point.steps_per_turn, self.quantities, number == 0),
+            label=f"round {number + 1}: {case.mechanism.linkage.name}, {case.motion.regime}, {run}",
+        )
+
+    def _lost(self, lost: Lost, *_: object) -> Taken | None:
+        """A run that gave no result; None where it was ended by our own deadline, not by the engine's fault."""
+        return Taken(lost.outcome.value, lost.reason) if self._left() > 0.0 else None
+
+    def _left(self) -> float:
+        return self.ends - time.monotonic()
+
+
+def _key(number: int, point: Point) -> str:
+    return f"{number} {point.key}"
+
+
+def _to_json(taken: Taken) -> bytes:
+    return json.dumps(asdict(taken)).encode()
+
+
+def _from_json(payload: bytes) -> Taken:
+    row: dict[str, Any] = json.loads(payload)
+    return Taken(**{**row, "errors": {name: PointError(**error) for name, error in row["errors"].items()}})
+
+
+@dataclass(frozen=True)
+class Subject:
+    """What a sweep's records share: its case, its engine, that engine's version."""
+
+    case: Case
+    adapter: Engine
+    version: str
+
+
+def records(subject: Subject, track: Track, rounds: Rounds) -> Iterator[PointRecord]:
+    """A record per point of a sweep; a sweep there was no time for has its first point to say so."""
+    for point, taken in zip(track.points, track.taken or [Taken(Failure.TIMED_OUT.value, track.ended)], strict=False):
+        yield _record(subject, point, taken, rounds.repeats(point, rounds.extent.repeats), track.ended)
+
+
+def _record(subject: Subject, point: Point, taken: Taken, repeats: Sequence[Taken], ended: str) -> PointRecord:
+    linkage, method = subject.case.mechanism.linkage, point.method
+    least, median = smallest_and_median([one.seconds for one in repeats])
+    steps = point.steps_per_turn
+    return PointRecord(
+        mechanism=linkage.name,
+        variant=linkage.variant,
+        regime=subject.case.motion.regime,
+        engine=point.engine,
+        engine_version=subject.version,
+        kind=METHOD if method else SETTING,
+        setting=method.name if method else str(point.setting or ""),
+        levels=method.levels if method else 0,
+        effort=method.effort if method else None,
+        effort_unit=method.effort_unit if method else "",
+        step=longest_step(subject.case, steps) if steps else None,
+        steps_per_turn=steps,
+        errors=taken.errors,
+        seconds_min=least,
+        seconds_median=median,
+        repeats=tuple(one.seconds for one in repeats),
+        setup_seconds=min((one.setup for one in repeats), default=None),
+        readout_seconds=min((one.readout for one in repeats), default=None),
+        steps=taken.steps,
+        solver_work=taken.solver_work,
+        work_unit=subject.adapter.work_unit,
+        outcome=taken.outcome,
+        detail=taken.reason,
+        used=taken.used,
+        ended=ended,
+    )
