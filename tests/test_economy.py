@@ -14,7 +14,7 @@ import pytest
 from comparisons.campaign.campaign import Request, compare
 from comparisons.campaign.results import document, save
 from engines.registry import engine, engine_names
-from reports.command_line.requests import Choice, request, texts
+from reports.command_line.requests import CampaignChoice, request, texts
 
 ROOT = Path(__file__).parents[1]
 ENGINES = ("exudyn", "pymunk")
@@ -81,7 +81,7 @@ def test_an_engine_that_was_not_asked_for_is_not_imported(imported, name):
 
 
 def test_a_report_from_saved_records_imports_no_engine(imported, tmp_path):
-    choice = Choice(mechanisms=("juki-mf7923d",), engines=("direct",), quantities=("Jeq",))
+    choice = CampaignChoice(mechanisms=("juki-mf7923d",), engines=("direct",), quantities=("Jeq",))
     wanted: Request = request(choice)
     results, files = list(compare(wanted)), texts(choice, wanted.linkages)
     save(tmp_path / "saved", results, document(wanted, results, files, "as tested"))

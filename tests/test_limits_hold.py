@@ -14,14 +14,15 @@ from comparisons.judging.quantities import all_quantities
 from comparisons.reference.case import Case
 from engines.contract import Setting
 from engines.registry import engine, engine_names
-from reports.command_line.requests import Choice
+from reports.command_line.requests import CampaignChoice
 
 CHECKED = [("run-up", Setting.TUNED), ("run-up-quintic", Setting.TUNED), ("run-up-quintic", Setting.BEST)]
 
 
 @cache
 def _result(mechanism: str, engine_name: str, regime: str, setting: Setting) -> RunResult:
-    request = Request((load(mechanism),), (crank_motion(regime),), Choice().conditions, (engine_name,), (setting,))
+    conditions = CampaignChoice().conditions
+    request = Request((load(mechanism),), (crank_motion(regime),), conditions, (engine_name,), (setting,))
     (result,) = compare(request)
     return result
 

@@ -132,11 +132,13 @@ def crank_motion(
     if regime not in REGIMES:
         raise UnknownNameError("regime", regime, REGIMES)
     _check("speed", speed, "rad/s", 1.0 / LARGEST)
-    _check("ramp time", ramp_time, "s", 1.0 / LARGEST)
+    steady = regime == "constant-speed"
+    _check("ramp time", ramp_time, "s", 0.0 if steady else 1.0 / LARGEST)
     _check("hold time", hold_time, "s", 0.0)
+    _check("ramp and hold time together", ramp_time + hold_time, "s", 1.0 / LARGEST)
     _check("start angle", start_angle, "rad", -LARGEST)
     signed = -speed if clockwise else speed
-    if regime == "constant-speed":
+    if steady:
         return CrankMotion(regime, (Segment(0.0, ramp_time + hold_time, (start_angle, signed)),))
     scaled = [signed * c / ramp_time**k for k, c in enumerate(RAMPS[regime])]
     ramp = Segment(0.0, ramp_time, (start_angle, *(float(c) / (k + 1) for k, c in enumerate(scaled))))

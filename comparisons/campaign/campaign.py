@@ -85,7 +85,9 @@ def cases(request: Request) -> list[Case]:
     found = []
     for linkage in request.linkages:
         mechanism = Mechanism(linkage)
-        found += [Case(mechanism, motion, conditions=request.conditions) for motion in request.motions]
+        gravity = "gravity on" if any(linkage.gravity) else "gravity off"
+        conditions = f"{request.conditions}, {gravity}"
+        found += [Case(mechanism, motion, conditions=conditions) for motion in request.motions]
         found += [own_case(mechanism, own) for own in linkage.regimes if own.name in request.own_regimes]
     if not found:
         names = ", ".join(f"'{linkage.name}'" for linkage in request.linkages)

@@ -2,14 +2,10 @@
 
 from __future__ import annotations
 
-import shlex
-import sys
 from collections.abc import Iterable, Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
-
-from rich.console import Console
 
 from analytic.description.linkage import Linkage
 from analytic.errors import LinkproofError, UnknownNameError
@@ -18,22 +14,18 @@ from comparisons.judging.quantities import QUANTITIES as COMPARED
 from comparisons.judging.quantities import check_defined
 from comparisons.reference.case import Case
 from comparisons.runs.environment import environment
-from comparisons.runs.files import check_writable, write_text
 from comparisons.runs.timing import WORK, first_use_seconds
 from comparisons.work_precision import costs
 from comparisons.work_precision.measure import JOINTS, chosen
 from comparisons.work_precision.points import FULL, QUICK, Extent
-from comparisons.work_precision.records import FILE, FORMAT, Bench, rows, save, text
-from comparisons.work_precision.records import load as load_bench
+from comparisons.work_precision.records import FILE, FORMAT, Bench, rows, save
 from comparisons.work_precision.study import QUANTITIES, BenchRequest, Measured, methods_told
 from comparisons.work_precision.study import bench as measure_all
-from engines.registry import engine
+from reports.command_line.destination import Destination
 from reports.command_line.exit_codes import bench_exit_code
 from reports.command_line.interruption import interruptible, journal
-from reports.command_line.progress import progress
-from reports.command_line.requests import Choice, request, texts
-from reports.work_precision.cost_section import cost_tables
-from reports.work_precision.terminal import bench_tables
+from reports.command_line.requests import CampaignChoice, command_line, installed, request, texts
+from reports.work_precision.terminal import printout
 
 REGIMES, QUICK_REGIMES = ("run-up-quintic", "run-up"), ("run-up-quintic",)
 
@@ -50,10 +42,10 @@ class BenchChoice:
     costs: bool = False
 
     @property
-    def campaign(self) -> Choice:
+    def campaign(self) -> CampaignChoice:
         """The same as a campaign's choice."""
         regimes = self.regimes or (QUICK_REGIMES if self.quick else REGIMES)
-        return Choice(mechanisms=self.mechanisms, regimes=regimes, engines=self.engines)
+        return CampaignChoice(mechanisms=self.mechanisms, regimes=regimes, engines=self.engines)
 
     @property
     def extent(self) -> Extent:
@@ -63,43 +55,33 @@ class BenchChoice:
     @property
     def command(self) -> str:
         """The command that asks for the same."""
-        words = ["linkproof", "bench", *self.mechanisms]
-        for option, values in (
-            ("--regime", self.regimes),
-            ("--engine", self.engines),
-            ("--quantity", self.quantities),
-        ):
-            words += [word for value in values for word in (option, value)]
-        words += [*(["--quick"] if self.quick else []), *(["--costs"] if self.costs else [])]
-        return shlex.join(words)
+        options = {"regime": self.regimes, "engine": self.engines, "quantity": self.quantities}
+        return command_line("bench", self.mechanisms, options, {"quick": self.quick, "costs": self.costs})
 
 
-def bench(choice: BenchChoice, out: Path | None, target: str | None, *, resume: bool = False) -> int:
-    """Measure, print the tables, write what was asked for; returns the exit code.
+def bench(choice: BenchChoice, destination: Destination) -> int:
+    """Measure, write what was asked for, print the tables; returns the exit code.
 
     Raises LinkproofError for anything that does not exist or cannot be, before any run is made.
     """
-    if resume and out is None:
-        raise LinkproofError("--resume finishes what --out DIR has kept: name that folder with --out, or leave it out")
-    for path in (*([Path(target)] if target not in (None, "-") else []), *([out / FILE] if out else [])):
-        check_writable(path)
+    out = destination.folder
+    destination.check(FILE)
     asked = request(choice.campaign)
     wanted = _request(choice, asked)
     files = texts(choice.campaign, asked.linkages)
-    kept = journal(out, choice.command, asked, files, resume=resume) if out else None
+    kept = journal(out, choice.command, asked, files, resume=destination.resume) if out else None
     with interruptible(out) as counting:
-        with progress() as announce:
+        with destination.progress() as announce:
             measured = measure_all(wanted, counting(announce), kept)
         found = Bench(_document(choice, wanted, measured))
-        _written(found, choice, out, target)
+        destination.write_json(found.document)
+        if out:
+            save(out / FILE, found.document)
+            destination.say(f"benchmark: {_write_page(found, out)}")
         if kept:
             kept.clear()
+    destination.print_out(printout(found, choice.quantities))
     return bench_exit_code(measured.records, wanted.engines)
-
-
-def rebuild(saved: Path, out: Path | None = None) -> None:
-    """Write the page of a saved benchmark again; needs no engine."""
-    _write_page(load_bench(saved), out or (saved if saved.is_dir() else saved.parent))
 
 
 def _request(choice: BenchChoice, asked: Request) -> BenchRequest:
@@ -131,7 +113,7 @@ def _document(choice: BenchChoice, wanted: BenchRequest, measured: Measured) -> 
     return {
         "format": FORMAT,
         "command": choice.command,
-        "conditions": choice.campaign.conditions,
+        "conditions": "; ".join(dict.fromkeys(case.conditions for case in wanted.cases)),
         "environment": environment(),
         "extent": extent,
         "noise": {"work": WORK, "samples": [round(one, 9) for one in noise.samples]},
@@ -146,26 +128,12 @@ def _document(choice: BenchChoice, wanted: BenchRequest, measured: Measured) -> 
     }
 
 
-def _costs(linkages: Sequence[Linkage], engines: Iterable[str]) -> list[dict[str, Any]]:
+def _costs(linkages: Sequence[Linkage], engines: Sequence[str]) -> list[dict[str, Any]]:
     """What each output and load costs, in the linkage with most to leave out and the engines that are installed."""
-    installed = [name for name in engines if engine(name).version() is not None]
-    return rows(costs.measure(costs.most_reducible(linkages), installed))
+    return rows(costs.measure(costs.most_reducible(linkages), installed(engines)))
 
 
-def _written(found: Bench, choice: BenchChoice, out: Path | None, target: str | None) -> None:
-    """Print and write a finished benchmark."""
-    if target != "-":
-        Console().print(bench_tables(found, choice.quantities), *cost_tables(found.costs), highlight=False)
-    if target == "-":
-        sys.stdout.write(text(found.document))
-    elif target:
-        write_text(Path(target), text(found.document))
-    if out:
-        save(out / FILE, found.document)
-        _write_page(found, out)
-
-
-def _write_page(found: Bench, folder: Path) -> None:
+def _write_page(found: Bench, folder: Path) -> Path:
     from reports.work_precision.page import write  # noqa: PLC0415  plots cost seconds that a table does not pay
 
-    Console(stderr=True).print(f"benchmark: {write(found, folder)}", highlight=False)
+    return write(found, folder)

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import math
 import shlex
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 from analytic.description.changes import without
-from analytic.description.crank_motion import REGIMES, RPM, CrankMotion, crank_motion
+from analytic.description.crank_motion import LARGEST, RAMPS, REGIMES, RPM, CrankMotion, crank_motion
 from analytic.description.linkage import Linkage
 from analytic.description.loading import catalogue, find, load
 from analytic.errors import LinkproofError, UnknownNameError
@@ -22,7 +23,7 @@ OWN = "own"  # every regime that a linkage defines for itself
 
 
 @dataclass(frozen=True)
-class Choice:
+class CampaignChoice:
     """What was asked for, in the user's words: names, rpm, seconds and degrees; empty means the default."""
 
     mechanisms: tuple[str, ...] = ()
@@ -41,48 +42,63 @@ class Choice:
 
     @property
     def conditions(self) -> str:
-        """Speed, times, direction, start angle and gravity, in words that tell two campaigns apart."""
-        words = [
-            f"{self.speed:g} rpm {'clockwise' if self.clockwise else 'counter-clockwise'}",
-            f"{self.ramp_time:g} s + {self.hold_time:g} s",
-            f"from {self.start_angle:g}°",
-            "gravity on" if self.gravity else "gravity off",
-        ]
-        return ", ".join(words)
+        """Speed, direction, times and start angle in words; gravity is the linkages'."""
+        direction = "clockwise" if self.clockwise else "counter-clockwise"
+        return (
+            f"{self.speed:g} rpm {direction}, {self.ramp_time:g} s + {self.hold_time:g} s, from {self.start_angle:g}°"
+        )
 
     @property
     def command(self) -> str:
         """The command that asks for the same."""
-        words = ["linkproof", "compare", *self.mechanisms]
-        words += ["--variant", self.variant] if self.variant else []
-        for option, values in (
-            ("--regime", self.regimes),
-            ("--engine", self.engines),
-            ("--setting", self.settings),
-            ("--quantity", self.quantities),
-        ):
-            words += [word for value in values for word in (option, value)]
-        default = Choice()
+        lists = {
+            "variant": [self.variant] if self.variant else [],
+            "regime": self.regimes,
+            "engine": self.engines,
+            "setting": self.settings,
+            "quantity": self.quantities,
+        }
+        default = CampaignChoice()
         for name in ("speed", "ramp_time", "hold_time", "start_angle"):
             if getattr(self, name) != getattr(default, name):
-                words += [f"--{name.replace('_', '-')}", f"{getattr(self, name):g}"]
-        words += ["--clockwise"] if self.clockwise else []
-        words += [] if self.gravity else ["--no-gravity"]
-        words += ["--full"] if self.full else []
-        return shlex.join(words)
+                lists[name.replace("_", "-")] = [repr(getattr(self, name)).removesuffix(".0")]
+        flags = {"clockwise": self.clockwise, "no-gravity": not self.gravity, "full": self.full}
+        return command_line("compare", self.mechanisms, lists, flags)
+
+    def check(self) -> None:
+        """Raise LinkproofError for a speed, time or angle that cannot be, in the unit it is given in."""
+        ramps = EVERYTHING in self.regimes or not self.regimes or {*self.regimes} & {*RAMPS}
+        _check("--speed", self.speed, "rpm", 1.0 / LARGEST, LARGEST / RPM)
+        _check("--ramp-time", self.ramp_time, "s", 1.0 / LARGEST if ramps else 0.0)
+        _check("--hold-time", self.hold_time, "s", 0.0)
+        _check("--start-angle", self.start_angle, "degrees", -LARGEST)
+        if not ramps and "constant-speed" in self.regimes and self.ramp_time + self.hold_time <= 0.0:
+            raise LinkproofError("--hold-time: expected a positive number of s without a ramp time, got 0; correct it")
+
+
+def _check(option: str, value: float, unit: str, least: float, most: float = LARGEST) -> None:
+    if least <= value <= most:  # nan is not
+        return
+    kind = "positive finite" if least > 0.0 else "finite" if least else "finite, not negative"
+    bound = f" up to {most:.3g}" if most < value < math.inf else ""
+    raise LinkproofError(f"{option}: expected a {kind} number of {unit}{bound}, got {value:g}; correct it")
+
+
+def command_line(
+    command: str, words: Sequence[str], options: Mapping[str, Sequence[str]], flags: Mapping[str, bool]
+) -> str:
+    """A command as a user types it: its words, options with their values, and the flags that are set."""
+    told = [word for name, values in options.items() for value in values for word in (f"--{name}", value)]
+    return shlex.join(["linkproof", command, *words, *told, *(f"--{name}" for name, given in flags.items() if given)])
 
 
 @dataclass(frozen=True)
-class Effort:
-    """How a campaign is run: what each run may take, s and GiB, in how many worker processes; None means the default.
-
-    ``resume`` finishes what an interrupted campaign has left.
-    """
+class RunLimits:
+    """What each run may take, s and GiB, and in how many worker processes runs are made; None means the default."""
 
     time_limit: float | None = None
     memory_limit: float | None = None
     jobs: int | None = None
-    resume: bool = False
 
     def check(self) -> None:
         """Raise LinkproofError for what cannot be."""
@@ -119,10 +135,7 @@ class Effort:
         return "".join(f" {option} {value:g}" for option, value in limits if value is not None)
 
 
-DEFAULT_EFFORT = Effort()
-
-
-def linkages(choice: Choice) -> tuple[Linkage, ...]:
+def linkages(choice: CampaignChoice) -> tuple[Linkage, ...]:
     """The linkages asked for; all of the catalogue that have the variant, where none is named."""
     names = tuple(dict.fromkeys(choice.mechanisms or catalogue()))
     found = [load(name) for name in names]
@@ -145,13 +158,13 @@ def _check_names_differ(found: list[Linkage]) -> None:
         seen.add(linkage.name)
 
 
-def texts(choice: Choice, found: tuple[Linkage, ...]) -> list[str]:
+def texts(choice: CampaignChoice, found: tuple[Linkage, ...]) -> list[str]:
     """The files behind the linkages, in the same order."""
     paths = {linkage.name: linkage.name for linkage in found} | {find(n).stem: n for n in choice.mechanisms}
     return [find(paths[linkage.name]).read_text(encoding="utf-8") for linkage in found]
 
 
-def motions(choice: Choice) -> tuple[CrankMotion, ...]:
+def motions(choice: CampaignChoice) -> tuple[CrankMotion, ...]:
     """The prescribed crank motions asked for."""
     names = REGIMES if EVERYTHING in choice.regimes else choice.regimes or ("run-up",)
     return tuple(
@@ -168,7 +181,7 @@ def motions(choice: Choice) -> tuple[CrankMotion, ...]:
     )
 
 
-def own_regimes(choice: Choice, found: tuple[Linkage, ...]) -> tuple[str, ...]:
+def own_regimes(choice: CampaignChoice, found: tuple[Linkage, ...]) -> tuple[str, ...]:
     """Regimes asked for that the linkages define for themselves; ``own`` and ``all`` ask for every one of them."""
     known = sorted({regime.name for linkage in found for regime in linkage.regimes})
     for name in choice.regimes:
@@ -179,7 +192,12 @@ def own_regimes(choice: Choice, found: tuple[Linkage, ...]) -> tuple[str, ...]:
     return tuple(name for name in known if name in choice.regimes)
 
 
-def _engines(choice: Choice) -> tuple[str, ...]:
+def installed(engines: Sequence[str]) -> list[str]:
+    """Those of the engines that are installed."""
+    return [name for name in engines if engine(name).version() is not None]
+
+
+def _engines(choice: CampaignChoice) -> tuple[str, ...]:
     """Engine names; one that is named but not installed is an error, one of the default set is a record."""
     for name in choice.engines:
         if engine(name).version() is None:
@@ -189,7 +207,7 @@ def _engines(choice: Choice) -> tuple[str, ...]:
     return tuple(dict.fromkeys(choice.engines)) or engine_names()
 
 
-def _settings(choice: Choice) -> tuple[Setting, ...]:
+def _settings(choice: CampaignChoice) -> tuple[Setting, ...]:
     if EVERYTHING in choice.settings:
         return tuple(Setting)
     for name in choice.settings:
@@ -198,13 +216,14 @@ def _settings(choice: Choice) -> tuple[Setting, ...]:
     return tuple(Setting(name) for name in dict.fromkeys(choice.settings)) or (Setting.TUNED,)
 
 
-def _own_settings(choice: Choice) -> tuple[Setting, ...]:
+def _own_settings(choice: CampaignChoice) -> tuple[Setting, ...]:
     """Settings of the linkages' own regimes: those named; else best, for a released crank adds up its phase error."""
     return _settings(choice) if choice.full or {*choice.settings} - {EVERYTHING} else (Setting.BEST,)
 
 
-def request(choice: Choice) -> Request:
+def request(choice: CampaignChoice) -> Request:
     """The campaign's request; raises LinkproofError for anything that does not exist or cannot be."""
+    choice.check()
     found = linkages(choice)
     return Request(
         linkages=found,

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 from collections import Counter
+from collections.abc import Sequence
 
-from rich.console import Group, RenderableType
+from rich.console import RenderableType
 from rich.table import Table
 from rich.text import Text
 
@@ -12,37 +13,34 @@ from comparisons.stress.cells import CellResult
 from comparisons.stress.verdict import StressVerdict
 from reports.stress.facts import SIGNS, Stress, axis_title, shown_verdicts, value_words
 from reports.stress.section import border_words, long_run_table, summary
+from reports.text.numbers import bound, error, seconds
+from reports.text.screen import Cell, Printout, line, table
 
 LOUD = (StressVerdict.MISSED, StressVerdict.ALARM)
 
 
-def stress_tables(stress: Stress) -> Group:
-    """Counts, then borders, then what was missed or raised for nothing, then what it all comes to."""
-    parts: list[RenderableType] = [_counts(stress), Text(_key(stress), style="dim"), Text("")]
-    parts += [_borders(stress), Text("")] if stress.borders else []
+def printout(stress: Stress) -> Printout:
+    """Counts, borders, what was missed or raised for nothing, then what it all comes to; each cell if verbose."""
+    parts: list[RenderableType] = [_counts(stress), line(_key(stress), "dim"), line("")]
+    parts += [_borders(stress), line("")] if stress.borders else []
     long_runs = long_run_table(stress)
-    parts += [long_runs, Text("")] if long_runs else []
-    parts += [_incident(one) for verdict in LOUD for one in stress.of(verdict)]
-    return Group(*parts, Text(summary(stress)))
+    parts += [long_runs, line("")] if long_runs else []
+    parts += [_incident(result) for result in stress.of(*LOUD)]
+    return Printout(parts, [line(summary(stress))], [*map(cell_details, stress.results), line("")])
 
 
 def _counts(stress: Stress) -> Table:
-    """A line to an axis, a column to an engine: how many cells came to what."""
-    table = Table("axis", *stress.engines, box=None, pad_edge=False)
-    for axis in stress.axes:
-        table.add_row(axis, *(_compact(stress.count(engine, axis)) for engine in stress.engines))
+    """A row to an axis, a column to an engine: how many cells came to what."""
+    rows = [(axis, *(_compact(stress.count(engine, axis)) for engine in stress.engines)) for axis in stress.axes]
     if len(stress.axes) > 1:
-        table.add_row("all", *(_compact(stress.count(engine)) for engine in stress.engines), style="bold")
-    return table
+        rows.append(("all", *(_compact(stress.count(engine)) for engine in stress.engines)))
+    return table(("axis", *stress.engines), rows)
 
 
-def _compact(count: Counter[StressVerdict]) -> Text:
-    """``12✓ 3○ 2!``, what was missed in red."""
-    told = Text()
-    for verdict in StressVerdict:
-        if count[verdict]:
-            told.append(f"{count[verdict]}{SIGNS[verdict].symbol} ", style=SIGNS[verdict].terminal)
-    return told
+def _compact(count: Counter[StressVerdict]) -> Cell:
+    """``12✓ 3○ 2!``, in the colour of the worst."""
+    text = " ".join(f"{count[verdict]}{SIGNS[verdict].symbol}" for verdict in StressVerdict if count[verdict])
+    return text, next((SIGNS[verdict].terminal for verdict in LOUD if count[verdict]), "")
 
 
 def _key(stress: Stress) -> str:
@@ -50,21 +48,36 @@ def _key(stress: Stress) -> str:
 
 
 def _borders(stress: Stress) -> Table:
-    """Narrow enough for a terminal: one line to a border."""
-    table = Table("axis", "row", "engine", "usage", "last within, first beyond", box=None, pad_edge=False)
+    """One row to a border; what it shares with the one before is left out."""
+    rows: list[Sequence[Cell]] = []
     before: tuple[str, ...] = ()
     for border in stress.borders:
         place = border.line
-        told = [name if place[: n + 1] != before[: n + 1] else "" for n, name in enumerate(place)]
-        table.add_row(*told, border_words(border), style=SIGNS[border.verdict].terminal)
+        names = [name if place[: n + 1] != before[: n + 1] else "" for n, name in enumerate(place)]
+        rows.append((*names, (border_words(border), SIGNS[border.verdict].terminal)))
         before = place
-    return table
+    return table(("axis", "row", "engine", "usage", "last within, first beyond"), rows)
 
 
 def _incident(result: CellResult) -> Text:
     cell = result.cell
-    told = f"{axis_title(cell.axis)}, {cell.row}, {value_words(cell.value)}, {cell.engine} {cell.usage}"
-    return Text.assemble(
-        (f"{result.verdict.value}: ", SIGNS[result.verdict].terminal),
-        f"{told}: {result.judgement.reason}\n  {result.document['command']}",
+    place = f"{axis_title(cell.axis)}, {cell.row}, {value_words(cell.value)}, {cell.engine} {cell.usage}"
+    text = f"{result.verdict.value}: {place}: {result.judgement.reason}\n  {result.document['command']}"
+    return line(text, SIGNS[result.verdict].terminal)
+
+
+def cell_details(result: CellResult) -> Text:
+    """All that is known of one cell, a line to a fact."""
+    judgement = result.judgement
+    facts = (
+        judgement.reason,
+        _against("worst deviation", judgement.quantity, judgement.deviation, judgement.deviation_limit),
+        _against("worst invariant", judgement.invariant, judgement.invariant_error, judgement.invariant_limit),
+        f"{result.steps} steps in {seconds(result.seconds)}; "
+        f"{', '.join(f'{name} {value}' for name, value in result.conditions.items())}",
     )
+    return line("\n  ".join([f"{result.cell.key}: {result.verdict.value}", *filter(None, facts)]))
+
+
+def _against(kind: str, name: str, found: float | None, limit: float | None) -> str:
+    return "" if found is None else f"{kind}: {name} {error(found)}, limit {bound(limit)}"

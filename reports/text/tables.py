@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from rich.console import Group
-    from rich.text import Text
 
 RULES = {"l": "---", "r": "---:"}
 
@@ -18,13 +17,12 @@ class ReportTable:
     """A table ready to be written, with a sentence before it and a note in small print after it.
 
     ``align`` has a letter per column, "l" for words and "r" for figures; the last letter holds for all that follow.
-    The column ``bold`` is set in bold. A cell may be a rich ``Text``, whose colours only a terminal shows, or
-    ``Markup``, which only a page may show.
+    The column ``bold`` is set in bold. A cell may be ``Markup``, which only a page may show.
     """
 
     caption: str
     head: tuple[str, ...]
-    rows: tuple[tuple[str | Text, ...], ...]
+    rows: tuple[tuple[str, ...], ...]
     align: str = "lr"
     note: str = ""
     bold: int | None = None
@@ -36,15 +34,11 @@ class ReportTable:
     def __rich__(self) -> Group:
         """The table as a terminal shows it: no rules, and no text is read as markup."""
         from rich.console import Group  # noqa: PLC0415  a page needs no terminal
-        from rich.table import Table  # noqa: PLC0415
-        from rich.text import Text  # noqa: PLC0415
 
-        table = Table(box=None, pad_edge=False)
-        for column, name in enumerate(self.head):
-            table.add_column(Text(name), justify="right" if self.side(column) == "r" else "left")
-        for row in self.rows:
-            table.add_row(*(cell if isinstance(cell, Text) else Text(cell) for cell in row))
-        return Group(*([Text(self.caption)] if self.caption else []), table, *([Text(self.note)] if self.note else []))
+        from reports.text.screen import line, table  # noqa: PLC0415
+
+        shown = (line(self.caption), table(self.head, self.rows, self.align), line(self.note))
+        return Group(*(part for part in shown if part))
 
 
 def markdown(table: ReportTable) -> str:

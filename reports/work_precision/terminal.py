@@ -4,73 +4,91 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from rich.console import Group, RenderableType
+from rich.console import RenderableType
 from rich.table import Table
 from rich.text import Text
 
 from comparisons.work_precision.analysis import WANTED
 from comparisons.work_precision.records import Bench
-from reports.text.numbers import bound
+from reports.text.numbers import bound, error, seconds
+from reports.text.screen import Printout, line, table
 from reports.work_precision.circumstances import note
+from reports.work_precision.cost_section import cost_tables
 from reports.work_precision.facts import PlaceFacts, failed_methods, places
-from reports.work_precision.words import choice_cell, method_row, noise_share, standing_words
+from reports.work_precision.words import ChoiceCell, choice_cell, method_row, noise_share, standing_words
+
+METHODS = ("engine", "method", "order", "least error", "steps/turn", "time", "what limits it")
+POINTS = (
+    *("mechanism", "regime", "engine", "method", "levels", "effort", "step s", "quantity", "outcome", "error", "RMS"),
+    *("stepping", "steps", "why"),
+)
 
 
-def bench_tables(bench: Bench, quantities: Sequence[str] = ()) -> Group:
+def printout(bench: Bench, quantities: Sequence[str] = ()) -> Printout:
     """A block per mechanism, regime and quantity: those asked for, else the one each place is judged by."""
     blocks: list[RenderableType] = []
     for place in places(bench):
-        for name in [one for one in quantities if one in place.quantities] or [place.foremost]:
+        for name in [name for name in quantities if name in place.quantities] or [place.foremost]:
             blocks += _block(place, name, noise_share(bench))
-    return Group(*blocks, Text(note(bench)))
+    for costs in cost_tables(bench.costs):
+        blocks += [costs, line("")]
+    return Printout(blocks, [line(note(bench))], [_points(bench), line("")])
+
+
+def _points(bench: Bench) -> Table:
+    """Every point measured."""
+    rows = [
+        (
+            one.mechanism, one.regime, one.engine, one.setting, f"{one.levels}",
+            "" if one.effort is None else f"{one.effort:g}",
+            "" if one.step is None else f"{one.step:.4g}", one.quantity, one.outcome, error(one.error_max),
+            error(one.error.error_rms if one.error else None), seconds(one.seconds_min or 0.0),
+            f"{one.steps}", one.detail,
+        )
+        for one in bench.records
+    ]  # fmt: skip
+    return table(POINTS, rows)
 
 
 def _block(place: PlaceFacts, quantity: str, noise: float) -> list[RenderableType]:
     words = f"{place.mechanism} ({place.variant}), {place.regime}"
     if not place.quantities:
-        return [Text(f"{words}: nothing finished", style="bold"), *_failures(place, quantity)]
-    title = Text(f"{words}: {quantity.replace('_', ' ')}, largest error over the peak", style="bold")
-    parts: list[RenderableType] = [title, _methods(place, quantity), Text(""), _choices(place, quantity), Text("")]
+        return [line(f"{words}: nothing finished", "bold"), *_failures(place, quantity)]
+    title = line(f"{words}: {quantity.replace('_', ' ')}, largest error over the peak", "bold")
+    parts: list[RenderableType] = [title, _methods(place, quantity), line(""), _choices(place, quantity), line("")]
     for facts in place.engines(quantity):
         for one in facts.standings:
             way = facts.way(one.rival) if one.rival else ""
-            parts.append(Text(f"{facts.engine} {standing_words(one, way, noise)}"))
-        parts += [Text(facts.saving.sentence)] if facts.saving else []
-    return [*parts, *_failures(place, quantity), Text("")]
+            parts.append(line(f"{facts.engine} {standing_words(one, way, noise)}"))
+        parts += [line(facts.saving.sentence)] if facts.saving else []
+    return [*parts, *_failures(place, quantity), line("")]
 
 
 def _failures(place: PlaceFacts, quantity: str) -> list[Text]:
     return [
-        Text(f"{facts.engine} {told}", style="yellow")
+        line(f"{facts.engine} {reason}", "yellow")
         for facts in place.engines(quantity)
-        for told in failed_methods(facts)
+        for reason in failed_methods(facts)
     ]
 
 
 def _methods(place: PlaceFacts, quantity: str) -> Table:
-    table = Table(
-        "engine", "method", "order", "least error", "steps/turn", "time", "why not less", box=None, pad_edge=False
-    )
-    for number in range(2, 6):
-        table.columns[number].justify = "right"
-    for facts in place.engines(quantity):
-        for sweep in facts.methods:
-            row = method_row(facts, sweep)
-            table.add_row(row.engine, row.way, row.order, row.floor, row.step, row.cost, row.cause)
-    return table
+    found = [method_row(facts, sweep) for facts in place.engines(quantity) for sweep in facts.methods]
+    rows = [(row.engine, row.way, row.order, row.floor, row.step, row.cost, row.cause) for row in found]
+    return table(METHODS, rows, align="llrrrrl")
 
 
 def _choices(place: PlaceFacts, quantity: str) -> Table:
     """What to use for an error: errors down, engines across."""
     engines = [facts for facts in place.engines(quantity) if facts.choices]
-    table = Table("to get", *(facts.engine for facts in engines), box=None, pad_edge=False)
-    for number, wanted in enumerate(WANTED):
-        cells = [choice_cell(facts.choices[number], facts) for facts in engines]
-        words = [
-            f"{cell.cost}: {cell.way}{f' @ {cell.step}' if cell.step else ''}"
-            if cell.reached
-            else f"not reached; {cell.way}"
-            for cell in cells
-        ]
-        table.add_row(bound(wanted), *words)
-    return table
+    rows = [
+        (bound(wanted), *(_choice(choice_cell(facts.choices[number], facts)) for facts in engines))
+        for number, wanted in enumerate(WANTED)
+    ]
+    return table(("to get", *(facts.engine for facts in engines)), rows)
+
+
+def _choice(cell: ChoiceCell) -> str:
+    if not cell.reached:
+        return f"not reached; {cell.way}"
+    return f"{cell.cost}: {cell.way}{f' @ {cell.step}' if cell.step else ''}"

@@ -13,7 +13,7 @@ from comparisons.judging.quantities import chosen_quantities
 from comparisons.reference import case as cases
 from comparisons.reference.case import KEPT, Case
 from engines.scene import Channel
-from reports.command_line.requests import Choice, request
+from reports.command_line.requests import CampaignChoice, request
 from tests.analytic.linkages import EVERY, mechanism
 from tests.comparisons.perfect_engine import perfect_motion
 from tests.counting import calls
@@ -63,8 +63,8 @@ def test_jeq_alone_is_judged_without_second_derivatives_forces_or_torques(monkey
 def test_jeq_alone_asks_an_engine_for_velocities_and_for_no_invariant():
     (jeq,) = chosen_quantities(Case(mechanism(SIX_BAR), MOTION), ["Jeq"])
     assert jeq.channels == {Channel.VELOCITY}
-    assert not request(Choice(quantities=("Jeq",))).with_invariants
-    assert request(Choice()).with_invariants
+    assert not request(CampaignChoice(quantities=("Jeq",))).with_invariants
+    assert request(CampaignChoice()).with_invariants
 
 
 def test_the_truth_on_a_clock_is_worked_out_once(monkeypatch):

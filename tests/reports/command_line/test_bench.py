@@ -11,7 +11,8 @@ from comparisons.work_precision.points import FULL, QUICK, Extent
 from comparisons.work_precision.records import load
 from reports.command_line import bench as bench_command
 from reports.command_line.bench import BenchChoice, bench
-from reports.command_line.requests import Choice
+from reports.command_line.destination import Destination
+from reports.command_line.requests import CampaignChoice
 
 SHORT = Extent((12.0, 24.0, 48.0), budget=0.1, repeats=2, patience=0.1, deadline=30.0)
 CHOICE = BenchChoice(("juki-mf7923d",), ("run-up-quintic",), ("direct",), ("Mkr",), quick=True)
@@ -22,7 +23,9 @@ def short(monkeypatch):
     """A benchmark of seconds: a short run-up, three steps, no interpreter started to time its imports."""
     monkeypatch.setattr(bench_command, "QUICK", SHORT)
     monkeypatch.setattr(bench_command, "first_use_seconds", lambda name, repeats: (0.1,) * repeats)
-    hurried = Choice(("juki-mf7923d",), regimes=("run-up-quintic",), engines=("direct",), ramp_time=0.1, hold_time=0.0)
+    hurried = CampaignChoice(
+        ("juki-mf7923d",), regimes=("run-up-quintic",), engines=("direct",), ramp_time=0.1, hold_time=0.0
+    )
     monkeypatch.setattr(BenchChoice, "campaign", property(lambda self: hurried))
 
 
@@ -40,7 +43,7 @@ def test_the_command_asks_for_the_same():
 
 
 def test_a_benchmark_is_printed_written_and_read_back(short, tmp_path, capsys):
-    assert bench(CHOICE, tmp_path / "out", str(tmp_path / "r.json")) == 0
+    assert bench(CHOICE, Destination(str(tmp_path / "r.json"), tmp_path / "out")) == 0
     text = capsys.readouterr().out
     assert "juki-mf7923d (as-built), run-up-quintic: Mkr" in text
     assert "to get" in text
@@ -55,14 +58,14 @@ def test_costs_are_measured_where_they_are_asked_for(short, monkeypatch, capsys,
     monkeypatch.setattr(costs, "BUDGET", 0.0)
     asked = replace(CHOICE, costs=True)
     assert asked.command == f"{CHOICE.command} --costs"
-    assert bench(asked, None, str(tmp_path / "r.json")) == 0
+    assert bench(asked, Destination(str(tmp_path / "r.json"))) == 0
     measured = load(tmp_path / "r.json").costs
     assert {cost.solver for cost in measured} >= {"direct", "numpy"}
     assert "motion alone" in capsys.readouterr().out
 
 
 def test_json_to_stdout_is_json_and_nothing_else(short, capsys):
-    assert bench(CHOICE, None, "-") == 0
+    assert bench(CHOICE, Destination("-")) == 0
     found = json.loads(capsys.readouterr().out)
     assert found["command"] == CHOICE.command
     assert found["noise"]["samples"]
@@ -82,12 +85,12 @@ def test_json_to_stdout_is_json_and_nothing_else(short, capsys):
 def test_what_cannot_be_is_refused_before_any_run(choice, kind, words, monkeypatch):
     monkeypatch.setattr(bench_command, "measure_all", lambda *_: pytest.fail("something was run"))
     with pytest.raises(kind, match=words):
-        bench(choice, None, None)
+        bench(choice, Destination())
 
 
 def test_resuming_needs_a_folder():
-    with pytest.raises(LinkproofError, match="--resume finishes what --out DIR has kept"):
-        bench(CHOICE, None, None, resume=True)
+    with pytest.raises(LinkproofError, match="--resume needs the folder of the interrupted run"):
+        bench(CHOICE, Destination(resume=True))
 
 
 def test_an_engine_that_gives_nothing_at_all_fails(short, monkeypatch):
@@ -98,4 +101,4 @@ def test_an_engine_that_gives_nothing_at_all_fails(short, monkeypatch):
         return replace(measured, points=tuple(replace(one, outcome="diverged") for one in measured.points))
 
     monkeypatch.setattr(bench_command, "measure_all", failing)
-    assert bench(CHOICE, None, None) == 1
+    assert bench(CHOICE, Destination()) == 1

@@ -11,8 +11,9 @@ from comparisons.judging.records import Record
 from comparisons.judging.run_result import RunResult
 from comparisons.stress.cells import CellResult, find_cell
 from comparisons.stress.verdict import Judgement, StressVerdict
+from reports.campaign.terminal import printout
 from reports.command_line.exit_codes import bench_exit_code, campaign_exit_code, stress_exit_code
-from reports.text.terminal import campaign as campaign_table
+from reports.text.screen import rendered
 from tests.comparisons.bench_rows import row
 
 
@@ -69,7 +70,7 @@ def test_a_benchmark_fails_where_an_engine_gave_nothing():
 
 def test_what_is_not_judged_is_counted_apart():
     result = RunResult(tuple(map(_record, ["passed", "passed", "unavailable"])), ())
-    text = str(campaign_table([result]).renderables[-1])
+    *_, text = rendered(*printout([result]).closing).splitlines()
     assert text.startswith("2 deviations: 2 passed, 1 not judged")
     assert "1 unavailable" in text
 
@@ -92,9 +93,9 @@ def test_a_working_folder_that_was_deleted_is_one_sentence(tmp_path):
 def test_a_fault_of_ours_is_one_sentence_and_exit_code_3():
     script = (
         "import sys; sys.argv = ['linkproof', 'list']\n"
-        "from reports.command_line import commands, main\n"
+        "from reports.command_line import main, mechanisms\n"
         "def fail(target): raise TypeError('a slip')\n"
-        "commands.list_mechanisms = fail\n"
+        "mechanisms.list_mechanisms = fail\n"
         "main.main()"
     )
     done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=False)

@@ -7,9 +7,9 @@ import pytest
 
 from analytic.errors import LinkproofError
 from reports.command_line.interruption import interruptible, journal
-from reports.command_line.requests import Choice, request
+from reports.command_line.requests import CampaignChoice, request
 
-CHOICE = Choice(("juki-mf7923d",), engines=("direct",))
+CHOICE = CampaignChoice(("juki-mf7923d",), engines=("direct",))
 
 
 def begun(folder, choice=CHOICE, text="the file", *, resume):

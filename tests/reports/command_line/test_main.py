@@ -38,7 +38,7 @@ def test_help_imports_nothing_heavy():
         "import sys; sys.argv = ['linkproof', '--help']\n"
         "from reports.command_line.main import main\n"
         "try:\n main()\nexcept SystemExit: pass\n"
-        "print([m for m in ('numpy', 'scipy', 'pydantic', 'exudyn', 'pymunk', 'matplotlib') if m in sys.modules])"
+        "print([m for m in ('numpy', 'pydantic', 'exudyn', 'pymunk', 'matplotlib', 'rich') if m in sys.modules])"
     )
     done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=True)
     assert "compare" in done.stdout
@@ -125,12 +125,13 @@ def test_out_holds_all_and_the_report_is_rebuilt_from_it(tmp_path):
         (["compare", "juki-mf7923d", "--engine", "exodyn"], "did you mean 'exudyn'?"),
         (["compare", "juki-mf7923d", "--setting", "tunned"], "did you mean 'tuned'?"),
         (["compare", "no/such.toml"], "got 'no/such.toml', which does not exist"),
-        (["compare", "juki-mf7923d", "--speed", "-5"], "expected a positive finite number"),
+        (["compare", "juki-mf7923d", "--speed", "-5"], "--speed: expected a positive finite number of rpm, got -5"),
         (["compare", "juki-mf7923d", "--speed", "nan"], "expected a positive finite number"),
         (["compare", "juki-mf7923d", "--ramp-time", "0"], "expected a positive finite number"),
         (["report", "no/such/folder"], "no saved curves"),
         (["compare", "juki-mf7923d", "--engine", "direct", "--json", "/dev/null/r.json"], "cannot write"),
-        (["compare", "juki-mf7923d", "--resume"], "name that folder with --out, or leave it out"),
+        (["compare", "juki-mf7923d", "-q", "-v"], "--quiet and --verbose exclude each other"),
+        (["compare", "juki-mf7923d", "--resume"], "name it with --out"),
         (["compare", "juki-mf7923d", "--time-limit", "0"], "expected a positive finite number of s, got 0"),
         (["compare", "juki-mf7923d", "--memory-limit", "inf"], "expected a positive finite number of GiB, got inf"),
         (["compare", "juki-mf7923d", "--jobs", "-1"], "expected a number of processes, or 0 for none, got -1"),
@@ -326,3 +327,88 @@ def test_engines_that_abort_hang_or_swell_cost_their_own_rows(tmp_path):
         ("writing", "diverged", "did nothing"),
     ]
     assert json.loads(done.stdout)["command"].endswith("--time-limit 3 --memory-limit 0.25")
+
+
+MARKUP = Path(__file__).parents[1] / "linkages" / "markup-names.toml"
+CONTROLS = Path(__file__).parents[1] / "linkages" / "control-characters.toml"
+
+
+@pytest.mark.parametrize(("command", "shown"), [("show", "[/rod]"), ("published", "Jeq:[/rod].mean")])
+def test_names_are_not_read_as_markup(command, shown):
+    done = linkproof(command, MARKUP)
+    assert (done.returncode, done.stderr) == (0, "")
+    assert shown in done.stdout
+
+
+def test_paths_are_not_read_as_markup(tmp_path):
+    done = linkproof("compare", MARKUP, "--engine", "direct", "--out", "o/[/x]", cwd=tmp_path)
+    assert done.returncode == 0, done.stderr
+    assert done.stderr == f"report: {Path('o/[/x]/index.html')}\n"
+    assert linkproof("report", "o/[/x]", cwd=tmp_path).stderr == done.stderr
+
+
+@pytest.mark.parametrize("command", ["show", "published"])
+def test_control_characters_of_a_file_do_not_reach_the_terminal(command):
+    assert refused(command, CONTROLS).rstrip("\n").isprintable()
+
+
+def test_a_quiet_run_says_one_line_and_a_verbose_one_every_record():
+    words = ("compare", "juki-mf7923d", "--engine", "direct", "--quantity", "joint_force")
+    quiet = linkproof(*words, "--quiet")
+    assert quiet.stdout.count("\n") == 1
+    assert "passed" in quiet.stdout
+    assert quiet.stderr == ""
+    verbose = linkproof(*words, "--verbose").stdout
+    assert verbose.endswith(quiet.stdout)
+    assert verbose.count("joint_force:") == int(quiet.stdout.split()[0])
+
+
+def test_output_to_a_small_character_set_is_readable():
+    environment = os.environ | {"PYTHONIOENCODING": "cp1252"}
+    command = [sys.executable, "-m", "reports.command_line.main", "published", "juki-mf7923d"]
+    done = subprocess.run(command, capture_output=True, env=environment, timeout=60, check=False)
+    assert (done.returncode, done.stderr) == (0, b"")
+    assert "9.127e-05 + +0.3%" in done.stdout.decode("cp1252")
+
+
+@pytest.mark.skipif(not Path("/dev/full").exists(), reason="needs a device that is always full")
+@pytest.mark.parametrize("words", [["list"], ["list", "--json", "-"], ["--help"]])
+def test_a_full_stdout_is_one_sentence(words):
+    with open("/dev/full", "w") as full:
+        command = [sys.executable, "-m", "reports.command_line.main", *words]
+        done = subprocess.run(command, stdout=full, stderr=subprocess.PIPE, text=True, timeout=60, check=False)
+    assert done.returncode == 2
+    assert re.fullmatch("linkproof: cannot write to stdout: .*\n", done.stderr)
+
+
+@pytest.mark.skipif(os.name != "posix", reason="a folder in use cannot be deleted")
+def test_a_deleted_working_folder_matters_only_where_it_is_needed(tmp_path):
+    script = "import os, sys; os.rmdir(os.getcwd()); from reports.command_line.main import main; main()"
+    folder = tmp_path / "gone"
+    folder.mkdir()
+    done = subprocess.run(
+        [sys.executable, "-c", script, "show", "juki-mf7923d"],
+        cwd=folder, env=os.environ | {"PYTHONPATH": str(JUKI.parents[2])}, capture_output=True, text=True, check=False,
+    )  # fmt: skip
+    assert (done.returncode, done.stderr) == (0, "")
+
+
+PRESSED = """
+import sys
+module = sys.argv.pop(1)
+class Press:
+    def find_spec(self, name, path=None, target=None):
+        if name == module:
+            raise KeyboardInterrupt
+sys.meta_path.insert(0, Press())
+from reports.command_line.main import main
+main()
+"""
+
+
+@pytest.mark.parametrize("module", ["typer", "analytic.errors", "numpy", "reports.text.terminal"])
+def test_an_interruption_of_any_import_is_one_sentence(module):
+    command = [sys.executable, "-c", PRESSED, module, "show", "juki-mf7923d"]
+    done = subprocess.run(command, capture_output=True, text=True, timeout=60, check=False)
+    assert (done.returncode, done.stdout) == (130, "")
+    assert done.stderr == "linkproof: interrupted; nothing was written\n"

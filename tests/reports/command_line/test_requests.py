@@ -1,22 +1,24 @@
 """From the user's words to a request, and back to the command that asks for the same."""
 
 import math
+import re
 import shlex
 
 import pytest
 
 from analytic.description.loading import catalogue, find
 from analytic.errors import LinkproofError, UnknownNameError
+from comparisons.campaign.campaign import cases
 from comparisons.runs.failures import GIB
 from comparisons.runs.workers import DEFAULT_BOUNDS, cores
 from engines.contract import Setting
 from engines.registry import engine_names
 from reports.command_line import requests
-from reports.command_line.requests import Choice, Effort, request
+from reports.command_line.requests import CampaignChoice, RunLimits, request
 
 
 def test_no_words_mean_everything_tuned_on_the_default_ramp():
-    wanted = request(Choice())
+    wanted = request(CampaignChoice())
     assert tuple(linkage.name for linkage in wanted.linkages) == catalogue()
     assert [motion.regime for motion in wanted.motions] == ["run-up"]
     assert wanted.settings == (Setting.TUNED,)
@@ -25,7 +27,7 @@ def test_no_words_mean_everything_tuned_on_the_default_ramp():
 
 
 def test_words_become_si():
-    choice = Choice(speed=3000.0, ramp_time=0.2, hold_time=0.3, start_angle=90.0, clockwise=True)
+    choice = CampaignChoice(speed=3000.0, ramp_time=0.2, hold_time=0.3, start_angle=90.0, clockwise=True)
     (motion,) = requests.motions(choice)
     assert motion.angle(0.0) == pytest.approx(math.pi / 2)
     assert motion.speed(0.5) == pytest.approx(-100.0 * math.pi)
@@ -33,37 +35,39 @@ def test_words_become_si():
 
 
 def test_a_variant_without_mechanisms_means_those_that_have_it():
-    wanted = request(Choice(variant="y-along"))
+    wanted = request(CampaignChoice(variant="y-along"))
     assert [linkage.name for linkage in wanted.linkages] == ["rimoldi-164"]
 
 
 def test_a_variant_that_a_named_mechanism_lacks_is_refused():
     with pytest.raises(UnknownNameError, match="variant of 'juki-mf7923d'"):
-        request(Choice(("juki-mf7923d",), variant="y-along"))
+        request(CampaignChoice(("juki-mf7923d",), variant="y-along"))
 
 
 def test_gravity_can_be_left_out():
-    assert all(linkage.gravity == (0.0, 0.0) for linkage in request(Choice(gravity=False)).linkages)
+    assert all(linkage.gravity == (0.0, 0.0) for linkage in request(CampaignChoice(gravity=False)).linkages)
 
 
 def test_two_files_of_one_name_are_refused(tmp_path):
     copy = tmp_path / "juki-mf7923d.toml"
     copy.write_text(find("juki-mf7923d").read_text())
     with pytest.raises(LinkproofError, match="both called 'juki-mf7923d'"):
-        request(Choice(("juki-mf7923d", str(copy))))
+        request(CampaignChoice(("juki-mf7923d", str(copy))))
 
 
 def test_a_quantity_leaves_the_invariants_out():
-    assert not request(Choice(("juki-mf7923d",), quantities=("Jeq",))).with_invariants
+    assert not request(CampaignChoice(("juki-mf7923d",), quantities=("Jeq",))).with_invariants
 
 
 @pytest.mark.parametrize(
     "choice",
     [
-        Choice(),
-        Choice(("juki-mf7923d",), "as-printed", ("run-up", "constant-speed"), ("direct",), ("naive", "best"), ("Mkr",)),
-        Choice(speed=50.0, ramp_time=1.5, hold_time=0.0, start_angle=-30.0, clockwise=True, gravity=False),
-        Choice(("path with spaces/mine.toml",)),
+        CampaignChoice(),
+        CampaignChoice(
+            ("juki-mf7923d",), "as-printed", ("run-up", "constant-speed"), ("direct",), ("naive", "best"), ("Mkr",)
+        ),
+        CampaignChoice(speed=50.0, ramp_time=1.5, hold_time=0.0, start_angle=-30.0, clockwise=True, gravity=False),
+        CampaignChoice(("path with spaces/mine.toml",)),
     ],
 )
 def test_the_command_asks_for_the_same(choice):
@@ -80,33 +84,76 @@ def test_the_command_asks_for_the_same(choice):
 
 
 def test_conditions_tell_campaigns_apart():
-    choices = [Choice(), Choice(speed=2000.0), Choice(clockwise=True), Choice(start_angle=1.0), Choice(gravity=False)]
+    choices = [
+        CampaignChoice(),
+        CampaignChoice(speed=2000.0),
+        CampaignChoice(clockwise=True),
+        CampaignChoice(start_angle=1.0),
+    ]
     assert len({choice.conditions for choice in choices}) == len(choices)
 
 
-def test_no_words_mean_the_usual_effort():
-    Effort().check()
-    assert Effort().bounds == DEFAULT_BOUNDS
-    assert Effort().processes == cores()
-    assert Effort().words == ""
+def test_no_words_mean_the_default_limits():
+    RunLimits().check()
+    assert RunLimits().bounds == DEFAULT_BOUNDS
+    assert RunLimits().processes == cores()
+    assert RunLimits().words == ""
 
 
 def test_limits_become_bounds_and_stay_with_the_command():
-    effort = Effort(time_limit=90.0, memory_limit=0.5, jobs=0)
-    assert (effort.bounds.seconds, effort.bounds.memory, effort.processes) == (90.0, GIB // 2, 0)
-    assert effort.words == " --time-limit 90 --memory-limit 0.5"
+    limits = RunLimits(time_limit=90.0, memory_limit=0.5, jobs=0)
+    assert (limits.bounds.seconds, limits.bounds.memory, limits.processes) == (90.0, GIB // 2, 0)
+    assert limits.words == " --time-limit 90 --memory-limit 0.5"
 
 
 @pytest.mark.parametrize(
-    ("effort", "words"),
+    ("limits", "words"),
     [
-        (Effort(time_limit=-1.0), "--time-limit: expected a positive finite number of s, got -1"),
-        (Effort(time_limit=math.nan), "got nan"),
-        (Effort(memory_limit=0.0), "--memory-limit: expected a positive finite number of GiB, got 0"),
-        (Effort(jobs=-2), "--jobs: expected a number of processes, or 0 for none, got -2"),
-        (Effort(memory_limit=1.0, jobs=0), "leave one of the two out"),
+        (RunLimits(time_limit=-1.0), "--time-limit: expected a positive finite number of s, got -1"),
+        (RunLimits(time_limit=math.nan), "got nan"),
+        (RunLimits(memory_limit=0.0), "--memory-limit: expected a positive finite number of GiB, got 0"),
+        (RunLimits(jobs=-2), "--jobs: expected a number of processes, or 0 for none, got -2"),
+        (RunLimits(memory_limit=1.0, jobs=0), "leave one of the two out"),
     ],
 )
-def test_impossible_efforts_are_refused(effort, words):
+def test_impossible_limits_are_refused(limits, words):
     with pytest.raises(LinkproofError, match=words):
-        effort.check()
+        limits.check()
+
+
+@pytest.mark.parametrize(
+    ("choice", "words"),
+    [
+        (CampaignChoice(speed=-5.0), "--speed: expected a positive finite number of rpm, got -5"),
+        (CampaignChoice(speed=1e14), "--speed: expected a positive finite number of rpm up to 9.55e\\+12, got 1e\\+14"),
+        (CampaignChoice(ramp_time=0.0), "--ramp-time: expected a positive finite number of s, got 0"),
+        (CampaignChoice(hold_time=-1.0), "--hold-time: expected a finite, not negative number of s, got -1"),
+        (CampaignChoice(start_angle=math.inf), "--start-angle: expected a finite number of degrees, got inf"),
+        (CampaignChoice(regimes=("constant-speed",), ramp_time=0.0, hold_time=0.0), "--hold-time: expected a positive"),
+        (CampaignChoice(regimes=("constant-speed", "run-up"), ramp_time=0.0), "--ramp-time: expected a positive"),
+    ],
+)
+def test_what_no_crank_can_do_is_refused_in_the_units_of_the_option(choice, words):
+    with pytest.raises(LinkproofError, match=words):
+        request(choice)
+
+
+def test_a_constant_speed_needs_no_ramp():
+    (motion,) = request(CampaignChoice(regimes=("constant-speed",), ramp_time=0.0, hold_time=0.1)).motions
+    assert motion.duration == pytest.approx(0.1)
+
+
+def test_the_command_keeps_every_digit():
+    angle = 78.79541471699513
+    assert f"--start-angle {angle!r}" in CampaignChoice(start_angle=angle).command
+
+
+def test_gravity_is_on_where_the_linkage_has_it(tmp_path):
+    weightless = tmp_path / "weightless.toml"
+    weightless.write_text(re.sub("^gravity.*$", "", find("juki-mf7923d").read_text(), flags=re.MULTILINE))
+    conditions = {
+        case.mechanism.linkage.name: case.conditions
+        for case in cases(request(CampaignChoice(("juki-mf7923d", str(weightless)))))
+    }
+    assert conditions["juki-mf7923d"].endswith(", gravity on")
+    assert conditions["weightless"].endswith(", gravity off")

@@ -9,6 +9,7 @@ from analytic.errors import LinkproofError
 from comparisons.stress import campaign
 from comparisons.stress.verdict import Judgement, StressVerdict
 from reports.command_line import stress
+from reports.command_line.destination import Destination
 from reports.command_line.stress import StressChoice, run
 
 CELL = "start/positions/1e-08/direct/tuned"
@@ -22,7 +23,7 @@ CELL = "start/positions/1e-08/direct/tuned"
         (StressChoice(("start/positions/much/direct/tuned",)), {}, "got 'much'"),
         (StressChoice(("start", CELL)), {}, "either axes or cells"),
         (StressChoice(engines=("nobody",)), {}, "nobody"),
-        (StressChoice(), {"resume": True}, "--out DIR"),
+        (StressChoice(), {"destination": Destination(resume=True)}, "with --out"),
         (StressChoice(), {"jobs": 0}, "--jobs"),
         (StressChoice(time_limit=0.0), {}, "--time-limit"),
     ],
@@ -30,11 +31,11 @@ CELL = "start/positions/1e-08/direct/tuned"
 def test_what_cannot_be_is_said_before_any_cell_is_made(choice, options, words, monkeypatch):
     monkeypatch.setattr(stress, "stress", lambda *_: pytest.fail("cells were made"))
     with pytest.raises(LinkproofError, match=words):
-        run(choice, None, None, **options)
+        run(choice, **{"destination": Destination(), **options})
 
 
 def test_a_cell_alone_is_told_in_full(capsys):
-    assert run(StressChoice((CELL,)), None, None) == 0
+    assert run(StressChoice((CELL,)), Destination()) == 0
     told = " ".join(capsys.readouterr().out.split())
     assert told.startswith(f"{CELL}: within limit")
     assert "worst invariant:" in told
@@ -48,14 +49,14 @@ def test_a_cell_may_take_as_long_as_it_is_given(capsys):
 
 
 def test_a_cell_alone_as_json(capsys):
-    assert run(StressChoice((CELL,)), None, "-") == 0
+    assert run(StressChoice((CELL,)), Destination("-")) == 0
     (cell,) = json.loads(capsys.readouterr().out)["cells"]
     assert (cell["verdict"], cell["command"]) == ("within limit", f"linkproof stress '{CELL}'")
 
 
 def test_maps_are_written_and_the_journal_is_gone(tmp_path, capsys):
     choice = StressChoice(("start",), ("direct",), ("tuned",), quick=True)
-    assert run(choice, tmp_path, None) == 0
+    assert run(choice, Destination(folder=tmp_path)) == 0
     assert {path.name for path in tmp_path.iterdir()} == {"stress.json", "stress.html"}
     assert "missed 0" in " ".join(capsys.readouterr().out.split())
 
@@ -66,7 +67,7 @@ def test_a_missed_cell_fails_the_command(monkeypatch, capsys):
         return [_as_missed(one) for one in found]
 
     monkeypatch.setattr(stress, "make_cells", missed)
-    assert run(StressChoice((CELL,)), None, None) == 1
+    assert run(StressChoice((CELL,)), Destination()) == 1
     assert "missed" in capsys.readouterr().out
 
 

@@ -4,7 +4,6 @@ import json
 import re
 
 import pytest
-from rich.console import Console
 
 from analytic.errors import LinkproofError
 from comparisons.stress.verdict import MEANINGS, StressVerdict
@@ -12,7 +11,8 @@ from reports.stress import page as stress_page
 from reports.stress.facts import FILE, SIGNS, BorderRecord, Stress, load
 from reports.stress.figure import border_place, columns, layout, stress_figure
 from reports.stress.section import border_table, long_run_table, reach, section, summary, verdict_table
-from reports.stress.terminal import stress_tables
+from reports.stress.terminal import cell_details, printout
+from reports.text.screen import rendered
 from reports.text.tables import markdown
 from tests.reports.made_up_stress import LONG_RUN, SHORT_RUN, border, made_up_cell, made_up_stress
 
@@ -25,11 +25,9 @@ def page():
     return stress_page.page(STRESS)
 
 
-def told(renderable, width=100):
-    console = Console(width=width)
-    with console.capture() as seen:
-        console.print(renderable, highlight=False)
-    return seen.get()
+def told(stress, width=100):
+    tables, closing, _ = printout(stress)
+    return rendered(*tables, *closing, width=width)
 
 
 def cells_of(verdicts):
@@ -210,10 +208,19 @@ def test_the_section_makes_the_missed_bold_and_folds_the_borders_away():
 
 
 def test_the_terminal_has_counts_borders_and_what_was_missed():
-    text = told(stress_tables(STRESS))
+    text = told(STRESS)
     assert max(map(len, text.splitlines())) <= 100
     assert text.count("missed: ") == len(STRESS.of(StressVerdict.MISSED))
     assert text.count("alarm: ") == len(STRESS.of(StressVerdict.ALARM))
     assert "✗ missed" in text
     assert "last within, first beyond" in text
-    assert "last within" not in told(stress_tables(made_up_stress(borders=[])))
+    assert "last within" not in told(made_up_stress(borders=[]))
+
+
+def test_one_cell_is_told_in_full():
+    (caught, *_) = STRESS.of(StressVerdict.CAUGHT)
+    text = rendered(cell_details(caught))
+    assert text.startswith(f"{caught.cell.key}: caught")
+    assert caught.judgement.reason in text
+    assert "10 steps" in text
+    assert all(result.cell.key in rendered(*printout(STRESS).details) for result in STRESS.results)

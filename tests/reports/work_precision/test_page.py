@@ -5,8 +5,7 @@ import re
 
 import pytest
 
-from comparisons.work_precision.records import FILE, save
-from reports.command_line.bench import rebuild
+from comparisons.work_precision.records import FILE, load, save
 from reports.work_precision import page as bench_page
 from reports.work_precision.facts import places
 from reports.work_precision.section import choice_tables, section
@@ -60,7 +59,7 @@ def test_how_it_was_measured_is_said_in_figures(page):
 
 def test_the_folder_has_page_script_and_plots(tmp_path):
     save(tmp_path / FILE, BENCH.document)
-    rebuild(tmp_path)
+    bench_page.write(load(tmp_path), tmp_path)
     assert {path.name for path in tmp_path.iterdir()} == {
         FILE, "bench.html", "plotly.min.js", "bench-run-up-quintic.svg", "bench-run-up-quintic.png",
     }  # fmt: skip

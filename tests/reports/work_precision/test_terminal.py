@@ -1,20 +1,18 @@
 """The benchmark in a terminal."""
 
-from rich.console import Console
-
-from reports.work_precision.terminal import bench_tables
+from comparisons.work_precision.records import Bench, Cost, rows
+from reports.text.screen import rendered
+from reports.work_precision.terminal import printout
 from tests.reports.made_up_bench import made_up_bench, nothing_finished
 
 
-def _text(renderable, width=110):
-    console = Console(width=width, no_color=True, force_terminal=False)
-    with console.capture() as capture:
-        console.print(renderable)
-    return capture.get()
+def _text(bench, quantities=(), width=110):
+    tables, closing, _ = printout(bench, quantities)
+    return rendered(*tables, *closing, width=width)
 
 
 def test_methods_choices_and_settings_stand_in_one_block_per_place():
-    text = _text(bench_tables(made_up_bench()))
+    text = _text(made_up_bench())
     assert text.count("largest error over the peak") == 2
     assert "still falling" in text
     assert "4.00 ms: plain @ 4" in text
@@ -24,10 +22,23 @@ def test_methods_choices_and_settings_stand_in_one_block_per_place():
 
 
 def test_quantities_asked_for_have_a_block_each():
-    text = _text(bench_tables(made_up_bench(), ("joint_force", "Mkr")))
+    text = _text(made_up_bench(), ("joint_force", "Mkr"))
     assert text.index("joint force, largest error") < text.index("Mkr, largest error")
     assert text.count("largest error over the peak") == 4
 
 
 def test_an_engine_that_is_absent_says_so():
-    assert "gamma: unavailable: not installed" in _text(bench_tables(nothing_finished()))
+    assert "gamma: unavailable: not installed" in _text(nothing_finished())
+
+
+def test_costs_stand_below_where_they_were_measured():
+    cost = Cost("made-up", "base", "numpy", "S <alone>", "S", 1000, seconds=(1e-4, 5e-5, 7.5e-5))
+    text = _text(Bench({**made_up_bench().document, "costs": rows([cost])}))
+    assert "S <alone> 50.0 ns 75.0 ns 100 %" in " ".join(text.split())
+
+
+def test_details_have_a_row_for_every_point():
+    bench = made_up_bench()
+    text = rendered(*printout(bench).details)
+    assert len(text.splitlines()) == len(bench.records) + 2
+    assert all(record.detail in text for record in bench.records)

@@ -1,0 +1,113 @@
+"""A campaign for a terminal: errors beside their limits, and the details of every record."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from itertools import groupby
+
+from rich.console import RenderableType
+from rich.table import Table
+from rich.text import Text
+
+from comparisons.campaign.campaign import RunResult
+from comparisons.judging.quantities import JOINT_FORCE
+from comparisons.judging.records import Record, Verdict
+from reports.text.numbers import bound, error, figure
+from reports.text.screen import Cell, Printout, line, table
+from reports.text.signs import RUNS
+
+ACROSS = 4  # runs side by side in a table of 80 columns
+DETAILS = (
+    *("engine", "setting", "quantity", "outcome", "error", "RMS", "limit", "baseline", "peak", "unit", "worst at s"),
+    *("samples", "left out", "why"),
+)
+
+
+def printout(results: Sequence[RunResult]) -> Printout:
+    """One table per mechanism and regime, quantities down, engines and settings across."""
+    tables: list[RenderableType] = []
+    details: list[RenderableType] = []
+    kept = [result for result in results if result.records]
+    for _, part in groupby(kept, key=lambda result: result.records[0].run[:3]):
+        together = list(part)
+        heading = _heading(together[0].records[0])
+        tables.append(heading)
+        for start in range(0, len(together), ACROSS):
+            tables += [_mechanism_table(together[start : start + ACROSS]), line("")]
+        rows = [_detail(record) for result in together for record in _all(result)]
+        details += [heading, table(DETAILS, rows), line("")]
+    return Printout(tables, [*_reasons(results), _closing_line(results)], details)
+
+
+def _all(result: RunResult) -> tuple[Record, ...]:
+    return (*result.records, *result.invariants)
+
+
+def _heading(record: Record) -> Text:
+    return line(f"{record.mechanism} ({record.variant}), {record.regime}: {record.conditions}", "bold")
+
+
+def _mechanism_table(results: Sequence[RunResult]) -> Table:
+    first = [result.records[0] for result in results]
+    rows: list[Sequence[Cell]] = []
+    for quantity in dict.fromkeys(_row(record) for result in results for record in _all(result)):
+        worst = [_worst(result, quantity) for result in results]
+        rows.append((quantity, _limits(worst), *map(_cell, worst)))
+    rows.append(("seconds, stepping", "", *(f"{record.seconds:.3f}" for record in first)))
+    rows.append(("steps", "", *(f"{record.steps}" for record in first)))
+    head = ("error over peak", "limit", *(f"{record.engine}\n{record.setting}" for record in first))
+    return table(head, rows, align="lr")
+
+
+def _row(record: Record) -> str:
+    """The row a record stands in: forces of all joints share one."""
+    return JOINT_FORCE.rstrip(":") if record.quantity.startswith(JOINT_FORCE) else record.quantity
+
+
+def _worst(result: RunResult, row: str) -> Record | None:
+    """The record of a run that stands in a row; of several the one with the largest error."""
+    candidates = [record for record in _all(result) if _row(record) == row]
+    return max(candidates, key=lambda record: record.error_max or 0.0, default=None)
+
+
+def _limits(records: Sequence[Record | None]) -> str:
+    limits = sorted({r.limit for r in records if r is not None and r.limit is not None}, reverse=True)
+    return ", ".join(f"{limit:.0e}" for limit in limits)
+
+
+def _cell(record: Record | None) -> Cell:
+    if record is None:
+        return ""
+    sign = RUNS[record.outcome]
+    return sign.word if record.error_max is None else f"{record.error_max:.1e} {sign.symbol}", sign.colour
+
+
+def _detail(record: Record) -> tuple[Cell, ...]:
+    time = "" if record.worst_time is None else f"{record.worst_time:.6g}"
+    return (
+        record.engine, record.setting, record.quantity, (record.outcome, RUNS[record.outcome].colour),
+        error(record.error_max), error(record.error_rms), bound(record.limit), error(record.baseline),
+        figure(record.peak), record.unit, time, f"{record.samples}", f"{record.left_out}", record.detail,
+    )  # fmt: skip
+
+
+def _reasons(results: Sequence[RunResult]) -> list[Text]:
+    """Why runs gave nothing, and which records the baseline rather than the limit caught; each once."""
+    reasons: dict[str, None] = {}
+    for record in (record for result in results for record in _all(result)):
+        past_baseline = record.error_max is not None and record.limit is not None and record.error_max <= record.limit
+        if record.detail and (record.error_max is None or past_baseline):
+            reasons[f"{record.engine} {record.setting}, {record.mechanism}: {record.detail}"] = None
+    return [line(reason) for reason in reasons]
+
+
+def _closing_line(results: Sequence[RunResult]) -> Text:
+    records = [record for result in results for record in _all(result)]
+    counts = {verdict: sum(r.outcome == verdict.value for r in records) for verdict in Verdict}
+    left_out = sum(record.left_out for record in records)
+    words = [f"{count} {verdict.value}" for verdict, count in counts.items() if count and verdict.judged]
+    unjudged = [f"{count} {verdict.value}" for verdict, count in counts.items() if count and not verdict.judged]
+    judged = sum(count for verdict, count in counts.items() if verdict.judged)
+    words += [f"{len(records) - judged} not judged ({', '.join(unjudged)})"] if unjudged else []
+    note = f"; {left_out} samples at acceleration jumps or near standstill left out" if left_out else ""
+    return line(f"{judged} deviations: {', '.join(words)}{note}")

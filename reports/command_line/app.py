@@ -1,0 +1,330 @@
+"""The commands and their options: ``linkproof list | show | thread | published | compare | bench | stress | report``.
+
+Only typer is imported here: what a command needs is imported when it runs, so that help comes at once.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import Annotated
+
+import typer
+from typer.core import TyperGroup
+from typer.models import ArgumentInfo, OptionInfo
+
+from reports.command_line import completion
+
+GLOSSARY = """
+Symbols:
+  φ    rad     crank angle, counter-clockwise positive
+  ω    rad/s   crank speed, dφ/dt
+  ε    rad/s²  crank acceleration, dω/dt
+  S    m       displacement of the output point from its top dead centre
+  v    m/s     velocity of the output point, dS/dt
+  a    m/s²    acceleration of the output point, dv/dt
+  Jeq  kg m²   reduced moment of inertia: all moving masses, as felt at the crank
+  Teq  J       kinetic energy of the linkage, ½ Jeq ω²
+  Mkr  N m     torque that drives the crank
+  Peq  W       power at the crank, Mkr ω
+"""
+
+
+class InterruptedRunError(Exception):
+    """Ctrl-C, of which typer would make a silent exit; says what is left."""
+
+
+class _Commands(TyperGroup):
+    def invoke(self, ctx: typer.Context) -> object:  # type: ignore[override]  # typer's own click, or click's
+        try:
+            return super().invoke(ctx)
+        except KeyboardInterrupt as interrupt:
+            raise InterruptedRunError(str(interrupt) or "nothing was written") from interrupt
+
+    def get_help(self, ctx: typer.Context) -> str:  # type: ignore[override]
+        return f"{super().get_help(ctx)}\n{GLOSSARY}"
+
+
+app = typer.Typer(
+    name="linkproof",
+    cls=_Commands,
+    help="How far is a multibody simulation of a planar linkage from the truth, and what did it cost?",
+    no_args_is_help=True,
+    rich_markup_mode=None,
+    pretty_exceptions_enable=False,
+    context_settings={"help_option_names": ["-h", "--help"]},
+)
+
+
+def _words(metavar: str, names: Callable[..., list[str]]) -> ArgumentInfo:
+    """An argument that a shell completes; the help of its command explains it."""
+    argument: ArgumentInfo = typer.Argument(metavar=metavar, autocompletion=names, hidden=True)
+    return argument
+
+
+def _valued(metavar: str, text: str, *flags: str, names: Callable[..., list[str]] | None = None) -> OptionInfo:
+    """An option with a value, which a shell completes where ``names`` are given."""
+    option: OptionInfo = typer.Option(*flags, metavar=metavar, help=text, autocompletion=names)
+    return option
+
+
+def _flag(text: str, *flags: str) -> OptionInfo:
+    option: OptionInfo = typer.Option(*flags, help=text)
+    return option
+
+
+Mechanism = Annotated[str, _words("MECHANISM", completion.mechanisms)]
+Mechanisms = Annotated[list[str] | None, _words("MECHANISM", completion.mechanisms)]
+Cells = Annotated[list[str] | None, _words("AXIS|CELL", completion.axes)]
+Variant = Annotated[
+    str | None, _valued("NAME", "Variant of the file; default: its own values.", names=completion.variants)
+]
+Regimes = Annotated[
+    list[str] | None,
+    _valued(
+        "NAME",
+        "Motion of the crank: run-up, run-up-cubic, run-up-quintic, constant-speed, one of the file's own, own (all of "
+        "those), or all; repeatable; default: run-up (bench: run-up-quintic and run-up).",
+        "--regime",
+        names=completion.regimes,
+    ),
+]
+Engines = Annotated[
+    list[str] | None,
+    _valued("NAME", "Engine; repeatable; default: every one.", "--engine", names=completion.engines),
+]
+Settings = Annotated[
+    list[str] | None,
+    _valued("NAME", "naive, tuned, best, or all; repeatable; default: tuned.", "--setting", names=completion.settings),
+]
+Usages = Annotated[
+    list[str] | None,
+    _valued(
+        "NAME",
+        "Setting or fixed-step method; repeatable; default: those of each map.",
+        "--setting",
+        names=completion.settings,
+    ),
+]
+Quantities = Annotated[
+    list[str] | None,
+    _valued(
+        "NAME",
+        "Quantity, such as Mkr; repeatable; default: all (bench: Mkr, Jeq, phi, joint_force).",
+        "--quantity",
+        names=completion.quantities,
+    ),
+]
+Json = Annotated[str | None, _valued("FILE|-", "Write JSON to a file; - is stdout.", "--json")]
+Out = Annotated[Path | None, _valued("DIR", "Write records, curves and pages into this folder.", "--out")]
+Resume = Annotated[bool, _flag("Finish what an interrupted run of the same command kept in --out.", "--resume")]
+Quiet = Annotated[bool, _flag("No progress and no tables: the closing line alone.", "-q", "--quiet")]
+Verbose = Annotated[bool, _flag("Add the details of every record.", "-v", "--verbose")]
+Jobs = Annotated[int | None, _valued("N", "Worker processes; default: one per core; compare: 0 is none, no limits.")]
+
+
+def _print_version(wanted: bool) -> None:
+    if wanted:
+        from importlib.metadata import version
+
+        typer.echo(f"linkproof {version('linkproof')}")
+        raise typer.Exit
+
+
+@app.callback()
+def options(
+    version: Annotated[
+        bool, typer.Option("--version", help="Show the version and exit.", callback=_print_version, is_eager=True)
+    ] = False,
+) -> None:
+    """Options that stand before a command."""
+
+
+@app.command("list", short_help="List the mechanisms of the catalogue.")
+def list_(json: Json = None) -> None:
+    """List the mechanisms of the catalogue, their variants and sources."""
+    from reports.command_line import mechanisms
+    from reports.command_line.destination import Destination
+
+    mechanisms.list_mechanisms(Destination(json))
+
+
+@app.command(short_help="Show one mechanism: structure, links, Jeq, stroke.")
+def show(mechanism: Mechanism, variant: Variant = None, json: Json = None) -> None:
+    """Show one mechanism: structure, links, Jeq, stroke, accuracy of its closed form.
+
+    MECHANISM is a name in the catalogue or the path of a .toml file.
+    """
+    from reports.command_line import mechanisms
+    from reports.command_line.destination import Destination
+
+    mechanisms.show(mechanism, variant, Destination(json))
+
+
+@app.command(short_help="Show a mechanism's thread feed.")
+def thread(
+    mechanism: Mechanism,
+    variant: Variant = None,
+    required: Annotated[Path | None, _valued("CSV", "Required feed: columns phi_deg, feed_mm.")] = None,
+    json: Json = None,
+) -> None:
+    """Show a mechanism's thread feed, and compare it with a required curve.
+
+    MECHANISM is a name in the catalogue or the path of a .toml file with a [thread].
+    """
+    from reports.command_line import mechanisms
+    from reports.command_line.destination import Destination
+
+    mechanisms.thread(mechanism, variant, required, Destination(json))
+
+
+@app.command(short_help="Compare figures printed in the sources with the closed form.")
+def published(mechanisms: Mechanisms = None, json: Json = None) -> None:
+    """Compare the figures printed in the sources with the closed form, in every variant.
+
+    MECHANISM is a name in the catalogue or the path of a .toml file; default: the whole catalogue.
+    """
+    from reports.command_line import published
+    from reports.command_line.destination import Destination
+
+    published.published(mechanisms or [], Destination(json))
+
+
+@app.command(short_help="Simulate mechanisms; compare every error with its limit.")
+def compare(
+    mechanisms: Mechanisms = None,
+    variant: Variant = None,
+    regime: Regimes = None,
+    engine: Engines = None,
+    setting: Settings = None,
+    quantity: Quantities = None,
+    speed: Annotated[float, _valued("RPM", "Final crank speed.")] = 1000.0,
+    ramp_time: Annotated[float, _valued("SECONDS", "Time to reach it.")] = 0.6,
+    hold_time: Annotated[float, _valued("SECONDS", "Time at that speed.")] = 0.1,
+    start_angle: Annotated[float, _valued("DEGREES", "Crank angle at the start.")] = 0.0,
+    clockwise: Annotated[bool, _flag("Turn the crank clockwise.", "--clockwise")] = False,
+    no_gravity: Annotated[bool, _flag("Leave gravity out.", "--no-gravity")] = False,
+    full: Annotated[bool, _flag("Run the files' own regimes in every setting, not best alone.", "--full")] = False,
+    out: Out = None,
+    json: Json = None,
+    record_baseline: Annotated[bool, _flag("Record these errors as the new baseline.", "--record-baseline")] = False,
+    resume: Resume = False,
+    quiet: Quiet = False,
+    verbose: Verbose = False,
+    time_limit: Annotated[float | None, _valued("SECONDS", "Wall time that one run may take; default: 600.")] = None,
+    memory_limit: Annotated[float | None, _valued("GIB", "Memory that one run may add; default: 4.")] = None,
+    jobs: Jobs = None,
+) -> None:
+    """Simulate mechanisms in engines and compare every error with its limit.
+
+    MECHANISM is a name in the catalogue or the path of a .toml file; default: the whole catalogue.
+
+    The naive setting shows what a user gets without tuning: beside other settings its rows do not decide the exit code.
+    An engine that crashes, hangs or runs out of memory fails in its own row only.
+
+    Exit codes: 0 every error within its limit, 1 an error over its limit or a run that failed, 2 bad input.
+    """
+    from comparisons.runs.worker_process import start_server
+
+    if jobs != 0:
+        start_server(["comparisons.campaign.campaign"])  # its imports run beside ours
+    from reports.command_line import compare
+    from reports.command_line.destination import Destination
+    from reports.command_line.requests import CampaignChoice, RunLimits
+
+    choice = CampaignChoice(
+        mechanisms=tuple(mechanisms or ()),
+        variant=variant,
+        regimes=tuple(regime or ()),
+        engines=tuple(engine or ()),
+        settings=tuple(setting or ()),
+        quantities=tuple(quantity or ()),
+        speed=speed,
+        ramp_time=ramp_time,
+        hold_time=hold_time,
+        start_angle=start_angle,
+        clockwise=clockwise,
+        gravity=not no_gravity,
+        full=full,
+    )
+    destination = Destination(json, out, resume, quiet, verbose)
+    limits = RunLimits(time_limit, memory_limit, jobs)
+    raise typer.Exit(compare.compare(choice, destination, limits, record_baseline=record_baseline))
+
+
+@app.command(short_help="Measure error against run time, over a sweep of steps.")
+def bench(
+    mechanisms: Mechanisms = None,
+    regime: Regimes = None,
+    engine: Engines = None,
+    quantity: Quantities = None,
+    quick: Annotated[bool, _flag("A coarser sweep of one regime: under a minute.", "--quick")] = False,
+    costs: Annotated[bool, _flag("Measure what each output and load costs too.", "--costs")] = False,
+    out: Out = None,
+    json: Json = None,
+    resume: Resume = False,
+    quiet: Quiet = False,
+    verbose: Verbose = False,
+) -> None:
+    """Measure error against run time: every engine, setting and method over a sweep of steps.
+
+    MECHANISM is a name in the catalogue or the path of a .toml file; default: the whole catalogue.
+
+    Runs are made one at a time, so that times mean something: leave the machine alone meanwhile.
+    """
+    from comparisons.runs.worker_process import start_server
+
+    start_server(["comparisons.work_precision.measure"])  # its imports run beside ours
+    from reports.command_line import bench
+    from reports.command_line.destination import Destination
+
+    choice = bench.BenchChoice(
+        tuple(mechanisms or ()), tuple(regime or ()), tuple(engine or ()), tuple(quantity or ()), quick, costs
+    )
+    raise typer.Exit(bench.bench(choice, Destination(json, out, resume, quiet, verbose)))
+
+
+@app.command(short_help="Find where each engine fails, and whether the checks notice.")
+def stress(
+    words: Cells = None,
+    engine: Engines = None,
+    setting: Usages = None,
+    quick: Annotated[bool, _flag("Fewer cells, coarser borders: about a minute.", "--quick")] = False,
+    out: Out = None,
+    json: Json = None,
+    resume: Resume = False,
+    quiet: Quiet = False,
+    verbose: Verbose = False,
+    time_limit: Annotated[
+        float | None, _valued("SECONDS", "Wall time that one cell may take; default: that of its map.")
+    ] = None,
+    jobs: Jobs = None,
+) -> None:
+    """Find where each engine fails, and whether the checks notice.
+
+    AXIS is a stability map; CELL is one run of a map, AXIS/ROW/VALUE/ENGINE/USAGE; default: every map.
+
+    Exit code 1: an engine reported success with a wrong motion, and no check noticed.
+    """
+    from comparisons.runs.worker_process import start_server
+
+    start_server(["comparisons.stress.cells"])  # its imports run beside ours
+    from reports.command_line import stress
+    from reports.command_line.destination import Destination
+
+    choice = stress.StressChoice(tuple(words or ()), tuple(engine or ()), tuple(setting or ()), quick, time_limit)
+    raise typer.Exit(stress.run(choice, Destination(json, out, resume, quiet, verbose), jobs))
+
+
+@app.command(short_help="Write the report of saved curves again.")
+def report(
+    saved: Annotated[Path, typer.Argument(metavar="DIR", hidden=True)],
+    out: Annotated[Path | None, _valued("DIR", "Where to write the pages; default: the same folder.")] = None,
+) -> None:
+    """Write the report of saved curves again; needs no engine.
+
+    DIR is the folder that compare --out wrote, or the curves.nc in it.
+    """
+    from reports.command_line import compare
+
+    compare.report(saved, out)

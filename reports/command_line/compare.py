@@ -1,0 +1,96 @@
+"""What ``linkproof compare`` and ``linkproof report`` do: run a campaign, print and write it; write its page again."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TypedDict
+
+from analytic.description.linkage import Linkage
+from comparisons.campaign.campaign import Request
+from comparisons.campaign.campaign import compare as run_campaign
+from comparisons.campaign.errata import ErratumRecord, judge_errata
+from comparisons.campaign.results import described, document, save
+from comparisons.campaign.results import load as load_results
+from comparisons.judging import baseline
+from comparisons.runs.files import write_text
+from comparisons.runs.journal import Journal
+from comparisons.runs.workers import Bounds
+from reports.campaign.terminal import printout
+from reports.command_line.destination import Destination
+from reports.command_line.exit_codes import campaign_exit_code
+from reports.command_line.interruption import interruptible, journal
+from reports.command_line.requests import CampaignChoice, RunLimits, installed, request, texts
+from reports.text.screen import line, show
+
+PAGE, SUMMARY = "index.html", "RESULTS.md"
+
+
+def compare(
+    choice: CampaignChoice, destination: Destination, limits: RunLimits | None = None, *, record_baseline: bool = False
+) -> int:
+    """Run a campaign, write what was asked for, print its tables; returns the exit code."""
+    limits, out = limits or RunLimits(), destination.folder
+    limits.check()
+    destination.check(PAGE)
+    wanted = request(choice)
+    files = texts(choice, wanted.linkages)
+    kept = journal(out, choice.command, wanted, files, resume=destination.resume) if out else None
+    with interruptible(out) as counting:
+        with destination.progress() as announce:
+            running: _Running = {"bounds": limits.bounds, "processes": limits.processes, "journal": kept}
+            results = list(run_campaign(wanted, counting(announce), **running))
+            errata = _errata(wanted, files, running) if destination.json or out else []
+        records = [record for result in results for record in (*result.records, *result.invariants)]
+        if record_baseline:
+            baseline.record_all(records)
+        if destination.json or out:
+            command = choice.command + limits.words + (" --out DIR" if out else "")
+            saved = document(wanted, results, files, command, errata)
+            destination.write_json(saved)
+            if out:
+                save(out, results, saved)
+                destination.say(f"report: {rebuild(out)}")
+        if kept:
+            kept.clear()
+    destination.print_out(printout(results))
+    return campaign_exit_code(records)
+
+
+class _Running(TypedDict):
+    """How engines are run, as campaigns and errata take it."""
+
+    bounds: Bounds
+    processes: int
+    journal: Journal | None
+
+
+def _errata(wanted: Request, files: Sequence[str], running: _Running) -> list[ErratumRecord]:
+    """The printed models of the linkages whose own regimes are asked for, put to the engines asked for."""
+    by_name = dict(zip((linkage.name for linkage in wanted.linkages), files, strict=True))
+
+    def variant_of(linkage: Linkage, variant: str) -> Linkage:
+        return described(by_name[linkage.name], linkage.name, variant, linkage.gravity)
+
+    asked = wanted.linkages if wanted.own_regimes else ()
+    return list(judge_errata(asked, installed(wanted.engines), variant_of, **running))
+
+
+def report(saved: Path, out: Path | None) -> None:
+    """Write the page and the summary of a saved campaign, and say where."""
+    show(line(f"report: {rebuild(saved, out)}"), stderr=True)
+
+
+def rebuild(saved: Path, out: Path | None = None) -> Path:
+    """Write the page and the summary of a saved campaign; returns the path of the page."""
+    from reports.campaign.extra_sections import extra_sections, rebuild_pages  # noqa: PLC0415
+    from reports.campaign.page import write_page  # noqa: PLC0415  figures cost a second that other commands do not pay
+    from reports.campaign.summary import markdown  # noqa: PLC0415
+
+    results = load_results(saved)
+    kept = saved if saved.is_dir() else saved.parent
+    folder = out or kept
+    write_page(results, folder / PAGE, extra_sections(kept))
+    write_text(folder / SUMMARY, markdown(results))
+    rebuild_pages(kept, folder)
+    return folder / PAGE

@@ -1,0 +1,75 @@
+"""What a shell may complete: names of mechanisms, engines, settings, regimes, quantities and stability maps."""
+
+from __future__ import annotations
+
+import contextlib
+import os
+import tomllib
+from collections.abc import Iterable
+from pathlib import Path
+from typing import Any
+
+CATALOGUE = Path(__file__).parents[2] / "analytic" / "catalogue"
+
+
+def mechanisms(incomplete: str) -> list[str]:
+    """The catalogue, and linkage files that lie where the words point."""
+    files = Path().glob(f"{incomplete}*.toml") if incomplete and not Path(incomplete).is_absolute() else []
+    return [*_starting((path.stem for path in CATALOGUE.glob("*.toml")), incomplete), *sorted(map(str, files))]
+
+
+def variants(incomplete: str) -> list[str]:
+    """The variants of the mechanisms on the command line."""
+    named = [name for table in _tables() for name in (table.get("variant", "base"), *table.get("variants", {}))]
+    return _starting(named, incomplete)
+
+
+def regimes(incomplete: str) -> list[str]:
+    """The motions that every linkage can be given, and those of the files on the command line."""
+    from analytic.description.crank_motion import REGIMES
+
+    own = [name for table in _tables() for name in table.get("regimes", {})]
+    return _starting([*REGIMES, *own, "own", "all"], incomplete)
+
+
+def engines(incomplete: str) -> list[str]:
+    """Every engine that has an adapter."""
+    from engines.registry import engine_names
+
+    return _starting(engine_names(), incomplete)
+
+
+def settings(incomplete: str) -> list[str]:
+    """The settings of an engine."""
+    from engines.contract import Setting
+
+    return _starting([*Setting, "all"], incomplete)
+
+
+def quantities(incomplete: str) -> list[str]:
+    """Everything that can be compared."""
+    from comparisons.judging.quantities import QUANTITIES
+
+    return _starting(QUANTITIES, incomplete)
+
+
+def axes(incomplete: str) -> list[str]:
+    """The stability maps."""
+    from comparisons.stress.axes import axes as known
+
+    return _starting(known(), incomplete)
+
+
+def _starting(names: Iterable[str], incomplete: str) -> list[str]:
+    return sorted({str(name) for name in names if str(name).startswith(incomplete)})
+
+
+def _tables() -> list[dict[str, Any]]:
+    """The linkage files among the words typed so far, as far as they can be read."""
+    typed = os.environ.get("_TYPER_COMPLETE_ARGS") or os.environ.get("COMP_WORDS", "")
+    found = []
+    for word in typed.split()[2:]:
+        path = CATALOGUE / f"{word}.toml"
+        with contextlib.suppress(OSError, ValueError):
+            found.append(tomllib.loads((path if path.is_file() else Path(word)).read_text(encoding="utf-8-sig")))
+    return found

@@ -1,0 +1,78 @@
+"""Where the results of a command go: the screen, JSON, a folder."""
+
+from __future__ import annotations
+
+import io
+import sys
+from collections.abc import Callable, Mapping
+from contextlib import AbstractContextManager
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from rich.console import RenderableType
+
+from analytic.errors import LinkproofError
+from comparisons.judging.records import to_json
+from comparisons.runs.files import check_writable, write_text
+from reports.command_line.progress import progress
+from reports.text.screen import Printout, line, show
+
+STDOUT = "-"
+
+
+@dataclass(frozen=True)
+class Destination:
+    """``json`` is a file, or "-" for stdout, which then holds nothing else; ``folder`` takes all files of a command.
+
+    ``resume`` finishes what an interrupted command left in ``folder``; ``quiet`` prints no progress and no tables,
+    ``verbose`` adds every record's details.
+    """
+
+    json: str | None = None
+    folder: Path | None = None
+    resume: bool = False
+    quiet: bool = False
+    verbose: bool = False
+
+    def check(self, file: str) -> None:
+        """Raise LinkproofError now, rather than after the work, where options exclude each other or a file cannot be.
+
+        ``file`` is a file that will be written into the folder.
+        """
+        if self.resume and self.folder is None:
+            raise LinkproofError("--resume needs the folder of the interrupted run: name it with --out")
+        if self.quiet and self.verbose:
+            raise LinkproofError("--quiet and --verbose exclude each other: leave one of them out")
+        if self.json not in (None, STDOUT):
+            check_writable(Path(self.json))
+        if self.folder is not None:
+            check_writable(self.folder / file)
+
+    def progress(self) -> AbstractContextManager[Callable[[str, int, int], None]]:
+        """A progress bar, if it is to be seen."""
+        return progress(visible=not self.quiet)
+
+    def print(self, *parts: RenderableType) -> None:
+        """Print, unless stdout is for JSON."""
+        if self.json != STDOUT:
+            show(*parts)
+
+    def print_out(self, printout: Printout) -> None:
+        """Print as much as was asked for."""
+        tables = [] if self.quiet else printout.tables
+        self.print(*tables, *(printout.details if self.verbose else ()), *printout.closing)
+
+    def write_json(self, document: Mapping[str, Any]) -> None:
+        """Write JSON where it was asked for; JSON is UTF-8 whatever the character set of stdout."""
+        if self.json == STDOUT:
+            if isinstance(sys.stdout, io.TextIOWrapper):
+                sys.stdout.reconfigure(encoding="utf-8")
+            sys.stdout.write(to_json(document))
+        elif self.json is not None:
+            write_text(Path(self.json), to_json(document))
+
+    def say(self, text: str) -> None:
+        """A remark on stderr, unless quiet."""
+        if not self.quiet:
+            show(line(text), stderr=True)

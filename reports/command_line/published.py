@@ -1,0 +1,31 @@
+"""What ``linkproof published`` does: printed figures beside ours, and printed models put to the engines."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import asdict
+
+from analytic.description.loading import catalogue
+from comparisons.campaign.errata import judge_errata
+from comparisons.reference.published import all_variants, compare_published
+from engines.registry import engine_names
+from reports.command_line.destination import Destination
+from reports.command_line.requests import installed
+from reports.text import terminal
+from reports.text.screen import line
+
+
+def published(names: Sequence[str], destination: Destination) -> None:
+    """Print or write the published figures beside ours."""
+    linkages = [linkage for name in names or catalogue() for linkage in all_variants(name)]
+    records = compare_published(linkages)
+    variants = {(linkage.name, linkage.variant): linkage for linkage in linkages}
+    errata = []
+    with destination.progress() as announce:
+        judged = judge_errata(linkages, installed(engine_names()), lambda one, variant: variants[one.name, variant])
+        for number, record in enumerate(judged):
+            announce(f"{record.mechanism}: {record.engine}", number, number + 1)
+            errata.append(record)
+    destination.print(terminal.published(records), *(line(record.sentence) for record in errata))
+    rows = [{**asdict(record), "sentence": record.sentence} for record in errata]
+    destination.write_json({"records": [asdict(record) for record in records], "errata": rows})

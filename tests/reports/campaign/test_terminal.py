@@ -1,0 +1,51 @@
+"""A campaign's tables hold what they should, at 80 columns and without colour."""
+
+import dataclasses
+
+from comparisons.campaign.campaign import RunResult
+from reports.campaign.terminal import printout
+from reports.text.screen import rendered
+from tests.comparisons.judging.test_baseline import RECORD
+
+
+def _text(printout):
+    return rendered(*printout.tables, *printout.closing, width=80)
+
+
+def _result(**changes):
+    records = [dataclasses.replace(RECORD, quantity=q, **changes) for q in ("Jeq", "joint_force:A", "joint_force:B")]
+    return RunResult(tuple(records), ())
+
+
+def test_deviations_stand_beside_their_limits():
+    text = _text(printout([_result()]))
+    assert "m (v), r: c" in text
+    assert "1.2e-05 ✓" in text
+    assert "1e-04" in text
+    assert text.count("joint_force") == 1
+    assert "3 deviations: 3 passed" in text
+
+
+def test_the_worst_joint_stands_for_all():
+    result = _result()
+    worse = dataclasses.replace(result.records[2], error_max=7.7e-3, outcome="over-limit", detail="over its limit")
+    text = _text(printout([dataclasses.replace(result, records=(*result.records[:2], worse))]))
+    assert "7.7e-03 ✗" in text
+
+
+def test_a_run_that_failed_says_why_once():
+    failed = _result(error_max=None, outcome="diverged", detail="the crank ran away")
+    text = _text(printout([failed]))
+    assert text.count("the crank ran away") == 1
+    assert "3 deviations: 3 diverged" in text
+
+
+def test_details_hold_every_record_and_all_its_figures():
+    text = rendered(*printout([_result(detail="because")]).details)
+    assert all(name in text for name in ("Jeq", "joint_force:A", "joint_force:B"))
+    assert text.count("because") == 3
+
+
+def test_a_failed_run_is_explained_where_tables_are_left_out():
+    failed = _result(error_max=None, outcome="diverged", detail="the crank ran away")
+    assert "the crank ran away" in rendered(*printout([failed]).closing)

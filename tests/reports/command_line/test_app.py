@@ -1,0 +1,83 @@
+"""Help, version and completion."""
+
+import os
+import subprocess
+import sys
+
+import pytest
+
+from analytic.description.crank_motion import REGIMES
+from comparisons.judging.quantities import QUANTITIES
+from comparisons.stress.axes import axes
+from engines.contract import Setting
+from engines.registry import engine_names
+from reports.command_line.app import GLOSSARY
+
+COMMANDS = ("list", "show", "thread", "published", "compare", "bench", "stress", "report")
+
+
+def linkproof(*words, **environment):
+    command = [
+        sys.executable,
+        "-c",
+        "import sys; sys.argv[0] = 'linkproof'\nfrom reports.command_line.main import main; main()",
+    ]
+    return subprocess.run(
+        [*command, *words], capture_output=True, text=True, timeout=60, check=False, env=os.environ | environment
+    )
+
+
+def completed(*words):
+    """What bash is offered for the last of these words."""
+    line = " ".join(("linkproof", *words))
+    found = linkproof(_LINKPROOF_COMPLETE="complete_bash", COMP_WORDS=line, COMP_CWORD=str(len(words)))
+    return found.stdout.split()
+
+
+def test_help_explains_every_symbol():
+    shown = linkproof("--help").stdout
+    assert shown.rstrip().endswith(GLOSSARY.strip())
+    named = [words.split()[0] for words in GLOSSARY.strip().splitlines()[1:]]
+    assert named == ["φ", "ω", "ε", "S", "v", "a", "Jeq", "Teq", "Mkr", "Peq"]
+
+
+@pytest.mark.parametrize("command", COMMANDS)
+def test_help_of_a_command_has_no_types_and_no_cut_sentences(command):
+    done = linkproof(command, "--help")
+    assert done.returncode == 0
+    assert "bool" not in done.stdout
+    assert "<" not in done.stdout
+    assert "..." not in done.stdout.replace("]...", "")
+    assert max(map(len, done.stdout.splitlines())) <= 80
+
+
+def test_commands_are_listed_with_whole_sentences():
+    shown = linkproof("--help").stdout
+    assert all(f"\n  {command} " in shown for command in COMMANDS)
+    assert "..." not in shown.partition("Commands:")[2]
+
+
+def test_version():
+    done = linkproof("--version")
+    assert (done.returncode, done.stdout.split()[0]) == (0, "linkproof")
+
+
+def test_names_are_completed():
+    assert completed("show", "ju") == ["juki-mf7923d"]
+    assert completed("compare", "--engine", "") == list(engine_names())
+    assert completed("compare", "--setting", "") == sorted([*Setting, "all"])
+    assert completed("bench", "--quantity", "") == sorted(QUANTITIES)
+    assert set(completed("compare", "--regime", "")) == {*REGIMES, "own", "all"}
+    assert set(completed("stress", "")) == set(axes())
+
+
+def test_variants_and_regimes_of_the_file_that_is_named_are_completed():
+    assert completed("show", "juki-mf7923d", "--variant", "as-") == ["as-built", "as-printed"]
+    assert completed("compare", "slotted-takeup", "--regime", "dr") == ["driven"]
+
+
+def test_a_file_is_completed_from_where_it_lies(tmp_path, monkeypatch):
+    (tmp_path / "mine.toml").write_text("")
+    monkeypatch.setenv("PYTHONPATH", os.getcwd())
+    monkeypatch.chdir(tmp_path)
+    assert completed("show", "mi") == ["mine.toml"]
