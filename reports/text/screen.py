@@ -33,7 +33,7 @@ class Printout(NamedTuple):
 
 def line(text: str, style: str = "") -> Text:
     """A line, or several, of one style."""
-    return Text(printable(text), style=style)
+    return Text("\n".join(map(printable, text.split("\n"))), style=style)
 
 
 def table(head: Sequence[str], rows: Sequence[Sequence[Cell]], align: str = "l") -> Table:
