@@ -44,7 +44,7 @@ def test_a_cell_alone_is_told_in_full(capsys):
 def test_a_cell_may_take_as_long_as_it_is_given(capsys):
     choice = StressChoice((CELL,), time_limit=1e-3)
     assert choice.command == f"linkproof stress {CELL} --time-limit 0.001"
-    assert run(choice, None, None) == 0
+    assert run(choice, Destination()) == 0
     assert "took longer than 0.001 s" in " ".join(capsys.readouterr().out.split())
 
 
