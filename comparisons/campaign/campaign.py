@@ -185,4 +185,4 @@ def _compared(case: Case, quantity: Quantity, motion: ObservedMotion, blank: Rec
         samples=found.samples,
         left_out=found.left_out,
     )
-    return judge(record), found
+    return judge(record, found.error_at_jumps), found

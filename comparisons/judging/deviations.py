@@ -7,14 +7,16 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from analytic.description.crank_motion import CrankMotion, Segment
 from comparisons.judging.quantities import Quantity
 from comparisons.observation.observed_motion import ObservedMotion
 from comparisons.reference.case import Case
+from engines.contract import Signal
 from engines.scene import Channel
 
 Array = NDArray[np.float64]
 
-# Steps on either side of an acceleration jump within which a sample says nothing: the truth has two values there.
+# Steps on either side of an acceleration jump within which a sample may lie between the two values of the truth there.
 JUMP_STEPS = 2.0
 
 
@@ -27,7 +29,8 @@ class Deviation:
     """One quantity of one run against the truth; errors are relative to the truth's peak over the run.
 
     ``angle`` is the true crank angle at every sample, rad. ``observed`` and ``reference`` of a vector are its
-    magnitudes; its errors are those of the vector.
+    magnitudes; its errors are those of the vector. ``error_at_jumps`` is the largest distance of a sample at a jump
+    from the range of the truth around it.
     """
 
     time: Array
@@ -40,13 +43,15 @@ class Deviation:
     worst_time: float
     samples: int
     left_out: int
+    error_at_jumps: float = 0.0
 
 
 def deviation(case: Case, quantity: Quantity, motion: ObservedMotion) -> Deviation:
     """Compare one quantity over every sample the engine returned.
 
     Samples of accelerations and torques within two steps of an acceleration jump are left out and counted, as are
-    those of Jeq near standstill. Raises NoSampleError where none is left.
+    those of Jeq near standstill: at a jump an engine may give any value between the two, and none beyond. Raises
+    NoSampleError where none is left.
     """
     signal = quantity.observed(case, motion)
     kept = np.ones(len(signal.time), dtype=bool)
@@ -72,7 +77,31 @@ def deviation(case: Case, quantity: Quantity, motion: ObservedMotion) -> Deviati
         worst_time=float(signal.time[kept][worst]),
         samples=len(difference),
         left_out=len(_clock(quantity, motion)) - len(difference),
+        error_at_jumps=_beyond_jumps(case, quantity, signal, reference) / scale if quantity.holds_acceleration else 0.0,
     )
+
+
+def _beyond_jumps(case: Case, quantity: Quantity, signal: Signal, reference: Array) -> float:
+    """Largest distance of a sample at an acceleration jump from the range of the truth in the samples around it."""
+    worst = 0.0
+    for jump in case.motion.jumps:
+        near = near_jumps(signal.time, (jump,))
+        if near.any():
+            truth = np.concatenate([reference[near], *_sides(case, quantity, jump)])
+            below, above = np.min(truth, axis=0) - signal.values[near], signal.values[near] - np.max(truth, axis=0)
+            worst = max(worst, float(np.max(_size(np.maximum(np.maximum(below, above), 0.0)))))
+    return worst
+
+
+def _sides(case: Case, quantity: Quantity, jump: float) -> tuple[Array, Array]:
+    """The truth just before and just after a jump, (1, ...) each; before the start the crank is at rest."""
+    driven = Case(case.mechanism, case.motion)  # whose few instants push none of the case's own clocks out
+    after = quantity.reference(driven, np.array([jump]))
+    if jump > 0.0:
+        return quantity.reference(driven, np.array([np.nextafter(jump, 0.0)])), after
+    rest = Segment(0.0, case.motion.duration, (float(case.motion.angle(0.0)),))
+    resting = Case(case.mechanism, CrankMotion(case.motion.regime, (rest,)))
+    return quantity.reference(resting, np.array([jump])), after
 
 
 def near_jumps(time: Array, jumps: tuple[float, ...]) -> NDArray[np.bool_]:

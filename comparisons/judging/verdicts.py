@@ -9,8 +9,11 @@ from comparisons.judging.limits import limit
 from comparisons.judging.records import Record, Verdict
 
 
-def judge(record: Record) -> Record:
-    """Hold a record's error against its limit and against three times its recorded value."""
+def judge(record: Record, error_at_jumps: float = 0.0) -> Record:
+    """Compare a record's error with its limit and with three times its recorded value.
+
+    ``error_at_jumps``, of samples that may lie anywhere between two values of the truth, has the same limit.
+    """
     error = record.error_max
     assert error is not None
     bound = limit(record.quantity, record.setting, record.regime).value
@@ -22,6 +25,12 @@ def judge(record: Record) -> Record:
         detail = (
             f"error {error:.2g} of peak is within its limit {bound:.2g} but over {grown:.2g}, three times its "
             "recorded value"
+        )
+    elif not error_at_jumps <= bound:
+        record = replace(record, error_max=error_at_jumps)
+        detail = (
+            f"error {error_at_jumps:.2g} of peak at an acceleration jump, beyond the truth on both sides of it, is over "
+            f"its limit {bound:.2g}"
         )
     else:
         return record

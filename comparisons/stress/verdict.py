@@ -195,8 +195,9 @@ def _deviations(case: Case, motion: ObservedMotion, blank: Record) -> Record | N
         except NoSampleError:
             continue
         bound = limit(quantity.name, blank.setting, blank.regime).value
-        outcome = Verdict.PASSED if one.error_max <= bound else Verdict.OVER_LIMIT
-        found.append(replace(blank, quantity=quantity.name, error_max=_finite(one.error_max), limit=bound,
+        error = one.error_max if one.error_at_jumps <= bound else max(one.error_max, one.error_at_jumps)
+        outcome = Verdict.PASSED if error <= bound else Verdict.OVER_LIMIT
+        found.append(replace(blank, quantity=quantity.name, error_max=_finite(error), limit=bound,
                              worst_time=one.worst_time, outcome=outcome.value))  # fmt: skip
     return max(found, key=_over, default=None)
 

@@ -1,15 +1,18 @@
 """Deviations are relative to the reference's peak and leave out what has no single truth."""
 
 import dataclasses
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
-from analytic.description.crank_motion import crank_motion
+from analytic.description.crank_motion import CrankMotion, Segment, crank_motion
 from analytic.description.loading import load
 from analytic.kinematics.mechanism import Mechanism
 from comparisons.judging.deviations import deviation, near_jumps
 from comparisons.judging.quantities import QUANTITIES
+from comparisons.judging.records import Verdict, blank_record
+from comparisons.judging.verdicts import judge
 from comparisons.observation.observed_motion import ObservedMotion
 from comparisons.reference.case import Case
 from engines.contract import Signal
@@ -40,13 +43,36 @@ def test_a_known_error_is_found_where_it_is(case, motion):
     assert found.error_rms == pytest.approx(1e-3 / found.peak / np.sqrt(found.samples))
 
 
-def test_samples_near_acceleration_jumps_are_left_out_and_counted(case, motion):
+def _at_jump(motion, change, jump=0.6):
     torque = motion.history.torque.values.copy()
-    kink = int(np.argmin(np.abs(motion.history.torque.time - 0.6)))
-    torque[kink] = 99.0
-    found = deviation(case, QUANTITIES["Mkr"], _with_torque(motion, torque))
+    kink = int(np.argmin(np.abs(motion.history.torque.time - jump)))
+    torque[kink] = change(torque, kink)
+    return _with_torque(motion, torque)
+
+
+def test_samples_at_an_acceleration_jump_may_lie_between_its_two_values(case, motion):
+    between = _at_jump(motion, lambda torque, kink: 0.5 * (torque[kink - 1] + torque[kink + 1]))
+    found = deviation(case, QUANTITIES["Mkr"], between)
     assert found.error_max < 1e-12
+    assert found.error_at_jumps < 1e-12
     assert found.left_out == 3 + 5  # t = 0 has samples on one side only
+
+
+@pytest.mark.parametrize("jump", [0.0, 0.6])
+def test_a_torque_three_times_too_large_at_a_jump_is_over_the_limit(case, motion, jump):
+    found = deviation(case, QUANTITIES["Mkr"], _at_jump(motion, lambda torque, kink: 3.0 * torque[kink], jump))
+    assert found.error_max < 1e-12
+    assert found.error_at_jumps > 0.1
+    record = replace(blank_record(case, "tuned"), quantity="Mkr", error_max=found.error_max)
+    assert judge(record).outcome == Verdict.PASSED
+    judged = judge(record, found.error_at_jumps)
+    assert (judged.outcome, judged.error_max) == (Verdict.OVER_LIMIT, found.error_at_jumps)
+
+
+def test_at_the_start_the_torque_may_be_that_of_a_crank_at_rest(case, motion):
+    still = Case(case.mechanism, CrankMotion("rest", (Segment(0.0, 1.0, (float(case.motion.angle(0.0)),)),)))
+    resting = _at_jump(motion, lambda *_: float(still.at(np.zeros(1)).torque[0]), 0.0)
+    assert deviation(case, QUANTITIES["Mkr"], resting).error_at_jumps < 1e-12
 
 
 def test_a_smooth_ramp_leaves_nothing_out(case):
