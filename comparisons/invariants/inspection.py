@@ -22,7 +22,7 @@ Array = NDArray[np.float64]
 # A joint's peak force below this share of the largest is nothing to measure its own error by.
 FAINT_FORCE = 1e-9
 # A determinant that changes by this share of itself from sample to sample leaves a peak between them unseen; so many
-# samples on either side are as doubtful.
+# samples on either side are as uncertain.
 SHARP, REACH = 0.3, 2.0
 SUDDEN = 0.3  # relaxation times between samples
 STANDSTILL = 1e-12  # of the peak kinetic energy: of less, no rate of damping can be told

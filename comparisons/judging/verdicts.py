@@ -29,7 +29,7 @@ def judge(record: Record, error_at_jumps: float = 0.0) -> Record:
     elif not error_at_jumps <= bound:
         record = replace(record, error_max=error_at_jumps)
         detail = (
-            f"error {error_at_jumps:.2g} of peak at an acceleration jump, beyond the truth on both sides of it, is over "
+            f"error {error_at_jumps:.2g} of peak at an acceleration jump, outside the truth around it, is over "
             f"its limit {bound:.2g}"
         )
     else:

@@ -20,7 +20,7 @@ from analytic.errors import LinkproofError
 from engines.contract import History, Method, Outcome, Run, Setting
 from engines.direct_adapter.assembly import Equations, UnsolvableError
 from engines.direct_adapter.motion import motion
-from engines.direct_adapter.recipes import METHODS, SETTINGS, Recipe, method_recipe
+from engines.direct_adapter.precision import METHODS, SETTINGS, Precision, method_precision
 from engines.scene import Channel, Scene
 from engines.start_check import start_misfit
 
@@ -60,11 +60,11 @@ class DirectEngine:
     def run_method(self, scene: Scene, method: Method, step: float) -> Run:
         if not 0.0 < step < math.inf:
             raise LinkproofError(f"step: expected a positive finite number of seconds, got {step:g}; correct it")
-        run = _run(scene, method_recipe(method, step))
+        run = _run(scene, method_precision(method, step))
         return replace(run, details={"method": method.name, **run.details})
 
 
-def _run(scene: Scene, recipe: Recipe) -> Run:
+def _run(scene: Scene, precision: Precision) -> Run:
     begin = clock.perf_counter()
     misfit = start_misfit(scene)
     if misfit is not None:
@@ -73,7 +73,7 @@ def _run(scene: Scene, recipe: Recipe) -> Run:
     ready = clock.perf_counter()
     try:
         with np.errstate(all="ignore"):  # what is not finite is found and named
-            history, steps, details = motion(equations, recipe)
+            history, steps, details = motion(equations, precision)
         reason = _not_finite(history)
     except UnsolvableError as failure:
         history, steps, details, reason = None, 0, {}, str(failure)

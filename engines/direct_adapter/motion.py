@@ -11,7 +11,7 @@ from analytic.description.law import FULL_TURN
 from engines.contract import History
 from engines.direct_adapter.assembly import Equations, UnsolvableError
 from engines.direct_adapter.path import Path, reach
-from engines.direct_adapter.recipes import Recipe
+from engines.direct_adapter.precision import Precision
 from engines.direct_adapter.released import BLOCK, NODES, released_motion
 from engines.direct_adapter.solution import Crank, history, solve
 from engines.scene import Free, Prescribed
@@ -27,11 +27,11 @@ Details = dict[str, str | int | float]
 Result = tuple[History, int, Details]
 
 
-def motion(equations: Equations, recipe: Recipe) -> Result:
+def motion(equations: Equations, precision: Precision) -> Result:
     """History, number of instants or time steps, and settings used; raises UnsolvableError with the reason."""
     if isinstance(equations.scene.drive, Prescribed):
-        return _prescribed(equations, equations.scene.drive, recipe)
-    return _free(equations, equations.scene.drive, recipe)
+        return _prescribed(equations, equations.scene.drive, precision)
+    return _free(equations, equations.scene.drive, precision)
 
 
 def _clock(duration: float, spacing: float | None, samples: int) -> Array:
@@ -45,14 +45,14 @@ def _samples(turns: float) -> int:
     return max(LEAST_SAMPLES, round(SAMPLES_PER_TURN * turns))
 
 
-def _prescribed(equations: Equations, drive: Prescribed, recipe: Recipe) -> Result:
+def _prescribed(equations: Equations, drive: Prescribed, precision: Precision) -> Result:
     crank = drive.motion
-    time = _clock(crank.duration, recipe.spacing, _samples(crank.duration * crank.peak_speed / FULL_TURN))
+    time = _clock(crank.duration, precision.spacing, _samples(crank.duration * crank.peak_speed / FULL_TURN))
     angle = crank.angle(time)
     known = Crank(angle, crank.speed(time), crank.acceleration(time))
     path = reach(equations, float(np.min(angle)), float(np.max(angle)))
     _check_reach(path, time, angle)
-    return _sampled(path, time, known, recipe)
+    return _sampled(path, time, known, precision)
 
 
 def _check_reach(path: Path, time: Array, angle: Array) -> None:
@@ -69,17 +69,17 @@ def _check_reach(path: Path, time: Array, angle: Array) -> None:
         )
 
 
-def _sampled(path: Path, time: Array, crank: Crank, recipe: Recipe) -> Result:
+def _sampled(path: Path, time: Array, crank: Crank, precision: Precision) -> Result:
     """Every instant of the clock solved, in blocks."""
     equations, blocks = path.equations, []
     for start in range(0, len(time), BLOCK):
         part = crank.part(slice(start, start + BLOCK))
-        closed = path.closed(part.angle, recipe.precision)
-        blocks.append(solve(equations, closed, part, equations.scene.channels, recipe.refinements))
+        closed = path.closed(part.angle, precision.dtype)
+        blocks.append(solve(equations, closed, part, equations.scene.channels, precision.refinements))
     details: Details = {
         "procedure": "each instant by Newton's method and one inverted matrix, refined",
-        "rounding": float(np.finfo(recipe.precision).eps),
-        "refinements": recipe.refinements,
+        "rounding": float(np.finfo(precision.dtype).eps),
+        "refinements": precision.refinements,
         "instants": len(time),
         "spacing_s": float(time[1]),
         "path_poses": len(path.angle),
@@ -87,17 +87,17 @@ def _sampled(path: Path, time: Array, crank: Crank, recipe: Recipe) -> Result:
     return history(time, blocks, equations.joints, equations.scene.channels), len(time), details
 
 
-def _free(equations: Equations, drive: Free, recipe: Recipe) -> Result:
+def _free(equations: Equations, drive: Free, precision: Precision) -> Result:
     start = equations.scene.crank_angle
     path = reach(equations, start - FULL_TURN, start + FULL_TURN)
-    windows = released_motion(equations, path, drive, recipe.tolerance)
+    windows = released_motion(equations, path, drive, precision.tolerance)
     turns = drive.duration * float(np.max(np.abs(windows.speed_at(windows.starts)))) / FULL_TURN
-    time = _clock(drive.duration, recipe.spacing, max(round(drive.duration / FREE_SPACING), _samples(turns)))
+    time = _clock(drive.duration, precision.spacing, max(round(drive.duration / FREE_SPACING), _samples(turns)))
     crank = Crank(windows.angle_at(time), windows.speed_at(time), None, drive.torque)
-    result, _, details = _sampled(path, time, crank, recipe)
+    result, _, details = _sampled(path, time, crank, precision)
     details |= {
         "integrator": f"Gauss collocation, {NODES} points a window",
-        "tolerance": recipe.tolerance,
+        "tolerance": precision.tolerance,
         "windows": len(windows.base),
     }
     return result, len(windows.base), details

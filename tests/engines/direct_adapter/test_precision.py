@@ -12,7 +12,7 @@ from comparisons.reference.start_state import scene
 from engines.contract import Method, Outcome, Setting
 from engines.direct_adapter.adapter import DirectEngine
 from engines.direct_adapter.assembly import Equations
-from engines.direct_adapter.recipes import METHODS
+from engines.direct_adapter.precision import METHODS
 from engines.scene import Channel, Free, Prescribed
 from tests.analytic.linkages import mechanism
 
