@@ -11,7 +11,7 @@ import pickle
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import closing
 from dataclasses import dataclass
-from typing import Any, Protocol
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -21,7 +21,7 @@ from analytic.kinematics.mechanism import Mechanism
 from analytic.motion.rkfixed import fixed_step
 from comparisons.observation.interpolation import resample
 from comparisons.observation.observed_motion import ObservedMotion
-from comparisons.reference.case import Case, Motion, own_case, own_motion, unpickled
+from comparisons.reference.case import Case, Motion, Spin, own_case, own_motion, unpickled
 from comparisons.runs.failures import Lost
 from comparisons.runs.journal import Journal
 from comparisons.runs.run_engine import run_engine
@@ -33,8 +33,6 @@ from engines.scene import Channel
 
 Array = NDArray[np.float64]
 VariantOf = Callable[[Linkage, str], Linkage]
-# How an engine's run ended, and its crank speed over time if it finished.
-CrankSpeed = tuple[str, Signal | None]
 
 # The share of a regime, from its end, over which mean speeds are taken: the last 2 s of 10.
 LAST_SHARE = 0.2
@@ -47,7 +45,7 @@ class ErratumRecord:
     """One engine's judgement of a printed model; deviations are of crank speed, error_max over the corrected peak.
 
     Mean speeds, rad/s, are over the last fifth of the regime; ``supports`` is ``corrected``, ``as-printed`` or
-    ``neither``.
+    ``neither``; ``reason`` says why there is no motion, where there is none.
     """
 
     mechanism: str
@@ -63,30 +61,22 @@ class ErratumRecord:
     mean_speed_corrected: float
     mean_speed_printed: float
     note: str
+    reason: str = ""
 
     @property
     def sentence(self) -> str:
         """The judgement in one line."""
         if self.deviation_corrected is None or self.deviation_printed is None:
-            return f"{self.mechanism}, {self.erratum} ({self.place}): {self.engine} gave no motion, {self.outcome}"
+            return (
+                f"{self.mechanism}, {self.erratum} ({self.place}): {self.engine} gave no motion, {self.outcome}: "
+                f"{self.reason}"
+            )
         return (
             f"{self.mechanism}, {self.erratum} ({self.place}): {self.engine} supports the {self.supports} model; its "
             f"crank speed is off by {self.deviation_corrected:.1e} of peak from the corrected one, by "
             f"{self.deviation_printed:.1e} from the printed one (mean at the end {self.mean_speed:.4g}, corrected "
             f"{self.mean_speed_corrected:.4g}, printed {self.mean_speed_printed:.4g} rad/s)"
         )
-
-
-class Spin(Protocol):
-    """A crank motion whose angle and speed can be asked for at any time."""
-
-    def angle(self, time: ArrayLike) -> Array:
-        """φ(t), rad."""
-        ...
-
-    def speed(self, time: ArrayLike) -> Array:
-        """ω(t), rad/s."""
-        ...
 
 
 @dataclass(frozen=True)
@@ -103,6 +93,15 @@ class Stepped:
     def speed(self, time: ArrayLike) -> Array:
         """ω(t), rad/s."""
         return resample(self.speeds, np.atleast_1d(np.asarray(time, dtype=float)))
+
+
+@dataclass(frozen=True)
+class CrankSpeed:
+    """How an engine's run ended and why, and its crank speed over time, rad/s, if it finished."""
+
+    outcome: str
+    reason: str = ""
+    signal: Signal | None = None
 
 
 @dataclass(frozen=True)
@@ -146,7 +145,7 @@ def _task(trial: _Trial, name: str) -> Task:
 
 
 def _lost(lost: Lost, *_: object) -> CrankSpeed:
-    return lost.outcome.value, None
+    return CrankSpeed(lost.outcome.value, lost.reason)
 
 
 def _trials(linkages: Iterable[Linkage]) -> Iterator[_Trial]:
@@ -161,16 +160,16 @@ def _trials(linkages: Iterable[Linkage]) -> Iterator[_Trial]:
 
 
 def _to_bytes(run: CrankSpeed) -> bytes:
-    outcome, speed = run
     target = io.BytesIO()
-    curve: dict[str, Any] = {} if speed is None else {"time": speed.time, "values": speed.values}
-    np.savez(target, outcome=np.array(outcome), **curve)
+    curve: dict[str, Any] = {} if run.signal is None else {"time": run.signal.time, "values": run.signal.values}
+    np.savez(target, outcome=np.array(run.outcome), reason=np.array(run.reason), **curve)
     return target.getvalue()
 
 
 def _from_bytes(content: bytes) -> CrankSpeed:
     with np.load(io.BytesIO(content), allow_pickle=False) as stored:
-        return str(stored["outcome"]), Signal(stored["time"], stored["values"]) if "time" in stored else None
+        signal = Signal(stored["time"], stored["values"]) if "time" in stored else None
+        return CrankSpeed(str(stored["outcome"]), str(stored["reason"]), signal)
 
 
 def _printed(trial: _Trial, variant_of: VariantOf) -> Spin:
@@ -205,18 +204,16 @@ def _crank_speed(pickled: bytes, name: str) -> CrankSpeed:
     model = case.scene({Channel.VELOCITY})
     run = run_engine(adapter, model, Setting.TUNED)
     if run.outcome is not Outcome.FINISHED or run.history is None:
-        return run.outcome.value, None
-    velocity = run.history.velocity
-    assert velocity is not None
-    return run.outcome.value, Signal(
-        velocity.time, ObservedMotion(model, run.history).crank(Channel.VELOCITY, velocity.time)
-    )
+        return CrankSpeed(run.outcome.value, run.reason)
+    motion = ObservedMotion(model, run.history)
+    time = motion.signal(Channel.VELOCITY).time
+    return CrankSpeed(run.outcome.value, "", Signal(time, motion.crank(Channel.VELOCITY, time)))
 
 
 def _record(
     linkage: Linkage, erratum: Erratum, name: str, models: tuple[Motion, Spin], run: CrankSpeed
 ) -> ErratumRecord:
-    (corrected, printed), (outcome, speed) = models, run
+    (corrected, printed), speed = models, run.signal
     peak = corrected.peak_speed
     off = [float(np.max(np.abs(speed.values - m.speed(speed.time)))) / peak for m in models] if speed else []
     return ErratumRecord(
@@ -225,7 +222,7 @@ def _record(
         place=erratum.place,
         regime=erratum.regime,
         engine=name,
-        outcome=outcome,
+        outcome=run.outcome,
         supports=_supported(*off) if off else "neither",
         deviation_corrected=off[0] if off else None,
         deviation_printed=off[1] if off else None,
@@ -233,6 +230,7 @@ def _record(
         mean_speed_corrected=_mean_speed(corrected, corrected.duration),
         mean_speed_printed=_mean_speed(printed, corrected.duration),
         note=erratum.note,
+        reason=run.reason,
     )
 
 

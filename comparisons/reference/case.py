@@ -34,7 +34,19 @@ LOOK: Final = math.radians(0.5)
 KEPT: Final = 4
 
 
-class Motion(Protocol):
+class Spin(Protocol):
+    """A crank motion whose angle and speed can be asked for at any time."""
+
+    def angle(self, time: ArrayLike) -> Array:
+        """φ(t), rad."""
+        ...
+
+    def speed(self, time: ArrayLike) -> Array:
+        """ω(t), rad/s."""
+        ...
+
+
+class Motion(Spin, Protocol):
     """A crank motion, prescribed or found by integration."""
 
     @property
@@ -55,14 +67,6 @@ class Motion(Protocol):
     @property
     def jumps(self) -> tuple[float, ...]:
         """Times at which the acceleration jumps, s."""
-        ...
-
-    def angle(self, time: ArrayLike) -> Array:
-        """φ(t), rad."""
-        ...
-
-    def speed(self, time: ArrayLike) -> Array:
-        """ω(t), rad/s."""
         ...
 
     def acceleration(self, time: ArrayLike) -> Array:

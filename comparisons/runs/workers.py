@@ -66,15 +66,6 @@ def usual_processes(count: int) -> int:
     return 0 if count == 1 else cores()
 
 
-def as_sent(value: R) -> R:
-    """A copy as a worker would have it, for jobs that are to give the same here to the last bit.
-
-    Sending an array changes how it lies in memory, and that the order in which linear algebra adds up.
-    """
-    copy: R = pickle.loads(pickle.dumps(value))
-    return copy
-
-
 def run_jobs(
     function: Callable[..., R],
     jobs: Sequence[tuple[Any, ...]],

@@ -7,9 +7,9 @@ from typing import Any
 
 from analytic.description.linkage import Erratum
 from analytic.kinematics.mechanism import Mechanism
-from comparisons.campaign.errata import Spin
 from comparisons.campaign.errata import printed_motion as by_erratum
 from comparisons.campaign.results import described
+from comparisons.reference.case import Spin
 from reports.facts.views import View
 
 

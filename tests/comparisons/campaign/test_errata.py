@@ -78,4 +78,4 @@ def test_an_engine_that_raises_gives_no_motion_and_ends_nothing(monkeypatch):
     monkeypatch.setattr(errata, "engine", lambda name: Failing())
     records = list(judge_errata([load("two-crank-takeup")], ["failing"], _variant))
     assert {(r.outcome, r.supports) for r in records} == {("adapter-error", "neither")}
-    assert "failing gave no motion, adapter-error" in records[0].sentence
+    assert "failing gave no motion, adapter-error: the adapter of failing raised RuntimeError" in records[0].sentence
