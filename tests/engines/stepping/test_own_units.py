@@ -10,7 +10,7 @@ from engines.exudyn_adapter.adapter import ExudynEngine
 from engines.mechanics.joints import scene_size
 from engines.scene import Channel, Free, Prescribed
 from engines.start_check import start_misfit
-from engines.stepping.own_units import LARGEST_MASS, Units, own_units, restored, scaled
+from engines.stepping.own_units import LARGEST_MASS, OwnUnits, own_units, restored, scaled
 from tests.analytic.linkages import mechanism
 
 SAME = 1e-8  # of a peak: the same numbers but for rounding and where an iteration ends
@@ -30,7 +30,7 @@ def test_own_units_make_size_and_masses_what_they_promise(name):
     assert start_misfit(own) is None
 
 
-@pytest.mark.parametrize("units", [Units(1e-3, 1.0), Units(40.0, 1e-4)])
+@pytest.mark.parametrize("units", [OwnUnits(1e-3, 1.0), OwnUnits(40.0, 1e-4)])
 @pytest.mark.parametrize("name", ["spring-and-damper", "force-over-angle", "shaper"])
 def test_an_engine_that_knows_the_scale_returns_the_same_in_any_units(name, units):
     pytest.importorskip("exudyn")
@@ -48,9 +48,9 @@ def test_an_engine_that_knows_the_scale_returns_the_same_in_any_units(name, unit
 
 def test_a_free_drives_torque_is_scaled_too():
     model = _scene("juki-mf7923d", Free(0.02, 0.1))
-    units = Units(0.05, 2.0)
+    units = OwnUnits(0.05, 2.0)
     assert scaled(model, units).drive == Free(0.02 / (2.0 * 0.05**2), 0.1)
 
 
 def test_channels_that_were_not_recorded_stay_absent():
-    assert restored(History(), Units(2.0, 3.0)) == History()
+    assert restored(History(), OwnUnits(2.0, 3.0)) == History()
