@@ -21,6 +21,7 @@ from __future__ import annotations
 
 import itertools
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -54,11 +55,14 @@ class JointEquations:
     """The joints' equations of a scene; rows are pins in x, pins in y, lines, angles, crank.
 
     ``unit`` is the length that lengths are counted in, m; by default a power of two near the scene's size, which rounds
-    nothing.
+    nothing. ``geared`` are the bodies that keep their angle against another; by default the sliders and their hosts.
     """
 
-    def __init__(self, scene: Scene, unit: float | None = None) -> None:
+    def __init__(
+        self, scene: Scene, unit: float | None = None, geared: Sequence[tuple[str, str]] | None = None
+    ) -> None:
         self.scene = scene
+        self.geared = [(slider.body, slider.host) for slider in scene.sliders] if geared is None else geared
         self.index = body_numbers(scene)
         self.pins, self.lines = len(scene.pins), len(scene.guided)
         self.joints = (*(pin.name for pin in scene.pins), *(line.name for line in scene.guided))
@@ -88,13 +92,13 @@ class JointEquations:
         self.mass = body_masses(self.scene)
 
     def _count_rows(self) -> None:
-        sliders = [s for s in self.scene.sliders if self._turns(s.body) or self._turns(s.host)]
-        self.turn_body = self._numbers([slider.body for slider in sliders])
-        self.turn_host = self._numbers([slider.host for slider in sliders])
+        turning = [pair for pair in self.geared if any(map(self._turns, pair))]
+        self.turn_body = self._numbers([body for body, _ in turning])
+        self.turn_host = self._numbers([host for _, host in turning])
         angle = {**{body.name: body.angle for body in self.scene.bodies}, GROUND: 0.0}
-        held = np.array([angle[slider.body] - angle[slider.host] for slider in sliders])
+        held = np.array([angle[body] - angle[host] for body, host in turning])
         self.turn_cosine, self.turn_sine = np.cos(held), np.sin(held)
-        starts = np.cumsum([0, self.pins, self.pins, self.lines, len(sliders)])
+        starts = np.cumsum([0, self.pins, self.pins, self.lines, len(turning)])
         self.x_rows, self.y_rows, self.line_rows, self.turn_rows = (
             np.arange(start, end) for start, end in itertools.pairwise(starts)
         )

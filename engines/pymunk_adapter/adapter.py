@@ -8,7 +8,7 @@ from engines.contract import History, Method, Outcome, Run, Setting
 from engines.installed import installed_version, why_absent
 from engines.pymunk_adapter import checks
 from engines.pymunk_adapter.checks import check_read_out
-from engines.pymunk_adapter.layout import exact_layout
+from engines.pymunk_adapter.layout import PartLayout, exact_layout, plain_layout
 from engines.pymunk_adapter.naive import naive_pass
 from engines.pymunk_adapter.passes import ORDERS, prescribed_passes
 from engines.pymunk_adapter.plans import METHODS, Aim, PlainPlan, Plan, method_plan, setting_plan
@@ -17,7 +17,7 @@ from engines.pymunk_adapter.solver import iterations_for
 from engines.pymunk_adapter.space import Rig
 from engines.scene import Prescribed, Scene
 from engines.stepping.cost import Cost
-from engines.stepping.driver import DivergedError, run_stepping
+from engines.stepping.driver import DivergedError, UnsupportedError, run_stepping
 from engines.stepping.richardson import extrapolate
 
 
@@ -31,7 +31,7 @@ class PymunkEngine:
         return installed_version(self.name)
 
     def obstacle(self, scene: Scene) -> str | None:
-        return checks.obstacle(scene)
+        return checks.data_obstacle(scene) or checks.freedom_obstacle(plain_layout(scene))
 
     def run(self, scene: Scene, setting: Setting) -> Run:
         return self._run(scene, setting_plan(scene.drive, setting), Cost())
@@ -46,7 +46,7 @@ class PymunkEngine:
         absent = why_absent(self.name)
         if absent is not None:
             return Run(Outcome.UNAVAILABLE, absent)
-        reason = checks.obstacle(scene)
+        reason = checks.data_obstacle(scene)
         if reason is not None:
             return Run(Outcome.UNSUPPORTED, reason)
         return run_stepping(cost, lambda: _history(scene, plan, cost))
@@ -62,24 +62,34 @@ def _history(scene: Scene, plan: PlainPlan | Plan, cost: Cost) -> History:
     return history
 
 
+def _laid_out(layout: PartLayout) -> PartLayout:
+    """A layout that pymunk can hold; raises UnsupportedError for any other."""
+    reason = checks.freedom_obstacle(layout)
+    if reason is not None:
+        raise UnsupportedError(reason)
+    return layout
+
+
 def _plain(scene: Scene, plan: PlainPlan, cost: Cost) -> History:
     cost.details["iterations"] = plan.iterations or "pymunk's default"
     cost.details["error_bias"] = "pymunk's default"
     cost.details["torque"] = "size of the motor's impulse over the step; pymunk does not tell its sign"
-    run = naive_pass(scene, plan, cost)
+    with cost.building():
+        layout = _laid_out(plain_layout(scene))
+    run = naive_pass(layout, plan, cost)
     cost.details["step"] = run.step
     return run.history
 
 
 def _extrapolated(scene: Scene, plan: Plan, cost: Cost) -> History:
     with cost.building():
-        layout = exact_layout(scene)
+        layout = _laid_out(exact_layout(scene))
         iterations = plan.iterations or iterations_for(scene, layout, plan.remaining)
     rig = Rig(scene, layout, iterations, checked=isinstance(plan.pace, Aim))
     details = cost.details
     details["iterations"] = iterations
     details["error_bias"] = 0.0
-    details["cut_off_parts"] = len(layout.parts) - len(scene.bodies)
+    details["cut_off_parts"] = len(layout.inner)
     ratios = plan.ratios
     if isinstance(scene.drive, Prescribed):
         passes = prescribed_passes(rig, scene.drive.motion, plan, cost)

@@ -16,10 +16,10 @@ from analytic.description.crank_motion import Segment
 from analytic.description.law import Law
 from analytic.description.linkage import GROUND
 from engines.contract import History
-from engines.pymunk_adapter.layout import Kind, Layout, exact_layout, turns
+from engines.pymunk_adapter.layout import PartLayout, turns
 from engines.pymunk_adapter.reactions import gaps
 from engines.pymunk_adapter.recording import WATCHED, Recording
-from engines.scene import Free, Scene
+from engines.scene import Free, PinJoint, Scene
 from engines.start_check import start_misfit
 from engines.stepping.driver import DivergedError
 from engines.stepping.histories import labelled
@@ -38,9 +38,15 @@ LEAST, LARGEST = 1e-60, 1e60
 DOUBT = 0.05
 
 
-def obstacle(scene: Scene) -> str | None:
-    """Why pymunk cannot hold a scene, in one sentence; None where it can."""
+def data_obstacle(scene: Scene) -> str | None:
+    """What of a scene's data pymunk cannot hold, in one sentence; None where it can."""
     return next(_obstacles(scene), None)
+
+
+def freedom_obstacle(layout: PartLayout) -> str | None:
+    """Whether the joints of a layout leave a linkage's one degree of freedom, by count, in one sentence if not."""
+    freedom = _freedom(layout)
+    return None if freedom == 1 else f"the joints leave {freedom} degrees of freedom by count, where a linkage has one"
 
 
 def _obstacles(scene: Scene) -> Iterator[str]:
@@ -51,9 +57,6 @@ def _obstacles(scene: Scene) -> Iterator[str]:
     misfit = start_misfit(scene)
     if misfit is not None:
         yield misfit
-    surplus = _freedom(exact_layout(scene)) - 1
-    if surplus:
-        yield f"the joints leave {surplus + 1} degrees of freedom by count, where a linkage has one"
 
 
 def _finite(*values: float) -> bool:
@@ -140,11 +143,10 @@ def _drive_obstacles(scene: Scene) -> Iterator[str]:
             yield f"the crank's motion is not finite between {segment.start:g} and {segment.end:g} s"
 
 
-def _freedom(layout: Layout) -> int:
+def _freedom(layout: PartLayout) -> int:
     """Degrees of freedom by count, the free turning of parts without inertia left out."""
-    rows = {Kind.PIN: 2, Kind.GROOVE: 1, Kind.GEAR: 1}
     coordinates = sum(2 if part.inertia is None else 3 for part in layout.parts)
-    return coordinates - sum(rows[hold.kind] for hold in layout.holds)
+    return coordinates - sum(2 if isinstance(hold, PinJoint) else 1 for hold in layout.holds)
 
 
 def check_finite(times: Array, seen: Array) -> None:
@@ -154,17 +156,17 @@ def check_finite(times: Array, seen: Array) -> None:
         raise DivergedError(f"the motion is not finite from {max(0.0, times[np.argmin(finite)]):.4g} s on")
 
 
-def check_joints(times: Array, seen: Array, layout: Layout, share: float = OPEN_JOINT) -> None:
+def check_joints(times: Array, seen: Array, layout: PartLayout, share: float = OPEN_JOINT) -> None:
     """Raise DivergedError where a joint is open by more than a share of the scene's size.
 
     Looks are thinned out: a joint that opens stays open.
     """
     thin = slice(None, None, max(1, len(times) // WATCHED))
     opened = gaps(layout, seen[thin, :, 0])
-    look, hold = np.unravel_index(np.argmax(opened), opened.shape)
-    if opened[look, hold] > share * layout.reach:
-        joint = layout.holds[hold].joint or "within a body"
-        raise DivergedError(f"joint '{joint}' is open by {opened[look, hold]:.2g} m at {times[thin][look]:.4g} s")
+    look, number = np.unravel_index(np.argmax(opened), opened.shape)
+    if opened[look, number] > share * layout.reach:
+        joint, gap = layout.equations.joints[number], opened[look, number]
+        raise DivergedError(f"joint '{joint}' is open by {gap:.2g} m at {times[thin][look]:.4g} s")
 
 
 def check_read_out(history: History) -> None:
@@ -174,7 +176,7 @@ def check_read_out(history: History) -> None:
             raise DivergedError(f"the {name} is no longer a finite number")
 
 
-def check_crank(recording: Recording, layout: Layout, segment: Segment) -> None:
+def check_crank(recording: Recording, layout: PartLayout, segment: Segment) -> None:
     """Raise DivergedError where the crank is not where its motion has it."""
     off = np.abs(recording.state[:, layout.crank, 2] - segment.value(recording.times))
     worst = int(np.argmax(off))

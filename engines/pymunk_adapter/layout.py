@@ -1,4 +1,4 @@
-"""How a scene is cut into pymunk bodies and constraints; plain data, to be checked and solved without pymunk.
+"""How a scene is cut into parts and their joints: again a scene, whose grooves pymunk solves exactly.
 
 pymunk's ``GrooveJoint`` solves both directions of its contact and then drops the part along the groove. That is right
 only where the two do not couple: the mass centre of the groove's body has to lie on the groove's line, and that of the
@@ -12,32 +12,24 @@ is the same.
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from enum import StrEnum
-from typing import Final
+from functools import cached_property
+from typing import TypeAlias
 
 import numpy as np
 
 from analytic.description.linkage import GROUND, Vector
-from engines.scene import Body, Scene, SliderJoint, SlotJoint
-
-STILL: Final = -1  # the number that stands for the ground among the parts
+from engines.mechanics.joints import JointEquations
+from engines.mechanics.states import Reals, body_numbers, point_acceleration, point_velocity, pose_of, start_motion
+from engines.scene import Body, PinJoint, Scene, SliderJoint, SlotJoint
 
 # Distances below this share of the scene's size are zero.
 CLOSE = 1e-12
 
 
-class Kind(StrEnum):
-    """What a hold keeps."""
-
-    PIN = "pin"
-    GROOVE = "groove"
-    GEAR = "gear"
-
-
 @dataclass(frozen=True)
-class Part:
+class BodyPart:
     """One body of the engine: what carries a scene body, or a point mass or rail cut off it.
 
     ``offset`` is its centre from the owner's mass centre, in the owner's frame, m; ``inertia`` is None where the part
@@ -51,49 +43,66 @@ class Part:
 
 
 @dataclass(frozen=True)
-class Hold:
-    """One constraint between two parts, anchors from the parts' centres in the owner's frame.
+class Gear:
+    """What keeps the angle of ``body`` against ``host`` as it is at the start: that of a slider, or of a rail."""
 
-    A groove keeps ``first_anchor`` on the line of ``second`` through ``second_anchor`` along ``along``; a gear keeps
-    the angle of ``first`` at ``turn`` over that of ``second``. ``joint`` is the scene's joint whose force it carries.
-    """
+    name: str
+    body: str
+    host: str
 
-    kind: Kind
-    joint: str | None
-    first: int
-    second: int
-    first_anchor: Vector = (0.0, 0.0)
-    second_anchor: Vector = (0.0, 0.0)
-    along: Vector = (1.0, 0.0)
-    turn: float = 0.0
+
+Hold: TypeAlias = PinJoint | SliderJoint | SlotJoint | Gear
 
 
 @dataclass(frozen=True)
-class Layout:
-    """All parts and holds; the part with the number of a scene body carries it, point masses follow."""
+class PartLayout:
+    """A scene cut into parts.
 
-    parts: tuple[Part, ...]
+    ``scene`` has the parts as its bodies: first, under their own names, those that carry the bodies of the scene that
+    was cut, then what was cut off them. ``inner`` names the latter and the joints that fasten them; all other joints
+    keep their names. ``holds`` are pymunk's constraints in its order: a slider's is its groove alone.
+    ``reach`` is a length, m, that no joint can travel beyond.
+    """
+
+    scene: Scene
+    parts: tuple[BodyPart, ...]
     holds: tuple[Hold, ...]
-    crank: int
+    inner: frozenset[str]
     reach: float
 
+    @cached_property
+    def equations(self) -> JointEquations:
+        """The equations of all joints between parts."""
+        gears = [(hold.body, hold.host) for hold in self.holds if isinstance(hold, Gear)]
+        return JointEquations(self.scene, geared=gears)
 
-def plain_layout(scene: Scene) -> Layout:
+    @property
+    def crank(self) -> int:
+        """Number of the driven part."""
+        return body_numbers(self.scene)[self.scene.crank]
+
+    @property
+    def carried(self) -> int:
+        """Number of the bodies of the scene that was cut."""
+        return len(self.parts) - len(self.inner)
+
+
+def plain_layout(scene: Scene) -> PartLayout:
     """One part per body and one hold per joint, as a newcomer would write it, grooves off their lines included."""
     return _Cutter(scene, cut=False).layout()
 
 
-def exact_layout(scene: Scene) -> Layout:
+def exact_layout(scene: Scene) -> PartLayout:
     """The scene cut so that every groove is exact."""
     return _Cutter(scene, cut=True).layout()
 
 
-def geared(layout: Layout) -> list[list[int]]:
+def geared(layout: PartLayout) -> list[list[int]]:
     """The parts by number, those together that gears keep at fixed angles to each other."""
-    group = list(range(len(layout.parts)))
+    group, numbers = list(range(len(layout.parts))), body_numbers(layout.scene)
     for hold in layout.holds:
-        if hold.kind is Kind.GEAR and STILL not in (hold.first, hold.second):
-            old, new = group[hold.second], group[hold.first]
+        if isinstance(hold, Gear) and hold.host != GROUND:
+            old, new = group[numbers[hold.host]], group[numbers[hold.body]]
             group = [new if own == old else own for own in group]
     return [[number for number, own in enumerate(group) if own == chosen] for chosen in sorted(set(group))]
 
@@ -121,7 +130,7 @@ def _unit(vector: Vector) -> Vector:
     return (vector[0] / length, vector[1] / length)
 
 
-def without_point(part: Part, point: Vector) -> tuple[Part, Part]:
+def without_point(part: BodyPart, point: Vector) -> tuple[BodyPart, BodyPart]:
     """Cut a point mass off at ``point``; the rest keeps at least half the inertia. Returns the rest and the point."""
     assert part.inertia is not None
     away = _minus(part.offset, point)
@@ -130,10 +139,10 @@ def without_point(part: Part, point: Vector) -> tuple[Part, Part]:
     cut = part.mass / (1.0 + ratio)
     centre = (part.offset[0] + away[0] / ratio, part.offset[1] + away[1] / ratio)
     rest = replace(part, mass=part.mass - cut, inertia=part.inertia - moment / ratio, offset=centre)
-    return rest, Part(part.owner, cut, None, point)
+    return rest, BodyPart(part.owner, cut, None, point)
 
 
-def without_rail(part: Part, centre: Vector) -> tuple[Part, Part]:
+def without_rail(part: BodyPart, centre: Vector) -> tuple[BodyPart, BodyPart]:
     """Cut off a part that can turn, its centre at ``centre``. Returns the rest and the rail."""
     assert part.inertia is not None
     share = part.inertia / 4.0
@@ -141,7 +150,7 @@ def without_rail(part: Part, centre: Vector) -> tuple[Part, Part]:
     return rest, replace(point, inertia=share)
 
 
-def with_centre(part: Part, centre: Vector) -> tuple[Part, Part]:
+def with_centre(part: BodyPart, centre: Vector) -> tuple[BodyPart, BodyPart]:
     """Cut a point mass off so that the centre of what is left lies at ``centre``. Returns the rest and the point."""
     assert part.inertia is not None
     shift = _minus(centre, part.offset)
@@ -150,7 +159,7 @@ def with_centre(part: Part, centre: Vector) -> tuple[Part, Part]:
     cut = part.mass / (1.0 + ratio)
     point = (part.offset[0] - ratio * shift[0], part.offset[1] - ratio * shift[1])
     rest = replace(part, mass=part.mass - cut, inertia=part.inertia - ratio * moment, offset=centre)
-    return rest, Part(part.owner, cut, None, point)
+    return rest, BodyPart(part.owner, cut, None, point)
 
 
 class _Cutter:
@@ -159,38 +168,83 @@ class _Cutter:
     def __init__(self, scene: Scene, *, cut: bool) -> None:
         self.scene = scene
         self.cut = cut
-        self.number = {body.name: number for number, body in enumerate(scene.bodies)}
-        self.number[GROUND] = STILL
+        self.number = body_numbers(scene)
         self.reach = reach(scene)
-        self.carriers: dict[str, Part] = {}
-        self.cut_off: list[Part] = []
-        self.shoes: dict[str, int] = {}  # slot name -> number of the point mass that is its pin
-        self.rails: dict[str, int] = {}  # slot or slider name -> number of the rail that has its line
+        self.carriers: dict[str, BodyPart] = {}
+        self.cut_off: dict[str, BodyPart] = {}
+        self.shoes: dict[str, str] = {}  # slot name -> the point mass that is its pin
+        self.rails: dict[str, str] = {}  # slot or slider name -> the rail that has its line
 
-    def layout(self) -> Layout:
+    def layout(self) -> PartLayout:
         for body in self.scene.bodies:
             self.carrier(body.name)
-        carriers = [self.carriers[body.name] for body in self.scene.bodies]
-        holds = [self._pin(*pin) for pin in self._pins()]
-        holds += [hold for slider in self.scene.sliders for hold in self._slider(slider)]
-        holds += [self._slot(slot) for slot in self.scene.slots]
-        for number, part in enumerate(self.cut_off, len(carriers)):
-            anchor = _minus(part.offset, carriers[part.owner].offset)
-            holds.append(Hold(Kind.PIN, None, number, part.owner, (0.0, 0.0), anchor))
+        parts = {body.name: self.carriers[body.name] for body in self.scene.bodies} | self.cut_off
+        pins = [self._pin(pin) for pin in self.scene.pins]
+        sliders = [self._slider(slider) for slider in self.scene.sliders]
+        slots = [self._slot(slot) for slot in self.scene.slots]
+        holds: list[Hold] = [*pins]
+        for slider, uncut in zip(sliders, self.scene.sliders, strict=True):
+            holds.append(slider)
+            if parts[slider.body].inertia is not None:
+                holds.append(Gear(slider.name, slider.body, uncut.host))  # not its rail: the solver would be slower
+        holds += slots
+        for name, part in self.cut_off.items():
+            owner = self.scene.bodies[part.owner].name
+            pins.append(PinJoint(name, name, owner, (0.0, 0.0), _minus(part.offset, parts[owner].offset)))
+            holds.append(pins[-1])
             if part.inertia is not None:
-                holds.append(Hold(Kind.GEAR, None, number, part.owner))
-        return Layout((*carriers, *self.cut_off), tuple(holds), self.number[self.scene.crank], self.reach)
+                holds.append(Gear(name, name, owner))
+        scene = replace(
+            self.scene,
+            bodies=self._bodies(parts),
+            pins=tuple(pins),
+            sliders=tuple(sliders),
+            slots=tuple(slots),
+            forces=tuple(replace(f, anchor=self._anchor(f.body, f.anchor)) for f in self.scene.forces),
+            springs=tuple(
+                replace(
+                    s,
+                    first_anchor=self._anchor(s.first, s.first_anchor),
+                    second_anchor=self._anchor(s.second, s.second_anchor),
+                )
+                for s in self.scene.springs
+            ),
+        )
+        return PartLayout(scene, tuple(parts.values()), tuple(holds), frozenset(self.cut_off), self.reach)
 
-    def carrier(self, name: str) -> Part:
+    def _bodies(self, parts: Mapping[str, BodyPart]) -> tuple[Body, ...]:
+        """The parts as bodies, in the state their owners start in."""
+        owners = np.array([part.owner for part in parts.values()])
+        position, velocity, acceleration = (state[:, owners] for state in start_motion(self.scene))
+        arms = pose_of(position).turned(np.array([part.offset for part in parts.values()]), np.arange(len(owners)))[0]
+        places = position[0, :, :2] + arms
+        rates = point_velocity(arms, velocity[0])
+        seconds = point_acceleration(arms, velocity[0], acceleration[0])
+        return tuple(
+            Body(
+                name=name,
+                mass=part.mass,
+                inertia=part.inertia,
+                position=_pair(places[number]),
+                angle=self.scene.bodies[part.owner].angle,
+                velocity=_pair(rates[number]),
+                angular_velocity=float(velocity[0, number, 2]),
+                acceleration=_pair(seconds[number]),
+                angular_acceleration=float(acceleration[0, number, 2]),
+            )
+            for number, (name, part) in enumerate(parts.items())
+        )
+
+    def carrier(self, name: str) -> BodyPart:
         """The part that carries a body; sliders come before their hosts, whose lines depend on them."""
         if name not in self.carriers:
             body = self.scene.bodies[self.number[name]]
             turning = turns(self.scene, body)
-            part = Part(self.number[name], body.mass, body.inertia if turning else None, (0.0, 0.0))
+            part = BodyPart(self.number[name], body.mass, body.inertia if turning else None, (0.0, 0.0))
             self.carriers[name] = self._cut(name, part) if self.cut and turning else part
         return self.carriers[name]
 
-    def _cut(self, name: str, part: Part) -> Part:
+    def _cut(self, name: str, part: BodyPart) -> BodyPart:
         for slot in self.scene.slots:
             if slot.body == name and math.dist(slot.anchor, part.offset) > CLOSE * self.reach:
                 part, shoe = without_point(part, slot.anchor)
@@ -207,9 +261,10 @@ class _Cutter:
             self._keep(point)
         return part
 
-    def _keep(self, part: Part) -> int:
-        self.cut_off.append(part)
-        return len(self.scene.bodies) + len(self.cut_off) - 1
+    def _keep(self, part: BodyPart) -> str:
+        name = f"part {len(self.cut_off) + 1} of {self.scene.bodies[part.owner].name}"
+        self.cut_off[name] = part
+        return name
 
     def _lines(self, host: str) -> dict[str, tuple[Vector, Vector]]:
         """A point and the direction of every groove's line on a host, by joint."""
@@ -232,47 +287,41 @@ class _Cutter:
     def _groove_point(self, slider: SliderJoint) -> Vector:
         """A point of the line, in the host's frame, on which the slider's own centre moves."""
         offset = _minus(slider.anchor, self.carrier(slider.body).offset)
-        return _minus(slider.through, _turned(offset, self._turn(slider)))
-
-    def _turn(self, slider: SliderJoint) -> float:
-        """Angle of a slider over its host's, rad; it never changes."""
-        angles = {body.name: body.angle for body in self.scene.bodies}
-        return angles[slider.body] - angles.get(slider.host, 0.0)
+        return _minus(slider.through, _turned(offset, start_turn(self.scene, slider)))
 
     def _anchor(self, name: str, anchor: Vector) -> Vector:
         return anchor if name == GROUND else _minus(anchor, self.carrier(name).offset)
 
-    def _pins(self) -> Sequence[tuple[str, str, str, Vector, Vector]]:
-        return [(p.name, p.first, p.second, p.first_anchor, p.second_anchor) for p in self.scene.pins]
+    def _pin(self, pin: PinJoint) -> PinJoint:
+        first, second = self._anchor(pin.first, pin.first_anchor), self._anchor(pin.second, pin.second_anchor)
+        return replace(pin, first_anchor=first, second_anchor=second)
 
-    def _pin(self, joint: str, first: str, second: str, first_anchor: Vector, second_anchor: Vector) -> Hold:
-        anchors = self._anchor(first, first_anchor), self._anchor(second, second_anchor)
-        return Hold(Kind.PIN, joint, self.number[first], self.number[second], *anchors)
-
-    def _slider(self, slider: SliderJoint) -> list[Hold]:
-        first, second = self.number[slider.body], self.number[slider.host]
-        if not self.cut or slider.host == GROUND:
-            anchor, through = self._anchor(slider.body, slider.anchor), slider.through
-        else:
+    def _slider(self, slider: SliderJoint) -> SliderJoint:
+        anchor, through = self._anchor(slider.body, slider.anchor), slider.through
+        if self.cut and slider.host != GROUND:
             anchor, through = (0.0, 0.0), self._groove_point(slider)
-        groove = self._groove(slider, first, anchor, through)
-        if not turns(self.scene, self.scene.bodies[first]):
-            return [groove]
-        return [groove, Hold(Kind.GEAR, None, first, second, turn=self._turn(slider))]
+        host, start = self._host(slider, through)
+        return replace(slider, anchor=anchor, host=host, through=start, along=_unit(slider.along))
 
-    def _slot(self, slot: SlotJoint) -> Hold:
-        first, anchor = self.number[slot.body], self._anchor(slot.body, slot.anchor)
+    def _slot(self, slot: SlotJoint) -> SlotJoint:
+        body, anchor = slot.body, self._anchor(slot.body, slot.anchor)
         if slot.name in self.shoes:
-            first, anchor = self.shoes[slot.name], (0.0, 0.0)
-        return self._groove(slot, first, anchor, slot.through)
+            body, anchor = self.shoes[slot.name], (0.0, 0.0)
+        host, start = self._host(slot, slot.through)
+        return replace(slot, body=body, anchor=anchor, host=host, through=start, along=_unit(slot.along))
 
-    def _groove(self, joint: SliderJoint | SlotJoint, first: int, anchor: Vector, through: Vector) -> Hold:
-        """A groove in the joint's host, or in the host's rail; ``through`` from the host's mass centre."""
-        second, start = self.number[joint.host], self._anchor(joint.host, through)
+    def _host(self, joint: SliderJoint | SlotJoint, through: Vector) -> tuple[str, Vector]:
+        """The part that has a joint's groove, and a point of the groove there; ``through`` from the mass centre."""
         if joint.name in self.rails:
-            second = self.rails[joint.name]
-            start = _minus(through, self.cut_off[second - len(self.scene.bodies)].offset)
-        return Hold(Kind.GROOVE, joint.name, first, second, anchor, start, _unit(joint.along))
+            rail = self.rails[joint.name]
+            return rail, _minus(through, self.cut_off[rail].offset)
+        return joint.host, self._anchor(joint.host, through)
+
+
+def start_turn(scene: Scene, joint: SliderJoint | Gear) -> float:
+    """Angle of a body over its host's at the start, rad; it never changes."""
+    angles = {body.name: body.angle for body in scene.bodies}
+    return angles[joint.body] - angles.get(joint.host, 0.0)
 
 
 def reach(scene: Scene) -> float:
@@ -280,3 +329,7 @@ def reach(scene: Scene) -> float:
     anchors = [a for p in scene.pins for a in (p.first_anchor, p.second_anchor)]
     anchors += [a for j in scene.guided for a in (j.anchor, j.through)]
     return sum(math.hypot(*v) for v in (*anchors, *(body.position for body in scene.bodies)))
+
+
+def _pair(values: Reals) -> Vector:
+    return (float(values[0]), float(values[1]))

@@ -12,9 +12,8 @@ from collections.abc import Callable
 from typing import TYPE_CHECKING
 
 from analytic.description.linkage import GROUND
-from engines.pymunk_adapter.layout import STILL
-from engines.pymunk_adapter.space import World, carried_anchor, part_number
-from engines.scene import Scene, TurnDamper
+from engines.pymunk_adapter.space import World
+from engines.scene import AppliedForce, PointSpring, TurnDamper
 
 if TYPE_CHECKING:
     import pymunk
@@ -27,7 +26,8 @@ class StepLoads:
     newcomer would have them.
     """
 
-    def __init__(self, world: World, scene: Scene, step: float, *, ahead: bool) -> None:
+    def __init__(self, world: World, step: float, *, ahead: bool) -> None:
+        scene = world.layout.scene
         self._crank = world.crank
         self._ground = world.space.static_body
         self._reach = step if ahead else 0.0
@@ -36,16 +36,20 @@ class StepLoads:
             not load.torque.is_constant for load in scene.torques
         )
         self._parts: list[Callable[[float], None]] = [
-            self._force(world, scene, number) for number, f in enumerate(scene.forces) if not f.force.is_constant
+            self._force(world, load) for load in scene.forces if not load.force.is_constant
         ]
         self._parts += [
-            self._torque(world.part(part_number(scene, load.body)), load.torque.of_float())
+            self._torque(world.ends[load.body], load.torque.of_float())
             for load in scene.torques
             if not load.torque.is_constant and load.body != GROUND
         ]
         if ahead:  # otherwise pymunk's own springs damp
-            self._parts += [self._damper(world, scene, damper) for damper in scene.dampers]
-            self._parts += [self._dashpot(world, scene, k) for k, s in enumerate(scene.springs) if s.damping]
+            self._parts += [self._damper(world, damper) for damper in scene.dampers]
+            self._parts += [
+                self._dashpot(spring, engine)
+                for spring, engine in zip(scene.springs, world.springs, strict=True)
+                if spring.damping
+            ]
 
     def __bool__(self) -> bool:
         return bool(self._parts)
@@ -67,13 +71,9 @@ class StepLoads:
         total = [0.0, 0.0, 0.0]
         return total if body is self._ground else self._sums.setdefault(body, total)
 
-    def _force(self, world: World, scene: Scene, number: int) -> Callable[[float], None]:
-        load = scene.forces[number]
-        index = part_number(scene, load.body)
-        if index == STILL:
-            return lambda _angle: None
-        body, reach, total = world.bodies[index], self._reach, self._total(world.bodies[index])
-        x, y = carried_anchor(world.layout, index, load.anchor)
+    def _force(self, world: World, load: AppliedForce) -> Callable[[float], None]:
+        body = world.ends[load.body]
+        (x, y), reach, total = load.anchor, self._reach, self._total(body)
         law = load.force.of_float()
 
         def add(angle: float) -> None:
@@ -94,8 +94,8 @@ class StepLoads:
 
         return add
 
-    def _damper(self, world: World, scene: Scene, damper: TurnDamper) -> Callable[[float], None]:
-        first, second = (world.part(part_number(scene, name)) for name in (damper.first, damper.second))
+    def _damper(self, world: World, damper: TurnDamper) -> Callable[[float], None]:
+        first, second = world.ends[damper.first], world.ends[damper.second]
         first_total, second_total = self._total(first), self._total(second)
         coefficient, last = damper.coefficient, first.angular_velocity - second.angular_velocity
 
@@ -109,9 +109,9 @@ class StepLoads:
 
         return add
 
-    def _dashpot(self, world: World, scene: Scene, number: int) -> Callable[[float], None]:
+    def _dashpot(self, spring: PointSpring, engine: pymunk.DampedSpring) -> Callable[[float], None]:
         """A dashpot as a change of its spring's rest length, its speed from the lengths at three instants."""
-        spring, engine, reach = scene.springs[number], world.springs[number], self._reach
+        reach = self._reach
         ends = [(engine.a, *engine.anchor_a), (engine.b, *engine.anchor_b)]
         stretch = spring.damping / engine.stiffness
 

@@ -9,8 +9,7 @@ from numpy.typing import NDArray
 
 from engines.contract import History, Signal
 from engines.pymunk_adapter.checks import check_finite, check_joints
-from engines.pymunk_adapter.layout import Layout, plain_layout
-from engines.pymunk_adapter.load_sums import loads_on_parts
+from engines.pymunk_adapter.layout import PartLayout
 from engines.pymunk_adapter.loads import StepLoads
 from engines.pymunk_adapter.passes import count_steps
 from engines.pymunk_adapter.plans import PlainPlan
@@ -24,19 +23,18 @@ from engines.stepping.richardson import Pass
 Array = NDArray[np.float64]
 
 
-def naive_pass(scene: Scene, plan: PlainPlan, cost: Cost) -> Pass:
+def naive_pass(layout: PartLayout, plan: PlainPlan, cost: Cost) -> Pass:
     """One pass at equal steps.
 
     The motor is given the crank's speed of the moment, everything read after a step is put at the end of that step, and
     the drive torque is the motor's impulse over the step, of which pymunk tells the size alone. Raises DivergedError.
     """
+    scene = layout.scene
     with cost.building():
-        layout = plain_layout(scene)
-        world = build_world(scene, layout, iterations=plan.iterations, error_bias=None, native_damping=True)
-        for body, part in zip(world.bodies, layout.parts, strict=True):
-            owner = scene.bodies[part.owner]
-            body.velocity = owner.velocity
-            body.angular_velocity = 0.0 if part.inertia is None else owner.angular_velocity
+        world = build_world(layout, iterations=plan.iterations, error_bias=None, native_damping=True)
+        for body, part in zip(world.bodies, scene.bodies, strict=True):
+            body.velocity = part.velocity
+            body.angular_velocity = 0.0 if part.inertia is None else part.angular_velocity
         on = _let_go(scene, world)
     drive = scene.drive
     duration = drive.duration if isinstance(drive, Free) else drive.motion.duration
@@ -49,7 +47,7 @@ def naive_pass(scene: Scene, plan: PlainPlan, cost: Cost) -> Pass:
     check_finite(times, seen)
     if plan.torn is not None:
         check_joints(times, seen, layout, plan.torn)
-    return Pass(step, _naive_history(scene, layout, step, seen, torque))
+    return Pass(step, _naive_history(layout, step, seen, torque))
 
 
 def _let_go(scene: Scene, world: World) -> Calls:
@@ -67,25 +65,25 @@ def _naive_steps(scene: Scene, world: World, on: Calls, step: float, count: int)
     rates = [0.0] * count
     if isinstance(drive, Prescribed):
         rates = (-drive.motion.speed(step * np.arange(count))).tolist()
-    loads = StepLoads(world, scene, step, ahead=False)
+    loads = StepLoads(world, step, ahead=False)
     on.look()
     impulses = march(on, step, rates, [1] * count, loads if loads else None)
     torque = np.full(count, drive.torque) if isinstance(drive, Free) else np.array(impulses) / step
     return on.collected(), torque
 
 
-def _naive_history(scene: Scene, layout: Layout, step: float, seen: Array, torque: Array) -> History:
+def _naive_history(layout: PartLayout, step: float, seen: Array, torque: Array) -> History:
     times = step * np.arange(1, len(seen), dtype=np.float64)
     state, rates = seen[:, :, 0], seen[:, :, 1]
     acceleration = np.diff(rates, axis=0) / step
     forces = {}
-    if Channel.JOINT_FORCE in scene.channels:
-        load = loads_on_parts(scene, layout, state[1:], rates[1:])
-        reactions = joint_forces(layout, state[1:], acceleration, load)
+    channels = layout.scene.channels
+    if Channel.JOINT_FORCE in channels:
+        reactions = joint_forces(layout, state[1:], rates[1:], acceleration)
         forces = {name: Signal(times, values) for name, values in reactions.items()}
 
     def signal(channel: Channel, values: Array) -> Signal | None:
-        return Signal(times, values) if channel in scene.channels else None
+        return Signal(times, values) if channel in channels else None
 
     return History(
         position=signal(Channel.POSITION, state[1:]),

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from analytic.description.crank_motion import CrankMotion, Segment
 from analytic.description.law import FULL_TURN
 from engines.pymunk_adapter.checks import check_crank, check_finite, check_impulses, check_joints
-from engines.pymunk_adapter.layout import Layout
+from engines.pymunk_adapter.layout import PartLayout
 from engines.pymunk_adapter.loads import StepLoads
 from engines.pymunk_adapter.plans import Plan
 from engines.pymunk_adapter.recording import Clock, Recording, looks, marks
@@ -71,7 +71,7 @@ def mean_speeds(segment: Segment, start: float, step: float, count: int) -> Arra
     return np.asarray(segment.value(times, 1) @ (0.5 * shares))
 
 
-def torque_bound(scene: Scene, layout: Layout, motion: CrankMotion) -> float:
+def torque_bound(scene: Scene, layout: PartLayout, motion: CrankMotion) -> float:
     """A torque well above any that the drive can need, N m: all mass at the scene's size, at the peak of the motion."""
     times = np.linspace(0.0, motion.duration, 101)
     rate = float(np.max(np.abs(motion.acceleration(times)))) + motion.peak_speed**2
@@ -128,7 +128,7 @@ def prescribed_pass(rig: Rig, motion: CrankMotion, step: float, ratio: int, cost
     drive can need, keeps its sign. Raises DivergedError.
     """
     with cost.building():
-        world = build_world(rig.scene, rig.layout, iterations=rig.iterations, error_bias=0.0)
+        world = build_world(rig.layout, iterations=rig.iterations, error_bias=0.0)
         offset = torque_bound(rig.scene, rig.layout, motion)
         add_torque(world, world.crank, offset)
         on = calls(world, add_motor(world))
@@ -142,7 +142,7 @@ def prescribed_pass(rig: Rig, motion: CrankMotion, step: float, ratio: int, cost
             check_crank(recording, rig.layout, segment)
             check_impulses(recording, offset)
         recordings.append(recording)
-    history = joined([recording.history(rig.scene, rig.layout) for recording in recordings])
+    history = joined([recording.history(rig.scene.channels, rig.layout) for recording in recordings])
     return Pass(step / ratio, history)
 
 
@@ -174,7 +174,7 @@ def run_in(
     start = clock.start - count * clock.fine
     world.space.iterations = COLD * rig.iterations
     count_steps(cost, world, place(world, on, clock.fine, float(segment.value(start))))
-    changing = StepLoads(world, rig.scene, clock.fine, ahead=True)
+    changing = StepLoads(world, clock.fine, ahead=True)
     loads = changing if changing else None
     rates, cold = (-mean_speeds(segment, start, clock.fine, count)).tolist(), math.ceil(COLD_SHARE * count)
     for part, effort in ((slice(cold), COLD), (slice(cold, None), 1)):

@@ -14,10 +14,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from engines.contract import History, Signal
-from engines.pymunk_adapter.layout import Layout
-from engines.pymunk_adapter.load_sums import loads_on_parts
-from engines.pymunk_adapter.reactions import across, joint_forces
-from engines.scene import Channel, Scene
+from engines.mechanics.states import across
+from engines.pymunk_adapter.layout import PartLayout
+from engines.pymunk_adapter.reactions import joint_forces
+from engines.scene import Channel
 
 Array = NDArray[np.float64]
 
@@ -113,70 +113,57 @@ class Recording:
             [after[:, 0], 0.5 * (before[:, 1] + after[:, 1]), (after[:, 1] - before[:, 1]) / self.clock.fine]
         )
 
-    def history(self, scene: Scene, layout: Layout) -> History:
-        """The channels the scene asks for, for the scene's bodies."""
+    def history(self, channels: frozenset[Channel], layout: PartLayout) -> History:
+        """The channels asked for, for the bodies of the scene that was cut."""
         samples, times = self.clock.samples, self.clock.sample_times()
-        wanted = scene.channels
         position = velocity = acceleration = torque = None
         forces: Mapping[str, Signal] = {}
-        if Channel.POSITION in wanted:
-            position = Signal(times, _carried_position(scene, layout, self._at(samples)[:, :, 0]))
-        if Channel.VELOCITY in wanted:
+        if Channel.POSITION in channels:
+            position = Signal(times, _carried_position(layout, self._at(samples)[:, :, 0]))
+        if Channel.VELOCITY in channels:
             seen = self._at(self.clock.middles)
             ahead = 0.5 * self.clock.fine
-            velocity = Signal(self.clock.middle_times(), _carried_velocity(scene, layout, *_split(seen), ahead))
-        if wanted & {Channel.ACCELERATION, Channel.JOINT_FORCE}:
+            velocity = Signal(self.clock.middle_times(), _carried_velocity(layout, *_split(seen), ahead))
+        if channels & {Channel.ACCELERATION, Channel.JOINT_FORCE}:
             before, after = self._at(samples - 1)[:, :, 1], self._at(samples)
-            if Channel.ACCELERATION in wanted:
-                acceleration = Signal(times, self._acceleration(scene, layout, before, after))
-            if Channel.JOINT_FORCE in wanted:
-                forces = self._joint_forces(scene, layout, times, before, after)
-        if Channel.TORQUE in wanted:
+            if Channel.ACCELERATION in channels:
+                acceleration = Signal(times, self._acceleration(layout, before, after))
+            if Channel.JOINT_FORCE in channels:
+                state, rates = _split(after)
+                middle, change = 0.5 * (before + rates), (rates - before) / self.clock.fine
+                reactions = joint_forces(layout, state, middle, change)
+                forces = {name: Signal(times, values) for name, values in reactions.items()}
+        if Channel.TORQUE in channels:
             torque = Signal(times, self.torque[np.searchsorted(self.steps, samples)])
         return History(position, velocity, acceleration, torque, forces)
 
-    def _acceleration(self, scene: Scene, layout: Layout, before: Array, after: Array) -> Array:
+    def _acceleration(self, layout: PartLayout, before: Array, after: Array) -> Array:
         state, rates = _split(after)
         half = 0.5 * self.clock.fine
-        late = _carried_velocity(scene, layout, state, rates, half)
-        return (late - _carried_velocity(scene, layout, state, before, -half)) / self.clock.fine
-
-    def _joint_forces(
-        self, scene: Scene, layout: Layout, times: Array, before: Array, after: Array
-    ) -> Mapping[str, Signal]:
-        state, rates = _split(after)
-        load = loads_on_parts(scene, layout, state, 0.5 * (before + rates))
-        found = joint_forces(layout, state, (rates - before) / self.clock.fine, load)
-        return {name: Signal(times, values) for name, values in found.items()}
+        late = _carried_velocity(layout, state, rates, half)
+        return (late - _carried_velocity(layout, state, before, -half)) / self.clock.fine
 
 
 def _split(seen: Array) -> tuple[Array, Array]:
     return seen[:, :, 0], seen[:, :, 1]
 
 
-def _offsets(scene: Scene, layout: Layout) -> list[tuple[int, Array]]:
-    """Bodies whose carriers have another centre than their own, and where the mass centre lies from there."""
-    carriers = layout.parts[: len(scene.bodies)]
-    return [(k, -np.asarray(p.offset)) for k, p in enumerate(carriers) if p.offset != (0.0, 0.0)]
-
-
-def _arm(offset: Array, angle: Array) -> Array:
+def _arms(layout: PartLayout, angle: Array) -> Array:
+    """From the carriers' centres to the bodies' mass centres, (n, bodies, 2), at the carriers' angles (n, bodies)."""
+    offsets = -np.array([part.offset for part in layout.parts[: layout.carried]])
     c, s = np.cos(angle), np.sin(angle)
-    return np.stack([c * offset[0] - s * offset[1], s * offset[0] + c * offset[1]], axis=-1)
+    return np.stack([c * offsets[:, 0] - s * offsets[:, 1], s * offsets[:, 0] + c * offsets[:, 1]], axis=-1)
 
 
-def _carried_position(scene: Scene, layout: Layout, state: Array) -> Array:
-    result = state[:, : len(scene.bodies)].copy()
-    for number, offset in _offsets(scene, layout):
-        result[:, number, :2] += _arm(offset, state[:, number, 2])
+def _carried_position(layout: PartLayout, state: Array) -> Array:
+    result = state[:, : layout.carried].copy()
+    result[..., :2] += _arms(layout, result[..., 2])
     return result
 
 
-def _carried_velocity(scene: Scene, layout: Layout, state: Array, rates: Array, ahead: float) -> Array:
+def _carried_velocity(layout: PartLayout, state: Array, rates: Array, ahead: float) -> Array:
     """Velocities of the mass centres ``ahead`` seconds from the positions of ``state``, (n, bodies, 3)."""
-    result = rates[:, : len(scene.bodies)].copy()
-    for number, offset in _offsets(scene, layout):
-        turn_rate = rates[:, number, 2]
-        arm = _arm(offset, state[:, number, 2] + ahead * turn_rate)
-        result[:, number, :2] += turn_rate[:, None] * across(arm)
+    result = rates[:, : layout.carried].copy()
+    turn_rate = result[..., 2]
+    result[..., :2] += turn_rate[..., None] * across(_arms(layout, state[:, : layout.carried, 2] + ahead * turn_rate))
     return result

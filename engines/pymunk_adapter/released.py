@@ -117,7 +117,7 @@ def followed(rig: Rig, drive: Free, step: float, ratios: Sequence[int], cost: Co
         beyond = min(last + OVERLAP, count) - first
         clocks = [Clock(first * step, step, beyond + 1, beyond, ratio) for ratio in ratios]
         recordings = [_recording(rig, drive, release, clock, cost) for clock in clocks]
-        passes = [Pass(seen.clock.fine, seen.history(rig.scene, rig.layout)) for seen in recordings]
+        passes = [Pass(seen.clock.fine, seen.history(rig.scene.channels, rig.layout)) for seen in recordings]
         window = extrapolate(passes, ORDERS)
         # Velocities lie between the samples.
         parts.append(_later(window, (first + OVERLAP + 0.25) * step) if first else window)
@@ -175,7 +175,7 @@ def _release(history: History, sample: int, instant: Array, crank: int) -> Relea
 def _recording(rig: Rig, drive: Free, release: Release, clock: Clock, cost: Cost) -> Recording:
     """Let the crank go and look at what it does. Raises DivergedError."""
     with cost.building():
-        world = build_world(rig.scene, rig.layout, iterations=rig.iterations, error_bias=0.0)
+        world = build_world(rig.layout, iterations=rig.iterations, error_bias=0.0)
         if release.state is not None:
             _put(world, release.state)
         if drive.torque:

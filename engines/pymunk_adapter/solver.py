@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from analytic.description.law import FULL_TURN
-from engines.pymunk_adapter.layout import Layout
+from engines.pymunk_adapter.layout import PartLayout
 from engines.pymunk_adapter.reactions import contraction, gaps
 from engines.pymunk_adapter.space import add_motor, build_world
 from engines.pymunk_adapter.stepping import calls, place
@@ -37,7 +37,7 @@ MOVING_STEP = 1e-4
 CLOSED = 1e-4
 
 
-def iterations_for(scene: Scene, layout: Layout, remaining: float) -> int:
+def iterations_for(scene: Scene, layout: PartLayout, remaining: float) -> int:
     """Iterations after which no more than ``remaining`` of an impulse's change over a step is left wrong.
 
     The linkage is turned through the crank angles of its motion, and the worst convergence met on the way counts. A
@@ -78,12 +78,12 @@ def _angles(scene: Scene) -> Array:
     return start + way * np.arange(1, ANGLES + 1) / ANGLES
 
 
-def turned_through(scene: Scene, layout: Layout) -> Array:
+def turned_through(scene: Scene, layout: PartLayout) -> Array:
     """States of the parts, (n, parts, 3), at crank angles of the motion, that of the start always among them."""
     closed = np.ones(1, dtype=bool)
     states = np.zeros((1, len(layout.parts), 3))
     for settling, iterations in EFFORTS:
-        world = build_world(scene, layout, iterations=iterations, error_bias=0.0)
+        world = build_world(layout, iterations=iterations, error_bias=0.0)
         on = calls(world, add_motor(world))
         on.look()
         for angle in _angles(scene):

@@ -175,8 +175,8 @@ def test_constant_loads_cost_no_python_in_a_step():
     force = AppliedForce("rod", (0.01, 0.0), Law(np.array([1.0, -2.0])))
     torque = AppliedTorque("link", Law(np.array([0.01])))
     loaded = dataclasses.replace(model, forces=(force,), torques=(torque,))
-    world = passes.build_world(loaded, exact_layout(loaded), iterations=10, error_bias=0.0)
-    assert not passes.StepLoads(world, loaded, 1e-4, ahead=True)
+    world = passes.build_world(exact_layout(loaded), iterations=10, error_bias=0.0)
+    assert not passes.StepLoads(world, 1e-4, ahead=True)
 
 
 # -- the stepping ------------------------------------------------------------------------------------------------------
@@ -291,7 +291,7 @@ def test_only_the_channels_asked_for_come_back():
 def test_gravity_is_set_and_bodies_turn_only_where_they_do():
     model = scene(mechanism("juki-mf7923d"), Prescribed(_motion()), NO_FORCES)
     light = dataclasses.replace(model, gravity=(0.0, 0.0))
-    world = passes.build_world(light, exact_layout(light), iterations=10, error_bias=0.0)
+    world = passes.build_world(exact_layout(light), iterations=10, error_bias=0.0)
     assert tuple(world.space.gravity) == (0.0, 0.0)
     straight = [body.name for body, real in zip(model.bodies, world.bodies, strict=True) if math.isinf(real.moment)]
     assert straight == ["needle_bar"]

@@ -8,10 +8,12 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from analytic.description.crank_motion import crank_motion
+from analytic.description.linkage import GROUND
 from comparisons.reference.start_state import scene
+from engines.mechanics.states import body_numbers
 from engines.pymunk_adapter.layout import (
-    Kind,
-    Part,
+    BodyPart,
+    Gear,
     exact_layout,
     geared,
     plain_layout,
@@ -20,13 +22,16 @@ from engines.pymunk_adapter.layout import (
     without_rail,
 )
 from engines.scene import Prescribed
+from engines.start_check import start_misfit
 from tests.analytic.linkages import MADE_UP, mechanism
 
 ROUNDING = 1e-9  # relative; a point mass may be a millionth of its body
 
 LENGTHS = st.floats(-0.5, 0.5)
 WEIGHTS = st.floats(1e-3, 10.0)
-PARTS = st.builds(lambda m, r, x, y: Part(0, m, m * r * r, (x, y)), WEIGHTS, st.floats(0.005, 0.5), LENGTHS, LENGTHS)
+PARTS = st.builds(
+    lambda m, r, x, y: BodyPart(0, m, m * r * r, (x, y)), WEIGHTS, st.floats(0.005, 0.5), LENGTHS, LENGTHS
+)
 
 
 def _sums(parts):
@@ -57,14 +62,13 @@ def _scene(name):
 def test_every_groove_has_the_mass_centres_it_needs(name):
     model = _scene(name)
     layout = exact_layout(model)
-    for hold in layout.holds:
-        if hold.kind is not Kind.GROOVE:
-            continue
-        if hold.second >= 0 and layout.parts[hold.second].inertia is not None:
-            (x, y), (along_x, along_y) = hold.second_anchor, hold.along
+    turning = {body.name for body in layout.scene.bodies if body.inertia is not None}
+    for groove in layout.scene.guided:
+        if groove.host in turning:
+            (x, y), (along_x, along_y) = groove.through, groove.along
             assert abs(along_x * y - along_y * x) < ROUNDING
-        if hold.first >= 0 and layout.parts[hold.first].inertia is not None:
-            assert math.hypot(*hold.first_anchor) < ROUNDING
+        if groove.body in turning:
+            assert math.hypot(*groove.anchor) < ROUNDING
     for number, body in enumerate(model.bodies):
         pieces = [part for part in layout.parts if part.owner == number]
         expected = (body.mass, 0.0, 0.0, body.inertia if layout.parts[number].inertia else _sums(pieces)[3])
@@ -73,7 +77,8 @@ def test_every_groove_has_the_mass_centres_it_needs(name):
 
 def test_nothing_is_cut_that_need_not_be():
     for name in ("juki-mf7923d", "rimoldi-164", "double-crank"):
-        assert exact_layout(_scene(name)) == plain_layout(_scene(name))
+        exact, plain = exact_layout(_scene(name)), plain_layout(_scene(name))
+        assert (exact.parts, exact.holds) == (plain.parts, plain.holds)
     assert len(exact_layout(_scene("ground-pin-in-slot")).parts) == len(_scene("ground-pin-in-slot").bodies) + 1
 
 
@@ -83,7 +88,7 @@ def test_every_joint_of_the_scene_has_its_hold():
             model = _scene(name)
             joints = {joint.name for joint in (*model.pins, *model.sliders, *model.slots)}
             for layout in (exact_layout(model), plain_layout(model)):
-                assert {hold.joint for hold in layout.holds} - {None} == joints
+                assert {hold.name for hold in layout.holds} - layout.inner == joints
 
 
 def test_parts_that_gears_join_are_told_together_and_every_part_once():
@@ -92,10 +97,18 @@ def test_parts_that_gears_join_are_told_together_and_every_part_once():
         together = geared(layout)
         assert sorted(number for parts in together for number in parts) == list(range(len(layout.parts)))
         group = {number: parts for parts in together for number in parts}
-        joined = {frozenset((h.first, h.second)) for h in layout.holds if h.kind is Kind.GEAR and h.second >= 0}
+        numbers, gears = body_numbers(layout.scene), [hold for hold in layout.holds if isinstance(hold, Gear)]
+        joined = {frozenset((numbers[gear.body], numbers[gear.host])) for gear in gears if gear.host != GROUND}
         for first in range(len(layout.parts)):
             for second in range(first):
                 linked = frozenset((first, second)) in joined
                 assert not linked or group[first] is group[second]
         assert len(together) >= len(layout.parts) - len(joined)
     assert any(len(parts) > 1 for name in MADE_UP for parts in geared(exact_layout(_scene(name))))
+
+
+@pytest.mark.parametrize("name", MADE_UP)
+def test_the_parts_are_a_scene_that_fits_its_joints_from_the_start(name):
+    layout = exact_layout(_scene(name))
+    assert start_misfit(layout.scene) is None
+    assert len(layout.scene.bodies) == len(layout.parts) == layout.carried + len(layout.inner)

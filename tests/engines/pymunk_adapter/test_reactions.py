@@ -5,9 +5,9 @@ import pytest
 
 from analytic.description.crank_motion import crank_motion
 from comparisons.reference.start_state import scene
-from engines.pymunk_adapter.layout import Kind, exact_layout
-from engines.pymunk_adapter.load_sums import loads_on_parts
-from engines.pymunk_adapter.reactions import contraction, directions, gaps, joint_forces
+from engines.mechanics.states import pose_of, with_ground
+from engines.pymunk_adapter.layout import Gear, exact_layout
+from engines.pymunk_adapter.reactions import contraction, gaps, joint_forces
 from engines.pymunk_adapter.solver import iterations_for, turned_through
 from engines.pymunk_adapter.space import add_motor, build_world
 from engines.pymunk_adapter.stepping import calls, march
@@ -19,8 +19,6 @@ pytest.importorskip("pymunk")
 STEP = 2e-4  # s
 EXACT = 1e-8  # of the largest force: rounding of velocities, differenced over a step
 FORESEEN = 0.05  # relative error of the foreseen convergence
-NUDGE = 1e-7  # m and rad
-SMOOTH = 1e-3  # relative error of a difference over a nudge
 
 
 def _scene(name):
@@ -30,40 +28,24 @@ def _scene(name):
 def _turning(name, steps=20, iterations=2000):
     """A world after some steps at constant crank speed, with what it looked like after the last two."""
     model = _scene(name)
-    world = build_world(model, exact_layout(model), iterations=iterations, error_bias=0.0)
+    world = build_world(exact_layout(model), iterations=iterations, error_bias=0.0)
     on = calls(world, add_motor(world))
     march(on, STEP, [-60.0] * steps, [0] * (steps - 2) + [1, 1], None)
-    return model, world, on.collected()
+    return world, on.collected()
 
 
 @pytest.mark.parametrize("name", ["rimoldi-164", "moving-guides", "scotch-yoke"])
 def test_joint_forces_have_the_size_of_pymunks_impulses(name):
-    model, world, seen = _turning(name)
+    world, seen = _turning(name)
     state, before, after = seen[1:, :, 0], seen[:1, :, 1], seen[1:, :, 1]
-    load = loads_on_parts(model, world.layout, state, 0.5 * (before + after))
-    found = joint_forces(world.layout, state, (after - before) / STEP, load)
-    forces = {name: float(np.linalg.norm(force)) for name, force in found.items()}
+    reactions = joint_forces(world.layout, state, 0.5 * (before + after), (after - before) / STEP)
+    forces = {name: float(np.linalg.norm(force)) for name, force in reactions.items()}
     impulses = {
-        hold.joint: constraint.impulse / STEP
+        hold.name: constraint.impulse / STEP
         for hold, constraint in zip(world.layout.holds, world.constraints, strict=True)
-        if hold.joint is not None
+        if not isinstance(hold, Gear) and hold.name not in world.layout.inner
     }
     assert forces == pytest.approx(impulses, abs=EXACT * max(impulses.values()))
-
-
-@pytest.mark.parametrize("name", ["moving-guides", "scotch-yoke", "juki-mf7923d"])
-def test_the_direction_of_a_groove_is_the_derivative_of_its_gap(name):
-    _, world, seen = _turning(name)
-    rng = np.random.default_rng(1)
-    state = seen[1:, :, 0] + rng.normal(size=seen[1:, :, 0].shape) * (0.1, 0.1, 0.0)  # away from the kink at gap 0
-    way = rng.normal(size=state.shape) * NUDGE
-    rows, starts = directions(world.layout, state)
-    ahead, behind = (gaps(world.layout, state + sign * way)[0] for sign in (1.0, -1.0))
-    grooves = [number for number, hold in enumerate(world.layout.holds) if hold.kind is Kind.GROOVE]
-    assert grooves
-    for number in grooves:
-        foreseen = 2.0 * np.sum(rows[0, starts[number]] * way[0])
-        assert abs(ahead[number] - behind[number]) == pytest.approx(abs(foreseen), rel=SMOOTH)
 
 
 @pytest.mark.parametrize("name", ["juki-mf7923d", "rimoldi-164", "ground-pin-in-slot", "slot-without-mass"])
@@ -72,12 +54,14 @@ def test_the_solver_converges_as_foreseen(name):
     layout = exact_layout(model)
     left = []
     for iterations in (40, 50):
-        world = build_world(model, layout, iterations=iterations, error_bias=0.0)
+        world = build_world(layout, iterations=iterations, error_bias=0.0)
         on = calls(world, add_motor(world))
         march(on, 1e-3, [-60.0], [1], None)
         (seen,) = on.collected()
-        rows, _ = directions(layout, seen[None, :, 0])
-        left.append(np.abs(np.einsum("ipk,pk->i", rows[0], seen[:, 1])[:-1]).max())
+        equations = layout.equations
+        state, rate = (with_ground(seen[None, :, order]) / equations.metres for order in (0, 1))
+        rows = equations.jacobian(equations.arms(pose_of(state)))[0]
+        left.append(np.abs((rows @ equations.gather(rate)[0])[: equations.crank_row]).max())
     observed = (left[1] / left[0]) ** 0.1
     assert observed == pytest.approx(float(contraction(layout, seen[None, :, 0])[0]), rel=FORESEEN)
 

@@ -29,7 +29,7 @@ TENFOLD = 10.0  # what the last of a thousand turns may be worse by than the fir
 
 def _turned(name, count):
     model = scene(mechanism(name), Prescribed(crank_motion("constant-speed", start_angle=0.3)), frozenset())
-    world = build_world(model, exact_layout(model), iterations=300, error_bias=0.0)
+    world = build_world(exact_layout(model), iterations=300, error_bias=0.0)
     on = calls(world, add_motor(world))
     seen, impulses = march_wound(world, on, STEP, rates=[-RATE] * count, looks=[1] * count, loads=None)
     return world, seen, impulses
@@ -52,7 +52,7 @@ def test_taking_turns_off_changes_nothing(monkeypatch, name):
 
 def test_what_was_seen_before_comes_first_and_as_it_was():
     model = scene(mechanism("juki-mf7923d"), Prescribed(crank_motion(start_angle=20.0)), frozenset())
-    world = build_world(model, exact_layout(model), iterations=10, error_bias=0.0)
+    world = build_world(exact_layout(model), iterations=10, error_bias=0.0)
     on = calls(world, add_motor(world))
     on.look()
     seen, impulses = march_wound(world, on, STEP, rates=[0.0] * 3, looks=[0, 0, 1], loads=None)
