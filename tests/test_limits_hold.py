@@ -7,7 +7,7 @@ import pytest
 from analytic.description.crank_motion import crank_motion
 from analytic.description.loading import catalogue, load
 from analytic.kinematics.mechanism import Mechanism
-from comparisons.campaign.campaign import Request, RunResult, compare
+from comparisons.campaign.campaign import CampaignRequest, RunResult, compare
 from comparisons.invariants.invariants import INVARIANTS
 from comparisons.judging import baseline
 from comparisons.judging.quantities import all_quantities
@@ -22,7 +22,7 @@ CHECKED = [("run-up", Setting.TUNED), ("run-up-quintic", Setting.TUNED), ("run-u
 @cache
 def _result(mechanism: str, engine_name: str, regime: str, setting: Setting) -> RunResult:
     conditions = CampaignChoice().conditions
-    request = Request((load(mechanism),), (crank_motion(regime),), conditions, (engine_name,), (setting,))
+    request = CampaignRequest((load(mechanism),), (crank_motion(regime),), conditions, (engine_name,), (setting,))
     (result,) = compare(request)
     return result
 

@@ -28,11 +28,11 @@ from engines.contract import Outcome, Setting
 from engines.registry import engine, engine_names
 from engines.scene import Channel
 
-__all__ = ["Request", "RunResult", "cases", "compare", "tasks"]
+__all__ = ["CampaignRequest", "RunResult", "cases", "compare", "tasks"]
 
 
 @dataclass(frozen=True)
-class Request:
+class CampaignRequest:
     """What to compare. ``conditions`` words the motions' speed, times, direction and start angle, the same for all.
 
     ``own_regimes`` names regimes that a linkage's own file may define; linkages without them are not run in them. They
@@ -50,7 +50,7 @@ class Request:
     with_invariants: bool = True
 
 
-def tasks(request: Request) -> list[Task]:
+def tasks(request: CampaignRequest) -> list[Task]:
     """The runs of a request, in a stable order; a key identifies a run as ``Record.run`` does.
 
     Raises UnknownNameError, AssemblyError or StructureError before any run is made.
@@ -61,7 +61,7 @@ def tasks(request: Request) -> list[Task]:
     return [task for case in cases(request) for task in _tasks(request, case)]
 
 
-def _tasks(request: Request, case: Case) -> Iterator[Task]:
+def _tasks(request: CampaignRequest, case: Case) -> Iterator[Task]:
     quantities = chosen_quantities(case, request.quantities)
     check_defined(case, quantities)
     linkage, motion, pickled = case.mechanism.linkage, case.motion, pickle.dumps(case)
@@ -77,7 +77,7 @@ def _tasks(request: Request, case: Case) -> Iterator[Task]:
             )
 
 
-def cases(request: Request) -> list[Case]:
+def cases(request: CampaignRequest) -> list[Case]:
     """Every linkage under every motion asked for, then in those of its own regimes that are asked for.
 
     Raises LinkproofError where there is none, AssemblyError where a linkage cannot follow its motion.
@@ -98,7 +98,7 @@ def cases(request: Request) -> list[Case]:
 
 
 def compare(
-    request: Request,
+    request: CampaignRequest,
     announce: Announce = lambda *_: None,
     *,
     bounds: Bounds = DEFAULT_BOUNDS,

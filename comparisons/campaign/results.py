@@ -15,7 +15,7 @@ from analytic.description.crank_motion import CrankMotion, Segment
 from analytic.description.linkage import Linkage, Vector
 from analytic.description.loading import parse
 from analytic.errors import LinkproofError
-from comparisons.campaign.campaign import Request, RunResult
+from comparisons.campaign.campaign import CampaignRequest, RunResult
 from comparisons.campaign.errata import ErratumRecord
 from comparisons.judging.records import Record, from_rows, to_json
 from comparisons.judging.run_result import ARRAYS
@@ -86,7 +86,7 @@ def described(text: str, name: str, variant: str | None, gravity: Vector) -> Lin
 
 
 def document(
-    request: Request,
+    request: CampaignRequest,
     results: Sequence[RunResult],
     texts: Sequence[str],
     command: str,

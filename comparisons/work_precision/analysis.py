@@ -10,9 +10,8 @@ from dataclasses import dataclass, replace
 from itertools import groupby
 
 from comparisons.work_precision.floor import Floor, floor
-from comparisons.work_precision.front import pareto, price, sustained
-from comparisons.work_precision.order import observed_order
 from comparisons.work_precision.records import SETTING, BenchRecord, PointRecord, Series, by_quantity, series
+from comparisons.work_precision.step_sweep import observed_order, pareto, price, sustained
 
 # Largest errors, over the peak, that somebody may want.
 WANTED = tuple(10.0**-k for k in range(2, 9))
@@ -33,7 +32,7 @@ class SweepFinding:
 
 
 @dataclass(frozen=True)
-class Choice:
+class PointChoice:
     """The cheapest point of an engine at or below an error; ``record`` is None where the engine never gets there.
 
     ``closest`` is the engine's point of the smallest error.
@@ -130,7 +129,7 @@ def _error(record: BenchRecord) -> float:
     return record.error_max
 
 
-def choices(records: Sequence[BenchRecord], wanted: Sequence[float] = WANTED) -> tuple[Choice, ...]:
+def choices(records: Sequence[BenchRecord], wanted: Sequence[float] = WANTED) -> tuple[PointChoice, ...]:
     """The point to choose for every error, among one engine's records of one quantity; none where nothing finished.
 
     A point of a sweep counts if the finer ones, down to the sweep's floor, hold the error too.
@@ -140,7 +139,7 @@ def choices(records: Sequence[BenchRecord], wanted: Sequence[float] = WANTED) ->
         return ()
     closest = min(finished, key=lambda one: (_error(one), _seconds(one)))
     return tuple(
-        Choice(error, min(_reaching(finished, error), key=_seconds, default=None), closest) for error in wanted
+        PointChoice(error, min(_reaching(finished, error), key=_seconds, default=None), closest) for error in wanted
     )
 
 

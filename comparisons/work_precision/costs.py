@@ -22,7 +22,7 @@ from analytic.kinematics.mechanism import Mechanism
 from comparisons.reference.start_state import scene
 from comparisons.runs.failures import AdapterError
 from comparisons.runs.run_engine import run_engine
-from comparisons.work_precision.records import Cost
+from comparisons.work_precision.records import MeasuredCost
 from comparisons.work_precision.reductions import QUERIES, REDUCTIONS, reduced
 from engines.contract import Engine, Outcome, Run, Setting
 from engines.registry import engine
@@ -36,7 +36,7 @@ ANGLES: Final = {"numpy": 20_000, "compiled": 200_000}
 Job = Callable[[], Run | None]  # what an engine's run came to, without its history; None for the closed form
 
 
-def measure(linkage: Linkage, engines: Sequence[str], budget: float | None = None) -> list[Cost]:
+def measure(linkage: Linkage, engines: Sequence[str], budget: float | None = None) -> list[MeasuredCost]:
     """Every reduction of a linkage in these engines, then every query, in about ``budget`` seconds (``BUDGET``).
 
     A reduction that takes out what the linkage has not is left out; what an engine cannot do is a row with its outcome.
@@ -56,7 +56,7 @@ def most_reducible(linkages: Sequence[Linkage]) -> Linkage:
     return max(linkages, key=lambda linkage: sum(reduced(linkage, part) is not None for part in parts))
 
 
-def run_jobs(linkage: Linkage, engines: Sequence[str]) -> Iterator[tuple[Cost, Job]]:
+def run_jobs(linkage: Linkage, engines: Sequence[str]) -> Iterator[tuple[MeasuredCost, Job]]:
     """A run of every reduction in every engine, brought to speed in a short run-up."""
     drive = Prescribed(crank_motion("run-up-quintic", ramp_time=0.15, hold_time=0.03))
     rests = [(part, reduced(linkage, part)) for part in REDUCTIONS]
@@ -64,7 +64,7 @@ def run_jobs(linkage: Linkage, engines: Sequence[str]) -> Iterator[tuple[Cost, J
     for name in engines:
         for part, model in models:
             yield (
-                Cost(linkage.name, linkage.variant, name, part.name, part.about),
+                MeasuredCost(linkage.name, linkage.variant, name, part.name, part.about),
                 partial(_run, engine(name), model),
             )
 
@@ -76,7 +76,7 @@ def _run(adapter: Engine, model: Scene) -> Run:
         return Run(Outcome.DIVERGED, str(error))
 
 
-def query_jobs(linkage: Linkage, paths: Sequence[str]) -> Iterator[tuple[Cost, Job]]:
+def query_jobs(linkage: Linkage, paths: Sequence[str]) -> Iterator[tuple[MeasuredCost, Job]]:
     """An evaluation of every query by every path; queries for what the linkage has not are left out."""
     for path in paths:
         angle = np.linspace(0.0, 100.0, ANGLES[path])
@@ -85,7 +85,7 @@ def query_jobs(linkage: Linkage, paths: Sequence[str]) -> Iterator[tuple[Cost, J
             if names and rest is not None:
                 motion = {"speed": query.speed, "acceleration": query.acceleration}
                 work = partial(evaluate, Mechanism(rest), angle, names, **motion, path=path)
-                cost = Cost(linkage.name, linkage.variant, path, query.name, ", ".join(names), len(angle))
+                cost = MeasuredCost(linkage.name, linkage.variant, path, query.name, ", ".join(names), len(angle))
                 yield cost, partial(_forgotten, work)
 
 
@@ -94,7 +94,7 @@ def _forgotten(work: Callable[[], object]) -> None:
     work()
 
 
-def _measured(cost: Cost, done: Sequence[tuple[float, Run | None]]) -> Cost:
+def _measured(cost: MeasuredCost, done: Sequence[tuple[float, Run | None]]) -> MeasuredCost:
     """A cost with its repeats and, where an engine ran, what came of the last of them."""
     seconds, runs = tuple(spent for spent, _ in done), [run for _, run in done if run is not None]
     if not runs:

@@ -8,7 +8,7 @@ from enum import StrEnum
 
 import numpy as np
 
-from comparisons.work_precision.order import Sweep, short, theil_sen
+from comparisons.work_precision.step_sweep import StepSweep, short, theil_sen
 
 # A floor a third as high is a lower one; errors within a factor two of each other are level.
 LOWER = 3.0
@@ -39,7 +39,7 @@ class Floor:
     evidence: str
 
 
-def floor(sweep: Sweep, others: Sequence[Sweep] = ()) -> Floor:
+def floor(sweep: StepSweep, others: Sequence[StepSweep] = ()) -> Floor:
     """The floor of a sweep; ``others`` are the same method's sweeps at other solver efforts.
 
     A floor that more solver effort lowers is the solver's even where the error grows as the step shrinks: what a solver
@@ -60,12 +60,12 @@ def floor(sweep: Sweep, others: Sequence[Sweep] = ()) -> Floor:
 Finding = tuple[Cause, str] | None
 
 
-def _at_round_off(sweep: Sweep) -> Finding:
+def _at_round_off(sweep: StepSweep) -> Finding:
     least = sweep.errors[sweep.best]
     return (Cause.ROUND_OFF, f"{short(least)} of the peak is double precision's own") if least <= ROUND_OFF else None
 
 
-def _falling(sweep: Sweep) -> Finding:
+def _falling(sweep: StepSweep) -> Finding:
     if not sweep.is_falling:
         return None
     finer = sweep.steps[-2] / sweep.steps[-1]
@@ -73,7 +73,7 @@ def _falling(sweep: Sweep) -> Finding:
     return Cause.FALLING, f"at the finest step; the last refinement, by {finer:.3g}, took a factor {gain} off"
 
 
-def _lowered_at_its_step(sweep: Sweep, others: Sequence[Sweep]) -> Finding:
+def _lowered_at_its_step(sweep: StepSweep, others: Sequence[StepSweep]) -> Finding:
     """More solver effort has a smaller error at the very step of the smallest one."""
     least, step = sweep.errors[sweep.best], sweep.steps[sweep.best]
     harder = [(one, one.error_at(step)) for one in others if one.works_harder_than(sweep)]
@@ -87,7 +87,7 @@ def _lowered_at_its_step(sweep: Sweep, others: Sequence[Sweep]) -> Finding:
     )
 
 
-def _lowered_by_effort(sweep: Sweep, others: Sequence[Sweep]) -> Finding:
+def _lowered_by_effort(sweep: StepSweep, others: Sequence[StepSweep]) -> Finding:
     """More solver effort has a lower floor."""
     least = sweep.errors[sweep.best]
     lower = [one for one in others if one.works_harder_than(sweep) and one.errors[one.best] * LOWER <= least]
@@ -100,7 +100,7 @@ def _lowered_by_effort(sweep: Sweep, others: Sequence[Sweep]) -> Finding:
     )
 
 
-def _growing(sweep: Sweep) -> Finding:
+def _growing(sweep: StepSweep) -> Finding:
     """The error grows again as the step shrinks."""
     best, steps, errors = sweep.best, sweep.steps, sweep.errors
     past = errors[best + 1 :]
@@ -111,7 +111,7 @@ def _growing(sweep: Sweep) -> Finding:
     return (Cause.ROUNDING, f"{told} at {short(steps[-1])} s") if power <= -GROWTH else None
 
 
-def _lower_than_with_less_effort(sweep: Sweep, others: Sequence[Sweep]) -> Finding:
+def _lower_than_with_less_effort(sweep: StepSweep, others: Sequence[StepSweep]) -> Finding:
     """The hardest working sweep has the lowest floor, so that yet more effort may have a lower one."""
     least = sweep.errors[sweep.best]
     if any(one.works_harder_than(sweep) for one in others):
@@ -124,7 +124,7 @@ def _lower_than_with_less_effort(sweep: Sweep, others: Sequence[Sweep]) -> Findi
     return Cause.EFFORT, f"{told}; more was not tried"
 
 
-def _level(sweep: Sweep, others: Sequence[Sweep]) -> tuple[Cause, str]:
+def _level(sweep: StepSweep, others: Sequence[StepSweep]) -> tuple[Cause, str]:
     """Neither the step nor the effort moves it; or too few points to tell."""
     least = sweep.errors[sweep.best]
     level = [
@@ -139,7 +139,7 @@ def _level(sweep: Sweep, others: Sequence[Sweep]) -> tuple[Cause, str]:
     return Cause.MODEL, f"steps of {short(level[0])} to {short(level[-1])} s all give about {short(least)}{tried}"
 
 
-def _hardest(sweeps: Sequence[Sweep]) -> Sweep:
+def _hardest(sweeps: Sequence[StepSweep]) -> StepSweep:
     most = sweeps[0]
     for one in sweeps[1:]:
         most = one if one.works_harder_than(most) else most

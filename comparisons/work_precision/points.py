@@ -8,7 +8,7 @@ from dataclasses import dataclass, field, replace
 
 from comparisons.runs.failures import Failure
 from comparisons.work_precision.measure import Taken
-from comparisons.work_precision.order import still_improves
+from comparisons.work_precision.step_sweep import still_improves
 from engines.contract import Method, Outcome, Setting
 
 # Solver efforts that are tried beside a method's own, in the units engines speak of.

@@ -12,14 +12,14 @@ from typing import Any, TypeVar
 from analytic.errors import LinkproofError
 from comparisons.runs.files import write_text
 from comparisons.runs.timing import Noise
-from comparisons.work_precision.order import Sweep
+from comparisons.work_precision.step_sweep import StepSweep
 from engines.contract import Outcome
 
 FILE = "bench.json"
 FORMAT = 2  # 1 had a record for each quantity of a point
 SETTING, METHOD = "setting", "method"
 
-Row = TypeVar("Row", "PointRecord", "Cost")
+Row = TypeVar("Row", "PointRecord", "MeasuredCost")
 
 
 @dataclass(frozen=True)
@@ -133,12 +133,12 @@ class Series:
         return tuple(record.seconds_min for record in self.records if record.seconds_min is not None)
 
     @cached_property
-    def numbers(self) -> Sweep:
+    def numbers(self) -> StepSweep:
         """The same as bare numbers."""
         steps = tuple(record.step or 0.0 for record in self.records)
         finest = self.records[-1]
         work = finest.solver_work / finest.steps if finest.steps else 0.0
-        return Sweep(steps, self.errors, self.first.effort, self.first.effort_unit, work)
+        return StepSweep(steps, self.errors, self.first.effort, self.first.effort_unit, work)
 
 
 def series(records: Iterable[BenchRecord]) -> tuple[Series, ...]:
@@ -151,7 +151,7 @@ def series(records: Iterable[BenchRecord]) -> tuple[Series, ...]:
 
 
 @dataclass(frozen=True)
-class Cost:
+class MeasuredCost:
     """One reduction of a linkage in one engine, or one query put to the closed form by one path of ``evaluate``.
 
     ``solver`` is the engine or the path, ``about`` what is recorded or asked for. ``seconds`` are of every repeat, s:
@@ -193,9 +193,9 @@ class Bench:
         return by_quantity(self.points, self.document["quantities"])
 
     @cached_property
-    def costs(self) -> tuple[Cost, ...]:
+    def costs(self) -> tuple[MeasuredCost, ...]:
         """What each output and load costs; empty where that was not asked for."""
-        return tuple(_from_row(Cost, row) for row in self.document["costs"])
+        return tuple(_from_row(MeasuredCost, row) for row in self.document["costs"])
 
     @cached_property
     def noise(self) -> Noise:
@@ -203,7 +203,7 @@ class Bench:
         return Noise(tuple(self.document["noise"]["samples"]))
 
 
-def rows(records: Iterable[PointRecord | Cost]) -> list[dict[str, Any]]:
+def rows(records: Iterable[PointRecord | MeasuredCost]) -> list[dict[str, Any]]:
     """Records as JSON has them."""
     return [asdict(record) for record in records]
 

@@ -6,9 +6,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from comparisons.work_precision.analysis import findings
-from comparisons.work_precision.front import price
-from comparisons.work_precision.order import short
 from comparisons.work_precision.records import METHOD, SETTING, BenchRecord
+from comparisons.work_precision.step_sweep import price, short
 
 
 @dataclass(frozen=True)

@@ -9,7 +9,7 @@ from typing import Any
 
 from analytic.description.linkage import Linkage
 from analytic.errors import LinkproofError, UnknownNameError
-from comparisons.campaign.campaign import Request, cases
+from comparisons.campaign.campaign import CampaignRequest, cases
 from comparisons.judging.quantities import QUANTITIES as COMPARED
 from comparisons.judging.quantities import check_defined
 from comparisons.reference.case import Case
@@ -84,7 +84,7 @@ def bench(choice: BenchChoice, destination: Destination) -> int:
     return bench_exit_code(measured.records, wanted.engines)
 
 
-def _request(choice: BenchChoice, asked: Request) -> BenchRequest:
+def _request(choice: BenchChoice, asked: CampaignRequest) -> BenchRequest:
     every = tuple(cases(asked))
     quantities = tuple(dict.fromkeys(choice.quantities)) or QUANTITIES
     for name in quantities:

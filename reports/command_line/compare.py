@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import TypedDict
 
 from analytic.description.linkage import Linkage
-from comparisons.campaign.campaign import Request
+from comparisons.campaign.campaign import CampaignRequest
 from comparisons.campaign.campaign import compare as run_campaign
 from comparisons.campaign.errata import ErratumRecord, judge_errata
 from comparisons.campaign.results import described, document, save
@@ -65,7 +65,7 @@ class _Running(TypedDict):
     journal: Journal | None
 
 
-def _errata(wanted: Request, files: Sequence[str], running: _Running) -> list[ErratumRecord]:
+def _errata(wanted: CampaignRequest, files: Sequence[str], running: _Running) -> list[ErratumRecord]:
     """The printed models of the linkages whose own regimes are asked for, put to the engines asked for."""
     by_name = dict(zip((linkage.name for linkage in wanted.linkages), files, strict=True))
 

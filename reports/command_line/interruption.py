@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 
-from comparisons.campaign.campaign import Request
+from comparisons.campaign.campaign import CampaignRequest
 from comparisons.runs.environment import environment
 from comparisons.runs.journal import Journal
 from engines.registry import engine
@@ -18,7 +18,7 @@ Announce = Callable[[str, int, int], None]
 INCIDENTAL = ("date", "machine")
 
 
-def journal(folder: Path, command: str, request: Request, texts: Sequence[str], *, resume: bool) -> Journal:
+def journal(folder: Path, command: str, request: CampaignRequest, texts: Sequence[str], *, resume: bool) -> Journal:
     """The journal of a request: empty, or what was kept of the same request before where it is resumed.
 
     The same are the command, the linkage files and the versions of everything that computes.

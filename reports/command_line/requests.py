@@ -12,7 +12,7 @@ from analytic.description.crank_motion import LARGEST, RAMPS, REGIMES, RPM, Cran
 from analytic.description.linkage import Linkage
 from analytic.description.loading import catalogue, find, load
 from analytic.errors import LinkproofError, UnknownNameError
-from comparisons.campaign.campaign import Request
+from comparisons.campaign.campaign import CampaignRequest
 from comparisons.runs.failures import GIB
 from comparisons.runs.workers import DEFAULT_BOUNDS, Bounds, cores
 from engines.contract import Setting
@@ -221,11 +221,11 @@ def _own_settings(choice: CampaignChoice) -> tuple[Setting, ...]:
     return _settings(choice) if choice.full or {*choice.settings} - {EVERYTHING} else (Setting.BEST,)
 
 
-def request(choice: CampaignChoice) -> Request:
+def request(choice: CampaignChoice) -> CampaignRequest:
     """The campaign's request; raises LinkproofError for anything that does not exist or cannot be."""
     choice.check()
     found = linkages(choice)
-    return Request(
+    return CampaignRequest(
         linkages=found,
         motions=motions(choice),
         conditions=choice.conditions,

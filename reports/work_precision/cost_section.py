@@ -8,7 +8,7 @@ from itertools import groupby
 
 from markupsafe import Markup
 
-from comparisons.work_precision.records import Cost
+from comparisons.work_precision.records import MeasuredCost
 from engines.contract import Outcome
 from reports.text.numbers import figure, seconds
 from reports.text.tables import ReportTable
@@ -24,14 +24,14 @@ PATHS = {"numpy": "by NumPy", "compiled": "by the compiled path"}
 ANGLES = ("asked for", "least", "median", "of whole")
 
 
-def cost_tables(costs: Sequence[Cost]) -> tuple[ReportTable, ...]:
+def cost_tables(costs: Sequence[MeasuredCost]) -> tuple[ReportTable, ...]:
     """One table for the engines, then one for the closed form by each path, as measured."""
     runs = [cost for cost in costs if not cost.angles]
     queries = groupby([cost for cost in costs if cost.angles], key=lambda cost: cost.solver)
     return (*([_run_table(runs)] if runs else []), *(_query_table(list(part)) for _, part in queries))
 
 
-def _run_table(costs: Sequence[Cost]) -> ReportTable:
+def _run_table(costs: Sequence[MeasuredCost]) -> ReportTable:
     first, whole = costs[0], {cost.solver: cost for cost in reversed(costs)}
     lead = (
         f"Time of {first.mechanism} ({first.variant}) brought to speed, tuned, from checking the scene to "
@@ -44,14 +44,14 @@ def _run_table(costs: Sequence[Cost]) -> ReportTable:
     return ReportTable(lead, RUNS, tuple(_run_row(cost, whole[cost.solver]) for cost in costs), "llr", note)
 
 
-def _run_row(cost: Cost, whole: Cost) -> tuple[str, ...]:
+def _run_row(cost: MeasuredCost, whole: MeasuredCost) -> tuple[str, ...]:
     if cost.outcome != Outcome.FINISHED:
         return (cost.solver, cost.reduction, cost.outcome, "", "", "", "")
     times = (*map(seconds, _two(cost)), _share(cost, whole), seconds(min(cost.stepping)))
     return (cost.solver, cost.reduction, *times, str(cost.steps))
 
 
-def _query_table(costs: Sequence[Cost]) -> ReportTable:
+def _query_table(costs: Sequence[MeasuredCost]) -> ReportTable:
     first = costs[0]
     lead = (
         f"Time of the closed form of {first.mechanism} ({first.variant}) per crank angle, {PATHS[first.solver]}: least "
@@ -62,19 +62,19 @@ def _query_table(costs: Sequence[Cost]) -> ReportTable:
     return ReportTable(lead, ANGLES, tuple(_query_row(cost, first) for cost in costs), "lr", note)
 
 
-def _query_row(cost: Cost, whole: Cost) -> tuple[str, ...]:
+def _query_row(cost: MeasuredCost, whole: MeasuredCost) -> tuple[str, ...]:
     each = (f"{figure(spent / cost.angles * 1e9, 3)} ns" for spent in _two(cost))
     return (cost.reduction, *each, _share(cost, whole))
 
 
-def _two(cost: Cost) -> tuple[float, float]:
+def _two(cost: MeasuredCost) -> tuple[float, float]:
     return min(cost.seconds), statistics.median(cost.seconds)
 
 
-def _share(cost: Cost, whole: Cost) -> str:
+def _share(cost: MeasuredCost, whole: MeasuredCost) -> str:
     return f"{100.0 * min(cost.seconds) / min(whole.seconds):.0f} %"
 
 
-def section(costs: Sequence[Cost]) -> Markup:
+def section(costs: Sequence[MeasuredCost]) -> Markup:
     """The section's HTML, heading and tables, as the page has it."""
     return render("tables_section.html", title=TITLE, about=ABOUT, tables=cost_tables(costs))

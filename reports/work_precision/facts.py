@@ -8,7 +8,7 @@ from functools import cached_property
 
 from comparisons.work_precision.analysis import (
     WANTED,
-    Choice,
+    PointChoice,
     Standing,
     SweepFinding,
     choices,
@@ -16,9 +16,9 @@ from comparisons.work_precision.analysis import (
     on_front,
     standings,
 )
-from comparisons.work_precision.order import falls_with_effort
 from comparisons.work_precision.records import SETTING, Bench, BenchRecord
 from comparisons.work_precision.saving import Saving, saving
+from comparisons.work_precision.step_sweep import falls_with_effort
 from engines.contract import Setting
 from reports.text.numbers import bound
 
@@ -46,7 +46,7 @@ class EngineFacts:
         return tuple(one for one in self.sweeps if self.is_own(one.first))
 
     @cached_property
-    def choices(self) -> tuple[Choice, ...]:
+    def choices(self) -> tuple[PointChoice, ...]:
         """The point to choose for every error."""
         return choices(self.records, WANTED)
 

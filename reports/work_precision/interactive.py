@@ -9,8 +9,8 @@ from typing import Any
 import plotly.graph_objects as go
 from plotly.offline import get_plotlyjs
 
-from comparisons.work_precision.front import pareto
 from comparisons.work_precision.records import SETTING, BenchRecord
+from comparisons.work_precision.step_sweep import pareto
 from reports.drawing.style import FAINT, INK, MUTED, REFERENCE, colour
 from reports.text.numbers import ABSENT, error, seconds
 from reports.work_precision.facts import EngineFacts, PlaceFacts, effort_words

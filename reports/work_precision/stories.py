@@ -8,8 +8,7 @@ from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 
 from comparisons.work_precision.analysis import Standing
-from comparisons.work_precision.front import price
-from comparisons.work_precision.order import SATURATED
+from comparisons.work_precision.step_sweep import SATURATED, price
 from engines.contract import Setting
 from reports.text.numbers import error, figure, seconds
 from reports.work_precision.facts import EngineFacts, PlaceFacts

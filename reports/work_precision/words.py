@@ -7,9 +7,9 @@ from dataclasses import dataclass
 
 from markupsafe import Markup
 
-from comparisons.work_precision.analysis import Choice, Standing, SweepFinding
-from comparisons.work_precision.order import SATURATED
+from comparisons.work_precision.analysis import PointChoice, Standing, SweepFinding
 from comparisons.work_precision.records import Bench, BenchRecord
+from comparisons.work_precision.step_sweep import SATURATED
 from reports.text.numbers import ABSENT, error, figure, seconds
 from reports.text.tables import ReportTable
 from reports.work_precision.facts import EngineFacts, effort_words
@@ -50,7 +50,7 @@ class ChoiceCell:
     title: str
 
 
-def choice_cell(choice: Choice, facts: EngineFacts) -> ChoiceCell:
+def choice_cell(choice: PointChoice, facts: EngineFacts) -> ChoiceCell:
     """A choice in words."""
     record = choice.record
     if record is None:

@@ -11,7 +11,7 @@ from analytic.description.crank_motion import crank_motion
 from analytic.description.linkage import Linkage
 from analytic.description.loading import find, load
 from analytic.kinematics.mechanism import Mechanism
-from comparisons.campaign.campaign import Request, RunResult
+from comparisons.campaign.campaign import CampaignRequest, RunResult
 from comparisons.campaign.results import Results, dataset, document
 from comparisons.invariants.invariants import INVARIANTS
 from comparisons.judging.deviations import Deviation, near_jumps
@@ -43,7 +43,7 @@ def made_up_results(
         linkages = [load("juki-mf7923d")]
         texts = [text_of("juki-mf7923d")]
     motions = tuple(crank_motion(name, clockwise=clockwise) for name in regimes)
-    request = Request(tuple(linkages), motions, CONDITIONS, tuple(engines), tuple(settings), tuple(quantities))
+    request = CampaignRequest(tuple(linkages), motions, CONDITIONS, tuple(engines), tuple(settings), tuple(quantities))
     runs = [
         _run(Case(Mechanism(linkage), motion), Maker(engine, setting, samples), request, broken or {})
         for linkage in linkages
@@ -69,7 +69,7 @@ class Maker:
     samples: int
 
 
-def _run(case: Case, maker: Maker, request: Request, broken: dict[str, Verdict]) -> RunResult:
+def _run(case: Case, maker: Maker, request: CampaignRequest, broken: dict[str, Verdict]) -> RunResult:
     engine, setting, samples = maker.engine, maker.setting, maker.samples
     blank = _blank(case, engine, setting, request.conditions)
     if engine in broken:

@@ -23,7 +23,7 @@ from pathlib import Path
 
 from analytic.description.crank_motion import REGIMES, crank_motion
 from analytic.description.loading import catalogue, find, load
-from comparisons.campaign.campaign import Request, compare
+from comparisons.campaign.campaign import CampaignRequest, compare
 from comparisons.campaign.results import DATASET, RECORDS, Results, document, save
 from comparisons.campaign.results import load as load_results
 from comparisons.judging.run_result import ARRAYS
@@ -85,11 +85,11 @@ def measure(times: int, seed: int = 0) -> Endurance:
     return Endurance(**json.loads(done.stdout))
 
 
-def request() -> Request:
+def request() -> CampaignRequest:
     """Every mechanism of the catalogue under every prescribed regime in the direct engine, tuned; no invariants."""
     motions = tuple(crank_motion(name, speed=SPEED, ramp_time=RAMP_TIME, hold_time=HOLD_TIME) for name in REGIMES)
     linkages = tuple(load(name) for name in catalogue())
-    return Request(linkages, motions, "brief", ("direct",), (Setting.TUNED,), QUANTITIES, with_invariants=False)
+    return CampaignRequest(linkages, motions, "brief", ("direct",), (Setting.TUNED,), QUANTITIES, with_invariants=False)
 
 
 def run_campaign(folder: Path, processes: int) -> None:

@@ -25,7 +25,7 @@ from analytic.dynamics.reduced import damping_coefficient
 from analytic.evaluation import evaluate
 from analytic.kinematics.mechanism import Mechanism
 from analytic.motion.steady_rotation import steady_state
-from comparisons.campaign.campaign import Request, RunResult, compare
+from comparisons.campaign.campaign import CampaignRequest, RunResult, compare
 from comparisons.judging.records import Record
 from comparisons.reference.case import own_motion
 from comparisons.reference.start_state import scene
@@ -112,7 +112,7 @@ def measure(linkages: Sequence[Linkage], engines: Sequence[str]) -> Iterator[Fig
 def _campaign(linkages: Sequence[Linkage], engines: Sequence[str]) -> Iterator[RunResult]:
     motions = (crank_motion("run-up"), crank_motion("run-up-quintic"))
     settings = (Setting.TUNED, Setting.BEST)
-    return compare(Request(tuple(linkages), motions, "as promised", tuple(engines), settings))
+    return compare(CampaignRequest(tuple(linkages), motions, "as promised", tuple(engines), settings))
 
 
 def _own_campaign(linkages: Sequence[Linkage], engines: Sequence[str]) -> Iterator[RunResult]:
@@ -121,7 +121,7 @@ def _own_campaign(linkages: Sequence[Linkage], engines: Sequence[str]) -> Iterat
         if target.kind == "own_errors":
             asked = target.arguments
             chosen = tuple(linkage for linkage in linkages if linkage.name == asked["mechanism"])
-            request = Request(
+            request = CampaignRequest(
                 chosen,
                 (),
                 "",

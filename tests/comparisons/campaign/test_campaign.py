@@ -12,7 +12,7 @@ from analytic.description.loading import load
 from analytic.errors import AssemblyError, LinkproofError, UnknownNameError
 from analytic.kinematics.mechanism import Mechanism
 from comparisons.campaign import campaign
-from comparisons.campaign.campaign import Request, compare, tasks
+from comparisons.campaign.campaign import CampaignRequest, compare, tasks
 from comparisons.judging import baseline, deviations
 from comparisons.judging.records import Verdict
 from comparisons.judging.run_result import ARRAYS
@@ -73,7 +73,7 @@ def with_engine(monkeypatch):
 
 
 def _request(**changes):
-    request = Request((JUKI,), (MOTION,), "as tested", ("scripted",))
+    request = CampaignRequest((JUKI,), (MOTION,), "as tested", ("scripted",))
     return dataclasses.replace(request, **changes)
 
 
@@ -286,7 +286,7 @@ def test_every_setting_is_run_in_order(with_engine):
 def _parallel(**changes):
     """A request of real runs: two mechanisms, two regimes and two settings of the direct engine."""
     settings = (Setting.NAIVE, Setting.TUNED)
-    return dataclasses.replace(Request((JUKI, TAKEUP), BRIEF, "brief", ("direct",), settings), **changes)
+    return dataclasses.replace(CampaignRequest((JUKI, TAKEUP), BRIEF, "brief", ("direct",), settings), **changes)
 
 
 def _untimed(result):

@@ -12,7 +12,7 @@ from analytic.description.loading import find, load
 from analytic.errors import LinkproofError
 from analytic.kinematics.mechanism import Mechanism
 from comparisons.campaign import campaign
-from comparisons.campaign.campaign import Request
+from comparisons.campaign.campaign import CampaignRequest
 from comparisons.campaign.results import described, document, save
 from comparisons.campaign.results import load as load_results
 from comparisons.judging.records import from_rows, to_json
@@ -31,7 +31,7 @@ def _compared(request, run):
 
 @pytest.fixture(scope="module")
 def saved(tmp_path_factory):
-    request = Request((JUKI,), (MOTION,), "as tested", ("direct",))
+    request = CampaignRequest((JUKI,), (MOTION,), "as tested", ("direct",))
     motion = perfect_motion(Mechanism(JUKI), MOTION, 701)
     run = Run(Outcome.FINISHED, history=motion.history, details={"step": 1e-3})
     (result,) = _compared(request, run)
@@ -109,7 +109,7 @@ def test_json_never_holds_nan():
 
 
 def test_a_campaign_of_failures_can_be_saved(tmp_path):
-    request = Request((JUKI,), (MOTION,), "as tested", ("direct",), (Setting.NAIVE,))
+    request = CampaignRequest((JUKI,), (MOTION,), "as tested", ("direct",), (Setting.NAIVE,))
     (failed,) = _compared(request, Run(Outcome.DIVERGED, "ran away"))
     told = document(request, [failed], [find("juki-mf7923d").read_text()], "linkproof compare")
     save(tmp_path, [failed], told)

@@ -5,7 +5,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from comparisons.work_precision.floor import Cause, floor
-from comparisons.work_precision.order import Sweep
+from comparisons.work_precision.step_sweep import StepSweep
 
 STEPS = [0.1 / 2**k for k in range(12)]
 
@@ -14,7 +14,7 @@ def made(size, order, *, level=0.0, growth=0.0, power=1.0, count=12, **effort):
     """Errors size·x^order + level + growth·x^-power over x = h/h₀."""
     scaled = [(step, step / STEPS[0]) for step in STEPS[:count]]
     errors = [size * x**order + level + growth * x**-power for _, x in scaled]
-    return Sweep([step for step, _ in scaled], errors, **effort)
+    return StepSweep([step for step, _ in scaled], errors, **effort)
 
 
 def test_a_sweep_that_still_falls_says_so():
@@ -72,19 +72,19 @@ def test_growth_that_more_effort_leaves_is_rounding():
 
 
 def test_a_solver_that_holds_a_falling_error_up_is_named():
-    loose = Sweep(STEPS[:3], [1e-4, 1.5e-5, 9.5e-6], 1e-6, "relative tolerance")
-    tight = Sweep(STEPS[:3], [1e-4, 1e-6, 1e-8], 1e-12, "relative tolerance")
+    loose = StepSweep(STEPS[:3], [1e-4, 1.5e-5, 9.5e-6], 1e-6, "relative tolerance")
+    tight = StepSweep(STEPS[:3], [1e-4, 1e-6, 1e-8], 1e-12, "relative tolerance")
     assert floor(loose, [tight]).cause is Cause.EFFORT
     assert floor(loose).cause is Cause.FALLING
 
 
 def test_one_point_tells_nothing():
-    found = floor(Sweep([0.1], [1e-3]))
+    found = floor(StepSweep([0.1], [1e-3]))
     assert found.cause is Cause.UNSETTLED
 
 
 @given(st.lists(st.floats(1e-16, 10.0), min_size=1, max_size=12))
 def test_any_errors_have_a_floor_with_evidence(errors):
-    found = floor(Sweep(STEPS[: len(errors)], errors))
+    found = floor(StepSweep(STEPS[: len(errors)], errors))
     assert found.error == min(errors)
     assert found.evidence

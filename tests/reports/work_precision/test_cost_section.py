@@ -5,13 +5,14 @@ import re
 import pytest
 from rich.console import Console
 
-from comparisons.work_precision.records import Cost
+from comparisons.work_precision.records import MeasuredCost
 from reports.work_precision.cost_section import TITLE, cost_tables, section
 
 
 def _run(engine, reduction, least, outcome="finished", reason=""):
+    about = f"about {reduction}"
     seconds, stepping = (3.0 * least, least, 2.0 * least), (0.5 * least, 0.25 * least, 0.75 * least)
-    return Cost("made-up", "base", engine, reduction, f"about {reduction}", 0, outcome, reason, seconds, stepping, 1400)
+    return MeasuredCost("made-up", "base", engine, reduction, about, 0, outcome, reason, seconds, stepping, 1400)
 
 
 COSTS = (
@@ -19,9 +20,9 @@ COSTS = (
     _run("first", "Jeq <alone>", 0.02),
     _run("second", "everything", 2.0),
     _run("second", "Jeq <alone>", 0.0, "unsupported", "it will not"),
-    Cost("made-up", "base", "numpy", "everything", "S, Jeq", 1000, seconds=(3e-4, 2e-4, 2.5e-4)),
-    Cost("made-up", "base", "numpy", "S", "S", 1000, seconds=(1e-4, 5e-5, 7.5e-5)),
-    Cost("made-up", "base", "compiled", "everything", "S, Jeq", 1000, seconds=(2e-5, 1e-5, 3e-5)),
+    MeasuredCost("made-up", "base", "numpy", "everything", "S, Jeq", 1000, seconds=(3e-4, 2e-4, 2.5e-4)),
+    MeasuredCost("made-up", "base", "numpy", "S", "S", 1000, seconds=(1e-4, 5e-5, 7.5e-5)),
+    MeasuredCost("made-up", "base", "compiled", "everything", "S, Jeq", 1000, seconds=(2e-5, 1e-5, 3e-5)),
 )
 
 

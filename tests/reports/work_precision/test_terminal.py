@@ -1,6 +1,6 @@
 """The benchmark in a terminal."""
 
-from comparisons.work_precision.records import Bench, Cost, rows
+from comparisons.work_precision.records import Bench, MeasuredCost, rows
 from reports.text.screen import rendered
 from reports.work_precision.terminal import printout
 from tests.reports.made_up_bench import made_up_bench, nothing_finished
@@ -32,7 +32,7 @@ def test_an_engine_that_is_absent_says_so():
 
 
 def test_costs_stand_below_where_they_were_measured():
-    cost = Cost("made-up", "base", "numpy", "S <alone>", "S", 1000, seconds=(1e-4, 5e-5, 7.5e-5))
+    cost = MeasuredCost("made-up", "base", "numpy", "S <alone>", "S", 1000, seconds=(1e-4, 5e-5, 7.5e-5))
     text = _text(Bench({**made_up_bench().document, "costs": rows([cost])}))
     assert "S <alone> 50.0 ns 75.0 ns 100 %" in " ".join(text.split())
 

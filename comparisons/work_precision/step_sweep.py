@@ -1,4 +1,4 @@
-"""A sweep of steps: the order its error falls with, and whether another refinement still pays."""
+"""A sweep of steps: the order its error falls with, whether refining still pays, what an error costs along it."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ IMPROVED = 1.5
 
 
 @dataclass(frozen=True)
-class Sweep:
+class StepSweep:
     """One method at one solver effort over its steps.
 
     ``steps``, s, fall strictly; ``errors`` are over the truth's peak, one per step. ``work`` is the solver's work per
@@ -63,7 +63,7 @@ class Sweep:
         """The error at a step, s; None where that step was not taken."""
         return next((e for s, e in zip(self.steps, self.errors, strict=True) if math.isclose(s, step)), None)
 
-    def works_harder_than(self, other: Sweep) -> bool:
+    def works_harder_than(self, other: StepSweep) -> bool:
         """Whether its solver does more: by the efforts named, else by the work done per step."""
         if self.effort is not None and other.effort is not None:
             falls = falls_with_effort(self.effort_unit)
@@ -84,7 +84,7 @@ def falls_with_effort(unit: str) -> bool:
     return "tolerance" in unit
 
 
-def observed_order(sweep: Sweep) -> float | None:
+def observed_order(sweep: StepSweep) -> float | None:
     """Slope of log error over log step where it is steady; None where fewer than three points share one.
 
     The longest run of refinements counts, of equal ones the finest, whose local slopes agree with their own Theil-Sen
@@ -126,3 +126,45 @@ def still_improves(errors: Sequence[float]) -> bool:
     if len(errors) < LEAST_POINTS:
         return True
     return min(errors[-2:]) * IMPROVED < min(errors[:-2])
+
+
+def pareto(costs: Sequence[float], errors: Sequence[float]) -> NDArray[np.bool_]:
+    """Which of the points (n,) no other beats: none is as cheap and as exact and better in one of the two."""
+    order = np.lexsort((errors, costs))
+    kept = np.zeros(len(costs), dtype=bool)
+    least, at = math.inf, math.nan
+    for k in order:
+        # Sorted by cost, then error: only a smaller error, or a twin of the point kept last, is not beaten.
+        if errors[k] < least or (errors[k] == least and costs[k] == at):
+            kept[k] = True
+            least, at = errors[k], costs[k]
+    return kept
+
+
+def sustained(errors: Sequence[float], wanted: float) -> int | None:
+    """Place of the coarsest step from which on every finer one, down to the smallest error, is at or below ``wanted``.
+
+    A coarse step can be right by accident; one that the next finer step contradicts is not to be relied on. None where
+    the error is never reached.
+    """
+    place = int(np.argmin(errors))
+    if errors[place] > wanted:
+        return None
+    while place > 0 and errors[place - 1] <= wanted:
+        place -= 1
+    return place
+
+
+def price(costs: Sequence[float], errors: Sequence[float], wanted: float) -> float | None:
+    """What a sweep, coarse to fine, costs where its error falls to ``wanted``, by logarithms between two points.
+
+    None where it never gets there.
+    """
+    place = sustained(errors, wanted)
+    if place is None:
+        return None
+    if place == 0 or errors[place] <= 0.0:
+        return float(costs[place])
+    above, below = math.log(errors[place - 1] / wanted), math.log(wanted / errors[place])
+    share = above / (above + below)
+    return math.exp((1.0 - share) * math.log(costs[place - 1]) + share * math.log(costs[place]))
