@@ -75,6 +75,15 @@ def test_at_the_start_the_torque_may_be_that_of_a_crank_at_rest(case, motion):
     assert deviation(case, QUANTITIES["Mkr"], resting).error_at_jumps < 1e-12
 
 
+def test_what_is_interpolated_across_a_jump_is_not_held_against_an_engine():
+    """A power from a torque and a speed that have clocks of their own."""
+    abrupt = Case(Mechanism(load("juki-mf7923d")), crank_motion("run-up", ramp_time=1e-3, hold_time=0.05))
+    shifted = perfect_motion(abrupt.mechanism, abrupt.motion, 202, shift=0.5)
+    found = deviation(abrupt, QUANTITIES["Peq"], shifted)
+    assert found.error_at_jumps == 0.0
+    assert deviation(abrupt, QUANTITIES["Mkr"], shifted).error_at_jumps < 1e-12
+
+
 def test_a_smooth_ramp_leaves_nothing_out(case):
     smooth = Case(case.mechanism, crank_motion("run-up-quintic"))
     found = deviation(smooth, QUANTITIES["Mkr"], perfect_motion(smooth.mechanism, smooth.motion, 701))

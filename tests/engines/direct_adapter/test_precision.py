@@ -1,4 +1,4 @@
-"""The ways of the direct engine that can be studied: fixed Runge-Kutta steps as asked, and exact instants."""
+"""The ways of the direct engine that can be studied: exact instants in two floating types."""
 
 import math
 
