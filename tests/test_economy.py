@@ -14,7 +14,7 @@ import pytest
 from comparisons.campaign.campaign import CampaignRequest, compare
 from comparisons.campaign.results import document, save
 from engines.registry import engine, engine_names
-from reports.command_line.requests import CampaignChoice, request, texts
+from reports.command_line.requests import CampaignChoice, request
 
 ROOT = Path(__file__).parents[1]
 ENGINES = ("exudyn", "pymunk")
@@ -83,7 +83,7 @@ def test_an_engine_that_was_not_asked_for_is_not_imported(imported, name):
 def test_a_report_from_saved_records_imports_no_engine(imported, tmp_path):
     choice = CampaignChoice(mechanisms=("juki-mf7923d",), engines=("direct",), quantities=("Jeq",))
     wanted: CampaignRequest = request(choice)
-    results, files = list(compare(wanted)), texts(choice, wanted.linkages)
+    results, files = list(compare(wanted)), [linkage.text for linkage in wanted.linkages]
     save(tmp_path / "saved", results, document(wanted, results, files, "as tested"))
     assert imported(ENGINES, "report", str(tmp_path / "saved")) == set()
     assert (tmp_path / "saved" / "index.html").is_file()

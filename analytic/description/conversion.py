@@ -55,6 +55,7 @@ def interpret(document: doc.Document, name: str, variants: tuple[str, ...], sour
         published=tuple(lk.Published(**entry.model_dump()) for entry in document.published),
         notes=tuple(document.notes),
         length_unit=document.units.length,
+        text=source.text,
     )
     _check_lengths(reader, linkage)
     return linkage

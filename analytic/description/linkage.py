@@ -197,7 +197,10 @@ class Erratum:
 
 @dataclass(frozen=True)
 class Linkage:
-    """A planar linkage of one degree of freedom with its loads; every mapping is sorted by name."""
+    """A planar linkage of one degree of freedom with its loads; every mapping is sorted by name.
+
+    ``length_unit`` is that of its file, whose ``text`` it keeps; lengths are in m all the same.
+    """
 
     name: str
     title: str
@@ -224,6 +227,7 @@ class Linkage:
     published: tuple[Published, ...] = ()
     notes: tuple[str, ...] = field(default=())
     length_unit: str = "m"
+    text: str = field(default="", repr=False)
 
     @property
     def joint_names(self) -> tuple[str, ...]:

@@ -24,7 +24,7 @@ from comparisons.work_precision.study import bench as measure_all
 from reports.command_line.destination import Destination
 from reports.command_line.exit_codes import bench_exit_code
 from reports.command_line.interruption import interruptible, journal
-from reports.command_line.requests import CampaignChoice, command_line, installed, request, texts
+from reports.command_line.requests import CampaignChoice, command_line, installed, request
 from reports.work_precision.terminal import printout
 
 REGIMES, QUICK_REGIMES = ("run-up-quintic", "run-up"), ("run-up-quintic",)
@@ -68,7 +68,7 @@ def bench(choice: BenchChoice, destination: Destination) -> int:
     destination.check(FILE)
     asked = request(choice.campaign)
     wanted = _request(choice, asked)
-    files = texts(choice.campaign, asked.linkages)
+    files = [linkage.text for linkage in asked.linkages]
     kept = journal(out, choice.command, asked, files, resume=destination.resume) if out else None
     with interruptible(out) as counting:
         with destination.progress() as announce:

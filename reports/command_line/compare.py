@@ -20,7 +20,7 @@ from reports.campaign.terminal import printout
 from reports.command_line.destination import Destination
 from reports.command_line.exit_codes import campaign_exit_code
 from reports.command_line.interruption import interruptible, journal
-from reports.command_line.requests import CampaignChoice, RunLimits, installed, request, texts
+from reports.command_line.requests import CampaignChoice, RunLimits, installed, request
 from reports.text.screen import line, show
 
 PAGE, SUMMARY = "index.html", "RESULTS.md"
@@ -34,7 +34,7 @@ def compare(
     limits.check()
     destination.check(PAGE)
     wanted = request(choice)
-    files = texts(choice, wanted.linkages)
+    files = [linkage.text for linkage in wanted.linkages]
     kept = journal(out, choice.command, wanted, files, resume=destination.resume) if out else None
     with interruptible(out) as counting:
         with destination.progress() as announce:

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from analytic.description.changes import without
 from analytic.description.crank_motion import LARGEST, RAMPS, REGIMES, RPM, CrankMotion, crank_motion
 from analytic.description.linkage import Linkage
-from analytic.description.loading import catalogue, find, load
+from analytic.description.loading import catalogue, read
 from analytic.errors import LinkproofError, UnknownNameError
 from comparisons.campaign.campaign import CampaignRequest
 from comparisons.runs.failures import GIB
@@ -138,30 +138,20 @@ class RunLimits:
 def linkages(choice: CampaignChoice) -> tuple[Linkage, ...]:
     """The linkages asked for; all of the catalogue that have the variant, where none is named."""
     names = tuple(dict.fromkeys(choice.mechanisms or catalogue()))
-    found = [load(name) for name in names]
-    if choice.variant is not None:
-        having = [name for name, one in zip(names, found, strict=True) if choice.variant in one.variants]
-        if not choice.mechanisms and having:
-            names = tuple(having)
-        found = [load(name, choice.variant) for name in names]
-    if not choice.gravity:
-        found = [without(linkage, "gravity") for linkage in found]
-    _check_names_differ(found)
-    return tuple(found)
+    files = [read(name) for name in names]
+    if choice.variant is not None and not choice.mechanisms:
+        files = [file for file in files if choice.variant in file.linkage().variants] or files
+    chosen = [file.linkage(choice.variant) for file in files]
+    _check_names_differ(chosen)
+    return tuple(chosen if choice.gravity else [without(linkage, "gravity") for linkage in chosen])
 
 
-def _check_names_differ(found: list[Linkage]) -> None:
+def _check_names_differ(chosen: list[Linkage]) -> None:
     seen: set[str] = set()
-    for linkage in found:
+    for linkage in chosen:
         if linkage.name in seen:
             raise LinkproofError(f"two linkage files are both called '{linkage.name}': rename one of them")
         seen.add(linkage.name)
-
-
-def texts(choice: CampaignChoice, found: tuple[Linkage, ...]) -> list[str]:
-    """The files behind the linkages, in the same order."""
-    paths = {linkage.name: linkage.name for linkage in found} | {find(n).stem: n for n in choice.mechanisms}
-    return [find(paths[linkage.name]).read_text(encoding="utf-8") for linkage in found]
 
 
 def motions(choice: CampaignChoice) -> tuple[CrankMotion, ...]:

@@ -3,6 +3,7 @@
 import math
 import re
 import shlex
+from pathlib import Path
 
 import pytest
 
@@ -14,7 +15,8 @@ from comparisons.runs.workers import DEFAULT_BOUNDS, cores
 from engines.contract import Setting
 from engines.registry import engine_names
 from reports.command_line import requests
-from reports.command_line.requests import CampaignChoice, RunLimits, request
+from reports.command_line.requests import CampaignChoice, RunLimits, linkages, request
+from tests.counting import calls
 
 
 def test_no_words_mean_everything_tuned_on_the_default_ramp():
@@ -157,3 +159,11 @@ def test_gravity_is_on_where_the_linkage_has_it(tmp_path):
     }
     assert conditions["juki-mf7923d"].endswith(", gravity on")
     assert conditions["weightless"].endswith(", gravity off")
+
+
+def test_a_linkage_file_is_read_once_and_its_text_kept(monkeypatch):
+    reads = calls(monkeypatch, Path, "read_text")
+    chosen = linkages(CampaignChoice(mechanisms=("juki-mf7923d", "rimoldi-164"), variant="as-printed", gravity=False))
+    assert [linkage.variant for linkage in chosen] == ["as-printed", "as-printed"]
+    assert [path.stem for (path,) in reads if path.suffix == ".toml"] == ["juki-mf7923d", "rimoldi-164"]
+    assert chosen[0].text.startswith("# Juki MF-7923D")
