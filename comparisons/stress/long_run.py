@@ -26,8 +26,8 @@ from engines.scene import Channel
 
 TURNS: Final = 1000
 SPEED: Final = 1000.0  # rpm
-BOUNDS: Final = Bounds(300.0, 4 * GIB)
 LEAST: Final = float(np.finfo(float).eps)  # of the peak, or of the link: a smaller error is rounding
+BOUNDS: Final = Bounds(300.0, 4 * GIB)
 
 
 @dataclass(frozen=True)
@@ -46,16 +46,6 @@ class LongRun:
     torque_last: float | None = None
     seconds: float = 0.0
     steps: int = 0
-
-    @property
-    def growth(self) -> float:
-        """The worse of the two errors' ratios, last turn over first; infinite where there was no motion."""
-        if self.gap_first is None or self.gap_last is None or self.torque_first is None or self.torque_last is None:
-            return float("inf")
-        return max(
-            max(self.gap_last, LEAST) / max(self.gap_first, LEAST),
-            max(self.torque_last, LEAST) / max(self.torque_first, LEAST),
-        )
 
 
 def long_runs(

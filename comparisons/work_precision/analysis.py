@@ -7,7 +7,6 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
-from itertools import groupby
 
 from comparisons.work_precision.floor import Floor, floor
 from comparisons.work_precision.records import SETTING, BenchRecord, PointRecord, Series, by_quantity, series
@@ -168,9 +167,3 @@ def standings(records: Sequence[BenchRecord]) -> tuple[Standing, ...]:
                 assert place is not None
                 found.append(Standing(record, cheapest[1].records[place], cheapest[0]))
     return tuple(found)
-
-
-def sections(records: Sequence[BenchRecord]) -> Iterator[tuple[tuple[str, str, str], list[BenchRecord]]]:
-    """Records by mechanism, variant and regime, in the order they stand."""
-    for place, group in groupby(records, key=lambda record: record.place):
-        yield place, list(group)

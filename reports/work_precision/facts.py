@@ -17,14 +17,11 @@ from comparisons.work_precision.analysis import (
     standings,
 )
 from comparisons.work_precision.records import SETTING, Bench, BenchRecord
-from comparisons.work_precision.saving import Saving, saving
 from comparisons.work_precision.step_sweep import falls_with_effort
-from engines.contract import Setting
 from reports.text.numbers import bound
 
 # The quantity a place is judged by, where the user names none: the first of these that it has.
 FOREMOST = ("Mkr", "phi")
-SAVED_AT = 1e-6
 
 
 @dataclass(frozen=True)
@@ -54,11 +51,6 @@ class EngineFacts:
     def standings(self) -> tuple[Standing, ...]:
         """The settings against the methods' front."""
         return standings(self.records)
-
-    @cached_property
-    def saving(self) -> Saving | None:
-        """What ``best`` saves against a newcomer's fixed steps."""
-        return saving(self.records, Setting.BEST.value, SAVED_AT)
 
     @cached_property
     def failures(self) -> tuple[str, ...]:

@@ -60,7 +60,6 @@ def _block(place: PlaceFacts, quantity: str, noise: float) -> list[RenderableTyp
         for one in facts.standings:
             way = facts.way(one.rival) if one.rival else ""
             parts.append(line(f"{facts.engine} {standing_words(one, way, noise)}"))
-        parts += [line(facts.saving.sentence)] if facts.saving else []
     return [*parts, *_failures(place, quantity), line("")]
 
 

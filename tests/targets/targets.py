@@ -32,7 +32,7 @@ from comparisons.reference.start_state import scene
 from engines.contract import Setting
 from engines.registry import engine, engine_names
 from engines.scene import Channel, Prescribed
-from tests.targets import promises, speed
+from tests.targets import speed, studies
 
 TABLE = Path(__file__).with_name("targets.toml")
 REPEATS = 5
@@ -100,10 +100,10 @@ def measure(linkages: Sequence[Linkage], engines: Sequence[str]) -> Iterator[Fig
         "six_bar": _six_bar,
         "designs": _designs,
         "forward": _forward,
-        "savings": lambda target: _studied(target, promises.savings, engines),
-        "long_turns": lambda target: _studied(target, promises.long_turns, engines),
-        "missed": lambda target: _studied(target, promises.missed, engines),
-        "endurance": lambda target: _studied(target, promises.endurance, engines),
+        "savings": lambda target: _studied(target, studies.savings, engines),
+        "long_turns": lambda target: _studied(target, studies.long_turns, engines),
+        "missed": lambda target: _studied(target, studies.missed, engines),
+        "endurance": lambda target: _studied(target, studies.endurance, engines),
     }
     for target in targets():
         yield from kinds[target.kind](target)

@@ -1,7 +1,8 @@
-"""Promised figures that take a study of their own: savings, long runs, stress maps, killed campaigns."""
+"""Targets that take a study of their own: savings, long runs, stress maps, killed campaigns."""
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Sequence
 from typing import Any
 
@@ -11,10 +12,10 @@ from analytic.kinematics.mechanism import Mechanism
 from comparisons.reference.case import Case
 from comparisons.stress.axes import chosen_axes
 from comparisons.stress.campaign import StressRequest, stress
-from comparisons.stress.long_run import LongRun, long_runs
+from comparisons.stress.long_run import LEAST, LongRun, long_runs
 from engines.contract import Setting
-from tests.targets.bench_target import plain_savings
 from tests.targets.endurance import killed_and_resumed
+from tests.targets.saving import plain_savings
 from tests.targets.speed import Measured
 
 
@@ -29,10 +30,17 @@ def savings(asked: dict[str, Any], engines: Sequence[str]) -> Iterator[Measured]
 def long_turns(asked: dict[str, Any], engines: Sequence[str]) -> Iterator[Measured]:
     """Joint gap and torque error of the last turn over those of the first, the larger ratio of the two."""
     for run in long_runs(engines, asked["mechanisms"], Setting(asked["setting"]), asked["turns"]):
-        yield Measured(f"{run.engine}, {run.mechanism}", run.growth, (), _told(run))
+        yield Measured(f"{run.engine}, {run.mechanism}", growth(run), (), _details(run))
 
 
-def _told(run: LongRun) -> str:
+def growth(run: LongRun) -> float:
+    """The worse of the two errors' ratios, last turn over first; infinite where there was no motion."""
+    pairs = ((run.gap_first, run.gap_last), (run.torque_first, run.torque_last))
+    ratios = [max(last, LEAST) / max(first, LEAST) for first, last in pairs if first is not None and last is not None]
+    return max(ratios) if len(ratios) == len(pairs) else math.inf
+
+
+def _details(run: LongRun) -> str:
     if run.gap_first is None:
         return f"{run.outcome}: {run.reason}"
     return (
@@ -42,7 +50,7 @@ def _told(run: LongRun) -> str:
 
 
 def missed(asked: dict[str, Any], engines: Sequence[str]) -> Iterator[Measured]:
-    """Cells of the stress maps in which a wrong motion was sold as a success and no invariant noticed."""
+    """Cells of the stress maps in which a run reported success with a wrong motion and no invariant flagged it."""
     found = stress(StressRequest(tuple(chosen_axes(())), tuple(engines), quick=asked["quick"]))
     words = "; ".join(one.cell.key for one in found.missed) or f"of {len(found.cells)} cells"
     yield Measured("all engines", float(len(found.missed)), (), words)

@@ -5,9 +5,16 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from comparisons.work_precision.analysis import findings
+from comparisons.reference.case import Case
+from comparisons.runs.study import Announce
+from comparisons.work_precision.analysis import by_engine, findings
+from comparisons.work_precision.points import Extent
 from comparisons.work_precision.records import METHOD, SETTING, BenchRecord
 from comparisons.work_precision.step_sweep import price, short
+from comparisons.work_precision.study import BenchRequest, bench
+from engines.contract import Setting
+from engines.registry import engine
+from engines.scene import Channel
 
 
 @dataclass(frozen=True)
@@ -98,3 +105,34 @@ def saving(records: Sequence[BenchRecord], setting: str, wanted: float) -> Savin
 def _projected(seconds: float, error: float, wanted: float, order: float | None) -> float | None:
     """What the steps would cost at an error not reached, if they went on as they fell; cost goes as 1/step."""
     return None if order is None or error <= wanted else seconds * (error / wanted) ** (1.0 / order)
+
+
+# The plain steps are followed for as long as a point takes no more than ten seconds, or two refinements bring nothing.
+PATIENT = Extent(tuple(12.0 * 2.0**k for k in range(16)), budget=10.0, repeats=3, patience=2.0)
+
+
+def plain_savings(
+    case: Case,
+    engines: Sequence[str],
+    wanted: float = 1e-6,
+    *,
+    quantity: str = "Mkr",
+    extent: Extent = PATIENT,
+    announce: Announce = lambda *_: None,
+) -> dict[str, Saving]:
+    """What each engine's ``best`` saves against its first method at an error, ``wanted`` of the quantity's peak.
+
+    Engines that are not installed, or whose ``best`` misses the error, are left out. Takes seconds to a minute.
+    """
+    scene = case.scene([Channel.POSITION])
+    installed = {name: engine(name) for name in engines}
+    installed = {name: adapter for name, adapter in installed.items() if adapter.version() is not None}
+    savings = {}
+    for name, adapter in installed.items():
+        plain = adapter.methods(scene)[0].name
+        request = BenchRequest((case,), (name,), (quantity,), (Setting.BEST,), (plain,), extent)
+        for records in by_engine(bench(request, announce).records).values():
+            found = saving(records, Setting.BEST.value, wanted)
+            if found is not None:
+                savings[name] = found
+    return savings
