@@ -9,17 +9,18 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from analytic.compiled.derivative_orders import Needs, needs
-from analytic.compiled.evaluation import check_output, compute
-from analytic.compiled.flat_linkage import Program, program
+from analytic.compiled.choice import is_compiled
+from analytic.compiled.evaluation import compute
+from analytic.compiled.flat_linkage import FlatLinkage, flatten
 from analytic.compiled.redesign import redesigned
 from analytic.description.linkage import Linkage
+from analytic.dynamics.derivative_orders import Needs, needs
 from analytic.errors import AssemblyError, LinkproofError, UnknownNameError
-from analytic.evaluation import PIECE, QUANTITIES, Instants, is_compiled
+from analytic.evaluation import PER_ANGLE, PIECE, QUANTITIES, moving_sweep
 from analytic.kinematics.mechanism import Mechanism
 from analytic.kinematics.structure import Structure, find_structure
 from analytic.kinematics.sweep import Sweep
-from analytic.request import Request, requested
+from analytic.request import Query, query
 
 Array = NDArray[np.float64]
 Booleans = NDArray[np.bool_]
@@ -44,29 +45,30 @@ def evaluate_designs(
 ) -> dict[str, NDArray[Any]]:
     """Quantities of ``analytic.evaluation.QUANTITIES`` by name for every design and crank angle, (designs, angles).
 
-    ``parameters`` are arrays (designs,) by the names of ``analytic.compiled.flat_linkage.Program.places``, in SI units;
-    all else is as in the linkage's description, and the assembly modes are those that its sketch picks. ``angle``
-    (angles,) is in rad; ``speed`` (rad/s) and ``acceleration`` (rad/s²) are scalar or one per angle. Where a design
-    cannot be assembled or stands in a dead position its values are nan, and False in ``assembled``, which is returned
-    besides; that counts for every link that the quantities need in any of the designs. ``cores`` is the number of
-    threads of the compiled path, all of the machine's if None; ``path`` is as for ``analytic.evaluation.evaluate``.
+    ``parameters`` are arrays (designs,) by the names of ``analytic.compiled.flat_linkage.FlatLinkage.places``, in SI
+    units; all else is as in the linkage's description, and the assembly modes are those that its sketch picks.
+    ``angle`` (angles,) is in rad; ``speed`` (rad/s) and ``acceleration`` (rad/s²) are scalar or one per angle.
+
+    Where a design cannot be assembled or stands in a dead position its values are nan, and False in ``assembled``,
+    which is returned besides; that counts for every link that the quantities need in any of the designs. ``cores`` is
+    the number of threads of the compiled path, all of the machine's if None; ``path`` is as for
+    ``analytic.evaluation.evaluate``.
     """
-    request = requested(angle, quantities, speed, acceleration)
-    if len(request.shape) != 1 or not np.all(np.isfinite(request.angle)):
+    asked = query(angle, quantities, speed, acceleration)
+    if len(asked.shape) != 1 or not np.all(np.isfinite(asked.angle)):
         raise LinkproofError(
             "angle: expected a flat list of finite crank angles in rad, got "
-            f"{'nan or infinity' if len(request.shape) == 1 else f'shape {request.shape}'}; pass such a list"
+            f"{'nan or infinity' if len(asked.shape) == 1 else f'shape {asked.shape}'}; pass such a list"
         )
-    plan = program(mechanism)
-    designs = _designs(plan, parameters)
-    needed = needs(redesigned(plan, designs.largest()), request.names, turns=request.turns)
-    check_output(mechanism, needed)
-    angles = request.angle.size + ANGLES_OF_A_DESIGN
-    if is_compiled(path, designs.count * angles * len(plan.structure.bodies)):
-        values, moving = compute(plan, request, needed, count=designs.count, designs=designs.rows, cores=cores)
+    flat = flatten(mechanism)
+    designs = _designs(flat, parameters)
+    needed = needs(redesigned(flat, designs.largest()), asked.names, turns=asked.turns)
+    angles = asked.angle.size + ANGLES_OF_A_DESIGN
+    if is_compiled(path, "evaluation", PER_ANGLE * designs.count * angles * len(flat.structure.bodies)):
+        values, moving = compute(flat, asked, needed, count=designs.count, designs=designs.rows, cores=cores)
     else:
-        values, moving = _plain(plan, request, needed, designs)
-    return {**dict(zip(request.names, values, strict=True)), ASSEMBLED: moving}
+        values, moving = _plain(flat, asked, needed, designs)
+    return {**dict(zip(asked.names, values, strict=True)), ASSEMBLED: moving}
 
 
 @dataclass(frozen=True)
@@ -96,11 +98,11 @@ class Designs:
         return numbers
 
 
-def _designs(plan: Program, parameters: Mapping[str, ArrayLike]) -> Designs:
+def _designs(flat: FlatLinkage, parameters: Mapping[str, ArrayLike]) -> Designs:
     """The designs, checked."""
     for name in parameters:
-        if name not in plan.places:
-            raise UnknownNameError(f"parameter of '{plan.linkage.name}'", name, plan.places)
+        if name not in flat.places:
+            raise UnknownNameError(f"parameter of '{flat.linkage.name}'", name, flat.places)
     arrays = {name: np.asarray(values, dtype=float) for name, values in parameters.items()}
     shapes = {values.shape for values in arrays.values()}
     if len(shapes) != 1 or len(next(iter(shapes))) != 1 or next(iter(shapes)) == (0,):
@@ -111,9 +113,9 @@ def _designs(plan: Program, parameters: Mapping[str, ArrayLike]) -> Designs:
         )
     for name, values in arrays.items():
         _check(name, values)
-    places = np.array([plan.places[name] for name in arrays], dtype=np.int64)
-    designs = Designs(plan.numbers, places, np.stack(list(arrays.values()), axis=1))
-    _check_directions(plan, designs)
+    places = np.array([flat.places[name] for name in arrays], dtype=np.int64)
+    designs = Designs(flat.numbers, places, np.stack(list(arrays.values()), axis=1))
+    _check_directions(flat, designs)
     return designs
 
 
@@ -129,11 +131,11 @@ def _check(name: str, values: Array) -> None:
         raise LinkproofError(f"{name}: expected {kind}, got {values[first]:g} in design {first}; correct it")
 
 
-def _check_directions(plan: Program, designs: Designs) -> None:
+def _check_directions(flat: FlatLinkage, designs: Designs) -> None:
     """A direction needs a length."""
-    starts = [along for _, along, _ in plan.guides.values()]
-    starts += [int(plan.tables.output[2])] if plan.linkage.output else []
-    names = {place: name for name, place in plan.places.items()}
+    starts = [along for _, along, _ in flat.guides.values()]
+    starts += [int(flat.tables.output[2])] if flat.linkage.output else []
+    names = {place: name for name, place in flat.places.items()}
     for start in starts:
         columns = [np.flatnonzero(designs.places == at) for at in (start, start + 1)]
         parts = [
@@ -146,30 +148,29 @@ def _check_directions(plan: Program, designs: Designs) -> None:
             raise LinkproofError(f"{name}: expected a direction, got (0, 0) in design {first}; correct it")
 
 
-def _plain(plan: Program, request: Request, needed: Needs, designs: Designs) -> Outcome:
+def _plain(flat: FlatLinkage, asked: Query, needed: Needs, designs: Designs) -> Outcome:
     """Design by design with NumPy."""
-    values = np.full((len(request.names), designs.count, request.angle.size), np.nan)
-    moving = np.zeros((designs.count, request.angle.size), dtype=np.bool_)
-    signs = tuple(dyad.sign for dyad in plan.structure.dyads)
+    values = np.full((len(asked.names), designs.count, asked.angle.size), np.nan)
+    moving = np.zeros((designs.count, asked.angle.size), dtype=np.bool_)
+    signs = tuple(dyad.sign for dyad in flat.structure.dyads)
     for number in range(designs.count):
-        linkage = redesigned(plan, designs.rows(number, number + 1)[0])
+        linkage = redesigned(flat, designs.rows(number, number + 1)[0])
         structure = find_structure(linkage).with_signs(signs)
 
         def at(here: slice, linkage: Linkage = linkage, structure: Structure = structure) -> Array:
-            return _piece(Sweep(linkage, structure, request.angle[here]), request, needed, here)
+            return _piece(Sweep(linkage, structure, asked.angle[here]), asked, needed, here)
 
-        for start in range(0, request.angle.size, PIECE):
-            _fill(at, slice(start, min(start + PIECE, request.angle.size)), values[:, number], moving[number])
+        for start in range(0, asked.angle.size, PIECE):
+            _fill(at, slice(start, min(start + PIECE, asked.angle.size)), values[:, number], moving[number])
     return values, moving
 
 
-def _piece(sweep: Sweep, request: Request, needed: Needs, here: slice) -> Array:
+def _piece(sweep: Sweep, asked: Query, needed: Needs, here: slice) -> Array:
     """Quantities at some of the crank angles; raises AssemblyError if there is no motion at any of them."""
     for body, order in needed.orders.items():
         (sweep.poses, sweep.rates, sweep.accelerations)[order](body)
-    moves = (move[here] if move.ndim else move for move in (request.speed, request.acceleration))
-    instants = Instants(sweep, *moves)
-    return np.array([QUANTITIES[name](instants) for name in request.names])
+    at = moving_sweep(sweep, asked, here)
+    return np.array([QUANTITIES[name](at) for name in asked.names])
 
 
 def _fill(at: Callable[[slice], Array], here: slice, values: Array, moving: Booleans) -> None:

@@ -10,22 +10,27 @@ from typing import Final
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from analytic.compiled.choice import is_compiled
+from analytic.compiled.evaluation import compute
+from analytic.compiled.flat_linkage import flatten
 from analytic.dynamics import reduced
-from analytic.errors import UnknownNameError
+from analytic.dynamics.derivative_orders import needs
 from analytic.kinematics.mechanism import Mechanism
 from analytic.kinematics.sweep import Sweep
-from analytic.request import requested
+from analytic.request import Query, query
 
 Array = NDArray[np.float64]
 
 # Crank angles per piece. Measured on the needle mechanisms: from 4096 to 16384 the cost per angle is the same within a
 # tenth; shorter pieces pay NumPy's cost per call (1024: twice), longer ones leave the cache (100 000 at once: twice).
 PIECE: Final = 6144
+# s, what NumPy takes per crank angle and body; measured on the needle mechanisms, 20 to 40 ns.
+PER_ANGLE: Final = 3e-8
 
 
 @dataclass(frozen=True)
-class Instants:
-    """A piece of the crank angles with the crank's speed, rad/s, and acceleration, rad/s², at each."""
+class MovingSweep:
+    """Some crank angles with the crank's speed, rad/s, and acceleration, rad/s², at each."""
 
     sweep: Sweep
     speed: Array
@@ -48,18 +53,10 @@ class Instants:
         return self.speed * self.speed
 
 
-PATHS: Final = ("auto", "numpy", "compiled")
-# Where the compiled path begins to pay, in crank angles times bodies. Measured on the needle mechanisms: NumPy takes 20
-# to 40 ns each; a compiled call takes 0.1 ms, as much as NumPy for 500 to 4000 angles, where the kernels are in memory;
-# else importing numba and reading the kernels from disk takes 1 s, and compiling them, once on a machine, 20 s or more.
-LEAST_WORK: Final = 20_000
-WORK_OF_LOADING: Final = 50_000_000
-WORK_OF_COMPILING: Final = 1_000_000_000
-
 # S, v and a are the output's coordinate along its direction and its time derivatives, not counted from a dead centre.
-QUANTITIES: Final[Mapping[str, Callable[[Instants], Array]]] = {
+QUANTITIES: Final[Mapping[str, Callable[[MovingSweep], Array]]] = {
     "Jeq": lambda at: at.inertia,
-    "half_slope": lambda at: reduced.half_inertia_slope(at.sweep),
+    "half_slope": lambda at: reduced.half_inertia_derivative(at.sweep),
     "Q": lambda at: reduced.generalised_force(at.sweep),
     "Mkr": lambda at: at.torque,
     "Teq": lambda at: 0.5 * at.inertia * at.squared_speed,
@@ -78,38 +75,47 @@ def evaluate(
     *,
     speed: ArrayLike | None = None,
     acceleration: ArrayLike = 0.0,
+    cores: int | None = None,
     path: str = "auto",
 ) -> dict[str, Array]:
     """Quantities of ``QUANTITIES`` by name at every crank angle (rad, any shape); arrays of that shape.
 
     ``speed`` (rad/s) and ``acceleration`` (rad/s²) of the crank are signed, scalar or of the angles' shape; the speed
-    is needed by whatever depends on the crank's motion. ``path`` is ``numpy``, ``compiled``
-    (``analytic.compiled.evaluation``), or ``auto``: compiled where that saves time, its own start included.
+    is needed by whatever depends on the crank's motion. ``path`` is ``numpy``, ``compiled``, or ``auto``: compiled
+    where that saves time, its own start included. ``cores`` is the number of threads of the compiled path, all of the
+    machine's if None.
     """
-    request = requested(angle, quantities, speed, acceleration)
-    if is_compiled(path, request.angle.size * len(mechanism.structure.bodies)):
-        from analytic.compiled.evaluation import CompiledMechanism  # noqa: PLC0415 - it needs this module
+    asked = query(angle, quantities, speed, acceleration)
+    values = None
+    if is_compiled(path, "evaluation", PER_ANGLE * asked.angle.size * len(mechanism.structure.bodies)):
+        values = _by_kernels(mechanism, asked, cores)
+    if values is None:
+        values = _by_numpy(mechanism, asked)
+    return {name: row.reshape(asked.shape) for name, row in zip(asked.names, values, strict=True)}
 
-        compiled = CompiledMechanism(mechanism)
-        return compiled.evaluate(angle, request.names, speed=speed, acceleration=acceleration)
-    found = {name: np.empty(request.angle.shape) for name in request.names}
-    moves = request.speed, request.acceleration
-    for start in range(0, request.angle.size, PIECE):
+
+def _by_kernels(mechanism: Mechanism, asked: Query, cores: int | None) -> Array | None:
+    """Quantities (quantities, angles); None where the linkage cannot be assembled or cannot move at some angle.
+
+    There NumPy has a sentence to say, or finds that no more than a rounding was missing.
+    """
+    flat = flatten(mechanism)
+    needed = needs(mechanism.linkage, asked.names, turns=asked.turns)
+    values, moving = compute(flat, asked, needed, count=1, designs=lambda *_: flat.numbers[None], cores=cores)
+    return values[:, 0] if np.all(moving) else None
+
+
+def _by_numpy(mechanism: Mechanism, asked: Query) -> Array:
+    """Quantities (quantities, angles), piece by piece."""
+    values = np.empty((len(asked.names), asked.angle.size))
+    for start in range(0, asked.angle.size, PIECE):
         here = slice(start, start + PIECE)
-        at = Instants(mechanism.sweep(request.angle[here]), *(move[here] if move.ndim else move for move in moves))
-        for name in request.names:
-            found[name][here] = QUANTITIES[name](at)
-    return {name: values.reshape(request.shape) for name, values in found.items()}
+        at = moving_sweep(mechanism.sweep(asked.angle[here]), asked, here)
+        for row, name in zip(values, asked.names, strict=True):
+            row[here] = QUANTITIES[name](at)
+    return values
 
 
-def is_compiled(path: str, work: int) -> bool:
-    """Whether to take the compiled path for ``work`` crank angles times bodies."""
-    if path not in PATHS:
-        raise UnknownNameError("path", path, PATHS)
-    if path != "auto" or work < LEAST_WORK:
-        return path == "compiled"
-    from analytic.compiled.evaluation import available, is_loaded, is_ready  # noqa: PLC0415 - it needs this module
-
-    if is_loaded():
-        return True
-    return work >= WORK_OF_LOADING and available() and (work >= WORK_OF_COMPILING or is_ready())
+def moving_sweep(sweep: Sweep, asked: Query, here: slice) -> MovingSweep:
+    """A sweep of some of the crank angles, with the crank's motion there."""
+    return MovingSweep(sweep, *(move[here] if move.ndim else move for move in (asked.speed, asked.acceleration)))

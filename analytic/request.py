@@ -30,7 +30,7 @@ MOVING: Final = frozenset({"Mkr", "Teq", "Peq", "v", "a"})  # those that depend 
 
 
 @dataclass(frozen=True)
-class Request:
+class Query:
     """Quantities asked for, at crank angles of a ``shape``, here flat, as speed and acceleration if not scalar."""
 
     names: tuple[str, ...]
@@ -45,7 +45,7 @@ class Request:
         return bool(np.any(self.speed))
 
 
-def requested(angle: ArrayLike, quantities: Iterable[str], speed: ArrayLike | None, acceleration: ArrayLike) -> Request:
+def query(angle: ArrayLike, quantities: Iterable[str], speed: ArrayLike | None, acceleration: ArrayLike) -> Query:
     """The arguments of ``evaluate``, checked."""
     names = tuple(dict.fromkeys(quantities))
     for name in names:
@@ -56,7 +56,7 @@ def requested(angle: ArrayLike, quantities: Iterable[str], speed: ArrayLike | No
         raise LinkproofError(f"speed: expected the crank's speed in rad/s for {needing}, got none; pass speed=...")
     angle = np.asarray(angle, dtype=float)
     moves = _like(angle, 0.0 if speed is None else speed, "speed"), _like(angle, acceleration, "acceleration")
-    return Request(names, angle.shape, angle.ravel(), *moves)
+    return Query(names, angle.shape, angle.ravel(), *moves)
 
 
 def _like(angle: Array, value: ArrayLike, name: str) -> Array:

@@ -1,6 +1,6 @@
 """Any linkage as flat tables of numbers, for kernels that are compiled once for all linkages.
 
-A program has no names and no objects: integer tables say which body, joint and quantity goes where, one vector of
+It has no names and no objects: integer tables say which body, joint and quantity goes where, one vector of
 floats holds the linkage's own numbers as they stand in its description. Constants derived from them (arm lengths,
 offsets) are not in it, so a changed design is nothing but another vector.
 """
@@ -9,14 +9,15 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import Final, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from analytic.compiled.derivative_orders import needs
 from analytic.description.law import Law
 from analytic.description.linkage import GROUND, Guide, Linkage, Vector
+from analytic.dynamics.derivative_orders import needs
 from analytic.kinematics.mechanism import Mechanism
 from analytic.kinematics.structure import KINDS, Dyad, Joint, Revolute, Structure
 
@@ -56,7 +57,7 @@ class Tables(NamedTuple):
 
 
 @dataclass(frozen=True)
-class Program:
+class FlatLinkage:
     """A linkage for the kernels; ``places`` finds a number of the description by name in ``numbers``.
 
     ``bodies`` finds a body's number. Names are those of the linkage file: ``rod.B.x``, ``rod.mass``, ``rod.centre.y``,
@@ -110,9 +111,10 @@ class _Numbers:
         return free
 
 
-def program(mechanism: Mechanism) -> Program:
-    """The program of a linkage, in the assembly modes its sketch picks."""
-    return _Writer(mechanism).program()
+@lru_cache(maxsize=16)
+def flatten(mechanism: Mechanism) -> FlatLinkage:
+    """The tables of a linkage, in the assembly modes its sketch picks."""
+    return _Writer(mechanism).flattened()
 
 
 def levels(structure: Structure, orders: Mapping[str, int]) -> Integers:
@@ -141,7 +143,7 @@ class _Writer:
         self.curves: list[float] = []
         self.laws: list[tuple[int, int, int]] = []
 
-    def program(self) -> Program:
+    def flattened(self) -> FlatLinkage:
         """Everything of the linkage; links, ground and guides first, since the joints refer to them."""
         self._store_bodies()
         self._store_guides()
@@ -161,7 +163,7 @@ class _Writer:
             curves=np.array(self.curves, dtype=np.float64),
         )
         numbers = np.array(self.numbers.values)
-        return Program(
+        return FlatLinkage(
             self.linkage,
             self.structure,
             tables,

@@ -1,4 +1,4 @@
-"""A linkage of the same structure with other numbers: the way back from a program's vector to a description."""
+"""A linkage of the same structure with other numbers: the way back from the vector of numbers to a description."""
 
 from __future__ import annotations
 
@@ -7,27 +7,27 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from analytic.compiled.flat_linkage import CONSTANT, Program
+from analytic.compiled.flat_linkage import CONSTANT, FlatLinkage
 from analytic.description.law import Law
 from analytic.description.linkage import GROUND, Guide, Link, Linkage, Output, PointForce, Spring, Vector, unit
 
 Array = NDArray[np.float64]
 
 
-def redesigned(plan: Program, numbers: Array) -> Linkage:
-    """The program's linkage with other ``numbers``, in the order of the program's; its sketch is left as it is."""
-    return _Reader(plan, numbers).linkage()
+def redesigned(flat: FlatLinkage, numbers: Array) -> Linkage:
+    """The linkage with other ``numbers``, in the order of the tables'; its sketch is left as it is."""
+    return _Reader(flat, numbers).linkage()
 
 
 class _Reader:
-    """Looks numbers up where the program put them."""
+    """Looks numbers up where the tables have them."""
 
-    def __init__(self, plan: Program, numbers: Array) -> None:
-        self.plan = plan
+    def __init__(self, flat: FlatLinkage, numbers: Array) -> None:
+        self.flat = flat
         self.numbers = [float(number) for number in numbers]
 
     def linkage(self) -> Linkage:
-        old, tables = self.plan.linkage, self.plan.tables
+        old, tables = self.flat.linkage, self.flat.tables
         return replace(
             old,
             ground={point: self.point(GROUND, point) for point in old.ground},
@@ -51,10 +51,10 @@ class _Reader:
         return (self.numbers[at], self.numbers[at + 1])
 
     def point(self, body: str, point: str) -> Vector:
-        return self.vector(self.plan.points[body, point])
+        return self.vector(self.flat.points[body, point])
 
     def link(self, link: Link) -> Link:
-        mass, centre, inertia = self.plan.inertias[link.name]
+        mass, centre, inertia = self.flat.inertias[link.name]
         return replace(
             link,
             points={point: self.point(link.name, point) for point in link.points},
@@ -64,19 +64,19 @@ class _Reader:
         )
 
     def guide(self, name: str, guide: Guide) -> Guide:
-        through, along, _ = self.plan.guides[name]
+        through, along, _ = self.flat.guides[name]
         return Guide(guide.host, self.vector(through), unit(self.vector(along)))
 
     def law(self, number: int, law: Law) -> Law:
-        pieces, components, at = self.plan.tables.laws[number]
+        pieces, components, at = self.flat.tables.laws[number]
         return Law(np.array(self.numbers[at : at + components])) if pieces == CONSTANT else law
 
     def force(self, number: int, force: PointForce) -> PointForce:
-        return replace(force, force=self.law(self.plan.tables.forces[number, 2], force.force))
+        return replace(force, force=self.law(self.flat.tables.forces[number, 2], force.force))
 
     def spring(self, number: int, spring: Spring) -> Spring:
-        stiffness, length, damping = (self.numbers[at] for at in self.plan.tables.springs[number, 4:])
+        stiffness, length, damping = (self.numbers[at] for at in self.flat.tables.springs[number, 4:])
         return replace(spring, stiffness=stiffness, length=length, damping=damping)
 
     def output(self, output: Output) -> Output:
-        return replace(output, along=unit(self.vector(self.plan.tables.output[2])))
+        return replace(output, along=unit(self.vector(self.flat.tables.output[2])))

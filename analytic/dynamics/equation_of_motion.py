@@ -38,7 +38,7 @@ def moduli_half_slope(sweep: Sweep) -> Array:
 
 
 HALF_SLOPES: Final[Mapping[str, Callable[[Sweep], Array]]] = {
-    "exact": reduced.half_inertia_slope,
+    "exact": reduced.half_inertia_derivative,
     "moduli": moduli_half_slope,
 }
 

@@ -15,9 +15,8 @@ from dataclasses import dataclass
 
 from analytic.description.linkage import GROUND, Vector
 from analytic.kinematics import frames
-from analytic.kinematics.dyad_solver import Poses, difference, sliding, turning
-from analytic.kinematics.frames import Pair, Scalar
-from analytic.kinematics.structure import Dyad, Prismatic, Revolute, Structure
+from analytic.kinematics.frames import Pair, Pose, Scalar
+from analytic.kinematics.structure import Dyad, Joint, Prismatic, Revolute, Structure
 
 Wrench = tuple[Scalar, Scalar, Scalar]
 JointWrenches = tuple[Wrench, Wrench, Wrench]
@@ -43,22 +42,29 @@ class Statics:
     """A dyad at known poses, and what its first and second link need."""
 
     dyad: Dyad
-    poses: Poses
+    poses: Mapping[str, Pose]
     references: Mapping[str, Vector]
     first: Wrench
     second: Wrench
 
     def arm(self, body: str, to: Vector) -> Pair:
         """From the reference point of a link of the dyad to another point of it, ground frame."""
-        return frames.arm(self.poses[body], difference(to, self.references[body]))
+        return frames.arm(self.poses[body], frames.minus(to, self.references[body]))
 
     def place(self, body: str) -> Pair:
         """Where the reference point of a body is."""
         return frames.point(self.poses[body], self.references[body])
 
-    def line(self, rail: Prismatic) -> Pair:
+    def line(self, slide: Joint) -> Pair:
         """Direction of a slide."""
-        return frames.arm((0.0, 0.0, *self.poses[rail.near][2:]), rail.along)
+        assert isinstance(slide, Prismatic)
+        return frames.arm(self.poses[slide.near], slide.along)
+
+    def inner_arms(self) -> tuple[Pair, Pair]:
+        """From the reference points of both links to the inner pin."""
+        inner = self.dyad.inner_joint
+        assert isinstance(inner, Revolute)
+        return self.arm(self.dyad.first, inner.far_local), self.arm(self.dyad.second, inner.near_local)
 
 
 def joint_wrenches(statics: Statics) -> JointWrenches:
@@ -69,39 +75,39 @@ def joint_wrenches(statics: Statics) -> JointWrenches:
     return _KINDS[statics.dyad.kind](statics)
 
 
-def _two_turning_arms(statics: Statics) -> JointWrenches:
+def _rrr(statics: Statics) -> JointWrenches:
     """RRR: r × N = M₁ and −q × N = M₂ about the outer pins give the inner force N; r and q reach from them to it."""
-    one, two, inner = statics.first, statics.second, turning(statics.dyad.inner_joint)
-    r, q = statics.arm(statics.dyad.first, inner.far_local), statics.arm(statics.dyad.second, inner.near_local)
+    one, two = statics.first, statics.second
+    r, q = statics.inner_arms()
     scale = 1.0 / frames.cross(r, q)
     n = ((one[2] * q[0] + two[2] * r[0]) * scale, (one[2] * q[1] + two[2] * r[1]) * scale)
     return (one[0] - n[0], one[1] - n[1], 0.0), (*n, 0.0), (two[0] + n[0], two[1] + n[1], 0.0)
 
 
-def _arm_and_slider(statics: Statics) -> JointWrenches:
+def _rrp(statics: Statics) -> JointWrenches:
     """RRP: r × N = M₁ about the outer pin and −N·e = F₂·e along the slide give the inner force N = a e + b e⊥."""
-    one, two, inner = statics.first, statics.second, turning(statics.dyad.inner_joint)
-    r = statics.arm(statics.dyad.first, inner.far_local)
-    e = statics.line(sliding(statics.dyad.second_joint))
+    one, two = statics.first, statics.second
+    r, _ = statics.inner_arms()
+    e = statics.line(statics.dyad.second_joint)
     a = -frames.dot(e, two[:2])
     b = (one[2] - a * frames.cross(r, e)) / frames.dot(r, e)
     n = (a * e[0] - b * e[1], a * e[1] + b * e[0])
     return (one[0] - n[0], one[1] - n[1], 0.0), (*n, 0.0), _across(e, frames.cross(e, two[:2]) + b, two[2])
 
 
-def _swinging_slide(statics: Statics) -> JointWrenches:
+def _rpr(statics: Statics) -> JointWrenches:
     """RPR: the moments about both outer pins, M₁ + M₂ = −n d·e with d from the second to the first, give n e⊥."""
     one, two = statics.first, statics.second
-    e = statics.line(sliding(statics.dyad.inner_joint))
+    e = statics.line(statics.dyad.inner_joint)
     d = frames.minus(statics.place(statics.dyad.first), statics.place(statics.dyad.second))
     n = _across(e, -(one[2] + two[2]) / frames.dot(d, e), one[2])
     return (one[0] - n[0], one[1] - n[1], 0.0), n, (two[0] + n[0], two[1] + n[1], 0.0)
 
 
-def _pinned_on_slider(statics: Statics) -> JointWrenches:
+def _rpp(statics: Statics) -> JointWrenches:
     """RPP: F₂ = n e⊥ − k f⊥ across the outer and the inner slide; the moments are passed on."""
     one, two = statics.first, statics.second
-    e, f = statics.line(sliding(statics.dyad.second_joint)), statics.line(sliding(statics.dyad.inner_joint))
+    e, f = statics.line(statics.dyad.second_joint), statics.line(statics.dyad.inner_joint)
     scale = 1.0 / frames.cross(e, f)
     inner = _across(f, frames.dot(two[:2], e) * scale, one[2])
     gap = frames.minus(statics.place(statics.dyad.first), statics.place(statics.dyad.second))
@@ -110,10 +116,10 @@ def _pinned_on_slider(statics: Statics) -> JointWrenches:
     return (one[0] - inner[0], one[1] - inner[1], 0.0), inner, outer
 
 
-def _two_sliders(statics: Statics) -> JointWrenches:
+def _prp(statics: Statics) -> JointWrenches:
     """PRP: N·e = F₁·e and −N·f = F₂·f along the slides give the inner force N = a e⊥ + b f⊥."""
     one, two = statics.first, statics.second
-    e, f = statics.line(sliding(statics.dyad.first_joint)), statics.line(sliding(statics.dyad.second_joint))
+    e, f = statics.line(statics.dyad.first_joint), statics.line(statics.dyad.second_joint)
     scale = 1.0 / frames.cross(e, f)
     a, b = -frames.dot(two[:2], f) * scale, -frames.dot(one[:2], e) * scale
     both = frames.dot(e, f)
@@ -128,9 +134,9 @@ def _across(direction: Pair, size: Scalar, moment: Scalar) -> Wrench:
 
 
 _KINDS: Mapping[str, Callable[[Statics], JointWrenches]] = {
-    "RRR": _two_turning_arms,
-    "RRP": _arm_and_slider,
-    "RPR": _swinging_slide,
-    "RPP": _pinned_on_slider,
-    "PRP": _two_sliders,
+    "RRR": _rrr,
+    "RRP": _rrp,
+    "RPR": _rpr,
+    "RPP": _rpp,
+    "PRP": _prp,
 }

@@ -79,14 +79,6 @@ def joint_forces(sweep: Sweep, speed: ArrayLike, acceleration: ArrayLike) -> dic
     return dict(reactions(sweep, speed, acceleration).forces)
 
 
-def slider_moments(sweep: Sweep, speed: ArrayLike, acceleration: ArrayLike) -> dict[str, Array]:
-    """Moment of its guide on every slider about ``Slider.point``, (*angle.shape), N m, by joint name.
-
-    With the joint force at that point it is all that the guide exerts. A pin in a slot takes no moment and has none.
-    """
-    return dict(reactions(sweep, speed, acceleration).moments)
-
-
 def shaking_force(sweep: Sweep, speed: ArrayLike, acceleration: ArrayLike) -> Array:
     """Force of the linkage on its frame, (2, *angle.shape), N, ground frame: Σ weights + Σ applied forces − Σ m S̈.
 

@@ -12,8 +12,9 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from analytic.description.linkage import Linkage
+from analytic.dynamics.link_sums import stretching, weighed
 from analytic.kinematics import frames
-from analytic.kinematics.frames import Pair, Scalar
+from analytic.kinematics.frames import STILL, Pair, Scalar
 from analytic.kinematics.sweep import Sweep
 
 Array = NDArray[np.float64]
@@ -29,14 +30,20 @@ def _link_inertia(sweep: Sweep, link: str) -> Scalar:
     if link == sweep.linkage.crank:  # turns about a fixed point, so its part is a constant
         x, y = frames.minus(body.centre, sweep.structure.pivot.far_local)
         return body.mass * (x * x + y * y) + (body.inertia or 0.0)
-    total: Scalar = 0.0
-    if body.mass:
-        velocity = sweep.centre(link, 1)
-        total = body.mass * frames.dot(velocity, velocity)
-    if body.inertia:
-        turn = sweep.rates(link)[2]
-        total = total + body.inertia * (turn * turn)
-    return total
+    return _weighed(sweep, link, 1)
+
+
+def _weighed(sweep: Sweep, link: str, order: int) -> Scalar:
+    """A link's first derivatives times those of an order, weighed with mass and inertia; none for what is zero."""
+    body = sweep.linkage.links[link]
+    mass, inertia = body.mass, body.inertia or 0.0
+    first, other = STILL, STILL
+    if mass:
+        first, other = (*sweep.centre(link, 1), 0.0), (*sweep.centre(link, order), 0.0)
+    if inertia:
+        turns = sweep.rates(link)[2], (sweep.rates if order == 1 else sweep.accelerations)(link)[2]
+        first, other = (*first[:2], turns[0]), (*other[:2], turns[1])
+    return weighed(mass, inertia, first, other)
 
 
 def reduced_inertia(sweep: Sweep, links: Iterable[str] | None = None) -> Array:
@@ -57,16 +64,12 @@ def group_inertia(sweep: Sweep) -> dict[str, Array]:
     return parts
 
 
-def half_inertia_slope(sweep: Sweep) -> Array:
+def half_inertia_derivative(sweep: Sweep) -> Array:
     """½ Jeq' = Σ m S'·S'' + J θ' θ'', kg m²/rad: the dot product, not the product of the moduli."""
     total = np.zeros(sweep.angle.shape)
-    for name, body in sweep.linkage.links.items():
-        if name == sweep.linkage.crank:  # its part of Jeq is a constant
-            continue
-        if body.mass:
-            total += body.mass * frames.dot(sweep.centre(name, 1), sweep.centre(name, 2))
-        if body.inertia:
-            total += body.inertia * (sweep.rates(name)[2] * sweep.accelerations(name)[2])
+    for name in sweep.linkage.links:
+        if name != sweep.linkage.crank:  # its part of Jeq is a constant
+            total += _weighed(sweep, name, 2)
     return total
 
 
@@ -120,8 +123,7 @@ def spring_length(sweep: Sweep, number: int) -> tuple[Array, Array]:
     (b1, p1), (b2, p2) = ends
     span = frames.minus(sweep.local_point(b1, p1), sweep.local_point(b2, p2))
     rate = frames.minus(sweep.local_point(b1, p1, 1), sweep.local_point(b2, p2, 1))
-    length, stretch = np.broadcast_arrays(np.hypot(*span), frames.dot(span, rate))
-    return length, np.divide(stretch, length, out=np.zeros_like(length), where=length > 0.0)
+    return stretching(span, rate)
 
 
 def damping_coefficient(sweep: Sweep) -> Array:
@@ -170,7 +172,7 @@ def balance(sweep: Sweep, inertia: Array, speed: Array, acceleration: Array) -> 
     turns = bool(np.any(speed))
     torque = inertia * acceleration
     if turns:
-        torque += half_inertia_slope(sweep) * (speed * speed)
+        torque += half_inertia_derivative(sweep) * (speed * speed)
     torque -= generalised_force(sweep)
     if turns and is_damped(sweep.linkage):
         torque += damping_coefficient(sweep) * speed
@@ -180,8 +182,3 @@ def balance(sweep: Sweep, inertia: Array, speed: Array, acceleration: Array) -> 
 def is_damped(linkage: Linkage) -> bool:
     """Whether there are any dampers or dashpots."""
     return bool(linkage.dampers) or any(spring.damping for spring in linkage.springs)
-
-
-def is_conservative(linkage: Linkage) -> bool:
-    """Whether gravity and springs are the only loads, so that the drive's work is the gain of energy."""
-    return not (linkage.forces or linkage.torques or is_damped(linkage))

@@ -9,15 +9,16 @@ from numpy.typing import NDArray
 
 from analytic.description.linkage import Linkage
 from analytic.errors import AssemblyError, LinkproofError
-from analytic.kinematics.dyad_solver import ROUNDING, Group
+from analytic.kinematics.dyad_solver import DyadSolver
+from analytic.kinematics.dyads.closure import ROUNDING
 from analytic.kinematics.frames import Scalar
 
 Array = NDArray[np.float64]
 
 
-def check_assembly(linkage: Linkage, solver: Group, angle: Array) -> None:
+def check_assembly(linkage: Linkage, solver: DyadSolver, angle: Array) -> None:
     """Raise AssemblyError at the worst crank angle if the dyad's links do not meet somewhere; poses must be known."""
-    if solver.meets():
+    if np.all(solver.moves):  # else a longer look: a dead position is no fault of assembly
         return
     if not np.all(np.isfinite(angle)):
         raise LinkproofError("crank angle: expected finite numbers, got nan or infinity; correct them")
@@ -32,12 +33,11 @@ def check_assembly(linkage: Linkage, solver: Group, angle: Array) -> None:
         raise AssemblyError(f"'{linkage.name}' cannot be assembled at {degrees(angle, worst)}: {detail}")
 
 
-def check_motion(linkage: Linkage, solver: Group, angle: Array) -> None:
+def check_motion(linkage: Linkage, solver: DyadSolver, angle: Array) -> None:
     """Raise AssemblyError at the first crank angle at which the dyad stands in a dead position; poses must be known."""
-    dead = solver.dead()
-    if not np.any(dead):
+    if np.all(solver.moves):
         return
-    first = int(np.argmax(np.broadcast_to(dead, angle.shape)))
+    first = int(np.argmin(np.broadcast_to(solver.moves, angle.shape)))
     dyad = solver.dyad
     raise AssemblyError(
         f"'{linkage.name}': '{dyad.first}' and '{dyad.second}' stand in a dead position at {degrees(angle, first)}, "

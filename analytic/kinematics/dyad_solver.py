@@ -1,115 +1,84 @@
-"""Solving a dyad within a linkage: from the placed bodies' poses, rates and accelerations to those of its two links.
-
-One class per kind, each with the same steps. What a later step needs from an earlier one is kept on the instance, so
-that asking for poses alone costs nothing more.
-"""
+"""Solving a dyad within a linkage: from the placed bodies' poses, rates and accelerations to those of its two links."""
 
 from __future__ import annotations
 
-import math
-from collections.abc import Callable, Mapping
-from typing import Final, Protocol
+from collections.abc import Mapping
+from types import ModuleType
+from typing import Final
 
 import numpy as np
 
-from analytic.description.linkage import Vector
-from analytic.kinematics.frames import Pair, Pose, Rate, Scalar
-from analytic.kinematics.structure import Dyad, Joint, Prismatic, Revolute
+from analytic.kinematics.dyads import prp, rpp, rpr, rrp, rrr
+from analytic.kinematics.dyads.closure import At
+from analytic.kinematics.frames import Pose, Rate, Scalar
+from analytic.kinematics.structure import Dyad
 
-Poses = Mapping[str, Pose]
-Rates = Mapping[str, Rate]
-At = Callable[[Scalar], float]  # picks the value at one crank angle
-
-# Sine of the transmission angle below which no digit of a derivative is certain: the links' angles themselves are then
-# known to about the same sqrt(eps) only.
-LEAST_SINE: Final = 4.0 * float(np.finfo(float).eps) ** 0.5
+FORMULAS: Final[Mapping[str, ModuleType]] = {"RRR": rrr, "RRP": rrp, "RPR": rpr, "RPP": rpp, "PRP": prp}
 
 
-# Lengths that differ by less than this share of what they were computed from are taken to be equal.
-ROUNDING: Final = 8.0 * float(np.finfo(float).eps)
+class DyadSolver:
+    """A dyad being solved; the mappings hold every body placed before it.
 
+    What a later step needs from an earlier one is kept here, so that asking for poses alone costs nothing more.
+    """
 
-class Group(Protocol):
-    """A dyad being solved; the mappings hold every body placed before it."""
+    def __init__(self, dyad: Dyad) -> None:
+        self.dyad = dyad
+        self.constants = self.formulas.constants(*dyad.joints, float(dyad.sign))
+        self.hosts = (dyad.first_joint.near, dyad.second_joint.near)
+        self.own: tuple[Pose, Pose]
+        self.own_rates: tuple[Rate, Rate]
 
-    dyad: Dyad
-    own: tuple[Pose, Pose]  # poses of the dyad's links, once asked for
-    determinant: Scalar  # of the closure equations, known once the poses are; zero in a dead position
+    @property
+    def formulas(self) -> ModuleType:
+        """The module of the dyad's kind; looked up, since a solver travels to other processes and a module does not."""
+        return FORMULAS[self.dyad.kind]
 
-    def poses(self, poses: Poses) -> tuple[Pose, Pose]:
-        """Poses of the first and the second link."""
-        ...
+    def poses(self, poses: Mapping[str, Pose]) -> tuple[Pose, Pose]:
+        """Poses of the first and the second link; nan where the links do not meet."""
+        one, two = self.hosts
+        self.near = (poses[one], poses[two])
+        with np.errstate(divide="ignore", invalid="ignore"):
+            self.own, self.closure = self.formulas.poses(self.constants, self.near)
+            self.moves = self._moves()
+        return self.own
 
-    def rates(self, poses: Poses, rates: Rates) -> tuple[Rate, Rate]:
-        """First derivatives over φ."""
-        ...
+    def _moves(self) -> Scalar:
+        """Where the dyad is away from its dead positions, so that its links meet and can move."""
+        determinant, least = self.closure.determinant, self.formulas.least(self.constants, self.closure)
+        if self.dyad.sign > 0:  # the determinant's own sign
+            return determinant > least
+        return determinant < -least if self.dyad.sign < 0 else abs(determinant) > least
 
-    def accelerations(self, poses: Poses, rates: Rates, accelerations: Rates) -> tuple[Rate, Rate]:
-        """Second derivatives over φ."""
-        ...
+    def rates(self, rates: Mapping[str, Rate]) -> tuple[Rate, Rate]:
+        """First derivatives over φ; the poses must be known."""
+        one, two = self.hosts
+        self.near_rates = (rates[one], rates[two])
+        self.own_rates, self.travel = self.formulas.rates(
+            self.constants, self.near, self.near_rates, self.own, self.closure
+        )
+        return self.own_rates
 
-    def meets(self) -> bool:
-        """Whether the links meet at every crank angle, by a quick look that may err by a rounding."""
-        ...
+    def accelerations(self, accelerations: Mapping[str, Rate]) -> tuple[Rate, Rate]:
+        """Second derivatives over φ; the rates must be known."""
+        one, two = self.hosts
+        pair: tuple[Rate, Rate] = self.formulas.accelerations(
+            self.constants,
+            self.near,
+            self.near_rates,
+            (accelerations[one], accelerations[two]),
+            self.own,
+            self.own_rates,
+            self.closure,
+            self.travel,
+        )
+        return pair
 
     def missing(self) -> tuple[Scalar, Scalar]:
-        """Length by which the links fail to meet, m (negative where they do), and the lengths it was computed from."""
-        ...
+        """Length by which the links fail to meet, m (negative where they do not), and the lengths it comes from."""
+        length, lengths = self.formulas.missing(self.constants, self.near, self.closure)
+        return length, lengths
 
     def shortfall(self, at: At) -> str:
         """Which link misses by how much, and what to do, where the links do not meet."""
-        ...
-
-    def dead(self) -> Scalar:
-        """Where the determinant is zero to working accuracy, so that the derivatives are undefined."""
-        ...
-
-
-def turning(joint: Joint) -> Revolute:
-    """The joint as the R joint which the dyad's kind says it is."""
-    assert isinstance(joint, Revolute)
-    return joint
-
-
-def sliding(joint: Joint) -> Prismatic:
-    """The joint as the P joint which the dyad's kind says it is."""
-    assert isinstance(joint, Prismatic)
-    return joint
-
-
-def difference(a: Vector, b: Vector) -> Vector:
-    """Difference of two constant vectors."""
-    return (a[0] - b[0], a[1] - b[1])
-
-
-def length_of(a: Vector) -> float:
-    """Length of a constant vector."""
-    return math.hypot(*a)
-
-
-def frame_direction(vector: Pair, length: float, local: Vector) -> Pair:
-    """Cosine and sine of a link's angle from one of its arms in the ground frame and in its own."""
-    a, b = local[0] / (length * length), local[1] / (length * length)
-    if b == 0.0:
-        return (vector[0] * a, vector[1] * a)
-    return (vector[0] * a + vector[1] * b, vector[1] * a - vector[0] * b)
-
-
-def on_rail(rail: Prismatic, local: Vector) -> Vector:
-    """A point of the sliding body, in the frame it slides on, at zero travel."""
-    c, s = rail.turn
-    x, y = rail.origin
-    return (x + c * local[0] - s * local[1], y + s * local[0] + c * local[1])
-
-
-def size(*vectors: Pair) -> Scalar:
-    """Sum of the magnitudes of all components: what a difference of the vectors has to be judged by."""
-    total: Scalar = 0.0
-    for x, y in vectors:
-        total = total + abs(x) + abs(y)
-    return total
-
-
-def mm(length: float) -> str:
-    """A length for a reader."""
-    return f"{length * 1e3:.4g} mm"
+        return str(self.formulas.shortfall(self.dyad, self.constants, self.near, at))

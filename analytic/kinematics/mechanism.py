@@ -13,7 +13,7 @@ from analytic.description.linkage import GROUND, Linkage, Vector
 from analytic.errors import StructureError
 from analytic.kinematics import frames
 from analytic.kinematics.assembly import check_assembly
-from analytic.kinematics.dyad_solvers import group
+from analytic.kinematics.dyad_solver import DyadSolver
 from analytic.kinematics.error_bounds import relative_bounds
 from analytic.kinematics.frames import Pose
 from analytic.kinematics.structure import Dyad, Structure, find_structure
@@ -69,7 +69,7 @@ def _signed(linkage: Linkage, structure: Structure) -> Structure:
     for open_dyad in structure.dyads:
         dyad = _nearest_mode(linkage, structure, open_dyad, poses)
         signs.append(dyad.sign)
-        poses[dyad.first], poses[dyad.second] = group(dyad).poses(poses)
+        poses[dyad.first], poses[dyad.second] = DyadSolver(dyad).poses(poses)
     return structure.with_signs(tuple(signs))
 
 
@@ -80,7 +80,7 @@ def _nearest_mode(linkage: Linkage, structure: Structure, dyad: Dyad, poses: dic
     modes = [replace(dyad, sign=sign) for sign in (1, -1)]
     places = []
     for mode in modes:
-        solver = group(mode)
+        solver = DyadSolver(mode)
         pair = dict(zip(mode.links, solver.poses(poses), strict=True))
         check_assembly(linkage, solver, np.asarray(linkage.sketch_angle))
         places.append(_points(structure, pair))

@@ -5,12 +5,11 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from analytic.description.linkage import GROUND, Linkage, Vector
+from analytic.description.linkage import GROUND, Linkage, Output, Vector
 from analytic.errors import LinkproofError, UnknownNameError
 from analytic.kinematics import frames
 from analytic.kinematics.assembly import check_assembly, check_motion
-from analytic.kinematics.dyad_solver import Group
-from analytic.kinematics.dyad_solvers import group
+from analytic.kinematics.dyad_solver import DyadSolver
 from analytic.kinematics.frames import Pair, Pose, Rate, Scalar
 from analytic.kinematics.structure import Dyad, Revolute, Structure
 
@@ -20,6 +19,16 @@ Array = NDArray[np.float64]
 def crank_pose(pivot: Revolute, angle: Scalar) -> Pose:
     """Pose of the crank at φ."""
     return frames.pose_through(pivot.near_local, (np.cos(angle), np.sin(angle)), pivot.far_local)
+
+
+def output_of(linkage: Linkage) -> Output:
+    """The linkage's output; raises LinkproofError where it names none."""
+    if linkage.output is None:
+        raise LinkproofError(
+            f"'{linkage.name}' names no output, so its S, v and a are undefined: add "
+            "output = { point = ..., along = [x, y] } to its file"
+        )
+    return linkage.output
 
 
 class Sweep:
@@ -34,7 +43,7 @@ class Sweep:
         self.linkage = linkage
         self.structure = structure
         self.angle = angle
-        self._groups: dict[str, tuple[Dyad, Group]] = {}
+        self._solvers: dict[str, DyadSolver] = {}
         self._centres: dict[tuple[str, int], Pair] = {}
         self._needs = {name: dyad for dyad in structure.dyads for name in (dyad.first, dyad.second)}
         crank = crank_pose(structure.pivot, angle)
@@ -60,31 +69,32 @@ class Sweep:
             dyad = self._dyad(body)
             for joint in (dyad.first_joint, dyad.second_joint):
                 self.poses(joint.near)
-            solver = group(dyad)
+            solver = DyadSolver(dyad)
             self._poses[dyad.first], self._poses[dyad.second] = solver.poses(self._poses)
             check_assembly(self.linkage, solver, self.angle)
-            self._groups[dyad.first] = self._groups[dyad.second] = (dyad, solver)
+            self._solvers[dyad.first] = self._solvers[dyad.second] = solver
         return self._poses[body]
 
     def rates(self, body: str) -> Rate:
         """First derivatives x', y' (m/rad) and θ' of a body's frame."""
         if body not in self._rates:
             self.poses(body)
-            dyad, solver = self._groups[body]
-            for joint in (dyad.first_joint, dyad.second_joint):
-                self.rates(joint.near)
+            solver = self._solvers[body]
+            for host in solver.hosts:
+                self.rates(host)
             check_motion(self.linkage, solver, self.angle)
-            self._rates[dyad.first], self._rates[dyad.second] = solver.rates(self._poses, self._rates)
+            dyad = solver.dyad
+            self._rates[dyad.first], self._rates[dyad.second] = solver.rates(self._rates)
         return self._rates[body]
 
     def accelerations(self, body: str) -> Rate:
         """Second derivatives x'', y'' (m/rad²) and θ'' of a body's frame."""
         if body not in self._accelerations:
             self.rates(body)
-            dyad, solver = self._groups[body]
-            for joint in (dyad.first_joint, dyad.second_joint):
-                self.accelerations(joint.near)
-            pair = solver.accelerations(self._poses, self._rates, self._accelerations)
+            solver = self._solvers[body]
+            for host in solver.hosts:
+                self.accelerations(host)
+            dyad, pair = solver.dyad, solver.accelerations(self._accelerations)
             self._accelerations[dyad.first], self._accelerations[dyad.second] = pair
         return self._accelerations[body]
 
@@ -130,12 +140,7 @@ class Sweep:
 
     def output(self, order: int = 0) -> Array:
         """The linkage's output point along the output's direction, m, or a derivative of it; shape of the angles."""
-        output = self.linkage.output
-        if output is None:
-            raise LinkproofError(
-                f"'{self.linkage.name}' names no output, so its S, v and a are undefined: add "
-                "output = { point = ..., along = [x, y] } to its file"
-            )
+        output = output_of(self.linkage)
         x, y = self.local_point(output.link, self.linkage.local(output.point, output.link), order)
         along = frames.dot(output.along, (x, y))
         return np.broadcast_to(np.asarray(along, dtype=float), self.angle.shape)

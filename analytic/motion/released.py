@@ -6,7 +6,6 @@ ones of ``analytic.description.crank_motion``, and says how far it can be from t
 
 from __future__ import annotations
 
-import itertools
 import math
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -16,10 +15,11 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from analytic.compiled import motion
-from analytic.description.law import Law
+from analytic.compiled.choice import is_compiled
+from analytic.description.law import FULL_TURN, Law
 from analytic.dynamics import reduced
 from analytic.dynamics.equation_of_motion import EquationOfMotion, equation_of_motion
-from analytic.errors import LinkproofError, UnknownNameError
+from analytic.errors import LinkproofError
 from analytic.kinematics.error_bounds import relative_bounds
 from analytic.kinematics.mechanism import Mechanism
 from analytic.kinematics.sweep import Sweep
@@ -39,9 +39,8 @@ ROUNDINGS: Final = 64.0  # of the largest moment, in any one: the closed form's 
 SEEN: Final = 720  # instants at which the closed form's own error is looked at
 LOOK, LOOKS = 16, 5  # each look at the peak shrinks its bracket 16-fold
 EPS: Final = float(np.finfo(float).eps)
-PATHS: Final = ("auto", "numpy", "compiled")
-# s, one evaluation of the equation by NumPy: read from its table, or from the closed form where there is none.
-FROM_TABLE, FROM_CLOSED_FORM = 2.2e-5, 2e-4
+# s, one turn of the crank by NumPy: the equation read from its table, or from the closed form where there is none.
+PER_TURN, PER_CLOSED_TURN = 5e-3, 5e-2
 
 
 @dataclass(frozen=True)
@@ -173,10 +172,8 @@ def free_motion(
     within one window of integration, relative to it. Raises LinkproofError where the motion cannot be followed.
 
     ``path`` says how it is integrated: ``numpy``; ``compiled``, which needs numba and the exact ½ Jeq' and leaves what
-    it cannot follow to NumPy; ``auto``, whichever takes less time from here, compiling or loading included.
+    it cannot follow to NumPy; ``auto``, whichever is likely to take less time, loading or compiling included.
     """
-    if path not in PATHS:
-        raise UnknownNameError("path", path, PATHS)
     for name, value in (("start angle", start_angle), ("start speed", start_speed)):
         if not math.isfinite(value):
             raise LinkproofError(f"{name}: expected a finite number, got {value:g}; give one that is")
@@ -208,47 +205,27 @@ def follow(
 def _by_path(
     equation: EquationOfMotion, start: tuple[float, float], duration: float, tolerance: float, path: str
 ) -> tuple[Windows, str]:
-    """The windows and the path they come from.
-
-    How much NumPy has to do is not known beforehand. So it begins, and when it has taken as long as it takes to get the
-    kernels ready these take over: never more than twice the time of the better path.
-    """
-    if path == "numpy" or not motion.is_able(equation):
-        return _integrated(equation, start, duration, NODES, tolerance), "numpy"
-    price = motion.price() if path == "auto" else 0.0
-    if price > 0.0:
-        try:
-            most = price / (FROM_CLOSED_FORM if equation.table is None else FROM_TABLE)
-            return _integrated(equation, start, duration, NODES, tolerance, most_evaluations=most), "numpy"
-        except _TooLongError:
-            pass
-    rounding = ROUNDINGS * EPS * equation.peak_moment
-    windows = motion.integrate(equation, start, duration, tolerance=tolerance, rounding=rounding)
-    if windows is None:  # NumPy says where and why
-        return _integrated(equation, start, duration, NODES, tolerance), "numpy"
-    return windows, "compiled"
+    """The windows and the path they come from."""
+    seconds = _seconds(equation, start[1], duration)
+    if is_compiled(path, "integration", seconds) and motion.is_able(equation):
+        rounding = ROUNDINGS * EPS * equation.peak_moment
+        windows = motion.integrate(equation, start, duration, tolerance=tolerance, rounding=rounding)
+        if windows is not None:  # else NumPy says where and why
+            return windows, "compiled"
+    return _integrated(equation, start, duration, NODES, tolerance), "numpy"
 
 
-class _TooLongError(Exception):
-    """NumPy has taken as long as the compiled path takes to get ready."""
+def _seconds(equation: EquationOfMotion, speed: float, duration: float) -> float:
+    """What NumPy takes for a motion, roughly: the crank turns as fast as at its start, or as its loads drive it."""
+    fastest = max(abs(speed), math.sqrt(FULL_TURN * equation.peak_moment))
+    return duration * fastest / FULL_TURN * (PER_CLOSED_TURN if equation.table is None else PER_TURN)
 
 
 def _integrated(
-    equation: EquationOfMotion,
-    start: tuple[float, float],
-    duration: float,
-    nodes: int,
-    tolerance: float,
-    *,
-    most_evaluations: float = math.inf,
+    equation: EquationOfMotion, start: tuple[float, float], duration: float, nodes: int, tolerance: float
 ) -> Windows:
     """The windows of a motion; near an equilibrium the moment is a small difference, with the rounding of its peak."""
-    evaluations = itertools.count()
-
-    def acceleration(angle: Array, speed: Array) -> Array:
-        if next(evaluations) >= most_evaluations:
-            raise _TooLongError
-        return equation.acceleration(angle, speed)
-
     rounding = ROUNDINGS * EPS * equation.peak_moment
-    return integrate(acceleration, start, duration, gauss_scheme(nodes), tolerance=tolerance, rounding=rounding)
+    return integrate(
+        equation.acceleration, start, duration, gauss_scheme(nodes), tolerance=tolerance, rounding=rounding
+    )

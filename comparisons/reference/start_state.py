@@ -6,7 +6,7 @@ from collections.abc import Iterable
 
 import numpy as np
 
-from analytic.dynamics.reduced import damping_coefficient, generalised_force, half_inertia_slope, reduced_inertia
+from analytic.dynamics.reduced import damping_coefficient, generalised_force, half_inertia_derivative, reduced_inertia
 from analytic.kinematics.frames import Pair
 from analytic.kinematics.mechanism import Mechanism
 from analytic.kinematics.sweep import Sweep
@@ -51,6 +51,6 @@ def scene(
     else:
         sweep = mechanism.sweep(np.asarray(start_angle))
         moment = drive.torque + generalised_force(sweep) - damping_coefficient(sweep) * speed
-        acceleration = (moment - half_inertia_slope(sweep) * speed**2) / reduced_inertia(sweep)
+        acceleration = (moment - half_inertia_derivative(sweep) * speed**2) / reduced_inertia(sweep)
         state = start_state(sweep, speed, float(acceleration))
     return build_scene(mechanism.linkage, state, drive, frozenset(channels))

@@ -14,7 +14,7 @@ from typing import Final
 
 import numpy as np
 
-from analytic.compiled.evaluation import available, is_ready
+from analytic.compiled.choice import is_kept
 from analytic.description.crank_motion import crank_motion
 from analytic.description.linkage import Linkage
 from analytic.evaluation import evaluate
@@ -42,7 +42,7 @@ def measure(linkage: Linkage, engines: Sequence[str], budget: float | None = Non
     A reduction that takes out what the linkage has not is left out; what an engine cannot do is a row with its outcome.
     The compiled path takes part if nothing has to be compiled for it.
     """
-    paths = ("numpy", "compiled") if available() and is_ready() else ("numpy",)
+    paths = ("numpy", "compiled") if is_kept("evaluation") else ("numpy",)
     jobs = [*run_jobs(linkage, engines), *query_jobs(linkage, paths)]
     for job in {cost.solver: job for cost, job in jobs}.values():
         job()  # imports, and whatever else is done only once
@@ -83,8 +83,8 @@ def query_jobs(linkage: Linkage, paths: Sequence[str]) -> Iterator[tuple[Measure
         for query in QUERIES:
             names, rest = query.names(linkage), reduced(linkage, query)
             if names and rest is not None:
-                motion = {"speed": query.speed, "acceleration": query.acceleration}
-                work = partial(evaluate, Mechanism(rest), angle, names, **motion, path=path)
+                question = partial(evaluate, Mechanism(rest), angle, names, path=path)
+                work = partial(question, speed=query.speed, acceleration=query.acceleration)
                 cost = MeasuredCost(linkage.name, linkage.variant, path, query.name, ", ".join(names), len(angle))
                 yield cost, partial(_forgotten, work)
 

@@ -6,9 +6,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from analytic import designs
-from analytic.compiled import evaluation
+from analytic.compiled import choice
 from analytic.compiled.evaluation import CHUNK
-from analytic.compiled.flat_linkage import program
+from analytic.compiled.flat_linkage import flatten
 from analytic.compiled.redesign import redesigned
 from analytic.designs import ASSEMBLED, evaluate_designs
 from analytic.dynamics import reduced
@@ -21,7 +21,7 @@ from tests.analytic.compiled.test_evaluation import ORDERS, quantities
 from tests.analytic.linkages import FourBar, four_bars, from_text, mechanism, text_of
 from tests.analytic.loaded_linkages import ALL, on_trial
 
-PATHS = ("numpy", pytest.param("compiled", marks=pytest.mark.skipif(not evaluation.available(), reason="no numba")))
+PATHS = ("numpy", pytest.param("compiled", marks=pytest.mark.skipif(not choice.is_installed(), reason="no numba")))
 # Two orders of the same operations; relative to the peak.
 SAME = 1e-14
 # A linkage written to a file and read again has figures that are a rounding off.
@@ -56,10 +56,10 @@ def test_designs_are_a_loop_over_linkages(path, sample, seed):
 
 def perturbed(sample, seed, count, share):
     """Parameters for every number of a linkage, each changed by a share of itself or of the drawing's size."""
-    draw, plan = np.random.default_rng(seed), program(sample)
+    draw, flat = np.random.default_rng(seed), flatten(sample)
     parameters = {}
-    for name, place in plan.places.items():
-        values = plan.numbers[place] * (1.0 + share * draw.normal(size=count))
+    for name, place in flat.places.items():
+        values = flat.numbers[place] * (1.0 + share * draw.normal(size=count))
         if not name.endswith((".mass", ".inertia", ".stiffness", ".damping", ".coefficient")):
             values += share * sample.linkage.extent() * draw.normal(size=count) * (".along." not in name)
         parameters[name] = np.abs(values) if name.endswith((".mass", ".inertia")) else values
@@ -68,15 +68,15 @@ def perturbed(sample, seed, count, share):
 
 def design(sample, parameters, number):
     """One of the designs as a linkage with its structure, in the assembly modes of the original."""
-    plan = program(sample)
-    numbers = plan.numbers.copy()
+    flat = flatten(sample)
+    numbers = flat.numbers.copy()
     for name, values in parameters.items():
-        numbers[plan.places[name]] = values[number]
-    linkage = redesigned(plan, numbers)
+        numbers[flat.places[name]] = values[number]
+    linkage = redesigned(flat, numbers)
     return linkage, find_structure(linkage).with_signs(tuple(dyad.sign for dyad in sample.structure.dyads))
 
 
-@pytest.mark.skipif(not evaluation.available(), reason="numba is not installed")
+@pytest.mark.skipif(not choice.is_installed(), reason="numba is not installed")
 @pytest.mark.parametrize(("case", "is_laden"), ALL)
 def test_both_paths_agree_on_every_parameter_of_every_linkage(case, is_laden):
     sample = on_trial(*case, is_laden)
@@ -97,7 +97,7 @@ def test_both_paths_agree_on_every_parameter_of_every_linkage(case, is_laden):
             assert np.max(np.abs(one - two)) <= max(SAME, bounds[ORDERS[name]]) * np.max(np.abs(two))
 
 
-@pytest.mark.skipif(not evaluation.available(), reason="numba is not installed")
+@pytest.mark.skipif(not choice.is_installed(), reason="numba is not installed")
 @pytest.mark.parametrize("case", [case for case, is_laden in ALL if is_laden])
 @pytest.mark.parametrize("names", [["S"], ["Jeq"]])
 def test_both_paths_agree_on_what_cannot_be_assembled(case, names):
@@ -226,7 +226,7 @@ def test_next_to_a_dead_position_places_are_known_and_rates_are_not(path, case):
     assert found[ASSEMBLED].tolist() == [[False, True]]
 
 
-@pytest.mark.skipif(not evaluation.available(), reason="numba is not installed")
+@pytest.mark.skipif(not choice.is_installed(), reason="numba is not installed")
 def test_chunks_and_threads_make_up_the_whole():
     sample, angle = mechanism("juki-mf7923d"), np.linspace(0.0, 6.0, 131)
     masses = np.linspace(0.1, 0.9, 2 * CHUNK + 3)
@@ -254,9 +254,10 @@ def test_a_link_that_weighs_something_in_one_design_is_assembled_in_all(path):
 
 def test_the_path_is_chosen_by_the_work(monkeypatch):
     asked, sample = [], mechanism("juki-mf7923d")
-    monkeypatch.setattr(designs, "is_compiled", lambda path, work: bool(asked.append((path, work))))
+    monkeypatch.setattr(designs, "is_compiled", lambda *how: bool(asked.append(how)))
     evaluate_designs(sample, {"crank.mass": np.ones(7)}, np.zeros(100), ["Jeq"])
-    assert asked == [("auto", 7 * (100 + designs.ANGLES_OF_A_DESIGN) * len(sample.structure.bodies))]
+    work = 7 * (100 + designs.ANGLES_OF_A_DESIGN) * len(sample.structure.bodies)
+    assert asked == [("auto", "evaluation", pytest.approx(designs.PER_ANGLE * work))]
 
 
 ONE = np.ones(2)
@@ -308,5 +309,5 @@ def test_a_direction_is_scaled_to_unit_length():
 
 
 def _direction(sample):
-    plan = program(sample)
-    return {name: plan.numbers[place] for name, place in plan.places.items() if ".along." in name}
+    flat = flatten(sample)
+    return {name: flat.numbers[place] for name, place in flat.places.items() if ".along." in name}

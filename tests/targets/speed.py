@@ -17,8 +17,8 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from analytic.compiled import evaluation
-from analytic.compiled.flat_linkage import program
+from analytic.compiled import choice
+from analytic.compiled.flat_linkage import flatten
 from analytic.description.loading import load
 from analytic.designs import evaluate_designs
 from analytic.evaluation import PIECE
@@ -112,16 +112,16 @@ def _span(seconds: Seconds, count: int, unit: str, scale: float) -> str:
 @cache
 def six_bar_contest(name: str, angles: int) -> Contest:
     """A six-bar's four moving joints and their two derivatives over as many crank angles, one core."""
-    if not evaluation.available():
+    if not choice.is_installed():
         return Contest({}, angles)
     from tests.targets import speed_baselines as baselines  # noqa: PLC0415 - needs numba
 
     mechanism = Mechanism(load(name))
-    ours, measures = evaluation.CompiledMechanism(mechanism), baselines.six_bar(mechanism.linkage)
+    measures = baselines.six_bar(mechanism.linkage)
     step = 2.0 * math.pi * TURNS / angles
     angle = step * np.arange(1.0, angles + 1.0)
     contestants: dict[str, Work] = {
-        OURS: lambda: ours.motion(angle, baselines.POINTS, order=2, cores=1),
+        OURS: baselines.our_motion(mechanism, angle),
         "NumPy": lambda: _plain(mechanism, baselines.POINTS, angle),
         "hand-written kernel": baselines.hand_written_motion(measures, angle),
     }
@@ -155,8 +155,6 @@ def _difference(contestants: Mapping[str, Work]) -> str:
 
 def _places(result: object) -> Array:
     """A contestant's result as (points, orders, 2, angles)."""
-    if isinstance(result, evaluation.Motion):
-        return np.stack(list(result.points.values()))
     if isinstance(result, tuple):
         return np.stack([np.moveaxis(places[:, -4:], 0, -1) for places in result], axis=1)
     return np.asarray(result)
@@ -164,10 +162,10 @@ def _places(result: object) -> Array:
 
 def designs_contest(name: str, varied: tuple[str, ...], designs: int, angles: int) -> Contest:
     """Jeq of designs that differ in the numbers named, at as many crank angles each, compiled, one core."""
-    if not evaluation.available():
+    if not choice.is_installed():
         return Contest({}, designs * angles)
     mechanism, chance = Mechanism(load(name)), np.random.default_rng(4)
-    flat = program(mechanism)
+    flat = flatten(mechanism)
     angle = np.linspace(0.0, 2.0 * math.pi, angles, endpoint=False)
     numbers = {one: flat.numbers[flat.places[one]] * chance.uniform(1 - SPREAD, 1 + SPREAD, designs) for one in varied}
     work = partial(evaluate_designs, mechanism, numbers, angle, ("Jeq",), cores=1, path="compiled")
@@ -178,7 +176,7 @@ def designs_contest(name: str, varied: tuple[str, ...], designs: int, angles: in
 @cache
 def forward_contest(name: str, regime: str) -> Contest:
     """A released crank in a regime of the linkage's own, φ within 1e-6 rad throughout."""
-    if not evaluation.available():
+    if not choice.is_installed():
         return Contest({}, 1)
     from tests.targets import speed_baselines as baselines  # noqa: PLC0415 - needs numba
 

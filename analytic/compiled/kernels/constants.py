@@ -1,12 +1,14 @@
-"""From a linkage's own numbers to the constants its dyads need: arm lengths, offsets, places on rails.
+"""From a linkage's own numbers to the constants its dyads need, once per design: arm lengths, offsets, places on rails.
 
-They are worked out once per design, by the formulas in the constructors of ``analytic.kinematics.turning_dyads`` and
-``analytic.kinematics.sliding_dyads``.
+The formulas are those of ``analytic.kinematics.dyads``.
 """
 
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
+from types import ModuleType
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -32,120 +34,72 @@ from analytic.compiled.kernels.layout import (
     SIGN,
     THROUGH,
 )
-from analytic.kinematics.dyad_solver import LEAST_SINE
+from analytic.compiled.kernels.solution import pair
+from analytic.kinematics.dyads import prp, rpp, rpr, rrp, rrr
+from analytic.kinematics.frames import Pair, minus, rotated
 
 Array = NDArray[np.float64]
-Pair = tuple[float, float]
-Rail = tuple[float, float, float, float, float, float]
+Joint = Callable[[Array, Integers, int], Any]
+
+
+class Pin(NamedTuple):
+    """What the formulas read of a ``structure.Revolute``."""
+
+    near_local: Pair
+    far_local: Pair
+
+
+class Rail(NamedTuple):
+    """What they read of a ``structure.Prismatic``."""
+
+    along: Pair
+    turn: Pair
+    origin: Pair
 
 
 @inlined
-def _vector(numbers: Array, at: int) -> Pair:
-    return numbers[at], numbers[at + 1]
+def _pin(numbers: Array, dyad: Integers, joint: int) -> Pin:
+    return Pin(pair(numbers, dyad[joint + NEAR_POINT]), pair(numbers, dyad[joint + FAR_POINT]))
 
 
 @kernel
 def _rail(numbers: Array, dyad: Integers, joint: int) -> Rail:
-    """A P joint seen from the near body: along, turn and origin, as ``structure.prismatic_joint`` has them."""
-    ex, ey = _vector(numbers, dyad[joint + ALONG])
-    length = math.hypot(ex, ey)
-    ex, ey = ex / length, ey / length
-    ax, ay = _vector(numbers, dyad[joint + ANCHOR])
-    px, py = _vector(numbers, dyad[joint + THROUGH])
-    ox, oy = px - (ax * ex - ay * ey), py - (ax * ey + ay * ex)
-    if dyad[joint + FROM_SLIDER] == 0:
-        return ex, ey, ex, ey, ox, oy
-    return 1.0, 0.0, ex, -ey, -(ox * ex + oy * ey), ox * ey - oy * ex
-
-
-@inlined
-def _on_rail(rail: Rail, x: float, y: float) -> Pair:
-    """A point of the sliding body, in the frame it slides on, at zero travel."""
-    _, _, c, s, ox, oy = rail
-    return ox + c * x - s * y, oy + s * x + c * y
-
-
-@inlined
-def _put(k: Array, at: int, vector: Pair) -> None:
-    k[at], k[at + 1] = vector
-
-
-@inlined
-def _arm(numbers: Array, k: Array, at: int, tip: int, pin: int) -> float:
-    """Store a link's arm over its squared length, which turns arms in the ground frame into angles; the length."""
-    x, y = numbers[tip] - numbers[pin], numbers[tip + 1] - numbers[pin + 1]
+    """A P joint seen from the near body, as ``structure.prismatic_joint`` has it."""
+    x, y = pair(numbers, dyad[joint + ALONG])
     length = math.hypot(x, y)
-    k[at], k[at + 1] = x / (length * length), y / (length * length)
-    return length
+    along = (x / length, y / length)
+    origin = minus(
+        pair(numbers, dyad[joint + THROUGH]), rotated(along[0], along[1], pair(numbers, dyad[joint + ANCHOR]))
+    )
+    if dyad[joint + FROM_SLIDER] == 0:
+        return Rail(along, along, origin)
+    x, y = rotated(along[0], -along[1], origin)
+    return Rail((1.0, 0.0), (along[0], -along[1]), (-x, -y))
 
 
-@kernel
-def _rrr(numbers: Array, dyad: Integers, k: Array) -> None:
-    a, b, inner = FIRST_JOINT, SECOND_JOINT, INNER_JOINT
-    _put(k, 0, _vector(numbers, dyad[a + NEAR_POINT]))
-    _put(k, 2, _vector(numbers, dyad[b + NEAR_POINT]))
-    _put(k, 4, _vector(numbers, dyad[a + FAR_POINT]))
-    _put(k, 6, _vector(numbers, dyad[b + FAR_POINT]))
-    first = _arm(numbers, k, 12, dyad[inner + FAR_POINT], dyad[a + FAR_POINT])
-    second = _arm(numbers, k, 14, dyad[inner + NEAR_POINT], dyad[b + FAR_POINT])
-    total, difference = first + second, first - second
-    k[8], k[9], k[10], k[11] = total * total, difference * difference, 0.5 * difference * total, 0.5 * dyad[SIGN]
-    k[16], k[17], k[18] = LEAST_SINE * first * second, total, abs(difference)
+@inlined
+def _store(constants: tuple[Pair, ...], k: Array) -> None:
+    for at, (x, y) in enumerate(constants):
+        k[2 * at], k[2 * at + 1] = x, y
 
 
-@kernel
-def _rrp(numbers: Array, dyad: Integers, k: Array) -> None:
-    a, inner = FIRST_JOINT, INNER_JOINT
-    _put(k, 0, _vector(numbers, dyad[a + NEAR_POINT]))
-    _put(k, 2, _vector(numbers, dyad[a + FAR_POINT]))
-    length = _arm(numbers, k, 4, dyad[inner + FAR_POINT], dyad[a + FAR_POINT])
-    k[6], k[7], k[16] = length, dyad[SIGN], LEAST_SINE * length
-    rail = _rail(numbers, dyad, SECOND_JOINT)
-    k[8], k[9], k[10], k[11] = rail[0], rail[1], rail[2], rail[3]
-    x, y = _vector(numbers, dyad[inner + NEAR_POINT])
-    _put(k, 12, _on_rail(rail, x, y))
-    _put(k, 14, (x, y))
+def _deriver(dyad: ModuleType, first: Joint, inner: Joint, second: Joint) -> Callable[[Array, Integers, Array], None]:
+    """Kernel that stores the constants of one kind, from its joints as they are read."""
+    constants: Any = dyad.constants
+
+    @kernel
+    def derived(numbers: Array, row: Integers, k: Array) -> None:
+        one, two = first(numbers, row, FIRST_JOINT), second(numbers, row, SECOND_JOINT)
+        _store(constants(one, inner(numbers, row, INNER_JOINT), two, float(row[SIGN])), k)
+
+    return derived
 
 
-@kernel
-def _rpr(numbers: Array, dyad: Integers, k: Array) -> None:
-    a, b = FIRST_JOINT, SECOND_JOINT
-    _put(k, 0, _vector(numbers, dyad[a + NEAR_POINT]))
-    _put(k, 2, _vector(numbers, dyad[b + NEAR_POINT]))
-    ax, ay = _vector(numbers, dyad[a + FAR_POINT])
-    bx, by = _vector(numbers, dyad[b + FAR_POINT])
-    _put(k, 4, (ax, ay))
-    _put(k, 6, (bx, by))
-    rail = _rail(numbers, dyad, INNER_JOINT)
-    x, y = _on_rail(rail, ax, ay)
-    k[8], k[9] = rail[0] * (y - by) - rail[1] * (x - bx), dyad[SIGN]
-    k[10], k[11], k[12], k[13] = rail[0], rail[1], rail[2], rail[3]
-
-
-@kernel
-def _rpp(numbers: Array, dyad: Integers, k: Array) -> None:
-    a = FIRST_JOINT
-    _put(k, 0, _vector(numbers, dyad[a + NEAR_POINT]))
-    ax, ay = _vector(numbers, dyad[a + FAR_POINT])
-    _put(k, 2, (ax, ay))
-    rail, inner = _rail(numbers, dyad, SECOND_JOINT), _rail(numbers, dyad, INNER_JOINT)
-    k[4], k[5], k[6], k[7], k[8], k[9] = rail
-    k[10], k[11], k[12], k[13] = inner[0], inner[1], inner[2], inner[3]
-    x, y = _on_rail(inner, ax, ay)
-    _put(k, 14, _on_rail(rail, x, y))
-
-
-@kernel
-def _prp(numbers: Array, dyad: Integers, k: Array) -> None:
-    at = dyad[INNER_JOINT + FAR_POINT]
-    for part, joint in enumerate((FIRST_JOINT, SECOND_JOINT)):
-        rail = _rail(numbers, dyad, joint)
-        x, y = _vector(numbers, at)
-        start = 8 * part
-        k[start], k[start + 1], k[start + 2], k[start + 3] = rail[0], rail[1], rail[2], rail[3]
-        _put(k, start + 4, _on_rail(rail, x, y))
-        _put(k, start + 6, (x, y))
-        at = dyad[INNER_JOINT + NEAR_POINT]
+_rrr = _deriver(rrr, _pin, _pin, _pin)
+_rrp = _deriver(rrp, _pin, _pin, _rail)
+_rpr = _deriver(rpr, _pin, _rail, _pin)
+_rpp = _deriver(rpp, _pin, _rail, _rail)
+_prp = _deriver(prp, _rail, _pin, _rail)
 
 
 @kernel
@@ -153,15 +107,13 @@ def derive(tables: Tables, design: Array) -> None:
     """Fill in the constants that follow a design's numbers: those of the crank, then those of each dyad."""
     dyads, crank = tables.dyads, tables.crank
     start = len(design) - CRANK_CONSTANTS - DYAD_CONSTANTS * len(dyads)
-    x, y = _vector(design, crank[CRANK_CENTRE])
-    fx, fy = _vector(design, crank[CRANK_FAR])
-    x, y = x - fx, y - fy
-    design[start], design[start + 1] = fx, fy
+    pin = pair(design, crank[CRANK_FAR])
+    x, y = minus(pair(design, crank[CRANK_CENTRE]), pin)
+    design[start], design[start + 1] = pin
     design[start + 2] = design[crank[CRANK_MASS]] * (x * x + y * y) + design[crank[CRANK_INERTIA]]
     for number in range(len(dyads)):
-        dyad = dyads[number]
         at = start + CRANK_CONSTANTS + DYAD_CONSTANTS * number
-        k = design[at : at + DYAD_CONSTANTS]
+        dyad, k = dyads[number], design[at : at + DYAD_CONSTANTS]
         if dyad[KIND] == RRR:
             _rrr(design, dyad, k)
         elif dyad[KIND] == RRP:

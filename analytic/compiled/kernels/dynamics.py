@@ -1,61 +1,59 @@
 """What a rigid crank feels of links, loads and springs, on blocks of crank angles, once the bodies' motion is known.
 
-Formulas are those of ``analytic.dynamics.reduced``. Each kernel adds one link's or load's part to the rows of sums;
-places in ``design`` are those of ``analytic.compiled.flat_linkage.Tables``.
+Formulas are those of ``analytic.dynamics.link_sums``. Each kernel adds one link's or load's part to the rows of sums.
 """
 
 from __future__ import annotations
 
-import math
-
 import numpy as np
 from numpy.typing import NDArray
 
-from analytic.compiled.kernels.jit import kernel
-from analytic.compiled.kernels.layout import BLOCK, DAMPING, DDW, DW, DX, DY, FORCE, HALF_SLOPE, JEQ, ROW, C, S, X, Y
-from analytic.compiled.kernels.turning import arm, carried
+from analytic.compiled.kernels.jit import inlined, kernel
+from analytic.compiled.kernels.layout import BLOCK, DAMPING, DDW, DW, FORCE, HALF_DERIVATIVE, JEQ, ROW
+from analytic.compiled.kernels.rows import pose, rate, second
+from analytic.dynamics.link_sums import stretching, weighed
+from analytic.kinematics.frames import Rate, dot, minus, point, point_acceleration, point_rate
 
 Array = NDArray[np.float64]
 Pair = tuple[float, float]
 
 
-@kernel
-def add_inertia(n: int, mass: float, x: float, y: float, inertia: float, body: Array, sums: Array) -> None:
-    """Jeq: m |S'|² + J θ'² of a link with its mass centre at (x, y)."""
-    for i in range(min(n, BLOCK)):
-        rx, ry = arm(body[C + i], body[S + i], x, y)
-        w = body[DW + i]
-        vx, vy = body[DX + i] - w * ry, body[DY + i] + w * rx
-        sums[JEQ + i] += mass * (vx * vx + vy * vy) + inertia * (w * w)
+@inlined
+def rate_of(body: Array, i: int, centre: Pair) -> Rate:
+    """First derivatives of a body's mass centre and angle."""
+    x, y = point_rate(pose(body, i), rate(body, i), centre)
+    return x, y, body[DW + i]
 
 
 @kernel
-def add_half_slope(n: int, mass: float, x: float, y: float, inertia: float, body: Array, sums: Array) -> None:
-    """½ Jeq': m S'·S'' + J θ' θ'' of a link with its mass centre at (x, y)."""
+def add_inertia(n: int, mass: float, centre: Pair, inertia: float, body: Array, sums: Array) -> None:
+    """Jeq of a link."""
     for i in range(min(n, BLOCK)):
-        rx, ry = arm(body[C + i], body[S + i], x, y)
-        w = body[DW + i]
-        vx, vy = body[DX + i] - w * ry, body[DY + i] + w * rx
-        ax, ay = carried(body, i, rx, ry)
-        sums[HALF_SLOPE + i] += mass * (vx * ax + vy * ay) + inertia * (w * body[DDW + i])
+        first = rate_of(body, i, centre)
+        sums[JEQ + i] += weighed(mass, inertia, first, first)
 
 
 @kernel
-def add_force(n: int, x: float, y: float, fx: float, fy: float, body: Array, sums: Array) -> None:
-    """Q of a constant force (weight among them) at the point (x, y) of a body."""
+def add_half_derivative(n: int, mass: float, centre: Pair, inertia: float, body: Array, sums: Array) -> None:
+    """½ Jeq' of a link."""
     for i in range(min(n, BLOCK)):
-        rx, ry = arm(body[C + i], body[S + i], x, y)
-        w = body[DW + i]
-        sums[FORCE + i] += fx * (body[DX + i] - w * ry) + fy * (body[DY + i] + w * rx)
+        x, y = point_acceleration(pose(body, i), rate(body, i), second(body, i), centre)
+        other = (x, y, body[DDW + i])
+        sums[HALF_DERIVATIVE + i] += weighed(mass, inertia, rate_of(body, i, centre), other)
 
 
 @kernel
-def add_varying_force(n: int, x: float, y: float, law: Array, body: Array, sums: Array) -> None:
-    """Q of a force that depends on the crank angle, at the point (x, y) of a body."""
+def add_force(n: int, at: Pair, force: Pair, body: Array, sums: Array) -> None:
+    """Q of a constant force (weight among them) at a point of a body."""
     for i in range(min(n, BLOCK)):
-        rx, ry = arm(body[C + i], body[S + i], x, y)
-        w = body[DW + i]
-        sums[FORCE + i] += law[i] * (body[DX + i] - w * ry) + law[ROW + i] * (body[DY + i] + w * rx)
+        sums[FORCE + i] += dot(force, point_rate(pose(body, i), rate(body, i), at))
+
+
+@kernel
+def add_varying_force(n: int, at: Pair, law: Array, body: Array, sums: Array) -> None:
+    """Q of a force that depends on the crank angle."""
+    for i in range(min(n, BLOCK)):
+        sums[FORCE + i] += dot((law[i], law[ROW + i]), point_rate(pose(body, i), rate(body, i), at))
 
 
 @kernel
@@ -70,18 +68,12 @@ def add_spring(
     n: int, p: Pair, q: Pair, stiffness: float, free: float, damping: float, one: Array, two: Array, sums: Array
 ) -> None:
     """Q of a spring between points p and q of two bodies, of length ``free`` without force, and b of its dashpot."""
-    (x1, y1), (x2, y2) = p, q
     for i in range(min(n, BLOCK)):
-        rx, ry = arm(one[C + i], one[S + i], x1, y1)
-        qx, qy = arm(two[C + i], two[S + i], x2, y2)
-        dx, dy = one[X + i] + rx - (two[X + i] + qx), one[Y + i] + ry - (two[Y + i] + qy)
-        w, v = one[DW + i], two[DW + i]
-        ux, uy = one[DX + i] - w * ry - (two[DX + i] - v * qy), one[DY + i] + w * rx - (two[DY + i] + v * qx)
-        length = math.sqrt(dx * dx + dy * dy)
-        rate = (dx * ux + dy * uy) / length
-        rate = rate if length > 0.0 else 0.0
-        sums[FORCE + i] -= stiffness * (length - free) * rate
-        sums[DAMPING + i] += damping * (rate * rate)
+        span = minus(point(pose(one, i), p), point(pose(two, i), q))
+        rates = minus(point_rate(pose(one, i), rate(one, i), p), point_rate(pose(two, i), rate(two, i), q))
+        length, stretch = stretching(span, rates)
+        sums[FORCE + i] -= stiffness * (length - free) * stretch
+        sums[DAMPING + i] += damping * (stretch * stretch)
 
 
 @kernel
@@ -93,26 +85,21 @@ def add_damper(n: int, coefficient: float, one: Array, two: Array, sums: Array) 
 
 
 @kernel
-def place_along(n: int, x: float, y: float, ex: float, ey: float, body: Array, row: Array) -> None:
-    """Coordinate of the point (x, y) of a body along a direction of the ground."""
+def place_along(n: int, at: Pair, along: Pair, body: Array, row: Array) -> None:
+    """Coordinate of a point of a body along a direction of the ground."""
     for i in range(min(n, BLOCK)):
-        rx, ry = arm(body[C + i], body[S + i], x, y)
-        row[i] = ex * (body[X + i] + rx) + ey * (body[Y + i] + ry)
+        row[i] = dot(along, point(pose(body, i), at))
 
 
 @kernel
-def rate_along(n: int, x: float, y: float, ex: float, ey: float, body: Array, row: Array) -> None:
+def rate_along(n: int, at: Pair, along: Pair, body: Array, row: Array) -> None:
     """Its first derivative over φ."""
     for i in range(min(n, BLOCK)):
-        rx, ry = arm(body[C + i], body[S + i], x, y)
-        w = body[DW + i]
-        row[i] = ex * (body[DX + i] - w * ry) + ey * (body[DY + i] + w * rx)
+        row[i] = dot(along, point_rate(pose(body, i), rate(body, i), at))
 
 
 @kernel
-def second_along(n: int, x: float, y: float, ex: float, ey: float, body: Array, row: Array) -> None:
+def second_along(n: int, at: Pair, along: Pair, body: Array, row: Array) -> None:
     """Its second derivative over φ."""
     for i in range(min(n, BLOCK)):
-        rx, ry = arm(body[C + i], body[S + i], x, y)
-        ax, ay = carried(body, i, rx, ry)
-        row[i] = ex * ax + ey * ay
+        row[i] = dot(along, point_acceleration(pose(body, i), rate(body, i), second(body, i), at))

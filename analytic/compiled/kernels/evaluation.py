@@ -18,12 +18,11 @@ from analytic.compiled.kernels.layout import (
     ACCELERATION,
     ANGLE,
     BLOCK,
-    BODY,
     COSINE,
     DAMPING,
     FAULT,
     FORCE,
-    HALF_SLOPE,
+    HALF_DERIVATIVE,
     JEQ,
     OUTPUT,
     OUTPUT_RATE,
@@ -32,9 +31,15 @@ from analytic.compiled.kernels.layout import (
     SPEED,
     SUMS,
 )
-from analytic.compiled.kernels.points import trace, turn, unwrap
-from analytic.compiled.kernels.solution import body_at, faults, solve
-from analytic.compiled.kernels.sums import constant_laws, output, sum_forces, sum_half_slope, sum_inertia, tabled_laws
+from analytic.compiled.kernels.solution import solve
+from analytic.compiled.kernels.sums import (
+    constant_laws,
+    output,
+    sum_forces,
+    sum_half_derivative,
+    sum_inertia,
+    tabled_laws,
+)
 from analytic.compiled.kernels.trigonometry import cosines_and_sines
 
 Array = NDArray[np.float64]
@@ -43,7 +48,7 @@ Booleans = NDArray[np.bool_]
 # Codes of quantities; the first four are sums as they are.
 CODES: Final = {"Jeq": 0, "half_slope": 1, "Q": 2, "S": 3, "Mkr": 4, "Teq": 5, "Peq": 6, "v": 7, "a": 8}
 STORED: Final = 4
-STORED_ROWS: Final = (JEQ, HALF_SLOPE, FORCE, OUTPUT)
+STORED_ROWS: Final = (JEQ, HALF_DERIVATIVE, FORCE, OUTPUT)
 ENERGY, POWER, VELOCITY, PULL = CODES["Teq"], CODES["Peq"], CODES["v"], CODES["a"]
 # What they are made up of, each with a flag in ``wanted``; the output with the order of its derivative.
 WANTED_INERTIA, WANTED_SLOPE, WANTED_FORCES, WANTED_OUTPUT = range(4)
@@ -82,7 +87,7 @@ def emit(quantity: int, n: int, block: Array, sums: Array, result: Array) -> Non
     else:
         for i in range(n):
             speed = block[SPEED + i]
-            torque = sums[JEQ + i] * block[ACCELERATION + i] + sums[HALF_SLOPE + i] * (speed * speed)
+            torque = sums[JEQ + i] * block[ACCELERATION + i] + sums[HALF_DERIVATIVE + i] * (speed * speed)
             torque = torque - sums[FORCE + i] + sums[DAMPING + i] * speed
             result[i] = torque * speed if quantity == POWER else torque
 
@@ -103,7 +108,7 @@ def sum_wanted(tables: Tables, design: Array, n: int, wanted: Integers, work: Ar
     if wanted[WANTED_INERTIA]:
         sum_inertia(tables, design, n, work)
     if wanted[WANTED_SLOPE]:
-        sum_half_slope(tables, design, n, work)
+        sum_half_derivative(tables, design, n, work)
     if wanted[WANTED_FORCES]:
         constant_laws(tables, design, n, work)
         sum_forces(tables, design, n, work)
@@ -163,47 +168,3 @@ def blank(n: int, at: int, row: int, fault: Array, values: Array) -> None:
         for i in range(n):
             if fault[i] != 0.0:
                 values[place, row, at + i] = math.nan
-
-
-@entry
-def motion(
-    tables: Tables,
-    design: Array,
-    angle: Array,
-    start: int,
-    stop: int,
-    levels: Integers,
-    points: Integers,
-    links: Integers,
-    places: Array,
-    turns: Array,
-    work: Array,
-    sources: int = SOURCES,
-) -> float:
-    """Points and links' angles with their derivatives over φ; returned is the number of angles without motion.
-
-    ``points`` (points, 2) are body and place in the design, ``links`` are bodies; ``places`` is (points, orders, 2,
-    angles), ``turns`` (links, orders, angles).
-    """
-    missing = 0.0
-    for at in range(start, stop, BLOCK):
-        n = min(BLOCK, stop - at)
-        begin(n, at, angle, angle[:1], angle[:1], work)
-        solve(tables, design, n, levels, work)
-        for number in range(len(points)):
-            body, point = points[number]
-            rows = body_at(tables, body)
-            trace(n, (design[point], design[point + 1]), work[rows : rows + BODY], at, places[number])
-        for number in range(len(links)):
-            rows = body_at(tables, links[number])
-            turn(n, work[rows : rows + BODY], at, turns[number])
-        missing += faults(n, work[FAULT : FAULT + BLOCK])
-    return missing
-
-
-@entry
-def unwrapped(turns: Array, length: int, sources: int = SOURCES) -> None:
-    """Make the angles of ``turns`` (links, orders, angles) continuous over every ``length`` of them."""
-    for number in range(len(turns)):
-        for start in range(0, turns.shape[2], length):
-            unwrap(turns[number, 0], start, start + length)

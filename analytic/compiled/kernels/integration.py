@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from analytic.compiled.flat_linkage import Tables
 from analytic.compiled.kernels.jit import SOURCES, entry, inlined, kernel
-from analytic.compiled.kernels.layout import ANGLE, DAMPING, FORCE, HALF_SLOPE, JEQ, SUMS
+from analytic.compiled.kernels.layout import ANGLE, DAMPING, FORCE, HALF_DERIVATIVE, JEQ, SUMS
 from analytic.compiled.kernels.linkage import equation_rows
 
 Array = NDArray[np.float64]
@@ -85,7 +85,7 @@ def accelerations(tables: Tables, design: Array, n: int, speeds: Array, result: 
     terms = work[SUMS:]
     for i in range(n):
         w = speeds[i]
-        result[i] = (terms[FORCE + i] - w * (terms[DAMPING + i] + terms[HALF_SLOPE + i] * w)) / terms[JEQ + i]
+        result[i] = (terms[FORCE + i] - w * (terms[DAMPING + i] + terms[HALF_DERIVATIVE + i] * w)) / terms[JEQ + i]
     return faults
 
 

@@ -2,17 +2,19 @@
 
 Only the entry points keep their machine code on disk, with everything they call inside. Numba looks at an entry's own
 file only to see whether that code is still good; ``SOURCES`` makes up for it: an entry takes it as the default of its
-last parameter, which is part of the key, so that a change in any kernel file counts.
+last parameter, which is part of the key, so that a change in any file of formulas or kernels counts.
 """
 
 from __future__ import annotations
 
 import zlib
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from pathlib import Path
 from typing import Any, Final, TypeVar
 
 import numba
+
+from analytic.compiled.choice import sources
 
 Function = TypeVar("Function", bound=Callable[..., Any])
 
@@ -20,19 +22,18 @@ Function = TypeVar("Function", bound=Callable[..., Any])
 # No "_nrt": nothing is allocated, so no references to arrays are counted; that made a block half as long again, and the
 # counts of the shared tables would be fought over by threads.
 _OPTIONS: Final = {"nogil": True, "error_model": "numpy", "_nrt": False}
+INLINED: Final = {**_OPTIONS, "forceinline": True}
 
 
-def checksum(folder: Path) -> int:
-    """A number that changes with the text of any kernel file, or of the two whose constants the kernels take in."""
+def checksum(paths: Iterable[Path]) -> int:
+    """A number that changes with the text of any of the files."""
     total = 0
-    analytic = folder.parents[1]
-    taken_in = (analytic / "kinematics" / "dyad_solver.py", analytic / "compiled" / "flat_linkage.py")
-    for path in (*sorted(folder.glob("*.py")), *taken_in):
+    for path in paths:
         total = zlib.crc32(path.read_bytes(), total)
     return total
 
 
-SOURCES: Final = checksum(Path(__file__).parent)
+SOURCES: Final = checksum(sources())
 
 
 def kernel(function: Function) -> Function:
@@ -43,7 +44,7 @@ def kernel(function: Function) -> Function:
 
 def inlined(function: Function) -> Function:
     """Compile a function into its callers: a small one, or one that takes the tables, a hundred words to pass on."""
-    compiled: Function = numba.njit(forceinline=True, **_OPTIONS)(function)
+    compiled: Function = numba.njit(**INLINED)(function)
     return compiled
 
 
@@ -54,6 +55,10 @@ def counting(function: Function) -> Function:
 
 
 def entry(function: Function) -> Function:
-    """Compile a function called from Python, or by kernels elsewhere, and keep it on disk."""
-    compiled: Function = numba.njit(cache=True, **_OPTIONS)(function)
+    """Compile a function called from Python, or by kernels elsewhere, and keep it on disk where that can be."""
+    compiled: Function
+    try:
+        compiled = numba.njit(cache=True, **_OPTIONS)(function)
+    except RuntimeError:  # numba finds no folder that can be written to
+        compiled = numba.njit(**_OPTIONS)(function)
     return compiled

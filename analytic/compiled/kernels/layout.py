@@ -1,4 +1,4 @@
-"""Where the kernels keep what: the columns of a program's tables and the rows of the scratch memory.
+"""Where the kernels keep what: the columns of a linkage's tables and the rows of the scratch memory.
 
 Crank angles are worked on in blocks. The scratch memory is one vector of rows, each holding one quantity at every angle
 of a block; the rows of a body lie together, in the order below, so that a kernel gets a body as one piece of it.
@@ -16,7 +16,7 @@ ROW: Final = BLOCK + 8
 
 # Rows of a body: origin, cosine and sine of its angle; origin's and angle's derivatives over φ, first then second.
 X, Y, C, S, DX, DY, DW, DDX, DDY, DDW = (ROW * row for row in range(10))
-# Five more that a dyad's later steps take over from its earlier ones.
+# Five more that a dyad's later steps take over from its earlier ones: its closure and travel.
 BODY: Final = ROW * 15
 # A dyad's rows are its two bodies'.
 SECOND: Final = BODY
@@ -27,7 +27,7 @@ KEPT: Final = (*(ROW * row for row in range(10, 15)), *(SECOND + ROW * row for r
 ANGLE, COSINE, SINE, SPEED, ACCELERATION, FAULT = (ROW * row for row in range(6))
 SUMS: Final = ROW * 6
 # Sums over the linkage: Jeq, ½Jeq', Q, b, and the output with its first and second derivative.
-JEQ, HALF_SLOPE, FORCE, DAMPING, OUTPUT, OUTPUT_RATE, OUTPUT_SECOND = (ROW * row for row in range(7))
+JEQ, HALF_DERIVATIVE, FORCE, DAMPING, OUTPUT, OUTPUT_RATE, OUTPUT_SECOND = (ROW * row for row in range(7))
 LAWS: Final = SUMS + ROW * 7
 LAW: Final = ROW * 2  # a law's components
 
@@ -41,4 +41,4 @@ CRANK_NEAR, CRANK_FAR, CRANK_MASS, CRANK_CENTRE, CRANK_INERTIA = range(5)
 
 # A design is a linkage's numbers followed by the constants derived from them: three of the crank, then a dyad's each.
 CRANK_CONSTANTS: Final = 3
-DYAD_CONSTANTS: Final = 24
+DYAD_CONSTANTS: Final = 16

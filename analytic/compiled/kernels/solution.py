@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from analytic.compiled.flat_linkage import CRANK_BODY, RPP, RPR, RRP, RRR, Integers, Tables
+from analytic.compiled.kernels.dyads import solve_prp, solve_rpp, solve_rpr, solve_rrp, solve_rrr
 from analytic.compiled.kernels.jit import counting, inlined, kernel
 from analytic.compiled.kernels.layout import (
     BLOCK,
@@ -26,43 +27,24 @@ from analytic.compiled.kernels.layout import (
     NEAR_TWO,
     SINE,
     SUMS,
-    C,
-    S,
-    X,
-    Y,
 )
-from analytic.compiled.kernels.sliding import (
-    crossing_faults,
-    prp_accelerations,
-    prp_poses,
-    prp_rates,
-    rpp_accelerations,
-    rpp_poses,
-    rpp_rates,
-)
-from analytic.compiled.kernels.turning import (
-    arm,
-    rpr_accelerations,
-    rpr_faults,
-    rpr_poses,
-    rpr_rates,
-    rrp_accelerations,
-    rrp_faults,
-    rrp_poses,
-    rrp_rates,
-    rrr_accelerations,
-    rrr_faults,
-    rrr_poses,
-    rrr_rates,
-)
+from analytic.compiled.kernels.rows import put_pose
+from analytic.kinematics import frames
 
 Array = NDArray[np.float64]
+Pair = tuple[float, float]
 
 
 @inlined
 def body_at(tables: Tables, body: int) -> int:
     """Where a body's rows start in the scratch memory."""
     return LAWS + LAW * len(tables.laws) + BODY * body
+
+
+@inlined
+def pair(design: Array, at: int) -> Pair:
+    """A vector of the design."""
+    return design[at], design[at + 1]
 
 
 @kernel
@@ -73,61 +55,28 @@ def fill(n: int, value: float, row: Array) -> None:
 
 
 @kernel
-def place_crank(n: int, x: float, y: float, fx: float, fy: float, block: Array, own: Array) -> None:
-    """The crank turns about a fixed pin, its point (fx, fy), at the angle itself."""
+def place_crank(n: int, pivot: Pair, pin: Pair, block: Array, own: Array) -> None:
+    """The crank turns about a fixed pin, its point ``pin``, at the angle itself."""
     for i in range(min(n, BLOCK)):
         c, s = block[COSINE + i], block[SINE + i]
-        rx, ry = arm(c, s, fx, fy)
-        own[X + i], own[Y + i], own[C + i], own[S + i] = x - rx, y - ry, c, s
-        own[DX + i], own[DY + i], own[DDX + i], own[DDY + i] = ry, -rx, rx, ry
+        put_pose(own, i, frames.pose_through(pivot, (c, s), pin))
+        x, y = frames.rotated(c, s, pin)
+        own[DX + i], own[DY + i], own[DDX + i], own[DDY + i] = y, -x, x, y
 
 
 @kernel
-def solve_turning(kind: int, level: int, n: int, k: Array, one: Array, two: Array, own: Array, fault: Array) -> None:
-    """Poses of the two links of an RRR, RRP or RPR, and their derivatives up to an order."""
+def solve_dyad(kind: int, level: int, n: int, k: Array, one: Array, two: Array, own: Array, fault: Array) -> None:
+    """Poses of a dyad's two links and their derivatives up to an order."""
     if kind == RRR:
-        rrr_poses(n, k, one, two, own)
-        if level == 0:
-            rrr_faults(n, k, one, two, own, fault)
-        if level >= 1:
-            rrr_rates(n, k, one, two, own, fault)
-        if level >= 2:
-            rrr_accelerations(n, k, one, two, own)
+        solve_rrr(level, n, k, one, two, own, fault)
     elif kind == RRP:
-        rrp_poses(n, k, one, two, own)
-        if level == 0:
-            rrp_faults(n, k, one, two, own, fault)
-        if level >= 1:
-            rrp_rates(n, k, one, two, own, fault)
-        if level >= 2:
-            rrp_accelerations(n, k, one, two, own)
+        solve_rrp(level, n, k, one, two, own, fault)
+    elif kind == RPR:
+        solve_rpr(level, n, k, one, two, own, fault)
+    elif kind == RPP:
+        solve_rpp(level, n, k, one, two, own, fault)
     else:
-        rpr_poses(n, k, one, two, own)
-        if level == 0:
-            rpr_faults(n, k, one, two, own, fault)
-        if level >= 1:
-            rpr_rates(n, k, one, two, own, fault)
-        if level >= 2:
-            rpr_accelerations(n, k, one, two, own)
-
-
-@kernel
-def solve_sliding(kind: int, level: int, n: int, k: Array, one: Array, two: Array, own: Array, fault: Array) -> None:
-    """The same of an RPP or PRP."""
-    if kind == RPP:
-        rpp_poses(n, k, one, two, own)
-        if level >= 1:
-            rpp_rates(n, k, one, two, own, fault)
-        if level >= 2:
-            rpp_accelerations(n, k, one, two, own)
-    else:
-        prp_poses(n, k, one, two, own)
-        if level >= 1:
-            prp_rates(n, k, one, two, own, fault)
-        if level >= 2:
-            prp_accelerations(n, k, one, two, own)
-    if level == 0:
-        crossing_faults(n, own, fault)
+        solve_prp(level, n, k, one, two, own, fault)
 
 
 @inlined
@@ -138,7 +87,7 @@ def solve(tables: Tables, design: Array, n: int, levels: Integers, work: Array) 
     fault = work[FAULT : FAULT + BLOCK]
     fill(n, 0.0, fault)
     at = body_at(tables, CRANK_BODY)
-    place_crank(n, design[near], design[near + 1], design[start], design[start + 1], work[:SUMS], work[at : at + BODY])
+    place_crank(n, pair(design, near), pair(design, start), work[:SUMS], work[at : at + BODY])
     for number in range(len(tables.dyads)):
         if levels[number] >= 0:
             dyad = tables.dyads[number]
@@ -147,11 +96,7 @@ def solve(tables: Tables, design: Array, n: int, levels: Integers, work: Array) 
             one, two = body_at(tables, dyad[NEAR_ONE]), body_at(tables, dyad[NEAR_TWO])
             at = body_at(tables, CRANK_BODY + 1 + 2 * number)
             near_one, near_two, own = work[one : one + BODY], work[two : two + BODY], work[at : at + 2 * BODY]
-            kind, level = dyad[KIND], levels[number]
-            if kind <= RPR:
-                solve_turning(kind, level, n, k, near_one, near_two, own, fault)
-            else:
-                solve_sliding(kind, level, n, k, near_one, near_two, own, fault)
+            solve_dyad(dyad[KIND], levels[number], n, k, near_one, near_two, own, fault)
 
 
 @counting

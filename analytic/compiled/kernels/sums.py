@@ -11,7 +11,7 @@ from analytic.compiled.flat_linkage import CONSTANT, CRANK_BODY, Tables
 from analytic.compiled.kernels.dynamics import (
     add_damper,
     add_force,
-    add_half_slope,
+    add_half_derivative,
     add_inertia,
     add_spring,
     add_torque,
@@ -30,7 +30,7 @@ from analytic.compiled.kernels.layout import (
     DAMPING,
     DYAD_CONSTANTS,
     FORCE,
-    HALF_SLOPE,
+    HALF_DERIVATIVE,
     JEQ,
     LAW,
     LAWS,
@@ -40,7 +40,7 @@ from analytic.compiled.kernels.layout import (
     ROW,
     SUMS,
 )
-from analytic.compiled.kernels.solution import body_at, fill
+from analytic.compiled.kernels.solution import body_at, fill, pair
 
 Array = NDArray[np.float64]
 
@@ -92,34 +92,34 @@ def sum_inertia(tables: Tables, design: Array, n: int, work: Array) -> None:
     for number in range(len(tables.masses)):
         body, mass, centre, inertia = tables.masses[number]
         at = body_at(tables, body)
-        add_inertia(n, design[mass], design[centre], design[centre + 1], design[inertia], work[at : at + BODY], sums)
+        add_inertia(n, design[mass], pair(design, centre), design[inertia], work[at : at + BODY], sums)
 
 
 @inlined
-def sum_half_slope(tables: Tables, design: Array, n: int, work: Array) -> None:
+def sum_half_derivative(tables: Tables, design: Array, n: int, work: Array) -> None:
     """½ Jeq'; the crank's part of Jeq is a constant."""
     sums = work[SUMS:LAWS]
-    fill(n, 0.0, sums[HALF_SLOPE : HALF_SLOPE + BLOCK])
+    fill(n, 0.0, sums[HALF_DERIVATIVE : HALF_DERIVATIVE + BLOCK])
     for number in range(len(tables.masses)):
         body, mass, centre, inertia = tables.masses[number]
         at = body_at(tables, body)
-        add_half_slope(n, design[mass], design[centre], design[centre + 1], design[inertia], work[at : at + BODY], sums)
+        add_half_derivative(n, design[mass], pair(design, centre), design[inertia], work[at : at + BODY], sums)
 
 
 @inlined
 def sum_weights(tables: Tables, design: Array, n: int, work: Array) -> None:
     """Gravity's part of Q."""
     sums = work[SUMS:LAWS]
-    gx, gy = design[tables.gravity[0]], design[tables.gravity[0] + 1]
+    gx, gy = pair(design, tables.gravity[0])
     if gx == 0.0 and gy == 0.0:
         return
     mass, centre = tables.crank[CRANK_MASS], tables.crank[CRANK_CENTRE]
     m, at = design[mass], body_at(tables, CRANK_BODY)
-    add_force(n, design[centre], design[centre + 1], m * gx, m * gy, work[at : at + BODY], sums)
+    add_force(n, pair(design, centre), (m * gx, m * gy), work[at : at + BODY], sums)
     for number in range(len(tables.masses)):
         body, mass, centre, _ = tables.masses[number]
         m, at = design[mass], body_at(tables, body)
-        add_force(n, design[centre], design[centre + 1], m * gx, m * gy, work[at : at + BODY], sums)
+        add_force(n, pair(design, centre), (m * gx, m * gy), work[at : at + BODY], sums)
 
 
 @inlined
@@ -132,15 +132,14 @@ def sum_forces(tables: Tables, design: Array, n: int, work: Array) -> None:
     for number in range(len(tables.forces)):
         body, point, law = tables.forces[number]
         values, at = LAWS + LAW * law, body_at(tables, body)
-        x, y = design[point], design[point + 1]
-        add_varying_force(n, x, y, work[values : values + LAW], work[at : at + BODY], sums)
+        add_varying_force(n, pair(design, point), work[values : values + LAW], work[at : at + BODY], sums)
     for number in range(len(tables.torques)):
         body, law = tables.torques[number]
         values, at = LAWS + LAW * law, body_at(tables, body)
         add_torque(n, work[values : values + LAW], work[at : at + BODY], sums)
     for number in range(len(tables.springs)):
         one, at, two, to, stiffness, length, damping = tables.springs[number]
-        p, q = (design[at], design[at + 1]), (design[to], design[to + 1])
+        p, q = pair(design, at), pair(design, to)
         k, free, c = design[stiffness], design[length], design[damping]
         one, two = body_at(tables, one), body_at(tables, two)
         add_spring(n, p, q, k, free, c, work[one : one + BODY], work[two : two + BODY], sums)
@@ -154,13 +153,13 @@ def sum_forces(tables: Tables, design: Array, n: int, work: Array) -> None:
 def output(tables: Tables, design: Array, n: int, order: int, work: Array) -> None:
     """The output's coordinate along its direction and its derivatives up to an order."""
     body, point, along = tables.output
-    x, y, ex, ey = design[point], design[point + 1], design[along], design[along + 1]
-    length = math.hypot(ex, ey)
-    ex, ey = ex / length, ey / length
+    place, (x, y) = pair(design, point), pair(design, along)
+    length = math.hypot(x, y)
+    direction = (x / length, y / length)
     at = body_at(tables, body)
     rows = work[at : at + BODY]
-    place_along(n, x, y, ex, ey, rows, work[SUMS + OUTPUT : SUMS + OUTPUT + ROW])
+    place_along(n, place, direction, rows, work[SUMS + OUTPUT : SUMS + OUTPUT + ROW])
     if order >= 1:
-        rate_along(n, x, y, ex, ey, rows, work[SUMS + OUTPUT_RATE : SUMS + OUTPUT_RATE + ROW])
+        rate_along(n, place, direction, rows, work[SUMS + OUTPUT_RATE : SUMS + OUTPUT_RATE + ROW])
     if order >= 2:
-        second_along(n, x, y, ex, ey, rows, work[SUMS + OUTPUT_SECOND : SUMS + OUTPUT_SECOND + ROW])
+        second_along(n, place, direction, rows, work[SUMS + OUTPUT_SECOND : SUMS + OUTPUT_SECOND + ROW])

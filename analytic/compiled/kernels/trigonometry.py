@@ -13,7 +13,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from analytic.compiled.kernels.jit import kernel
-from analytic.compiled.kernels.layout import BLOCK
 
 Array = NDArray[np.float64]
 
@@ -60,28 +59,3 @@ def cosines_and_sines(n: int, angle: Array, cosine: Array, sine: Array) -> None:
         c, s = (s if odd else c), (c if odd else s)
         cosine[i] = -c if ((quadrant + 1) & 2) != 0 else c
         sine[i] = -s if (quadrant & 2) != 0 else s
-
-
-@kernel
-def arctangents(n: int, sine: Array, cosine: Array, angle: Array) -> None:
-    """Angle in [-π, π] of ``n`` directions given by multiples of their sines and cosines."""
-    for i in range(min(n, BLOCK)):
-        s, c = abs(sine[i]), abs(cosine[i])
-        # tan(x) = s/c from 0 to infinity; a third of it at a time, turned back by 0, 45 or 90 degrees.
-        steep, flat = s > TAN_67 * c, s <= TAN_33 * c
-        top = -c if steep else (s if flat else s - c)
-        bottom = s if steep else (c if flat else s + c)
-        x = top / bottom
-        z = x * x
-        p = -8.750608600031904122785e-01 * z - 1.615753718733365076637e01
-        p = ((p * z - 7.500855792314704667340e01) * z - 1.228866684490136173410e02) * z - 6.485021904942025371773e01
-        q = z + 2.485846490142306297962e01
-        q = (
-            ((q * z + 1.650270098316988542046e02) * z + 4.328810604912902668951e02) * z + 4.853903996359136964868e02
-        ) * z
-        q += 1.945506571482613964425e02
-        x += x * (z * p / q)
-        x += HALF_TURN_LOW if steep else (0.0 if flat else 0.5 * HALF_TURN_LOW)
-        x += 0.5 * math.pi if steep else (0.0 if flat else 0.25 * math.pi)
-        x = math.pi - (x - 2.0 * HALF_TURN_LOW) if cosine[i] < 0.0 else x
-        angle[i] = math.copysign(x, sine[i])

@@ -6,11 +6,11 @@ import sys
 import numpy as np
 import pytest
 
-from analytic.compiled.derivative_orders import needs
-from analytic.compiled.flat_linkage import CONSTANT, GROUND_BODY, levels, program
+from analytic.compiled.flat_linkage import CONSTANT, GROUND_BODY, flatten, levels
 from analytic.compiled.redesign import redesigned
 from analytic.description.law import FULL_TURN
 from analytic.description.linkage import Linkage
+from analytic.dynamics.derivative_orders import needs
 from analytic.kinematics.mechanism import Mechanism
 from tests.analytic.linkages import from_text, mechanism, text_of
 from tests.analytic.loaded_linkages import ALL, on_trial
@@ -44,8 +44,8 @@ def flattened(value: object) -> list[float]:
 @pytest.mark.parametrize(("case", "is_laden"), ALL)
 def test_a_description_is_found_again(case, is_laden):
     sample = on_trial(*case, is_laden)
-    plan = program(sample)
-    again = redesigned(plan, plan.numbers)
+    flat = flatten(sample)
+    again = redesigned(flat, flat.numbers)
     assert isinstance(again, Linkage)
     assert np.allclose(flattened(plain(again)), flattened(plain(sample.linkage)), rtol=4 * EPS, atol=0.0)
 
@@ -53,33 +53,33 @@ def test_a_description_is_found_again(case, is_laden):
 @pytest.mark.parametrize(("case", "is_laden"), ALL)
 def test_every_number_has_one_place(case, is_laden):
     sample = on_trial(*case, is_laden)
-    plan = program(sample)
-    factors = 1.0 + NUDGE * np.random.default_rng(1).uniform(0.5, 1.5, len(plan.numbers))
-    for name, place in plan.places.items():
+    flat = flatten(sample)
+    factors = 1.0 + NUDGE * np.random.default_rng(1).uniform(0.5, 1.5, len(flat.numbers))
+    for name, place in flat.places.items():
         if ".along." in name:
             factors[place] = 1.0
-    nudged = program(Mechanism(redesigned(plan, plan.numbers * factors)))
-    assert nudged.places == plan.places
-    assert sorted(plan.places.values()) == list(range(2, len(plan.numbers)))
-    assert np.allclose(nudged.numbers, plan.numbers * factors, rtol=4 * EPS, atol=0.0)
-    for one, two in zip(nudged.tables[:-1], plan.tables[:-1], strict=True):
+    nudged = flatten(Mechanism(redesigned(flat, flat.numbers * factors)))
+    assert nudged.places == flat.places
+    assert sorted(flat.places.values()) == list(range(2, len(flat.numbers)))
+    assert np.allclose(nudged.numbers, flat.numbers * factors, rtol=4 * EPS, atol=0.0)
+    for one, two in zip(nudged.tables[:-1], flat.tables[:-1], strict=True):
         assert np.array_equal(one, two)
 
 
 def test_names_are_those_of_the_file():
-    plan = program(mechanism("rimoldi-164"))
-    link = plan.linkage.links["rod"]
-    assert plan.numbers[plan.places["rod.B.x"]] == link.points["B"][0]
-    assert plan.numbers[plan.places["rod.mass"]] == link.mass
-    assert plan.numbers[plan.places["rod.centre.x"]] == link.centre[0]
-    assert plan.numbers[plan.places["rod.inertia"]] == link.inertia
-    assert plan.numbers[plan.places["ground.O2.y"]] == plan.linkage.ground["O2"][1]
-    assert plan.numbers[plan.places["needle_bar.through.x"]] == plan.linkage.sliders[0].guide.through[0]
-    assert plan.numbers[plan.places["gravity.y"]] == plan.linkage.gravity[1]
-    assert plan.numbers[plan.places["output.along.y"]] == 1.0
-    assert "needle_bar.inertia" not in plan.places  # it cannot turn
-    assert "A in rocker.along.y" in program(mechanism("slot-without-mass")).places
-    laden = program(mechanism("spring-and-damper")).places
+    flat = flatten(mechanism("rimoldi-164"))
+    link = flat.linkage.links["rod"]
+    assert flat.numbers[flat.places["rod.B.x"]] == link.points["B"][0]
+    assert flat.numbers[flat.places["rod.mass"]] == link.mass
+    assert flat.numbers[flat.places["rod.centre.x"]] == link.centre[0]
+    assert flat.numbers[flat.places["rod.inertia"]] == link.inertia
+    assert flat.numbers[flat.places["ground.O2.y"]] == flat.linkage.ground["O2"][1]
+    assert flat.numbers[flat.places["needle_bar.through.x"]] == flat.linkage.sliders[0].guide.through[0]
+    assert flat.numbers[flat.places["gravity.y"]] == flat.linkage.gravity[1]
+    assert flat.numbers[flat.places["output.along.y"]] == 1.0
+    assert "needle_bar.inertia" not in flat.places  # it cannot turn
+    assert "A in rocker.along.y" in flatten(mechanism("slot-without-mass")).places
+    laden = flatten(mechanism("spring-and-damper")).places
     assert {name.split(".")[0] for name in laden} >= {"springs", "dampers"}
 
 
@@ -88,7 +88,7 @@ def test_a_second_load_of_a_name_is_counted_and_a_mass_centre_keeps_its_own():
     text = text.replace("points  = { ", "points  = { centre = [1, 2], ", 1)
     force = '[[forces]]\npoint = "centre"\nforce = [1, {}]\n'
     sample = from_text(text + force.format(2) + force.format(3))
-    places, numbers = program(sample).places, program(sample).numbers
+    places, numbers = flatten(sample).places, flatten(sample).numbers
     (link,) = (name for name, link in sample.linkage.links.items() if "centre" in link.points)
     assert numbers[places[f"{link}.centre.x"]] == sample.linkage.links[link].centre[0]
     assert numbers[places[f"{link}.centre.x #2"]] == sample.linkage.links[link].points["centre"][0]
@@ -97,7 +97,7 @@ def test_a_second_load_of_a_name_is_counted_and_a_mass_centre_keeps_its_own():
 
 def test_laws_are_kept_as_piecewise_cubics():
     sample = on_trial("rimoldi-164", "as-built", True)
-    tables = program(sample).tables
+    tables = flatten(sample).tables
     laws = [load.force for load in sample.linkage.forces] + [load.torque for load in sample.linkage.torques]
     assert any(law.is_constant for law in laws)
     assert not all(law.is_constant for law in laws)
@@ -141,35 +141,35 @@ def test_dyads_behind_the_one_needed_are_left_out():
 
 def test_what_weighs_nothing_is_not_asked_for():
     sample = mechanism("rimoldi-164")
-    plan = program(sample)
-    numbers = plan.numbers.copy()
-    for name, place in plan.places.items():
+    flat = flatten(sample)
+    numbers = flat.numbers.copy()
+    for name, place in flat.places.items():
         if name.endswith((".mass", ".inertia")) and not name.startswith(("crank", "rod", "rocker")):
             numbers[place] = 0.0
-    light = redesigned(plan, numbers)
-    assert levels(plan.structure, needs(light, ["Mkr"], turns=True).orders).tolist() == [2, -1]
+    light = redesigned(flat, numbers)
+    assert levels(flat.structure, needs(light, ["Mkr"], turns=True).orders).tolist() == [2, -1]
 
 
 def test_without_an_output_the_tables_name_the_ground():
     text = text_of("centric-slider-crank").replace('output  = { point = "D" }\n', "")
-    plan = program(from_text(text))
-    assert plan.linkage.output is None
-    assert plan.tables.output.tolist() == [GROUND_BODY, 0, 0]
-    assert redesigned(plan, plan.numbers).output is None
+    flat = flatten(from_text(text))
+    assert flat.linkage.output is None
+    assert flat.tables.output.tolist() == [GROUND_BODY, 0, 0]
+    assert redesigned(flat, flat.numbers).output is None
 
 
 def test_neither_the_tables_nor_small_evaluations_import_numba():
     code = (
         "import sys, numpy as np\n"
         "from analytic import designs, evaluation\n"
-        "from analytic.compiled import evaluation as compiled, flat_linkage as program\n"
+        "from analytic.compiled import choice, flat_linkage\n"
         "from analytic.description.loading import load\n"
         "from analytic.kinematics.mechanism import Mechanism\n"
         "sample = Mechanism(load('juki-mf7923d'))\n"
-        "program.program(sample)\n"
+        "flat_linkage.flatten(sample)\n"
         "evaluation.evaluate(sample, np.linspace(0.0, 6.0, 1000), ['Mkr'], speed=1.0)\n"
         "designs.evaluate_designs(sample, {'crank.mass': np.ones(3)}, np.linspace(0.0, 6.0, 9), ['Jeq'])\n"
-        "compiled.available()\n"
+        "choice.is_installed()\n"
         "assert 'numba' not in sys.modules\n"
     )
     subprocess.run([sys.executable, "-W", "error", "-c", code], check=True)

@@ -2,8 +2,6 @@
 
 import dataclasses
 import math
-import os
-import sys
 
 import numpy as np
 import pytest
@@ -11,14 +9,14 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.special import ellipj, ellipk
 
-from analytic.compiled import evaluation
+from analytic.compiled import choice
 from analytic.compiled import motion as compiled_motion
 from analytic.description.law import Law
 from analytic.description.loading import catalogue, load
 from analytic.dynamics.equation_of_motion import equation_of_motion
-from analytic.errors import LinkproofError, UnknownNameError
+from analytic.errors import LinkproofError
 from analytic.kinematics.mechanism import Mechanism
-from analytic.motion.released import PATHS, free_motion
+from analytic.motion.released import free_motion
 from analytic.numerics import integration
 from tests.analytic.linkages import from_text, mechanism
 from tests.analytic.motion.test_released import (
@@ -168,11 +166,6 @@ def test_too_many_windows_are_numpys_to_refuse(monkeypatch):
     assert "at most 10 windows" in _sentence(mechanism("slotted-takeup"), "compiled", **SLOTTED_FREE)
 
 
-def test_a_path_is_one_of_three():
-    with pytest.raises(UnknownNameError, match="did you mean 'compiled'"):
-        free_motion(mechanism("slotted-takeup"), duration=1.0, path="compile")
-
-
 def test_the_slope_from_moduli_stays_on_numpy():
     sample = mechanism("slotted-takeup")
     assert free_motion(sample, duration=0.1, half_slope="moduli").path == "numpy"
@@ -180,40 +173,10 @@ def test_the_slope_from_moduli_stays_on_numpy():
         free_motion(sample, duration=0.1, half_slope="moduli", path="compiled")
 
 
-def test_without_numba_numpy_serves_and_the_compiled_path_names_its_cure(monkeypatch):
-    def kernels():
-        raise LinkproofError("numba")
-
-    monkeypatch.setattr(evaluation, "available", lambda: False)
-    monkeypatch.setattr(evaluation, "kernels", kernels)
-    assert free_motion(mechanism("slotted-takeup"), **SLOTTED_FREE).path == "numpy"
-    with pytest.raises(LinkproofError, match="numba"):
-        free_motion(mechanism("slotted-takeup"), **SLOTTED_FREE, path="compiled")
-
-
-@pytest.mark.parametrize(("price", "path"), [(0.0, "compiled"), (1e-3, "compiled"), (1e3, "numpy")])
-def test_kernels_take_over_when_numpy_has_taken_as_long_as_they_need(monkeypatch, price, path):
-    monkeypatch.setattr(compiled_motion, "price", lambda: price)
-    motion = free_motion(mechanism("slotted-takeup"), **SLOTTED_FREE)
-    assert motion.path == path
-    assert PATHS[0] == "auto"
-
-
-def test_used_kernels_cost_nothing_more():
-    free_motion(mechanism("slotted-takeup"), duration=0.01, path="compiled")
-    assert compiled_motion.price() == 0.0
-
-
-@pytest.mark.parametrize(("age", "price"), [(10.0, compiled_motion.LOADING), (-10.0, compiled_motion.COMPILING)])
-def test_machine_code_counts_if_it_is_newer_than_its_sources(monkeypatch, tmp_path, age, price):
-    monkeypatch.setenv("NUMBA_CACHE_DIR", str(tmp_path))
-    monkeypatch.setattr(compiled_motion, "KERNELS", "analytic.not_imported")
-    assert compiled_motion.price() == compiled_motion.COMPILING
-    code = tmp_path / f"integration.advance-1.py{sys.version_info.major}{sys.version_info.minor}.nbi"
-    code.touch()
-    newest = max(path.stat().st_mtime for path in compiled_motion.kernel_files())
-    os.utime(code, (newest + age, newest + age))
-    assert compiled_motion.price() == price
+@pytest.mark.parametrize(("cost", "path"), [(choice.CALLING, "compiled"), (math.inf, "numpy")])
+def test_kernels_are_taken_where_numpy_is_likely_to_be_slower(monkeypatch, cost, path):
+    monkeypatch.setattr(choice, "cost_of_start", lambda _: cost)
+    assert free_motion(mechanism("slotted-takeup"), **SLOTTED_FREE).path == path
 
 
 def test_the_equation_integrated_is_the_mechanisms_own():

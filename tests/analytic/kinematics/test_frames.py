@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from analytic.kinematics import frames
+from analytic.kinematics.dyads import rrp
 from tests.analytic.tolerances import FEW_ROUNDINGS
 
 ANGLE = np.linspace(0.3, 5.0, 5)
@@ -51,5 +52,12 @@ def test_a_plain_zero_saves_work_but_changes_nothing(zero):
     assert np.array_equal(frames.ahead(plain[:2], 2.0, plain[2:]), frames.ahead(whole[:2], 2.0, whole[2:]))
     if zero < 2:
         for sign in (1, -1):
-            short, long = (frames.circle_and_line((0.1, 0.2), (0.3, ANGLE), p[:2], 40.0, sign) for p in (plain, whole))
-            assert np.array_equal(short[0], long[0])
+            short, long = (rrp._beside(part[:2], sign * ANGLE, 0.3) for part in (plain, whole))
+            assert np.array_equal(short, long)
+
+
+@pytest.mark.filterwarnings("ignore:divide by zero")
+def test_roots_and_reciprocals_are_defined_everywhere():
+    assert frames.root(-1e-9) == 0.0
+    assert frames.root(4.0) == 2.0
+    assert frames.inverse(0.0) == np.inf

@@ -62,7 +62,7 @@ def _second_integrator(sample, duration, start_angle, start_speed, torque=lambda
     def rate(_time, state):
         sweep = sample.sweep(np.array(state[0]))
         moment = reduced.generalised_force(sweep) + torque(state[0]) - reduced.damping_coefficient(sweep) * state[1]
-        moment = moment - reduced.half_inertia_slope(sweep) * state[1] ** 2
+        moment = moment - reduced.half_inertia_derivative(sweep) * state[1] ** 2
         return [state[1], float(moment / reduced.reduced_inertia(sweep))]
 
     return solve_ivp(rate, (0.0, duration), [start_angle, start_speed], "DOP853", rtol=3e-14, atol=1e-14).y[0, -1]

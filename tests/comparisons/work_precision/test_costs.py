@@ -50,7 +50,7 @@ def test_the_fewest_and_most_rounds_are_made_whatever_they_take(clock):
 
 
 def test_every_reduction_and_query_is_measured_and_survives_json(monkeypatch):
-    monkeypatch.setattr(costs, "is_ready", lambda: False)
+    monkeypatch.setattr(costs, "is_kept", lambda _: False)
     evaluations = calls(monkeypatch, costs, "evaluate")
     measured = measure(load(SLOTTED), ["direct"], budget=0.0)
     runs = [cost for cost in measured if cost.solver == "direct"]

@@ -231,7 +231,7 @@ def _true_free_motion(sample, torque, start, speed, time):
     def law(_, state):
         sweep = sample.sweep(np.asarray(state[0]))
         moment = torque + reduced.generalised_force(sweep) - reduced.damping_coefficient(sweep) * state[1]
-        moment -= reduced.half_inertia_slope(sweep) * state[1] ** 2
+        moment -= reduced.half_inertia_derivative(sweep) * state[1] ** 2
         return state[1], moment / reduced.reduced_inertia(sweep)
 
     return solve_ivp(law, (0.0, time[-1]), (start, speed), "DOP853", time, rtol=3e-14, atol=1e-14).y

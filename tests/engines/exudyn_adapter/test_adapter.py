@@ -205,7 +205,7 @@ def _true_angle(name, torque, duration, start_angle):
     def rate(_time, state):
         sweep = closed.sweep(np.asarray(state[0]))
         moment = torque + reduced.generalised_force(sweep) - reduced.damping_coefficient(sweep) * state[1]
-        moment -= reduced.half_inertia_slope(sweep) * state[1] ** 2
+        moment -= reduced.half_inertia_derivative(sweep) * state[1] ** 2
         return [state[1], float(moment / reduced.reduced_inertia(sweep))]
 
     return solve_ivp(rate, (0.0, duration), [start_angle, 0.0], method="DOP853", rtol=1e-12, atol=1e-12).y[:, -1]

@@ -10,7 +10,6 @@ from typing import Any
 
 # Where modules stood in version 0.1.0, so that it can be compared with what came after.
 BEFORE = {
-    "analytic.compiled.evaluation": "analytic.compiled",
     "analytic.description.crank_motion": "analytic.regimes",
     "analytic.description.loading": "analytic.loading",
     "analytic.kinematics.mechanism": "analytic.mechanism",

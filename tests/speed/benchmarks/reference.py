@@ -31,17 +31,18 @@ class Sweep:
 
 
 class CompiledSweep(Sweep):
-    """The same on the compiled path, one core."""
+    """The same on the compiled path."""
 
     timeout = 300.0  # of the set-up, where the kernels may have to be compiled
 
     def setup(self, name):
         super().setup(name)
-        self.compiled = _compiled("CompiledMechanism", "analytic.compiled.evaluation")(self.mechanism)
+        lacking.module("numba")
+        lacking.check_parameter(self.evaluate, "path")
         self.time_evaluate(name)
 
     def time_evaluate(self, _name):
-        return self.compiled.evaluate(self.angle, QUANTITIES, speed=100.0, cores=1)
+        return self.evaluate(self.mechanism, self.angle, QUANTITIES, speed=100.0, path="compiled")
 
 
 class Designs:
@@ -54,7 +55,8 @@ class Designs:
             lacking.module("analytic.description.loading"),
             lacking.module("analytic.kinematics.mechanism"),
         )
-        self.evaluate = _compiled("evaluate_designs", "analytic.designs")
+        lacking.module("numba")
+        self.evaluate = lacking.module("analytic.designs").evaluate_designs
         self.mechanism = mechanism.Mechanism(loading.load("rimoldi-164"))
         self.rods = {"rod.B.x": np.linspace(0.174, 0.176, DESIGNS)}
         self.angle = np.linspace(0.0, 6.0, ANGLES)
@@ -62,10 +64,3 @@ class Designs:
 
     def time_inertia(self):
         return self.evaluate(self.mechanism, self.rods, self.angle, ("Jeq",), cores=1, path="compiled")
-
-
-def _compiled(name, module):
-    """Something of the compiled path, if this commit has one and numba is installed."""
-    found = lacking.module(module)
-    lacking.module("numba")
-    return getattr(found, name)

@@ -10,6 +10,7 @@ from dataclasses import dataclass
 from typing import Final
 
 from analytic.description.linkage import Link, Linkage
+from analytic.kinematics.sweep import output_of
 
 OUTPUT_ORDERS: Final[Mapping[str, int]] = {"S": 0, "v": 1, "a": 2}
 NO_OUTPUT: Final = -1
@@ -24,16 +25,19 @@ class Needs:
 
     orders: Mapping[str, int]
     inertia: bool
-    half_slope: bool
+    half_derivative: bool
     forces: bool
     output: int
 
 
 def needs(linkage: Linkage, quantities: Collection[str], *, turns: bool) -> Needs:
-    """Needs of ``analytic.evaluation.QUANTITIES`` by name, of a crank that stands still unless it ``turns``."""
+    """Needs of ``analytic.evaluation.QUANTITIES`` by name, of a crank that stands still unless it ``turns``.
+
+    Raises LinkproofError where a quantity of the output is among them and the linkage names none.
+    """
     torque = not {"Mkr", "Peq"}.isdisjoint(quantities)
     inertia = torque or not {"Jeq", "Teq"}.isdisjoint(quantities)
-    half_slope = "half_slope" in quantities or (torque and turns)
+    half_derivative = "half_slope" in quantities or (torque and turns)
     forces = torque or "Q" in quantities
     output = max((order for name, order in OUTPUT_ORDERS.items() if name in quantities), default=NO_OUTPUT)
     orders: dict[str, int] = {}
@@ -42,17 +46,17 @@ def needs(linkage: Linkage, quantities: Collection[str], *, turns: bool) -> Need
         orders[body] = max(order, orders.get(body, order))
 
     for name, link in linkage.links.items():
-        if name != linkage.crank and _is_felt(link) and (inertia or half_slope):
-            ask(name, 2 if half_slope else 1)
+        if name != linkage.crank and _is_felt(link) and (inertia or half_derivative):
+            ask(name, 2 if half_derivative else 1)
     if forces:
         for name in _loaded(linkage):
             ask(name, 1)
     if torque and turns:
         for name in (body for damper in linkage.dampers for body in damper.links):
             ask(name, 1)
-    if output != NO_OUTPUT and linkage.output is not None:
-        ask(linkage.output.link, output)
-    return Needs(orders, inertia, half_slope, forces, output)
+    if output != NO_OUTPUT:
+        ask(output_of(linkage).link, output)
+    return Needs(orders, inertia, half_derivative, forces, output)
 
 
 def _is_felt(link: Link) -> bool:

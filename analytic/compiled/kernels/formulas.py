@@ -1,0 +1,39 @@
+"""The closed form's own formulas, compiled: numba finds them here when a kernel calls them.
+
+NumPy calls the same functions with arrays. What spares NumPy the work with zeros is False in compiled code, so that
+loops have no branches.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from types import FunctionType, ModuleType
+from typing import Any
+
+from numba.extending import overload, register_jitable
+
+from analytic.compiled.kernels.jit import INLINED
+from analytic.dynamics import link_sums
+from analytic.kinematics import frames
+from analytic.kinematics.dyads import closure, crossing, prp, rpp, rpr, rrp, rrr
+
+NEVER = (frames.is_zero, frames.is_origin, frames.is_still)
+
+
+def _never(function: Callable[[Any], bool]) -> None:
+    """Make a question False in compiled code."""
+    overload(function, jit_options=INLINED)(lambda _: lambda _: False)
+
+
+def _compiled(module: ModuleType) -> None:
+    """Let kernels call a module's functions."""
+    for function in vars(module).values():
+        is_own = isinstance(function, FunctionType) and function.__module__ == module.__name__
+        if is_own and function not in NEVER:
+            register_jitable(**INLINED)(function)
+
+
+for question in NEVER:
+    _never(question)
+for source in (frames, closure, crossing, rrr, rrp, rpr, rpp, prp, link_sums):
+    _compiled(source)

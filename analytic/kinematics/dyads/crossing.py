@@ -1,0 +1,30 @@
+"""What RPP and PRP share: two lines along e and f, t e − u f = gap, with one assembly mode.
+
+The determinant e × f vanishes where the lines are parallel.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from analytic.kinematics.dyads.closure import LEAST_SINE
+from analytic.kinematics.frames import Pair, Scalar, cross
+from analytic.kinematics.structure import Dyad
+
+
+def slides(e: Pair, f: Pair, gap: Pair, scale: Scalar) -> Pair:
+    """Solve t e − u f = gap for (t, u): travels, or their derivatives; ``scale`` is 1 / e × f."""
+    return (cross(gap, f) * scale, cross(gap, e) * scale)
+
+
+def missing(determinant: Scalar) -> tuple[Scalar, Scalar]:
+    """No length is missing, but parallel lines do not cross."""
+    return np.sign(abs(determinant) - LEAST_SINE), 0.0
+
+
+def shortfall(dyad: Dyad) -> str:
+    """The lines are parallel."""
+    return (
+        f"the guides of '{dyad.first}' and '{dyad.second}' are parallel, so nothing holds the two in "
+        "place; turn one of the guides"
+    )

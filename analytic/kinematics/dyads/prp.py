@@ -1,0 +1,127 @@
+"""PRP: each link slides on a placed body; they share the inner pin C."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+from analytic.description.linkage import Vector
+from analytic.kinematics.dyads import crossing
+from analytic.kinematics.dyads.closure import LEAST_SINE, At, Closure, Poses, Rates, Travel, on_rail
+from analytic.kinematics.dyads.crossing import slides
+from analytic.kinematics.frames import (
+    Pair,
+    Pose,
+    Rate,
+    Scalar,
+    acceleration_through,
+    ahead,
+    arm,
+    carried_acceleration,
+    carried_rate,
+    coriolis,
+    cross,
+    inverse,
+    is_still,
+    minus,
+    plus,
+    point,
+    pose_through,
+    rate_through,
+    turned,
+)
+from analytic.kinematics.structure import Dyad, Prismatic, Revolute
+
+
+class Constants(NamedTuple):
+    """Of each slide its line, where its host has C at zero travel, and C on the link."""
+
+    first_along: Vector
+    first_turn: Vector
+    first_base: Vector
+    first_pin: Vector
+    second_along: Vector
+    second_turn: Vector
+    second_base: Vector
+    second_pin: Vector
+
+
+def constants(first: Prismatic, inner: Revolute, second: Prismatic, sign: float) -> Constants:
+    """Where C is at zero travel."""
+    return Constants(
+        first.along,
+        first.turn,
+        on_rail(first, inner.far_local),
+        inner.far_local,
+        second.along,
+        second.turn,
+        on_rail(second, inner.near_local),
+        inner.near_local,
+    )
+
+
+def poses(k: Constants, near: Poses) -> tuple[Poses, Closure]:
+    """The pin C lies where the two lines cross: C = one + t e = two + u f."""
+    e, f = arm(near[0], k.first_along), arm(near[1], k.second_along)
+    determinant = cross(e, f)
+    one = point(near[0], k.first_base)
+    slide, _ = slides(e, f, minus(point(near[1], k.second_base), one), inverse(determinant))
+    c = ahead(one, slide, e)
+    first = pose_through(c, turned(near[0], k.first_turn), k.first_pin)
+    second = pose_through(c, turned(near[1], k.second_turn), k.second_pin)
+    return (first, second), Closure(e, f, determinant, c)
+
+
+def rates(k: Constants, near: Poses, near_rates: Rates, own: Poses, closure: Closure) -> tuple[Rates, Travel]:
+    """C moves as the point of each host under it does, plus that host's slide."""
+    a = carried_rate(near[0], near_rates[0], closure.pin)
+    b = carried_rate(near[1], near_rates[1], closure.pin)
+    scale = inverse(closure.determinant)
+    one, two = slides(closure.u, closure.v, minus(b, a), scale)
+    c = ahead(a, one, closure.u)
+    pair = (
+        rate_through(own[0], c, near_rates[0][2], k.first_pin),
+        rate_through(own[1], c, near_rates[1][2], k.second_pin),
+    )
+    return pair, Travel(scale, one, two)
+
+
+def accelerations(
+    k: Constants,
+    near: Poses,
+    near_rates: Rates,
+    near_seconds: Rates,
+    own: Poses,
+    own_rates: Rates,
+    closure: Closure,
+    travel: Travel,
+) -> Rates:
+    """The same once more, with the Coriolis term of each slide on its host."""
+    a = _on_host(near[0], near_rates[0], near_seconds[0], closure.pin, travel.first, closure.u)
+    b = _on_host(near[1], near_rates[1], near_seconds[1], closure.pin, travel.second, closure.v)
+    slide, _ = slides(closure.u, closure.v, minus(b, a), travel.scale)
+    c = ahead(a, slide, closure.u)
+    return (
+        acceleration_through(own[0], c, near_rates[0][2], near_seconds[0][2], k.first_pin),
+        acceleration_through(own[1], c, near_rates[1][2], near_seconds[1][2], k.second_pin),
+    )
+
+
+def _on_host(host: Pose, rate: Rate, second: Rate, pin: Pair, travel: Scalar, along: Pair) -> Pair:
+    """Second derivative of the pin, less that of the travel along its line."""
+    carried = carried_acceleration(host, rate, second, pin)
+    return carried if is_still(rate) else plus(carried, coriolis(rate[2], travel, along))
+
+
+def least(k: Constants, closure: Closure) -> Scalar:
+    """The lines are parallel."""
+    return LEAST_SINE
+
+
+def missing(k: Constants, near: Poses, closure: Closure) -> tuple[Scalar, Scalar]:
+    """No length is missing, but parallel lines do not cross."""
+    return crossing.missing(closure.determinant)
+
+
+def shortfall(dyad: Dyad, k: Constants, near: Poses, at: At) -> str:
+    """The lines are parallel."""
+    return crossing.shortfall(dyad)

@@ -1,0 +1,123 @@
+"""RPP: the second link slides on a placed body, the first on the second and turns with it about a placed pin A."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+from analytic.description.linkage import Vector
+from analytic.kinematics.dyads import crossing
+from analytic.kinematics.dyads.closure import LEAST_SINE, At, Closure, Poses, Rates, Travel, on_rail
+from analytic.kinematics.dyads.crossing import slides
+from analytic.kinematics.frames import (
+    Scalar,
+    acceleration_through,
+    ahead,
+    arm,
+    carried_acceleration,
+    carried_rate,
+    coriolis,
+    cross,
+    inverse,
+    minus,
+    plus,
+    point,
+    point_acceleration,
+    point_rate,
+    pose_through,
+    rate_through,
+    rotated,
+    turned,
+)
+from analytic.kinematics.structure import Dyad, Prismatic, Revolute
+
+
+class Constants(NamedTuple):
+    """A on its placed body and on the first link; the outer line with the second link's home, the inner line.
+
+    ``start`` is where the host has A at zero travel.
+    """
+
+    a: Vector
+    pin_a: Vector
+    along: Vector
+    turn: Vector
+    origin: Vector
+    inner_along: Vector
+    inner_turn: Vector
+    start: Vector
+
+
+def constants(first: Revolute, inner: Prismatic, second: Prismatic, sign: float) -> Constants:
+    """Where A is at zero travel of both slides."""
+    return Constants(
+        first.near_local,
+        first.far_local,
+        second.along,
+        second.turn,
+        second.origin,
+        inner.along,
+        inner.turn,
+        on_rail(second, on_rail(inner, first.far_local)),
+    )
+
+
+def poses(k: Constants, near: Poses) -> tuple[Poses, Closure]:
+    """The pin A lies on the second link's line: A = start + t e − u f, f against the inner slide."""
+    host = near[1]
+    a, e = point(near[0], k.a), arm(host, k.along)
+    c, s = turned(host, k.turn)
+    x, y = rotated(c, s, k.inner_along)
+    f = (-x, -y)
+    determinant = cross(e, f)
+    slide, _ = slides(e, f, minus(a, point(host, k.start)), inverse(determinant))
+    x, y = ahead(point(host, k.origin), slide, e)
+    first = pose_through(a, rotated(c, s, k.inner_turn), k.pin_a)
+    return (first, (x, y, c, s)), Closure(e, f, determinant, a)
+
+
+def rates(k: Constants, near: Poses, near_rates: Rates, own: Poses, closure: Closure) -> tuple[Rates, Travel]:
+    """The pin moves as the point of the host under it does, plus the two slides."""
+    host, moves, e = near[1], near_rates[1], closure.u
+    a = point_rate(near[0], near_rates[0], k.a)
+    scale = inverse(closure.determinant)
+    one, two = slides(e, closure.v, minus(a, carried_rate(host, moves, closure.pin)), scale)
+    x, y = ahead(carried_rate(host, moves, (own[1][0], own[1][1])), one, e)
+    return (rate_through(own[0], a, moves[2], k.pin_a), (x, y, moves[2])), Travel(scale, one, two)
+
+
+def accelerations(
+    k: Constants,
+    near: Poses,
+    near_rates: Rates,
+    near_seconds: Rates,
+    own: Poses,
+    own_rates: Rates,
+    closure: Closure,
+    travel: Travel,
+) -> Rates:
+    """The same once more, with the Coriolis term of both slides on the turning host."""
+    host, moves, seconds = near[1], near_rates[1], near_seconds[1]
+    e, f = closure.u, closure.v
+    a = point_acceleration(near[0], near_rates[0], near_seconds[0], k.a)
+    under = carried_acceleration(host, moves, seconds, closure.pin)
+    one, two = coriolis(moves[2], travel.first, e), coriolis(moves[2], travel.second, f)
+    gap = minus(minus(a, under), minus(one, two))
+    slide, _ = slides(e, f, gap, travel.scale)
+    home = carried_acceleration(host, moves, seconds, (own[1][0], own[1][1]))
+    x, y = plus(ahead(home, slide, e), one)
+    return acceleration_through(own[0], a, moves[2], seconds[2], k.pin_a), (x, y, seconds[2])
+
+
+def least(k: Constants, closure: Closure) -> Scalar:
+    """The lines are parallel."""
+    return LEAST_SINE
+
+
+def missing(k: Constants, near: Poses, closure: Closure) -> tuple[Scalar, Scalar]:
+    """No length is missing, but parallel lines do not cross."""
+    return crossing.missing(closure.determinant)
+
+
+def shortfall(dyad: Dyad, k: Constants, near: Poses, at: At) -> str:
+    """The lines are parallel."""
+    return crossing.shortfall(dyad)

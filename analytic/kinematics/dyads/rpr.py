@@ -1,0 +1,157 @@
+"""RPR: both links turn about placed pins A and B and slide along each other."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from analytic.description.linkage import Vector
+from analytic.kinematics.dyads.closure import (
+    LEAST_SINE,
+    ROUNDING,
+    At,
+    Closure,
+    Poses,
+    Rates,
+    Travel,
+    direction,
+    mm,
+    on_rail,
+    size,
+)
+from analytic.kinematics.frames import (
+    Pair,
+    Scalar,
+    acceleration_through,
+    cross,
+    dot,
+    inverse,
+    is_zero,
+    minus,
+    point,
+    point_acceleration,
+    point_rate,
+    pose_through,
+    rate_through,
+    root,
+    rotated,
+)
+from analytic.kinematics.structure import Dyad, Prismatic, Revolute
+
+
+class Constants(NamedTuple):
+    """A and B in the frames of their placed bodies and of the links; the line of the second link that A lies on."""
+
+    a: Vector
+    b: Vector
+    pin_a: Vector
+    pin_b: Vector
+    along: Vector
+    turn: Vector
+    line: Vector  # offset of the line from B, sign
+
+
+def constants(first: Revolute, inner: Prismatic, second: Revolute, sign: float) -> Constants:
+    """The line's offset."""
+    start = minus(on_rail(inner, first.far_local), second.far_local)
+    return Constants(
+        first.near_local,
+        second.near_local,
+        first.far_local,
+        second.far_local,
+        inner.along,
+        inner.turn,
+        (cross(inner.along, start), sign),
+    )
+
+
+def poses(k: Constants, near: Poses) -> tuple[Poses, Closure]:
+    """A line of the second link at a fixed offset from B passes through A: d = A - B = t e + offset e⊥.
+
+    The determinant is t, A's coordinate along the line from B's foot. Where A passes through B the direction is left
+    undefined (nan).
+    """
+    offset, sign = k.line
+    a, b = point(near[0], k.a), point(near[1], k.b)
+    d = minus(a, b)
+    square = dot(d, d)
+    along = sign * root(square - offset * offset)
+    e = _line(d, along, offset, square)
+    c, s = direction(e, k.along)
+    second = pose_through(b, (c, s), k.pin_b)
+    first = pose_through(a, rotated(c, s, k.turn), k.pin_a)
+    return (first, second), Closure(e, d, along, a)
+
+
+def _line(d: Pair, along: Scalar, offset: Scalar, square: Scalar) -> Pair:
+    """The line's direction, from the components of d along and square to it."""
+    if is_zero(offset):
+        scale = inverse(along)
+        return (d[0] * scale, d[1] * scale)
+    scale = inverse(square)
+    return ((along * d[0] + offset * d[1]) * scale, (along * d[1] - offset * d[0]) * scale)
+
+
+def rates(k: Constants, near: Poses, near_rates: Rates, own: Poses, closure: Closure) -> tuple[Rates, Travel]:
+    """Closure once differentiated: d' = t' e + θ' d⊥."""
+    a, b = point_rate(near[0], near_rates[0], k.a), point_rate(near[1], near_rates[1], k.b)
+    apart = minus(a, b)
+    e = closure.u
+    scale = inverse(closure.determinant)
+    w = cross(e, apart) * scale
+    slide = dot(apart, e) + w * k.line[0]
+    return (rate_through(own[0], a, w, k.pin_a), rate_through(own[1], b, w, k.pin_b)), Travel(scale, slide, 0.0)
+
+
+def accelerations(
+    k: Constants,
+    near: Poses,
+    near_rates: Rates,
+    near_seconds: Rates,
+    own: Poses,
+    own_rates: Rates,
+    closure: Closure,
+    travel: Travel,
+) -> Rates:
+    """Closure twice differentiated: d'' = t'' e + 2 θ' t' e⊥ + θ'' d⊥ - θ'² d."""
+    a = point_acceleration(near[0], near_rates[0], near_seconds[0], k.a)
+    b = point_acceleration(near[1], near_rates[1], near_seconds[1], k.b)
+    w = own_rates[0][2]
+    turn = (cross(closure.u, minus(a, b)) + w * (w * k.line[0] - 2.0 * travel.first)) * travel.scale
+    return (
+        acceleration_through(own[0], a, w, turn, k.pin_a),
+        acceleration_through(own[1], b, w, turn, k.pin_b),
+    )
+
+
+def least(k: Constants, closure: Closure) -> Scalar:
+    """A is at the foot of the perpendicular from B to the line."""
+    return LEAST_SINE * (size(closure.pin, minus(closure.pin, closure.v)) + abs(k.line[0]))
+
+
+def missing(k: Constants, near: Poses, closure: Closure) -> tuple[Scalar, Scalar]:
+    """The distance AB less the line's offset from B; a line through B needs A away from it, to have a direction."""
+    offset = abs(k.line[0])
+    pins = size(point(near[0], k.a), point(near[1], k.b))
+    needed = offset if offset > 0.0 else 2.0 * ROUNDING * pins
+    return np.sqrt(dot(closure.v, closure.v)) - needed, pins + offset
+
+
+def shortfall(dyad: Dyad, k: Constants, near: Poses, at: At) -> str:
+    """The offset is too large, or A is on B."""
+    assert isinstance(dyad.first_joint, Revolute)
+    assert isinstance(dyad.second_joint, Revolute)
+    distance = at(np.hypot(*minus(point(near[0], k.a), point(near[1], k.b))))
+    offset = abs(k.line[0])
+    pins = f"'{dyad.first_joint.point}' and '{dyad.second_joint.point}'"
+    if offset == 0.0:
+        return (
+            f"{pins} coincide, so the direction of the slide between '{dyad.first}' and '{dyad.second}' "
+            "is undefined; move the pivot off the pin's path"
+        )
+    return (
+        f"the slide between '{dyad.first}' and '{dyad.second}' is offset by {mm(offset)}, "
+        f"{mm(offset - distance)} more than the distance between {pins}; lessen the offset or move the "
+        "pivot away"
+    )

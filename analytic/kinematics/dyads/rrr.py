@@ -1,0 +1,159 @@
+"""RRR: both links turn about placed pins A and B and share the inner pin C; r = AC and q = BC."""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+
+from analytic.description.linkage import Vector
+from analytic.kinematics.dyads.closure import (
+    LEAST_SINE,
+    At,
+    Closure,
+    Poses,
+    Rates,
+    Travel,
+    direction,
+    mm,
+    over_square,
+    size,
+)
+from analytic.kinematics.frames import (
+    Scalar,
+    acceleration_through,
+    dot,
+    inverse,
+    minus,
+    plus,
+    point,
+    point_acceleration,
+    point_rate,
+    pose_through,
+    rate_through,
+    root,
+)
+from analytic.kinematics.structure import Dyad, Revolute
+
+
+class Constants(NamedTuple):
+    """A and B in the frames of their placed bodies and of the links, the links' arms over their squares, lengths."""
+
+    a: Vector
+    b: Vector
+    pin_a: Vector
+    pin_b: Vector
+    first: Vector
+    second: Vector
+    lengths: Vector
+    sign: Vector  # and a zero
+
+
+def constants(first: Revolute, inner: Revolute, second: Revolute, sign: float) -> Constants:
+    """Arms and their lengths."""
+    r, q = minus(inner.far_local, first.far_local), minus(inner.near_local, second.far_local)
+    one, two = math.hypot(r[0], r[1]), math.hypot(q[0], q[1])
+    return Constants(
+        first.near_local,
+        second.near_local,
+        first.far_local,
+        second.far_local,
+        over_square(r, one * one),
+        over_square(q, two * two),
+        (one, two),
+        (sign, 0.0),
+    )
+
+
+def poses(k: Constants, near: Poses) -> tuple[Poses, Closure]:
+    """Two circles: A + r = B + q with |r| and |q| given; C lies left of A→B for sign +1.
+
+    The determinant r × q is |AB| times C's distance from the line AB. The radicand is formed as a product (Heron), not
+    as a difference of squares, to stay accurate near the dead positions. Where A is on B, C is undefined (nan).
+    """
+    a, b = point(near[0], k.a), point(near[1], k.b)
+    one, two = k.lengths
+    total, difference = one + two, one - two
+    d = minus(b, a)
+    square = dot(d, d)
+    determinant = (0.5 * k.sign[0]) * root((total * total - square) * (square - difference * difference))
+    scale = inverse(square)
+    along = 0.5 + (0.5 * difference * total) * scale
+    across = determinant * scale
+    r = (along * d[0] - across * d[1], along * d[1] + across * d[0])
+    c = plus(a, r)
+    q = minus(c, b)
+    first = pose_through(a, direction(r, k.first), k.pin_a)
+    second = pose_through(b, direction(q, k.second), k.pin_b)
+    return (first, second), Closure(r, q, determinant, c)
+
+
+def rates(k: Constants, near: Poses, near_rates: Rates, own: Poses, closure: Closure) -> tuple[Rates, Travel]:
+    """Closure once differentiated: A' + θ1' r⊥ = B' + θ2' q⊥."""
+    a, b = point_rate(near[0], near_rates[0], k.a), point_rate(near[1], near_rates[1], k.b)
+    scale = inverse(closure.determinant)
+    apart = minus(b, a)
+    one, two = dot(apart, closure.v) * scale, dot(apart, closure.u) * scale
+    pair = rate_through(own[0], a, one, k.pin_a), rate_through(own[1], b, two, k.pin_b)
+    return pair, Travel(scale, 0.0, 0.0)
+
+
+def accelerations(
+    k: Constants,
+    near: Poses,
+    near_rates: Rates,
+    near_seconds: Rates,
+    own: Poses,
+    own_rates: Rates,
+    closure: Closure,
+    travel: Travel,
+) -> Rates:
+    """Closure twice differentiated: A'' + θ1'' r⊥ - θ1'² r = B'' + θ2'' q⊥ - θ2'² q."""
+    a = point_acceleration(near[0], near_rates[0], near_seconds[0], k.a)
+    b = point_acceleration(near[1], near_rates[1], near_seconds[1], k.b)
+    r, q = closure.u, closure.v
+    w, v = own_rates[0][2], own_rates[1][2]
+    one, two = w * w, v * v
+    g = (b[0] - a[0] + one * r[0] - two * q[0], b[1] - a[1] + one * r[1] - two * q[1])
+    first, second = dot(g, q) * travel.scale, dot(g, r) * travel.scale
+    return (
+        acceleration_through(own[0], a, w, first, k.pin_a),
+        acceleration_through(own[1], b, v, second, k.pin_b),
+    )
+
+
+def least(k: Constants, closure: Closure) -> Scalar:
+    """A, B and C are in one line."""
+    return LEAST_SINE * k.lengths[0] * k.lengths[1]
+
+
+def missing(k: Constants, near: Poses, closure: Closure) -> tuple[Scalar, Scalar]:
+    """The sum of the arms less the gap AB, or the gap less their difference."""
+    a, b = point(near[0], k.a), point(near[1], k.b)
+    one, two = k.lengths
+    d = minus(b, a)
+    gap = np.sqrt(dot(d, d))
+    return np.minimum(one + two - gap, gap - abs(one - two)), size(a, b) + one + two
+
+
+def shortfall(dyad: Dyad, k: Constants, near: Poses, at: At) -> str:
+    """Arms too short for the gap, or one too long."""
+    gap = at(np.hypot(*minus(point(near[1], k.b), point(near[0], k.a))))
+    first, second = k.lengths
+    links = f"'{dyad.first}' ({mm(first)}) and '{dyad.second}' ({mm(second)})"
+    if gap == 0.0:
+        return f"{links} have their outer pins on top of each other; move one of the pivots"
+    assert isinstance(dyad.first_joint, Revolute)
+    assert isinstance(dyad.second_joint, Revolute)
+    between = f"the gap of {mm(gap)} between '{dyad.first_joint.point}' and '{dyad.second_joint.point}'"
+    if gap > first + second:
+        return (
+            f"{links} together are {mm(gap - first - second)} shorter than {between}; lengthen one of them, "
+            "shorten the crank or move the pivots closer together"
+        )
+    longer, shorter = (dyad.first, dyad.second) if first > second else (dyad.second, dyad.first)
+    return (
+        f"{links} differ by {mm(abs(first - second) - gap)} more than {between}; shorten '{longer}', lengthen "
+        f"'{shorter}' or move the pivots apart"
+    )
