@@ -34,14 +34,15 @@ class Readings:
 
 def readings(results: Results) -> dict[str, Readings]:
     """The printed figures of every mechanism of a campaign, by its name, in the order of its file."""
-    texts = {entry["name"]: entry["text"] for entry in results.document["descriptions"]}
-    found = {}
-    for name, text in texts.items():
-        first = next(linkage for linkage in results.linkages if linkage.name == name)
-        if first.published:
-            linkages = [parse(text, name, name, variant) for variant in first.variants]
-            found[name] = _table(linkages)
-    return found
+    names = dict.fromkeys(linkage.name for linkage in results.linkages)
+    return {name: found for name in names if (found := readings_of(results, name))}
+
+
+def readings_of(results: Results, name: str) -> Readings | None:
+    """The printed figures of one mechanism; None where its source prints none."""
+    first = next(linkage for linkage in results.linkages if linkage.name == name)
+    text = next(entry["text"] for entry in results.document["descriptions"] if entry["name"] == name)
+    return _table([parse(text, name, name, variant) for variant in first.variants]) if first.published else None
 
 
 def _table(linkages: list[Linkage]) -> Readings:

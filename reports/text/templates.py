@@ -42,7 +42,12 @@ def captions() -> Mapping[str, Mapping[str, Any]]:
 
 def filled(text: str, **values: object) -> str:
     """A caption filled in, as plain text."""
-    return _environment(escaped=False).from_string(text).render(**values)
+    return _compiled(text).render(**values)
+
+
+@cache
+def _compiled(text: str) -> jinja2.Template:
+    return _environment(escaped=False).from_string(text)
 
 
 @cache

@@ -188,3 +188,16 @@ def test_a_page_is_written_whole(tmp_path):
     results = made_up_results(samples=21, settings=[Setting.TUNED], quantities=("Jeq",))
     write_page(results, tmp_path / "deep" / "index.html")
     assert (tmp_path / "deep" / "index.html").read_text(encoding="utf-8").endswith("</html>\n")
+
+
+def test_sections_drawn_in_other_processes_are_the_same():
+    results = made_up_results(
+        samples=21, settings=[Setting.TUNED], quantities=("Jeq",), regimes=("run-up", "constant-speed")
+    )
+    assert page(results, processes=1) == page(results, processes=0)
+
+
+def test_a_file_with_a_byte_order_mark_has_its_page():
+    text = "\ufeff" + text_of("juki-mf7923d")
+    results = made_up_results([load("juki-mf7923d")], [text], samples=21, settings=[Setting.TUNED], quantities=("Jeq",))
+    assert "Regime run-up" in page(results, processes=0)
