@@ -64,7 +64,8 @@ class Journal:
 
     def clear(self) -> None:
         """Forget everything that is kept, of whatever request."""
-        self._claim()
+        if self.folder.is_dir():
+            self._claim()
         if self.place.is_dir():
             shutil.rmtree(self.place)
 

@@ -187,7 +187,7 @@ def published(mechanisms: Mechanisms = None, json: Json = None) -> None:
     from reports.command_line import published
     from reports.command_line.destination import Destination
 
-    published.published(mechanisms or [], Destination(json))
+    raise typer.Exit(published.published(mechanisms or [], Destination(json)))
 
 
 @app.command(short_help="Simulate mechanisms; compare every error with its limit.")

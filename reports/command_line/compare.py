@@ -54,7 +54,7 @@ def compare(
         if kept:
             kept.clear()
     destination.print_out(printout(results))
-    return campaign_exit_code(records)
+    return campaign_exit_code(records, errata)
 
 
 class _Running(TypedDict):

@@ -16,7 +16,7 @@ from analytic.errors import LinkproofError
 from comparisons.judging.records import to_json
 from comparisons.runs.files import check_writable, write_text
 from reports.command_line.progress import progress
-from reports.text.screen import Printout, line, show
+from reports.text.screen import Printout, line, show, write
 
 STDOUT = "-"
 
@@ -68,7 +68,7 @@ class Destination:
         if self.json == STDOUT:
             if isinstance(sys.stdout, io.TextIOWrapper):
                 sys.stdout.reconfigure(encoding="utf-8")
-            sys.stdout.write(to_json(document))
+            write(to_json(document), sys.stdout)
         elif self.json is not None:
             write_text(Path(self.json), to_json(document))
 

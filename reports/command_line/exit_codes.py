@@ -10,6 +10,7 @@ from collections.abc import Iterable, Sequence
 from typing import Final
 
 from analytic.errors import LinkproofError
+from comparisons.campaign.errata import ErratumRecord
 from comparisons.judging.records import Record, Verdict
 from comparisons.runs.failures import Failure
 from comparisons.stress.cells import CellResult
@@ -25,14 +26,15 @@ SUITE_ERROR: Final = 3
 INTERRUPTED: Final = 130
 
 
-def campaign_exit_code(records: Sequence[Record]) -> int:
-    """Of judged records; naive ones count only where nothing else ran.
+def campaign_exit_code(records: Sequence[Record], errata: Iterable[ErratumRecord] = ()) -> int:
+    """Of judged records; naive ones count only where nothing else ran, errata only where they are a fault of ours.
 
     Raises LinkproofError where not one says anything of an engine.
     """
     counted = [record for record in records if record.setting != Setting.NAIVE] or records
     verdicts = {Verdict(record.outcome) for record in counted}
-    if any(record.outcome == Verdict.SUITE_ERROR for record in records):
+    outcomes = {record.outcome for record in records} | {record.outcome for record in errata}
+    if Verdict.SUITE_ERROR in outcomes:
         return SUITE_ERROR
     if any(verdict.failed for verdict in verdicts):
         return FAILED

@@ -8,15 +8,17 @@ from dataclasses import asdict
 from analytic.description.loading import catalogue
 from comparisons.campaign.errata import judge_errata
 from comparisons.reference.published import all_variants, compare_published
+from comparisons.runs.failures import Failure
 from engines.registry import engine_names
 from reports.command_line.destination import Destination
+from reports.command_line.exit_codes import PASSED, SUITE_ERROR
 from reports.command_line.requests import installed
 from reports.text import terminal
 from reports.text.screen import line
 
 
-def published(names: Sequence[str], destination: Destination) -> None:
-    """Print or write the published figures beside ours."""
+def published(names: Sequence[str], destination: Destination) -> int:
+    """Print or write the published figures beside ours; returns the exit code."""
     linkages = [linkage for name in names or catalogue() for linkage in all_variants(name)]
     records = compare_published(linkages)
     variants = {(linkage.name, linkage.variant): linkage for linkage in linkages}
@@ -29,3 +31,4 @@ def published(names: Sequence[str], destination: Destination) -> None:
     destination.print(terminal.published(records), *(line(record.sentence) for record in errata))
     rows = [{**asdict(record), "sentence": record.sentence} for record in errata]
     destination.write_json({"records": [asdict(record) for record in records], "errata": rows})
+    return SUITE_ERROR if any(record.outcome == Failure.SUITE_ERROR for record in errata) else PASSED

@@ -6,9 +6,10 @@ lines are folded to its width; elsewhere they are as wide as they need to be and
 
 from __future__ import annotations
 
+import os
 import sys
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, NamedTuple, TextIO
 
 from rich.console import Console
 from rich.table import Table
@@ -53,8 +54,16 @@ def show(*parts: RenderableType, stderr: bool = False) -> None:
     if screen.is_terminal:
         screen.print(*parts, sep="\n")
     elif parts:
-        stream = sys.stderr if stderr else sys.stdout
-        stream.write(rendered(*parts))
+        write(rendered(*parts), sys.stderr if stderr else sys.stdout)
+
+
+def write(text: str, stream: TextIO) -> None:
+    """Write to a pipe or a file; where the reader has left, this and all that follows is written nowhere."""
+    try:
+        stream.write(text)
+        stream.flush()
+    except BrokenPipeError:
+        os.dup2(os.open(os.devnull, os.O_WRONLY), stream.fileno())
 
 
 def rendered(*parts: RenderableType, width: int = UNBOUNDED) -> str:

@@ -7,6 +7,7 @@ import sys
 import pytest
 
 from analytic.errors import LinkproofError
+from comparisons.campaign.errata import ErratumRecord
 from comparisons.judging.records import Record
 from comparisons.judging.run_result import RunResult
 from comparisons.stress.cells import CellResult, find_cell
@@ -38,6 +39,12 @@ def test_a_campaign_fails_by_its_worst_record(outcomes, code):
 def test_naive_records_count_only_where_nothing_else_ran():
     assert campaign_exit_code([_record("diverged", "naive"), _record("passed")]) == 0
     assert campaign_exit_code([_record("diverged", "naive")]) == 1
+
+
+@pytest.mark.parametrize(("outcome", "code"), [("finished", 0), ("diverged", 0), ("suite-error", 3)])
+def test_an_erratum_counts_where_it_is_a_fault_of_ours(outcome, code):
+    erratum = ErratumRecord("m", "e", "p", "free", "direct", outcome, "neither", None, None, None, 1.0, 1.0, "")
+    assert campaign_exit_code([_record("passed")], [erratum]) == code
 
 
 @pytest.mark.parametrize("outcome", ["unsupported", "unavailable", "undefined"])
@@ -102,3 +109,19 @@ def test_a_fault_of_ours_is_one_sentence_and_exit_code_3():
     assert done.returncode == 3
     assert done.stderr.startswith("linkproof: this is a fault of linkproof: TypeError: a slip (reports/command_line/")
     assert done.stderr.count("\n") == 1
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="pipes differ there")
+@pytest.mark.parametrize("words", [["--out", "o"], ["--json", "-", "--out", "o"]])
+def test_a_reader_that_leaves_costs_no_report(tmp_path, words):
+    words = ["compare", "juki-mf7923d", "--engine", "direct", *words]
+    command = [sys.executable, "-m", "reports.command_line.main", *words]
+    environment = {**os.environ, "PYTHONPATH": os.pathsep.join(filter(None, sys.path))}
+    reading, writing = os.pipe()
+    os.close(reading)
+    with os.fdopen(writing, "wb") as pipe:
+        done = subprocess.run(command, cwd=tmp_path, env=environment, stdout=pipe, stderr=subprocess.PIPE, check=False)
+    assert done.returncode == 0, done.stderr
+    assert {"curves.nc", "index.html", "records.json", "RESULTS.md"} == {
+        path.name for path in (tmp_path / "o").iterdir()
+    }
