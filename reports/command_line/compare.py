@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import TypedDict
 
 from analytic.description.linkage import Linkage
-from comparisons.campaign.campaign import CampaignRequest
+from comparisons.campaign.campaign import CampaignRequest, tasks
 from comparisons.campaign.campaign import compare as run_campaign
 from comparisons.campaign.errata import ErratumRecord, judge_errata
 from comparisons.campaign.results import described, document, save
@@ -35,6 +35,8 @@ def compare(
     destination.check(PAGE)
     wanted = request(choice)
     files = [linkage.text for linkage in wanted.linkages]
+    if out:
+        tasks(wanted)  # what cannot run is refused before the folder is touched
     kept = journal(out, choice.command, wanted, files, resume=destination.resume) if out else None
     with interruptible(out) as counting:
         with destination.progress() as announce:

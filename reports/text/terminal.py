@@ -123,7 +123,9 @@ def published(records: Sequence[PublishedRecord]) -> Group:
     blocks: list[RenderableType] = []
     for mechanism, part in groupby(records, key=lambda record: record.mechanism):
         together = list(part)
-        noted = dict.fromkeys(f"{r.quantity} {r.published:.4g} {r.unit}: {r.note}" for r in together if r.note)
+        noted = dict.fromkeys(
+            f"{r.quantity} {r.published:.4g} {r.unit}".rstrip() + f": {r.note}" for r in together if r.note
+        )
         blocks += [line(mechanism, "bold"), _published_table(together), *map(line, noted), line("")]
     signs = "; ".join(f"{sign.symbol} {sign.word}" for sign in PUBLISHED.values())
     return Group(*blocks, line(f"{signs} (reproduced: to the printed digits)"))
