@@ -7,7 +7,6 @@ from dataclasses import dataclass
 from functools import partial
 
 import numpy as np
-from markupsafe import Markup
 from matplotlib.figure import Figure
 
 from analytic.dynamics.reduced import reduced_inertia
@@ -15,7 +14,7 @@ from analytic.numerics.extremes import extremes
 from analytic.turn.unit_functions import stroke, unit_functions
 from reports.drawing import forces, inertia, kinematics, thread
 from reports.drawing.released import printed_figure
-from reports.drawing.style import picture
+from reports.drawing.style import ReportFigure, picture
 from reports.facts import forces as force_facts
 from reports.facts import thread as thread_facts
 from reports.facts.forces import TurnForces
@@ -23,15 +22,6 @@ from reports.facts.printed_models import judged, judgements
 from reports.facts.views import Regime, View, anchor
 from reports.text.tables import ReportTable
 from reports.text.templates import captions, filled, plain, sentence
-
-
-@dataclass(frozen=True)
-class ReportFigure:
-    """A figure: the sentence before it, its drawing, and whether it takes the page's whole width."""
-
-    lead: str
-    drawing: Markup
-    wide: bool = False
 
 
 @dataclass(frozen=True)

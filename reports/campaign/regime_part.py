@@ -9,10 +9,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from analytic.description.crank_motion import RPM
-from reports.campaign.parts import ReportFigure, ReportPart, largest_errors, shown
+from reports.campaign.parts import ReportPart, largest_errors, shown
 from reports.drawing import errors, run_up
 from reports.drawing.panels import LEAST_ERROR
 from reports.drawing.released import last_turn_figure
+from reports.drawing.style import ReportFigure
 from reports.facts.joint_rows import joint_table
 from reports.facts.released import STEPS, Released, released, sentences
 from reports.facts.views import Regime, View, family, title

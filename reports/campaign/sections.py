@@ -11,7 +11,6 @@ import numpy as np
 from analytic.description.linkage import Link
 from analytic.errors import LinkproofError
 from reports.campaign.parts import (
-    ReportFigure,
     ReportPart,
     forces_part,
     inertia_part,
@@ -22,6 +21,7 @@ from reports.campaign.parts import (
 )
 from reports.campaign.regime_part import regime_part
 from reports.drawing import inertia, scheme
+from reports.drawing.style import ReportFigure
 from reports.facts.printed_models import judgements
 from reports.facts.readings import Readings
 from reports.facts.views import View

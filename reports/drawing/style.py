@@ -11,6 +11,7 @@ import io
 import math
 import re
 from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 from functools import cache
 from html import escape
 from typing import Any
@@ -93,6 +94,15 @@ def panels(
             figure.align_ylabels()
 
     return drawn(width, height, draw_all)
+
+
+@dataclass(frozen=True)
+class ReportFigure:
+    """A figure: the sentence before it, its drawing, and whether it takes the page's whole width."""
+
+    lead: str
+    drawing: Markup
+    wide: bool = False
 
 
 def picture(figure: Figure, key: str, description: str) -> Markup:

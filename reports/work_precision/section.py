@@ -5,21 +5,20 @@ Needs no engine: a saved benchmark is read and nothing else.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 from markupsafe import Markup
 from matplotlib.figure import Figure
 
 from comparisons.work_precision.analysis import WANTED
 from comparisons.work_precision.records import Bench
-from reports.drawing.style import picture
+from reports.drawing.style import ReportFigure, picture
 from reports.facts.views import anchor
 from reports.text.numbers import bound
-from reports.text.templates import render
+from reports.text.tables import ReportTable
+from reports.text.templates import plain, render
 from reports.work_precision.circumstances import note
 from reports.work_precision.facts import EngineFacts, PlaceFacts, engine_names, failed_methods, places
 from reports.work_precision.figure import bench_figure
-from reports.work_precision.stories import LEAD, SettingStory, stories
+from reports.work_precision.stories import LEAD, stories
 from reports.work_precision.words import ChoiceCell, choice_cell, noise_share
 
 TITLE = "How accurate an engine is for its cost"
@@ -30,62 +29,44 @@ ABOUT = (
 )
 
 
-@dataclass(frozen=True)
-class ChoiceRow:
-    """One mechanism and regime: a cell for every error wanted; ``failure`` where nothing finished."""
-
-    mechanism: str
-    regime: str
-    quantity: str
-    cells: tuple[ChoiceCell, ...]
-    failure: str
-
-
-@dataclass(frozen=True)
-class ChoiceTable:
-    """What one engine is to be used with, and how its settings stand."""
-
-    engine: str
-    lead: str
-    rows: tuple[ChoiceRow, ...]
-    stories: tuple[SettingStory, ...]
-
-
-@dataclass(frozen=True)
-class Overview:
-    """The plot of one regime and the sentence before it."""
-
-    regime: str
-    lead: str
-    drawing: Markup
-
-
-def choice_tables(bench: Bench) -> tuple[ChoiceTable, ...]:
-    """One table per engine, rows in the order measured."""
-    every = places(bench)
-    told = stories(every, noise_share(bench))
-    return tuple(
-        ChoiceTable(
-            name,
+def choice_tables(bench: Bench) -> dict[str, ReportTable]:
+    """One table per engine, rows in the order measured: the point to choose for each error wanted."""
+    head = ("Mechanism", "Regime", "Quantity", *map(bound, WANTED))
+    return {
+        name: ReportTable(
             f"The cheapest point of {name} {_version(bench, name)} at or below each error of the peak, held by every "
             "finer step of its sweep too.",
+            head,
             tuple(
-                _row(place, facts) for place in every for facts in place.engines(place.foremost) if facts.engine == name
+                _row(place, facts)
+                for place in places(bench)
+                for facts in place.engines(place.foremost)
+                if facts.engine == name
             ),
-            tuple(one for one in told if one.engine == name),
+            align="l",
         )
         for name in engine_names(bench)
-    )
+    }
 
 
 def _version(bench: Bench, name: str) -> str:
     return next((record.engine_version for record in bench.records if record.engine == name), "")
 
 
-def _row(place: PlaceFacts, facts: EngineFacts) -> ChoiceRow:
-    cells = tuple(choice_cell(choice, facts) for choice in facts.choices)
-    failure = "" if cells else "; ".join(failed_methods(facts))
-    return ChoiceRow(place.mechanism, place.regime, place.foremost.replace("_", " "), cells, failure)
+def _row(place: PlaceFacts, facts: EngineFacts) -> tuple[str, ...]:
+    cells: list[str] = [_cell(choice_cell(choice, facts)) for choice in facts.choices]
+    if not cells:
+        failure = Markup('<span class="failure">{}</span>').format("; ".join(failed_methods(facts)))
+        cells = [failure, *[""] * (len(WANTED) - 1)]
+    return (place.mechanism, place.regime, plain(place.foremost), *cells)
+
+
+def _cell(cell: ChoiceCell) -> Markup:
+    """Cost, way and step of a choice; all that is known of it where a reader points at it."""
+    if not cell.reached:
+        return Markup('<span class="none" title="{}">{}</span>').format(cell.title, cell.way)
+    step = Markup("<br>{} a turn").format(cell.step) if cell.step else ""
+    return Markup('<span title="{}">{}<small>{}{}</small></span>').format(cell.title, cell.cost, cell.way, step)
 
 
 def regimes(bench: Bench) -> dict[str, list[PlaceFacts]]:
@@ -102,15 +83,15 @@ def overview(bench: Bench, regime: str) -> Figure:
     return bench_figure(regimes(bench)[regime], engine_names(bench))
 
 
-def overviews(bench: Bench, only_first: bool = False) -> tuple[Overview, ...]:
+def overviews(bench: Bench, only_first: bool = False) -> tuple[ReportFigure, ...]:
     """A plot for every regime; of the first alone where the page has little room."""
     names = list(regimes(bench))[: 1 if only_first else None]
     return tuple(
-        Overview(
-            name,
+        ReportFigure(
             f"Regime {name}: largest error over the peak against the wall time of the stepping, down to each engine's "
             "floor.",
             picture(overview(bench, name), anchor("bench", name), f"error over stepping time, {name}, every engine"),
+            wide=True,
         )
         for name in names
     )
@@ -124,7 +105,7 @@ def section(bench: Bench, *, only_first: bool = False) -> Markup:
         about=ABOUT,
         figures=overviews(bench, only_first),
         tables=choice_tables(bench),
-        wanted=[bound(error) for error in WANTED],
+        stories=stories(places(bench), noise_share(bench)),
         lead=LEAD,
         note=note(bench),
     )

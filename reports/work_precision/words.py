@@ -28,7 +28,7 @@ def standing_words(standing: Standing, way: str, noise: float) -> str:
     record, ratio = standing.record, standing.ratio
     told = f"{record.setting}: {error(record.error_max)} in {seconds(record.seconds_min or 0.0)}"
     if (record.error_max or 0.0) > SATURATED:
-        return f"{told}, which is no solution"
+        return f"{told}: no solution"
     if ratio is None or standing.rival is None or standing.rival_seconds is None:
         return f"{told}; no method measured gets there"
     beside = f"{way} takes {seconds(standing.rival_seconds)} to the same error"
