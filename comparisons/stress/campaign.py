@@ -8,6 +8,7 @@ from dataclasses import asdict, dataclass
 from functools import partial
 from typing import Any, Final
 
+from analytic.errors import LinkproofError
 from comparisons.runs.environment import environment
 from comparisons.runs.failures import GIB
 from comparisons.runs.journal import Journal
@@ -80,10 +81,15 @@ def summary(found: Iterable[CellResult]) -> dict[str, dict[str, int]]:
 def stress(request: StressRequest, announce: Announce = lambda *_: None, journal: Journal | None = None) -> Stressed:
     """Make every cell asked for, then the runs that narrow the borders down; what the journal has is not made again.
 
-    ``announce`` hears a label, how many cells are done and how many are known of.
+    ``announce`` hears a label, how many cells are done and how many are known of. Raises LinkproofError where there
+    is no cell.
     """
+    wanted = cells(request.axes, request.engines, request.usages, quick=request.quick)
+    if not wanted:
+        usages = ", ".join(request.usages) or "any setting"
+        raise LinkproofError(f"expected a cell to make, got none with {usages}: ask for other axes or settings")
     make = partial(_made, study := _study(announce, journal, request.processes), request)
-    grid = make(cells(request.axes, request.engines, request.usages, quick=request.quick))
+    grid = make(wanted)
     rough = borders(grid)
     if request.quick:
         rough = [one for one in rough if one.inside.cell.usage == QUICK_BORDERS]

@@ -34,6 +34,20 @@ def test_what_cannot_be_is_said_before_any_cell_is_made(choice, options, words, 
         run(choice, **{"destination": Destination(), **options})
 
 
+def test_engines_that_are_all_absent_are_no_success(monkeypatch):
+    monkeypatch.setattr(stress, "installed", lambda engines: [])
+    monkeypatch.setattr(stress, "stress", lambda *_: pytest.fail("cells were made"))
+    with pytest.raises(LinkproofError, match="expected an installed engine, got pymunk: install it with"):
+        run(StressChoice(engines=("pymunk",)), Destination())
+
+
+def test_no_cell_at_all_is_no_success(tmp_path):
+    choice = StressChoice(("start",), ("direct",), ("no such setting",), quick=True)
+    with pytest.raises(LinkproofError, match="expected a cell to make, got none with no such setting"):
+        run(choice, Destination(folder=tmp_path))
+    assert list(tmp_path.iterdir()) == []
+
+
 def test_a_cell_alone_is_told_in_full(capsys):
     assert run(StressChoice((CELL,)), Destination()) == 0
     told = " ".join(capsys.readouterr().out.split())
