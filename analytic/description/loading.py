@@ -6,7 +6,7 @@ import re
 import sys
 import tomllib
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import lru_cache
 from pathlib import Path
 from typing import Any, Final
@@ -93,6 +93,11 @@ def load(name: str, variant: str | None = None) -> Linkage:
     Raises DescriptionError, with file and line, or UnknownNameError.
     """
     return read(name).linkage(variant)
+
+
+def in_variant(linkage: Linkage, variant: str) -> Linkage:
+    """Another variant of a linkage's file, under the linkage's gravity."""
+    return replace(parse(linkage.text, linkage.name, linkage.name, variant), gravity=linkage.gravity)
 
 
 @lru_cache(maxsize=64)

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import io
 import pickle
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from contextlib import closing
 from dataclasses import dataclass
 from typing import Any
@@ -17,6 +17,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from analytic.description.linkage import Erratum, Linkage, ReleasedRegime
+from analytic.description.loading import in_variant
 from analytic.kinematics.mechanism import Mechanism
 from analytic.motion.rkfixed import fixed_step
 from comparisons.observation.interpolation import resample
@@ -32,7 +33,6 @@ from engines.registry import engine
 from engines.scene import Channel
 
 Array = NDArray[np.float64]
-VariantOf = Callable[[Linkage, str], Linkage]
 
 # The share of a regime, from its end, over which mean speeds are taken: the last 2 s of 10.
 LAST_SHARE = 0.2
@@ -116,13 +116,12 @@ class _Trial:
 def judge_errata(
     linkages: Iterable[Linkage],
     engines: Sequence[str],
-    variant_of: VariantOf,
     *,
     bounds: Bounds = DEFAULT_BOUNDS,
     processes: int | None = None,
     journal: Journal | None = None,
 ) -> Iterator[ErratumRecord]:
-    """Put every printed model of these linkages to every engine, tuned; ``variant_of`` reads a linkage's variants.
+    """Put every printed model of these linkages to every engine, tuned.
 
     The engines run as ``comparisons.campaign.campaign.compare`` runs them.
     """
@@ -134,7 +133,7 @@ def judge_errata(
         for trial in trials:
             printed = None
             for name, run in zip(engines, runs, strict=False):
-                printed = printed or _printed(trial, variant_of)  # while the workers are busy
+                printed = printed or _printed(trial)  # while the workers are busy
                 yield _record(trial.linkage, trial.erratum, name, (trial.case.motion, printed), run)
 
 
@@ -172,10 +171,10 @@ def _from_bytes(content: bytes) -> CrankSpeed:
         return CrankSpeed(str(stored["outcome"]), str(stored["reason"]), signal)
 
 
-def _printed(trial: _Trial, variant_of: VariantOf) -> Spin:
+def _printed(trial: _Trial) -> Spin:
     """The motion by the printed model of a trial."""
     linkage, erratum = trial.linkage, trial.erratum
-    mechanism = Mechanism(variant_of(linkage, erratum.variant)) if erratum.variant else trial.case.mechanism
+    mechanism = Mechanism(in_variant(linkage, erratum.variant)) if erratum.variant else trial.case.mechanism
     own = next(own for own in linkage.regimes if own.name == erratum.regime)
     return printed_motion(mechanism, own, erratum)
 

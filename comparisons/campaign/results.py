@@ -88,11 +88,10 @@ def described(text: str, name: str, variant: str | None, gravity: Vector) -> Lin
 def document(
     request: CampaignRequest,
     results: Sequence[RunResult],
-    texts: Sequence[str],
     command: str,
     errata: Sequence[ErratumRecord] = (),
 ) -> dict[str, Any]:
-    """Everything but the curves, as JSON-ready data; ``texts`` are the linkage files in the request's order."""
+    """Everything but the curves, as JSON-ready data."""
     return {
         "format": 1,
         "command": command,
@@ -107,8 +106,8 @@ def document(
             for m in request.motions
         ],
         "descriptions": [
-            {"name": linkage.name, "variant": linkage.variant, "gravity": list(linkage.gravity), "text": text}
-            for linkage, text in zip(request.linkages, texts, strict=True)
+            {"name": linkage.name, "variant": linkage.variant, "gravity": list(linkage.gravity), "text": linkage.text}
+            for linkage in request.linkages
         ],
     }
 

@@ -2,15 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from pathlib import Path
 from typing import TypedDict
 
-from analytic.description.linkage import Linkage
 from comparisons.campaign.campaign import CampaignRequest, tasks
 from comparisons.campaign.campaign import compare as run_campaign
 from comparisons.campaign.errata import ErratumRecord, judge_errata
-from comparisons.campaign.results import described, document, save
+from comparisons.campaign.results import document, save
 from comparisons.campaign.results import load as load_results
 from comparisons.judging import baseline
 from comparisons.runs.files import write_text
@@ -34,21 +32,20 @@ def compare(
     limits.check()
     destination.check(PAGE)
     wanted = request(choice)
-    files = [linkage.text for linkage in wanted.linkages]
     if out:
         tasks(wanted)  # what cannot run is refused before the folder is touched
-    kept = journal(out, choice.command, wanted, files, resume=destination.resume) if out else None
+    kept = journal(out, choice.command, wanted, resume=destination.resume) if out else None
     with interruptible(out) as counting:
         with destination.progress() as announce:
             running: _Running = {"bounds": limits.bounds, "processes": limits.processes, "journal": kept}
             results = list(run_campaign(wanted, counting(announce), **running))
-            errata = _errata(wanted, files, running) if destination.json or out else []
+            errata = _errata(wanted, running) if destination.json or out else []
         records = [record for result in results for record in (*result.records, *result.invariants)]
         if record_baseline:
             baseline.record_all(records)
         if destination.json or out:
             command = choice.command + limits.words + (" --out DIR" if out else "")
-            saved = document(wanted, results, files, command, errata)
+            saved = document(wanted, results, command, errata)
             destination.write_json(saved)
             if out:
                 save(out, results, saved)
@@ -67,15 +64,10 @@ class _Running(TypedDict):
     journal: Journal | None
 
 
-def _errata(wanted: CampaignRequest, files: Sequence[str], running: _Running) -> list[ErratumRecord]:
+def _errata(wanted: CampaignRequest, running: _Running) -> list[ErratumRecord]:
     """The printed models of the linkages whose own regimes are asked for, put to the engines asked for."""
-    by_name = dict(zip((linkage.name for linkage in wanted.linkages), files, strict=True))
-
-    def variant_of(linkage: Linkage, variant: str) -> Linkage:
-        return described(by_name[linkage.name], linkage.name, variant, linkage.gravity)
-
     asked = wanted.linkages if wanted.own_regimes else ()
-    return list(judge_errata(asked, installed(wanted.engines), variant_of, **running))
+    return list(judge_errata(asked, installed(wanted.engines), **running))
 
 
 def report(saved: Path, out: Path | None) -> None:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
@@ -18,15 +18,14 @@ Announce = Callable[[str, int, int], None]
 INCIDENTAL = ("date", "machine")
 
 
-def journal(folder: Path, command: str, request: CampaignRequest, texts: Sequence[str], *, resume: bool) -> Journal:
+def journal(folder: Path, command: str, request: CampaignRequest, *, resume: bool) -> Journal:
     """The journal of a request: empty, or what was kept of the same request before where it is resumed.
 
     The same are the command, the linkage files and the versions of everything that computes.
     """
     facts = {name: value for name, value in environment().items() if name not in INCIDENTAL}
     facts |= {f"engine {name}": engine(name).version() or "not installed" for name in request.engines}
-    digests = [hashlib.sha256(text.encode()).hexdigest()[:16] for text in texts]
-    facts |= {f"file of {one.name}": digest for one, digest in zip(request.linkages, digests, strict=True)}
+    facts |= {f"file of {k.name}": hashlib.sha256(k.text.encode()).hexdigest()[:16] for k in request.linkages}
     kept = Journal(folder, "\n".join([command, *(f"{name} {value}" for name, value in facts.items())]))
     if not resume:
         kept.clear()

@@ -21,10 +21,9 @@ def published(names: Sequence[str], destination: Destination) -> int:
     """Print or write the published figures beside ours; returns the exit code."""
     linkages = [linkage for name in names or catalogue() for linkage in all_variants(name)]
     records = compare_published(linkages)
-    variants = {(linkage.name, linkage.variant): linkage for linkage in linkages}
     errata = []
     with destination.progress() as announce:
-        judged = judge_errata(linkages, installed(engine_names()), lambda one, variant: variants[one.name, variant])
+        judged = judge_errata(linkages, installed(engine_names()))
         for number, record in enumerate(judged):
             announce(f"{record.mechanism}: {record.engine}", number, number + 1)
             errata.append(record)

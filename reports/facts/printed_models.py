@@ -29,7 +29,7 @@ def judged(view: View) -> list[Erratum]:
 
 def printed_motion(view: View, erratum: Erratum) -> Spin:
     """The crank's motion by a model as printed, of the description that the campaign was run with."""
-    return _printed(view.text, view.linkage.name, view.linkage.gravity, erratum)
+    return _printed(view.linkage.text, view.linkage.name, view.linkage.gravity, erratum)
 
 
 @lru_cache(maxsize=32)

@@ -96,7 +96,7 @@ def released(view: View, regime: Regime) -> Released | None:
     if regime.motion is not None or all(own.name != regime.name for own in view.linkage.regimes):
         return None
     linkage = view.linkage
-    return _released(view.text, linkage.name, linkage.variant, linkage.gravity, regime.name)
+    return _released(linkage.text, linkage.name, linkage.variant, linkage.gravity, regime.name)
 
 
 @lru_cache(maxsize=32)

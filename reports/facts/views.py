@@ -74,12 +74,6 @@ class View:
         """A name fit for an anchor."""
         return anchor(self.linkage.name, self.linkage.variant)
 
-    @property
-    def text(self) -> str:
-        """The linkage's file as it was when the campaign ran."""
-        entries = self.results.document["descriptions"]
-        return str(next(entry["text"] for entry in entries if entry["name"] == self.linkage.name))
-
     @cached_property
     def mechanism(self) -> Mechanism:
         """The closed form."""

@@ -9,7 +9,7 @@ import numpy as np
 
 from analytic.description.crank_motion import crank_motion
 from analytic.description.linkage import Linkage
-from analytic.description.loading import find, load
+from analytic.description.loading import load
 from analytic.kinematics.mechanism import Mechanism
 from comparisons.campaign.campaign import CampaignRequest, RunResult
 from comparisons.campaign.results import Results, dataset, document
@@ -28,7 +28,6 @@ CONDITIONS = "1000 rpm counter-clockwise, 0.6 s + 0.1 s, from 0°, gravity on"
 
 def made_up_results(
     linkages: Sequence[Linkage] | None = None,
-    texts: Sequence[str] | None = None,
     *,
     regimes: Iterable[str] = ("run-up",),
     engines: Sequence[str] = ("alpha", "beta"),
@@ -39,9 +38,7 @@ def made_up_results(
     quantities: Sequence[str] = PRESCRIBED,
 ) -> Results:
     """A campaign of these engines; those in ``broken`` gave no motion, with a reason."""
-    if linkages is None or texts is None:
-        linkages = [load("juki-mf7923d")]
-        texts = [text_of("juki-mf7923d")]
+    linkages = linkages or [load("juki-mf7923d")]
     motions = tuple(crank_motion(name, clockwise=clockwise) for name in regimes)
     request = CampaignRequest(tuple(linkages), motions, CONDITIONS, tuple(engines), tuple(settings), tuple(quantities))
     runs = [
@@ -51,13 +48,8 @@ def made_up_results(
         for engine in engines
         for setting in settings
     ]
-    told = document(request, runs, texts, "linkproof compare juki-mf7923d --setting all")
+    told = document(request, runs, "linkproof compare juki-mf7923d --setting all")
     return Results(told, dataset(runs, told))
-
-
-def text_of(name: str) -> str:
-    """The file of a catalogue mechanism."""
-    return find(name).read_text(encoding="utf-8")
 
 
 @dataclass(frozen=True)

@@ -22,7 +22,7 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 
 from analytic.description.crank_motion import REGIMES, crank_motion
-from analytic.description.loading import catalogue, find, load
+from analytic.description.loading import catalogue, load
 from comparisons.campaign.campaign import CampaignRequest, compare
 from comparisons.campaign.results import DATASET, RECORDS, Results, document, save
 from comparisons.campaign.results import load as load_results
@@ -96,8 +96,7 @@ def run_campaign(folder: Path, processes: int) -> None:
     """The campaign as the command runs it: taking up what is kept, keeping what is finished, then written at once."""
     asked, journal = request(), Journal(folder, COMMAND)
     results = list(compare(asked, processes=processes, journal=journal))
-    texts = [find(linkage.name).read_text(encoding="utf-8") for linkage in asked.linkages]
-    save(folder, results, document(asked, results, texts, COMMAND))
+    save(folder, results, document(asked, results, COMMAND))
     journal.clear()
 
 

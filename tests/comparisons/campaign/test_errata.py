@@ -9,14 +9,10 @@ from comparisons.campaign import errata
 from comparisons.campaign.errata import judge_errata, printed_motion
 
 
-def _variant(linkage, variant):
-    return load(linkage.name, variant)
-
-
 @pytest.fixture(scope="module")
 def records():
     linkages = [load("slotted-takeup"), load("two-crank-takeup")]
-    return {(r.mechanism, r.erratum): r for r in judge_errata(linkages, ["direct"], _variant)}
+    return {(r.mechanism, r.erratum): r for r in judge_errata(linkages, ["direct"])}
 
 
 def test_every_erratum_is_judged_and_refuted(records):
@@ -58,7 +54,7 @@ def test_sentences_name_engine_model_and_numbers(records):
 
 
 def test_other_variants_are_not_judged():
-    assert list(judge_errata([load("two-crank-takeup", "W+1")], ["direct"], _variant)) == []
+    assert list(judge_errata([load("two-crank-takeup", "W+1")], ["direct"])) == []
 
 
 @pytest.mark.parametrize(
@@ -76,6 +72,6 @@ def test_an_engine_that_raises_gives_no_motion_and_ends_nothing(monkeypatch):
             raise RuntimeError("out of memory")
 
     monkeypatch.setattr(errata, "engine", lambda name: Failing())
-    records = list(judge_errata([load("two-crank-takeup")], ["failing"], _variant))
+    records = list(judge_errata([load("two-crank-takeup")], ["failing"]))
     assert {(r.outcome, r.supports) for r in records} == {("adapter-error", "neither")}
     assert "failing gave no motion, adapter-error: the adapter of failing raised RuntimeError" in records[0].sentence

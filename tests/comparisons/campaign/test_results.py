@@ -36,7 +36,7 @@ def saved(tmp_path_factory):
     run = Run(Outcome.FINISHED, history=motion.history, details={"step": 1e-3})
     (result,) = _compared(request, run)
     folder = tmp_path_factory.mktemp("saved")
-    told = document(request, [result], [find("juki-mf7923d").read_text()], "linkproof compare juki-mf7923d")
+    told = document(request, [result], "linkproof compare juki-mf7923d")
     save(folder, [result], told)
     return folder, result
 
@@ -111,7 +111,7 @@ def test_json_never_holds_nan():
 def test_a_campaign_of_failures_can_be_saved(tmp_path):
     request = CampaignRequest((JUKI,), (MOTION,), "as tested", ("direct",), (Setting.NAIVE,))
     (failed,) = _compared(request, Run(Outcome.DIVERGED, "ran away"))
-    told = document(request, [failed], [find("juki-mf7923d").read_text()], "linkproof compare")
+    told = document(request, [failed], "linkproof compare")
     save(tmp_path, [failed], told)
     assert load_results(tmp_path).records == failed.records
 

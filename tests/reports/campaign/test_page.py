@@ -1,5 +1,6 @@
 """The page: self-contained, whole, plain about what failed, the same every time, and made without an engine."""
 
+import dataclasses
 import re
 import subprocess
 import sys
@@ -13,7 +14,7 @@ from comparisons.campaign.results import RECORDS, Results
 from comparisons.judging.records import Verdict, to_json
 from engines.contract import Setting
 from reports.campaign.page import page, write_page
-from tests.reports.made_up_results import made_up_results, text_of
+from tests.reports.made_up_results import made_up_results
 
 LINKAGES = Path(__file__).parents[2] / "linkages"
 VOID = {"meta", "br", "img", "path", "use", "rect"}
@@ -56,7 +57,6 @@ def results():
     names = ["juki-mf7923d", "rimoldi-164"]
     return made_up_results(
         [load(name) for name in names],
-        [text_of(name) for name in names],
         engines=("alpha", "beta", "gamma", "delta"),
         broken={"gamma": Verdict.UNAVAILABLE, "delta": Verdict.DIVERGED},
     )
@@ -128,7 +128,7 @@ def test_a_linkage_without_output_or_published_figures_has_its_own_page():
     path = LINKAGES / "spring-and-damper.toml"
     source = "\n".join(line for line in path.read_text(encoding="utf-8").splitlines() if not line.startswith("output"))
     linkage = load_text(source, path.stem)
-    found = Reader(page(made_up_results([linkage], [source], samples=51, quantities=("Mkr", "Jeq"))))
+    found = Reader(page(made_up_results([linkage], samples=51, quantities=("Mkr", "Jeq"))))
     assert "Motion of the output" not in found.headings
     assert "Published figures against ours" not in found.headings
     assert "Regime run-up" in found.headings
@@ -162,7 +162,7 @@ def test_a_regime_that_prescribes_nothing_and_a_campaign_that_gave_nothing_have_
 def test_dead_positions_are_told_not_raised():
     path = LINKAGES / "parallelogram.toml"
     broken = {"alpha": Verdict.DIVERGED, "beta": Verdict.DIVERGED}
-    text = page(made_up_results([load(str(path))], [path.read_text()], broken=broken, quantities=("Mkr",)))
+    text = page(made_up_results([load(str(path))], broken=broken, quantities=("Mkr",)))
     assert "dead position at 0°" in text
 
 
@@ -198,6 +198,7 @@ def test_sections_drawn_in_other_processes_are_the_same():
 
 
 def test_a_file_with_a_byte_order_mark_has_its_page():
-    text = "\ufeff" + text_of("juki-mf7923d")
-    results = made_up_results([load("juki-mf7923d")], [text], samples=21, settings=[Setting.TUNED], quantities=("Jeq",))
+    linkage = load("juki-mf7923d")
+    linkage = dataclasses.replace(linkage, text="\ufeff" + linkage.text)
+    results = made_up_results([linkage], samples=21, settings=[Setting.TUNED], quantities=("Jeq",))
     assert "Regime run-up" in page(results, processes=0)

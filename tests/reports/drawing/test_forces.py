@@ -14,7 +14,7 @@ from reports.drawing.run_up import histories
 from reports.facts.forces import TurnForces, lead
 from reports.facts.joint_rows import joint_table, worst_joint
 from reports.facts.views import views
-from tests.reports.made_up_results import made_up_results, text_of
+from tests.reports.made_up_results import made_up_results
 
 SLOTTED = "slotted-takeup"
 
@@ -22,7 +22,7 @@ SLOTTED = "slotted-takeup"
 @pytest.fixture(scope="module")
 def results():
     """Records of two joints in the guise of Jeq's and Mkr's."""
-    made = made_up_results([load(SLOTTED)], [text_of(SLOTTED)], samples=21, quantities=("Jeq", "Mkr"))
+    made = made_up_results([load(SLOTTED)], samples=21, quantities=("Jeq", "Mkr"))
     names = {"Jeq": "joint_force:P1", "Mkr": "joint_force:slot_slider on rocker"}
     records = [replace(record, quantity=names[record.quantity], unit="N", limit=1e-3) for record in made.records]
     records = [r if r.quantity.endswith("P1") or not r.error_max else replace(r, error_max=1e-16) for r in records]

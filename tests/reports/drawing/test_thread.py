@@ -9,11 +9,11 @@ from reports.campaign.parts import thread_part
 from reports.drawing import thread
 from reports.facts import thread as thread_facts
 from reports.facts.views import views
-from tests.reports.made_up_results import made_up_results, text_of
+from tests.reports.made_up_results import made_up_results
 
 
 def view_of(name):
-    return views(made_up_results([load(name)], [text_of(name)], samples=21, quantities=("Jeq",)))[0]
+    return views(made_up_results([load(name)], samples=21, quantities=("Jeq",)))[0]
 
 
 @pytest.fixture(scope="module")

@@ -11,13 +11,13 @@ from reports.campaign.summary import markdown
 from reports.facts.printed_models import judged, judgements, printed_motion
 from reports.facts.released import released
 from reports.facts.views import Regime, views
-from tests.reports.made_up_results import made_up_results, text_of
+from tests.reports.made_up_results import made_up_results
 
 NAME, ERRATUM = "two-crank-takeup", "S1 without US1"
 
 
 def results_of(variant=None):
-    made = made_up_results([load(NAME, variant)], [text_of(NAME)], samples=21, quantities=("Jeq",))
+    made = made_up_results([load(NAME, variant)], samples=21, quantities=("Jeq",))
     rows = [
         {"mechanism": NAME, "erratum": ERRATUM, "engine": "alpha", "sentence": "alpha <supports> the corrected model"},
         {"mechanism": "another", "erratum": ERRATUM, "engine": "alpha", "sentence": "of another mechanism"},

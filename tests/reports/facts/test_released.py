@@ -15,14 +15,14 @@ from reports.campaign.regime_part import regime_part
 from reports.drawing import run_up
 from reports.drawing.released import last_turn_figure
 from reports.facts.released import Released, released, sentences
-from reports.facts.views import Regime, View, views
-from tests.reports.made_up_results import made_up_results, text_of
+from reports.facts.views import Regime, views
+from tests.reports.made_up_results import made_up_results
 
 TWO_CRANK, SLOTTED = "two-crank-takeup", "slotted-takeup"
 
 
 def view_of(name):
-    return views(made_up_results([load(name)], [text_of(name)], samples=21, quantities=("Jeq",)))[0]
+    return views(made_up_results([load(name)], samples=21, quantities=("Jeq",)))[0]
 
 
 def regime_of(name):
@@ -82,7 +82,7 @@ def test_the_last_turn_is_drawn_over_the_crank_angle(driven):
 @pytest.fixture(scope="module")
 def ran(driven):
     """A campaign of the driven regime whose two engines were off by a thousandth."""
-    made = made_up_results([load(TWO_CRANK)], [text_of(TWO_CRANK)], samples=21, settings=[Setting.TUNED])
+    made = made_up_results([load(TWO_CRANK)], samples=21, settings=[Setting.TUNED])
     time = np.linspace(0.0, driven.motion.duration, 201)
     truth = {"omega": driven.motion.speed(time), "epsilon": driven.motion.acceleration(time)}
     runs = []
@@ -129,8 +129,3 @@ def test_the_coarse_integrator_stands_beside_the_engines(ran):
     assert len(upper.lines) == 4  # the closed form, two engines, the integrator
     (scale,) = upper.child_axes
     assert scale.get_ylabel() == "n, rpm"
-
-
-def test_views_know_the_text_they_were_run_with(ran):
-    (view,) = views(ran)
-    assert View(ran, view.linkage).text == text_of(TWO_CRANK)
