@@ -11,8 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from analytic.compiled.choice import is_compiled
 from analytic.compiled.evaluation import compute
-from analytic.compiled.flat_linkage import FlatLinkage, flatten
-from analytic.compiled.redesign import redesigned
+from analytic.compiled.flat_linkage import FlatLinkage, flatten, redesigned
 from analytic.description.linkage import Linkage
 from analytic.dynamics.derivative_orders import Needs, needs
 from analytic.errors import AssemblyError, LinkproofError, UnknownNameError
@@ -20,7 +19,7 @@ from analytic.evaluation import PER_ANGLE, PIECE, QUANTITIES, moving_sweep
 from analytic.kinematics.mechanism import Mechanism
 from analytic.kinematics.structure import Structure, find_structure
 from analytic.kinematics.sweep import Sweep
-from analytic.request import Query, query
+from analytic.request import EvaluationRequest, evaluation_request
 
 Array = NDArray[np.float64]
 Booleans = NDArray[np.bool_]
@@ -54,21 +53,21 @@ def evaluate_designs(
     the number of threads of the compiled path, all of the machine's if None; ``path`` is as for
     ``analytic.evaluation.evaluate``.
     """
-    asked = query(angle, quantities, speed, acceleration)
-    if len(asked.shape) != 1 or not np.all(np.isfinite(asked.angle)):
+    request = evaluation_request(angle, quantities, speed, acceleration)
+    if len(request.shape) != 1 or not np.all(np.isfinite(request.angle)):
         raise LinkproofError(
             "angle: expected a flat list of finite crank angles in rad, got "
-            f"{'nan or infinity' if len(asked.shape) == 1 else f'shape {asked.shape}'}; pass such a list"
+            f"{'nan or infinity' if len(request.shape) == 1 else f'shape {request.shape}'}; pass such a list"
         )
     flat = flatten(mechanism)
     designs = _designs(flat, parameters)
-    needed = needs(redesigned(flat, designs.largest()), asked.names, turns=asked.turns)
-    angles = asked.angle.size + ANGLES_OF_A_DESIGN
+    needed = needs(redesigned(flat, designs.largest()), request.names, turns=request.turns)
+    angles = request.angle.size + ANGLES_OF_A_DESIGN
     if is_compiled(path, "evaluation", PER_ANGLE * designs.count * angles * len(flat.structure.bodies)):
-        values, moving = compute(flat, asked, needed, count=designs.count, designs=designs.rows, cores=cores)
+        values, moving = compute(flat, request, needed, count=designs.count, designs=designs.rows, cores=cores)
     else:
-        values, moving = _plain(flat, asked, needed, designs)
-    return {**dict(zip(asked.names, values, strict=True)), ASSEMBLED: moving}
+        values, moving = _plain(flat, request, needed, designs)
+    return {**dict(zip(request.names, values, strict=True)), ASSEMBLED: moving}
 
 
 @dataclass(frozen=True)
@@ -148,29 +147,29 @@ def _check_directions(flat: FlatLinkage, designs: Designs) -> None:
             raise LinkproofError(f"{name}: expected a direction, got (0, 0) in design {first}; correct it")
 
 
-def _plain(flat: FlatLinkage, asked: Query, needed: Needs, designs: Designs) -> Outcome:
+def _plain(flat: FlatLinkage, request: EvaluationRequest, needed: Needs, designs: Designs) -> Outcome:
     """Design by design with NumPy."""
-    values = np.full((len(asked.names), designs.count, asked.angle.size), np.nan)
-    moving = np.zeros((designs.count, asked.angle.size), dtype=np.bool_)
+    values = np.full((len(request.names), designs.count, request.angle.size), np.nan)
+    moving = np.zeros((designs.count, request.angle.size), dtype=np.bool_)
     signs = tuple(dyad.sign for dyad in flat.structure.dyads)
     for number in range(designs.count):
         linkage = redesigned(flat, designs.rows(number, number + 1)[0])
         structure = find_structure(linkage).with_signs(signs)
 
         def at(here: slice, linkage: Linkage = linkage, structure: Structure = structure) -> Array:
-            return _piece(Sweep(linkage, structure, asked.angle[here]), asked, needed, here)
+            return _piece(Sweep(linkage, structure, request.angle[here]), request, needed, here)
 
-        for start in range(0, asked.angle.size, PIECE):
-            _fill(at, slice(start, min(start + PIECE, asked.angle.size)), values[:, number], moving[number])
+        for start in range(0, request.angle.size, PIECE):
+            _fill(at, slice(start, min(start + PIECE, request.angle.size)), values[:, number], moving[number])
     return values, moving
 
 
-def _piece(sweep: Sweep, asked: Query, needed: Needs, here: slice) -> Array:
+def _piece(sweep: Sweep, request: EvaluationRequest, needed: Needs, here: slice) -> Array:
     """Quantities at some of the crank angles; raises AssemblyError if there is no motion at any of them."""
     for body, order in needed.orders.items():
         (sweep.poses, sweep.rates, sweep.accelerations)[order](body)
-    at = moving_sweep(sweep, asked, here)
-    return np.array([QUANTITIES[name](at) for name in asked.names])
+    at = moving_sweep(sweep, request, here)
+    return np.array([QUANTITIES[name](at) for name in request.names])
 
 
 def _fill(at: Callable[[slice], Array], here: slice, values: Array, moving: Booleans) -> None:

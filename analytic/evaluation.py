@@ -1,4 +1,4 @@
-"""Quantities by name over many crank angles: only what is asked for is computed, in pieces that stay in the cache."""
+"""Quantities by name over many crank angles: only what is request for is computed, in pieces that stay in the cache."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from analytic.dynamics import reduced
 from analytic.dynamics.derivative_orders import needs
 from analytic.kinematics.mechanism import Mechanism
 from analytic.kinematics.sweep import Sweep
-from analytic.request import Query, query
+from analytic.request import EvaluationRequest, evaluation_request
 
 Array = NDArray[np.float64]
 
@@ -65,7 +65,7 @@ QUANTITIES: Final[Mapping[str, Callable[[MovingSweep], Array]]] = {
     "v": lambda at: at.sweep.output(1) * at.speed,
     "a": lambda at: at.sweep.output(2) * at.squared_speed + at.sweep.output(1) * at.acceleration,
 }
-"""What can be asked for: Jeq kg m², half_slope ½Jeq' kg m², Q N m, Mkr N m, Teq J, Peq W, S m, v m/s, a m/s²."""
+"""What can be request for: Jeq kg m², half_slope ½Jeq' kg m², Q N m, Mkr N m, Teq J, Peq W, S m, v m/s, a m/s²."""
 
 
 def evaluate(
@@ -85,37 +85,37 @@ def evaluate(
     where that saves time, its own start included. ``cores`` is the number of threads of the compiled path, all of the
     machine's if None.
     """
-    asked = query(angle, quantities, speed, acceleration)
+    request = evaluation_request(angle, quantities, speed, acceleration)
     values = None
-    if is_compiled(path, "evaluation", PER_ANGLE * asked.angle.size * len(mechanism.structure.bodies)):
-        values = _by_kernels(mechanism, asked, cores)
+    if is_compiled(path, "evaluation", PER_ANGLE * request.angle.size * len(mechanism.structure.bodies)):
+        values = _by_kernels(mechanism, request, cores)
     if values is None:
-        values = _by_numpy(mechanism, asked)
-    return {name: row.reshape(asked.shape) for name, row in zip(asked.names, values, strict=True)}
+        values = _by_numpy(mechanism, request)
+    return {name: row.reshape(request.shape) for name, row in zip(request.names, values, strict=True)}
 
 
-def _by_kernels(mechanism: Mechanism, asked: Query, cores: int | None) -> Array | None:
+def _by_kernels(mechanism: Mechanism, request: EvaluationRequest, cores: int | None) -> Array | None:
     """Quantities (quantities, angles); None where the linkage cannot be assembled or cannot move at some angle.
 
     There NumPy has a sentence to say, or finds that no more than a rounding was missing.
     """
     flat = flatten(mechanism)
-    needed = needs(mechanism.linkage, asked.names, turns=asked.turns)
-    values, moving = compute(flat, asked, needed, count=1, designs=lambda *_: flat.numbers[None], cores=cores)
+    needed = needs(mechanism.linkage, request.names, turns=request.turns)
+    values, moving = compute(flat, request, needed, count=1, designs=lambda *_: flat.numbers[None], cores=cores)
     return values[:, 0] if np.all(moving) else None
 
 
-def _by_numpy(mechanism: Mechanism, asked: Query) -> Array:
+def _by_numpy(mechanism: Mechanism, request: EvaluationRequest) -> Array:
     """Quantities (quantities, angles), piece by piece."""
-    values = np.empty((len(asked.names), asked.angle.size))
-    for start in range(0, asked.angle.size, PIECE):
+    values = np.empty((len(request.names), request.angle.size))
+    for start in range(0, request.angle.size, PIECE):
         here = slice(start, start + PIECE)
-        at = moving_sweep(mechanism.sweep(asked.angle[here]), asked, here)
-        for row, name in zip(values, asked.names, strict=True):
+        at = moving_sweep(mechanism.sweep(request.angle[here]), request, here)
+        for row, name in zip(values, request.names, strict=True):
             row[here] = QUANTITIES[name](at)
     return values
 
 
-def moving_sweep(sweep: Sweep, asked: Query, here: slice) -> MovingSweep:
+def moving_sweep(sweep: Sweep, request: EvaluationRequest, here: slice) -> MovingSweep:
     """A sweep of some of the crank angles, with the crank's motion there."""
-    return MovingSweep(sweep, *(move[here] if move.ndim else move for move in (asked.speed, asked.acceleration)))
+    return MovingSweep(sweep, *(move[here] if move.ndim else move for move in (request.speed, request.acceleration)))

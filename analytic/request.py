@@ -1,4 +1,4 @@
-"""What may be asked of the closed form, checked: quantities by name over many crank angles."""
+"""What may be request of the closed form, checked: quantities by name over many crank angles."""
 
 from __future__ import annotations
 
@@ -24,14 +24,14 @@ UNITS: Final[Mapping[str, str]] = {
     "v": "m/s",
     "a": "m/s²",
 }
-"""Names that can be asked for, with their units; half_slope is ½ dJeq/dφ."""
+"""Names that can be request for, with their units; half_slope is ½ dJeq/dφ."""
 
 MOVING: Final = frozenset({"Mkr", "Teq", "Peq", "v", "a"})  # those that depend on how the crank moves
 
 
 @dataclass(frozen=True)
-class Query:
-    """Quantities asked for, at crank angles of a ``shape``, here flat, as speed and acceleration if not scalar."""
+class EvaluationRequest:
+    """Quantities request for, at crank angles of a ``shape``, here flat, as speed and acceleration if not scalar."""
 
     names: tuple[str, ...]
     shape: tuple[int, ...]
@@ -45,7 +45,9 @@ class Query:
         return bool(np.any(self.speed))
 
 
-def query(angle: ArrayLike, quantities: Iterable[str], speed: ArrayLike | None, acceleration: ArrayLike) -> Query:
+def evaluation_request(
+    angle: ArrayLike, quantities: Iterable[str], speed: ArrayLike | None, acceleration: ArrayLike
+) -> EvaluationRequest:
     """The arguments of ``evaluate``, checked."""
     names = tuple(dict.fromkeys(quantities))
     for name in names:
@@ -56,7 +58,7 @@ def query(angle: ArrayLike, quantities: Iterable[str], speed: ArrayLike | None, 
         raise LinkproofError(f"speed: expected the crank's speed in rad/s for {needing}, got none; pass speed=...")
     angle = np.asarray(angle, dtype=float)
     moves = _like(angle, 0.0 if speed is None else speed, "speed"), _like(angle, acceleration, "acceleration")
-    return Query(names, angle.shape, angle.ravel(), *moves)
+    return EvaluationRequest(names, angle.shape, angle.ravel(), *moves)
 
 
 def _like(angle: Array, value: ArrayLike, name: str) -> Array:

@@ -15,7 +15,7 @@ from analytic.compiled.choice import kernels
 from analytic.compiled.flat_linkage import FlatLinkage, levels
 from analytic.dynamics.derivative_orders import Needs
 from analytic.errors import LinkproofError
-from analytic.request import Query
+from analytic.request import EvaluationRequest
 
 Array = NDArray[np.float64]
 Booleans = NDArray[np.bool_]
@@ -27,7 +27,7 @@ SHARE: Final = 16384  # crank angles that are worth a thread's attention: less t
 
 def compute(
     flat: FlatLinkage,
-    query: Query,
+    request: EvaluationRequest,
     needed: Needs,
     *,
     count: int,
@@ -42,9 +42,9 @@ def compute(
     """
     linkage, arrays = kernels("linkage"), kernels("evaluation")
     wanted = np.array([needed.inertia, needed.half_derivative, needed.forces, needed.output], dtype=np.int64)
-    codes = np.array([arrays.CODES[name] for name in query.names], dtype=np.int64)
+    codes = np.array([arrays.CODES[name] for name in request.names], dtype=np.int64)
     orders = levels(flat.structure, needed.orders)
-    angle, speed, acceleration = map(writable, (query.angle, query.speed, query.acceleration))
+    angle, speed, acceleration = map(writable, (request.angle, request.speed, request.acceleration))
     values = np.empty((len(codes), count, angle.size))
     moving = np.empty((count, angle.size), dtype=np.bool_)
 

@@ -15,6 +15,7 @@ from typing import Final, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from analytic.description.changes import changed
 from analytic.description.law import Law
 from analytic.description.linkage import GROUND, Guide, Linkage, Vector
 from analytic.dynamics.derivative_orders import needs
@@ -67,8 +68,8 @@ class FlatLinkage:
     another force at the point, is followed by `` #2``. Loads that are tables over the crank angle have no name here,
     nor has the inertia of a link that cannot turn. Directions are scaled to unit length wherever they are used.
 
-    ``points`` (by body and point), ``inertias`` (mass, centre, inertia) and ``guides`` (through, along, the slider's
-    point) of links and slots are places too.
+    ``points`` (by body and point) and ``guides`` (through, along, the slider's point) of links and slots are places
+    too.
     """
 
     linkage: Linkage
@@ -78,7 +79,6 @@ class FlatLinkage:
     places: Mapping[str, int]
     bodies: Mapping[str, int]
     points: Mapping[tuple[str, str], int]
-    inertias: Mapping[str, tuple[int, int, int]]
     guides: Mapping[str, tuple[int, int, int]]
 
 
@@ -115,6 +115,12 @@ class _Numbers:
 def flatten(mechanism: Mechanism) -> FlatLinkage:
     """The tables of a linkage, in the assembly modes its sketch picks."""
     return _Writer(mechanism).flattened()
+
+
+def redesigned(flat: FlatLinkage, numbers: Array) -> Linkage:
+    """The linkage with other ``numbers``, in the order of the tables'; its sketch is left as it is."""
+    values = {name: float(numbers[place]) for name, place in flat.places.items()}
+    return changed(flat.linkage, lambda name, _, value: values.get(name, value))
 
 
 def levels(structure: Structure, orders: Mapping[str, int]) -> Integers:
@@ -171,7 +177,6 @@ class _Writer:
             self.numbers.places,
             self.bodies,
             self.points,
-            self.inertias,
             self.guides,
         )
 

@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 Array = NDArray[np.float64]
 
 
-class Scheme(NamedTuple):
+class GaussScheme(NamedTuple):
     """Gauss collocation on [0, 1] with n nodes.
 
     ``series`` (n, n) turns values at the nodes into coefficients of Legendre polynomials, ``once`` and ``twice`` (n, n)
@@ -38,7 +38,7 @@ class Scheme(NamedTuple):
 
 
 @lru_cache
-def gauss_scheme(count: int) -> Scheme:
+def gauss_scheme(count: int) -> GaussScheme:
     """The scheme with ``count`` nodes."""
     points, weights = legendre.leggauss(count)
     orders = np.arange(count)
@@ -46,7 +46,7 @@ def gauss_scheme(count: int) -> Scheme:
     speed = np.asarray(0.5 * legendre.legint(series, lbnd=-1), dtype=float)
     angle = np.asarray(0.5 * legendre.legint(speed, lbnd=-1), dtype=float)
     nodes = 0.5 * (points + 1.0)
-    return Scheme(
+    return GaussScheme(
         nodes=nodes,
         series=series,
         once=legendre.legvander(points, count) @ speed,

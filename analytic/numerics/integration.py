@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from analytic.description.law import FULL_TURN
 from analytic.errors import AssemblyError, LinkproofError
-from analytic.numerics.collocation import Scheme, Windows
+from analytic.numerics.collocation import GaussScheme, Windows
 
 Array = NDArray[np.float64]
 Acceleration = Callable[[Array, Array], Array]
@@ -54,7 +54,7 @@ class _Path:
     The angle is carried less its whole turns: their digits would be lost to those that the equation depends on.
     """
 
-    def __init__(self, scheme: Scheme, angle: float, speed: float) -> None:
+    def __init__(self, scheme: GaussScheme, angle: float, speed: float) -> None:
         self.scheme = scheme
         self.angle, self.speed = _Carried(angle), _Carried(speed)
         self.turns = 0
@@ -88,7 +88,7 @@ def integrate(
     acceleration: Acceleration,
     start: tuple[float, float],
     duration: float,
-    scheme: Scheme,
+    scheme: GaussScheme,
     *,
     tolerance: float,
     rounding: float,
@@ -164,7 +164,7 @@ def _error(path: _Path, found: Array, length: float, rounding: float) -> float:
     return tail / scale if scale > 0.0 else 0.0
 
 
-def _continued(scheme: Scheme, found: Array, growth: float) -> Array:
+def _continued(scheme: GaussScheme, found: Array, growth: float) -> Array:
     """The acceleration's polynomial carried on into the next window, without its high terms, which grow outside."""
     kept = max(2, len(found) // 2)
     return np.asarray(legendre.legval(1.0 + 2.0 * growth * scheme.nodes, (scheme.series @ found)[:kept]))

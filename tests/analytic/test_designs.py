@@ -8,8 +8,7 @@ from hypothesis import strategies as st
 from analytic import designs
 from analytic.compiled import choice
 from analytic.compiled.evaluation import CHUNK
-from analytic.compiled.flat_linkage import flatten
-from analytic.compiled.redesign import redesigned
+from analytic.compiled.flat_linkage import flatten, redesigned
 from analytic.designs import ASSEMBLED, evaluate_designs
 from analytic.dynamics import reduced
 from analytic.errors import AssemblyError, LinkproofError, UnknownNameError

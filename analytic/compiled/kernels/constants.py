@@ -42,7 +42,7 @@ Array = NDArray[np.float64]
 Joint = Callable[[Array, Integers, int], Any]
 
 
-class Pin(NamedTuple):
+class PinPlaces(NamedTuple):
     """What the formulas read of a ``structure.Revolute``."""
 
     near_local: Pair
@@ -58,8 +58,8 @@ class Rail(NamedTuple):
 
 
 @inlined
-def _pin(numbers: Array, dyad: Integers, joint: int) -> Pin:
-    return Pin(pair(numbers, dyad[joint + NEAR_POINT]), pair(numbers, dyad[joint + FAR_POINT]))
+def _pin(numbers: Array, dyad: Integers, joint: int) -> PinPlaces:
+    return PinPlaces(pair(numbers, dyad[joint + NEAR_POINT]), pair(numbers, dyad[joint + FAR_POINT]))
 
 
 @kernel

@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from analytic.compiled.kernels import formulas  # noqa: F401 - lets the loops call the formulas
+import analytic.compiled.kernels.formulas  # noqa: F401 - lets the loops call the formulas
 from analytic.compiled.kernels.jit import inlined, kernel
 from analytic.compiled.kernels.layout import BLOCK, KEPT, SECOND, C, X
 from analytic.compiled.kernels.rows import pose, put_pose, put_rate, put_second, rate, second
@@ -57,48 +57,53 @@ def put_closure(own: Array, i: int, closure: Closure) -> None:
     own[DETERMINANT + i] = closure.determinant
 
 
-def _solver(dyad: ModuleType, slides: int) -> Solver:
-    """Kernel of one kind: poses of a dyad's two links and their derivatives up to an order; faults are marked.
-
-    A kind without ``slides`` needs neither pin nor travels later, so that they are not stored.
-    """
-    constants, count = dyad.Constants, len(dyad.Constants._fields)
-    formula: Any = dyad
-    poses_of, rates_of, accelerations_of = formula.poses, formula.rates, formula.accelerations
-    least_of, missing_of = formula.least, formula.missing
+def _poses(formulas: Any, constants: Any, slides: int) -> Any:
+    count = len(constants._fields)
 
     @kernel
     def poses(n: int, k: Array, one: Array, two: Array, own: Array) -> None:
         known = constants(*pairs(k)[:count])
         for i in range(min(n, BLOCK)):
-            links, closure = poses_of(known, (pose(one, i), pose(two, i)))
+            links, closure = formulas.poses(known, (pose(one, i), pose(two, i)))
             put_closure(own, i, closure)
             if slides > 0:
                 own[PIN_X + i], own[PIN_Y + i] = closure.pin
             put_pose(own, i, links[0])
             put_pose(own, SECOND + i, links[1])
 
+    return poses
+
+
+def _gaps(formulas: Any, constants: Any) -> Any:
+    count = len(constants._fields)
+
     @kernel
     def gaps(n: int, k: Array, one: Array, two: Array, own: Array, fault: Array) -> None:
         known = constants(*pairs(k)[:count])
         for i in range(min(n, BLOCK)):
-            length, of = missing_of(known, (pose(one, i), pose(two, i)), closure_at(own, i))
+            length, of = formulas.missing(known, (pose(one, i), pose(two, i)), closure_at(own, i))
             meets = (length + ROUNDING * of >= 0.0) & (abs(own[X + i]) < np.inf) & (abs(own[C + i]) < np.inf)
             fault[i] = fault[i] if meets else 1.0
+
+    return gaps
+
+
+def _rates(formulas: Any, constants: Any, slides: int) -> Any:
+    count = len(constants._fields)
 
     @kernel
     def rates(n: int, k: Array, one: Array, two: Array, own: Array, fault: Array) -> None:
         known = constants(*pairs(k)[:count])
         for i in range(min(n, BLOCK)):
             closure = closure_at(own, i)
-            links, travel = rates_of(
+            links, travel = formulas.rates(
                 known,
                 (pose(one, i), pose(two, i)),
                 (rate(one, i), rate(two, i)),
                 (pose(own, i), pose(own, SECOND + i)),
                 closure,
             )
-            fault[i] = fault[i] if abs(closure.determinant) > least_of(known, closure) else 1.0
+            fault[i] = fault[i] if abs(closure.determinant) > formulas.least(known, closure) else 1.0
             own[SCALE + i] = travel.scale
             if slides > 0:
                 own[FIRST + i] = travel.first
@@ -107,11 +112,17 @@ def _solver(dyad: ModuleType, slides: int) -> Solver:
             put_rate(own, i, links[0])
             put_rate(own, SECOND + i, links[1])
 
+    return rates
+
+
+def _accelerations(formulas: Any, constants: Any) -> Any:
+    count = len(constants._fields)
+
     @kernel
     def accelerations(n: int, k: Array, one: Array, two: Array, own: Array) -> None:
         known = constants(*pairs(k)[:count])
         for i in range(min(n, BLOCK)):
-            links = accelerations_of(
+            links = formulas.accelerations(
                 known,
                 (pose(one, i), pose(two, i)),
                 (rate(one, i), rate(two, i)),
@@ -123,6 +134,17 @@ def _solver(dyad: ModuleType, slides: int) -> Solver:
             )
             put_second(own, i, links[0])
             put_second(own, SECOND + i, links[1])
+
+    return accelerations
+
+
+def _solver(formulas: ModuleType, constants: type, slides: int) -> Solver:
+    """Kernel of one kind: poses of a dyad's two links and their derivatives up to an order; faults are marked.
+
+    A kind without ``slides`` needs neither pin nor travels later, so that they are not stored.
+    """
+    poses, gaps = _poses(formulas, constants, slides), _gaps(formulas, constants)
+    rates, accelerations = _rates(formulas, constants, slides), _accelerations(formulas, constants)
 
     @kernel
     def solve(level: int, n: int, k: Array, one: Array, two: Array, own: Array, fault: Array) -> None:
@@ -137,8 +159,8 @@ def _solver(dyad: ModuleType, slides: int) -> Solver:
     return solve
 
 
-solve_rrr = _solver(rrr, slides=0)
-solve_rrp = _solver(rrp, slides=1)
-solve_rpr = _solver(rpr, slides=1)
-solve_rpp = _solver(rpp, slides=2)
-solve_prp = _solver(prp, slides=2)
+solve_rrr = _solver(rrr, rrr.RRRConstants, slides=0)
+solve_rrp = _solver(rrp, rrp.RRPConstants, slides=1)
+solve_rpr = _solver(rpr, rpr.RPRConstants, slides=1)
+solve_rpp = _solver(rpp, rpp.RPPConstants, slides=2)
+solve_prp = _solver(prp, prp.PRPConstants, slides=2)

@@ -27,7 +27,7 @@ TINY: Final = float(np.finfo(float).tiny)
 
 
 class Rules(NamedTuple):
-    """``analytic.numerics.collocation.Scheme`` with its matrices transposed, so that a product runs down their rows."""
+    """``analytic.numerics.collocation.GaussScheme`` with its matrices transposed: a product runs down their rows."""
 
     nodes: Array
     series: Array

@@ -4,7 +4,7 @@ Each dyad is solved by the vector method of the articles (chained vectors, sign 
 differentiating the closure equations once and twice, which are linear in the unknown rates. A dyad's file has
 
 ``constants(first, inner, second, sign)``
-    Its ``Constants``, pairs of floats all, from its three joints and the sign of its assembly mode.
+    Its constants, a named tuple of pairs of floats, from its three joints and the sign of its assembly mode.
 ``poses(k, near)``
     Poses of its two links and the ``Closure``, from the constants and the poses of the two bodies it hangs on.
 ``rates(k, near, near_rates, own, closure)``

@@ -32,7 +32,7 @@ from analytic.kinematics.frames import (
 from analytic.kinematics.structure import Dyad, Prismatic, Revolute
 
 
-class Constants(NamedTuple):
+class PRPConstants(NamedTuple):
     """Of each slide its line, where its host has C at zero travel, and C on the link."""
 
     first_along: Vector
@@ -45,9 +45,9 @@ class Constants(NamedTuple):
     second_pin: Vector
 
 
-def constants(first: Prismatic, inner: Revolute, second: Prismatic, sign: float) -> Constants:
+def constants(first: Prismatic, inner: Revolute, second: Prismatic, sign: float) -> PRPConstants:
     """Where C is at zero travel."""
-    return Constants(
+    return PRPConstants(
         first.along,
         first.turn,
         on_rail(first, inner.far_local),
@@ -59,7 +59,7 @@ def constants(first: Prismatic, inner: Revolute, second: Prismatic, sign: float)
     )
 
 
-def poses(k: Constants, near: Poses) -> tuple[Poses, Closure]:
+def poses(k: PRPConstants, near: Poses) -> tuple[Poses, Closure]:
     """The pin C lies where the two lines cross: C = one + t e = two + u f."""
     e, f = arm(near[0], k.first_along), arm(near[1], k.second_along)
     determinant = cross(e, f)
@@ -71,7 +71,7 @@ def poses(k: Constants, near: Poses) -> tuple[Poses, Closure]:
     return (first, second), Closure(e, f, determinant, c)
 
 
-def rates(k: Constants, near: Poses, near_rates: Rates, own: Poses, closure: Closure) -> tuple[Rates, Travel]:
+def rates(k: PRPConstants, near: Poses, near_rates: Rates, own: Poses, closure: Closure) -> tuple[Rates, Travel]:
     """C moves as the point of each host under it does, plus that host's slide."""
     a = carried_rate(near[0], near_rates[0], closure.pin)
     b = carried_rate(near[1], near_rates[1], closure.pin)
@@ -86,7 +86,7 @@ def rates(k: Constants, near: Poses, near_rates: Rates, own: Poses, closure: Clo
 
 
 def accelerations(
-    k: Constants,
+    k: PRPConstants,
     near: Poses,
     near_rates: Rates,
     near_seconds: Rates,
@@ -112,16 +112,16 @@ def _on_host(host: Pose, rate: Rate, second: Rate, pin: Pair, travel: Scalar, al
     return carried if is_still(rate) else plus(carried, coriolis(rate[2], travel, along))
 
 
-def least(k: Constants, closure: Closure) -> Scalar:
+def least(k: PRPConstants, closure: Closure) -> Scalar:
     """The lines are parallel."""
     return LEAST_SINE
 
 
-def missing(k: Constants, near: Poses, closure: Closure) -> tuple[Scalar, Scalar]:
+def missing(k: PRPConstants, near: Poses, closure: Closure) -> tuple[Scalar, Scalar]:
     """No length is missing, but parallel lines do not cross."""
     return crossing.missing(closure.determinant)
 
 
-def shortfall(dyad: Dyad, k: Constants, near: Poses, at: At) -> str:
+def shortfall(dyad: Dyad, k: PRPConstants, near: Poses, at: At) -> str:
     """The lines are parallel."""
     return crossing.shortfall(dyad)

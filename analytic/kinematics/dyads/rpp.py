@@ -31,7 +31,7 @@ from analytic.kinematics.frames import (
 from analytic.kinematics.structure import Dyad, Prismatic, Revolute
 
 
-class Constants(NamedTuple):
+class RPPConstants(NamedTuple):
     """A on its placed body and on the first link; the outer line with the second link's home, the inner line.
 
     ``start`` is where the host has A at zero travel.
@@ -47,9 +47,9 @@ class Constants(NamedTuple):
     start: Vector
 
 
-def constants(first: Revolute, inner: Prismatic, second: Prismatic, sign: float) -> Constants:
+def constants(first: Revolute, inner: Prismatic, second: Prismatic, sign: float) -> RPPConstants:
     """Where A is at zero travel of both slides."""
-    return Constants(
+    return RPPConstants(
         first.near_local,
         first.far_local,
         second.along,
@@ -61,7 +61,7 @@ def constants(first: Revolute, inner: Prismatic, second: Prismatic, sign: float)
     )
 
 
-def poses(k: Constants, near: Poses) -> tuple[Poses, Closure]:
+def poses(k: RPPConstants, near: Poses) -> tuple[Poses, Closure]:
     """The pin A lies on the second link's line: A = start + t e − u f, f against the inner slide."""
     host = near[1]
     a, e = point(near[0], k.a), arm(host, k.along)
@@ -75,7 +75,7 @@ def poses(k: Constants, near: Poses) -> tuple[Poses, Closure]:
     return (first, (x, y, c, s)), Closure(e, f, determinant, a)
 
 
-def rates(k: Constants, near: Poses, near_rates: Rates, own: Poses, closure: Closure) -> tuple[Rates, Travel]:
+def rates(k: RPPConstants, near: Poses, near_rates: Rates, own: Poses, closure: Closure) -> tuple[Rates, Travel]:
     """The pin moves as the point of the host under it does, plus the two slides."""
     host, moves, e = near[1], near_rates[1], closure.u
     a = point_rate(near[0], near_rates[0], k.a)
@@ -86,7 +86,7 @@ def rates(k: Constants, near: Poses, near_rates: Rates, own: Poses, closure: Clo
 
 
 def accelerations(
-    k: Constants,
+    k: RPPConstants,
     near: Poses,
     near_rates: Rates,
     near_seconds: Rates,
@@ -108,16 +108,16 @@ def accelerations(
     return acceleration_through(own[0], a, moves[2], seconds[2], k.pin_a), (x, y, seconds[2])
 
 
-def least(k: Constants, closure: Closure) -> Scalar:
+def least(k: RPPConstants, closure: Closure) -> Scalar:
     """The lines are parallel."""
     return LEAST_SINE
 
 
-def missing(k: Constants, near: Poses, closure: Closure) -> tuple[Scalar, Scalar]:
+def missing(k: RPPConstants, near: Poses, closure: Closure) -> tuple[Scalar, Scalar]:
     """No length is missing, but parallel lines do not cross."""
     return crossing.missing(closure.determinant)
 
 
-def shortfall(dyad: Dyad, k: Constants, near: Poses, at: At) -> str:
+def shortfall(dyad: Dyad, k: RPPConstants, near: Poses, at: At) -> str:
     """The lines are parallel."""
     return crossing.shortfall(dyad)

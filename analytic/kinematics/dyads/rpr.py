@@ -40,7 +40,7 @@ from analytic.kinematics.frames import (
 from analytic.kinematics.structure import Dyad, Prismatic, Revolute
 
 
-class Constants(NamedTuple):
+class RPRConstants(NamedTuple):
     """A and B in the frames of their placed bodies and of the links; the line of the second link that A lies on."""
 
     a: Vector
@@ -52,10 +52,10 @@ class Constants(NamedTuple):
     line: Vector  # offset of the line from B, sign
 
 
-def constants(first: Revolute, inner: Prismatic, second: Revolute, sign: float) -> Constants:
+def constants(first: Revolute, inner: Prismatic, second: Revolute, sign: float) -> RPRConstants:
     """The line's offset."""
     start = minus(on_rail(inner, first.far_local), second.far_local)
-    return Constants(
+    return RPRConstants(
         first.near_local,
         second.near_local,
         first.far_local,
@@ -66,7 +66,7 @@ def constants(first: Revolute, inner: Prismatic, second: Revolute, sign: float) 
     )
 
 
-def poses(k: Constants, near: Poses) -> tuple[Poses, Closure]:
+def poses(k: RPRConstants, near: Poses) -> tuple[Poses, Closure]:
     """A line of the second link at a fixed offset from B passes through A: d = A - B = t e + offset e⊥.
 
     The determinant is t, A's coordinate along the line from B's foot. Where A passes through B the direction is left
@@ -93,7 +93,7 @@ def _line(d: Pair, along: Scalar, offset: Scalar, square: Scalar) -> Pair:
     return ((along * d[0] + offset * d[1]) * scale, (along * d[1] - offset * d[0]) * scale)
 
 
-def rates(k: Constants, near: Poses, near_rates: Rates, own: Poses, closure: Closure) -> tuple[Rates, Travel]:
+def rates(k: RPRConstants, near: Poses, near_rates: Rates, own: Poses, closure: Closure) -> tuple[Rates, Travel]:
     """Closure once differentiated: d' = t' e + θ' d⊥."""
     a, b = point_rate(near[0], near_rates[0], k.a), point_rate(near[1], near_rates[1], k.b)
     apart = minus(a, b)
@@ -105,7 +105,7 @@ def rates(k: Constants, near: Poses, near_rates: Rates, own: Poses, closure: Clo
 
 
 def accelerations(
-    k: Constants,
+    k: RPRConstants,
     near: Poses,
     near_rates: Rates,
     near_seconds: Rates,
@@ -125,12 +125,12 @@ def accelerations(
     )
 
 
-def least(k: Constants, closure: Closure) -> Scalar:
+def least(k: RPRConstants, closure: Closure) -> Scalar:
     """A is at the foot of the perpendicular from B to the line."""
     return LEAST_SINE * (size(closure.pin, minus(closure.pin, closure.v)) + abs(k.line[0]))
 
 
-def missing(k: Constants, near: Poses, closure: Closure) -> tuple[Scalar, Scalar]:
+def missing(k: RPRConstants, near: Poses, closure: Closure) -> tuple[Scalar, Scalar]:
     """The distance AB less the line's offset from B; a line through B needs A away from it, to have a direction."""
     offset = abs(k.line[0])
     pins = size(point(near[0], k.a), point(near[1], k.b))
@@ -138,7 +138,7 @@ def missing(k: Constants, near: Poses, closure: Closure) -> tuple[Scalar, Scalar
     return np.sqrt(dot(closure.v, closure.v)) - needed, pins + offset
 
 
-def shortfall(dyad: Dyad, k: Constants, near: Poses, at: At) -> str:
+def shortfall(dyad: Dyad, k: RPRConstants, near: Poses, at: At) -> str:
     """The offset is too large, or A is on B."""
     assert isinstance(dyad.first_joint, Revolute)
     assert isinstance(dyad.second_joint, Revolute)

@@ -48,7 +48,7 @@ from analytic.kinematics.frames import (
 from analytic.kinematics.structure import Dyad, Prismatic, Revolute
 
 
-class Constants(NamedTuple):
+class RRPConstants(NamedTuple):
     """A on its placed body and on the first link, that link's arm over its square; the line, and C on the slider."""
 
     a: Vector
@@ -61,11 +61,11 @@ class Constants(NamedTuple):
     reach: Vector  # length of the arm, sign
 
 
-def constants(first: Revolute, inner: Revolute, second: Prismatic, sign: float) -> Constants:
+def constants(first: Revolute, inner: Revolute, second: Prismatic, sign: float) -> RRPConstants:
     """The arm and its length; where C is on the host at zero travel."""
     r = minus(inner.far_local, first.far_local)
     length = math.hypot(r[0], r[1])
-    return Constants(
+    return RRPConstants(
         first.near_local,
         first.far_local,
         over_square(r, length * length),
@@ -77,7 +77,7 @@ def constants(first: Revolute, inner: Revolute, second: Prismatic, sign: float) 
     )
 
 
-def poses(k: Constants, near: Poses) -> tuple[Poses, Closure]:
+def poses(k: RRPConstants, near: Poses) -> tuple[Poses, Closure]:
     """A circle and a line: A + r = base + t e with |r| given; r's component along e has the sign given."""
     host = near[1]
     length, sign = k.reach
@@ -101,7 +101,7 @@ def _beside(e: Pair, along: Scalar, offset: Scalar) -> Pair:
     return (along * x - offset * y, along * y + offset * x)
 
 
-def rates(k: Constants, near: Poses, near_rates: Rates, own: Poses, closure: Closure) -> tuple[Rates, Travel]:
+def rates(k: RRPConstants, near: Poses, near_rates: Rates, own: Poses, closure: Closure) -> tuple[Rates, Travel]:
     """Closure once differentiated: A' + θ' r⊥ = carried' + t' e, carried' that of the host's point at C."""
     a = point_rate(near[0], near_rates[0], k.a)
     carried = carried_rate(near[1], near_rates[1], closure.pin)
@@ -116,7 +116,7 @@ def rates(k: Constants, near: Poses, near_rates: Rates, own: Poses, closure: Clo
 
 
 def accelerations(
-    k: Constants,
+    k: RRPConstants,
     near: Poses,
     near_rates: Rates,
     near_seconds: Rates,
@@ -143,19 +143,19 @@ def accelerations(
     )
 
 
-def least(k: Constants, closure: Closure) -> Scalar:
+def least(k: RRPConstants, closure: Closure) -> Scalar:
     """The arm is square to the line."""
     return LEAST_SINE * k.reach[0]
 
 
-def missing(k: Constants, near: Poses, closure: Closure) -> tuple[Scalar, Scalar]:
+def missing(k: RRPConstants, near: Poses, closure: Closure) -> tuple[Scalar, Scalar]:
     """The arm less A's distance from the line, which is |r| where the circle misses it."""
     length = k.reach[0]
     a, base = point(near[0], k.a), point(near[1], k.base)
     return length - np.sqrt(dot(closure.u, closure.u)), size(a, base) + length
 
 
-def shortfall(dyad: Dyad, k: Constants, near: Poses, at: At) -> str:
+def shortfall(dyad: Dyad, k: RRPConstants, near: Poses, at: At) -> str:
     """The arm does not reach the line."""
     assert isinstance(dyad.first_joint, Revolute)
     distance = abs(at(cross(arm(near[1], k.along), minus(point(near[1], k.base), point(near[0], k.a)))))

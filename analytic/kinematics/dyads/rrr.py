@@ -37,7 +37,7 @@ from analytic.kinematics.frames import (
 from analytic.kinematics.structure import Dyad, Revolute
 
 
-class Constants(NamedTuple):
+class RRRConstants(NamedTuple):
     """A and B in the frames of their placed bodies and of the links, the links' arms over their squares, lengths."""
 
     a: Vector
@@ -50,11 +50,11 @@ class Constants(NamedTuple):
     sign: Vector  # and a zero
 
 
-def constants(first: Revolute, inner: Revolute, second: Revolute, sign: float) -> Constants:
+def constants(first: Revolute, inner: Revolute, second: Revolute, sign: float) -> RRRConstants:
     """Arms and their lengths."""
     r, q = minus(inner.far_local, first.far_local), minus(inner.near_local, second.far_local)
     one, two = math.hypot(r[0], r[1]), math.hypot(q[0], q[1])
-    return Constants(
+    return RRRConstants(
         first.near_local,
         second.near_local,
         first.far_local,
@@ -66,7 +66,7 @@ def constants(first: Revolute, inner: Revolute, second: Revolute, sign: float) -
     )
 
 
-def poses(k: Constants, near: Poses) -> tuple[Poses, Closure]:
+def poses(k: RRRConstants, near: Poses) -> tuple[Poses, Closure]:
     """Two circles: A + r = B + q with |r| and |q| given; C lies left of A→B for sign +1.
 
     The determinant r × q is |AB| times C's distance from the line AB. The radicand is formed as a product (Heron), not
@@ -89,7 +89,7 @@ def poses(k: Constants, near: Poses) -> tuple[Poses, Closure]:
     return (first, second), Closure(r, q, determinant, c)
 
 
-def rates(k: Constants, near: Poses, near_rates: Rates, own: Poses, closure: Closure) -> tuple[Rates, Travel]:
+def rates(k: RRRConstants, near: Poses, near_rates: Rates, own: Poses, closure: Closure) -> tuple[Rates, Travel]:
     """Closure once differentiated: A' + θ1' r⊥ = B' + θ2' q⊥."""
     a, b = point_rate(near[0], near_rates[0], k.a), point_rate(near[1], near_rates[1], k.b)
     scale = inverse(closure.determinant)
@@ -100,7 +100,7 @@ def rates(k: Constants, near: Poses, near_rates: Rates, own: Poses, closure: Clo
 
 
 def accelerations(
-    k: Constants,
+    k: RRRConstants,
     near: Poses,
     near_rates: Rates,
     near_seconds: Rates,
@@ -123,12 +123,12 @@ def accelerations(
     )
 
 
-def least(k: Constants, closure: Closure) -> Scalar:
+def least(k: RRRConstants, closure: Closure) -> Scalar:
     """A, B and C are in one line."""
     return LEAST_SINE * k.lengths[0] * k.lengths[1]
 
 
-def missing(k: Constants, near: Poses, closure: Closure) -> tuple[Scalar, Scalar]:
+def missing(k: RRRConstants, near: Poses, closure: Closure) -> tuple[Scalar, Scalar]:
     """The sum of the arms less the gap AB, or the gap less their difference."""
     a, b = point(near[0], k.a), point(near[1], k.b)
     one, two = k.lengths
@@ -137,7 +137,7 @@ def missing(k: Constants, near: Poses, closure: Closure) -> tuple[Scalar, Scalar
     return np.minimum(one + two - gap, gap - abs(one - two)), size(a, b) + one + two
 
 
-def shortfall(dyad: Dyad, k: Constants, near: Poses, at: At) -> str:
+def shortfall(dyad: Dyad, k: RRRConstants, near: Poses, at: At) -> str:
     """Arms too short for the gap, or one too long."""
     gap = at(np.hypot(*minus(point(near[1], k.b), point(near[0], k.a))))
     first, second = k.lengths

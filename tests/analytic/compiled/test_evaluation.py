@@ -7,8 +7,7 @@ from hypothesis import strategies as st
 
 from analytic.compiled import choice
 from analytic.compiled import evaluation as compiled
-from analytic.compiled.flat_linkage import flatten
-from analytic.compiled.redesign import redesigned
+from analytic.compiled.flat_linkage import flatten, redesigned
 from analytic.dynamics import reduced
 from analytic.errors import AssemblyError, LinkproofError, UnknownNameError
 from analytic.evaluation import QUANTITIES, evaluate

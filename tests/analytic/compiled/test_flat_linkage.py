@@ -6,8 +6,7 @@ import sys
 import numpy as np
 import pytest
 
-from analytic.compiled.flat_linkage import CONSTANT, GROUND_BODY, flatten, levels
-from analytic.compiled.redesign import redesigned
+from analytic.compiled.flat_linkage import CONSTANT, GROUND_BODY, flatten, levels, redesigned
 from analytic.description.law import FULL_TURN
 from analytic.description.linkage import Linkage
 from analytic.dynamics.derivative_orders import needs
