@@ -108,7 +108,9 @@ def usages(axis: Axis, adapter: Engine) -> list[str]:
     if not axis.methods:
         return list(axis.settings)
     plain = axis.rows[0].conditions
-    offered = {method.name: method.effort_unit for method in adapter.methods(scene(plain, case(plain)))}
+    given = scene(plain, case(plain))
+    with blamed_on(adapter):
+        offered = {method.name: method.effort_unit for method in adapter.methods(given)}
     fitting = [name for name in axis.methods if name in offered and axis.unit in ("", offered[name])]
     return [*axis.settings, *fitting]
 

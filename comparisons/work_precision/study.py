@@ -13,6 +13,7 @@ from typing import Any
 
 from analytic.errors import UnknownNameError
 from comparisons.reference.case import Case
+from comparisons.runs.failures import blamed_on
 from comparisons.runs.journal import Journal
 from comparisons.runs.study import Announce
 from comparisons.runs.timing import Noise
@@ -99,7 +100,9 @@ def _methods(request: BenchRequest, case: Case, name: str) -> list[Method]:
     adapter = engine(name)
     if adapter.version() is None:
         return []
-    offered = adapter.methods(case.scene([Channel.POSITION]))
+    scene = case.scene([Channel.POSITION])
+    with blamed_on(adapter):
+        offered = adapter.methods(scene)
     return [method for method in offered if not request.methods or method.name in request.methods]
 
 

@@ -1,7 +1,4 @@
-"""Exit codes: 0 all within limits, 1 a limit exceeded or a run that failed, 2 misuse, bad input or nothing judged.
-
-3 is a fault of linkproof itself, 130 an interruption.
-"""
+"""Exit codes of finished work; ``reports.command_line.main`` lists them all."""
 
 from __future__ import annotations
 
@@ -21,9 +18,7 @@ from engines.contract import Outcome, Setting
 
 PASSED: Final = 0
 FAILED: Final = 1
-BAD_INPUT: Final = 2
 SUITE_ERROR: Final = 3
-INTERRUPTED: Final = 130
 
 
 def campaign_exit_code(records: Sequence[Record], errata: Iterable[ErratumRecord] = ()) -> int:

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import sys
 
-BAD_INPUT, SUITE_ERROR, INTERRUPTED = 2, 3, 130
+FAILED, BAD_INPUT, SUITE_ERROR, INTERRUPTED = 1, 2, 3, 130
 
 
 def main() -> None:
@@ -54,9 +54,10 @@ def _end_badly(error: Exception) -> None:
     if isinstance(error, OSError) and error.errno in (errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EIO):
         _discard_output()
         _end(f"cannot write to stdout: {error.strerror}; free some space, or write to a file elsewhere", BAD_INPUT)
-    from comparisons.runs.failures import lost
+    from comparisons.runs.failures import Failure, lost
 
-    _end(lost(error, 0).reason, SUITE_ERROR)
+    fault = lost(error, 0)
+    _end(fault.reason, SUITE_ERROR if fault.outcome is Failure.SUITE_ERROR else FAILED)
 
 
 def _start_fast() -> None:
