@@ -126,10 +126,10 @@ def judge_errata(
     The engines run as ``comparisons.campaign.campaign.compare`` runs them.
     """
     trials = list(_trials(linkages))
-    asked = [_task(trial, name) for trial in trials for name in engines]
-    count = usual_processes(len({task.key for task in asked})) if processes is None else processes
+    tasks = [_task(trial, name) for trial in trials for name in engines]
+    count = usual_processes(len({task.key for task in tasks})) if processes is None else processes
     study = Study(_crank_speed, _lost, _to_bytes, _from_bytes, journal, processes=count)
-    with closing(study.in_order(asked, bounds)) as runs:
+    with closing(study.in_order(tasks, bounds)) as runs:
         for trial in trials:
             printed = None
             for name, run in zip(engines, runs, strict=False):
@@ -153,8 +153,8 @@ def _trials(linkages: Iterable[Linkage]) -> Iterator[_Trial]:
             continue  # printed models are held against the file's own values
         mechanism = Mechanism(linkage)
         regimes = {own.name: own for own in linkage.regimes}
-        asked = dict.fromkeys(erratum.regime for erratum in linkage.errata)
-        cases = {name: own_case(mechanism, regimes[name]) for name in asked}
+        names = dict.fromkeys(erratum.regime for erratum in linkage.errata)
+        cases = {name: own_case(mechanism, regimes[name]) for name in names}
         yield from (_Trial(linkage, erratum, cases[erratum.regime]) for erratum in linkage.errata)
 
 

@@ -42,9 +42,9 @@ class Border:
         low, high = sorted((self.inside.cell.value, self.outside.cell.value))
         return float(f"{math.sqrt((low if low > 0.0 else NEXT_TO_ZERO * high) * high):.6g}")
 
-    def narrowed(self, found: CellResult) -> Border:
+    def narrowed(self, result: CellResult) -> Border:
         """The half of it that has the border, by a run between its ends."""
-        return replace(self, inside=found) if found.verdict in GOOD else replace(self, outside=found)
+        return replace(self, inside=result) if result.verdict in GOOD else replace(self, outside=result)
 
     @property
     def document(self) -> dict[str, Any]:
@@ -66,13 +66,13 @@ class Border:
 
 def borders(results: Iterable[CellResult]) -> list[Border]:
     """On every line of every map, the first run beyond the easy value on either side that is not within limit."""
-    ordered = sorted(results, key=lambda one: (*one.cell.line, one.cell.value))
-    lines = itertools.groupby(ordered, key=lambda one: one.cell.line)
+    ordered = sorted(results, key=lambda result: (*result.cell.line, result.cell.value))
+    lines = itertools.groupby(ordered, key=lambda result: result.cell.line)
     return [border for _, line in lines for border in _on(list(line))]
 
 
 def _on(line: Sequence[CellResult]) -> Iterator[Border]:
-    start = nearest([one.cell.value for one in line], axes()[line[0].cell.axis].good)
+    start = nearest([result.cell.value for result in line], axes()[line[0].cell.axis].good)
     for way in (line[start:], line[start::-1]):
         for inside, outside in itertools.pairwise(way):
             if inside.verdict not in GOOD:
@@ -83,11 +83,11 @@ def _on(line: Sequence[CellResult]) -> Iterator[Border]:
 
 
 def bisected(
-    found: Sequence[Border], make: Callable[[Sequence[Cell]], Sequence[CellResult]], precision: float = PRECISE
+    rough: Sequence[Border], make: Callable[[Sequence[Cell]], Sequence[CellResult]], precision: float = PRECISE
 ) -> list[Border]:
     """The same borders between runs that differ by no more than ``precision``; ``make`` makes many cells at once."""
-    narrow = list(found)
-    while wide := [number for number, one in enumerate(narrow) if _is_wide(one, precision)]:
+    narrow = list(rough)
+    while wide := [number for number, border in enumerate(narrow) if _is_wide(border, precision)]:
         middles = [replace(narrow[number].inside.cell, value=narrow[number].middle) for number in wide]
         for number, result in zip(wide, make(middles), strict=True):
             narrow[number] = narrow[number].narrowed(result)

@@ -63,18 +63,20 @@ class Stressed:
             "environment": environment(),
             "quick": quick,
             "summary": summary(self.cells),
-            "cells": [one.document for one in self.cells],
-            "borders": [one.document for one in self.borders],
-            "long_runs": [asdict(one) for one in self.long_runs],
+            "cells": [part.document for part in self.cells],
+            "borders": [part.document for part in self.borders],
+            "long_runs": [asdict(part) for part in self.long_runs],
         }
 
 
-def summary(found: Iterable[CellResult]) -> dict[str, dict[str, int]]:
+def summary(results: Iterable[CellResult]) -> dict[str, dict[str, int]]:
     """Number of cells by engine and verdict."""
     counts: dict[str, dict[str, int]] = {}
-    for one in found:
-        of_engine = counts.setdefault(one.cell.engine, dict.fromkeys((verdict.value for verdict in StressVerdict), 0))
-        of_engine[one.verdict.value] += 1
+    for result in results:
+        of_engine = counts.setdefault(
+            result.cell.engine, dict.fromkeys((verdict.value for verdict in StressVerdict), 0)
+        )
+        of_engine[result.verdict.value] += 1
     return counts
 
 
@@ -92,20 +94,20 @@ def stress(request: StressRequest, announce: Announce = lambda *_: None, journal
     grid = make(wanted)
     rough = borders(grid)
     if request.quick:
-        rough = [one for one in rough if one.inside.cell.usage == QUICK_BORDERS]
+        rough = [border for border in rough if border.inside.cell.usage == QUICK_BORDERS]
     narrow = bisected(rough, make, COARSE if request.quick else PRECISE)
     return Stressed(tuple(study.results.values()), tuple(narrow), tuple(_long_runs(request, journal)))
 
 
 def _long_runs(request: StressRequest, journal: Journal | None) -> Iterable[LongRun]:
     """First turn against last on the linkages of the map of long driven runs; too long for a quick look."""
-    wanted = [row.conditions.linkage for axis in request.axes if axis.name == DRIVEN for row in axis.rows]
-    return () if request.quick else long_runs(request.engines, wanted, journal=journal)
+    linkages = [row.conditions.linkage for axis in request.axes if axis.name == DRIVEN for row in axis.rows]
+    return () if request.quick else long_runs(request.engines, linkages, journal=journal)
 
 
-def make_cells(wanted: Sequence[Cell], time_limit: float | None = None) -> list[CellResult]:
+def make_cells(chosen: Sequence[Cell], time_limit: float | None = None) -> list[CellResult]:
     """These cells alone, each in a worker process of its own, in their order; ``time_limit`` as in a request."""
-    return _made(_study(lambda *_: None, None, None), StressRequest((), (), time_limit=time_limit), wanted)
+    return _made(_study(lambda *_: None, None, None), StressRequest((), (), time_limit=time_limit), chosen)
 
 
 def _study(announce: Announce, journal: Journal | None, processes: int | None) -> Study[CellResult]:
@@ -120,16 +122,16 @@ def _from_bytes(content: bytes) -> CellResult:
     return from_document(json.loads(content))
 
 
-def _made(study: Study[CellResult], request: StressRequest, wanted: Sequence[Cell]) -> list[CellResult]:
+def _made(study: Study[CellResult], request: StressRequest, chosen: Sequence[Cell]) -> list[CellResult]:
     """Results of cells, in their order."""
     by_seconds: dict[float, list[Task]] = {}
-    for cell in wanted:
+    for cell in chosen:
         by_seconds.setdefault(_seconds(request, cell), []).append(Task(cell.key, (cell,), cell.key))
     study.expect(task for tasks in by_seconds.values() for task in tasks)
     for seconds in sorted(by_seconds):
         for _ in study.make(by_seconds[seconds], Bounds(seconds, MEMORY)):
             pass  # the study holds the result
-    return [study.results[cell.key] for cell in wanted]
+    return [study.results[cell.key] for cell in chosen]
 
 
 def _seconds(request: StressRequest, cell: Cell) -> float:

@@ -1,7 +1,6 @@
-"""Stress maps: where an engine stops being right, cell by cell, every cell in a worker process of its own.
+"""Cells of the stress maps: one value of one axis (``axes.toml``) in one row, engine and usage.
 
-A cell is one value of one axis (``stress_axes.toml``) in one row, engine and usage, and can be made again on its own.
-Each is judged by ``stress_verdict``; borders between verdicts are found by ``stress_border``.
+A cell can be made again on its own. Each is judged by ``stress.verdict``; ``stress.border`` finds the borders.
 """
 
 from __future__ import annotations
@@ -73,14 +72,14 @@ class CellResult:
     def document(self) -> dict[str, Any]:
         """The result as JSON-ready data."""
         cell = self.cell
-        told = {key: value for key, value in asdict(self.judgement).items() if key not in ("verdict", "reason")}
+        judgement = {key: value for key, value in asdict(self.judgement).items() if key not in ("verdict", "reason")}
         return {
             **asdict(cell),
             "mechanism": self.mechanism,
             "outcome": self.outcome,
             "verdict": self.verdict.value,
             "reason": self.judgement.reason,
-            **told,
+            **judgement,
             "seconds": self.seconds,
             "spent": self.spent,
             "steps": self.steps,
@@ -153,20 +152,20 @@ def made(cell: Cell) -> CellResult:
     """Make a cell's run here and now, and judge it."""
     begun = time.perf_counter()
     conditions = axes()[cell.axis].conditions(cell.row, cell.value)
-    found = replace(_unmade(cell), conditions=conditions.differing)
+    blank = replace(_unmade(cell), conditions=conditions.differing)
     adapter = engine(cell.engine)
     if adapter.version() is None:
-        return replace(found, judgement=Judgement(StressVerdict.UNAVAILABLE, "not installed"), outcome="unavailable")
+        return replace(blank, judgement=Judgement(StressVerdict.UNAVAILABLE, "not installed"), outcome="unavailable")
     try:
         true = _case(conditions)
     except LinkproofError as error:
         nothing = Judgement(StressVerdict.UNSUPPORTED, f"the closed form has no motion to hold an engine to: {error}")
-        return replace(found, judgement=nothing, outcome=Outcome.UNSUPPORTED.value)
+        return replace(blank, judgement=nothing, outcome=Outcome.UNSUPPORTED.value)
     given = scene(conditions, true)
     run = _run(adapter, given, cell.usage, conditions)
     limits_of = cell.usage if cell.usage in SETTINGS else Setting.TUNED.value
     return replace(
-        found,
+        blank,
         outcome=run.outcome.value,
         judgement=judged(true, given, run, limits_of),
         seconds=run.seconds,

@@ -79,9 +79,11 @@ def stiff_motion(mechanism: Mechanism, own: ReleasedRegime) -> StiffMotion:
         return float(state[1]), float(equation.acceleration(state[0], state[1]))
 
     start = (own.start_angle, own.start_speed)
-    found = solve_ivp(rate, (0.0, own.duration), start, method="Radau", rtol=RELATIVE, atol=ABSOLUTE, dense_output=True)
-    if not found.success or not math.isfinite(found.y[0, -1]):
+    solution = solve_ivp(
+        rate, (0.0, own.duration), start, method="Radau", rtol=RELATIVE, atol=ABSOLUTE, dense_output=True
+    )
+    if not solution.success or not math.isfinite(solution.y[0, -1]):
         raise LinkproofError(
-            f"'{mechanism.linkage.name}': expected a motion to its end, got '{found.message}'; damp less"
+            f"'{mechanism.linkage.name}': expected a motion to its end, got '{solution.message}'; damp less"
         )
-    return StiffMotion(own.name, own.duration, equation, found.sol, found.t)
+    return StiffMotion(own.name, own.duration, equation, solution.sol, solution.t)

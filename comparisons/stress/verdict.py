@@ -1,7 +1,7 @@
-"""What one cell of a stress map comes to: is the motion right, and if it is not, did anything of ours notice?
+"""What one cell of a stress map comes to: is the motion right, and if not, did a check flag it?
 
-What a *wrong* motion is, ``stress_truth`` says. An engine that returns a wrong motion as a success has
-delivered silent garbage: our invariants, which know no closed form, have either caught it or missed it.
+``stress.truth`` says what a *wrong* motion is. Where an engine reports success with one, the invariants, which need no
+closed form, have either caught or missed it.
 """
 
 from __future__ import annotations
@@ -51,9 +51,9 @@ class StressVerdict(StrEnum):
 MEANINGS: Mapping[StressVerdict, str] = {
     StressVerdict.WITHIN: "every quantity within its limit",
     StressVerdict.OVER: "a quantity over its limit, the motion not grossly wrong",
-    StressVerdict.CAUGHT: "said finished with a wrong motion; our invariants said so",
-    StressVerdict.MISSED: "said finished with a wrong motion; our invariants let it pass",
-    StressVerdict.ALARM: "within every limit, yet an invariant failed it",
+    StressVerdict.CAUGHT: "reported success with a wrong motion; the checks flagged it",
+    StressVerdict.MISSED: "reported success with a wrong motion; no check flagged it",
+    StressVerdict.ALARM: "a false alarm: within every limit, yet a check flagged it",
     StressVerdict.DIVERGED: "the engine, or its adapter, said that it failed",
     StressVerdict.TIMED_OUT: "took longer than a cell may",
     StressVerdict.CRASHED: "took its process down, or more memory than a cell may",
@@ -91,9 +91,9 @@ class Judgement:
 
 
 def judged(case: Case, scene: Scene, run: Run, setting: str) -> Judgement:
-    """Hold a run against the closed form and against the invariants, by the limits of a setting.
+    """Compare a run with the closed form and check its invariants, by the limits of a setting.
 
-    Where the closed form itself has no motion (a change point), no motion is right, and the invariants have to say so.
+    Where the closed form itself has no motion (a change point), no motion is right, and the invariants have to flag it.
     """
     if run.outcome is not Outcome.FINISHED or run.history is None:
         return Judgement(StressVerdict(run.outcome.value), run.reason)
@@ -105,23 +105,23 @@ def judged(case: Case, scene: Scene, run: Run, setting: str) -> Judgement:
         try:
             if case.is_prescribed:
                 case.mechanism.check_full_turn()
-            found, wrong = _deviations(case, motion, blank), wrongs(case, motion)
+            nearest, wrong = _deviations(case, motion, blank), wrongs(case, motion)
         except LinkproofError as error:
-            return _without_truth(failed, worst, said, error)
-    return _verdict(found, wrong, failed, worst, said)
+            nearest, wrong = None, [f"there is no one motion to find ({error})"]
+    return _verdict(nearest, wrong, failed, worst, said)
 
 
 def _verdict(
-    found: Record | None, wrong: Sequence[str], failed: Sequence[Record], worst: Record, said: str
+    nearest: Record | None, wrong: Sequence[str], failed: Sequence[Record], worst: Record, said: str
 ) -> Judgement:
-    over = found is not None and found.outcome != Verdict.PASSED
+    over = nearest is not None and nearest.outcome != Verdict.PASSED
     inferred = [record for record in failed if record.quantity not in MEASURED]
     if wrong:
         verdict = StressVerdict.CAUGHT if failed else StressVerdict.MISSED
-        reason = f"{'; '.join(wrong)}. {'Seen by: ' + said if failed else 'No invariant saw it'}"
+        reason = f"{'; '.join(wrong)}. {'Flagged: ' + said if failed else 'No check flagged it'}"
     elif over:
-        assert found is not None
-        verdict, reason = StressVerdict.OVER, f"{found.quantity} off by {_share(found.error_max)} of its peak"
+        assert nearest is not None
+        verdict, reason = StressVerdict.OVER, f"{nearest.quantity} off by {_share(nearest.error_max)} of its peak"
     elif inferred:
         verdict, reason = StressVerdict.ALARM, f"right, yet {said}"
     else:
@@ -129,22 +129,10 @@ def _verdict(
     return Judgement(
         verdict,
         reason,
-        quantity=found.quantity if found else "",
-        deviation=found.error_max if found else None,
-        deviation_limit=found.limit if found else None,
+        quantity=nearest.quantity if nearest else "",
+        deviation=nearest.error_max if nearest else None,
+        deviation_limit=nearest.limit if nearest else None,
         wrong="; ".join(wrong),
-        invariant=worst.quantity,
-        invariant_error=worst.error_max,
-        invariant_limit=worst.limit,
-        alarms=tuple(record.quantity for record in failed),
-    )
-
-
-def _without_truth(failed: Sequence[Record], worst: Record, said: str, error: LinkproofError) -> Judgement:
-    return Judgement(
-        StressVerdict.CAUGHT if failed else StressVerdict.MISSED,
-        f"there is no one motion to find ({error}). {'Seen by: ' + said if failed else 'No invariant saw it'}",
-        wrong="no motion is the right one",
         invariant=worst.quantity,
         invariant_error=worst.error_max,
         invariant_limit=worst.limit,
@@ -188,18 +176,18 @@ def _invariants(case: Case, motion: ObservedMotion, blank: Record) -> tuple[list
 
 def _deviations(case: Case, motion: ObservedMotion, blank: Record) -> Record | None:
     """The quantity nearest to its limit, or furthest over it."""
-    found = []
+    records = []
     for quantity in all_quantities(case).values():
         try:
-            one = deviation(case, quantity, motion)
+            worst = deviation(case, quantity, motion)
         except NoSampleError:
             continue
         bound = limit(quantity.name, blank.setting, blank.regime).value
-        error = one.error_max if one.error_at_jumps <= bound else max(one.error_max, one.error_at_jumps)
+        error = worst.error_max if worst.error_at_jumps <= bound else max(worst.error_max, worst.error_at_jumps)
         outcome = Verdict.PASSED if error <= bound else Verdict.OVER_LIMIT
-        found.append(replace(blank, quantity=quantity.name, error_max=_finite(error), limit=bound,
-                             worst_time=one.worst_time, outcome=outcome.value))  # fmt: skip
-    return max(found, key=_over, default=None)
+        records.append(replace(blank, quantity=quantity.name, error_max=_finite(error), limit=bound,
+                             worst_time=worst.worst_time, outcome=outcome.value))  # fmt: skip
+    return max(records, key=_over, default=None)
 
 
 def _over(record: Record) -> float:

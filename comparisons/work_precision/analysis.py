@@ -66,13 +66,13 @@ def findings(records: Iterable[BenchRecord]) -> tuple[SweepFinding, ...]:
     """Order and floor of every sweep, each beside the same method's sweeps at other efforts."""
     sweeps = series(records)
     kin: dict[tuple[object, ...], list[Series]] = {}
-    for one in sweeps:
-        kin.setdefault(_without_effort(one.first), []).append(one)
-    found = []
-    for one in sweeps:
-        others = [other.numbers for other in kin[_without_effort(one.first)] if other is not one]
-        found.append(SweepFinding(one, observed_order(one.numbers), floor(one.numbers, others)))
-    return tuple(found)
+    for sweep in sweeps:
+        kin.setdefault(_without_effort(sweep.first), []).append(sweep)
+    results = []
+    for sweep in sweeps:
+        others = [other.numbers for other in kin[_without_effort(sweep.first)] if other is not sweep]
+        results.append(SweepFinding(sweep, observed_order(sweep.numbers), floor(sweep.numbers, others)))
+    return tuple(results)
 
 
 def _without_effort(record: BenchRecord) -> tuple[object, ...]:
@@ -82,8 +82,8 @@ def _without_effort(record: BenchRecord) -> tuple[object, ...]:
 def judged(points: Sequence[PointRecord]) -> tuple[PointRecord, ...]:
     """The same points with their orders and their places on their engine's fronts filled in."""
     records = by_quantity(points, ())
-    orders = {_seen(one): finding.order for finding in findings(records) for one in finding.points.records}
-    front = {_seen(one) for group in by_engine(records).values() for one in on_front(group)}
+    orders = {_seen(record): finding.order for finding in findings(records) for record in finding.points.records}
+    front = {_seen(record) for group in by_engine(records).values() for record in on_front(group)}
     completed = []
     for point in points:
         keys = {name: (id(point.errors), name) for name in point.errors}
@@ -114,8 +114,8 @@ def by_engine(records: Iterable[BenchRecord]) -> dict[Key, list[BenchRecord]]:
 def on_front(records: Iterable[BenchRecord]) -> list[BenchRecord]:
     """Those that no other beats in both time and error, by time; one quantity of one mechanism and regime is meant."""
     finished = [record for record in records if record.finished]
-    kept = pareto([_seconds(record) for record in finished], [_error(record) for record in finished])
-    return sorted((record for record, keep in zip(finished, kept, strict=True) if keep), key=_seconds)
+    unbeaten = pareto([_seconds(record) for record in finished], [_error(record) for record in finished])
+    return sorted((record for record, keep in zip(finished, unbeaten, strict=True) if keep), key=_seconds)
 
 
 def _seconds(record: BenchRecord) -> float:
@@ -128,7 +128,7 @@ def _error(record: BenchRecord) -> float:
     return record.error_max
 
 
-def choices(records: Sequence[BenchRecord], wanted: Sequence[float] = WANTED) -> tuple[PointChoice, ...]:
+def choices(records: Sequence[BenchRecord], limits: Sequence[float] = WANTED) -> tuple[PointChoice, ...]:
     """The point to choose for every error, among one engine's records of one quantity; none where nothing finished.
 
     A point of a sweep counts if the finer ones, down to the sweep's floor, hold the error too.
@@ -136,34 +136,34 @@ def choices(records: Sequence[BenchRecord], wanted: Sequence[float] = WANTED) ->
     finished = [record for record in records if record.finished]
     if not finished:
         return ()
-    closest = min(finished, key=lambda one: (_error(one), _seconds(one)))
+    closest = min(finished, key=lambda record: (_error(record), _seconds(record)))
     return tuple(
-        PointChoice(error, min(_reaching(finished, error), key=_seconds, default=None), closest) for error in wanted
+        PointChoice(error, min(_reaching(finished, error), key=_seconds, default=None), closest) for error in limits
     )
 
 
-def _reaching(records: Sequence[BenchRecord], wanted: float) -> Iterator[BenchRecord]:
+def _reaching(records: Sequence[BenchRecord], limit: float) -> Iterator[BenchRecord]:
     """Settings at or below an error, and of every sweep its coarsest step that holds it."""
-    yield from (record for record in records if record.kind == SETTING and _error(record) <= wanted)
-    for one in series(records):
-        place = sustained(one.errors, wanted)
+    yield from (record for record in records if record.kind == SETTING and _error(record) <= limit)
+    for sweep in series(records):
+        place = sustained(sweep.errors, limit)
         if place is not None:
-            yield one.records[place]
+            yield sweep.records[place]
 
 
 def standings(records: Sequence[BenchRecord]) -> tuple[Standing, ...]:
     """How far off the methods' front each setting is, among one engine's records of one quantity."""
     sweeps = series(records)
-    found = []
+    results = []
     for record in records:
         if record.kind == SETTING and record.finished:
-            prices = [(price(one.seconds, one.errors, _error(record)), one) for one in sweeps]
-            met = [(cost, one) for cost, one in prices if cost is not None]
+            prices = [(price(sweep.seconds, sweep.errors, _error(record)), sweep) for sweep in sweeps]
+            met = [(cost, sweep) for cost, sweep in prices if cost is not None]
             cheapest = min(met, key=lambda pair: pair[0], default=None)
             if cheapest is None:
-                found.append(Standing(record, None, None))
+                results.append(Standing(record, None, None))
             else:
                 place = sustained(cheapest[1].errors, _error(record))
                 assert place is not None
-                found.append(Standing(record, cheapest[1].records[place], cheapest[0]))
-    return tuple(found)
+                results.append(Standing(record, cheapest[1].records[place], cheapest[0]))
+    return tuple(results)

@@ -76,27 +76,27 @@ def _falling(sweep: StepSweep) -> Finding:
 def _lowered_at_its_step(sweep: StepSweep, others: Sequence[StepSweep]) -> Finding:
     """More solver effort has a smaller error at the very step of the smallest one."""
     least, step = sweep.errors[sweep.best], sweep.steps[sweep.best]
-    harder = [(one, one.error_at(step)) for one in others if one.works_harder_than(sweep)]
-    lower = [(one, error) for one, error in harder if error is not None and error * LOWER <= least]
+    harder = [(other, other.error_at(step)) for other in others if other.works_harder_than(sweep)]
+    lower = [(other, error) for other, error in harder if error is not None and error * LOWER <= least]
     if not lower:
         return None
-    found, error = min(lower, key=lambda pair: pair[1])
+    hardest, error = min(lower, key=lambda pair: pair[1])
     return (
         Cause.EFFORT,
-        f"at {short(step)} s {sweep.effort_words}: {short(least)}; {found.effort_words}: {short(error)}",
+        f"at {short(step)} s {sweep.effort_words}: {short(least)}; {hardest.effort_words}: {short(error)}",
     )
 
 
 def _lowered_by_effort(sweep: StepSweep, others: Sequence[StepSweep]) -> Finding:
     """More solver effort has a lower floor."""
     least = sweep.errors[sweep.best]
-    lower = [one for one in others if one.works_harder_than(sweep) and one.errors[one.best] * LOWER <= least]
+    lower = [other for other in others if other.works_harder_than(sweep) and other.errors[other.best] * LOWER <= least]
     if not lower:
         return None
-    found = min(lower, key=lambda one: one.errors[one.best])
+    lowest = min(lower, key=lambda other: other.errors[other.best])
     return (
         Cause.EFFORT,
-        f"{sweep.effort_words}: {short(least)}; {found.effort_words}: {short(found.errors[found.best])}",
+        f"{sweep.effort_words}: {short(least)}; {lowest.effort_words}: {short(lowest.errors[lowest.best])}",
     )
 
 
@@ -107,21 +107,21 @@ def _growing(sweep: StepSweep) -> Finding:
     if not past or past[-1] < LEVEL * errors[best] or past[-1] * LEVEL < max(past):
         return None
     power = theil_sen(np.log(steps[best:]), np.log(np.maximum(errors[best:], np.finfo(float).tiny)))
-    told = f"from {short(errors[best])} at {short(steps[best])} s it grows as h^{power:.1f} to {short(past[-1])}"
-    return (Cause.ROUNDING, f"{told} at {short(steps[-1])} s") if power <= -GROWTH else None
+    growth = f"from {short(errors[best])} at {short(steps[best])} s it grows as h^{power:.1f} to {short(past[-1])}"
+    return (Cause.ROUNDING, f"{growth} at {short(steps[-1])} s") if power <= -GROWTH else None
 
 
 def _lower_than_with_less_effort(sweep: StepSweep, others: Sequence[StepSweep]) -> Finding:
     """The hardest working sweep has the lowest floor, so that yet more effort may have a lower one."""
     least = sweep.errors[sweep.best]
-    if any(one.works_harder_than(sweep) for one in others):
+    if any(other.works_harder_than(sweep) for other in others):
         return None
-    beaten = [one for one in others if sweep.works_harder_than(one) and least * LOWER <= one.errors[one.best]]
-    if not beaten or len(beaten) < sum(sweep.works_harder_than(one) for one in others):
+    beaten = [other for other in others if sweep.works_harder_than(other) and least * LOWER <= other.errors[other.best]]
+    if not beaten or len(beaten) < sum(sweep.works_harder_than(other) for other in others):
         return None
-    found = min(beaten, key=lambda one: one.errors[one.best])
-    told = f"{found.effort_words}: {short(found.errors[found.best])}; {sweep.effort_words}: {short(least)}"
-    return Cause.EFFORT, f"{told}; more was not tried"
+    nearest = min(beaten, key=lambda other: other.errors[other.best])
+    evidence = f"{nearest.effort_words}: {short(nearest.errors[nearest.best])}; {sweep.effort_words}: {short(least)}"
+    return Cause.EFFORT, f"{evidence}; more was not tried"
 
 
 def _level(sweep: StepSweep, others: Sequence[StepSweep]) -> tuple[Cause, str]:
@@ -134,13 +134,13 @@ def _level(sweep: StepSweep, others: Sequence[StepSweep]) -> tuple[Cause, str]:
         return Cause.UNSETTLED, "one step alone was taken"
     if len(level) < 2:
         return Cause.UNSETTLED, f"{short(least)} at {short(level[0])} s alone, and no trend past it"
-    harder = [one for one in others if one.works_harder_than(sweep)]
+    harder = [other for other in others if other.works_harder_than(sweep)]
     tried = f", at {_hardest(harder).effort_words} too" if harder else ""
     return Cause.MODEL, f"steps of {short(level[0])} to {short(level[-1])} s all give about {short(least)}{tried}"
 
 
 def _hardest(sweeps: Sequence[StepSweep]) -> StepSweep:
     most = sweeps[0]
-    for one in sweeps[1:]:
-        most = one if one.works_harder_than(most) else most
+    for sweep in sweeps[1:]:
+        most = sweep if sweep.works_harder_than(most) else most
     return most

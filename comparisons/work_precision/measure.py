@@ -56,13 +56,13 @@ def chosen(case: Case, names: Sequence[str]) -> dict[str, tuple[Quantity, ...]]:
     φ belongs to every case: under a prescribed motion it shows how well the drive is followed.
     """
     known = all_quantities(case)
-    found: dict[str, tuple[Quantity, ...]] = {}
+    families: dict[str, tuple[Quantity, ...]] = {}
     for name in names:
         if name == JOINTS:
-            found[name] = tuple(quantity for key, quantity in known.items() if key.startswith(JOINT_FORCE))
+            families[name] = tuple(quantity for key, quantity in known.items() if key.startswith(JOINT_FORCE))
         elif name in known or name == "phi":
-            found[name] = (known.get(name, QUANTITIES["phi"]),)
-    return {name: quantities for name, quantities in found.items() if quantities}
+            families[name] = (known.get(name, QUANTITIES["phi"]),)
+    return {name: quantities for name, quantities in families.items() if quantities}
 
 
 def measure(  # noqa: PLR0917  a worker's job is a plain tuple
@@ -79,7 +79,9 @@ def measure(  # noqa: PLR0917  a worker's job is a plain tuple
     """
     case, adapter = unpickled(pickled), engine(name)
     families = chosen(case, quantities)
-    channels = frozenset(channel for family in families.values() for one in family for channel in one.channels)
+    channels = frozenset(
+        channel for family in families.values() for quantity in family for channel in quantity.channels
+    )
     scene = case.scene(channels)
     step = None if steps_per_turn is None else longest_step(case, steps_per_turn)
     with blamed_on(adapter):
@@ -130,13 +132,13 @@ def _short(value: str | int | float) -> str:
 def _errors(case: Case, families: Mapping[str, Sequence[Quantity]], motion: ObservedMotion) -> dict[str, PointError]:
     """Errors of a motion; of a family of quantities the worst member's."""
     alone = replace(case, _seen={})  # the closed form on this clock goes when the point is done
-    found = {}
+    errors = {}
     for name, family in families.items():
-        all_found = [(deviation(alone, one, motion), one.unit) for one in family]
-        worst, unit = max(all_found, key=lambda pair: pair[0].error_max)
-        rms = max(one.error_rms for one, _ in all_found)
-        found[name] = PointError(unit, worst.error_max, rms, worst.peak)
-    return found
+        deviations = [(deviation(alone, quantity, motion), quantity.unit) for quantity in family]
+        worst, unit = max(deviations, key=lambda pair: pair[0].error_max)
+        rms = max(each.error_rms for each, _ in deviations)
+        errors[name] = PointError(unit, worst.error_max, rms, worst.peak)
+    return errors
 
 
 @lru_cache(maxsize=256)

@@ -104,28 +104,28 @@ class Track:
         done = self.taken
         if done and done[-1].outcome != Outcome.FINISHED:
             return self._end_by_failure()
-        finished = [one for one in done if one.outcome == Outcome.FINISHED]
+        finished = [taken for taken in done if taken.outcome == Outcome.FINISHED]
         names = finished[0].errors if finished else ()
-        if finished and not any(still_improves([one.errors[name].error_max for one in finished]) for name in names):
+        if finished and not any(still_improves([taken.errors[name].error_max for taken in finished]) for name in names):
             return "two refinements in a row improved nothing"
         if len(done) == len(self.points):
             return "the sweep ends here"
-        wanted = self._price(self.points[len(done)])
-        if wanted > self.budget:
-            return f"the next step would take about {wanted:.2g} s, over {self.budget:g} s"
+        price = self._price(self.points[len(done)])
+        if price > self.budget:
+            return f"the next step would take about {price:.2g} s, over {self.budget:g} s"
         return ""
 
     def _price(self, point: Point) -> float:
         """What a point will cost by the cheapest step so far, s: a slow spell of the machine is not the engine's."""
         pairs = zip(self.points, self.taken, strict=False)
-        each = [taken.seconds / one.steps_per_turn for one, taken in pairs if one.steps_per_turn and taken.seconds]
+        each = [taken.seconds / done.steps_per_turn for done, taken in pairs if done.steps_per_turn and taken.seconds]
         return min(each, default=0.0) * (point.steps_per_turn or 0.0)
 
     def _end_by_failure(self) -> str:
         """Failures end a sweep that worked before, and one that never did after three."""
         last = self.taken[-1]
         lasting = last.outcome in (Failure.TIMED_OUT, Outcome.UNSUPPORTED, Outcome.UNAVAILABLE)
-        worked = any(one.outcome == Outcome.FINISHED for one in self.taken)
+        worked = any(taken.outcome == Outcome.FINISHED for taken in self.taken)
         if lasting or worked or len(self.taken) in (FAILURES, len(self.points)):
             return f"{last.outcome}: {last.reason}"
         return ""
@@ -135,13 +135,13 @@ def tracks(
     case: int, engine: str, methods: Sequence[Method], settings: Sequence[Setting], extent: Extent, *, efforts: bool
 ) -> list[Track]:
     """The sweeps of one engine on one case: its settings, its methods, and these at other solver efforts if asked."""
-    found = [Track([Point(case, engine, setting)], math.inf) for setting in settings]
+    sweeps = [Track([Point(case, engine, setting)], math.inf) for setting in settings]
     for method in methods:
-        found.append(_track(case, engine, method, extent.steps_per_turn, extent))
+        sweeps.append(_track(case, engine, method, extent.steps_per_turn, extent))
         if efforts and extent.effort_stride:
             steps = extent.steps_per_turn[:: extent.effort_stride]
-            found += [_track(case, engine, other, steps, extent) for other in _other_efforts(method)]
-    return found
+            sweeps += [_track(case, engine, other, steps, extent) for other in _other_efforts(method)]
+    return sweeps
 
 
 def _track(case: int, engine: str, method: Method, steps: Sequence[float], extent: Extent) -> Track:

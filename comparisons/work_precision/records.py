@@ -147,7 +147,7 @@ def series(records: Iterable[BenchRecord]) -> tuple[Series, ...]:
     for record in records:
         if record.kind == METHOD and record.finished:
             groups.setdefault(record.sweep, []).append(record)
-    return tuple(Series(tuple(sorted(group, key=lambda one: -(one.step or 0.0)))) for group in groups.values())
+    return tuple(Series(tuple(sorted(group, key=lambda record: -(record.step or 0.0)))) for group in groups.values())
 
 
 @dataclass(frozen=True)
@@ -210,7 +210,7 @@ def rows(records: Iterable[PointRecord | MeasuredCost]) -> list[dict[str, Any]]:
 
 def _from_row(kind: type[Row], row: Mapping[str, Any]) -> Row:
     """A record back from JSON, which knows lists alone; raises KeyError where a field is missing."""
-    values: dict[str, Any] = {one.name: row[one.name] for one in fields(kind)}
+    values: dict[str, Any] = {entry.name: row[entry.name] for entry in fields(kind)}
     values = {name: tuple(value) if isinstance(value, list) else value for name, value in values.items()}
     return kind(**values)
 

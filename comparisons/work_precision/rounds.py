@@ -124,7 +124,7 @@ def records(subject: Subject, track: Track, rounds: Rounds) -> Iterator[PointRec
 
 def _record(subject: Subject, point: Point, taken: Taken, repeats: Sequence[Taken], ended: str) -> PointRecord:
     linkage, method = subject.case.mechanism.linkage, point.method
-    least, median = smallest_and_median([one.seconds for one in repeats])
+    least, median = smallest_and_median([run.seconds for run in repeats])
     steps = point.steps_per_turn
     return PointRecord(
         mechanism=linkage.name,
@@ -142,9 +142,9 @@ def _record(subject: Subject, point: Point, taken: Taken, repeats: Sequence[Take
         errors=taken.errors,
         seconds_min=least,
         seconds_median=median,
-        repeats=tuple(one.seconds for one in repeats),
-        setup_seconds=min((one.setup for one in repeats), default=None),
-        readout_seconds=min((one.readout for one in repeats), default=None),
+        repeats=tuple(run.seconds for run in repeats),
+        setup_seconds=min((run.setup for run in repeats), default=None),
+        readout_seconds=min((run.readout for run in repeats), default=None),
         steps=taken.steps,
         solver_work=taken.solver_work,
         work_unit=subject.adapter.work_unit,

@@ -95,13 +95,13 @@ def observed_order(sweep: StepSweep) -> float | None:
     errors = np.log(np.maximum(np.asarray(sweep.errors, dtype=float), np.finfo(float).tiny))
     lowest = errors[sweep.best] + (0.0 if sweep.is_falling else math.log(ABOVE_FLOOR))
     usable = [k for k in range(sweep.best + 1) if lowest <= errors[k] <= math.log(SATURATED)]
-    found: list[tuple[int, int, float]] = []
+    windows: list[tuple[int, int, float]] = []
     for first in range(len(usable)):
         for end in range(first + LEAST_POINTS, len(usable) + 1):
             window = usable[first:end]
             slope = _steady_slope(steps[window], errors[window])
-            found += [(len(window), window[-1], slope)] if slope is not None else []
-    return max(found)[2] if found else None
+            windows += [(len(window), window[-1], slope)] if slope is not None else []
+    return max(windows)[2] if windows else None
 
 
 def theil_sen(x: Array, y: Array) -> float:
@@ -131,40 +131,40 @@ def still_improves(errors: Sequence[float]) -> bool:
 def pareto(costs: Sequence[float], errors: Sequence[float]) -> NDArray[np.bool_]:
     """Which of the points (n,) no other beats: none is as cheap and as exact and better in one of the two."""
     order = np.lexsort((errors, costs))
-    kept = np.zeros(len(costs), dtype=bool)
+    unbeaten = np.zeros(len(costs), dtype=bool)
     least, at = math.inf, math.nan
     for k in order:
         # Sorted by cost, then error: only a smaller error, or a twin of the point kept last, is not beaten.
         if errors[k] < least or (errors[k] == least and costs[k] == at):
-            kept[k] = True
+            unbeaten[k] = True
             least, at = errors[k], costs[k]
-    return kept
+    return unbeaten
 
 
-def sustained(errors: Sequence[float], wanted: float) -> int | None:
-    """Place of the coarsest step from which on every finer one, down to the smallest error, is at or below ``wanted``.
+def sustained(errors: Sequence[float], limit: float) -> int | None:
+    """Place of the coarsest step from which on every finer one, down to the smallest error, is at or below ``limit``.
 
     A coarse step can be right by accident; one that the next finer step contradicts is not to be relied on. None where
     the error is never reached.
     """
     place = int(np.argmin(errors))
-    if errors[place] > wanted:
+    if errors[place] > limit:
         return None
-    while place > 0 and errors[place - 1] <= wanted:
+    while place > 0 and errors[place - 1] <= limit:
         place -= 1
     return place
 
 
-def price(costs: Sequence[float], errors: Sequence[float], wanted: float) -> float | None:
-    """What a sweep, coarse to fine, costs where its error falls to ``wanted``, by logarithms between two points.
+def price(costs: Sequence[float], errors: Sequence[float], limit: float) -> float | None:
+    """What a sweep, coarse to fine, costs where its error falls to ``limit``, by logarithms between two points.
 
     None where it never gets there.
     """
-    place = sustained(errors, wanted)
+    place = sustained(errors, limit)
     if place is None:
         return None
     if place == 0 or errors[place] <= 0.0:
         return float(costs[place])
-    above, below = math.log(errors[place - 1] / wanted), math.log(wanted / errors[place])
+    above, below = math.log(errors[place - 1] / limit), math.log(limit / errors[place])
     share = above / (above + below)
     return math.exp((1.0 - share) * math.log(costs[place - 1]) + share * math.log(costs[place]))

@@ -87,12 +87,12 @@ def bench(request: BenchRequest, announce: Announce = lambda *_: None, journal: 
 
 def methods_told(request: BenchRequest) -> list[Mapping[str, Any]]:
     """What the engines say of their methods, once each."""
-    told: dict[tuple[str, str], Mapping[str, Any]] = {}
+    methods: dict[tuple[str, str], Mapping[str, Any]] = {}
     for case in request.cases:
         for name in request.engines:
             for method in _methods(request, case, name):
-                told.setdefault((name, method.name), {"engine": name, **asdict(method)})
-    return list(told.values())
+                methods.setdefault((name, method.name), {"engine": name, **asdict(method)})
+    return list(methods.values())
 
 
 def _methods(request: BenchRequest, case: Case, name: str) -> list[Method]:
@@ -133,10 +133,10 @@ def _records(request: BenchRequest, sweeps: Sequence[Track], rounds: Rounds) -> 
     """All records, by case and engine as asked for, then as measured."""
     adapters = {name: engine(name) for name in request.engines}
     versions = {name: adapter.version() or "" for name, adapter in adapters.items()}
-    found = []
+    points = []
     places = {name: place for place, name in enumerate(request.engines)}
-    for track in sorted(sweeps, key=lambda one: (one.points[0].case, places[one.points[0].engine])):
+    for track in sorted(sweeps, key=lambda track: (track.points[0].case, places[track.points[0].engine])):
         first = track.points[0]
         subject = Subject(request.cases[first.case], adapters[first.engine], versions[first.engine])
-        found += list(records(subject, track, rounds))
-    return found
+        points += list(records(subject, track, rounds))
+    return points

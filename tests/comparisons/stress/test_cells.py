@@ -197,7 +197,7 @@ def test_an_engine_that_lies_is_caught_in_every_cell_and_its_border_found(with_e
 
 def test_one_that_is_let_pass_is_counted_as_missed(with_engine, monkeypatch):
     with_engine(Liar())
-    blind = stress.Judgement(StressVerdict.MISSED, "No invariant saw it")
+    blind = stress.Judgement(StressVerdict.MISSED, "No check flagged it")
     monkeypatch.setattr(stress, "judged", lambda *_: blind)
     assert len(campaign.stress(request(quick=True)).missed) == len(axes()["mass"].quick)
 

@@ -39,7 +39,7 @@ def test_an_engine_that_lies_is_caught_with_what_gave_it_away():
     found = judgement(case(), scaled("torque", 1.5))
     assert found.verdict is StressVerdict.CAUGHT
     assert found.wrong.startswith("torque off by 0.5 of its peak")
-    assert "Seen by: " in found.reason
+    assert "Flagged: " in found.reason
     assert "the torque is 0.33 of its peak away from what the motion takes at " in found.reason
     assert {"torque_two_routes", "energy_balance"} <= set(found.alarms)
 
@@ -80,7 +80,7 @@ def test_what_no_invariant_sees_is_missed(monkeypatch):
     monkeypatch.setattr(verdict, "checks", blind)
     found = judgement(case(), scaled("torque", 1.5))
     assert found.verdict is StressVerdict.MISSED
-    assert found.reason.endswith("No invariant saw it")
+    assert found.reason.endswith("No check flagged it")
 
 
 def test_an_invariant_that_fails_the_truth_is_an_alarm(monkeypatch):
