@@ -6,9 +6,10 @@ import json
 from collections.abc import Iterable, Mapping
 from dataclasses import asdict, dataclass, fields
 from enum import StrEnum
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-from comparisons.reference.case import Case
+if TYPE_CHECKING:
+    from comparisons.reference.case import Case
 
 
 class Verdict(StrEnum):

@@ -5,15 +5,34 @@ Only typer is imported here: what a command needs is imported when it runs, so t
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 from typer.core import TyperGroup
-from typer.models import ArgumentInfo, OptionInfo
 
-from reports.command_line import completion
+from reports.command_line.options import (
+    Cells,
+    Engines,
+    Jobs,
+    Json,
+    Mechanism,
+    Mechanisms,
+    Out,
+    Quantities,
+    Quiet,
+    Regimes,
+    Resume,
+    Settings,
+    Usages,
+    Variant,
+    Verbose,
+    flag,
+    valued,
+)  # fmt: skip
+
+if TYPE_CHECKING:
+    from reports.command_line.destination import Destination
 
 GLOSSARY = """
 Symbols:
@@ -56,71 +75,14 @@ app = typer.Typer(
 )
 
 
-def _words(metavar: str, names: Callable[..., list[str]]) -> ArgumentInfo:
-    """An argument that a shell completes; the help of its command explains it."""
-    argument: ArgumentInfo = typer.Argument(metavar=metavar, autocompletion=names, hidden=True)
-    return argument
+def _names(given: list[str] | None) -> tuple[str, ...]:
+    return tuple(given or ())
 
 
-def _valued(metavar: str, text: str, *flags: str, names: Callable[..., list[str]] | None = None) -> OptionInfo:
-    """An option with a value, which a shell completes where ``names`` are given."""
-    option: OptionInfo = typer.Option(*flags, metavar=metavar, help=text, autocompletion=names)
-    return option
+def _destination(json: str | None, *rest: Any) -> Destination:  # noqa: ANN401
+    from reports.command_line.destination import Destination
 
-
-def _flag(text: str, *flags: str) -> OptionInfo:
-    option: OptionInfo = typer.Option(*flags, help=text)
-    return option
-
-
-Mechanism = Annotated[str, _words("MECHANISM", completion.mechanisms)]
-Mechanisms = Annotated[list[str] | None, _words("MECHANISM", completion.mechanisms)]
-Cells = Annotated[list[str] | None, _words("AXIS|CELL", completion.axes)]
-Variant = Annotated[
-    str | None, _valued("NAME", "Variant of the file; default: its own values.", names=completion.variants)
-]
-Regimes = Annotated[
-    list[str] | None,
-    _valued(
-        "NAME",
-        "Motion of the crank: run-up, run-up-cubic, run-up-quintic, constant-speed, one of the file's own, own (all of "
-        "those), or all; repeatable; default: run-up (bench: run-up-quintic and run-up).",
-        "--regime",
-        names=completion.regimes,
-    ),
-]
-Engines = Annotated[
-    list[str] | None,
-    _valued("NAME", "Engine; repeatable; default: every one.", "--engine", names=completion.engines),
-]
-Settings = Annotated[
-    list[str] | None,
-    _valued("NAME", "naive, tuned, best, or all; repeatable; default: tuned.", "--setting", names=completion.settings),
-]
-Usages = Annotated[
-    list[str] | None,
-    _valued(
-        "NAME",
-        "Setting or fixed-step method; repeatable; default: those of each map.",
-        "--setting",
-        names=completion.settings,
-    ),
-]
-Quantities = Annotated[
-    list[str] | None,
-    _valued(
-        "NAME",
-        "Quantity, such as Mkr; repeatable; default: all (bench: Mkr, Jeq, phi, joint_force).",
-        "--quantity",
-        names=completion.quantities,
-    ),
-]
-Json = Annotated[str | None, _valued("FILE|-", "Write JSON to a file; - is stdout.", "--json")]
-Out = Annotated[Path | None, _valued("DIR", "Write records, curves and pages into this folder.", "--out")]
-Resume = Annotated[bool, _flag("Finish what an interrupted run of the same command kept in --out.", "--resume")]
-Quiet = Annotated[bool, _flag("No progress and no tables: the closing line alone.", "-q", "--quiet")]
-Verbose = Annotated[bool, _flag("Add the details of every record.", "-v", "--verbose")]
-Jobs = Annotated[int | None, _valued("N", "Worker processes; default: one per core; compare: 0 is none, no limits.")]
+    return Destination(json, *rest)
 
 
 def _print_version(wanted: bool) -> None:
@@ -144,9 +106,8 @@ def options(
 def list_(json: Json = None) -> None:
     """List the mechanisms of the catalogue, their variants and sources."""
     from reports.command_line import mechanisms
-    from reports.command_line.destination import Destination
 
-    mechanisms.list_mechanisms(Destination(json))
+    mechanisms.list_mechanisms(_destination(json))
 
 
 @app.command(short_help="Show one mechanism: structure, links, Jeq, stroke.")
@@ -156,16 +117,15 @@ def show(mechanism: Mechanism, variant: Variant = None, json: Json = None) -> No
     MECHANISM is a name in the catalogue or the path of a .toml file.
     """
     from reports.command_line import mechanisms
-    from reports.command_line.destination import Destination
 
-    mechanisms.show(mechanism, variant, Destination(json))
+    mechanisms.show(mechanism, variant, _destination(json))
 
 
 @app.command(short_help="Show a mechanism's thread feed.")
 def thread(
     mechanism: Mechanism,
     variant: Variant = None,
-    required: Annotated[Path | None, _valued("CSV", "Required feed: columns phi_deg, feed_mm.")] = None,
+    required: Annotated[Path | None, valued("CSV", "Required feed: columns phi_deg, feed_mm.")] = None,
     json: Json = None,
 ) -> None:
     """Show a mechanism's thread feed, and compare it with a required curve.
@@ -173,9 +133,8 @@ def thread(
     MECHANISM is a name in the catalogue or the path of a .toml file with a [thread].
     """
     from reports.command_line import mechanisms
-    from reports.command_line.destination import Destination
 
-    mechanisms.thread(mechanism, variant, required, Destination(json))
+    mechanisms.thread(mechanism, variant, required, _destination(json))
 
 
 @app.command(short_help="Compare figures printed in the sources with the closed form.")
@@ -185,9 +144,8 @@ def published(mechanisms: Mechanisms = None, json: Json = None) -> None:
     MECHANISM is a name in the catalogue or the path of a .toml file; default: the whole catalogue.
     """
     from reports.command_line import published
-    from reports.command_line.destination import Destination
 
-    raise typer.Exit(published.published(mechanisms or [], Destination(json)))
+    raise typer.Exit(published.published(mechanisms or [], _destination(json)))
 
 
 @app.command(short_help="Simulate mechanisms; compare every error with its limit.")
@@ -198,21 +156,21 @@ def compare(
     engine: Engines = None,
     setting: Settings = None,
     quantity: Quantities = None,
-    speed: Annotated[float, _valued("RPM", "Final crank speed.")] = 1000.0,
-    ramp_time: Annotated[float, _valued("SECONDS", "Time to reach it.")] = 0.6,
-    hold_time: Annotated[float, _valued("SECONDS", "Time at that speed.")] = 0.1,
-    start_angle: Annotated[float, _valued("DEGREES", "Crank angle at the start.")] = 0.0,
-    clockwise: Annotated[bool, _flag("Turn the crank clockwise.", "--clockwise")] = False,
-    no_gravity: Annotated[bool, _flag("Leave gravity out.", "--no-gravity")] = False,
-    full: Annotated[bool, _flag("Run the files' own regimes in every setting, not best alone.", "--full")] = False,
+    speed: Annotated[float, valued("RPM", "Final crank speed.")] = 1000.0,
+    ramp_time: Annotated[float, valued("SECONDS", "Time to reach it.")] = 0.6,
+    hold_time: Annotated[float, valued("SECONDS", "Time at that speed.")] = 0.1,
+    start_angle: Annotated[float, valued("DEGREES", "Crank angle at the start.")] = 0.0,
+    clockwise: Annotated[bool, flag("Turn the crank clockwise.", "--clockwise")] = False,
+    no_gravity: Annotated[bool, flag("Leave gravity out.", "--no-gravity")] = False,
+    full: Annotated[bool, flag("Run the files' own regimes in every setting, not best alone.", "--full")] = False,
     out: Out = None,
     json: Json = None,
-    record_baseline: Annotated[bool, _flag("Record these errors as the new baseline.", "--record-baseline")] = False,
+    record_baseline: Annotated[bool, flag("Record these errors as the new baseline.", "--record-baseline")] = False,
     resume: Resume = False,
     quiet: Quiet = False,
     verbose: Verbose = False,
-    time_limit: Annotated[float | None, _valued("SECONDS", "Wall time that one run may take; default: 600.")] = None,
-    memory_limit: Annotated[float | None, _valued("GIB", "Memory that one run may add; default: 4.")] = None,
+    time_limit: Annotated[float | None, valued("SECONDS", "Wall time that one run may take; default: 600.")] = None,
+    memory_limit: Annotated[float | None, valued("GIB", "Memory that one run may add; default: 4.")] = None,
     jobs: Jobs = None,
 ) -> None:
     """Simulate mechanisms in engines and compare every error with its limit.
@@ -229,25 +187,13 @@ def compare(
     if jobs != 0:
         start_server(["comparisons.campaign.campaign"])  # its imports run beside ours
     from reports.command_line import compare
-    from reports.command_line.destination import Destination
     from reports.command_line.requests import CampaignChoice, RunLimits
 
     choice = CampaignChoice(
-        mechanisms=tuple(mechanisms or ()),
-        variant=variant,
-        regimes=tuple(regime or ()),
-        engines=tuple(engine or ()),
-        settings=tuple(setting or ()),
-        quantities=tuple(quantity or ()),
-        speed=speed,
-        ramp_time=ramp_time,
-        hold_time=hold_time,
-        start_angle=start_angle,
-        clockwise=clockwise,
-        gravity=not no_gravity,
-        full=full,
-    )
-    destination = Destination(json, out, resume, quiet, verbose)
+        _names(mechanisms), variant, _names(regime), _names(engine), _names(setting), _names(quantity),
+        speed, ramp_time, hold_time, start_angle, clockwise, not no_gravity, full,
+    )  # fmt: skip
+    destination = _destination(json, out, resume, quiet, verbose)
     limits = RunLimits(time_limit, memory_limit, jobs)
     raise typer.Exit(compare.compare(choice, destination, limits, record_baseline=record_baseline))
 
@@ -258,8 +204,8 @@ def bench(
     regime: Regimes = None,
     engine: Engines = None,
     quantity: Quantities = None,
-    quick: Annotated[bool, _flag("A coarser sweep of one regime: under a minute.", "--quick")] = False,
-    costs: Annotated[bool, _flag("Measure what each output and load costs too.", "--costs")] = False,
+    quick: Annotated[bool, flag("A coarser sweep of one regime: under a minute.", "--quick")] = False,
+    costs: Annotated[bool, flag("Measure what each output and load costs too.", "--costs")] = False,
     out: Out = None,
     json: Json = None,
     resume: Resume = False,
@@ -276,12 +222,9 @@ def bench(
 
     start_server(["comparisons.work_precision.measure"])  # its imports run beside ours
     from reports.command_line import bench
-    from reports.command_line.destination import Destination
 
-    choice = bench.BenchChoice(
-        tuple(mechanisms or ()), tuple(regime or ()), tuple(engine or ()), tuple(quantity or ()), quick, costs
-    )
-    raise typer.Exit(bench.bench(choice, Destination(json, out, resume, quiet, verbose)))
+    choice = bench.BenchChoice(_names(mechanisms), _names(regime), _names(engine), _names(quantity), quick, costs)
+    raise typer.Exit(bench.bench(choice, _destination(json, out, resume, quiet, verbose)))
 
 
 @app.command(short_help="Find where each engine fails, and whether the checks notice.")
@@ -289,14 +232,14 @@ def stress(
     words: Cells = None,
     engine: Engines = None,
     setting: Usages = None,
-    quick: Annotated[bool, _flag("Fewer cells, coarser borders: about a minute.", "--quick")] = False,
+    quick: Annotated[bool, flag("Fewer cells, coarser borders: about a minute.", "--quick")] = False,
     out: Out = None,
     json: Json = None,
     resume: Resume = False,
     quiet: Quiet = False,
     verbose: Verbose = False,
     time_limit: Annotated[
-        float | None, _valued("SECONDS", "Wall time that one cell may take; default: that of its map.")
+        float | None, valued("SECONDS", "Wall time that one cell may take; default: that of its map.")
     ] = None,
     jobs: Jobs = None,
 ) -> None:
@@ -310,16 +253,15 @@ def stress(
 
     start_server(["comparisons.stress.cells"])  # its imports run beside ours
     from reports.command_line import stress
-    from reports.command_line.destination import Destination
 
-    choice = stress.StressChoice(tuple(words or ()), tuple(engine or ()), tuple(setting or ()), quick, time_limit)
-    raise typer.Exit(stress.run(choice, Destination(json, out, resume, quiet, verbose), jobs))
+    choice = stress.StressChoice(_names(words), _names(engine), _names(setting), quick, time_limit)
+    raise typer.Exit(stress.run(choice, _destination(json, out, resume, quiet, verbose), jobs))
 
 
 @app.command(short_help="Write the report of saved curves again.")
 def report(
     saved: Annotated[Path, typer.Argument(metavar="DIR", hidden=True)],
-    out: Annotated[Path | None, _valued("DIR", "Where to write the pages; default: the same folder.")] = None,
+    out: Annotated[Path | None, valued("DIR", "Where to write the pages; default: the same folder.")] = None,
 ) -> None:
     """Write the report of saved curves again; needs no engine.
 

@@ -1,8 +1,10 @@
 """Help, version and completion."""
 
 import os
+import re
 import subprocess
 import sys
+from pathlib import Path
 
 import pytest
 
@@ -81,3 +83,10 @@ def test_a_file_is_completed_from_where_it_lies(tmp_path, monkeypatch):
     monkeypatch.setenv("PYTHONPATH", os.getcwd())
     monkeypatch.chdir(tmp_path)
     assert completed("show", "mi") == ["mine.toml"]
+
+
+def test_the_readme_explains_the_same_symbols_in_the_same_words():
+    readme = (Path(__file__).parents[3] / "README.md").read_text(encoding="utf-8")
+    for words in GLOSSARY.strip().splitlines()[1:]:
+        symbol, unit, meaning = re.split(r"\s{2,}", words.strip())
+        assert f"| {symbol} | {unit} | {meaning} |" in readme

@@ -1,0 +1,80 @@
+"""The options and arguments that several commands share: how each is shown in help, and what a shell completes."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import Annotated
+
+import typer
+from typer.models import ArgumentInfo, OptionInfo
+
+from reports.command_line import completion
+
+
+def words(metavar: str, names: Callable[..., list[str]]) -> ArgumentInfo:
+    """An argument that a shell completes; the help of its command explains it."""
+    argument: ArgumentInfo = typer.Argument(metavar=metavar, autocompletion=names, hidden=True)
+    return argument
+
+
+def valued(metavar: str, text: str, *flags: str, names: Callable[..., list[str]] | None = None) -> OptionInfo:
+    """An option with a value, which a shell completes where ``names`` are given."""
+    option: OptionInfo = typer.Option(*flags, metavar=metavar, help=text, autocompletion=names)
+    return option
+
+
+def flag(text: str, *flags: str) -> OptionInfo:
+    """An option without a value."""
+    option: OptionInfo = typer.Option(*flags, help=text)
+    return option
+
+
+Mechanism = Annotated[str, words("MECHANISM", completion.mechanisms)]
+Mechanisms = Annotated[list[str] | None, words("MECHANISM", completion.mechanisms)]
+Cells = Annotated[list[str] | None, words("AXIS|CELL", completion.axes)]
+Variant = Annotated[
+    str | None, valued("NAME", "Variant of the file; default: its own values.", names=completion.variants)
+]
+Regimes = Annotated[
+    list[str] | None,
+    valued(
+        "NAME",
+        "Motion of the crank: run-up, run-up-cubic, run-up-quintic, constant-speed, one of the file's own, own (all of "
+        "those), or all; repeatable; default: run-up (bench: run-up-quintic and run-up).",
+        "--regime",
+        names=completion.regimes,
+    ),
+]
+Engines = Annotated[
+    list[str] | None,
+    valued("NAME", "Engine; repeatable; default: every one.", "--engine", names=completion.engines),
+]
+Settings = Annotated[
+    list[str] | None,
+    valued("NAME", "naive, tuned, best, or all; repeatable; default: tuned.", "--setting", names=completion.settings),
+]
+Usages = Annotated[
+    list[str] | None,
+    valued(
+        "NAME",
+        "Setting or fixed-step method; repeatable; default: those of each map.",
+        "--setting",
+        names=completion.settings,
+    ),
+]
+Quantities = Annotated[
+    list[str] | None,
+    valued(
+        "NAME",
+        "Quantity, such as Mkr; repeatable; default: all (bench: Mkr, Jeq, phi, joint_force).",
+        "--quantity",
+        names=completion.quantities,
+    ),
+]
+Json = Annotated[str | None, valued("FILE|-", "Write JSON to a file; - is stdout.", "--json")]
+Out = Annotated[Path | None, valued("DIR", "Write records, curves and pages into this folder.", "--out")]
+Resume = Annotated[bool, flag("Finish what an interrupted run of the same command kept in --out.", "--resume")]
+Quiet = Annotated[bool, flag("No progress and no tables: the closing line alone.", "-q", "--quiet")]
+Verbose = Annotated[bool, flag("Add the details of every record.", "-v", "--verbose")]
+Jobs = Annotated[int | None, valued("N", "Worker processes; default: one per core; compare: 0 is none, no limits.")]
