@@ -105,7 +105,7 @@ def _check(blank: Record, signal: Signal, scale: float, total: int) -> Record:
 def _check_energy(case: Case, blank: Record, balance: EnergyBalance) -> Record:
     """The record of an energy balance: what is gained, or the error estimate of that where it is larger.
 
-    What exceeds the limit by more than its error estimate fails; what is over it only with that decides nothing.
+    What exceeds the limit by more than its error's bound fails; what is over it without that decides nothing.
     """
 
     def check(values: Array) -> Record:

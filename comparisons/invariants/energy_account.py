@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from comparisons.invariants.inspection import Inspection
 from comparisons.invariants.relaxation import forgotten, speed_errors
 from comparisons.observation.observed_motion import ObservedMotion
-from comparisons.observation.quadrature import error_estimate, integral
+from comparisons.observation.quadrature import error_bound, error_estimate, integral
 from engines.contract import History, Signal
 from engines.mechanics.states import start_motion
 from engines.scene import Channel, Free, Prescribed
@@ -35,16 +35,17 @@ def energy_at_play(motion: ObservedMotion) -> float:
 
 @dataclass(frozen=True)
 class EnergyBalance:
-    """Energy gained beyond the work put in, J, at the samples of a clock, and the error estimate of that, J."""
+    """Energy gained beyond the work put in, at the samples of a clock, with an estimate and a bound of its error, J."""
 
     time: Array
     gained: Array
     error_estimate: Array
+    error_bound: Array
 
     @property
     def excess(self) -> Array:
-        """What is gained beyond the error estimate, J: what certainly comes from nowhere."""
-        return np.asarray(np.sign(self.gained) * np.maximum(np.abs(self.gained) - self.error_estimate, 0.0))
+        """What is gained beyond the error's bound, J: what certainly comes from nowhere."""
+        return np.asarray(np.sign(self.gained) * np.maximum(np.abs(self.gained) - self.error_bound, 0.0))
 
 
 def energy_balance(seen: Inspection) -> EnergyBalance:
@@ -66,9 +67,9 @@ def energy_balance(seen: Inspection) -> EnergyBalance:
     work = integral(Signal(time, power), jumps)
     stored = energy(motion, time) - done
     swing = np.abs(np.diff(stored)) + np.abs(np.diff(work))
-    estimate = error_estimate(Signal(time, power), work, jumps)
-    estimate += np.concatenate([[0.0], np.cumsum(np.where(seen.unresolved(time), swing, 0.0))])
-    return EnergyBalance(time, stored - stored[0] - work, estimate)
+    unresolved = np.concatenate([[0.0], np.cumsum(np.where(seen.unresolved(time), swing, 0.0))])
+    errors = (error(Signal(time, power), work, jumps) + unresolved for error in (error_estimate, error_bound))
+    return EnergyBalance(time, stored - stored[0] - work, *errors)
 
 
 def released_phase(seen: Inspection) -> Signal:
@@ -82,7 +83,7 @@ def released_phase(seen: Inspection) -> Signal:
     share = gained / (2.0 * np.maximum(kinetic, np.abs(gained)) + TINY)
     turned = integral(Signal(time, speed), ())
     slip = np.abs(angle - seen.crank.angle - seen.crank.angular_velocity * time[0] - turned)
-    slip = np.maximum(slip - error_estimate(Signal(time, speed), turned, ()), 0.0)
+    slip = np.maximum(slip - error_bound(Signal(time, speed), turned, ()), 0.0)
     return Signal(time, np.abs(integral(Signal(time, share * speed), ())) + slip)
 
 

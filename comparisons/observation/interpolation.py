@@ -12,22 +12,22 @@ Array = NDArray[np.float64]
 POINTS = 6
 
 
-def resample(signal: Signal, time: Array) -> Array:
-    """Values of a signal at other times, (len(time), ...); sixth order inside, a quintic at the ends.
+def resample(signal: Signal, time: Array, points: int = POINTS) -> Array:
+    """Values of a signal at other times, (len(time), ...); of order ``points`` inside, one-sided at the ends.
 
     On the signal's own clock the values come back untouched.
     """
     if time is signal.time or np.array_equal(time, signal.time):
         return signal.values
-    if len(signal.time) < POINTS:
-        raise ValueError(f"expected at least {POINTS} samples to interpolate, got {len(signal.time)}")
-    start = np.clip(np.searchsorted(signal.time, time) - POINTS // 2, 0, len(signal.time) - POINTS)
-    nodes = [signal.time[start + k] for k in range(POINTS)]
+    if len(signal.time) < points:
+        raise ValueError(f"expected at least {points} samples to interpolate, got {len(signal.time)}")
+    start = np.clip(np.searchsorted(signal.time, time) - points // 2, 0, len(signal.time) - points)
+    nodes = [signal.time[start + k] for k in range(points)]
     result = np.zeros((len(time), *signal.values.shape[1:]))
     shape = (len(time), *([1] * (signal.values.ndim - 1)))
-    for k in range(POINTS):
+    for k in range(points):
         weight = np.ones(len(time))
-        for j in range(POINTS):
+        for j in range(points):
             if j != k:
                 weight *= (time - nodes[j]) / (nodes[k] - nodes[j])
         result += weight.reshape(shape) * signal.values[start + k]

@@ -12,11 +12,12 @@ from engines.contract import Signal
 
 Array = NDArray[np.float64]
 
+FEWEST = 4 * POINTS  # samples from which an error can be told
 PLACES, WEIGHTS = np.polynomial.legendre.leggauss(POINTS // 2)  # exact for the interpolating polynomials
 
 
-def integral(signal: Signal, jumps: tuple[float, ...]) -> Array:
-    """∫ dt from the first sample to each, sixth order between the times at which the signal jumps.
+def integral(signal: Signal, jumps: tuple[float, ...], order: int = POINTS) -> Array:
+    """∫ dt from the first sample to each, of an even order up to 6 between the times at which the signal jumps.
 
     It is the integral of what ``resample`` puts between the samples. A sample on a jump has two values, so that it is
     dropped and both sides are extrapolated to it.
@@ -30,19 +31,19 @@ def integral(signal: Signal, jumps: tuple[float, ...]) -> Array:
     for start, end in itertools.pairwise(borders):
         inside = (time >= start) & (time <= end) & ~on_jump
         nodes = np.unique(np.concatenate([[start], time[inside], [end]]))
-        sums = total + _cumulative(nodes, Signal(time[inside], signal.values[inside]))
+        sums = total + _cumulative(nodes, Signal(time[inside], signal.values[inside]), order)
         here = (time >= start - near) & (time <= end + near)
         result[here] = sums[np.clip(np.searchsorted(nodes, time[here] - near), 0, len(nodes) - 1)]
         total = float(sums[-1])
     return result
 
 
-def _cumulative(nodes: Array, stretch: Signal) -> Array:
+def _cumulative(nodes: Array, stretch: Signal, order: int) -> Array:
     """∫ dt from the first node to each; a stretch of few samples is taken for a polygon."""
     step = np.diff(nodes)
     places = (nodes[:-1, None] + 0.5 * step[:, None] * (1.0 + PLACES)).ravel()
     if len(stretch.time) >= POINTS:
-        between = resample(stretch, places)
+        between = resample(stretch, places, order)
     elif len(stretch.time):
         between = np.interp(places, stretch.time, stretch.values)
     else:
@@ -52,13 +53,24 @@ def _cumulative(nodes: Array, stretch: Signal) -> Array:
 
 
 def error_estimate(signal: Signal, fine: Array, jumps: tuple[float, ...]) -> Array:
+    """What ``integral`` is off by up to each sample, never falling: its distance from the integral of fourth order.
+
+    Of a signal that its samples resolve this is several times the error; of one that they do not, less than it.
+    Infinite where there are too few samples to tell.
+    """
+    if len(signal.time) < FEWEST:
+        return np.full(len(signal.time), np.inf)
+    return np.maximum.accumulate(np.abs(integral(signal, jumps, order=4) - fine))
+
+
+def error_bound(signal: Signal, fine: Array, jumps: tuple[float, ...]) -> Array:
     """What ``integral`` may be off by up to each sample, never falling: its distance from that of every other sample.
 
     Of a signal that its samples resolve, this is some sixty times the error; of a peak as narrow as a few samples still
     no less than it. Infinite where there are too few samples to tell.
     """
     time = signal.time
-    if len(time) < 4 * POINTS:
+    if len(time) < FEWEST:
         return np.full(len(time), np.inf)
     some = np.unique([*range(0, len(time), 2), len(time) - 1])
     coarse = integral(Signal(time[some], signal.values[some]), jumps)
