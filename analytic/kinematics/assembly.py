@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-import math
-
 import numpy as np
 from numpy.typing import NDArray
 
+from analytic.description.crank_motion import degrees
 from analytic.description.linkage import Linkage
 from analytic.errors import AssemblyError, LinkproofError
 from analytic.kinematics.dyad_solver import DyadSolver
@@ -29,8 +28,8 @@ def check_assembly(linkage: Linkage, solver: DyadSolver, angle: Array) -> None:
     severity = np.where(undefined & (short == 0.0), -np.finfo(float).tiny, short)
     if np.any(severity < 0.0):
         worst = int(np.argmin(np.broadcast_to(severity, angle.shape)))
-        detail = solver.shortfall(lambda value: _at(value, angle, worst))
-        raise AssemblyError(f"'{linkage.name}' cannot be assembled at {degrees(angle, worst)}: {detail}")
+        fault, detail = solver.shortfall(lambda value: _at(value, angle, worst), linkage.written)
+        raise AssemblyError(f"'{linkage.name}' {fault} at {degrees(_at(angle, angle, worst))}: {detail}")
 
 
 def check_motion(linkage: Linkage, solver: DyadSolver, angle: Array) -> None:
@@ -38,9 +37,9 @@ def check_motion(linkage: Linkage, solver: DyadSolver, angle: Array) -> None:
     if np.all(solver.moves):
         return
     first = int(np.argmin(np.broadcast_to(solver.moves, angle.shape)))
-    dyad = solver.dyad
+    dyad, where = solver.dyad, degrees(_at(angle, angle, first))
     raise AssemblyError(
-        f"'{linkage.name}': '{dyad.first}' and '{dyad.second}' stand in a dead position at {degrees(angle, first)}, "
+        f"'{linkage.name}': '{dyad.first}' and '{dyad.second}' stand in a dead position at {where}, "
         "where their velocities are undefined; choose other crank angles, or lengths that keep the transmission angle "
         "away from 0° and 180°"
     )
@@ -48,8 +47,3 @@ def check_motion(linkage: Linkage, solver: DyadSolver, angle: Array) -> None:
 
 def _at(value: Scalar, angle: Array, index: int) -> float:
     return float(np.broadcast_to(value, angle.shape).ravel()[index])
-
-
-def degrees(angle: Array, index: int) -> str:
-    """A crank angle for a reader."""
-    return f"{math.degrees(float(angle.ravel()[index])) % 360.0:.4g}°"

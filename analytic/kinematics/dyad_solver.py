@@ -9,7 +9,7 @@ from typing import Final
 import numpy as np
 
 from analytic.kinematics.dyads import prp, rpp, rpr, rrp, rrr
-from analytic.kinematics.dyads.closure import At
+from analytic.kinematics.dyads.closure import At, Shortfall, Written
 from analytic.kinematics.frames import Pose, Rate, Scalar
 from analytic.kinematics.structure import Dyad
 
@@ -79,6 +79,7 @@ class DyadSolver:
         length, lengths = self.formulas.missing(self.constants, self.near, self.closure)
         return length, lengths
 
-    def shortfall(self, at: At) -> str:
-        """Which link misses by how much, and what to do, where the links do not meet."""
-        return str(self.formulas.shortfall(self.dyad, self.constants, self.near, at))
+    def shortfall(self, at: At, written: Written) -> Shortfall:
+        """What is wrong where the links do not meet, and which link misses by how much and what to do."""
+        fault, detail = self.formulas.shortfall(self.dyad, self.constants, self.near, at, written)
+        return fault, detail

@@ -13,6 +13,7 @@ import numpy as np
 from numpy.polynomial import legendre
 from numpy.typing import NDArray
 
+from analytic.description.crank_motion import degrees
 from analytic.description.law import FULL_TURN
 from analytic.errors import AssemblyError, LinkproofError
 from analytic.numerics.collocation import GaussScheme, Windows
@@ -175,7 +176,7 @@ def _check(path: _Path, length: float, longest: float, duration: float) -> None:
     if length < LEAST_WINDOW * longest or time + length == time or (done % STUCK == 0 and _is_stuck(path.starts)):
         raise LinkproofError(
             f"motion: expected one that is smooth, got one that cannot be followed beyond t = {time:.6g} s at crank "
-            f"angle {np.degrees(path.angle.value) % 360.0:.4g}°, a dead position or an unbounded speed; shorten the "
+            f"angle {degrees(float(path.angle.value))}, a dead position or an unbounded speed; shorten the "
             "duration or change the loads"
         )
     if done > MOST_WINDOWS:

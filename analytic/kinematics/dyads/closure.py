@@ -15,8 +15,9 @@ differentiating the closure equations once and twice, which are linear in the un
     The determinant up to which it stands in a dead position, so that its derivatives are undefined.
 ``missing(k, near, closure)``
     Length by which the links fail to meet, m (negative where they do not meet), and the lengths it was computed from.
-``shortfall(dyad, k, near, at)``
-    Which link misses by how much, and what to do; ``at`` picks the value at one crank angle.
+``shortfall(dyad, k, near, at, written)``
+    What is wrong, which link misses by how much, and what to do; ``at`` picks the value at one crank angle, ``written``
+    writes a length.
 """
 
 from __future__ import annotations
@@ -31,8 +32,13 @@ from analytic.kinematics.frames import Pair, Pose, Rate, Scalar, is_zero
 from analytic.kinematics.structure import Prismatic
 
 At = Callable[[Scalar], float]
+Written = Callable[[float], str]
+Shortfall = tuple[str, str]
 Poses = tuple[Pose, Pose]
 Rates = tuple[Rate, Rate]
+
+UNASSEMBLED: Final = "cannot be assembled"
+UNDETERMINED: Final = "is undetermined"
 
 # Sine of the transmission angle below which no digit of a derivative is certain: the links' angles themselves are then
 # known to about the same sqrt(eps) only.
@@ -85,8 +91,3 @@ def on_rail(rail: Prismatic, local: Vector) -> Vector:
 def size(a: Pair, b: Pair) -> Scalar:
     """Sum of the magnitudes of all components: what a difference of two vectors has to be judged by."""
     return abs(a[0]) + abs(a[1]) + abs(b[0]) + abs(b[1])
-
-
-def mm(length: float) -> str:
-    """A length for a reader."""
-    return f"{length * 1e3:.4g} mm"

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from analytic.kinematics.dyads.closure import LEAST_SINE
+from analytic.kinematics.dyads.closure import LEAST_SINE, UNDETERMINED, Shortfall
 from analytic.kinematics.frames import Pair, Scalar, cross
 from analytic.kinematics.structure import Dyad
 
@@ -22,9 +22,9 @@ def missing(determinant: Scalar) -> tuple[Scalar, Scalar]:
     return np.sign(abs(determinant) - LEAST_SINE), 0.0
 
 
-def shortfall(dyad: Dyad) -> str:
+def shortfall(dyad: Dyad) -> Shortfall:
     """The lines are parallel."""
-    return (
+    return UNDETERMINED, (
         f"the guides of '{dyad.first}' and '{dyad.second}' are parallel, so nothing holds the two in "
         "place; turn one of the guides"
     )

@@ -6,7 +6,17 @@ from typing import NamedTuple
 
 from analytic.description.linkage import Vector
 from analytic.kinematics.dyads import crossing
-from analytic.kinematics.dyads.closure import LEAST_SINE, At, Closure, Poses, Rates, Travel, on_rail
+from analytic.kinematics.dyads.closure import (
+    LEAST_SINE,
+    At,
+    Closure,
+    Poses,
+    Rates,
+    Shortfall,
+    Travel,
+    Written,
+    on_rail,
+)
 from analytic.kinematics.dyads.crossing import slides
 from analytic.kinematics.frames import (
     Pair,
@@ -122,6 +132,6 @@ def missing(k: PRPConstants, near: Poses, closure: Closure) -> tuple[Scalar, Sca
     return crossing.missing(closure.determinant)
 
 
-def shortfall(dyad: Dyad, k: PRPConstants, near: Poses, at: At) -> str:
+def shortfall(dyad: Dyad, k: PRPConstants, near: Poses, at: At, written: Written) -> Shortfall:
     """The lines are parallel."""
     return crossing.shortfall(dyad)

@@ -10,13 +10,16 @@ from analytic.description.linkage import Vector
 from analytic.kinematics.dyads.closure import (
     LEAST_SINE,
     ROUNDING,
+    UNASSEMBLED,
+    UNDETERMINED,
     At,
     Closure,
     Poses,
     Rates,
+    Shortfall,
     Travel,
+    Written,
     direction,
-    mm,
     on_rail,
     size,
 )
@@ -138,7 +141,7 @@ def missing(k: RPRConstants, near: Poses, closure: Closure) -> tuple[Scalar, Sca
     return np.sqrt(dot(closure.v, closure.v)) - needed, pins + offset
 
 
-def shortfall(dyad: Dyad, k: RPRConstants, near: Poses, at: At) -> str:
+def shortfall(dyad: Dyad, k: RPRConstants, near: Poses, at: At, written: Written) -> Shortfall:
     """The offset is too large, or A is on B."""
     assert isinstance(dyad.first_joint, Revolute)
     assert isinstance(dyad.second_joint, Revolute)
@@ -146,12 +149,12 @@ def shortfall(dyad: Dyad, k: RPRConstants, near: Poses, at: At) -> str:
     offset = abs(k.line[0])
     pins = f"'{dyad.first_joint.point}' and '{dyad.second_joint.point}'"
     if offset == 0.0:
-        return (
+        return UNDETERMINED, (
             f"{pins} coincide, so the direction of the slide between '{dyad.first}' and '{dyad.second}' "
             "is undefined; move the pivot off the pin's path"
         )
-    return (
-        f"the slide between '{dyad.first}' and '{dyad.second}' is offset by {mm(offset)}, "
-        f"{mm(offset - distance)} more than the distance between {pins}; lessen the offset or move the "
+    return UNASSEMBLED, (
+        f"the slide between '{dyad.first}' and '{dyad.second}' is offset by {written(offset)}, "
+        f"{written(offset - distance)} more than the distance between {pins}; lessen the offset or move the "
         "pivot away"
     )

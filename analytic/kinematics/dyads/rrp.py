@@ -10,13 +10,15 @@ import numpy as np
 from analytic.description.linkage import Vector
 from analytic.kinematics.dyads.closure import (
     LEAST_SINE,
+    UNASSEMBLED,
     At,
     Closure,
     Poses,
     Rates,
+    Shortfall,
     Travel,
+    Written,
     direction,
-    mm,
     on_rail,
     over_square,
     size,
@@ -155,12 +157,13 @@ def missing(k: RRPConstants, near: Poses, closure: Closure) -> tuple[Scalar, Sca
     return length - np.sqrt(dot(closure.u, closure.u)), size(a, base) + length
 
 
-def shortfall(dyad: Dyad, k: RRPConstants, near: Poses, at: At) -> str:
+def shortfall(dyad: Dyad, k: RRPConstants, near: Poses, at: At, written: Written) -> Shortfall:
     """The arm does not reach the line."""
     assert isinstance(dyad.first_joint, Revolute)
     distance = abs(at(cross(arm(near[1], k.along), minus(point(near[1], k.base), point(near[0], k.a)))))
     length = k.reach[0]
-    return (
-        f"'{dyad.first}' ({mm(length)}) is {mm(distance - length)} too short to reach the guide of "
-        f"'{dyad.second}', {mm(distance)} away from '{dyad.first_joint.point}'; lengthen it or move the guide closer"
+    return UNASSEMBLED, (
+        f"'{dyad.first}' ({written(length)}) is {written(distance - length)} too short to reach the guide of "
+        f"'{dyad.second}', {written(distance)} away from '{dyad.first_joint.point}'; lengthen it or move the "
+        "guide closer"
     )

@@ -10,13 +10,16 @@ import numpy as np
 from analytic.description.linkage import Vector
 from analytic.kinematics.dyads.closure import (
     LEAST_SINE,
+    UNASSEMBLED,
+    UNDETERMINED,
     At,
     Closure,
     Poses,
     Rates,
+    Shortfall,
     Travel,
+    Written,
     direction,
-    mm,
     over_square,
     size,
 )
@@ -137,23 +140,24 @@ def missing(k: RRRConstants, near: Poses, closure: Closure) -> tuple[Scalar, Sca
     return np.minimum(one + two - gap, gap - abs(one - two)), size(a, b) + one + two
 
 
-def shortfall(dyad: Dyad, k: RRRConstants, near: Poses, at: At) -> str:
+def shortfall(dyad: Dyad, k: RRRConstants, near: Poses, at: At, written: Written) -> Shortfall:
     """Arms too short for the gap, or one too long."""
     gap = at(np.hypot(*minus(point(near[1], k.b), point(near[0], k.a))))
     first, second = k.lengths
-    links = f"'{dyad.first}' ({mm(first)}) and '{dyad.second}' ({mm(second)})"
+    links = f"'{dyad.first}' ({written(first)}) and '{dyad.second}' ({written(second)})"
     if gap == 0.0:
-        return f"{links} have their outer pins on top of each other; move one of the pivots"
+        fault = UNDETERMINED if first == second else UNASSEMBLED
+        return fault, f"{links} have their outer pins on top of each other; move one of the pivots"
     assert isinstance(dyad.first_joint, Revolute)
     assert isinstance(dyad.second_joint, Revolute)
-    between = f"the gap of {mm(gap)} between '{dyad.first_joint.point}' and '{dyad.second_joint.point}'"
+    between = f"the gap of {written(gap)} between '{dyad.first_joint.point}' and '{dyad.second_joint.point}'"
     if gap > first + second:
-        return (
-            f"{links} together are {mm(gap - first - second)} shorter than {between}; lengthen one of them, "
+        return UNASSEMBLED, (
+            f"{links} together are {written(gap - first - second)} shorter than {between}; lengthen one of them, "
             "shorten the crank or move the pivots closer together"
         )
     longer, shorter = (dyad.first, dyad.second) if first > second else (dyad.second, dyad.first)
-    return (
-        f"{links} differ by {mm(abs(first - second) - gap)} more than {between}; shorten '{longer}', lengthen "
+    return UNASSEMBLED, (
+        f"{links} differ by {written(abs(first - second) - gap)} more than {between}; shorten '{longer}', lengthen "
         f"'{shorter}' or move the pivots apart"
     )
