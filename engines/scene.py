@@ -11,7 +11,7 @@ from enum import StrEnum
 
 from analytic.description.crank_motion import CrankMotion
 from analytic.description.law import Law
-from analytic.description.linkage import Vector
+from analytic.description.linkage import GROUND, Vector
 
 
 class Channel(StrEnum):
@@ -161,6 +161,14 @@ class Scene:
     def guided(self) -> tuple[SliderJoint | SlotJoint, ...]:
         """The joints that keep a point of a body on a line of its host: sliders, then slots."""
         return (*self.sliders, *self.slots)
+
+    def can_turn(self, body: Body) -> bool:
+        """Whether a body can turn: it has an inertia and does not slide on something that cannot."""
+        hosts = {slider.body: slider.host for slider in self.sliders}
+        name = body.name
+        while name in hosts:
+            name = hosts[name]
+        return body.inertia is not None and name != GROUND
 
     @property
     def crank_angle(self) -> float:

@@ -9,8 +9,7 @@ from engines.installed import installed_version, why_absent
 from engines.pymunk_adapter import checks
 from engines.pymunk_adapter.checks import check_read_out
 from engines.pymunk_adapter.layout import PartLayout, exact_layout, plain_layout
-from engines.pymunk_adapter.naive import naive_pass
-from engines.pymunk_adapter.passes import ORDERS, prescribed_passes
+from engines.pymunk_adapter.passes import ORDERS, naive_pass, prescribed_passes
 from engines.pymunk_adapter.plans import METHODS, Aim, PlainPlan, Plan, method_plan, setting_plan
 from engines.pymunk_adapter.released import WINDOW, free_history
 from engines.pymunk_adapter.solver import iterations_for

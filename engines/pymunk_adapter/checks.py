@@ -16,9 +16,8 @@ from analytic.description.crank_motion import Segment
 from analytic.description.law import Law
 from analytic.description.linkage import GROUND
 from engines.contract import History
-from engines.pymunk_adapter.layout import PartLayout, turns
-from engines.pymunk_adapter.reactions import gaps
-from engines.pymunk_adapter.recording import WATCHED, Recording
+from engines.pymunk_adapter.layout import PartLayout
+from engines.pymunk_adapter.recording import WATCHED, Recording, gaps
 from engines.scene import Free, PinJoint, Scene
 from engines.start_check import start_misfit
 from engines.stepping.driver import DivergedError
@@ -98,7 +97,7 @@ def _joint_obstacles(scene: Scene) -> Iterator[str]:
             yield f"joint '{joint.name}' has a line without a direction"
     bodies = {body.name: body for body in scene.bodies}
     for slider in scene.sliders:
-        if slider.host != GROUND and bodies[slider.body].inertia is None and turns(scene, bodies[slider.host]):
+        if slider.host != GROUND and bodies[slider.body].inertia is None and scene.can_turn(bodies[slider.host]):
             yield f"body '{slider.body}' turns with its host '{slider.host}' and so needs an inertia"
     if not any({scene.crank, GROUND} == {p.first, p.second} for p in scene.pins):
         yield f"the crank '{scene.crank}' is not pinned to the ground"

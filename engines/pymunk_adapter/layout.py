@@ -3,10 +3,9 @@
 pymunk's ``GrooveJoint`` solves both directions of its contact and then drops the part along the groove. That is right
 only where the two do not couple: the mass centre of the groove's body has to lie on the groove's line, and that of the
 pin's body at the pin (or the body must not turn). Elsewhere it settles on a wrong velocity, silently. A body that
-breaks this is cut in two: a point mass that is pinned to it, chosen so that what is left has its mass centre where the
-groove wants it. A host of several grooves gets a rail for each line its centre cannot be put on: a part of its own,
-pinned and geared to it. Mass, mass centre and inertia of the parts together are those of the body, so that the motion
-is the same.
+breaks this loses a point mass that is pinned to it, chosen so that the rest has its mass centre where the groove wants
+it. A host of several grooves gets a rail for each line its centre cannot be put on: a part of its own, pinned and
+geared to it. The parts together have the mass, mass centre and inertia of the body, so the motion is the same.
 """
 
 from __future__ import annotations
@@ -15,14 +14,14 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import TypeAlias
+from typing import TypeAlias, TypeVar
 
 import numpy as np
 
 from analytic.description.linkage import GROUND, Vector
 from engines.mechanics.joints import JointEquations
-from engines.mechanics.states import Reals, body_numbers, point_acceleration, point_velocity, pose_of, start_motion
-from engines.scene import Body, PinJoint, Scene, SliderJoint, SlotJoint
+from engines.mechanics.states import body_numbers, point_acceleration, point_velocity, pose_of, start_motion
+from engines.scene import Body, PinJoint, PointSpring, Scene, SliderJoint, SlotJoint
 
 # Distances below this share of the scene's size are zero.
 CLOSE = 1e-12
@@ -52,6 +51,8 @@ class Gear:
 
 
 Hold: TypeAlias = PinJoint | SliderJoint | SlotJoint | Gear
+Fastened = TypeVar("Fastened", PinJoint, PointSpring)
+Groove = TypeVar("Groove", SliderJoint, SlotJoint)
 
 
 @dataclass(frozen=True)
@@ -95,25 +96,6 @@ def plain_layout(scene: Scene) -> PartLayout:
 def exact_layout(scene: Scene) -> PartLayout:
     """The scene cut so that every groove is exact."""
     return _Cutter(scene, cut=True).layout()
-
-
-def geared(layout: PartLayout) -> list[list[int]]:
-    """The parts by number, those together that gears keep at fixed angles to each other."""
-    group, numbers = list(range(len(layout.parts))), body_numbers(layout.scene)
-    for hold in layout.holds:
-        if isinstance(hold, Gear) and hold.host != GROUND:
-            old, new = group[numbers[hold.host]], group[numbers[hold.body]]
-            group = [new if own == old else own for own in group]
-    return [[number for number, own in enumerate(group) if own == chosen] for chosen in sorted(set(group))]
-
-
-def turns(scene: Scene, body: Body) -> bool:
-    """Whether a body can turn: it has an inertia and does not slide on something that cannot."""
-    hosts = {slider.body: slider.host for slider in scene.sliders}
-    name = body.name
-    while name in hosts:
-        name = hosts[name]
-    return body.inertia is not None and name != GROUND
 
 
 def _minus(a: Vector, b: Vector) -> Vector:
@@ -176,10 +158,8 @@ class _Cutter:
         self.rails: dict[str, str] = {}  # slot or slider name -> the rail that has its line
 
     def layout(self) -> PartLayout:
-        for body in self.scene.bodies:
-            self.carrier(body.name)
-        parts = {body.name: self.carriers[body.name] for body in self.scene.bodies} | self.cut_off
-        pins = [self._pin(pin) for pin in self.scene.pins]
+        parts = {body.name: self.carrier(body.name) for body in self.scene.bodies} | self.cut_off
+        pins = [self._fastened(pin) for pin in self.scene.pins]
         sliders = [self._slider(slider) for slider in self.scene.sliders]
         slots = [self._slot(slot) for slot in self.scene.slots]
         holds: list[Hold] = [*pins]
@@ -201,14 +181,7 @@ class _Cutter:
             sliders=tuple(sliders),
             slots=tuple(slots),
             forces=tuple(replace(f, anchor=self._anchor(f.body, f.anchor)) for f in self.scene.forces),
-            springs=tuple(
-                replace(
-                    s,
-                    first_anchor=self._anchor(s.first, s.first_anchor),
-                    second_anchor=self._anchor(s.second, s.second_anchor),
-                )
-                for s in self.scene.springs
-            ),
+            springs=tuple(map(self._fastened, self.scene.springs)),
         )
         return PartLayout(scene, tuple(parts.values()), tuple(holds), frozenset(self.cut_off), self.reach)
 
@@ -217,29 +190,26 @@ class _Cutter:
         owners = np.array([part.owner for part in parts.values()])
         position, velocity, acceleration = (state[:, owners] for state in start_motion(self.scene))
         arms = pose_of(position).turned(np.array([part.offset for part in parts.values()]), np.arange(len(owners)))[0]
-        places = position[0, :, :2] + arms
-        rates = point_velocity(arms, velocity[0])
-        seconds = point_acceleration(arms, velocity[0], acceleration[0])
+        rates, seconds = point_velocity(arms, velocity[0]), point_acceleration(arms, velocity[0], acceleration[0])
+        rows = np.concatenate([position[0, :, :2] + arms, rates, seconds], axis=1).tolist()
         return tuple(
-            Body(
+            replace(
+                self.scene.bodies[part.owner],
                 name=name,
                 mass=part.mass,
                 inertia=part.inertia,
-                position=_pair(places[number]),
-                angle=self.scene.bodies[part.owner].angle,
-                velocity=_pair(rates[number]),
-                angular_velocity=float(velocity[0, number, 2]),
-                acceleration=_pair(seconds[number]),
-                angular_acceleration=float(acceleration[0, number, 2]),
+                position=(x, y),
+                velocity=(vx, vy),
+                acceleration=(ax, ay),
             )
-            for number, (name, part) in enumerate(parts.items())
+            for (name, part), (x, y, vx, vy, ax, ay) in zip(parts.items(), rows, strict=True)
         )
 
     def carrier(self, name: str) -> BodyPart:
         """The part that carries a body; sliders come before their hosts, whose lines depend on them."""
         if name not in self.carriers:
             body = self.scene.bodies[self.number[name]]
-            turning = turns(self.scene, body)
+            turning = self.scene.can_turn(body)
             part = BodyPart(self.number[name], body.mass, body.inertia if turning else None, (0.0, 0.0))
             self.carriers[name] = self._cut(name, part) if self.cut and turning else part
         return self.carriers[name]
@@ -292,30 +262,29 @@ class _Cutter:
     def _anchor(self, name: str, anchor: Vector) -> Vector:
         return anchor if name == GROUND else _minus(anchor, self.carrier(name).offset)
 
-    def _pin(self, pin: PinJoint) -> PinJoint:
-        first, second = self._anchor(pin.first, pin.first_anchor), self._anchor(pin.second, pin.second_anchor)
-        return replace(pin, first_anchor=first, second_anchor=second)
+    def _fastened(self, joint: Fastened) -> Fastened:
+        """A pin or spring, its anchors from the centres of the parts."""
+        first, second = self._anchor(joint.first, joint.first_anchor), self._anchor(joint.second, joint.second_anchor)
+        return replace(joint, first_anchor=first, second_anchor=second)
 
     def _slider(self, slider: SliderJoint) -> SliderJoint:
         anchor, through = self._anchor(slider.body, slider.anchor), slider.through
         if self.cut and slider.host != GROUND:
             anchor, through = (0.0, 0.0), self._groove_point(slider)
-        host, start = self._host(slider, through)
-        return replace(slider, anchor=anchor, host=host, through=start, along=_unit(slider.along))
+        return self._grooved(slider, slider.body, anchor, through)
 
     def _slot(self, slot: SlotJoint) -> SlotJoint:
-        body, anchor = slot.body, self._anchor(slot.body, slot.anchor)
         if slot.name in self.shoes:
-            body, anchor = self.shoes[slot.name], (0.0, 0.0)
-        host, start = self._host(slot, slot.through)
-        return replace(slot, body=body, anchor=anchor, host=host, through=start, along=_unit(slot.along))
+            return self._grooved(slot, self.shoes[slot.name], (0.0, 0.0), slot.through)
+        return self._grooved(slot, slot.body, self._anchor(slot.body, slot.anchor), slot.through)
 
-    def _host(self, joint: SliderJoint | SlotJoint, through: Vector) -> tuple[str, Vector]:
-        """The part that has a joint's groove, and a point of the groove there; ``through`` from the mass centre."""
+    def _grooved(self, joint: Groove, body: str, anchor: Vector, through: Vector) -> Groove:
+        """A groove in the joint's host or in its rail; ``through`` from the host's mass centre."""
+        host, start = joint.host, self._anchor(joint.host, through)
         if joint.name in self.rails:
-            rail = self.rails[joint.name]
-            return rail, _minus(through, self.cut_off[rail].offset)
-        return joint.host, self._anchor(joint.host, through)
+            host = self.rails[joint.name]
+            start = _minus(through, self.cut_off[host].offset)
+        return replace(joint, body=body, anchor=anchor, host=host, through=start, along=_unit(joint.along))
 
 
 def start_turn(scene: Scene, joint: SliderJoint | Gear) -> float:
@@ -329,7 +298,3 @@ def reach(scene: Scene) -> float:
     anchors = [a for p in scene.pins for a in (p.first_anchor, p.second_anchor)]
     anchors += [a for j in scene.guided for a in (j.anchor, j.through)]
     return sum(math.hypot(*v) for v in (*anchors, *(body.position for body in scene.bodies)))
-
-
-def _pair(values: Reals) -> Vector:
-    return (float(values[0]), float(values[1]))

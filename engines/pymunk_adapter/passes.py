@@ -1,7 +1,8 @@
-"""Passes of a scene through pymunk under a prescribed crank, on the way to second order and beyond.
+"""Passes of a scene through pymunk: as a newcomer would run it, and on the way to second order and beyond.
 
 With every joint's ``error_bias`` at 0 each step closes the joints to first order (a linearised SHAKE), which makes the
 motion second order in the step with terms of every higher order behind it; any other bias leaves it at first order.
+The naive pass leaves pymunk its defaults and takes every read-out at face value.
 """
 
 from __future__ import annotations
@@ -14,14 +15,15 @@ from numpy.typing import NDArray
 
 from analytic.description.crank_motion import CrankMotion, Segment
 from analytic.description.law import FULL_TURN
+from engines.contract import History, Signal
 from engines.pymunk_adapter.checks import check_crank, check_finite, check_impulses, check_joints
 from engines.pymunk_adapter.layout import PartLayout
 from engines.pymunk_adapter.loads import StepLoads
-from engines.pymunk_adapter.plans import Plan
-from engines.pymunk_adapter.recording import Clock, Recording, looks, marks
+from engines.pymunk_adapter.plans import PlainPlan, Plan
+from engines.pymunk_adapter.recording import Clock, Recording, joint_forces, looks, marks
 from engines.pymunk_adapter.space import Rig, World, add_motor, add_torque, build_world
 from engines.pymunk_adapter.stepping import Calls, calls, march, march_wound, place
-from engines.scene import Scene
+from engines.scene import Channel, Free, Prescribed, Scene
 from engines.stepping.cost import Cost
 from engines.stepping.driver import DivergedError, refined
 from engines.stepping.error_estimate import disagreement
@@ -189,3 +191,74 @@ def _run_in_steps(segment: Segment, clock: Clock) -> int:
     ways = segment.value(clock.start - clock.fine * np.arange(RUN_IN + 1)) - segment.value(clock.start)
     (far,) = np.nonzero(np.abs(ways) > FULL_TURN)
     return max(1, int(far[0]) - 1) if len(far) else RUN_IN
+
+
+def naive_pass(layout: PartLayout, plan: PlainPlan, cost: Cost) -> Pass:
+    """One pass at equal steps.
+
+    The motor is given the crank's speed of the moment, everything read after a step is put at the end of that step, and
+    the drive torque is the motor's impulse over the step, of which pymunk tells the size alone. Raises DivergedError.
+    """
+    scene = layout.scene
+    with cost.building():
+        world = build_world(layout, iterations=plan.iterations, error_bias=None, native_damping=True)
+        for body, part in zip(world.bodies, scene.bodies, strict=True):
+            body.velocity = part.velocity
+            body.angular_velocity = 0.0 if part.inertia is None else part.angular_velocity
+        on = _let_go(scene, world)
+    drive = scene.drive
+    duration = drive.duration if isinstance(drive, Free) else drive.motion.duration
+    count = math.ceil(duration / plan.step * (1.0 - 1e-9))
+    step = duration / count
+    with cost.stepping():
+        seen, torque = _naive_steps(scene, world, on, step, count)
+        count_steps(cost, world, count)
+    times = step * np.arange(count + 1, dtype=np.float64)
+    check_finite(times, seen)
+    if plan.torn is not None:
+        check_joints(times, seen, layout, plan.torn)
+    return Pass(step, _naive_history(layout, step, seen, torque))
+
+
+def _let_go(scene: Scene, world: World) -> Calls:
+    """Put the drive on the crank."""
+    if isinstance(scene.drive, Prescribed):
+        return calls(world, add_motor(world))
+    if scene.drive.torque:
+        add_torque(world, world.crank, scene.drive.torque)
+    return calls(world, None)
+
+
+def _naive_steps(scene: Scene, world: World, on: Calls, step: float, count: int) -> tuple[Array, Array]:
+    """States (count + 1, bodies, 2, 3), the start's first, and the drive's torques (count,)."""
+    drive = scene.drive
+    rates = [0.0] * count
+    if isinstance(drive, Prescribed):
+        rates = (-drive.motion.speed(step * np.arange(count))).tolist()
+    loads = StepLoads(world, step, ahead=False)
+    on.look()
+    impulses = march(on, step, rates, [1] * count, loads if loads else None)
+    torque = np.full(count, drive.torque) if isinstance(drive, Free) else np.array(impulses) / step
+    return on.collected(), torque
+
+
+def _naive_history(layout: PartLayout, step: float, seen: Array, torque: Array) -> History:
+    times = step * np.arange(1, len(seen), dtype=np.float64)
+    state, rates = seen[:, :, 0], seen[:, :, 1]
+    acceleration = np.diff(rates, axis=0) / step
+    forces = {}
+    channels = layout.scene.channels
+    if Channel.JOINT_FORCE in channels:
+        reactions = joint_forces(layout, state[1:], rates[1:], acceleration)
+        forces = {name: Signal(times, values) for name, values in reactions.items()}
+
+    def signal(channel: Channel, values: Array) -> Signal | None:
+        return Signal(times, values) if channel in channels else None
+
+    return History(
+        position=signal(Channel.POSITION, state[1:]),
+        velocity=signal(Channel.VELOCITY, rates[1:]),
+        acceleration=signal(Channel.ACCELERATION, acceleration),
+        torque=signal(Channel.TORQUE, torque),
+        joint_force=forces,
+    )

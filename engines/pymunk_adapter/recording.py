@@ -3,6 +3,11 @@
 A pass takes ``ratio`` steps (an odd number) from sample to sample, so that passes of different ratio share both the
 sample times and the middles between them. After a step pymunk holds positions of tₙ and velocities of tₙ + h/2: the
 velocity signal therefore lives on the middles, and the acceleration at a sample is (v⁺ − v⁻)/h across it.
+
+pymunk tells the magnitude of a constraint's impulse, not its direction. The vectors follow from what the solver did to
+the bodies: over one step every part obeys m (v⁺ − v⁻)/h = load + Σ joint forces, with the joints' directions at the
+positions of that instant, and a linkage whose crank is driven has exactly as many unknown forces as equations. The
+solution is the impulses that the solver applied, to rounding.
 """
 
 from __future__ import annotations
@@ -14,15 +19,20 @@ import numpy as np
 from numpy.typing import NDArray
 
 from engines.contract import History, Signal
-from engines.mechanics.states import across
+from engines.mechanics.joints import Arms
+from engines.mechanics.loads import applied_loads
+from engines.mechanics.states import Pose, across, body_masses, pose_of, with_ground
 from engines.pymunk_adapter.layout import PartLayout
-from engines.pymunk_adapter.reactions import joint_forces
 from engines.scene import Channel
 
 Array = NDArray[np.float64]
 
 # Samples at which joints and crank are watched even where no position is asked for.
 WATCHED = 64
+
+
+# Samples whose joint forces are solved for at once: the equations of a sample take a hundred times their room.
+BLOCK = 10_000
 
 
 @dataclass(frozen=True)
@@ -167,3 +177,41 @@ def _carried_velocity(layout: PartLayout, state: Array, rates: Array, ahead: flo
     turn_rate = result[..., 2]
     result[..., :2] += turn_rate[..., None] * across(_arms(layout, state[:, : layout.carried, 2] + ahead * turn_rate))
     return result
+
+
+def gaps(layout: PartLayout, state: Array) -> Array:
+    """How far each joint between parts is open, m, (n, joints). ``state`` is (n, parts, 3): x, y, θ."""
+    pose, arms = posed(layout, state)
+    equations = layout.equations
+    return np.asarray(equations.openings(equations.residual(pose, arms)) * equations.unit)
+
+
+def joint_forces(layout: PartLayout, state: Array, rate: Array, acceleration: Array) -> dict[str, Array]:
+    """Force of every joint of the scene on its first body, N, ground frame, (n, 2) by name.
+
+    ``acceleration`` (n, parts, 3) is (v⁺ − v⁻)/h at the instants of ``state``, ``rate`` the velocities there. Under a
+    free drive the drive's row comes out as zero.
+    """
+    blocks = [
+        _joint_forces(layout, *(values[start : start + BLOCK] for values in (state, rate, acceleration)))
+        for start in range(0, max(1, len(state)), BLOCK)
+    ]
+    forces, names = np.concatenate(blocks), layout.equations.joints
+    return {name: forces[:, number] for number, name in enumerate(names) if name not in layout.inner}
+
+
+def _joint_forces(layout: PartLayout, state: Array, rate: Array, acceleration: Array) -> Array:
+    """The same as one array, (n, joints, 2)."""
+    equations = layout.equations
+    _, arms = posed(layout, state)
+    loads = applied_loads(layout.scene, pose_of(with_ground(state)), with_ground(rate))
+    left = equations.generalised(body_masses(layout.scene) * with_ground(acceleration) - loads)
+    multipliers = np.linalg.solve(np.swapaxes(equations.jacobian(arms), 1, 2), left[..., None])[..., 0]
+    return np.asarray(equations.joint_forces(arms, multipliers))
+
+
+def posed(layout: PartLayout, state: Array) -> tuple[Pose, Arms]:
+    """The parts in the equations' unit, and the joints' vectors."""
+    equations = layout.equations
+    pose = pose_of(with_ground(state) / equations.metres)
+    return pose, equations.arms(pose)

@@ -8,8 +8,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from analytic.description.law import FULL_TURN
-from engines.pymunk_adapter.layout import PartLayout
-from engines.pymunk_adapter.reactions import contraction, gaps
+from engines.mechanics.states import body_masses
+from engines.pymunk_adapter.layout import Gear, PartLayout
+from engines.pymunk_adapter.recording import gaps, posed
 from engines.pymunk_adapter.space import add_motor, build_world
 from engines.pymunk_adapter.stepping import calls, place
 from engines.scene import Prescribed, Scene
@@ -95,3 +96,29 @@ def turned_through(scene: Scene, layout: PartLayout) -> Array:
             break
     closed[0] = True
     return states[closed]
+
+
+def contraction(layout: PartLayout, state: Array) -> Array:
+    """Factor by which one iteration of pymunk's solver shrinks its error in the long run, (n,), at given positions.
+
+    The solver is a block Gauss-Seidel iteration on A = G M⁻¹ Gᵀ, constraint by constraint in the order of the holds,
+    the motor last; this is the spectral radius of its iteration matrix. Raises LinAlgError where A has an empty row.
+    """
+    equations = layout.equations
+    rows = equations.jacobian(posed(layout, state)[1])
+    masses = equations.gather((body_masses(layout.scene) / (1.0, 1.0, equations.unit**2))[None])
+    mobility = np.einsum("nik,k,njk->nij", rows, 1.0 / masses[0], rows)
+    block = _visits(layout)
+    lower = np.where(block[:, None] >= block[None, :], mobility, 0.0)
+    return np.asarray(np.max(np.abs(np.linalg.eigvals(np.linalg.solve(lower, lower - mobility))), axis=1))
+
+
+def _visits(layout: PartLayout) -> NDArray[np.intp]:
+    """The place of every equation's hold in an iteration, (rows,); the drive's is the last."""
+    equations, scene = layout.equations, layout.scene
+    place = {(isinstance(hold, Gear), hold.name): number for number, hold in enumerate(layout.holds)}
+    result = np.full(equations.rows, len(layout.holds), dtype=np.intp)
+    result[equations.x_rows] = result[equations.y_rows] = [place[False, pin.name] for pin in scene.pins]
+    result[equations.line_rows] = [place[False, joint.name] for joint in scene.guided]
+    result[equations.turn_rows] = [number for (gear, _), number in place.items() if gear]
+    return result

@@ -16,7 +16,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from analytic.description.law import FULL_TURN
-from engines.pymunk_adapter.layout import geared
+from analytic.description.linkage import GROUND
+from engines.mechanics.states import body_numbers
+from engines.pymunk_adapter.layout import Gear, PartLayout
 from engines.pymunk_adapter.space import World
 from engines.stepping.driver import DivergedError
 
@@ -169,6 +171,16 @@ def march_wound(
     for body, turned in zip(world.bodies, turns.tolist(), strict=True):
         body.angle += FULL_TURN * turned
     return np.concatenate(seen), impulses
+
+
+def geared(layout: PartLayout) -> list[list[int]]:
+    """The parts by number, those together that gears keep at fixed angles to each other."""
+    group, numbers = list(range(len(layout.parts))), body_numbers(layout.scene)
+    for hold in layout.holds:
+        if isinstance(hold, Gear) and hold.host != GROUND:
+            old, new = group[numbers[hold.host]], group[numbers[hold.body]]
+            group = [new if own == old else own for own in group]
+    return [[number for number, own in enumerate(group) if own == chosen] for chosen in sorted(set(group))]
 
 
 def _unwind(world: World, together: Sequence[Sequence[int]]) -> Array:

@@ -17,7 +17,6 @@ from engines.direct_adapter import solution
 from engines.direct_adapter.adapter import DirectEngine
 from engines.direct_adapter.assembly import Equations, Solver
 from engines.exudyn_adapter.adapter import ExudynEngine
-from engines.pymunk_adapter import reactions as pymunk_reactions
 from engines.pymunk_adapter import recording as pymunk_recording
 from engines.pymunk_adapter.adapter import PymunkEngine
 from engines.pymunk_adapter.loads import StepLoads
@@ -257,7 +256,7 @@ def test_pymunk_sets_loads_before_a_step_only_where_they_change(monkeypatch, nam
 def test_pymunk_works_out_joint_forces_only_where_they_are_asked_for(monkeypatch):
     pytest.importorskip("pymunk")
     forces = calls(monkeypatch, pymunk_recording, "joint_forces")
-    loads = calls(monkeypatch, pymunk_reactions, "applied_loads")
+    loads = calls(monkeypatch, pymunk_recording, "applied_loads")
     _finished(PymunkEngine(), _scene(LOADED, NO_FORCES))
     assert (len(forces), len(loads)) == (0, 0)
     _finished(PymunkEngine(), _scene(LOADED, EVERYTHING))

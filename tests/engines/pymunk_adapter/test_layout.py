@@ -15,12 +15,12 @@ from engines.pymunk_adapter.layout import (
     BodyPart,
     Gear,
     exact_layout,
-    geared,
     plain_layout,
     with_centre,
     without_point,
     without_rail,
 )
+from engines.pymunk_adapter.stepping import geared
 from engines.scene import Prescribed
 from engines.start_check import start_misfit
 from tests.analytic.linkages import MADE_UP, mechanism

@@ -7,8 +7,8 @@ from analytic.description.crank_motion import crank_motion
 from comparisons.reference.start_state import scene
 from engines.mechanics.states import pose_of, with_ground
 from engines.pymunk_adapter.layout import Gear, exact_layout
-from engines.pymunk_adapter.reactions import contraction, gaps, joint_forces
-from engines.pymunk_adapter.solver import iterations_for, turned_through
+from engines.pymunk_adapter.recording import gaps, joint_forces
+from engines.pymunk_adapter.solver import contraction, iterations_for, turned_through
 from engines.pymunk_adapter.space import add_motor, build_world
 from engines.pymunk_adapter.stepping import calls, march
 from engines.scene import Channel, Prescribed
