@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import gc
 from collections.abc import Sequence
+from contextlib import suppress
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -11,6 +12,7 @@ from typing import Any
 import numpy as np
 from markupsafe import Markup
 
+from analytic.errors import LinkproofError
 from comparisons.campaign.results import Results
 from comparisons.runs.failures import Lost
 from comparisons.runs.files import write_text
@@ -27,13 +29,19 @@ from reports.text.tables import ReportTable
 from reports.text.templates import plain, render
 
 
-def write_page(results: Results, path: Path, others: Sequence[ExtraSection] = ()) -> None:
-    """Write the report of a campaign to ``path``, in one step; ``others`` are sections on what else was measured."""
-    write_text(path, page(results, others))
+def write_page(
+    results: Results, path: Path, others: Sequence[ExtraSection] = (), *, processes: int | None = None
+) -> None:
+    """Write the report of a campaign to ``path``, in one step; arguments as for ``page``."""
+    write_text(path, page(results, others, processes=processes))
 
 
 def page(results: Results, others: Sequence[ExtraSection] = (), *, processes: int | None = None) -> str:
-    """The report's HTML; its figures are drawn in ``processes`` worker processes, by default one per core."""
+    """The report's HTML; ``others`` are sections on what else was measured.
+
+    Its figures are drawn in ``processes`` worker processes, by default one per core; with 0, or where no process can be
+    started, they are drawn here.
+    """
     every = views(results)
     quantities, invariants = columns(results)
     return render(
@@ -65,8 +73,11 @@ def _sections(results: Results, processes: int | None) -> list[Markup]:
     order = sorted(range(len(every)), key=lambda number: -len(every[number].records))
     jobs = [(number,) for number in order]
     count = usual_processes(len(jobs)) if processes is None else processes
-    found = {order[job]: html for job, html in run_jobs(partial(section, results), jobs, processes=count)}
-    drawn = {number: html for number, html in found.items() if not isinstance(html, Lost)}
+    drawn: dict[int, Markup] = {}
+    with suppress(LinkproofError):
+        for job, html in run_jobs(partial(section, results), jobs, processes=count):
+            if not isinstance(html, Lost):
+                drawn[order[job]] = html
     return [drawn[n] if n in drawn else section(results, n) for n in range(len(every))]
 
 

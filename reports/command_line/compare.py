@@ -49,7 +49,7 @@ def compare(
             destination.write_json(saved)
             if out:
                 save(out, results, saved)
-                destination.say(f"report: {rebuild(out)}")
+                destination.say(f"report: {rebuild(out, processes=limits.processes)}")
         if kept:
             kept.clear()
     destination.print_out(printout(results))
@@ -71,20 +71,26 @@ def _errata(wanted: CampaignRequest, running: _Running) -> list[ErratumRecord]:
 
 
 def report(saved: Path, out: Path | None) -> None:
-    """Write the page and the summary of a saved campaign, and say where."""
-    show(line(f"report: {rebuild(saved, out)}"), stderr=True)
+    """Write the page and the summary of a saved campaign, and the pages of what lies beside it; say where."""
+    from reports.campaign.extra_sections import rebuild_pages  # noqa: PLC0415
+
+    page = rebuild(saved, out)
+    rebuild_pages(saved if saved.is_dir() else saved.parent, page.parent)
+    show(line(f"report: {page}"), stderr=True)
 
 
-def rebuild(saved: Path, out: Path | None = None) -> Path:
-    """Write the page and the summary of a saved campaign; returns the path of the page."""
-    from reports.campaign.extra_sections import extra_sections, rebuild_pages  # noqa: PLC0415
+def rebuild(saved: Path, out: Path | None = None, processes: int | None = None) -> Path:
+    """Write the page and the summary of a saved campaign; returns the path of the page.
+
+    Its figures are drawn in ``processes`` worker processes, by default one per core; with 0, here.
+    """
+    from reports.campaign.extra_sections import extra_sections  # noqa: PLC0415
     from reports.campaign.page import write_page  # noqa: PLC0415  figures cost a second that other commands do not pay
     from reports.campaign.summary import markdown  # noqa: PLC0415
 
     results = load_results(saved)
     kept = saved if saved.is_dir() else saved.parent
     folder = out or kept
-    write_page(results, folder / PAGE, extra_sections(kept))
+    write_page(results, folder / PAGE, extra_sections(kept), processes=processes)
     write_text(folder / SUMMARY, markdown(results))
-    rebuild_pages(kept, folder)
     return folder / PAGE

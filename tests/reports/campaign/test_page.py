@@ -10,6 +10,7 @@ from pathlib import Path
 import pytest
 
 from analytic.description.loading import load
+from analytic.errors import LinkproofError
 from comparisons.campaign.results import RECORDS, Results
 from comparisons.judging.records import Verdict, to_json
 from engines.contract import Setting
@@ -195,6 +196,15 @@ def test_sections_drawn_in_other_processes_are_the_same():
         samples=21, settings=[Setting.TUNED], quantities=("Jeq",), regimes=("run-up", "constant-speed")
     )
     assert page(results, processes=1) == page(results, processes=0)
+
+
+def test_a_page_is_made_where_no_process_can_be_started(monkeypatch):
+    def refuse(*_, **__):
+        raise LinkproofError("no process")
+
+    monkeypatch.setattr("reports.campaign.page.run_jobs", refuse)
+    results = made_up_results(samples=21, settings=[Setting.TUNED], quantities=("Jeq",))
+    assert "Regime run-up" in page(results)
 
 
 def test_a_file_with_a_byte_order_mark_has_its_page():
