@@ -90,7 +90,8 @@ def stress(request: StressRequest, announce: Announce = lambda *_: None, journal
     if not wanted:
         usages = ", ".join(request.usages) or "any setting"
         raise LinkproofError(f"expected a cell to make, got none with {usages}: ask for other axes or settings")
-    make = partial(_made, study := _study(announce, journal, request.processes), request)
+    study = _study(announce, journal, request.processes)
+    make = partial(_made, study, request)
     grid = make(wanted)
     rough = borders(grid)
     if request.quick:
