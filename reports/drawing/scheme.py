@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Iterable
 from dataclasses import dataclass
 from functools import cached_property, partial
 from typing import Any
@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from analytic.description.linkage import GROUND, Guide, Linkage, Vector
 from analytic.kinematics.sweep import Sweep
 from reports.drawing import symbols
-from reports.drawing.style import INK, MUTED, drawn
+from reports.drawing.style import INK, MUTED, scaled_figure
 from reports.facts.views import View
 
 Array = NDArray[np.float64]
@@ -27,9 +27,6 @@ TURN_POINTS = 361
 MILLIMETRE = 1e3
 GHOST, PATH = "#a8b8c8", "#0072b2"
 LARGEST_WIDTH, LARGEST_HEIGHT, SMALLEST_WIDTH = 6.2, 5.6, 2.4
-# Room in inches for the ticks on the left and below, and on the other two sides.
-LEFT, BELOW, RIM = 0.55, 0.45, 0.08
-PIN_INCHES = 0.042
 NUMBER_STYLE = {"fontsize": 6.5, "color": MUTED, "zorder": 4.0}
 NAME_STYLE = {
     "fontsize": 8.5,
@@ -100,35 +97,6 @@ def scheme_figure(view: View) -> Figure:
     """The scheme on a page of its own, to scale in both directions."""
     largest, draw = (LARGEST_WIDTH, LARGEST_HEIGHT), partial(draw_scheme, view=view)
     return scaled_figure(scheme_of(view).extent, 0.42, largest, SMALLEST_WIDTH, draw)
-
-
-def scaled_figure(
-    corners: tuple[Array, Array],
-    pad: float,
-    largest: tuple[float, float],
-    narrowest: float,
-    draw: Callable[..., object],
-) -> Figure:
-    """A figure of the plane between two corners, mm, as large as ``largest``, in, allows to one scale both ways.
-
-    ``pad`` is the room around the corners, in, for pivots, numbers and names; ``narrowest`` the least width of the
-    axes. ``draw`` is given the axes and ``size``, a pin's radius, mm.
-    """
-    (low, high), rims = corners, np.array([LEFT + RIM, BELOW + RIM])
-    span = np.maximum(high - low, 1e-9)
-    room = largest - rims - 2.0 * pad
-    scale = float(np.min(room / span))
-    box = np.maximum(span * scale + 2.0 * pad, (narrowest, 0.0))
-    full = box + rims
-
-    def draw_all(figure: Figure) -> None:
-        axes = figure.add_axes((LEFT / full[0], BELOW / full[1], box[0] / full[0], box[1] / full[1]))
-        middle, half = 0.5 * (low + high), 0.5 * box / scale
-        axes.set_xlim(middle[0] - half[0], middle[0] + half[0])
-        axes.set_ylim(middle[1] - half[1], middle[1] + half[1])
-        draw(axes, size=PIN_INCHES / scale)
-
-    return drawn(float(full[0]), float(full[1]), draw_all)
 
 
 def draw_scheme(axes: Axes, view: View, size: float) -> None:

@@ -17,10 +17,12 @@ from html import escape
 from typing import Any
 
 import matplotlib
+import numpy as np
 from markupsafe import Markup
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import FuncFormatter, LogLocator, MultipleLocator, NullLocator
+from numpy.typing import NDArray
 
 from reports.text.templates import FOLDER
 
@@ -34,6 +36,9 @@ LIMIT_COLOUR = "#8a1c1c"
 
 # Inches of a figure that shares the page's width with another, and of one that has it to itself.
 WIDTH, FULL_WIDTH = 4.4, 9.2
+# Of drawings to scale: inches for the ticks on the left and below, on the other two sides, and of a pin's radius.
+LEFT, BELOW, RIM = 0.55, 0.45, 0.08
+PIN_INCHES = 0.042
 # An inline drawing beyond this many characters goes into the page as a picture instead.
 LARGEST_DRAWING = 300_000
 DOTS_PER_INCH = 160
@@ -94,6 +99,35 @@ def panels(
             figure.align_ylabels()
 
     return drawn(width, height, draw_all)
+
+
+def scaled_figure(
+    corners: tuple[NDArray[np.float64], NDArray[np.float64]],
+    pad: float,
+    largest: tuple[float, float],
+    narrowest: float,
+    draw: Callable[..., object],
+) -> Figure:
+    """A figure of the plane between two corners, mm, as large as ``largest``, in, allows to one scale both ways.
+
+    ``pad`` is the room around the corners, in, for pivots, numbers and names; ``narrowest`` the least width of the
+    axes. ``draw`` is given the axes and ``size``, a pin's radius, mm.
+    """
+    (low, high), rims = corners, np.array([LEFT + RIM, BELOW + RIM])
+    span = np.maximum(high - low, 1e-9)
+    room = largest - rims - 2.0 * pad
+    scale = float(np.min(room / span))
+    box = np.maximum(span * scale + 2.0 * pad, (narrowest, 0.0))
+    full = box + rims
+
+    def draw_all(figure: Figure) -> None:
+        axes = figure.add_axes((LEFT / full[0], BELOW / full[1], box[0] / full[0], box[1] / full[1]))
+        middle, half = 0.5 * (low + high), 0.5 * box / scale
+        axes.set_xlim(middle[0] - half[0], middle[0] + half[0])
+        axes.set_ylim(middle[1] - half[1], middle[1] + half[1])
+        draw(axes, size=PIN_INCHES / scale)
+
+    return drawn(float(full[0]), float(full[1]), draw_all)
 
 
 @dataclass(frozen=True)

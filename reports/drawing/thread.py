@@ -18,16 +18,13 @@ from reports.drawing import symbols
 from reports.drawing.scheme import (
     GHOST,
     LARGEST_HEIGHT,
-    LEFT,
     MILLIMETRE,
     NAME_STYLE,
-    RIM,
     TURN_POINTS,
     KinematicScheme,
     draw_position,
-    scaled_figure,
 )
-from reports.drawing.style import INK, MUTED, PALETTE, WIDTH, drawn, over_turn, panels
+from reports.drawing.style import INK, LEFT, MUTED, PALETTE, RIM, WIDTH, drawn, over_turn, panels, scaled_figure
 from reports.facts.thread import MM, diagram, thread_of, travels
 from reports.facts.views import View
 
