@@ -93,26 +93,28 @@ def _nearest_mode(linkage: Linkage, structure: Structure, dyad: Dyad, poses: dic
 
 def _points(structure: Structure, pair: dict[str, Pose]) -> dict[str, Vector]:
     """Named points of a dyad's links."""
-    found = {}
+    places = {}
     for name, pose in pair.items():
         for point, local in structure.bodies[name].points.items():
             x, y = frames.point(pose, local)
-            found[point] = (float(x), float(y))
-    return found
+            places[point] = (float(x), float(y))
+    return places
 
 
 def _distance_to_sketch(linkage: Linkage, places: dict[str, Vector]) -> float:
     return math.hypot(*(math.dist(place, linkage.sketch[p]) for p, place in places.items() if p in linkage.sketch))
 
 
-def _ambiguous(linkage: Linkage, dyad: Dyad, one: dict[str, Vector], two: dict[str, Vector]) -> str:
+def _ambiguous(linkage: Linkage, dyad: Dyad, first: dict[str, Vector], second: dict[str, Vector]) -> str:
     """What to add to the sketch: only points that tell the two modes apart are of use."""
-    telling = sorted(point for point in one if math.dist(one[point], two[point]) > TELLING * linkage.extent())
-    wanted = f"the rough position of {' or '.join(map(repr, telling))}" if telling else "a point that tells them apart"
-    cure = (
-        "add it under [sketch.points]" if telling else "name a further point on one of them, and place it in [sketch]"
-    )
+    least = TELLING * linkage.extent()
+    telling = sorted(point for point in first if math.dist(first[point], second[point]) > least)
+    if telling:
+        needed, cure = f"the rough position of {' or '.join(map(repr, telling))}", "add it under [sketch.points]"
+    else:
+        needed = "a point that tells them apart"
+        cure = "name a further point on one of them, and place it in [sketch]"
     return (
-        f"sketch of '{linkage.name}': expected {wanted} at crank angle {math.degrees(linkage.sketch_angle):g}°, got a "
+        f"sketch of '{linkage.name}': expected {needed} at crank angle {math.degrees(linkage.sketch_angle):g}°, got a "
         f"sketch that leaves open how '{dyad.first}' and '{dyad.second}' are assembled; {cure}"
     )
