@@ -1,4 +1,4 @@
-"""Quantities by name over many crank angles: only what is request for is computed, in pieces that stay in the cache."""
+"""Quantities by name over many crank angles: only what is requested is computed, in pieces that stay in the cache."""
 
 from __future__ import annotations
 
@@ -65,7 +65,7 @@ QUANTITIES: Final[Mapping[str, Callable[[MovingSweep], Array]]] = {
     "v": lambda at: at.sweep.output(1) * at.speed,
     "a": lambda at: at.sweep.output(2) * at.squared_speed + at.sweep.output(1) * at.acceleration,
 }
-"""What can be request for: Jeq kg m², half_slope ½Jeq' kg m², Q N m, Mkr N m, Teq J, Peq W, S m, v m/s, a m/s²."""
+"""What can be requested: Jeq kg m², half_slope ½Jeq' kg m², Q N m, Mkr N m, Teq J, Peq W, S m, v m/s, a m/s²."""
 
 
 def evaluate(

@@ -1,4 +1,4 @@
-"""What may be request of the closed form, checked: quantities by name over many crank angles."""
+"""What may be requested of the closed form, checked: quantities by name over many crank angles."""
 
 from __future__ import annotations
 
@@ -24,14 +24,14 @@ UNITS: Final[Mapping[str, str]] = {
     "v": "m/s",
     "a": "m/s²",
 }
-"""Names that can be request for, with their units; half_slope is ½ dJeq/dφ."""
+"""Names that can be requested, with their units; half_slope is ½ dJeq/dφ."""
 
 MOVING: Final = frozenset({"Mkr", "Teq", "Peq", "v", "a"})  # those that depend on how the crank moves
 
 
 @dataclass(frozen=True)
 class EvaluationRequest:
-    """Quantities request for, at crank angles of a ``shape``, here flat, as speed and acceleration if not scalar."""
+    """Quantities requested at crank angles of a ``shape``, here flat, as speed and acceleration if not scalar."""
 
     names: tuple[str, ...]
     shape: tuple[int, ...]

@@ -1,8 +1,8 @@
 """The motion of a crank integrated in compiled code: the kernels of the linkage inside the loop over the windows.
 
 The method is that of ``analytic.numerics.integration``, of a higher order. The equation is evaluated from the linkage
-at every node, so that the motion shares neither tables nor code with the one that ``FreeMotion.error_bound`` holds
-against it.
+at every node, so that the motion shares neither table nor integrator with the one that ``FreeMotion.error_bound``
+compares it with; the formulas of the linkage are the same.
 """
 
 from __future__ import annotations

@@ -27,7 +27,7 @@ from analytic.numerics.where_assembled import where_assembled
 Array = NDArray[np.float64]
 
 
-def moduli_half_slope(sweep: Sweep) -> Array:
+def moduli_half_derivative(sweep: Sweep) -> Array:
     """What article 000 takes for ½ Jeq': Σ m |S'| |S''| + J θ' θ'', kg m²/rad. It is not the derivative of Jeq."""
     total = np.zeros(sweep.angle.shape)
     for name, body in sweep.linkage.links.items():
@@ -37,9 +37,9 @@ def moduli_half_slope(sweep: Sweep) -> Array:
     return total
 
 
-HALF_SLOPES: Final[Mapping[str, Callable[[Sweep], Array]]] = {
+HALF_DERIVATIVES: Final[Mapping[str, Callable[[Sweep], Array]]] = {
     "exact": reduced.half_inertia_derivative,
-    "moduli": moduli_half_slope,
+    "moduli": moduli_half_derivative,
 }
 
 
@@ -61,7 +61,7 @@ class EquationOfMotion:
         sweep = self.mechanism.sweep(angle)
         inertia = reduced.reduced_inertia(sweep)
         moment = reduced.generalised_force(sweep) + self.torque(angle)[0]
-        slope = HALF_SLOPES[self.half_slope](sweep)
+        slope = HALF_DERIVATIVES[self.half_slope](sweep)
         return np.stack([moment, reduced.damping_coefficient(sweep), slope]) / inertia
 
     @cached_property
@@ -85,8 +85,8 @@ class EquationOfMotion:
 
 def equation_of_motion(mechanism: Mechanism, torque: float | Law = 0.0, half_slope: str = "exact") -> EquationOfMotion:
     """The equation under a crank torque M1, N m, constant or a law of φ; ``half_slope`` names the model of ½ Jeq'."""
-    if half_slope not in HALF_SLOPES:
-        raise UnknownNameError("model of the inertia's slope", half_slope, HALF_SLOPES)
+    if half_slope not in HALF_DERIVATIVES:
+        raise UnknownNameError("model of the inertia's slope", half_slope, HALF_DERIVATIVES)
     return EquationOfMotion(mechanism, crank_torque(torque), half_slope)
 
 
