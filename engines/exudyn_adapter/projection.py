@@ -31,7 +31,7 @@ QUOTIENT = ((-3, -1 / 60), (-2, 3 / 20), (-1, -3 / 4), (1, 3 / 4), (2, -3 / 20),
 
 
 @dataclass(frozen=True)
-class ClosedState:
+class ProjectedState:
     """Coordinates and their first two time derivatives that fit all constraints.
 
     ``side`` is the sign of det G, which a motion can only change where it is singular: at a dead or change point.
@@ -89,7 +89,9 @@ class Constraints:
         state.SetTime(time, self.current)
 
 
-def closed_state(constraints: Constraints, q: Array, time: float, pace: float, *, strict: bool) -> ClosedState | None:
+def projected_state(
+    constraints: Constraints, q: Array, time: float, pace: float, *, strict: bool
+) -> ProjectedState | None:
     """The state at a time of a prescribed motion whose coordinates are near those given; None where there is none.
 
     ``pace``, rad/s, is about how fast the crank turns. Where the drive's acceleration jumps, that of the functions of
@@ -119,7 +121,7 @@ def _closed(constraints: Constraints, q: Array, time: float, contraction: float)
     return None
 
 
-def _with_derivatives(constraints: Constraints, q: Array, time: float, distance: float) -> ClosedState | None:
+def _with_derivatives(constraints: Constraints, q: Array, time: float, distance: float) -> ProjectedState | None:
     """Velocities and accelerations of closed coordinates; ``distance``, s, of the places of a difference quotient."""
     matrix, used = constraints.jacobian(q, time)
     inverse = -np.linalg.inv(matrix)
@@ -131,4 +133,4 @@ def _with_derivatives(constraints: Constraints, q: Array, time: float, distance:
     second = inverse @ bend[used]
     if not (np.isfinite(rate).all() and np.isfinite(second).all()):
         return None
-    return ClosedState(q, rate, second, float(np.linalg.slogdet(matrix)[0]))
+    return ProjectedState(q, rate, second, float(np.linalg.slogdet(matrix)[0]))

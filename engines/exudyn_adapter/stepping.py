@@ -20,7 +20,7 @@ from engines.contract import History
 from engines.exudyn_adapter.checks import broken, not_finite
 from engines.exudyn_adapter.drive import Foreign, polynomial, whole_angle
 from engines.exudyn_adapter.model import Model
-from engines.exudyn_adapter.projection import Constraints, closed_state
+from engines.exudyn_adapter.projection import Constraints, projected_state
 from engines.exudyn_adapter.readout import Recorder
 from engines.exudyn_adapter.recipes import TIGHTER, Recipe
 from engines.scene import Prescribed, Scene
@@ -104,7 +104,7 @@ class Stepper:
         pace = speed + math.sqrt(second) + 1.0 / (part.end - part.start)
         with self.cost.stepping():
             constraints = Constraints(self.model)
-            state = closed_state(constraints, left, part.start, pace, strict=self.checked)
+            state = projected_state(constraints, left, part.start, pace, strict=self.checked)
         self.cost.solver_work += constraints.systems
         if state is None:
             raise DivergedError(f"the joints could not be closed again at {part.start:.4g} s")

@@ -91,7 +91,7 @@ def marks(steps: NDArray[np.intp], count: int) -> list[int]:
 
 @dataclass(frozen=True)
 class Recording:
-    """All looks of a pass over one stretch.
+    """All looks of a pass at one interval.
 
     ``steps`` (n,) are the engine's steps they followed, ``seen`` (n, parts, 2, 3) the parts' positions and rates,
     ``torque`` (n,) the drive's.

@@ -34,7 +34,7 @@ PLACING_STEP = 0.1
 LARGEST_WAY = 1e3
 
 # Steps after which full turns are taken off the angles.
-STRETCH = 500
+UNWINDING = 500
 
 # Steps at rest after a move, in which the joints close (they do so quadratically).
 SETTLING_STEPS = 4
@@ -153,7 +153,7 @@ def march_wound(
     looks: Sequence[int],
     loads: Callable[[], None] | None,
 ) -> tuple[Array, list[float]]:
-    """Like ``march``, in stretches before which full turns are taken off the angles; returns what was seen as well.
+    """Like ``march``, in parts before each of which full turns are taken off the angles; returns what was seen as well.
 
     Angles that grow lose digits turn by turn, the same rounding again and again at a constant speed: after a thousand
     turns the crank is off by 1e-6 rad and accelerations carry the last digit of the angle over the step squared.
@@ -161,8 +161,8 @@ def march_wound(
     together = geared(world.layout)
     turns = np.zeros(len(world.bodies))
     seen, impulses = [on.collected().copy()], []
-    for start in range(0, len(rates), STRETCH):
-        part = slice(start, start + STRETCH)
+    for start in range(0, len(rates), UNWINDING):
+        part = slice(start, start + UNWINDING)
         turns += _unwind(world, together)
         impulses += march(on, step, rates[part], looks[part], loads)
         look = on.collected().copy()

@@ -158,12 +158,12 @@ def test_order_of_convergence(monkeypatch, divisions, order):
 def test_without_consistent_accelerations_the_torque_rings(monkeypatch):
     motion = _motion("run-up", hold_time=0.06)
     good = _torque_error("juki-mf7923d", motion, _run("juki-mf7923d", motion)[1])
-    whole = stepping.closed_state
+    whole = stepping.projected_state
 
     def without(*given, **how):
         return dataclasses.replace(whole(*given, **how), acceleration=np.zeros(8))
 
-    monkeypatch.setattr(stepping, "closed_state", without)
+    monkeypatch.setattr(stepping, "projected_state", without)
     bad = _torque_error("juki-mf7923d", motion, _run("juki-mf7923d", motion)[1])
     assert good < LOAD[Setting.TUNED]
     assert bad > RINGING

@@ -6,7 +6,7 @@ import pytest
 from analytic.description.crank_motion import crank_motion
 from comparisons.reference.start_state import scene
 from engines.exudyn_adapter.model import build_model
-from engines.exudyn_adapter.projection import Constraints, closed_state
+from engines.exudyn_adapter.projection import Constraints, projected_state
 from engines.exudyn_adapter.readout import add_sensors
 from engines.exudyn_adapter.recipes import TRAPEZOIDAL, Recipe
 from engines.exudyn_adapter.stepping import Stepper
@@ -66,7 +66,7 @@ def test_a_state_near_the_joints_becomes_the_closed_forms(name, part):
     _use(stepper, segment)
     truth = _true_coordinates(name, motion, stepper, units, time)
     moved = truth[0] + OFF * np.random.default_rng(1).uniform(-1.0, 1.0, len(truth[0]))
-    found = closed_state(Constraints(stepper.model), moved, time, motion.peak_speed, strict=True)
+    found = projected_state(Constraints(stepper.model), moved, time, motion.peak_speed, strict=True)
     assert found is not None
     moving = _meaningful(stepper)
     for got, wanted in zip((found.position, found.velocity, found.acceleration), truth, strict=True):
@@ -79,7 +79,7 @@ def test_no_state_is_found_where_none_is_near():
     _use(stepper, motion.segments[0])
     truth = _true_coordinates("rimoldi-164", motion, stepper, units, 0.1)[0]
     far = truth + np.random.default_rng(2).uniform(-2.0, 2.0, len(truth))
-    assert closed_state(Constraints(stepper.model), far, 0.1, motion.peak_speed, strict=True) is None
+    assert projected_state(Constraints(stepper.model), far, 0.1, motion.peak_speed, strict=True) is None
 
 
 def test_the_two_assembly_modes_have_two_sides():
@@ -91,7 +91,7 @@ def test_the_two_assembly_modes_have_two_sides():
     rng, sides = np.random.default_rng(3), {constraints.side(start, 0.0)}
     for _ in range(200):
         q = start + rng.uniform(-3.0, 3.0, len(start))
-        found = closed_state(constraints, q, 0.0, motion.peak_speed, strict=False)
+        found = projected_state(constraints, q, 0.0, motion.peak_speed, strict=False)
         if found is not None:
             sides.add(found.side)
     assert sides == {-1.0, 1.0}

@@ -39,7 +39,7 @@ def _turned(name, count):
 def test_taking_turns_off_changes_nothing(monkeypatch, name):
     worlds, seen = [], []
     for stretch in (100, 10**9):
-        monkeypatch.setattr(stepping, "STRETCH", stretch)
+        monkeypatch.setattr(stepping, "UNWINDING", stretch)
         world, found, impulses = _turned(name, 2000)
         assert len(found) == len(impulses) == 2000
         worlds.append(world)
