@@ -28,13 +28,7 @@ from comparisons.runs.worker_process import READY, cut_off, serve, start_method,
 R = TypeVar("R")
 
 # What C and C++ run-time libraries say when an allocation fails and nobody catches it.
-_OUT_OF_MEMORY_WORDS: Final = (
-    b"bad_alloc",
-    b"out of memory",
-    b"Out of memory",
-    b"Cannot allocate memory",
-    b"MemoryError",
-)
+_NO_MEMORY: Final = (b"bad_alloc", b"out of memory", b"Out of memory", b"Cannot allocate memory", b"MemoryError")
 _OUTPUT_END: Final = 4096  # bytes kept of the end of a worker's output, to see what it died of
 _CHUNK: Final = 1 << 16
 _DYING: Final = 2.0  # s that a process which has hung up is given to end
@@ -254,7 +248,7 @@ class _Crew:
             self.again.add(number)
             self.todo.appendleft(number)
             return []
-        if any(words in worker.written for words in _OUT_OF_MEMORY_WORDS):
+        if any(words in worker.written for words in _NO_MEMORY):
             return [(number, lost(MemoryError(), self.bounds.memory))]
         return [(number, Lost(Failure.CRASHED, _how(code)))]
 
