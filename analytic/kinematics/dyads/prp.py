@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import NamedTuple
 
 from analytic.description.linkage import Vector
+from analytic.kinematics import frames
 from analytic.kinematics.dyads import crossing
 from analytic.kinematics.dyads.closure import (
     LEAST_SINE,
@@ -18,27 +19,7 @@ from analytic.kinematics.dyads.closure import (
     on_rail,
 )
 from analytic.kinematics.dyads.crossing import slides
-from analytic.kinematics.frames import (
-    Pair,
-    Pose,
-    Rate,
-    Scalar,
-    acceleration_through,
-    ahead,
-    arm,
-    carried_acceleration,
-    carried_rate,
-    coriolis,
-    cross,
-    inverse,
-    is_still,
-    minus,
-    plus,
-    point,
-    pose_through,
-    rate_through,
-    turned,
-)
+from analytic.kinematics.frames import Pair, Pose, Rate, Scalar
 from analytic.kinematics.structure import Dyad, Prismatic, Revolute
 
 
@@ -71,26 +52,26 @@ def constants(first: Prismatic, inner: Revolute, second: Prismatic, sign: float)
 
 def poses(k: PRPConstants, near: Poses) -> tuple[Poses, Closure]:
     """The pin C lies where the two lines cross: C = one + t e = two + u f."""
-    e, f = arm(near[0], k.first_along), arm(near[1], k.second_along)
-    determinant = cross(e, f)
-    one = point(near[0], k.first_base)
-    slide, _ = slides(e, f, minus(point(near[1], k.second_base), one), inverse(determinant))
-    c = ahead(one, slide, e)
-    first = pose_through(c, turned(near[0], k.first_turn), k.first_pin)
-    second = pose_through(c, turned(near[1], k.second_turn), k.second_pin)
+    e, f = frames.arm(near[0], k.first_along), frames.arm(near[1], k.second_along)
+    determinant = frames.cross(e, f)
+    one = frames.point(near[0], k.first_base)
+    slide, _ = slides(e, f, frames.minus(frames.point(near[1], k.second_base), one), frames.inverse(determinant))
+    c = frames.ahead(one, slide, e)
+    first = frames.pose_through(c, frames.turned(near[0], k.first_turn), k.first_pin)
+    second = frames.pose_through(c, frames.turned(near[1], k.second_turn), k.second_pin)
     return (first, second), Closure(e, f, determinant, c)
 
 
 def rates(k: PRPConstants, near: Poses, near_rates: Rates, own: Poses, closure: Closure) -> tuple[Rates, Travel]:
     """C moves as the point of each host under it does, plus that host's slide."""
-    a = carried_rate(near[0], near_rates[0], closure.pin)
-    b = carried_rate(near[1], near_rates[1], closure.pin)
-    scale = inverse(closure.determinant)
-    one, two = slides(closure.u, closure.v, minus(b, a), scale)
-    c = ahead(a, one, closure.u)
+    a = frames.carried_rate(near[0], near_rates[0], closure.pin)
+    b = frames.carried_rate(near[1], near_rates[1], closure.pin)
+    scale = frames.inverse(closure.determinant)
+    one, two = slides(closure.u, closure.v, frames.minus(b, a), scale)
+    c = frames.ahead(a, one, closure.u)
     pair = (
-        rate_through(own[0], c, near_rates[0][2], k.first_pin),
-        rate_through(own[1], c, near_rates[1][2], k.second_pin),
+        frames.rate_through(own[0], c, near_rates[0][2], k.first_pin),
+        frames.rate_through(own[1], c, near_rates[1][2], k.second_pin),
     )
     return pair, Travel(scale, one, two)
 
@@ -108,18 +89,18 @@ def accelerations(
     """The same once more, with the Coriolis term of each slide on its host."""
     a = _on_host(near[0], near_rates[0], near_seconds[0], closure.pin, travel.first, closure.u)
     b = _on_host(near[1], near_rates[1], near_seconds[1], closure.pin, travel.second, closure.v)
-    slide, _ = slides(closure.u, closure.v, minus(b, a), travel.scale)
-    c = ahead(a, slide, closure.u)
+    slide, _ = slides(closure.u, closure.v, frames.minus(b, a), travel.scale)
+    c = frames.ahead(a, slide, closure.u)
     return (
-        acceleration_through(own[0], c, near_rates[0][2], near_seconds[0][2], k.first_pin),
-        acceleration_through(own[1], c, near_rates[1][2], near_seconds[1][2], k.second_pin),
+        frames.acceleration_through(own[0], c, near_rates[0][2], near_seconds[0][2], k.first_pin),
+        frames.acceleration_through(own[1], c, near_rates[1][2], near_seconds[1][2], k.second_pin),
     )
 
 
 def _on_host(host: Pose, rate: Rate, second: Rate, pin: Pair, travel: Scalar, along: Pair) -> Pair:
     """Second derivative of the pin, less that of the travel along its line."""
-    carried = carried_acceleration(host, rate, second, pin)
-    return carried if is_still(rate) else plus(carried, coriolis(rate[2], travel, along))
+    carried = frames.carried_acceleration(host, rate, second, pin)
+    return carried if frames.is_still(rate) else frames.plus(carried, frames.coriolis(rate[2], travel, along))
 
 
 def least(k: PRPConstants, closure: Closure) -> Scalar:

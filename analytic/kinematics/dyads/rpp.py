@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import NamedTuple
 
 from analytic.description.linkage import Vector
+from analytic.kinematics import frames
 from analytic.kinematics.dyads import crossing
 from analytic.kinematics.dyads.closure import (
     LEAST_SINE,
@@ -18,26 +19,7 @@ from analytic.kinematics.dyads.closure import (
     on_rail,
 )
 from analytic.kinematics.dyads.crossing import slides
-from analytic.kinematics.frames import (
-    Scalar,
-    acceleration_through,
-    ahead,
-    arm,
-    carried_acceleration,
-    carried_rate,
-    coriolis,
-    cross,
-    inverse,
-    minus,
-    plus,
-    point,
-    point_acceleration,
-    point_rate,
-    pose_through,
-    rate_through,
-    rotated,
-    turned,
-)
+from analytic.kinematics.frames import Scalar
 from analytic.kinematics.structure import Dyad, Prismatic, Revolute
 
 
@@ -74,25 +56,25 @@ def constants(first: Revolute, inner: Prismatic, second: Prismatic, sign: float)
 def poses(k: RPPConstants, near: Poses) -> tuple[Poses, Closure]:
     """The pin A lies on the second link's line: A = start + t e − u f, f against the inner slide."""
     host = near[1]
-    a, e = point(near[0], k.a), arm(host, k.along)
-    c, s = turned(host, k.turn)
-    x, y = rotated(c, s, k.inner_along)
+    a, e = frames.point(near[0], k.a), frames.arm(host, k.along)
+    c, s = frames.turned(host, k.turn)
+    x, y = frames.rotated(c, s, k.inner_along)
     f = (-x, -y)
-    determinant = cross(e, f)
-    slide, _ = slides(e, f, minus(a, point(host, k.start)), inverse(determinant))
-    x, y = ahead(point(host, k.origin), slide, e)
-    first = pose_through(a, rotated(c, s, k.inner_turn), k.pin_a)
+    determinant = frames.cross(e, f)
+    slide, _ = slides(e, f, frames.minus(a, frames.point(host, k.start)), frames.inverse(determinant))
+    x, y = frames.ahead(frames.point(host, k.origin), slide, e)
+    first = frames.pose_through(a, frames.rotated(c, s, k.inner_turn), k.pin_a)
     return (first, (x, y, c, s)), Closure(e, f, determinant, a)
 
 
 def rates(k: RPPConstants, near: Poses, near_rates: Rates, own: Poses, closure: Closure) -> tuple[Rates, Travel]:
     """The pin moves as the point of the host under it does, plus the two slides."""
     host, moves, e = near[1], near_rates[1], closure.u
-    a = point_rate(near[0], near_rates[0], k.a)
-    scale = inverse(closure.determinant)
-    one, two = slides(e, closure.v, minus(a, carried_rate(host, moves, closure.pin)), scale)
-    x, y = ahead(carried_rate(host, moves, (own[1][0], own[1][1])), one, e)
-    return (rate_through(own[0], a, moves[2], k.pin_a), (x, y, moves[2])), Travel(scale, one, two)
+    a = frames.point_rate(near[0], near_rates[0], k.a)
+    scale = frames.inverse(closure.determinant)
+    one, two = slides(e, closure.v, frames.minus(a, frames.carried_rate(host, moves, closure.pin)), scale)
+    x, y = frames.ahead(frames.carried_rate(host, moves, (own[1][0], own[1][1])), one, e)
+    return (frames.rate_through(own[0], a, moves[2], k.pin_a), (x, y, moves[2])), Travel(scale, one, two)
 
 
 def accelerations(
@@ -108,14 +90,14 @@ def accelerations(
     """The same once more, with the Coriolis term of both slides on the turning host."""
     host, moves, seconds = near[1], near_rates[1], near_seconds[1]
     e, f = closure.u, closure.v
-    a = point_acceleration(near[0], near_rates[0], near_seconds[0], k.a)
-    under = carried_acceleration(host, moves, seconds, closure.pin)
-    one, two = coriolis(moves[2], travel.first, e), coriolis(moves[2], travel.second, f)
-    gap = minus(minus(a, under), minus(one, two))
+    a = frames.point_acceleration(near[0], near_rates[0], near_seconds[0], k.a)
+    under = frames.carried_acceleration(host, moves, seconds, closure.pin)
+    one, two = frames.coriolis(moves[2], travel.first, e), frames.coriolis(moves[2], travel.second, f)
+    gap = frames.minus(frames.minus(a, under), frames.minus(one, two))
     slide, _ = slides(e, f, gap, travel.scale)
-    home = carried_acceleration(host, moves, seconds, (own[1][0], own[1][1]))
-    x, y = plus(ahead(home, slide, e), one)
-    return acceleration_through(own[0], a, moves[2], seconds[2], k.pin_a), (x, y, seconds[2])
+    home = frames.carried_acceleration(host, moves, seconds, (own[1][0], own[1][1]))
+    x, y = frames.plus(frames.ahead(home, slide, e), one)
+    return frames.acceleration_through(own[0], a, moves[2], seconds[2], k.pin_a), (x, y, seconds[2])
 
 
 def least(k: RPPConstants, closure: Closure) -> Scalar:

@@ -7,6 +7,7 @@ from typing import NamedTuple
 import numpy as np
 
 from analytic.description.linkage import Vector
+from analytic.kinematics import frames
 from analytic.kinematics.dyads.closure import (
     LEAST_SINE,
     ROUNDING,
@@ -23,23 +24,7 @@ from analytic.kinematics.dyads.closure import (
     on_rail,
     size,
 )
-from analytic.kinematics.frames import (
-    Pair,
-    Scalar,
-    acceleration_through,
-    cross,
-    dot,
-    inverse,
-    is_zero,
-    minus,
-    point,
-    point_acceleration,
-    point_rate,
-    pose_through,
-    rate_through,
-    root,
-    rotated,
-)
+from analytic.kinematics.frames import Pair, Scalar
 from analytic.kinematics.structure import Dyad, Prismatic, Revolute
 
 
@@ -57,7 +42,7 @@ class RPRConstants(NamedTuple):
 
 def constants(first: Revolute, inner: Prismatic, second: Revolute, sign: float) -> RPRConstants:
     """The line's offset."""
-    start = minus(on_rail(inner, first.far_local), second.far_local)
+    start = frames.minus(on_rail(inner, first.far_local), second.far_local)
     return RPRConstants(
         first.near_local,
         second.near_local,
@@ -65,7 +50,7 @@ def constants(first: Revolute, inner: Prismatic, second: Revolute, sign: float) 
         second.far_local,
         inner.along,
         inner.turn,
-        (cross(inner.along, start), sign),
+        (frames.cross(inner.along, start), sign),
     )
 
 
@@ -76,35 +61,37 @@ def poses(k: RPRConstants, near: Poses) -> tuple[Poses, Closure]:
     undefined (nan).
     """
     offset, sign = k.line
-    a, b = point(near[0], k.a), point(near[1], k.b)
-    d = minus(a, b)
-    square = dot(d, d)
-    along = sign * root(square - offset * offset)
+    a, b = frames.point(near[0], k.a), frames.point(near[1], k.b)
+    d = frames.minus(a, b)
+    square = frames.dot(d, d)
+    along = sign * frames.root(square - offset * offset)
     e = _line(d, along, offset, square)
     c, s = direction(e, k.along)
-    second = pose_through(b, (c, s), k.pin_b)
-    first = pose_through(a, rotated(c, s, k.turn), k.pin_a)
+    second = frames.pose_through(b, (c, s), k.pin_b)
+    first = frames.pose_through(a, frames.rotated(c, s, k.turn), k.pin_a)
     return (first, second), Closure(e, d, along, a)
 
 
 def _line(d: Pair, along: Scalar, offset: Scalar, square: Scalar) -> Pair:
     """The line's direction, from the components of d along and square to it."""
-    if is_zero(offset):
-        scale = inverse(along)
+    if frames.is_zero(offset):
+        scale = frames.inverse(along)
         return (d[0] * scale, d[1] * scale)
-    scale = inverse(square)
+    scale = frames.inverse(square)
     return ((along * d[0] + offset * d[1]) * scale, (along * d[1] - offset * d[0]) * scale)
 
 
 def rates(k: RPRConstants, near: Poses, near_rates: Rates, own: Poses, closure: Closure) -> tuple[Rates, Travel]:
     """Closure once differentiated: d' = t' e + θ' d⊥."""
-    a, b = point_rate(near[0], near_rates[0], k.a), point_rate(near[1], near_rates[1], k.b)
-    apart = minus(a, b)
+    a, b = frames.point_rate(near[0], near_rates[0], k.a), frames.point_rate(near[1], near_rates[1], k.b)
+    apart = frames.minus(a, b)
     e = closure.u
-    scale = inverse(closure.determinant)
-    w = cross(e, apart) * scale
-    slide = dot(apart, e) + w * k.line[0]
-    return (rate_through(own[0], a, w, k.pin_a), rate_through(own[1], b, w, k.pin_b)), Travel(scale, slide, 0.0)
+    scale = frames.inverse(closure.determinant)
+    w = frames.cross(e, apart) * scale
+    slide = frames.dot(apart, e) + w * k.line[0]
+    return (frames.rate_through(own[0], a, w, k.pin_a), frames.rate_through(own[1], b, w, k.pin_b)), Travel(
+        scale, slide, 0.0
+    )
 
 
 def accelerations(
@@ -118,34 +105,34 @@ def accelerations(
     travel: Travel,
 ) -> Rates:
     """Closure twice differentiated: d'' = t'' e + 2 θ' t' e⊥ + θ'' d⊥ - θ'² d."""
-    a = point_acceleration(near[0], near_rates[0], near_seconds[0], k.a)
-    b = point_acceleration(near[1], near_rates[1], near_seconds[1], k.b)
+    a = frames.point_acceleration(near[0], near_rates[0], near_seconds[0], k.a)
+    b = frames.point_acceleration(near[1], near_rates[1], near_seconds[1], k.b)
     w = own_rates[0][2]
-    turn = (cross(closure.u, minus(a, b)) + w * (w * k.line[0] - 2.0 * travel.first)) * travel.scale
+    turn = (frames.cross(closure.u, frames.minus(a, b)) + w * (w * k.line[0] - 2.0 * travel.first)) * travel.scale
     return (
-        acceleration_through(own[0], a, w, turn, k.pin_a),
-        acceleration_through(own[1], b, w, turn, k.pin_b),
+        frames.acceleration_through(own[0], a, w, turn, k.pin_a),
+        frames.acceleration_through(own[1], b, w, turn, k.pin_b),
     )
 
 
 def least(k: RPRConstants, closure: Closure) -> Scalar:
     """A is at the foot of the perpendicular from B to the line."""
-    return LEAST_SINE * (size(closure.pin, minus(closure.pin, closure.v)) + abs(k.line[0]))
+    return LEAST_SINE * (size(closure.pin, frames.minus(closure.pin, closure.v)) + abs(k.line[0]))
 
 
 def missing(k: RPRConstants, near: Poses, closure: Closure) -> tuple[Scalar, Scalar]:
     """The distance AB less the line's offset from B; a line through B needs A away from it, to have a direction."""
     offset = abs(k.line[0])
-    pins = size(point(near[0], k.a), point(near[1], k.b))
+    pins = size(frames.point(near[0], k.a), frames.point(near[1], k.b))
     needed = offset if offset > 0.0 else 2.0 * ROUNDING * pins
-    return np.sqrt(dot(closure.v, closure.v)) - needed, pins + offset
+    return np.sqrt(frames.dot(closure.v, closure.v)) - needed, pins + offset
 
 
 def shortfall(dyad: Dyad, k: RPRConstants, near: Poses, at: At, written: Written) -> Shortfall:
     """The offset is too large, or A is on B."""
     assert isinstance(dyad.first_joint, Revolute)
     assert isinstance(dyad.second_joint, Revolute)
-    distance = at(np.hypot(*minus(point(near[0], k.a), point(near[1], k.b))))
+    distance = at(np.hypot(*frames.minus(frames.point(near[0], k.a), frames.point(near[1], k.b))))
     offset = abs(k.line[0])
     pins = f"'{dyad.first_joint.point}' and '{dyad.second_joint.point}'"
     if offset == 0.0:

@@ -8,6 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from analytic.description.linkage import Vector
+from analytic.kinematics import frames
 from analytic.kinematics.dyads.closure import (
     LEAST_SINE,
     UNASSEMBLED,
@@ -23,20 +24,7 @@ from analytic.kinematics.dyads.closure import (
     over_square,
     size,
 )
-from analytic.kinematics.frames import (
-    Scalar,
-    acceleration_through,
-    dot,
-    inverse,
-    minus,
-    plus,
-    point,
-    point_acceleration,
-    point_rate,
-    pose_through,
-    rate_through,
-    root,
-)
+from analytic.kinematics.frames import Scalar
 from analytic.kinematics.structure import Dyad, Revolute
 
 
@@ -55,7 +43,7 @@ class RRRConstants(NamedTuple):
 
 def constants(first: Revolute, inner: Revolute, second: Revolute, sign: float) -> RRRConstants:
     """Arms and their lengths."""
-    r, q = minus(inner.far_local, first.far_local), minus(inner.near_local, second.far_local)
+    r, q = frames.minus(inner.far_local, first.far_local), frames.minus(inner.near_local, second.far_local)
     one, two = math.hypot(r[0], r[1]), math.hypot(q[0], q[1])
     return RRRConstants(
         first.near_local,
@@ -75,30 +63,30 @@ def poses(k: RRRConstants, near: Poses) -> tuple[Poses, Closure]:
     The determinant r × q is |AB| times C's distance from the line AB. The radicand is formed as a product (Heron), not
     as a difference of squares, to stay accurate near the dead positions. Where A is on B, C is undefined (nan).
     """
-    a, b = point(near[0], k.a), point(near[1], k.b)
+    a, b = frames.point(near[0], k.a), frames.point(near[1], k.b)
     one, two = k.lengths
     total, difference = one + two, one - two
-    d = minus(b, a)
-    square = dot(d, d)
-    determinant = (0.5 * k.sign[0]) * root((total * total - square) * (square - difference * difference))
-    scale = inverse(square)
+    d = frames.minus(b, a)
+    square = frames.dot(d, d)
+    determinant = (0.5 * k.sign[0]) * frames.root((total * total - square) * (square - difference * difference))
+    scale = frames.inverse(square)
     along = 0.5 + (0.5 * difference * total) * scale
     across = determinant * scale
     r = (along * d[0] - across * d[1], along * d[1] + across * d[0])
-    c = plus(a, r)
-    q = minus(c, b)
-    first = pose_through(a, direction(r, k.first), k.pin_a)
-    second = pose_through(b, direction(q, k.second), k.pin_b)
+    c = frames.plus(a, r)
+    q = frames.minus(c, b)
+    first = frames.pose_through(a, direction(r, k.first), k.pin_a)
+    second = frames.pose_through(b, direction(q, k.second), k.pin_b)
     return (first, second), Closure(r, q, determinant, c)
 
 
 def rates(k: RRRConstants, near: Poses, near_rates: Rates, own: Poses, closure: Closure) -> tuple[Rates, Travel]:
     """Closure once differentiated: A' + θ1' r⊥ = B' + θ2' q⊥."""
-    a, b = point_rate(near[0], near_rates[0], k.a), point_rate(near[1], near_rates[1], k.b)
-    scale = inverse(closure.determinant)
-    apart = minus(b, a)
-    one, two = dot(apart, closure.v) * scale, dot(apart, closure.u) * scale
-    pair = rate_through(own[0], a, one, k.pin_a), rate_through(own[1], b, two, k.pin_b)
+    a, b = frames.point_rate(near[0], near_rates[0], k.a), frames.point_rate(near[1], near_rates[1], k.b)
+    scale = frames.inverse(closure.determinant)
+    apart = frames.minus(b, a)
+    one, two = frames.dot(apart, closure.v) * scale, frames.dot(apart, closure.u) * scale
+    pair = frames.rate_through(own[0], a, one, k.pin_a), frames.rate_through(own[1], b, two, k.pin_b)
     return pair, Travel(scale, 0.0, 0.0)
 
 
@@ -113,16 +101,16 @@ def accelerations(
     travel: Travel,
 ) -> Rates:
     """Closure twice differentiated: A'' + θ1'' r⊥ - θ1'² r = B'' + θ2'' q⊥ - θ2'² q."""
-    a = point_acceleration(near[0], near_rates[0], near_seconds[0], k.a)
-    b = point_acceleration(near[1], near_rates[1], near_seconds[1], k.b)
+    a = frames.point_acceleration(near[0], near_rates[0], near_seconds[0], k.a)
+    b = frames.point_acceleration(near[1], near_rates[1], near_seconds[1], k.b)
     r, q = closure.u, closure.v
     w, v = own_rates[0][2], own_rates[1][2]
     one, two = w * w, v * v
     g = (b[0] - a[0] + one * r[0] - two * q[0], b[1] - a[1] + one * r[1] - two * q[1])
-    first, second = dot(g, q) * travel.scale, dot(g, r) * travel.scale
+    first, second = frames.dot(g, q) * travel.scale, frames.dot(g, r) * travel.scale
     return (
-        acceleration_through(own[0], a, w, first, k.pin_a),
-        acceleration_through(own[1], b, v, second, k.pin_b),
+        frames.acceleration_through(own[0], a, w, first, k.pin_a),
+        frames.acceleration_through(own[1], b, v, second, k.pin_b),
     )
 
 
@@ -133,16 +121,16 @@ def least(k: RRRConstants, closure: Closure) -> Scalar:
 
 def missing(k: RRRConstants, near: Poses, closure: Closure) -> tuple[Scalar, Scalar]:
     """The sum of the arms less the gap AB, or the gap less their difference."""
-    a, b = point(near[0], k.a), point(near[1], k.b)
+    a, b = frames.point(near[0], k.a), frames.point(near[1], k.b)
     one, two = k.lengths
-    d = minus(b, a)
-    gap = np.sqrt(dot(d, d))
+    d = frames.minus(b, a)
+    gap = np.sqrt(frames.dot(d, d))
     return np.minimum(one + two - gap, gap - abs(one - two)), size(a, b) + one + two
 
 
 def shortfall(dyad: Dyad, k: RRRConstants, near: Poses, at: At, written: Written) -> Shortfall:
     """Arms too short for the gap, or one too long."""
-    gap = at(np.hypot(*minus(point(near[1], k.b), point(near[0], k.a))))
+    gap = at(np.hypot(*frames.minus(frames.point(near[1], k.b), frames.point(near[0], k.a))))
     first, second = k.lengths
     links = f"'{dyad.first}' ({written(first)}) and '{dyad.second}' ({written(second)})"
     if gap == 0.0:
