@@ -32,10 +32,11 @@ def test_an_exact_method_has_errors_of_round_off_in_every_quantity():
 
 
 def test_the_worst_joint_stands_for_all():
-    method = Method("exact", "")
-    taken = measure(PICKLED, "direct", method, 24.0, FOUR, with_errors=True)
+    pytest.importorskip("pymunk")
+    method = Method("centred", "")
+    taken = measure(PICKLED, "pymunk", method, 24.0, FOUR, with_errors=True)
     scene = CASE.scene(frozenset(Channel))
-    history = engine("direct").run_method(scene, method, longest_step(CASE, 24.0)).history
+    history = engine("pymunk").run_method(scene, method, longest_step(CASE, 24.0)).history
     time = history.joint_force["A"].time
     errors = [
         np.linalg.norm(history.joint_force[name].values - truth.T, axis=1).max() / np.linalg.norm(truth, axis=0).max()
@@ -43,7 +44,7 @@ def test_the_worst_joint_stands_for_all():
     ]
     assert len(errors) > 2
     assert taken.errors["joint_force"].error_max == pytest.approx(max(errors), rel=1e-9)
-    assert max(errors) > 2 * min(errors)
+    assert max(errors) > 1.5 * min(errors) > 1e-6
     assert [one.name for one in chosen(CASE, ("joint_force:A",))["joint_force:A"]] == ["joint_force:A"]
 
 
