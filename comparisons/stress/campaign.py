@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Iterable, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from functools import partial
 from typing import Any, Final
 
@@ -17,14 +17,12 @@ from comparisons.runs.workers import Bounds
 from comparisons.stress.axes import Axis, axes
 from comparisons.stress.border import COARSE, PRECISE, Border, bisected, borders
 from comparisons.stress.cells import Cell, CellResult, cells, from_document, lost, made
-from comparisons.stress.long_run import LongRun, long_runs
 from comparisons.stress.verdict import StressVerdict
 
 MEMORY: Final = 2 * GIB  # a cell may add
 # What a cell may take of a quick map, s, whatever its axis grants; and the usage whose borders a quick map looks for.
 QUICK_SECONDS: Final = 4.0
 QUICK_BORDERS: Final = "tuned"
-DRIVEN: Final = "turns-driven"  # the map of long driven runs
 
 
 @dataclass(frozen=True)
@@ -44,11 +42,10 @@ class StressRequest:
 
 @dataclass(frozen=True)
 class Stressed:
-    """Finished maps: every cell, those of the bisections among them, the borders and the long runs."""
+    """Finished maps: every cell, those of the bisections among them, and the borders."""
 
     cells: tuple[CellResult, ...]
     borders: tuple[Border, ...]
-    long_runs: tuple[LongRun, ...] = ()
 
     @property
     def missed(self) -> tuple[CellResult, ...]:
@@ -65,7 +62,6 @@ class Stressed:
             "summary": summary(self.cells),
             "cells": [part.document for part in self.cells],
             "borders": [part.document for part in self.borders],
-            "long_runs": [asdict(part) for part in self.long_runs],
         }
 
 
@@ -97,13 +93,7 @@ def stress(request: StressRequest, announce: Announce = lambda *_: None, journal
     if request.quick:
         rough = [border for border in rough if border.inside.cell.usage == QUICK_BORDERS]
     narrow = bisected(rough, make, COARSE if request.quick else PRECISE)
-    return Stressed(tuple(study.results.values()), tuple(narrow), tuple(_long_runs(request, journal)))
-
-
-def _long_runs(request: StressRequest, journal: Journal | None) -> Iterable[LongRun]:
-    """First turn against last on the linkages of the map of long driven runs; too long for a quick look."""
-    linkages = [row.conditions.linkage for axis in request.axes if axis.name == DRIVEN for row in axis.rows]
-    return () if request.quick else long_runs(request.engines, linkages, journal=journal)
+    return Stressed(tuple(study.results.values()), tuple(narrow))
 
 
 def make_cells(chosen: Sequence[Cell], time_limit: float | None = None) -> list[CellResult]:

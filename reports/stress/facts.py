@@ -1,4 +1,4 @@
-"""A saved stress test read back: its cells in the order of the table of axes, its borders and long runs; no engine."""
+"""A saved stress test read back: its cells in the order of the table of axes, its borders; no engine."""
 
 from __future__ import annotations
 
@@ -13,7 +13,6 @@ from typing import Any, NamedTuple
 from analytic.errors import LinkproofError
 from comparisons.stress.axes import axes
 from comparisons.stress.cells import Cell, CellResult, from_document
-from comparisons.stress.long_run import LongRun
 from comparisons.stress.verdict import StressVerdict
 from reports.text.numbers import ABSENT, bound, printed
 
@@ -91,11 +90,6 @@ class Stress:
         return tuple(_border(row) for row in self.document.get("borders", ()))
 
     @cached_property
-    def long_runs(self) -> tuple[LongRun, ...]:
-        """First against last turn, where it was measured."""
-        return tuple(_long_run(row) for row in self.document.get("long_runs", ()))
-
-    @cached_property
     def lines(self) -> Mapping[Line, tuple[CellResult, ...]]:
         """The cells of each line."""
         found: dict[Line, list[CellResult]] = {}
@@ -154,10 +148,6 @@ def _border(row: Mapping[str, Any]) -> BorderRecord:
     return BorderRecord(**{**told, "verdict": StressVerdict(row["verdict"])})
 
 
-def _long_run(row: Mapping[str, Any]) -> LongRun:
-    return LongRun(**{field.name: row[field.name] for field in fields(LongRun)})
-
-
 def load(saved: Path) -> Stress:
     """Read a stress test back, from its folder or from the file itself; no engine is imported."""
     path = saved / FILE if saved.is_dir() else saved
@@ -165,7 +155,7 @@ def load(saved: Path) -> Stress:
         raise LinkproofError(f"no stress test at '{path}': expected the folder given to stress --out, or its {FILE}")
     try:
         found = Stress(json.loads(path.read_text(encoding="utf-8")))
-        _ = found.results, found.borders, found.long_runs, found.document["command"], found.document["environment"]
+        _ = found.results, found.borders, found.document["command"], found.document["environment"]
     except (OSError, ValueError, KeyError, TypeError) as fault:
         raise LinkproofError(f"'{path}' is no stress test ({fault}); run stress with --out again") from fault
     return found

@@ -7,7 +7,6 @@ from collections.abc import Iterable, Sequence
 from markupsafe import Markup
 
 from comparisons.stress.cells import CellResult
-from comparisons.stress.long_run import LEAST
 from comparisons.stress.verdict import StressVerdict
 from reports.stress.facts import (
     APART,
@@ -20,7 +19,7 @@ from reports.stress.facts import (
     shown_verdicts,
     value_words,
 )
-from reports.text.numbers import ABSENT, error, figure
+from reports.text.numbers import ABSENT
 from reports.text.tables import ReportTable
 from reports.text.templates import render
 
@@ -108,32 +107,6 @@ def border_words(border: BorderRecord) -> str:
     return beyond if border.inside is None else f"{value_words(border.inside)}, {beyond}"
 
 
-def long_run_table(stress: Stress) -> ReportTable | None:
-    """First against last turn, if it was measured."""
-    if not stress.long_runs:
-        return None
-    return ReportTable(
-        "Long driven runs, first turn against last: the widest joint gap over the shortest link, the torque's largest "
-        "error over its peak.",
-        ("mechanism", "engine", "setting", "outcome", "turns",
-         "gap, first", "last", "ratio", "torque error, first", "last", "ratio"),
-        tuple(
-            (run.mechanism, run.engine, run.setting, run.outcome, value_words(run.turns),
-             error(run.gap_first), error(run.gap_last), _ratio(run.gap_last, run.gap_first),
-             error(run.torque_first), error(run.torque_last), _ratio(run.torque_last, run.torque_first))
-            for run in stress.long_runs
-        ),
-        align="llllr",
-    )  # fmt: skip
-
-
-def _ratio(last: float | None, first: float | None) -> str:
-    """Growth; an error below rounding counts as rounding."""
-    if last is None or first is None:
-        return ABSENT
-    return figure(max(last, LEAST) / max(first, LEAST), 2)
-
-
 def section(stress: Stress, *, with_borders: bool = True) -> Markup:
     """The section's HTML, heading and tables, as a page has it; the long table of borders folded away."""
     return render(
@@ -141,6 +114,5 @@ def section(stress: Stress, *, with_borders: bool = True) -> Markup:
         title=TITLE,
         about=summary(stress),
         verdicts=verdict_table(stress),
-        long_runs=long_run_table(stress),
         borders=border_table(stress) if with_borders else None,
     )

@@ -12,7 +12,7 @@ from rich.text import Text
 from comparisons.stress.cells import CellResult
 from comparisons.stress.verdict import StressVerdict
 from reports.stress.facts import SIGNS, Stress, axis_title, shown_verdicts, value_words
-from reports.stress.section import border_words, long_run_table, summary
+from reports.stress.section import border_words, summary
 from reports.text.numbers import bound, error, seconds
 from reports.text.screen import Cell, Printout, line, table
 
@@ -23,8 +23,6 @@ def printout(stress: Stress) -> Printout:
     """Counts, borders, what was missed or raised for nothing, then what it all comes to; each cell if verbose."""
     parts: list[RenderableType] = [_counts(stress), line(_key(stress), "dim"), line("")]
     parts += [_borders(stress), line("")] if stress.borders else []
-    long_runs = long_run_table(stress)
-    parts += [long_runs, line("")] if long_runs else []
     parts += [_incident(result) for result in stress.of(*LOUD)]
     return Printout(parts, [line(summary(stress))], [*map(cell_details, stress.results), line("")])
 

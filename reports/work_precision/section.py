@@ -18,8 +18,7 @@ from reports.text.templates import plain, render
 from reports.work_precision.circumstances import note
 from reports.work_precision.facts import EngineFacts, PlaceFacts, engine_names, failed_methods, places
 from reports.work_precision.figure import bench_figure
-from reports.work_precision.stories import LEAD, stories
-from reports.work_precision.words import ChoiceCell, choice_cell, noise_share
+from reports.work_precision.words import ChoiceCell, choice_cell
 
 TITLE = "How accurate an engine is for its cost"
 ABOUT = (
@@ -105,7 +104,5 @@ def section(bench: Bench, *, only_first: bool = False) -> Markup:
         about=ABOUT,
         figures=overviews(bench, only_first),
         tables=choice_tables(bench),
-        stories=stories(places(bench), noise_share(bench)),
-        lead=LEAD,
         note=note(bench),
     )

@@ -1,11 +1,9 @@
 """A finished stress test of engines that do not exist, with every verdict in it, for tests of its page and tables."""
 
-from dataclasses import asdict
 from itertools import pairwise
 
 from comparisons.stress.axes import axes
 from comparisons.stress.cells import Cell, CellResult
-from comparisons.stress.long_run import LongRun
 from comparisons.stress.verdict import Judgement, StressVerdict
 from reports.stress.facts import Stress
 
@@ -80,7 +78,3 @@ def _borders(line):
             found.append(border(inner + 0.30 * (outer - inner), inner + 0.31 * (outer - inner), beyond.verdict.value,
                                 **place))  # fmt: skip
     return found
-
-
-LONG_RUN = asdict(LongRun("m", "alpha", "tuned", 1000, "finished", "", 1e-9, 4e-9, 2e-5, 3e-5, seconds=1.0, steps=9))
-SHORT_RUN = asdict(LongRun("m", "beta", "tuned", 1000, "timed-out", "took longer than 300 s"))

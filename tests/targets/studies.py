@@ -12,9 +12,9 @@ from analytic.kinematics.mechanism import Mechanism
 from comparisons.reference.case import Case
 from comparisons.stress.axes import chosen_axes
 from comparisons.stress.campaign import StressRequest, stress
-from comparisons.stress.long_run import LEAST, LongRun, long_runs
 from engines.contract import Setting
 from tests.targets.endurance import killed_and_resumed
+from tests.targets.long_run import LEAST, LongRun, long_runs
 from tests.targets.saving import plain_savings
 from tests.targets.speed import Measured
 

@@ -5,10 +5,10 @@ import math
 import pytest
 
 from comparisons.stress.campaign import Stressed
-from comparisons.stress.long_run import LEAST, LongRun
 from comparisons.stress.verdict import StressVerdict
 from tests.comparisons.stress.test_border import result
 from tests.targets import studies
+from tests.targets.long_run import LEAST, LongRun
 
 
 def test_a_long_run_tells_its_ratio_and_what_it_is_made_of(monkeypatch):

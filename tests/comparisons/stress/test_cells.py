@@ -76,7 +76,6 @@ def with_engine(monkeypatch):
         for module in (stress, campaign):
             if hasattr(module, "engine"):
                 monkeypatch.setattr(module, "engine", lambda name: one)
-        monkeypatch.setattr(campaign, "long_runs", lambda *_, **__: ())
         return one
 
     return install

@@ -10,13 +10,13 @@ from comparisons.stress.verdict import MEANINGS, StressVerdict
 from reports.stress import page as stress_page
 from reports.stress.facts import FILE, SIGNS, BorderRecord, Stress, load
 from reports.stress.figure import border_place, columns, layout, stress_figure
-from reports.stress.section import border_table, long_run_table, reach, section, summary, verdict_table
+from reports.stress.section import border_table, reach, section, summary, verdict_table
 from reports.stress.terminal import cell_details, printout
 from reports.text.screen import rendered
 from reports.text.tables import markdown
-from tests.reports.made_up_stress import LONG_RUN, SHORT_RUN, border, made_up_cell, made_up_stress
+from tests.reports.made_up_stress import border, made_up_cell, made_up_stress
 
-STRESS = made_up_stress(long_runs=[LONG_RUN, SHORT_RUN])
+STRESS = made_up_stress()
 PLACE = {"axis": "mass", "row": "four-bar, crank", "engine": "alpha", "usage": "tuned"}
 
 
@@ -46,7 +46,6 @@ def test_what_is_saved_is_read_back(tmp_path):
         found = load(place)
         assert found.results == STRESS.results
         assert found.borders == STRESS.borders
-        assert found.long_runs == STRESS.long_runs
 
 
 @pytest.mark.parametrize("text", ["", "{}", "[]", '{"cells": [{}], "command": "", "environment": {}}', "[1"])
@@ -101,17 +100,6 @@ def test_borders_stand_side_by_side_for_the_engines():
     assert border_table(STRESS).head[0] == "axis"
     assert len({row[:3] for row in border_table(STRESS).rows}) == len(border_table(STRESS).rows)
     assert len({len(row) for row in border_table(STRESS).rows}) == 1
-
-
-def test_long_runs_have_their_ratio_and_are_left_out_where_not_measured():
-    done, cut = long_run_table(STRESS).rows
-    assert done == (
-        *("m", "alpha", "tuned", "finished", "1000"),
-        *("1.0e-9", "4.0e-9", "4.0", "2.0e-5", "3.0e-5", "1.5"),
-    )
-    assert cut == (*("m", "beta", "tuned", "timed-out", "1000"), *("–",) * 6)
-    assert long_run_table(made_up_stress()) is None
-    assert "torque error" not in section(made_up_stress())
 
 
 @pytest.mark.parametrize(
@@ -196,7 +184,7 @@ def test_what_was_missed_raised_or_caught_stands_with_its_reason_and_command(pag
 def test_the_page_is_written_and_two_of_one_test_are_the_same_text(page, tmp_path):
     path = stress_page.write(STRESS, tmp_path)
     assert path.name == "stress.html"
-    assert path.read_text(encoding="utf-8") == page == stress_page.page(made_up_stress(long_runs=[LONG_RUN, SHORT_RUN]))
+    assert path.read_text(encoding="utf-8") == page == stress_page.page(made_up_stress())
 
 
 def test_the_section_makes_the_missed_bold_and_folds_the_borders_away():

@@ -9,8 +9,7 @@ from comparisons.work_precision.records import FILE, load, save
 from reports.work_precision import page as bench_page
 from reports.work_precision.facts import places
 from reports.work_precision.section import choice_tables, section
-from reports.work_precision.stories import stories
-from reports.work_precision.words import choice_cell, noise_share, standing_words
+from reports.work_precision.words import choice_cell, standing_words
 from tests.reports.made_up_bench import made_up_bench, nothing_finished
 
 BENCH = made_up_bench()
@@ -103,11 +102,3 @@ def test_a_setting_is_said_to_be_on_ahead_of_or_off_the_front():
     assert "on the front: plain takes 15.8 ms" in told["tuned"]
     (tuned,) = [one for one in alpha.standings if one.record.setting == "tuned"]
     assert "1.1 × the front" in standing_words(tuned, "higher", 0.01)
-
-
-def test_stories_count_cases_and_name_the_cheapest():
-    told = {(one.engine, one.setting): one.told for one in stories(places(BENCH), noise_share(BENCH))}
-    assert "no solution at all in 2 of 2 cases" in told["alpha", "naive"]
-    assert "On or ahead of the methods' front in 2 of 2 cases" in told["alpha", "tuned"]
-    assert "Cheapest methods there: plain (2 times)" in told["alpha", "tuned"]
-    assert "No method measured gets as far in 2 of 2 cases" in told["beta", "best"]

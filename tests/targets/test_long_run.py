@@ -1,7 +1,7 @@
 """First turn against last: nothing grows in an engine without steps."""
 
-from comparisons.stress.long_run import LEAST, long_runs
 from engines.contract import Setting
+from tests.targets.long_run import LEAST, long_runs
 
 
 def test_an_engine_without_steps_is_in_the_last_turn_what_it_was_in_the_first():

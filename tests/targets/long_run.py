@@ -16,7 +16,6 @@ from comparisons.invariants.invariants import joint_gaps
 from comparisons.observation.observed_motion import ObservedMotion
 from comparisons.reference.case import Case
 from comparisons.runs.failures import GIB, Lost
-from comparisons.runs.journal import Journal
 from comparisons.runs.run_engine import run_engine
 from comparisons.runs.study import Study, Task
 from comparisons.runs.workers import Bounds
@@ -53,7 +52,6 @@ def long_runs(
     mechanisms: Sequence[str] = (),
     setting: Setting = Setting.TUNED,
     turns: int = TURNS,
-    journal: Journal | None = None,
 ) -> Iterator[LongRun]:
     """Mechanisms (catalogue names or files) turned at constant speed in every engine that is installed."""
     installed = [name for name in engines if engine(name).version() is not None]
@@ -62,7 +60,7 @@ def long_runs(
         for mechanism in mechanisms
         for name in installed
     ]
-    return Study(long_run, _lost, _to_bytes, _from_bytes, journal).in_order(tasks, BOUNDS)
+    return Study(long_run, _lost, _to_bytes, _from_bytes).in_order(tasks, BOUNDS)
 
 
 def _lost(lost: Lost, name: str, engine_name: str, setting: Setting, turns: int) -> LongRun:
