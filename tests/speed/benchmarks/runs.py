@@ -58,12 +58,4 @@ class Judging:
 
     def time_invariants(self, _engine):
         motion = self.observed(self.scene, self.history)
-        invariants = self.invariants
-        return [
-            signal.values
-            for signal in (
-                invariants.joint_gaps(motion),
-                invariants.energy_balance(motion),
-                invariants.power_torque(motion, 1.0),
-            )
-        ]
+        return [self.invariants.joint_gaps(motion).values, self.invariants.power_torque(motion, 1.0).values]
