@@ -69,15 +69,6 @@ def numbers(linkage: Linkage) -> dict[str, float]:
     return by_name
 
 
-def with_numbers(linkage: Linkage, values: Mapping[str, float]) -> Linkage:
-    """The linkage with other numbers (SI units) under these names; raises UnknownNameError."""
-    known = numbers(linkage)
-    for name in values:
-        if name not in known:
-            raise UnknownNameError("number", name, known)
-    return changed(linkage, lambda name, _, value: values.get(name, value))
-
-
 def with_point(linkage: Linkage, body: str, point: str, place: Vector) -> Linkage:
     """The linkage with a named point of a link, or of the ground, at another place in the body's frame, m."""
     if body == GROUND:

@@ -9,7 +9,7 @@ from analytic.description import linkage as lk
 from analytic.description import load_tables
 from analytic.description import schema as doc
 from analytic.description.crank_motion import REGIMES
-from analytic.description.diagnosis import Source
+from analytic.description.diagnosis import EXPECTED, Source
 from analytic.description.linkage import GROUND, Linkage, Vector
 from analytic.description.lookup import Reader, reader_of
 from analytic.description.thread_path import EyeReference, ThreadEye, ThreadGuide, ThreadPath
@@ -52,7 +52,7 @@ def interpret(document: doc.Document, name: str, variants: tuple[str, ...], sour
         thread=_thread(reader),
         regimes=tuple(_regime(reader, name) for name in sorted(document.regimes)),
         errata=_errata(reader, variants),
-        published=tuple(lk.Published(**entry.model_dump()) for entry in document.published),
+        published=tuple(document.published),
         notes=tuple(document.notes),
         length_unit=document.units.length,
         text=source.text,
@@ -101,7 +101,7 @@ def _check_eye(reader: Reader, eye: str, where: str) -> None:
         raise reader.fail(f"{where}: {UnknownNameError('point', eye, reader.carriers)}")
 
 
-def _errata(reader: Reader, variants: tuple[str, ...]) -> tuple[lk.Erratum, ...]:
+def _errata(reader: Reader, variants: tuple[str, ...]) -> tuple[doc.Erratum, ...]:
     """Printed models; each names a regime of the file and, if it is one, a variant of it."""
     regimes = reader.document.regimes
     for number, table in enumerate(reader.document.errata):
@@ -110,7 +110,7 @@ def _errata(reader: Reader, variants: tuple[str, ...]) -> tuple[lk.Erratum, ...]
             raise reader.fail(f"{where}: {UnknownNameError('regime of its own', table.regime, regimes)}")
         if table.variant is not None and table.variant not in variants:
             raise reader.fail(f"{where}: {UnknownNameError('variant', table.variant, variants)}")
-    return tuple(lk.Erratum(**table.model_dump()) for table in reader.document.errata)
+    return tuple(reader.document.errata)
 
 
 def _link(reader: Reader, name: str) -> lk.Link:
@@ -119,7 +119,7 @@ def _link(reader: Reader, name: str) -> lk.Link:
     points = {key: reader.vector(place, f"{where}.points.{key}") for key, place in sorted(reader.points(name).items())}
     inertia = None if table.inertia is None else reader.positive(table.inertia, "inertia", f"{where}.inertia")
     if inertia is None and _turns(reader, name):
-        raise reader.fail(f"{where}.inertia is missing: expected {doc.EXPECTED['inertia']}, for the link turns; add it")
+        raise reader.fail(f"{where}.inertia is missing: expected {EXPECTED['inertia']}, for the link turns; add it")
     mass = reader.positive(table.mass, "mass", f"{where}.mass")
     return lk.Link(name, points, mass, reader.vector(table.centre, f"{where}.centre"), inertia)
 

@@ -5,17 +5,24 @@ from __future__ import annotations
 import re
 import tomllib
 from collections import Counter
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from pathlib import Path
 from typing import Any, Final
 
 from pydantic import BaseModel, ValidationError
 from pydantic_core import ErrorDetails
 
-from analytic.description.schema import EXPECTED, PLAIN, Document
+from analytic.description.schema import Document
+from analytic.description.units import UNITS
 from analytic.errors import UnknownNameError, shortened
 
+_PHRASES: Final = tomllib.loads(Path(__file__).with_name("expected.toml").read_text(encoding="utf-8"))
+EXPECTED: Final[Mapping[str, str]] = _PHRASES["by_key"] | {
+    f"units.{kind}": f"the name of a unit of {kind.replace('_', ' ')} in quotes: {', '.join(units)}"
+    for kind, units in UNITS.items()
+}
 LONGEST_NUMBER: Final = 10_000  # bits of an integer that Python still writes out
 WITHOUT = " is missing"
 
@@ -94,7 +101,7 @@ def _expected(fault: ErrorDetails, keys: Sequence[str]) -> str:
         for key in (f"{names[0]}.{names[depth - 1]}{inside}", f"{names[depth - 1]}{inside}"):
             if key in EXPECTED:
                 return EXPECTED[key]
-    return PLAIN.get(fault["type"], "a value of another kind")
+    return str(_PHRASES["by_kind"].get(fault["type"], "a value of another kind"))
 
 
 def shown(value: object) -> str:

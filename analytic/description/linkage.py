@@ -15,6 +15,7 @@ from dataclasses import dataclass, field
 from typing import Final
 
 from analytic.description.law import Law
+from analytic.description.schema import Erratum, Published
 from analytic.description.thread_path import ThreadPath
 from analytic.description.units import factor
 
@@ -163,36 +164,6 @@ class ReleasedRegime:
     start_angle: float
     start_speed: float
     duration: float
-
-
-@dataclass(frozen=True)
-class Published:
-    """A figure printed in a source, in SI units or as a plain ratio."""
-
-    quantity: str
-    value: float
-    place: str
-    variant: str | None = None
-    relative_to: str | None = None
-    half_digit: float = 0.0
-    note: str = ""
-
-
-@dataclass(frozen=True)
-class Erratum:
-    """A model as printed in a source, to be held against this description in one of the linkage's own regimes.
-
-    It differs by its model of ½ Jeq' (``half_slope``: ``exact`` or ``moduli``), by being a variant of the linkage, or
-    by being integrated in ``steps`` fixed Runge-Kutta steps.
-    """
-
-    name: str
-    place: str
-    regime: str
-    half_slope: str = "exact"
-    variant: str | None = None
-    steps: int | None = None
-    note: str = ""
 
 
 @dataclass(frozen=True)

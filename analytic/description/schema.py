@@ -6,8 +6,6 @@ from typing import Annotated, Literal, TypeVar
 
 from pydantic import BaseModel, ConfigDict, FailFast, Field
 
-from analytic.description.units import UNITS
-
 # Strict: a quoted number or a true is a slip of the pen, not a number.
 Finite = Annotated[float, Field(allow_inf_nan=False, strict=True)]
 Positive = Annotated[float, Field(gt=0.0, allow_inf_nan=False, strict=True)]
@@ -158,8 +156,12 @@ class ThreadTable(TomlTable):
     reference: Finite | ReferenceTable = 0.0
 
 
-class ErratumTable(TomlTable):
-    """A model as printed, by its ½ Jeq', as a variant or by fixed Runge-Kutta ``steps``, held against this file's."""
+class Erratum(TomlTable):
+    """A model as printed in a source, to be held against this description in one of the linkage's own regimes.
+
+    It differs by its model of ½ Jeq' (``half_slope``), by being a variant of the linkage, or by being integrated in
+    ``steps`` fixed Runge-Kutta steps.
+    """
 
     name: str
     place: str
@@ -170,8 +172,8 @@ class ErratumTable(TomlTable):
     note: str = ""
 
 
-class PublishedTable(TomlTable):
-    """A printed figure: SI units, ratios as plain numbers; ``half_digit`` is half a unit of its last printed digit."""
+class Published(TomlTable):
+    """A figure printed in a source: SI units, or a plain ratio; ``half_digit`` is half a unit of its last digit."""
 
     quantity: str
     value: Finite
@@ -202,64 +204,7 @@ class Document(TomlTable):
     sketch: SketchTable = SketchTable()
     regimes: dict[str, RegimeTable] = Field(default_factory=dict)
     thread: ThreadTable | None = None
-    errata: Tables[ErratumTable] = Field(default_factory=list)
-    published: Tables[PublishedTable] = Field(default_factory=list)
+    errata: Tables[Erratum] = Field(default_factory=list)
+    published: Tables[Published] = Field(default_factory=list)
     notes: list[str] = Field(default_factory=list)
     format: Literal[1] = 1
-
-
-# What to write instead, by the key at fault, if need be with the outermost key before it; ".*" is what lies inside one.
-EXPECTED: dict[str, str] = {
-    "title": "a title in quotes",
-    "source": "the source in quotes",
-    "crank": "the name of the link that is the crank",
-    "mass": "a positive finite mass in the file's mass unit",
-    "inertia": "a positive finite moment of inertia about the mass centre in the file's inertia unit",
-    "centre": "the mass centre as [x, y] or { radius, angle }, finite numbers",
-    "points": "named points, each [x, y] or { radius, angle }",
-    "points.*": "a point as [x, y] or { radius, angle }, finite numbers",
-    "ground": "named fixed points, each [x, y] or { radius, angle }",
-    "ground.*": "a point as [x, y] or { radius, angle }, finite numbers",
-    "links": "a table [links.NAME] for every moving link",
-    "links.*": "a table [links.NAME] with the link's mass, points, mass centre and inertia",
-    "slides": "{ point, on, through, along }",
-    "through": "a point of the line as [x, y] or { radius, angle }, finite numbers",
-    "along": "a direction [x, y], finite numbers",
-    "gravity": "the gravity vector [x, y] in m/s^2, finite numbers",
-    "radius": "a positive finite length in the file's length unit",
-    "angle": "a finite angle in the file's angle unit",
-    "forces.angle": "a list of finite angles in the file's angle unit",
-    "torques.angle": "a list of finite angles in the file's angle unit",
-    "units": "{ length, mass, inertia, angle }, each the name of a unit in quotes",
-    "stiffness": "a finite stiffness of zero or more",
-    "length": "a finite length of zero or more",
-    "damping": "a finite damping of zero or more",
-    "coefficient": "a finite viscous coefficient of zero or more",
-    "force": "[x, y], or a list of such pairs with as many angles, finite numbers",
-    "torque": "a finite number, or a list of them with as many angles",
-    "regimes.torque": "a finite torque in the file's torque unit",
-    "point": "the name of a point",
-    "on": "the name of a link, or 'ground'",
-    "link": "the name of a link",
-    "between": "a pair of names [one, two]",
-    "springs.links": "the two links that carry the ends, [one, two]",
-    "duration": "a positive finite time in s",
-    "format": "the number 1, the only format so far",
-} | {
-    f"units.{kind}": f"the name of a unit of {kind.replace('_', ' ')} in quotes: {', '.join(UNITS[kind])}"
-    for kind in UNITS
-}
-
-# The same by the validator's name for the fault, where the key has no phrase of its own.
-PLAIN: dict[str, str] = {
-    "missing": "a value",
-    "string_type": "a text in quotes",
-    "float_type": "a number",
-    "finite_number": "a finite number",
-    "greater_than": "a positive number",
-    "greater_than_equal": "a number of zero or more",
-    "dict_type": "a table",
-    "model_type": "a table",
-    "list_type": "a list",
-    "tuple_type": "a list of two",
-}

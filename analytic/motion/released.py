@@ -17,12 +17,10 @@ from numpy.typing import ArrayLike, NDArray
 from analytic.compiled import motion
 from analytic.compiled.choice import is_compiled
 from analytic.description.law import FULL_TURN, Law
-from analytic.dynamics import reduced
 from analytic.dynamics.equation_of_motion import EquationOfMotion, equation_of_motion
 from analytic.errors import LinkproofError
 from analytic.kinematics.error_bounds import relative_bounds
 from analytic.kinematics.mechanism import Mechanism
-from analytic.kinematics.sweep import Sweep
 from analytic.numerics.collocation import Windows, gauss_scheme
 from analytic.numerics.integration import integrate
 
@@ -128,30 +126,6 @@ class FreeMotion:
         )
         response = float(np.max(np.abs(angle - moved.angle_at(time)))) / DISTURBANCE
         return response * (3.0 * first + second)
-
-    @cached_property
-    def energy_imbalance(self) -> float:
-        """Largest gap between the energy gained and the work of torque, forces and damping, over the energy at play.
-
-        Energies come from the closed form at the angles and speeds of the motion, the work from Gauss quadrature along
-        it; neither uses ½ Jeq' or the equation of motion. A wrong model shows here: it makes energy out of nothing.
-        """
-        mechanism, starts = self.equation.mechanism, self.windows.starts
-        ends = mechanism.sweep(self.angle(starts))
-        kinetic, potential = reduced.kinetic_energy(ends, self.speed(starts)), reduced.potential_energy(ends)
-        gained = kinetic + potential - (kinetic[0] + potential[0])
-        scheme = gauss_scheme(NODES)
-        time = starts[:-1, None] + np.diff(starts)[:, None] * scheme.nodes
-        work = np.append(0.0, np.cumsum(np.diff(starts) * (self._power(time) @ scheme.end_once)))
-        at_play = np.max(kinetic) + np.ptp(potential) + np.max(np.abs(work))
-        return float(np.max(np.abs(gained - work)) / at_play) if at_play > 0.0 else 0.0
-
-    def _power(self, time: Array) -> Array:
-        """Power of what is not in the potential energy, W."""
-        mechanism, angle, speed = self.equation.mechanism, self.angle(time), self.speed(time)
-        linkage = replace(mechanism.linkage, springs=(), dampers=())
-        force = reduced.load_force(Sweep(linkage, mechanism.structure, angle)) + self.equation.torque(angle)[0]
-        return np.asarray((force - reduced.damping_coefficient(mechanism.sweep(angle)) * speed) * speed)
 
 
 def free_motion(

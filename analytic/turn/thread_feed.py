@@ -36,16 +36,14 @@ class EyeTravel:
 
 @dataclass(frozen=True)
 class FeedDiagram:
-    """Contour length L and feed Pd, m, with their derivatives over φ, m/rad, at the crank angles, rad; all (n,).
+    """Contour length L and feed Pd, m, at the crank angles, rad; all (n,).
 
     ``reference_angle`` is φ_ref, rad; ``length_extremes`` are L's over a turn.
     """
 
     angle: Array
     length: Array
-    length_slope: Array
     feed: Array
-    feed_slope: Array
     reference_angle: float
     length_extremes: Extremes
 
@@ -55,14 +53,14 @@ class FeedDiagram:
         return self.length_extremes.maximum - self.length_extremes.minimum
 
 
-def contour(sweep: Sweep, path: ThreadPath, order: int = 0) -> Array:
-    """The contour's corners in space, m, or their first derivative over φ; shape (stops, 3, *angle.shape)."""
+def contour(sweep: Sweep, path: ThreadPath) -> Array:
+    """The contour's corners in space, m; shape (stops, 3, *angle.shape)."""
     corners = np.zeros((len(path.stops), 3, *sweep.angle.shape))
     for corner, stop in zip(corners, path.stops, strict=True):
         if isinstance(stop, ThreadEye):
-            corner[:2] = sweep.point(stop.point, order)
-            corner[2] = stop.z if order == 0 else 0.0
-        elif order == 0:
+            corner[:2] = sweep.point(stop.point)
+            corner[2] = stop.z
+        else:
             corner[:] = np.reshape(stop.position, (3, *[1] * sweep.angle.ndim))
     return corners
 
@@ -70,14 +68,6 @@ def contour(sweep: Sweep, path: ThreadPath, order: int = 0) -> Array:
 def contour_length(sweep: Sweep, path: ThreadPath) -> Array:
     """L(φ), m."""
     return np.asarray(np.linalg.norm(np.diff(contour(sweep, path), axis=0), axis=1).sum(axis=0))
-
-
-def contour_slope(sweep: Sweep, path: ThreadPath) -> Array:
-    """L'(φ), m/rad, exact; a stretch of thread whose ends meet counts for nothing."""
-    spans, rates = np.diff(contour(sweep, path), axis=0), np.diff(contour(sweep, path, 1), axis=0)
-    lengths = np.linalg.norm(spans, axis=1)
-    along = (spans * rates).sum(axis=1)
-    return np.asarray(np.divide(along, lengths, out=np.zeros_like(lengths), where=lengths > 0.0).sum(axis=0))
 
 
 def eye_travel(mechanism: Mechanism, eye: str) -> EyeTravel:
@@ -120,13 +110,10 @@ def feed_diagram(mechanism: Mechanism, path: ThreadPath, points: int = POINTS) -
     """Contour and feed over a turn from φ = 0, at ``points`` equal steps."""
     angle = grid(points)
     sweep = mechanism.sweep(angle)
-    slope = contour_slope(sweep, path)
     return FeedDiagram(
         angle=angle,
         length=contour_length(sweep, path),
-        length_slope=slope,
         feed=feed(mechanism, path, angle),
-        feed_slope=_sign(path) * slope,
         reference_angle=reference_angle(mechanism, path),
         length_extremes=extremes(lambda phi: contour_length(mechanism.sweep(phi), path)),
     )

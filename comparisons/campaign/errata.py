@@ -16,8 +16,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from analytic.description.linkage import Erratum, Linkage, ReleasedRegime
+from analytic.description.linkage import Linkage, ReleasedRegime
 from analytic.description.loading import in_variant
+from analytic.description.schema import Erratum
 from analytic.kinematics.mechanism import Mechanism
 from analytic.motion.rkfixed import fixed_step
 from comparisons.observation.interpolation import resample

@@ -9,8 +9,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from analytic.description.crank_motion import crank_motion
-from analytic.description.linkage import Linkage, Published
+from analytic.description.linkage import Linkage
 from analytic.description.loading import load
+from analytic.description.schema import Published
 from analytic.dynamics import reduced
 from analytic.dynamics.equilibrium import equilibria
 from analytic.errors import LinkproofError, UnknownNameError

@@ -9,7 +9,7 @@ from matplotlib.ticker import MaxNLocator
 from numpy.typing import NDArray
 
 from analytic.description.crank_motion import RPM
-from analytic.description.linkage import Erratum
+from analytic.description.schema import Erratum
 from analytic.motion.released import FreeMotion
 from reports.drawing.panels import Other, draw_errors_beneath, draw_methods, over_last_turn, thinned
 from reports.drawing.style import FULL_WIDTH, LIMIT_COLOUR, drawn, over_turn, panels

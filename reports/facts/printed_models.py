@@ -5,7 +5,7 @@ from __future__ import annotations
 from functools import lru_cache
 from typing import Any
 
-from analytic.description.linkage import Erratum
+from analytic.description.schema import Erratum
 from analytic.kinematics.mechanism import Mechanism
 from comparisons.campaign.errata import printed_motion as by_erratum
 from comparisons.campaign.results import described

@@ -23,9 +23,6 @@ QUARTER_2: Final = 6.07710050630396597660e-11
 QUARTER_3: Final = 2.02226624879595063154e-21
 LARGEST: Final = 1e6  # rad; beyond it the library's own functions are called
 
-HALF_TURN_LOW: Final = 6.123233995736765886130e-17  # π/2 less its nearest float
-TAN_67: Final = 2.41421356237309504880  # tan 67.5°
-TAN_33: Final = 0.66
 
 
 @kernel

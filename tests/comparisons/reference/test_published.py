@@ -2,8 +2,8 @@
 
 import pytest
 
-from analytic.description.linkage import Published
 from analytic.description.loading import load
+from analytic.description.schema import Published
 from analytic.errors import UnknownNameError
 from analytic.kinematics.mechanism import Mechanism
 from comparisons.reference.published import all_variants, compare_published, figure, verdict
@@ -54,7 +54,7 @@ def test_the_exchanged_powers_of_the_abstract_are_called_a_misprint():
 
 
 def test_verdicts_follow_the_printed_digits():
-    entry = Published("Jeq.mean", 8.3e-5, "here", half_digit=0.05e-5)
+    entry = Published(quantity="Jeq.mean", value=8.3e-5, place="here", half_digit=0.05e-5)
     assert verdict(entry, 8.349e-5) == "reproduced"
     assert verdict(entry, 8.36e-5) == "within 6 %"
     assert verdict(entry, 8.9e-5) == "not reproduced"
