@@ -1,7 +1,7 @@
-"""Cosine, sine and arctangent of many numbers at once: polynomials without branches, which the compiler vectorises.
+"""Cosine and sine of many numbers at once: polynomials without branches, which the compiler vectorises.
 
 Reduction and polynomials of cosine and sine are those of fdlibm (Sun Microsystems 1993: ``e_rem_pio2.c``, ``k_sin.c``,
-``k_cos.c``), the arctangent's those of Cephes (Moshier 1989: ``atan.c``); all are good to about one rounding.
+``k_cos.c``); both are good to about one rounding.
 """
 
 from __future__ import annotations
@@ -22,7 +22,6 @@ QUARTER_1: Final = 1.57079632673412561417e00
 QUARTER_2: Final = 6.07710050630396597660e-11
 QUARTER_3: Final = 2.02226624879595063154e-21
 LARGEST: Final = 1e6  # rad; beyond it the library's own functions are called
-
 
 
 @kernel
