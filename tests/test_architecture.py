@@ -13,7 +13,7 @@ from engines.contract import Engine
 from engines.registry import engine, engine_names
 
 ROOT = Path(__file__).parents[1]
-MOST_ENTRIES = 20
+MOST_ENTRIES = 15
 SOURCES = [p for folder in ("analytic", "engines", "comparisons", "reports") for p in (ROOT / folder).rglob("*.py")]
 
 
