@@ -118,15 +118,15 @@ def compare(
     baseline.recorded()
     todo = tasks(request)
     count = usual_processes(len(todo)) if processes is None else processes
-    study = Study(_judged, _lost, to_bytes, from_bytes, journal, announce, count)
+    study = Study(judged, lost, to_bytes, from_bytes, journal, announce, count)
     return study.in_order(todo, bounds)
 
 
-def _lost(lost: Lost, pickled: bytes, name: str, setting: Setting, names: tuple[str, ...], _: bool) -> RunResult:
+def lost(failure: Lost, pickled: bytes, name: str, setting: Setting, names: tuple[str, ...], _: bool) -> RunResult:
     """The records of a run whose process gave no result."""
     case = unpickled(pickled)
     blank = blank_record(case, setting, name, engine(name).version() or "")
-    return _all_alike(chosen_quantities(case, names), blank, lost.outcome, lost.reason)
+    return _all_alike(chosen_quantities(case, names), blank, failure.outcome, failure.reason)
 
 
 def _channels(quantities: Iterable[Quantity], with_invariants: bool) -> frozenset[Channel]:
@@ -138,7 +138,7 @@ def _channels(quantities: Iterable[Quantity], with_invariants: bool) -> frozense
     return frozenset(Channel) if with_invariants else needed | (frozenset(Channel) - {Channel.JOINT_FORCE})
 
 
-def _judged(pickled: bytes, name: str, setting: Setting, names: tuple[str, ...], with_invariants: bool) -> RunResult:
+def judged(pickled: bytes, name: str, setting: Setting, names: tuple[str, ...], with_invariants: bool) -> RunResult:
     """One run of a pickled case, judged by the quantities of these names."""
     case, adapter = unpickled(pickled), engine(name)
     quantities = chosen_quantities(case, names)

@@ -6,12 +6,10 @@ corrected closed form and against the printed one.
 
 from __future__ import annotations
 
-import io
 import pickle
 from collections.abc import Iterable, Iterator, Sequence
 from contextlib import closing
-from dataclasses import dataclass
-from typing import Any
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -21,20 +19,18 @@ from analytic.description.loading import in_variant
 from analytic.description.schema import Erratum
 from analytic.kinematics.mechanism import Mechanism
 from analytic.motion.rkfixed import fixed_step
+from comparisons.campaign.campaign import judged, lost
+from comparisons.judging.run_result import RunResult, from_bytes, to_bytes
 from comparisons.observation.interpolation import resample
-from comparisons.observation.observed_motion import ObservedMotion
-from comparisons.reference.case import Case, Motion, Spin, own_case, own_motion, unpickled
-from comparisons.runs.failures import Lost
+from comparisons.reference.case import Case, Spin, own_case, own_motion
 from comparisons.runs.journal import Journal
-from comparisons.runs.run_engine import run_engine
 from comparisons.runs.study import Study, Task
 from comparisons.runs.workers import DEFAULT_BOUNDS, Bounds, usual_processes
 from engines.contract import Outcome, Setting, Signal
-from engines.registry import engine
-from engines.scene import Channel
 
 Array = NDArray[np.float64]
 
+SPEED = "omega"  # the quantity that is held against both models
 # The share of a regime, from its end, over which mean speeds are taken: the last 2 s of 10.
 LAST_SHARE = 0.2
 # An engine supports a model if it is this many times nearer to it than to the other.
@@ -97,15 +93,6 @@ class Stepped:
 
 
 @dataclass(frozen=True)
-class CrankSpeed:
-    """How an engine's run ended and why, and its crank speed over time, rad/s, if it finished."""
-
-    outcome: str
-    reason: str = ""
-    signal: Signal | None = None
-
-
-@dataclass(frozen=True)
 class _Trial:
     """A printed model on trial."""
 
@@ -129,23 +116,19 @@ def judge_errata(
     trials = list(_trials(linkages))
     tasks = [_task(trial, name) for trial in trials for name in engines]
     count = usual_processes(len({task.key for task in tasks})) if processes is None else processes
-    study = Study(_crank_speed, _lost, _to_bytes, _from_bytes, journal, processes=count)
+    study = Study(judged, lost, to_bytes, from_bytes, journal, processes=count)
     with closing(study.in_order(tasks, bounds)) as runs:
         for trial in trials:
             printed = None
             for name, run in zip(engines, runs, strict=False):
                 printed = printed or _printed(trial)  # while the workers are busy
-                yield _record(trial.linkage, trial.erratum, name, (trial.case.motion, printed), run)
+                yield _record(trial, name, printed, run)
 
 
 def _task(trial: _Trial, name: str) -> Task:
     """The run that a trial needs of an engine; trials of one linkage and regime share it."""
     key = "/".join(("errata", trial.linkage.name, trial.erratum.regime, name))
-    return Task(key, (pickle.dumps(trial.case), name))
-
-
-def _lost(lost: Lost, *_: object) -> CrankSpeed:
-    return CrankSpeed(lost.outcome.value, lost.reason)
+    return Task(key, (pickle.dumps(trial.case), name, Setting.TUNED, (SPEED,), False))
 
 
 def _trials(linkages: Iterable[Linkage]) -> Iterator[_Trial]:
@@ -157,19 +140,6 @@ def _trials(linkages: Iterable[Linkage]) -> Iterator[_Trial]:
         names = dict.fromkeys(erratum.regime for erratum in linkage.errata)
         cases = {name: own_case(mechanism, regimes[name]) for name in names}
         yield from (_Trial(linkage, erratum, cases[erratum.regime]) for erratum in linkage.errata)
-
-
-def _to_bytes(run: CrankSpeed) -> bytes:
-    target = io.BytesIO()
-    curve: dict[str, Any] = {} if run.signal is None else {"time": run.signal.time, "values": run.signal.values}
-    np.savez(target, outcome=np.array(run.outcome), reason=np.array(run.reason), **curve)
-    return target.getvalue()
-
-
-def _from_bytes(content: bytes) -> CrankSpeed:
-    with np.load(io.BytesIO(content), allow_pickle=False) as stored:
-        signal = Signal(stored["time"], stored["values"]) if "time" in stored else None
-        return CrankSpeed(str(stored["outcome"]), str(stored["reason"]), signal)
 
 
 def _printed(trial: _Trial) -> Spin:
@@ -199,38 +169,38 @@ def printed_motion(mechanism: Mechanism, own: ReleasedRegime, erratum: Erratum) 
     return Stepped(Signal(stepped.time, stepped.angle), Signal(stepped.time, stepped.speed))
 
 
-def _crank_speed(pickled: bytes, name: str) -> CrankSpeed:
-    case, adapter = unpickled(pickled), engine(name)
-    model = case.scene({Channel.VELOCITY})
-    run = run_engine(adapter, model, Setting.TUNED)
-    if run.outcome is not Outcome.FINISHED or run.history is None:
-        return CrankSpeed(run.outcome.value, run.reason)
-    motion = ObservedMotion(model, run.history)
-    time = motion.signal(Channel.VELOCITY).time
-    return CrankSpeed(run.outcome.value, "", Signal(time, motion.crank(Channel.VELOCITY, time)))
-
-
-def _record(
-    linkage: Linkage, erratum: Erratum, name: str, models: tuple[Motion, Spin], run: CrankSpeed
-) -> ErratumRecord:
-    (corrected, printed), speed = models, run.signal
-    peak = corrected.peak_speed
-    off = [float(np.max(np.abs(speed.values - m.speed(speed.time)))) / peak for m in models] if speed else []
-    return ErratumRecord(
-        mechanism=linkage.name,
-        erratum=erratum.name,
-        place=erratum.place,
-        regime=erratum.regime,
+def _record(trial: _Trial, name: str, printed: Spin, result: RunResult) -> ErratumRecord:
+    corrected, found = trial.case.motion, result.deviations.get(SPEED)
+    record = ErratumRecord(
+        mechanism=trial.linkage.name,
+        erratum=trial.erratum.name,
+        place=trial.erratum.place,
+        regime=trial.erratum.regime,
         engine=name,
-        outcome=run.outcome,
-        supports=_supported(*off) if off else "neither",
-        deviation_corrected=off[0] if off else None,
-        deviation_printed=off[1] if off else None,
-        mean_speed=_observed_mean(speed, corrected.duration) if speed else None,
+        outcome=result.records[0].outcome,
+        supports="neither",
+        deviation_corrected=None,
+        deviation_printed=None,
+        mean_speed=None,
         mean_speed_corrected=_mean_speed(corrected, corrected.duration),
         mean_speed_printed=_mean_speed(printed, corrected.duration),
-        note=erratum.note,
-        reason=run.reason,
+        note=trial.erratum.note,
+        reason=result.records[0].detail,
+    )
+    if found is None:
+        return record
+    far, further = (
+        float(np.max(np.abs(found.observed - model.speed(found.time)))) / corrected.peak_speed
+        for model in (corrected, printed)
+    )
+    return replace(
+        record,
+        outcome=Outcome.FINISHED.value,
+        supports=_supported(far, further),
+        deviation_corrected=far,
+        deviation_printed=further,
+        mean_speed=_observed_mean(Signal(found.time, found.observed), corrected.duration),
+        reason="",
     )
 
 

@@ -5,7 +5,7 @@ import pytest
 from analytic.description.loading import load
 from analytic.description.schema import Erratum
 from analytic.kinematics.mechanism import Mechanism
-from comparisons.campaign import errata
+from comparisons.campaign import campaign, errata
 from comparisons.campaign.errata import judge_errata, printed_motion
 
 DRIVEN = {"name": "", "place": "", "regime": "driven"}
@@ -70,10 +70,13 @@ def test_an_engine_that_raises_gives_no_motion_and_ends_nothing(monkeypatch):
     class Failing:
         name = "failing"
 
+        def version(self):
+            return "1"
+
         def obstacle(self, scene):
             raise RuntimeError("out of memory")
 
-    monkeypatch.setattr(errata, "engine", lambda name: Failing())
+    monkeypatch.setattr(campaign, "engine", lambda name: Failing())
     records = list(judge_errata([load("two-crank-takeup")], ["failing"]))
     assert {(r.outcome, r.supports) for r in records} == {("adapter-error", "neither")}
     assert "failing gave no motion, adapter-error: the adapter of failing raised RuntimeError" in records[0].sentence
