@@ -132,10 +132,8 @@ def _check(name: str, values: Array) -> None:
 
 def _check_directions(flat: FlatLinkage, designs: Designs) -> None:
     """A direction needs a length."""
-    starts = [along for _, along, _ in flat.guides.values()]
-    starts += [int(flat.tables.output[2])] if flat.linkage.output else []
     names = {place: name for name, place in flat.places.items()}
-    for start in starts:
+    for start in flat.directions:
         columns = [np.flatnonzero(designs.places == at) for at in (start, start + 1)]
         parts = [
             designs.values[:, column[0]] if len(column) else designs.numbers[at]

@@ -8,22 +8,23 @@ offsets) are not in it, so a changed design is nothing but another vector.
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import lru_cache
 from typing import Final, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from analytic.description.changes import changed
+from analytic.description.changes import Kind, changed
 from analytic.description.law import Law
-from analytic.description.linkage import GROUND, Guide, Linkage, Vector
+from analytic.description.linkage import GROUND, Linkage
 from analytic.dynamics.derivative_orders import needs
 from analytic.kinematics.mechanism import Mechanism
 from analytic.kinematics.structure import KINDS, Dyad, Joint, Revolute, Structure
 
 Array = NDArray[np.float64]
 Integers = NDArray[np.int64]
+Row = tuple[float, ...]  # of integers: places are read where a linkage has its numbers
 
 # Kind codes of dyads in ``Tables.dyads``.
 RRR, RRP, RPR, RPP, PRP = range(len(KINDS))
@@ -61,15 +62,14 @@ class Tables(NamedTuple):
 class FlatLinkage:
     """A linkage for the kernels; ``places`` finds a number of the description by name in ``numbers``.
 
-    ``bodies`` finds a body's number. Names are those of the linkage file: ``rod.B.x``, ``rod.mass``, ``rod.centre.y``,
+    Names are those of the linkage file: ``rod.B.x``, ``rod.mass``, ``rod.centre.y``,
     ``rod.inertia``, ``needle_bar.through.x``, ``needle_bar.along.y``, ``E in rocker.through.x`` (of a slot),
     ``ground.O2.x``, ``gravity.y``, ``forces.E.x``, ``torques.rod``, ``springs.A.B.stiffness``,
     ``dampers.crank.ground.coefficient``, ``output.along.x``; SI units. A second number of one name, such as that of
     another force at the point, is followed by `` #2``. Loads that are tables over the crank angle have no name here,
     nor has the inertia of a link that cannot turn. Directions are scaled to unit length wherever they are used.
 
-    ``points`` (by body and point) and ``guides`` (through, along, the slider's point) of links and slots are places
-    too.
+    ``directions`` are the places of the directions' x.
     """
 
     linkage: Linkage
@@ -77,38 +77,7 @@ class FlatLinkage:
     tables: Tables
     numbers: Array
     places: Mapping[str, int]
-    bodies: Mapping[str, int]
-    points: Mapping[tuple[str, str], int]
-    guides: Mapping[str, tuple[int, int, int]]
-
-
-class _Numbers:
-    """The vector of numbers while it is filled; a zero vector stands first, for what a description leaves out."""
-
-    def __init__(self) -> None:
-        self.values: list[float] = [0.0, 0.0]
-        self.places: dict[str, int] = {}
-
-    def add(self, names: Iterable[str], values: Iterable[float]) -> int:
-        """Append values under their names, and return the first one's place."""
-        start = len(self.values)
-        for name, value in zip(names, values, strict=True):
-            self.places[self._free(name)] = len(self.values)
-            self.values.append(float(value))
-        return start
-
-    def vector(self, name: str, value: Vector) -> int:
-        """Append a vector."""
-        return self.add((f"{name}.x", f"{name}.y"), value)
-
-    def _free(self, name: str) -> str:
-        """The name, or the name with a count if it is taken."""
-        count = 2
-        free = name
-        while free in self.places:
-            free = f"{name} #{count}"
-            count += 1
-        return free
+    directions: tuple[int, ...]
 
 
 @lru_cache(maxsize=16)
@@ -136,29 +105,43 @@ def levels(structure: Structure, orders: Mapping[str, int]) -> Integers:
 
 
 class _Writer:
-    """Numbers the bodies, stores what the description holds, then refers to it in the tables."""
+    """Gives every number a place, then writes tables of the linkage whose numbers are these places."""
 
     def __init__(self, mechanism: Mechanism) -> None:
         self.linkage, self.structure = mechanism.linkage, mechanism.structure
         links = [name for dyad in self.structure.dyads for name in dyad.links]
         self.bodies = {name: number for number, name in enumerate((GROUND, self.linkage.crank, *links))}
-        self.numbers = _Numbers()
-        self.points: dict[tuple[str, str], int] = {}
-        self.inertias: dict[str, tuple[int, int, int]] = {}
-        self.guides: dict[str, tuple[int, int, int]] = {}
+        self.values = [0.0, 0.0]  # a zero vector stands first, for what a description leaves out
+        self.places: dict[str, int] = {}
+        numbered = replace(
+            self.linkage,
+            forces=tuple(force for force in self.linkage.forces if force.force.is_constant),
+            torques=tuple(torque for torque in self.linkage.torques if torque.torque.is_constant),
+            sketch={},
+        )
+        self.at = changed(numbered, self._place, direction=lambda places: places)
+        self.constants = iter([*(f.force for f in self.at.forces), *(t.torque for t in self.at.torques)])
+        self.guides = {
+            slider.link: (slider.guide.through[0], slider.guide.along[0], self._point(slider.link, slider.point))
+            for slider in self.at.sliders
+        }
+        self.guides |= {slot.name: (slot.guide.through[0], slot.guide.along[0], 0) for slot in self.at.slots}
         self.curves: list[float] = []
-        self.laws: list[tuple[int, int, int]] = []
+        self.laws: list[Row] = []
+
+    def _place(self, name: str, _: Kind, value: float) -> int:
+        """Store a number."""
+        place = self.places[name] = len(self.values)
+        self.values.append(value)
+        return place
 
     def flattened(self) -> FlatLinkage:
-        """Everything of the linkage; links, ground and guides first, since the joints refer to them."""
-        self._store_bodies()
-        self._store_guides()
-        gravity = self.numbers.vector("gravity", self.linkage.gravity)
+        """Everything of the linkage; the laws of the forces come before those of the torques."""
         tables = Tables(
             dyads=_table((self._dyad(dyad) for dyad in self.structure.dyads), 16),
             crank=_row(self._crank()),
             masses=_table(self._masses(), 4),
-            gravity=_row((gravity,)),
+            gravity=_row(self.at.gravity[:1]),
             forces=_table(self._forces(), 3),
             torques=_table(self._torques(), 2),
             springs=_table(self._springs(), 7),
@@ -168,102 +151,74 @@ class _Writer:
             levels=levels(self.structure, needs(self.linkage, {"Mkr"}, turns=True).orders),
             curves=np.array(self.curves, dtype=np.float64),
         )
-        numbers = np.array(self.numbers.values)
+        directions = [along for _, along, _ in self.guides.values()]
+        directions += [self.at.output.along[0]] if self.at.output else []
         return FlatLinkage(
-            self.linkage,
-            self.structure,
-            tables,
-            numbers,
-            self.numbers.places,
-            self.bodies,
-            self.points,
-            self.guides,
+            self.linkage, self.structure, tables, np.array(self.values), self.places, tuple(map(int, directions))
         )
 
-    def _store_bodies(self) -> None:
-        """Masses before points, lest a point called ``centre`` take the mass centre's name."""
-        for name, link in self.linkage.links.items():
-            mass = self.numbers.add((f"{name}.mass",), (link.mass,))
-            centre = self.numbers.vector(f"{name}.centre", link.centre)
-            inertia = 0 if link.inertia is None else self.numbers.add((f"{name}.inertia",), (link.inertia,))
-            self.inertias[name] = (mass, centre, inertia)
-        for name, points in ((GROUND, self.linkage.ground), *((n, k.points) for n, k in self.linkage.links.items())):
-            for point, place in points.items():
-                self.points[name, point] = self.numbers.vector(f"{name}.{point}", place)
+    def _point(self, body: str, point: str) -> float:
+        """Place of a point; the massless slider of a slot has its pin at its origin."""
+        return self.at.local(point, body)[0] if body == GROUND or body in self.at.links else 0
 
-    def _store_guides(self) -> None:
-        for slider in self.linkage.sliders:
-            self._store_guide(slider.link, slider.guide, self.points[slider.link, slider.point])
-        for slot in self.linkage.slots:
-            self._store_guide(slot.name, slot.guide, 0)
-            self.points[slot.name, slot.point] = 0
+    def _mass(self, name: str) -> Row:
+        link = self.at.links[name]
+        return (link.mass, link.centre[0], link.inertia or 0)
 
-    def _store_guide(self, name: str, guide: Guide, point: int) -> None:
-        through = self.numbers.vector(f"{name}.through", guide.through)
-        self.guides[name] = (through, self.numbers.vector(f"{name}.along", guide.along), point)
-
-    def _dyad(self, dyad: Dyad) -> tuple[int, ...]:
+    def _dyad(self, dyad: Dyad) -> Row:
         near = (self.bodies[dyad.first_joint.near], self.bodies[dyad.second_joint.near])
         joints = [entry for joint in dyad.joints for entry in self._joint(joint)]
         return (KINDS.index(dyad.kind), dyad.sign, *near, *joints)
 
-    def _joint(self, joint: Joint) -> tuple[int, int, int, int]:
+    def _joint(self, joint: Joint) -> Row:
         if isinstance(joint, Revolute):
-            return (self.points[joint.near, joint.point], self.points[joint.far, joint.point], 0, 0)
+            return (self._point(joint.near, joint.point), self._point(joint.far, joint.point), 0, 0)
         return (*self.guides[joint.slider], int(joint.near == joint.slider))
 
-    def _crank(self) -> tuple[int, ...]:
-        pivot, crank = self.structure.pivot, self.linkage.crank
-        return (self.points[GROUND, pivot.point], self.points[crank, pivot.point], *self.inertias[crank])
+    def _crank(self) -> Row:
+        point, crank = self.structure.pivot.point, self.linkage.crank
+        return (self._point(GROUND, point), self._point(crank, point), *self._mass(crank))
 
-    def _masses(self) -> Iterator[tuple[int, ...]]:
-        for name in self.bodies:
+    def _masses(self) -> Iterator[Row]:
+        for name, number in self.bodies.items():
             if name in self.linkage.links and name != self.linkage.crank:
-                yield (self.bodies[name], *self.inertias[name])
+                yield (number, *self._mass(name))
 
-    def _forces(self) -> Iterator[tuple[int, ...]]:
+    def _forces(self) -> Iterator[Row]:
         for force in self.linkage.forces:
-            names = [f"forces.{force.point}.{axis}" for axis in "xy"]
-            yield self.bodies[force.link], self.points[force.link, force.point], self._law(force.force, names)
+            yield self.bodies[force.link], self._point(force.link, force.point), self._law(force.force)
 
-    def _torques(self) -> Iterator[tuple[int, ...]]:
+    def _torques(self) -> Iterator[Row]:
         for torque in self.linkage.torques:
-            yield self.bodies[torque.link], self._law(torque.torque, [f"torques.{torque.link}"])
+            yield self.bodies[torque.link], self._law(torque.torque)
 
-    def _law(self, law: Law, names: list[str]) -> int:
+    def _law(self, law: Law) -> int:
         """The number of a law, now stored."""
+        components = law.values.shape[-1]
         if law.is_constant:
-            self.laws.append((CONSTANT, len(names), self.numbers.add(names, law.values)))
+            self.laws.append((CONSTANT, components, next(self.constants).values[0]))
         else:
             knots, coefficients = _pieces(law)
-            self.laws.append((len(knots) - 1, len(names), len(self.curves)))
+            self.laws.append((len(knots) - 1, components, len(self.curves)))
             self.curves += [*knots, *np.moveaxis(coefficients, 0, -1).ravel()]
         return len(self.laws) - 1
 
-    def _springs(self) -> Iterator[tuple[int, ...]]:
-        for spring in self.linkage.springs:
-            ends = [
-                entry
-                for point, body in zip(spring.points, spring.links, strict=True)
-                for entry in (self.bodies[body], self.points[body, point])
-            ]
-            name = f"springs.{'.'.join(spring.points)}"
-            values = {"stiffness": spring.stiffness, "length": spring.length, "damping": spring.damping}
-            first = self.numbers.add([f"{name}.{key}" for key in values], values.values())
-            yield (*ends, first, first + 1, first + 2)
+    def _springs(self) -> Iterator[Row]:
+        for spring in self.at.springs:
+            (one, two), (here, there) = spring.links, spring.points
+            ends = (self.bodies[one], self._point(one, here), self.bodies[two], self._point(two, there))
+            yield (*ends, spring.stiffness, spring.length, spring.damping)
 
-    def _dampers(self) -> Iterator[tuple[int, ...]]:
-        for damper in self.linkage.dampers:
-            at = self.numbers.add([f"dampers.{'.'.join(damper.links)}.coefficient"], [damper.coefficient])
+    def _dampers(self) -> Iterator[Row]:
+        for damper in self.at.dampers:
             one, two = damper.links
-            yield self.bodies[one], self.bodies[two], at
+            yield self.bodies[one], self.bodies[two], damper.coefficient
 
-    def _output(self) -> tuple[int, ...]:
-        output = self.linkage.output
+    def _output(self) -> Row:
+        output = self.at.output
         if output is None:
             return (GROUND_BODY, 0, 0)
-        along = self.numbers.vector("output.along", output.along)
-        return (self.bodies[output.link], self.points[output.link, output.point], along)
+        return (self.bodies[output.link], self._point(output.link, output.point), output.along[0])
 
 
 def _pieces(law: Law) -> tuple[Array, Array]:
@@ -272,10 +227,10 @@ def _pieces(law: Law) -> tuple[Array, Array]:
     return np.asarray(spline.x), np.asarray(spline.c)
 
 
-def _table(rows: Iterable[tuple[int, ...]], columns: int) -> Integers:
+def _table(rows: Iterable[Row], columns: int) -> Integers:
     """Rows of integers, none of them too."""
     return np.array(list(rows), dtype=np.int64).reshape(-1, columns)
 
 
-def _row(entries: tuple[int, ...]) -> Integers:
+def _row(entries: Row) -> Integers:
     return np.array(entries, dtype=np.int64)

@@ -52,9 +52,9 @@ DIMENSIONS: Final[Mapping[Kind, tuple[int, int, int]]] = {
 }
 
 
-def changed(linkage: Linkage, change: Change) -> Linkage:
-    """The linkage with every number replaced by ``change(name, kind, number)``; directions are made unit vectors."""
-    return _Walk(change).linkage(linkage)
+def changed(linkage: Linkage, change: Change, direction: Callable[[Vector], Vector] = unit) -> Linkage:
+    """The linkage with every number replaced by ``change(name, kind, number)``, and new directions by ``direction``."""
+    return _Walk(change, direction).linkage(linkage)
 
 
 def numbers(linkage: Linkage) -> dict[str, float]:
@@ -120,8 +120,8 @@ class _Walk:
     Masses come before points, lest a point called ``centre`` take the mass centre's name.
     """
 
-    def __init__(self, change: Change) -> None:
-        self.change = change
+    def __init__(self, change: Change, unit: Callable[[Vector], Vector]) -> None:
+        self.change, self.unit = change, unit
         self.names: set[str] = set()
 
     def number(self, name: str, kind: Kind, value: float) -> float:
@@ -137,7 +137,7 @@ class _Walk:
 
     def direction(self, name: str, old: Vector) -> Vector:
         new = self.vector(name, old, "direction")
-        return old if new == old else unit(new)
+        return old if new == old else self.unit(new)
 
     def points(self, body: str, points: Mapping[str, Vector]) -> dict[str, Vector]:
         return {point: self.vector(f"{body}.{point}", place) for point, place in points.items()}

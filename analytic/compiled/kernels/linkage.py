@@ -61,7 +61,7 @@ def scratch(flat: FlatLinkage) -> Array:
     """Scratch memory for one thread."""
     ground = LAWS + LAW * len(flat.tables.laws)
     crank = ground + BODY * CRANK_BODY
-    work = np.zeros(ground + BODY * len(flat.bodies))
+    work = np.zeros(crank + BODY * (1 + 2 * len(flat.structure.dyads)))
     work[ground + C : ground + C + BLOCK] = 1.0
     work[crank + DW : crank + DW + BLOCK] = 1.0
     return work
