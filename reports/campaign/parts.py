@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
-from functools import partial
 
 import numpy as np
 from matplotlib.figure import Figure
@@ -35,12 +33,12 @@ class ReportPart:
     table: ReportTable | None = None
 
 
-def shown(view: View, kind: str, draw: Callable[[], Figure], name: str = "", **values: object) -> ReportFigure:
+def shown(view: View, kind: str, figure: Figure, name: str = "", **values: object) -> ReportFigure:
     """A figure of a mechanism with the words of its ``kind``, filled in with ``values``; ``name`` is its anchor."""
     words = captions()[kind]
     values = {"view": view, **values}
     alt = f"{view.linkage.title} ({view.linkage.variant}): {filled(words['alt'], **values)}"
-    drawing = picture(draw(), anchor(view.key, name or kind), alt)
+    drawing = picture(figure, anchor(view.key, name or kind), alt)
     return ReportFigure(filled(words["caption"], **values), drawing, words.get("wide", False))
 
 
@@ -51,9 +49,9 @@ def kinematics_part(view: View) -> ReportPart:
     lead = sentence("output_motion", view=view, stroke=stroke(view.mechanism), fastest=fastest, hardest=hardest)
     means = list(zip("Sva", unit_functions(view.mechanism).deviations, strict=True))
     figures = (
-        shown(view, "output", partial(kinematics.output_figure, view)),
-        shown(view, "units", partial(kinematics.unit_figure, view)),
-        shown(view, "differences", partial(kinematics.difference_figure, view), means=means),
+        shown(view, "output", kinematics.output_figure(view)),
+        shown(view, "units", kinematics.unit_figure(view)),
+        shown(view, "differences", kinematics.difference_figure(view), means=means),
     )
     return ReportPart("Motion of the output", lead, figures)
 
@@ -64,13 +62,13 @@ def inertia_part(view: View) -> ReportPart:
     parts = inertia.links_inertia(view, np.linspace(0.0, 2.0 * np.pi, 25))
     constant = [plain(name) for name, values in parts.items() if not inertia.varies(values)]
     figures = [
-        shown(view, "groups", partial(inertia.groups_figure, view)),
-        shown(view, "links", partial(inertia.links_figure, view), constant=constant),
+        shown(view, "groups", inertia.groups_figure(view)),
+        shown(view, "links", inertia.links_figure(view), constant=constant),
     ]
     if any(record.quantity == "Jeq" for record in view.records):
         regime = view.regimes[0]
-        words, draw = largest_errors(view, regime, "Jeq"), partial(inertia.methods_figure, view)
-        figures.insert(0, shown(view, "methods", draw, regime=regime, largest=words))
+        words = largest_errors(view, regime, "Jeq")
+        figures.insert(0, shown(view, "methods", inertia.methods_figure(view), regime=regime, largest=words))
     return ReportPart("Reduced moment of inertia Jeq", lead, tuple(figures))
 
 
@@ -84,10 +82,10 @@ def forces_part(view: View) -> ReportPart:
     """Joint forces, shaking force and shaking moment by the closed form."""
     found = TurnForces(view)
     figures = (
-        shown(view, "joint-forces", partial(forces.magnitudes_figure, found)),
-        shown(view, "hodographs", partial(forces.hodographs_figure, found)),
-        shown(view, "shaking-force", partial(forces.shaking_force_figure, found)),
-        shown(view, "shaking-moment", partial(forces.shaking_moment_figure, found), found=found),
+        shown(view, "joint-forces", forces.magnitudes_figure(found)),
+        shown(view, "hodographs", forces.hodographs_figure(found)),
+        shown(view, "shaking-force", forces.shaking_force_figure(found)),
+        shown(view, "shaking-moment", forces.shaking_moment_figure(found), found=found),
     )
     return ReportPart("Forces in the joints and on the frame", force_facts.lead(found), figures)
 
@@ -95,11 +93,11 @@ def forces_part(view: View) -> ReportPart:
 def thread_part(view: View) -> ReportPart:
     """The thread's contour and feed diagram."""
     figures = [
-        shown(view, "contour", partial(thread.plane_figure, view)),
-        shown(view, "feed", partial(thread.feed_figure, view)),
+        shown(view, "contour", thread.plane_figure(view)),
+        shown(view, "feed", thread.feed_figure(view)),
     ]
     if thread.is_spatial(view):
-        figures.append(shown(view, "contour-in-space", partial(thread.space_figure, view)))
+        figures.append(shown(view, "contour-in-space", thread.space_figure(view)))
     return ReportPart("Thread", thread_facts.lead(view), tuple(figures))
 
 
@@ -107,7 +105,7 @@ def printed_part(view: View) -> ReportPart:
     """Models as printed, and what the engines say of them."""
     lines = tuple(row["sentence"] for row in judgements(view))
     figures = tuple(
-        shown(view, "printed", partial(printed_figure, view, erratum), f"printed-{erratum.name}", erratum=erratum)
+        shown(view, "printed", printed_figure(view, erratum), f"printed-{erratum.name}", erratum=erratum)
         for erratum in judged(view)
     )
     lead = "The engines know neither model; each simulates the linkage as described, and its crank speed decides."

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,7 +16,8 @@ from reports.drawing.style import ReportFigure
 from reports.facts.joint_rows import joint_table
 from reports.facts.released import STEPS, Released, released, sentences
 from reports.facts.views import Regime, View, family, title
-from reports.text.numbers import ROUND_OFF, figure
+from reports.text.numbers import ROUND_OFF
+from reports.text.numbers import figure as digits
 from reports.text.templates import sentence
 
 
@@ -38,8 +38,8 @@ def _last_turn(view: View, regime: Regime, found: Released) -> list[ReportFigure
     if found.ending is None:
         return []
     end = math.degrees(float(found.motion.angle(found.motion.duration))) % 360.0
-    draw = partial(last_turn_figure, view, regime, found)
-    return [shown(view, "last-turn", draw, f"{regime.name}-last-turn", regime=regime, found=found, rpm=RPM, end=end)]
+    figure = last_turn_figure(view, regime, found)
+    return [shown(view, "last-turn", figure, f"{regime.name}-last-turn", regime=regime, found=found, rpm=RPM, end=end)]
 
 
 def _deviations(view: View, regime: Regime) -> list[ReportFigure]:
@@ -47,8 +47,8 @@ def _deviations(view: View, regime: Regime) -> list[ReportFigure]:
     found = [r.error_max for r in view.records if r.regime == regime.name and r.error_max is not None]
     if not found:
         return []
-    draw, name = partial(errors.errors_figure, view, regime), f"{regime.name}-errors"
-    return [shown(view, "errors", draw, name, regime=regime, smallest=min(found), least=LEAST_ERROR)]
+    figure, name = errors.errors_figure(view, regime), f"{regime.name}-errors"
+    return [shown(view, "errors", figure, name, regime=regime, smallest=min(found), least=LEAST_ERROR)]
 
 
 def _history(view: View, regime: Regime, quantity: str) -> ReportFigure:
@@ -56,7 +56,7 @@ def _history(view: View, regime: Regime, quantity: str) -> ReportFigure:
     return shown(
         view,
         "history",
-        partial(run_up.history_figure, view, regime, quantity),
+        run_up.history_figure(view, regime, quantity),
         f"{regime.name}-{quantity}",
         regime=regime,
         quantity=quantity,
@@ -71,4 +71,4 @@ def _history(view: View, regime: Regime, quantity: str) -> ReportFigure:
 def _signed(values: NDArray[np.float64], end: np.float64) -> str:
     """An end of a range; what is round-off beside the other end is zero."""
     value = 0.0 if abs(end) < ROUND_OFF * float(np.max(np.abs(values))) else float(end)
-    return figure(value).replace("-", "−", 1) if value < 0.0 else figure(value)
+    return digits(value).replace("-", "−", 1) if value < 0.0 else digits(value)

@@ -74,8 +74,8 @@ def _attempt(heading: str, build: Callable[[], ReportPart]) -> ReportPart:
 
 
 def _scheme(view: View) -> ReportFigure:
-    draw, number = partial(scheme.scheme_figure, view), scheme.scheme_of(view).shown
-    return shown(view, "scheme", draw, positions=scheme.POSITIONS, shown=number)
+    number = scheme.scheme_of(view).shown
+    return shown(view, "scheme", scheme.scheme_figure(view), positions=scheme.POSITIONS, shown=number)
 
 
 def _links(view: View) -> ReportTable:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from functools import partial
 from itertools import groupby
 from typing import Literal
 
@@ -11,11 +10,10 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
-from matplotlib.ticker import FuncFormatter, LogLocator, NullLocator
 
 from comparisons.judging.records import Record
 from reports.drawing.panels import LEAST_ERROR
-from reports.drawing.style import FAINT, FULL_WIDTH, INK, LIMIT_COLOUR, MUTED, colour, panels, power_of_ten
+from reports.drawing.style import FAINT, FULL_WIDTH, INK, LIMIT_COLOUR, MUTED, colour, decades, drawn
 from reports.facts.views import SETTINGS, Regime, View, columns, engines, family, worst
 
 Filling = Literal["none", "left", "full"]
@@ -29,8 +27,8 @@ def errors_figure(view: View, regime: Regime) -> Figure:
     quantities, invariants = _rows(view, regime)
     lanes = len({record.engine for record in view.records if record.error_max is not None})
     height = ROW * (len(quantities) + len(invariants)) * (1.0 + 0.2 * max(lanes - 1, 0)) + FRAME
-    edges = (0.135, 0.985, 1.0 - 0.34 / height, 0.42 / height)
-    return panels(FULL_WIDTH, height, edges, partial(draw_errors, view=view, regime=regime))
+    edges = {"left": 0.135, "right": 0.985, "top": 1.0 - 0.34 / height, "bottom": 0.42 / height}
+    return drawn(FULL_WIDTH, height, lambda figure: draw_errors(figure.subplots(gridspec_kw=edges), view, regime))
 
 
 def draw_errors(axes: Axes, view: View, regime: Regime) -> None:
@@ -58,9 +56,7 @@ def draw_errors(axes: Axes, view: View, regime: Regime) -> None:
 def _scales(axes: Axes, rows: list[str]) -> None:
     """Decades across, the rows' names down."""
     axes.set_xscale("log")
-    axes.xaxis.set_major_locator(LogLocator(base=10.0, numticks=20))
-    axes.xaxis.set_major_formatter(FuncFormatter(power_of_ten))
-    axes.xaxis.set_minor_locator(NullLocator())
+    decades(axes.xaxis, 20)
     axes.set_xlabel("largest |error| / peak")
     axes.grid(visible=False, axis="y")
     axes.set_yticks(range(len(rows)), [name.replace("_", " ") for name in rows])

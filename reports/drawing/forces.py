@@ -2,22 +2,30 @@
 
 from __future__ import annotations
 
-from functools import partial
-
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 from numpy.typing import NDArray
 
-from reports.drawing.style import DASHES, FULL_WIDTH, INK, MUTED, PALETTE, WIDTH, drawn, label_ends, over_turn, panels
+from reports.drawing.style import (
+    DASHES,
+    FULL_WIDTH,
+    INK,
+    MUTED,
+    PALETTE,
+    drawn,
+    label_ends,
+    label_values,
+    over_turn,
+    panels,
+)
 from reports.facts.forces import POINTS, TurnForces
 from reports.text.numbers import figure as digits
 from reports.text.templates import plain
 
 Array = NDArray[np.float64]
 
-HEIGHT = 3.0
 PER_ROW = 4
 EVERY = 30  # points between dots: one per degree makes 30°
 MARKED = 90  # a dot every so many degrees of crank angle carries its angle
@@ -27,7 +35,7 @@ PATCH = {"boxstyle": "round,pad=0.08", "facecolor": "white", "edgecolor": "none"
 
 def magnitudes_figure(found: TurnForces) -> Figure:
     """|F| of every joint."""
-    return panels(FULL_WIDTH, HEIGHT, (0.067, 0.8, 0.97, 0.15), partial(draw_magnitudes, found=found))
+    return panels("joint-forces", draw_magnitudes, found=found)
 
 
 def draw_magnitudes(axes: Axes, found: TurnForces) -> None:
@@ -40,8 +48,7 @@ def draw_magnitudes(axes: Axes, found: TurnForces) -> None:
         axes.plot([where], [peak], marker="o", markersize=3.0, color=ink)
         ends.append((float(values[-1]), f"{plain(name)}, {digits(peak, 3)} N", ink))
     axes.set_ylim(bottom=0.0)
-    axes.set_ylabel("|F|, N")
-    axes.yaxis.set_major_locator(MaxNLocator(6))
+    label_values(axes, "|F|, N", 6)
     over_turn(axes)
     label_ends(axes, ends)
 
@@ -110,8 +117,7 @@ def _name_angles(axes: Axes, force: Array, half: float) -> None:
 
 def shaking_force_figure(found: TurnForces) -> Figure:
     """Hodograph of the force on the frame."""
-    draw = partial(draw_hodograph, force=found.shaking, ink=PALETTE[0])
-    return panels(WIDTH, 3.4, (0.17, 0.95, 0.97, 0.14), draw)
+    return panels("shaking-force", draw_hodograph, force=found.shaking, ink=PALETTE[0])
 
 
 def shaking_moment_figure(found: TurnForces) -> Figure:
@@ -120,8 +126,7 @@ def shaking_moment_figure(found: TurnForces) -> Figure:
     def draw(axes: Axes) -> None:
         axes.axhline(0.0, color=MUTED, linewidth=0.6)
         axes.plot(np.degrees(found.angle), found.moment, color=PALETTE[1], linewidth=1.5)
-        axes.set_ylabel(f"shaking moment about {found.pivot}, N m")
-        axes.yaxis.set_major_locator(MaxNLocator(6))
+        label_values(axes, f"shaking moment about {found.pivot}, N m", 6)
         over_turn(axes)
 
-    return panels(WIDTH, 3.4, (0.16, 0.97, 0.97, 0.14), draw)
+    return panels("shaking-moment", draw)

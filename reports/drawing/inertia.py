@@ -2,24 +2,19 @@
 
 from __future__ import annotations
 
-from functools import partial
-
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.ticker import MaxNLocator
 from numpy.typing import NDArray
 
 from analytic.dynamics.reduced import group_inertia, link_inertia, reduced_inertia
 from reports.drawing.panels import draw_errors_beneath, draw_methods, over_last_turn
-from reports.drawing.style import DASHES, FULL_WIDTH, INK, PALETTE, WIDTH, label_ends, over_turn, panels
+from reports.drawing.style import DASHES, INK, PALETTE, label_ends, label_values, over_turn, panels, power_of_ten
 from reports.facts.views import View
 
 Array = NDArray[np.float64]
 
 POINTS = 361
-HEIGHT = 3.9
-PARTS = (WIDTH, 2.7, (0.13, 0.66, 0.97, 0.16))
 CONSTANT = 1e-9
 SHADES = ("#31506f", "#7ea0be", "#c9d8e6", "#d9a441", "#f1d9a7", "#8aa37b", "#cfdcc6", "#a5698a", "#e0c3d3")
 
@@ -33,13 +28,12 @@ def turn_inertia(view: View) -> tuple[Array, Array]:
 def power_for(largest: float) -> tuple[float, str]:
     """Factor and power of ten for an axis of small values: 1e5 and "10⁻⁵ " for 9.1e-5 kg m²."""
     exponent = int(np.floor(np.log10(largest))) if largest > 0.0 else 0
-    raised = str(exponent).translate(str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹"))
-    return 10.0**-exponent, f"10{raised} " if exponent else ""
+    return 10.0**-exponent, f"{power_of_ten(10.0**exponent)} " if exponent else ""
 
 
 def methods_figure(view: View) -> Figure:
     """Jeq by every method over the last full turn of the first regime, its deviation beneath."""
-    return panels(FULL_WIDTH, HEIGHT, (0.067, 0.885, 0.97, 0.12), partial(draw_inertia, view=view), ratios=(1.15, 1.0))
+    return panels("methods", draw_inertia, view=view)
 
 
 def draw_inertia(upper: Axes, lower: Axes, view: View) -> None:
@@ -48,8 +42,7 @@ def draw_inertia(upper: Axes, lower: Axes, view: View) -> None:
     angle, truth = turn_inertia(view)
     factor, prefix = power_for(float(np.max(truth)))
     draw_methods(upper, view, (angle, truth), traces, factor)
-    upper.set_ylabel(f"Jeq, {prefix}kg m²")
-    upper.yaxis.set_major_locator(MaxNLocator(5))
+    label_values(upper, f"Jeq, {prefix}kg m²")
     draw_errors_beneath(lower, view, traces)
     over_turn(upper, "")
     over_turn(lower)
@@ -57,12 +50,12 @@ def draw_inertia(upper: Axes, lower: Axes, view: View) -> None:
 
 def groups_figure(view: View) -> Figure:
     """Jeq by Assur group, stacked to the whole."""
-    return panels(*PARTS, partial(draw_groups, view=view))
+    return panels("groups", draw_groups, view=view)
 
 
 def links_figure(view: View) -> Figure:
     """Jeq of the links whose share varies."""
-    return panels(*PARTS, partial(draw_links, view=view))
+    return panels("links", draw_links, view=view)
 
 
 def draw_groups(axes: Axes, view: View) -> None:
@@ -80,8 +73,7 @@ def draw_groups(axes: Axes, view: View) -> None:
         ends.append((0.5 * float(edges[number, -1] + edges[number + 1, -1]), _share(name, parts[name], total), INK))
     axes.plot(degrees, factor * total, color=INK, linewidth=1.2, zorder=3.0)
     axes.set_ylim(0.0, 1.06 * factor * float(np.max(total)))
-    axes.set_ylabel(f"Jeq, {prefix}kg m²")
-    axes.yaxis.set_major_locator(MaxNLocator(5))
+    label_values(axes, f"Jeq, {prefix}kg m²")
     over_turn(axes)
     label_ends(axes, ends, lines=2)
 
@@ -99,8 +91,7 @@ def draw_links(axes: Axes, view: View) -> None:
         axes.plot(degrees, factor * values, color=ink, linestyle=dash, linewidth=1.4)
         ends.append((factor * float(values[-1]), _share(name, values, total), ink))
     axes.set_ylim(bottom=0.0)
-    axes.set_ylabel(f"Jeq of a link, {prefix}kg m²")
-    axes.yaxis.set_major_locator(MaxNLocator(5))
+    label_values(axes, f"Jeq of a link, {prefix}kg m²")
     over_turn(axes)
     label_ends(axes, ends, lines=2)
 

@@ -3,19 +3,18 @@
 from __future__ import annotations
 
 import math
-from functools import partial
 
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.ticker import FixedLocator, MaxNLocator
+from matplotlib.ticker import FixedLocator
 from numpy.typing import NDArray
 
 from analytic.description.crank_motion import crank_motion
 from analytic.turn.unit_functions import UnitFunctions, unit_functions
 from comparisons.judging.quantities import QUANTITIES
 from comparisons.reference.case import Case
-from reports.drawing.style import FULL_WIDTH, INK, MUTED, PALETTE, WIDTH, label_ends, over_turn, panels
+from reports.drawing.style import INK, MUTED, PALETTE, label_ends, label_values, over_turn, panels
 from reports.facts.views import View
 from reports.text.numbers import figure as digits
 
@@ -26,7 +25,6 @@ POINTS, THINNING = 3601, 10
 # S, v, a: what the panel says on its axis, and the factor from SI to that unit.
 PANELS = (("S", "S, mm", 1e3), ("v", "v, m/s", 1.0), ("a", "a, m/s²", 1.0))
 COLOURS = (PALETTE[0], PALETTE[1], PALETTE[2])
-HEIGHT = 4.0
 
 
 def turn_at_final_speed(view: View) -> tuple[Array, dict[str, Array]]:
@@ -48,26 +46,17 @@ def turn_at_final_speed(view: View) -> tuple[Array, dict[str, Array]]:
 
 def output_figure(view: View) -> Figure:
     """S, v and a, one under the other."""
-    return panels(
-        WIDTH,
-        HEIGHT,
-        (0.14, 0.97, 0.98, 0.11),
-        partial(draw_output, view),
-        ratios=(1.0, 1.0, 1.0),
-        gap=0.14,
-        aligned=True,
-    )
+    return panels("output", draw_output, view=view)
 
 
-def draw_output(view: View, *axes_of: Axes) -> None:
+def draw_output(*axes_of: Axes, view: View) -> None:
     """S, v and a on three axes, their extremes marked with value and crank angle."""
     angle, values = turn_at_final_speed(view)
     for axes, (name, label, factor), ink in zip(axes_of, PANELS, COLOURS, strict=True):
         shown = factor * values[name]
         axes.axhline(0.0, color=MUTED, linewidth=0.6)
         axes.plot(angle[::THINNING], shown[::THINNING], color=ink, linewidth=1.5)
-        axes.set_ylabel(label)
-        axes.yaxis.set_major_locator(MaxNLocator(5))
+        label_values(axes, label)
         axes.margins(y=0.22)
         _mark_extremes(axes, angle, shown, ink)
         over_turn(axes, "crank angle φ, °" if name == "a" else "")
@@ -94,10 +83,10 @@ def _mark_extremes(axes: Axes, angle: Array, values: Array, ink: str) -> None:
 def unit_figure(view: View) -> Figure:
     """The unit functions beside the harmonics they are held against."""
     found = unit_functions(view.mechanism, clockwise=view.final_speed < 0.0)
-    return panels(WIDTH, HEIGHT, (0.14, 0.82, 0.98, 0.11), partial(draw_units, found), ratios=(1.0, 1.0, 1.0), gap=0.14)
+    return panels("units", draw_units, found=found)
 
 
-def draw_units(found: UnitFunctions, *axes_of: Axes) -> None:
+def draw_units(*axes_of: Axes, found: UnitFunctions) -> None:
     """Unit functions in colour, harmonics dashed."""
     phase = np.degrees(found.phase)
     ours = (found.displacement, found.velocity, found.acceleration)
@@ -120,10 +109,10 @@ def draw_units(found: UnitFunctions, *axes_of: Axes) -> None:
 def difference_figure(view: View) -> Figure:
     """Unit functions less harmonics, with the mean absolute difference of each."""
     found = unit_functions(view.mechanism, clockwise=view.final_speed < 0.0)
-    return panels(FULL_WIDTH, 2.3, (0.067, 0.875, 0.97, 0.19), partial(draw_differences, found))
+    return panels("differences", draw_differences, found=found)
 
 
-def draw_differences(found: UnitFunctions, axes: Axes) -> None:
+def draw_differences(axes: Axes, found: UnitFunctions) -> None:
     """ΔS, Δv and Δa on one axis."""
     phase, ends = np.degrees(found.phase), []
     step = max(1, THINNING * len(phase) // POINTS)

@@ -5,14 +5,13 @@ from __future__ import annotations
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.ticker import MaxNLocator
 from numpy.typing import NDArray
 
 from analytic.description.crank_motion import RPM
 from analytic.description.schema import Erratum
 from analytic.motion.released import FreeMotion
 from reports.drawing.panels import Other, draw_errors_beneath, draw_methods, over_last_turn, thinned
-from reports.drawing.style import FULL_WIDTH, LIMIT_COLOUR, drawn, over_turn, panels
+from reports.drawing.style import FULL_WIDTH, LIMIT_COLOUR, drawn, label_values, over_turn, panels
 from reports.facts.printed_models import printed_motion
 from reports.facts.released import Released, released
 from reports.facts.views import Regime, View
@@ -22,7 +21,6 @@ Array = NDArray[np.float64]
 LAST_TURN_POINTS = 721
 LAST_TURN = (("omega", "n, rpm", 1.0 / RPM), ("epsilon", "ε, rad/s²", 1.0))
 POINTS_PER_TURN, LEAST_POINTS = 30, 2000
-HEIGHT = 3.9
 
 
 def last_turn_figure(view: View, regime: Regime, found: Released) -> Figure:
@@ -34,8 +32,7 @@ def last_turn_figure(view: View, regime: Regime, found: Released) -> Figure:
         for axes, (quantity, label, factor) in zip(grid, LAST_TURN, strict=True):
             traces = [over_last_turn(trace) for trace in view.traces(regime, quantity)]
             draw_methods(axes, view, _truth(found, quantity), traces, factor)
-            axes.set_ylabel(label)
-            axes.yaxis.set_major_locator(MaxNLocator(5))
+            label_values(axes, label)
             over_turn(axes)
 
     return drawn(FULL_WIDTH, 2.7, draw)
@@ -66,13 +63,12 @@ def printed_figure(view: View, erratum: Erratum) -> Figure:
         draw_methods(upper, view, (time, truth), traces)
         upper.plot(*thinned(time, theirs), color=LIMIT_COLOUR, linewidth=1.2, label="as printed", zorder=4.0)
         upper.legend(loc="upper left", bbox_to_anchor=(1.0, 1.04), handlelength=1.9)
-        upper.set_ylabel("ω, rad/s")
-        upper.yaxis.set_major_locator(MaxNLocator(5))
+        label_values(upper, "ω, rad/s")
         draw_errors_beneath(lower, view, traces, [missed])
         lower.set_xlim(0.0, float(time[-1]))
         lower.set_xlabel("time, s")
 
-    return panels(FULL_WIDTH, HEIGHT, (0.067, 0.86, 0.97, 0.12), draw, ratios=(1.15, 1.0))
+    return panels("printed", draw)
 
 
 def _instants(motion: FreeMotion) -> Array:

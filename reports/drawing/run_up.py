@@ -14,7 +14,7 @@ from comparisons.judging.quantities import QUANTITIES
 from comparisons.reference.case import Case
 from reports.drawing.inertia import power_for
 from reports.drawing.panels import Other, draw_errors_beneath, draw_methods, thinned
-from reports.drawing.style import INK, MUTED, WIDTH, panels
+from reports.drawing.style import INK, MUTED, label_values, panels
 from reports.facts.joint_rows import worst_joint
 from reports.facts.released import Released, released
 from reports.facts.views import Regime, View, family
@@ -25,7 +25,6 @@ Array = NDArray[np.float64]
 SHOWN = ("phi", "omega", "epsilon", "Mkr", "Teq", "Peq", "Jeq")
 # What the articles' integrator is drawn for beside the engines.
 COARSE, SPEED = ("phi", "omega", "epsilon"), "omega"
-HEIGHT = 3.5
 POINTS_PER_TURN, LEAST_POINTS = 180, 1500
 # Below this an axis counts in a power of ten.
 SMALL = 1e-2
@@ -45,8 +44,10 @@ def history_figure(view: View, regime: Regime, quantity: str) -> Figure:
         if quantity == SPEED:
             _count_turns(upper)
 
-    right = 0.64 if quantity == SPEED else 0.77
-    return panels(WIDTH, HEIGHT, (0.155, right, 0.97, 0.12), draw, ratios=(1.35, 1.0))
+    figure = panels("history", draw)
+    if quantity == SPEED:  # room for the second scale
+        figure.subplots_adjust(right=0.64)
+    return figure
 
 
 def draw_history(upper: Axes, lower: Axes, view: View, regime: Regime, quantity: str) -> None:
@@ -65,8 +66,7 @@ def draw_history(upper: Axes, lower: Axes, view: View, regime: Regime, quantity:
         values = found.coarse.angle if quantity == "phi" else found.coarse.speed
         upper.plot(*thinned(found.coarse.time, values), color=INK, linewidth=0.6, zorder=4.0)
     unit = next((record.unit for record in view.records if record.quantity == quantity), "")
-    upper.set_ylabel(f"{symbol(quantity)}, {prefix}{unit}")
-    upper.yaxis.set_major_locator(MaxNLocator(5))
+    label_values(upper, f"{symbol(quantity)}, {prefix}{unit}")
     lower.set_xlim(0.0, float(time[-1]) if len(time) else 1.0)
     lower.xaxis.set_major_locator(MaxNLocator(8))
     lower.set_xlabel("time, s")

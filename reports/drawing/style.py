@@ -20,11 +20,12 @@ import matplotlib
 import numpy as np
 from markupsafe import Markup
 from matplotlib.axes import Axes
+from matplotlib.axis import Axis
 from matplotlib.figure import Figure
-from matplotlib.ticker import FuncFormatter, LogLocator, MultipleLocator, NullLocator
+from matplotlib.ticker import FuncFormatter, LogLocator, MaxNLocator, MultipleLocator, NullLocator
 from numpy.typing import NDArray
 
-from reports.text.templates import FOLDER
+from reports.text.templates import FOLDER, captions
 
 # Okabe and Ito, the darker ones first; the closed form is always ink.
 PALETTE = ("#0072b2", "#d55e00", "#009e73", "#aa4499", "#56b4e9", "#997700")
@@ -74,31 +75,22 @@ def drawn(width: float, height: float, draw: Callable[[Figure], None]) -> Figure
     return figure
 
 
-def panels(
-    width: float,
-    height: float,
-    edges: tuple[float, float, float, float],
-    draw: Callable[..., object],
-    *,
-    ratios: Sequence[float] = (1.0,),
-    gap: float = 0.12,
-    aligned: bool = False,
-) -> Figure:
-    """A figure of axes one above the other over a common x axis, of these relative heights, given to ``draw``.
+def panels(kind: str, draw: Callable[..., object], **arguments: object) -> Figure:
+    """A figure of axes one above the other over a common x axis, as ``figures.toml`` has them for its ``kind``.
 
-    ``edges`` are the left, right, top and bottom of the axes as shares of the figure, ``gap`` the room between two;
-    with ``aligned`` the labels of their y axes stand in one column.
+    ``draw`` is given the axes from the top down, and ``arguments``.
     """
+    layout = captions()[kind]
+    ratios = layout.get("ratios", (1,))
+    edges = dict(zip(("left", "right", "top", "bottom"), layout["edges"], strict=True))
+    spacing = {**edges, "height_ratios": ratios, "hspace": layout.get("gap", 0.12)}
 
     def draw_all(figure: Figure) -> None:
-        spacing = {"height_ratios": ratios, "hspace": gap}
-        grid = figure.subplots(len(ratios), 1, sharex=True, squeeze=False, gridspec_kw=spacing)
-        figure.subplots_adjust(**dict(zip(("left", "right", "top", "bottom"), edges, strict=True)))
-        draw(*grid[:, 0])
-        if aligned:
+        draw(*figure.subplots(len(ratios), 1, sharex=True, squeeze=False, gridspec_kw=spacing)[:, 0], **arguments)
+        if layout.get("aligned"):
             figure.align_ylabels()
 
-    return drawn(width, height, draw_all)
+    return drawn(FULL_WIDTH if layout.get("wide") else WIDTH, layout["height"], draw_all)
 
 
 def scaled_figure(
@@ -175,14 +167,25 @@ def over_turn(axes: Axes, label: str = "crank angle φ, °") -> None:
     axes.set_xlabel(label)
 
 
+def label_values(axes: Axes, label: str, ticks: int = 5) -> None:
+    """A y axis with its label and at most so many round steps."""
+    axes.set_ylabel(label)
+    axes.yaxis.set_major_locator(MaxNLocator(ticks))
+
+
 def error_scale(axes: Axes, lowest: float, highest: float) -> None:
-    """A logarithmic y axis over whole decades, labelled as powers of ten."""
+    """A logarithmic y axis over whole decades."""
     axes.set_yscale("log")
     bottom, top = math.floor(math.log10(lowest)), math.ceil(math.log10(highest) + 0.05)
     axes.set_ylim(10.0**bottom, 10.0**top)
-    axes.yaxis.set_major_locator(LogLocator(base=10.0, numticks=6))
-    axes.yaxis.set_major_formatter(FuncFormatter(power_of_ten))
-    axes.yaxis.set_minor_locator(NullLocator())
+    decades(axes.yaxis, 6)
+
+
+def decades(axis: Axis, ticks: int) -> None:
+    """At most so many ticks of a logarithmic axis, labelled as powers of ten."""
+    axis.set_major_locator(LogLocator(base=10.0, numticks=ticks))
+    axis.set_major_formatter(FuncFormatter(power_of_ten))
+    axis.set_minor_locator(NullLocator())
 
 
 def power_of_ten(value: float, _: int = 0) -> str:
@@ -210,12 +213,6 @@ def label_ends(axes: Axes, ends: Sequence[tuple[float, str, str]], size: float =
 def spread(heights: Sequence[float], gap: float) -> list[float]:
     """Increasing heights moved as little as needed to lie at least ``gap`` apart, within 0 and 1 if they fit."""
     room = max(1.0, gap * (len(heights) - 1))
-    placed: list[float] = []
-    for height in heights:
-        inside = min(max(height, 0.0), room)
-        placed.append(max(inside, placed[-1] + gap) if placed else inside)
-    excess = room
-    for number in range(len(placed) - 1, -1, -1):
-        placed[number] = min(placed[number], excess)
-        excess = placed[number] - gap
-    return placed
+    steps = gap * np.arange(len(heights))
+    pushed_up = np.maximum.accumulate(np.clip(heights, 0.0, room) - steps)
+    return list(np.minimum(pushed_up, room - steps[-1]) + steps) if len(heights) else []

@@ -24,7 +24,19 @@ from reports.drawing.scheme import (
     KinematicScheme,
     draw_position,
 )
-from reports.drawing.style import INK, LEFT, MUTED, PALETTE, RIM, WIDTH, drawn, over_turn, panels, scaled_figure
+from reports.drawing.style import (
+    INK,
+    LEFT,
+    MUTED,
+    PALETTE,
+    RIM,
+    WIDTH,
+    drawn,
+    label_values,
+    over_turn,
+    panels,
+    scaled_figure,
+)
 from reports.facts.thread import MM, diagram, thread_of, travels
 from reports.facts.views import View
 
@@ -34,7 +46,6 @@ THREAD = PALETTE[1]
 PAD = 0.36  # inches around the outermost points
 EYE_INKS = (PALETTE[0], PALETTE[2], PALETTE[3])
 GUIDE_STYLE: dict[str, Any] = {**NAME_STYLE, "color": THREAD}
-FEED_HEIGHT = 4.4
 
 
 def is_spatial(view: View) -> bool:
@@ -133,8 +144,7 @@ def _space_scales(axes: Axes3D) -> None:
 
 def feed_figure(view: View) -> Figure:
     """Pd over a turn, the contour's length beneath."""
-    draw = partial(draw_feed, view=view)
-    return panels(WIDTH, FEED_HEIGHT, (0.14, 0.97, 0.92, 0.1), draw, ratios=(1.0, 1.0), gap=0.14, aligned=True)
+    return panels("feed", draw_feed, view=view)
 
 
 def draw_feed(upper: Axes, lower: Axes, view: View) -> None:
@@ -144,8 +154,7 @@ def draw_feed(upper: Axes, lower: Axes, view: View) -> None:
     upper.axhline(0.0, color=MUTED, linewidth=0.6)
     for axes, values, label in ((upper, found.feed, "Pd, mm"), (lower, found.length, "contour L, mm")):
         axes.plot(angle, MM * np.append(values, values[0]), color=THREAD, linewidth=1.6, zorder=3.0)
-        axes.set_ylabel(label)
-        axes.yaxis.set_major_locator(MaxNLocator(5))
+        label_values(axes, label)
         axes.margins(y=0.1)
         over_turn(axes, "" if axes is upper else "crank angle φ, °")
     _mark_eyes(upper, lower, view)
