@@ -15,6 +15,7 @@ from analytic.dynamics import reduced
 from analytic.dynamics.equilibrium import Equilibrium, equilibria
 from analytic.errors import LinkproofError
 from analytic.kinematics.mechanism import Mechanism
+from analytic.motion.energy import energy_imbalance
 from analytic.motion.released import FreeMotion
 from analytic.motion.rkfixed import PUBLISHED_STEPS, FixedStepMotion, fixed_step
 from analytic.motion.steady_rotation import Rotation, last_turns, steady_state
@@ -109,4 +110,5 @@ def _released(text: str, name: str, variant: str, gravity: tuple[float, float], 
 
 def sentences(found: Released) -> list[str]:
     """What there is to say of a released crank, in this order: rest, rotation, own error, the articles' integrator."""
-    return lines("released_crank", one=found, rpm=RPM, steps=PUBLISHED_STEPS)
+    balance = energy_imbalance(found.motion)
+    return lines("released_crank", one=found, balance=balance, rpm=RPM, steps=PUBLISHED_STEPS)

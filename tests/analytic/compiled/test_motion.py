@@ -16,10 +16,10 @@ from analytic.description.loading import catalogue, load
 from analytic.dynamics.equation_of_motion import equation_of_motion
 from analytic.errors import LinkproofError
 from analytic.kinematics.mechanism import Mechanism
+from analytic.motion.energy import energy_imbalance
 from analytic.motion.released import free_motion
 from analytic.numerics import integration
 from tests.analytic.linkages import from_text, mechanism
-from tests.analytic.motion.energy import energy_imbalance
 from tests.analytic.motion.test_released import (
     AFTER_A_DWELL,
     BALANCE,

@@ -13,11 +13,11 @@ from analytic.dynamics import reduced
 from analytic.dynamics.equation_of_motion import equation_of_motion
 from analytic.errors import AssemblyError, LinkproofError, UnknownNameError
 from analytic.kinematics.mechanism import Mechanism
+from analytic.motion.energy import energy_imbalance
 from analytic.motion.released import free_motion
 from analytic.motion.rkfixed import fixed_step
 from tests.analytic import article_000
 from tests.analytic.linkages import from_text, mechanism
-from tests.analytic.motion.energy import energy_imbalance
 from tests.analytic.textbook import (
     DOUBLE_ROCKER,
     PENDULUM,

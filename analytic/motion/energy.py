@@ -1,16 +1,19 @@
-"""The energy of a motion against the work done on it."""
+"""The energy of a released crank's motion against the work done on it: a check that needs no equation of motion."""
+
+from __future__ import annotations
 
 from dataclasses import replace
 
 import numpy as np
+from numpy.typing import NDArray
 
 from analytic.dynamics import reduced
 from analytic.kinematics.sweep import Sweep
-from analytic.motion.released import NODES
+from analytic.motion.released import NODES, FreeMotion
 from analytic.numerics.collocation import gauss_scheme
 
 
-def energy_imbalance(motion):
+def energy_imbalance(motion: FreeMotion) -> float:
     """Largest gap between the energy gained and the work of torque, forces and damping, over the energy at play.
 
     Energies come from the closed form at the angles and speeds of the motion, the work from Gauss quadrature along it;
@@ -22,14 +25,14 @@ def energy_imbalance(motion):
     gained = kinetic + potential - (kinetic[0] + potential[0])
     scheme = gauss_scheme(NODES)
     time = starts[:-1, None] + np.diff(starts)[:, None] * scheme.nodes
-    work = np.append(0.0, np.cumsum(np.diff(starts) * (power(motion, time) @ scheme.end_once)))
+    work = np.append(0.0, np.cumsum(np.diff(starts) * (_power(motion, time) @ scheme.end_once)))
     at_play = np.max(kinetic) + np.ptp(potential) + np.max(np.abs(work))
     return float(np.max(np.abs(gained - work)) / at_play) if at_play > 0.0 else 0.0
 
 
-def power(motion, time):
+def _power(motion: FreeMotion, time: NDArray[np.float64]) -> NDArray[np.float64]:
     """Power of what is not in the potential energy, W."""
     mechanism, angle, speed = motion.equation.mechanism, motion.angle(time), motion.speed(time)
     linkage = replace(mechanism.linkage, springs=(), dampers=())
     force = reduced.load_force(Sweep(linkage, mechanism.structure, angle)) + motion.equation.torque(angle)[0]
-    return (force - reduced.damping_coefficient(mechanism.sweep(angle)) * speed) * speed
+    return np.asarray((force - reduced.damping_coefficient(mechanism.sweep(angle)) * speed) * speed)
