@@ -1,4 +1,4 @@
-"""Steady rotation under a crank torque: mean speed and extremes.
+"""Steady rotation under a crank torque: mean speed and coefficient of fluctuation.
 
 Over a turn of steady rotation the crank's torque and the damping do equal work, whatever the inertia and the
 conservative loads do in between: with a constant M1 and b the mean of ω over φ is M1/b exactly. The mean over time, 2π
@@ -36,11 +36,17 @@ NO_TORQUE: Final = 1e-12  # a mean moment of this share of the largest is roundi
 
 @dataclass(frozen=True)
 class Rotation:
-    """Speeds of a crank over whole turns, rad/s, negative if clockwise: mean over time, and extremes."""
+    """Speeds of a crank over whole turns, rad/s, negative if clockwise: mean over time, mean over φ, extremes."""
 
     mean_speed: float
+    mean_speed_over_angle: float
     largest: float
     smallest: float
+
+    @property
+    def fluctuation(self) -> float:
+        """Coefficient of fluctuation (ω_max − ω_min) / ω_mean."""
+        return abs((self.largest - self.smallest) / self.mean_speed)
 
 
 def last_turns(motion: FreeMotion, turns: int = 1) -> Rotation:
@@ -62,7 +68,9 @@ def _rotation(motion: FreeMotion, start: float, end: float, turns: int) -> Rotat
 
     found, time = extremes(speed, SAMPLES * turns), end - start
     travelled = float(motion.angle(end) - motion.angle(start))
-    return Rotation(travelled / time, found.maximum, found.minimum)
+    square = motion.speed(np.linspace(start, end, 8 * SAMPLES * turns + 1)) ** 2  # dφ = ω dt
+    over_angle = float(np.mean(0.5 * (square[1:] + square[:-1]))) * time / travelled
+    return Rotation(travelled / time, over_angle, found.maximum, found.minimum)
 
 
 def _instant(motion: FreeMotion, angle: float) -> float | None:
