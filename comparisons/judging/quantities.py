@@ -1,15 +1,18 @@
 """The quantities that are compared: what each is in the closed form, and how it is read from an engine's motion.
 
-A quantity is one row of ``QUANTITIES``; adding one adds nothing elsewhere. S is the output's displacement from its top
-dead centre (positive away from it), v and a its time derivatives, as in article 003. Joint forces have a row for every
-joint of the linkage at hand, ``joint_force:JOINT``.
+A quantity is a row of ``quantities.toml`` and its two formulas here; adding one adds nothing elsewhere. S is the
+output's displacement from its top dead centre (positive away from it), v and a its time derivatives, as in article 003.
+Every joint of the linkage at hand has its force, ``joint_force:JOINT``.
 """
 
 from __future__ import annotations
 
+import tomllib
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 from functools import partial
+from pathlib import Path
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -26,6 +29,10 @@ from engines.scene import Channel
 Array = NDArray[np.float64]
 
 JOINT_FORCE = "joint_force:"
+TABLE = Path(__file__).with_name("quantities.toml")
+
+Reference = Callable[[Case, Array], Array]
+Observed = Callable[[Case, ObservedMotion], Signal]
 
 
 @dataclass(frozen=True)
@@ -37,11 +44,11 @@ class Quantity:
     """
 
     name: str
+    reference: Reference
+    observed: Observed
     unit: str
     title: str
     clock: Channel
-    reference: Callable[[Case, Array], Array]
-    observed: Callable[[Case, ObservedMotion], Signal]
     also: frozenset[Channel] = frozenset()
     holds_acceleration: bool = False
     needs_output: bool = False
@@ -80,19 +87,18 @@ def _power(case: Case, motion: ObservedMotion) -> Signal:
 
 
 def _displacement(case: Case, motion: ObservedMotion) -> Signal:
-    time = motion.signal(Channel.POSITION).time
-    place = case.along(motion.point(case.output.link, case.output_anchor(), time))
-    return Signal(time, top_dead_centre(case.mechanism).coordinate - place)
+    place = _output(Channel.POSITION, 0, case, motion)
+    return Signal(place.time, _top(case) + place.values)
 
 
-def _velocity(case: Case, motion: ObservedMotion) -> Signal:
-    time = motion.signal(Channel.VELOCITY).time
-    return Signal(time, -case.along(motion.point(case.output.link, case.output_anchor(), time, 1)))
+def _output(channel: Channel, order: int, case: Case, motion: ObservedMotion) -> Signal:
+    """The output's coordinate or a time derivative of it, positive away from top dead centre."""
+    time = motion.signal(channel).time
+    return Signal(time, -case.along(motion.point(case.output.link, case.output_anchor(), time, order)))
 
 
-def _acceleration(case: Case, motion: ObservedMotion) -> Signal:
-    time = motion.signal(Channel.ACCELERATION).time
-    return Signal(time, -case.along(motion.point(case.output.link, case.output_anchor(), time, 2)))
+def _top(case: Case) -> float:
+    return top_dead_centre(case.mechanism).coordinate
 
 
 def _crank(channel: Channel, case: Case, motion: ObservedMotion) -> Signal:
@@ -100,31 +106,19 @@ def _crank(channel: Channel, case: Case, motion: ObservedMotion) -> Signal:
     return Signal(time, motion.crank(channel, time))
 
 
-def _true_torque(case: Case, time: Array) -> Array:
-    return case.at(time).torque
-
-
-def _true_displacement(case: Case, time: Array) -> Array:
-    return top_dead_centre(case.mechanism).coordinate - case.sweep(time).output()
-
-
 def _true_acceleration(case: Case, time: Array) -> Array:
     at = case.at(time)
     return -(at.sweep.output(2) * at.speed**2 + at.sweep.output(1) * at.acceleration)
 
 
-def _true_joint_force(joint: str, case: Case, time: Array) -> Array:
-    return np.asarray(case.at(time).joint_forces[joint].T)
-
-
 def _joint_force(joint: str) -> Quantity:
     return Quantity(
-        name=JOINT_FORCE + joint,
+        JOINT_FORCE + joint,
+        reference=lambda case, time: np.asarray(case.at(time).joint_forces[joint].T),
+        observed=lambda case, motion: motion.history.joint_force[joint],
         unit="N",
         title=f"force in joint {joint}",
         clock=Channel.JOINT_FORCE,
-        reference=partial(_true_joint_force, joint),
-        observed=lambda case, motion: motion.history.joint_force[joint],
         holds_acceleration=True,
     )
 
@@ -156,114 +150,29 @@ def _thread_feed(case: Case, motion: ObservedMotion) -> Signal:
     return Signal(time, feed_of_length(case.mechanism, path, length))
 
 
+# Of each quantity of the table: the truth, and what the engine did.
+FORMULAS: Mapping[str, tuple[Reference, Observed]] = {
+    "phi": (lambda case, time: case.motion.angle(time), partial(_crank, Channel.POSITION)),
+    "omega": (lambda case, time: case.at(time).speed, partial(_crank, Channel.VELOCITY)),
+    "epsilon": (lambda case, time: case.at(time).acceleration, partial(_crank, Channel.ACCELERATION)),
+    "Jeq": (lambda case, time: case.at(time).inertia, _inertia),
+    "Teq": (lambda case, time: 0.5 * case.at(time).inertia * case.at(time).speed ** 2, _kinetic_energy),
+    "Mkr": (lambda case, time: case.at(time).torque, lambda case, motion: motion.signal(Channel.TORQUE)),
+    "Peq": (lambda case, time: case.at(time).torque * case.at(time).speed, _power),
+    "S": (lambda case, time: _top(case) - case.sweep(time).output(), _displacement),
+    "v": (lambda case, time: -case.sweep(time).output(1) * case.at(time).speed, partial(_output, Channel.VELOCITY, 1)),
+    "a": (_true_acceleration, partial(_output, Channel.ACCELERATION, 2)),
+    "thread_feed": (lambda case, time: feed(case.mechanism, _thread(case), case.motion.angle(time)), _thread_feed),
+}
+
+
+def _quantity(name: str, row: dict[str, Any]) -> Quantity:
+    channels = {"clock": Channel(row["clock"]), "also": frozenset(map(Channel, row.get("also", ())))}
+    return Quantity(name, *FORMULAS[name], **{**row, **channels})
+
+
 QUANTITIES: Mapping[str, Quantity] = {
-    quantity.name: quantity
-    for quantity in (
-        Quantity(
-            name="phi",
-            unit="rad",
-            title="crank angle",
-            clock=Channel.POSITION,
-            reference=lambda case, time: case.motion.angle(time),
-            observed=partial(_crank, Channel.POSITION),
-            prescribed=False,
-        ),
-        Quantity(
-            name="omega",
-            unit="rad/s",
-            title="crank speed",
-            clock=Channel.VELOCITY,
-            reference=lambda case, time: case.at(time).speed,
-            observed=partial(_crank, Channel.VELOCITY),
-            prescribed=False,
-        ),
-        Quantity(
-            name="epsilon",
-            unit="rad/s²",
-            title="crank acceleration",
-            clock=Channel.ACCELERATION,
-            reference=lambda case, time: case.at(time).acceleration,
-            observed=partial(_crank, Channel.ACCELERATION),
-            holds_acceleration=True,
-            prescribed=False,
-        ),
-        Quantity(
-            name="Jeq",
-            unit="kg m²",
-            title="reduced moment of inertia",
-            clock=Channel.VELOCITY,
-            reference=lambda case, time: case.at(time).inertia,
-            observed=_inertia,
-        ),
-        Quantity(
-            name="Teq",
-            unit="J",
-            title="kinetic energy",
-            clock=Channel.VELOCITY,
-            reference=lambda case, time: 0.5 * case.at(time).inertia * case.at(time).speed ** 2,
-            observed=_kinetic_energy,
-        ),
-        Quantity(
-            name="Mkr",
-            unit="N m",
-            title="crank torque",
-            clock=Channel.TORQUE,
-            reference=_true_torque,
-            observed=lambda case, motion: motion.signal(Channel.TORQUE),
-            holds_acceleration=True,
-            free=False,
-        ),
-        Quantity(
-            name="Peq",
-            unit="W",
-            title="drive power",
-            clock=Channel.TORQUE,
-            also=frozenset({Channel.VELOCITY}),
-            reference=lambda case, time: _true_torque(case, time) * case.at(time).speed,
-            observed=_power,
-            holds_acceleration=True,
-            free=False,
-        ),
-        Quantity(
-            name="S",
-            unit="m",
-            title="output displacement",
-            clock=Channel.POSITION,
-            reference=_true_displacement,
-            observed=_displacement,
-            needs_output=True,
-        ),
-        Quantity(
-            name="v",
-            unit="m/s",
-            title="output velocity",
-            clock=Channel.VELOCITY,
-            also=frozenset({Channel.POSITION}),
-            reference=lambda case, time: -case.sweep(time).output(1) * case.at(time).speed,
-            observed=_velocity,
-            needs_output=True,
-        ),
-        Quantity(
-            name="a",
-            unit="m/s²",
-            title="output acceleration",
-            clock=Channel.ACCELERATION,
-            also=frozenset({Channel.POSITION, Channel.VELOCITY}),
-            reference=_true_acceleration,
-            observed=_acceleration,
-            holds_acceleration=True,
-            needs_output=True,
-        ),
-        Quantity(
-            name="thread_feed",
-            unit="m",
-            title="thread feed",
-            clock=Channel.POSITION,
-            reference=lambda case, time: feed(case.mechanism, _thread(case), case.motion.angle(time)),
-            observed=_thread_feed,
-            needs_thread=True,
-        ),
-    )
+    name: _quantity(name, row) for name, row in tomllib.loads(TABLE.read_text(encoding="utf-8")).items()
 }
 
 
