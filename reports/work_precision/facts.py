@@ -52,12 +52,6 @@ class EngineFacts:
         """The settings against the methods' front."""
         return standings(self.records)
 
-    @cached_property
-    def failures(self) -> tuple[str, ...]:
-        """What gave no error, and why, each once."""
-        failed = [one for one in self.records if not one.finished]
-        return tuple(dict.fromkeys(f"{self.way(one) or one.engine}: {one.outcome}, {one.detail}" for one in failed))
-
     def is_own(self, record: BenchRecord) -> bool:
         """Whether a point is a method's at the effort it comes with."""
         return (record.setting, record.effort) in self.own_efforts

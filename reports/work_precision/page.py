@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from pathlib import Path
 
 from markupsafe import Markup
@@ -10,10 +9,11 @@ from markupsafe import Markup
 from comparisons.runs.files import write_text
 from comparisons.work_precision.measure import JOINTS
 from comparisons.work_precision.records import FILE, Bench
+from reports.facts.environment import environment_facts
 from reports.facts.views import anchor
+from reports.text.numbers import seconds
 from reports.text.tables import ReportTable
-from reports.text.templates import render
-from reports.work_precision.circumstances import facts, measured
+from reports.text.templates import lines, render
 from reports.work_precision.facts import PlaceFacts, engine_names, failed_methods, places
 from reports.work_precision.figure import save_figure
 from reports.work_precision.interactive import SCRIPT, bench_html, script
@@ -21,29 +21,6 @@ from reports.work_precision.section import overview, regimes, section
 from reports.work_precision.words import floor_table, method_table, noise_share, standing_words
 
 PAGE = "bench.html"
-
-
-@dataclass(frozen=True)
-class QuantityPart:
-    """One quantity of one mechanism and regime."""
-
-    name: str
-    table: ReportTable
-    standings: tuple[str, ...]
-
-
-@dataclass(frozen=True)
-class PlacePart:
-    """One mechanism and regime on the page."""
-
-    key: str
-    title: str
-    mechanism: str
-    variant: str
-    regime: str
-    interactive: Markup
-    quantities: tuple[QuantityPart, ...]
-    failures: tuple[str, ...]
 
 
 def write(bench: Bench, folder: Path) -> Path:
@@ -62,46 +39,56 @@ def page(bench: Bench) -> str:
         "bench.html",
         script=SCRIPT,
         titles=list(dict.fromkeys(place.title for place in every)),
-        facts=facts(bench),
+        facts=_facts(bench),
         section=section(bench),
-        places=[_place(bench, place) for place in every],
+        parts=[_part(bench, place) for place in every],
         methods=method_table(bench),
-        measured=measured(bench),
+        measured=lines(
+            "measurement",
+            extent=bench.document["extent"],
+            noise=bench.noise,
+            work=bench.document["noise"]["work"],
+            share=noise_share(bench),
+        ),
         command=bench.document["command"],
         file=FILE,
     )
 
 
-def _place(bench: Bench, place: PlaceFacts) -> PlacePart:
+def _facts(bench: Bench) -> list[tuple[str, str]]:
+    """Name and value of everything that decides a figure or a time."""
+    repeats = sum(len(point.repeats) for point in bench.points)
+    first = [f"{one['engine']} {seconds(min(one['seconds']))}" for one in bench.document["first_use"] if one["seconds"]]
+    first_use = "what the first run of a process costs beyond the second, import included"
+    return [
+        ("Command", bench.document["command"]),
+        ("Conditions", bench.document["conditions"]),
+        *environment_facts(bench.document["environment"]),
+        ("Points", f"{len(bench.points)}, timed {repeats} times in all"),
+        ("First use", f"{', '.join(first) or 'not measured'}: {first_use}"),
+    ]
+
+
+def _part(bench: Bench, place: PlaceFacts) -> dict[str, object]:
+    """What the page shows of one mechanism and regime."""
     key = anchor("bench", place.mechanism, place.variant, place.regime)
-    names = place.quantities
-    interactive = bench_html(place, engine_names(bench), f"{key}-plot") if names else ""
-    ordered = sorted(names, key=lambda name: name != place.foremost)
-    return PlacePart(
-        key=key,
-        title=place.title,
-        mechanism=place.mechanism,
-        variant=place.variant,
-        regime=place.regime,
-        interactive=Markup(interactive),
-        quantities=tuple(_quantity(place, name, noise_share(bench)) for name in ordered),
-        failures=tuple(
-            f"{facts.engine}: {told}" for facts in place.engines(place.foremost) for told in failed_methods(facts)
-        ),
-    )
+    drawing = bench_html(place, engine_names(bench), f"{key}-plot") if place.quantities else ""
+    ordered = sorted(place.quantities, key=lambda name: name != place.foremost)
+    failures = [f"{facts.engine}: {told}" for facts in place.engines(place.foremost) for told in failed_methods(facts)]
+    return {
+        "key": key,
+        "place": place,
+        "interactive": Markup(drawing),
+        "quantities": [(name, *_quantity(place, name, noise_share(bench))) for name in ordered],
+        "failures": failures,
+    }
 
 
-def _quantity(place: PlaceFacts, name: str, noise: float) -> QuantityPart:
+def _quantity(place: PlaceFacts, name: str, noise: float) -> tuple[ReportTable, list[str]]:
+    """The methods in one quantity, and how the settings stand against them."""
     engines = place.engines(name)
     found = next((r.error for r in place.records if r.quantity == name and r.error), None)
     over = f" ({found.peak:.4g} {found.unit})" if found and found.peak else ""
     worst = "; of joint forces the worst joint's" if name == JOINTS else ""
-    return QuantityPart(
-        name=name.replace("_", " "),
-        table=floor_table(engines, f"Largest error over the closed form's peak{over}{worst}."),
-        standings=tuple(
-            f"{facts.engine} {standing_words(one, facts.way(one.rival) if one.rival else '', noise)}"
-            for facts in engines
-            for one in facts.standings
-        ),
-    )
+    table = floor_table(engines, f"Largest error over the closed form's peak{over}{worst}.")
+    return table, [words for facts in engines for words in standing_words(facts, noise)]

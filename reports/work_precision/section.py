@@ -15,10 +15,9 @@ from reports.facts.views import anchor
 from reports.text.numbers import bound
 from reports.text.tables import ReportTable
 from reports.text.templates import plain, render
-from reports.work_precision.circumstances import note
 from reports.work_precision.facts import EngineFacts, PlaceFacts, engine_names, failed_methods, places
 from reports.work_precision.figure import bench_figure
-from reports.work_precision.words import ChoiceCell, choice_cell
+from reports.work_precision.words import choice_words, noise_note
 
 TITLE = "How accurate an engine is for its cost"
 ABOUT = (
@@ -53,19 +52,19 @@ def _version(bench: Bench, name: str) -> str:
 
 
 def _row(place: PlaceFacts, facts: EngineFacts) -> tuple[str, ...]:
-    cells: list[str] = [_cell(choice_cell(choice, facts)) for choice in facts.choices]
+    cells: list[str] = [_cell(*choice_words(choice, facts)) for choice in facts.choices]
     if not cells:
         failure = Markup('<span class="failure">{}</span>').format("; ".join(failed_methods(facts)))
         cells = [failure, *[""] * (len(WANTED) - 1)]
     return (place.mechanism, place.regime, plain(place.foremost), *cells)
 
 
-def _cell(cell: ChoiceCell) -> Markup:
+def _cell(cost: str, way: str, step: str, told: str) -> Markup:
     """Cost, way and step of a choice; all that is known of it where a reader points at it."""
-    if not cell.reached:
-        return Markup('<span class="none" title="{}">{}</span>').format(cell.title, cell.way)
-    step = Markup("<br>{} a turn").format(cell.step) if cell.step else ""
-    return Markup('<span title="{}">{}<small>{}{}</small></span>').format(cell.title, cell.cost, cell.way, step)
+    if not cost:
+        return Markup('<span class="none" title="{}">{}</span>').format(told, way)
+    turn = Markup("<br>{} a turn").format(step) if step else ""
+    return Markup('<span title="{}">{}<small>{}{}</small></span>').format(told, cost, way, turn)
 
 
 def regimes(bench: Bench) -> dict[str, list[PlaceFacts]]:
@@ -104,5 +103,5 @@ def section(bench: Bench, *, only_first: bool = False) -> Markup:
         about=ABOUT,
         figures=overviews(bench, only_first),
         tables=choice_tables(bench),
-        note=note(bench),
+        note=noise_note(bench),
     )

@@ -12,10 +12,9 @@ from comparisons.work_precision.analysis import WANTED
 from comparisons.work_precision.records import Bench
 from reports.text.numbers import bound, error, seconds
 from reports.text.screen import Printout, line, table
-from reports.work_precision.circumstances import note
 from reports.work_precision.cost_section import cost_tables
 from reports.work_precision.facts import PlaceFacts, failed_methods, places
-from reports.work_precision.words import ChoiceCell, choice_cell, method_row, noise_share, standing_words
+from reports.work_precision.words import choice_words, method_row, noise_note, noise_share, standing_words
 
 METHODS = ("engine", "method", "order", "least error", "steps/turn", "time", "what limits it")
 POINTS = (
@@ -32,7 +31,7 @@ def printout(bench: Bench, quantities: Sequence[str] = ()) -> Printout:
             blocks += _block(place, name, noise_share(bench))
     for costs in cost_tables(bench.costs):
         blocks += [costs, line("")]
-    return Printout(blocks, [line(note(bench))], [_points(bench), line("")])
+    return Printout(blocks, [line(noise_note(bench))], [_points(bench), line("")])
 
 
 def _points(bench: Bench) -> Table:
@@ -57,9 +56,7 @@ def _block(place: PlaceFacts, quantity: str, noise: float) -> list[RenderableTyp
     title = line(f"{words}: {quantity.replace('_', ' ')}, largest error over the peak", "bold")
     parts: list[RenderableType] = [title, _methods(place, quantity), line(""), _choices(place, quantity), line("")]
     for facts in place.engines(quantity):
-        for one in facts.standings:
-            way = facts.way(one.rival) if one.rival else ""
-            parts.append(line(f"{facts.engine} {standing_words(one, way, noise)}"))
+        parts += map(line, standing_words(facts, noise))
     return [*parts, *_failures(place, quantity), line("")]
 
 
@@ -72,8 +69,7 @@ def _failures(place: PlaceFacts, quantity: str) -> list[Text]:
 
 
 def _methods(place: PlaceFacts, quantity: str) -> Table:
-    found = [method_row(facts, sweep) for facts in place.engines(quantity) for sweep in facts.methods]
-    rows = [(row.engine, row.way, row.order, row.floor, row.step, row.cost, row.cause) for row in found]
+    rows = [method_row(facts, sweep) for facts in place.engines(quantity) for sweep in facts.methods]
     return table(METHODS, rows, align="llrrrrl")
 
 
@@ -81,13 +77,11 @@ def _choices(place: PlaceFacts, quantity: str) -> Table:
     """What to use for an error: errors down, engines across."""
     engines = [facts for facts in place.engines(quantity) if facts.choices]
     rows = [
-        (bound(wanted), *(_choice(choice_cell(facts.choices[number], facts)) for facts in engines))
+        (bound(wanted), *(_choice(*choice_words(facts.choices[number], facts)) for facts in engines))
         for number, wanted in enumerate(WANTED)
     ]
     return table(("to get", *(facts.engine for facts in engines)), rows)
 
 
-def _choice(cell: ChoiceCell) -> str:
-    if not cell.reached:
-        return f"not reached; {cell.way}"
-    return f"{cell.cost}: {cell.way}{f' @ {cell.step}' if cell.step else ''}"
+def _choice(cost: str, way: str, step: str, _: str) -> str:
+    return f"{cost}: {way}{f' @ {step}' if step else ''}" if cost else f"not reached; {way}"
