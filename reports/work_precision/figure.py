@@ -12,7 +12,7 @@ import matplotlib
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
-from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter, NullLocator
+from matplotlib.ticker import EngFormatter
 
 from comparisons.runs.files import write_file
 from comparisons.work_precision.analysis import on_front
@@ -24,9 +24,9 @@ from reports.drawing.style import (
     MUTED,
     REFERENCE,
     colour,
+    decades,
     drawn,
     label_ends,
-    power_of_ten,
 )
 from reports.work_precision.facts import EngineFacts, PlaceFacts
 
@@ -119,20 +119,10 @@ def _scales(axes: Axes, records: Sequence[BenchRecord]) -> None:
     errors = [min(_error(one), MOST) for one in records] or [LEAST, 1.0]
     low, high = math.floor(math.log10(min(errors))), math.ceil(math.log10(max(errors)) + 0.05)
     axes.set_ylim(10.0 ** (low - 0.4), 10.0 ** (high + 0.2))
-    axes.yaxis.set_major_locator(LogLocator(base=10.0, numticks=6))
-    axes.yaxis.set_major_formatter(FuncFormatter(power_of_ten))
-    axes.xaxis.set_major_locator(LogLocator(base=10.0, numticks=8))
-    axes.xaxis.set_major_formatter(FuncFormatter(_time))
-    axes.xaxis.set_minor_formatter(NullFormatter())
-    for axis in (axes.xaxis, axes.yaxis):
-        axis.set_minor_locator(NullLocator())
+    decades(axes.yaxis, 6)
+    decades(axes.xaxis, 8)
+    axes.xaxis.set_major_formatter(EngFormatter("s"))
     axes.set_xlabel("stepping alone")
-
-
-def _time(value: float, _: int = 0) -> str:
-    """A power of ten of seconds: 10 ms, 1 s."""
-    unit, name = next(((u, n) for u, n in ((1.0, "s"), (1e-3, "ms")) if value >= 0.999 * u), (1e-6, "µs"))
-    return f"{value / unit:.3g} {name}"
 
 
 def _key(axes: Axes, places: Sequence[PlaceFacts], engines: Sequence[str]) -> None:
@@ -140,16 +130,12 @@ def _key(axes: Axes, places: Sequence[PlaceFacts], engines: Sequence[str]) -> No
     ran = {record.engine for place in places for record in place.records if record.finished}
     settings = {r.setting for place in places for r in place.records if r.kind == SETTING and r.finished}
     handles = [
-        Line2D([], [], color=colour(name, engines), linewidth=1.9, label=f"{name}: its front") for name in engines
-        if name in ran
+        *(Line2D([], [], color=colour(name, engines), linewidth=1.9, label=f"{name}: its front")
+          for name in engines if name in ran),
+        Line2D([], [], color=MUTED, linewidth=0.6, marker=".", markersize=3.0, label="a method over its steps"),
+        *(Line2D([], [], linestyle="none", marker=mark, markersize=size, color=MUTED, markeredgecolor=INK,
+                 markerfacecolor="white" if name == "naive" else MUTED, label=f"setting {name}")
+          for name, (mark, size) in MARKS.items() if name in settings),
+        Line2D([], [], color=REFERENCE, linewidth=5.0, alpha=0.55, label="the front over all engines"),
     ]  # fmt: skip
-    handles.append(
-        Line2D([], [], color=MUTED, linewidth=0.6, marker=".", markersize=3.0, label="a method over its steps")
-    )
-    handles += [
-        Line2D([], [], linestyle="none", marker=mark, markersize=size, color=MUTED, markeredgecolor=INK,
-               markerfacecolor="white" if name == "naive" else MUTED, label=f"setting {name}")
-        for name, (mark, size) in MARKS.items() if name in settings
-    ]  # fmt: skip
-    handles.append(Line2D([], [], color=REFERENCE, linewidth=5.0, alpha=0.55, label="the front over all engines"))
     axes.legend(handles=handles, loc="center left", handlelength=2.2, labelspacing=0.7, fontsize=8.5)

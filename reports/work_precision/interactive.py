@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import textwrap
 from collections.abc import Sequence
 from typing import Any
 
@@ -12,7 +11,7 @@ from plotly.offline import get_plotlyjs
 from comparisons.work_precision.records import SETTING, BenchRecord
 from comparisons.work_precision.step_sweep import pareto
 from reports.drawing.style import FAINT, INK, MUTED, REFERENCE, colour
-from reports.text.numbers import ABSENT, error, seconds
+from reports.text.templates import lines, plain
 from reports.work_precision.facts import EngineFacts, PlaceFacts, effort_words
 
 # The file that the page needs beside it; the pages of one folder share it.
@@ -52,10 +51,8 @@ def bench_html(place: PlaceFacts, engines: Sequence[str], key: str) -> str:
             figure.add_trace(trace)
             shown.append({"quantity": quantity, "visible": visible})
     _lay_out(figure, place, shown)
-    told: str = figure.to_html(
-        full_html=False, include_plotlyjs=False, div_id=key, config={"displaylogo": False, "responsive": True}
-    )
-    return told
+    shown_as = {"displaylogo": False, "responsive": True}
+    return str(figure.to_html(full_html=False, include_plotlyjs=False, div_id=key, config=shown_as))
 
 
 def _traces(place: PlaceFacts, quantity: str, engines: Sequence[str]) -> list[tuple[go.Scatter, bool | str]]:
@@ -74,54 +71,34 @@ def _traces(place: PlaceFacts, quantity: str, engines: Sequence[str]) -> list[tu
 
 
 def _sweep(facts: EngineFacts, records: Sequence[BenchRecord], ink: str, number: int, own: bool) -> go.Scatter:
+    line = {"color": ink, "width": 1.2, "dash": "solid" if own else "dot"}
+    marker = {"color": ink, "size": 6 if own else 5, "symbol": SYMBOLS[number % len(SYMBOLS)]}
     name = f"{facts.engine}: {facts.way(records[0])}"
-    return go.Scatter(
-        **_points(records),
-        mode="lines+markers",
-        name=name,
-        line={"color": ink, "width": 1.2, "dash": "solid" if own else "dot"},
-        marker={"color": ink, "size": 6 if own else 5, "symbol": SYMBOLS[number % len(SYMBOLS)]},
-        opacity=0.8,
-    )
+    return go.Scatter(**_points(records), mode="lines+markers", name=name, line=line, marker=marker, opacity=0.8)
 
 
 def _setting(record: BenchRecord, ink: str) -> go.Scatter:
     symbol, size = MARKS.get(record.setting, ("hexagon", 11))
     line = {"color": ink if symbol.endswith("-open") else INK, "width": 1.2}
+    marker = {"color": ink, "size": size, "symbol": symbol, "line": line}
     return go.Scatter(
-        **_points([record]),
-        mode="markers",
-        name=f"{record.engine}: setting {record.setting}",
-        marker={"color": ink, "size": size, "symbol": symbol, "line": line},
+        **_points([record]), mode="markers", name=f"{record.engine}: setting {record.setting}", marker=marker
     )
 
 
 def _engine_front(engine: str, records: Sequence[BenchRecord], ink: str) -> go.Scatter:
     """An engine's front, bold, with its name at the lower end."""
-    return go.Scatter(
-        **_fronts(records, f"&nbsp;&nbsp;&nbsp;{engine}"),
-        mode="lines+text",
-        name=f"{engine}: its front",
-        line={"color": ink, "width": 3},
-        textposition="middle right",
-        cliponaxis=False,
-        textfont={"color": ink, "size": 13},
-        hoverinfo="skip",
-    )
+    name = {"textposition": "middle right", "cliponaxis": False, "textfont": {"color": ink, "size": 13}}
+    line, places = {"color": ink, "width": 3}, _fronts(records, f"&nbsp;&nbsp;&nbsp;{engine}")
+    return go.Scatter(**places, **name, mode="lines+text", name=f"{engine}: its front", line=line, hoverinfo="skip")
 
 
 def _front(records: Sequence[BenchRecord]) -> go.Scatter:
     """The front over all engines; none over solver work, whose units differ."""
-    fronts = _fronts(records, "")
-    fronts["meta"]["solver work"] = ([], [], [])
-    return go.Scatter(
-        **fronts,
-        mode="lines",
-        name="front over all engines",
-        line={"color": REFERENCE, "width": 9, "shape": "hv"},
-        opacity=0.5,
-        hoverinfo="skip",
-    )
+    places = _fronts(records, "")
+    places["meta"]["solver work"] = ([], [], [])
+    line = {"color": REFERENCE, "width": 9, "shape": "hv"}
+    return go.Scatter(**places, mode="lines", name="front over all engines", line=line, opacity=0.5, hoverinfo="skip")
 
 
 def _fronts(records: Sequence[BenchRecord], label: str) -> dict[str, Any]:
@@ -155,31 +132,8 @@ def _points(records: Sequence[BenchRecord]) -> dict[str, Any]:
 
 def _hover(record: BenchRecord) -> str:
     """Everything a record holds, a line for each thing."""
-    effort, found = effort_words(record.effort, record.effort_unit), record.error
-    assert found is not None  # points that did not finish are not drawn
-    step = "finds its own steps" if record.step is None else f"{record.step:.3e} s, {record.steps_per_turn:.0f} a turn"
-    repeats = ", ".join(seconds(one) for one in record.repeats)
-    lines = [
-        f"<b>{record.engine} {record.engine_version}, {record.kind} {record.setting}</b>",
-        f"{record.mechanism} ({record.variant}), {record.regime}",
-        f"{record.quantity}: max {error(found.error_max)}, RMS {error(found.error_rms)}"
-        f" of {found.peak:.4g} {found.unit}",
-        f"step: {step}" + (f"; levels {record.levels}" if record.levels else ""),
-        f"solver: {effort}" if effort else "",
-        f"stepping: min {seconds(record.seconds_min or 0.0)}, median {seconds(record.seconds_median or 0.0)}",
-        f"repeats: {repeats}",
-        f"set-up {seconds(record.setup_seconds or 0.0)}, read-out {seconds(record.readout_seconds or 0.0)}",
-        f"{record.steps} steps, {record.solver_work} {record.work_unit}",
-        f"observed order {ABSENT if found.order is None else f'{found.order:.2f}'}"
-        + ("; on its engine's front" if found.on_front else ""),
-        f"as run: {_wrapped(record.used)}" if record.used else "",
-        f"sweep ends: {record.ended}" if record.kind != SETTING else "",
-    ]
-    return "<br>".join(line for line in lines if line)
-
-
-def _wrapped(text: str, width: int = 70) -> str:
-    return "<br>".join(textwrap.wrap(text, width))
+    effort = effort_words(record.effort, record.effort_unit)
+    return "<br>".join(lines("benchmark_point", record=record, effort=effort))
 
 
 def _lay_out(figure: go.Figure, place: PlaceFacts, shown: Sequence[dict[str, bool | str]]) -> None:
@@ -200,24 +154,16 @@ def _lay_out(figure: go.Figure, place: PlaceFacts, shown: Sequence[dict[str, boo
 
 
 def _quantity_menu(place: PlaceFacts, shown: Sequence[dict[str, bool | str]]) -> dict[str, Any]:
-    buttons = [
-        {
-            "label": name.replace("_", " "),
-            "method": "restyle",
-            "args": [{"visible": [one["visible"] if one["quantity"] == name else False for one in shown]}],
-        }
-        for name in place.quantities
-    ]
+    buttons = []
+    for name in place.quantities:
+        visible = [one["visible"] if one["quantity"] == name else False for one in shown]
+        buttons.append({"label": plain(name), "method": "restyle", "args": [{"visible": visible}]})
     return _menu(buttons, 0.0, place.quantities.index(place.foremost))
 
 
 def _axis_menu(figure: go.Figure) -> dict[str, Any]:
     buttons = [
-        {
-            "label": f"over {name}",
-            "method": "update",
-            "args": [_places(figure, name), {"xaxis.title.text": words}],
-        }
+        {"label": f"over {name}", "method": "update", "args": [_places(figure, name), {"xaxis.title.text": words}]}
         for name, (words, _) in AXES.items()
     ]
     return _menu(buttons, 0.22, 0)
