@@ -64,11 +64,8 @@ class DyadSolver:
         one, two = self.hosts
         pair: tuple[Rate, Rate] = self.formulas.accelerations(
             self.constants,
-            self.near,
-            self.near_rates,
-            (accelerations[one], accelerations[two]),
-            self.own,
-            self.own_rates,
+            (self.near, self.near_rates, (accelerations[one], accelerations[two])),
+            (self.own, self.own_rates),
             self.closure,
             self.travel,
         )

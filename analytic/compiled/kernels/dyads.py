@@ -124,11 +124,8 @@ def _accelerations(formulas: Any, constants: Any) -> Any:
         for i in range(min(n, BLOCK)):
             links = formulas.accelerations(
                 known,
-                (pose(one, i), pose(two, i)),
-                (rate(one, i), rate(two, i)),
-                (second(one, i), second(two, i)),
-                (pose(own, i), pose(own, SECOND + i)),
-                (rate(own, i), rate(own, SECOND + i)),
+                ((pose(one, i), pose(two, i)), (rate(one, i), rate(two, i)), (second(one, i), second(two, i))),
+                ((pose(own, i), pose(own, SECOND + i)), (rate(own, i), rate(own, SECOND + i))),
                 closure_at(own, i),
                 Travel(own[SCALE + i], own[FIRST + i], own[OTHER + i]),
             )

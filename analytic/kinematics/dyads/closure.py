@@ -9,7 +9,7 @@ differentiating the closure equations once and twice, which are linear in the un
     Poses of its two links and the ``Closure``, from the constants and the poses of the two bodies it hangs on.
 ``rates(k, near, near_rates, own, closure)``
     First derivatives over φ, and the ``Travel``.
-``accelerations(k, near, near_rates, near_seconds, own, own_rates, closure, travel)``
+``accelerations(k, hosts, links, closure, travel)``
     Second derivatives over φ.
 ``least(k, closure)``
     The determinant up to which it stands in a dead position, so that its derivatives are undefined.
@@ -36,6 +36,8 @@ Written = Callable[[float], str]
 Shortfall = tuple[str, str]
 Poses = tuple[Pose, Pose]
 Rates = tuple[Rate, Rate]
+Hosts = tuple[Poses, Rates, Rates]  # the two bodies that the dyad hangs on, with both derivatives
+Links = tuple[Poses, Rates]  # its own two
 
 UNASSEMBLED: Final = "cannot be assembled"
 UNDETERMINED: Final = "is undetermined"

@@ -7,9 +7,12 @@ from __future__ import annotations
 
 import numpy as np
 
-from analytic.kinematics.dyads.closure import LEAST_SINE, UNDETERMINED, Shortfall
+from analytic.description.linkage import Vector
+from analytic.kinematics.dyads.closure import LEAST_SINE, UNDETERMINED, At, Closure, Poses, Shortfall, Written
 from analytic.kinematics.frames import Pair, Scalar, cross
 from analytic.kinematics.structure import Dyad
+
+Constants = tuple[Vector, ...]
 
 
 def slides(e: Pair, f: Pair, gap: Pair, scale: Scalar) -> Pair:
@@ -17,12 +20,17 @@ def slides(e: Pair, f: Pair, gap: Pair, scale: Scalar) -> Pair:
     return (cross(gap, f) * scale, cross(gap, e) * scale)
 
 
-def missing(determinant: Scalar) -> tuple[Scalar, Scalar]:
+def least(k: Constants, closure: Closure) -> Scalar:
+    """The lines are parallel."""
+    return LEAST_SINE
+
+
+def missing(k: Constants, near: Poses, closure: Closure) -> tuple[Scalar, Scalar]:
     """No length is missing, but parallel lines do not cross."""
-    return np.sign(abs(determinant) - LEAST_SINE), 0.0
+    return np.sign(abs(closure.determinant) - LEAST_SINE), 0.0
 
 
-def shortfall(dyad: Dyad) -> Shortfall:
+def shortfall(dyad: Dyad, k: Constants, near: Poses, at: At, written: Written) -> Shortfall:
     """The lines are parallel."""
     return UNDETERMINED, (
         f"the guides of '{dyad.first}' and '{dyad.second}' are parallel, so nothing holds the two in "

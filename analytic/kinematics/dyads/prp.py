@@ -6,21 +6,10 @@ from typing import NamedTuple
 
 from analytic.description.linkage import Vector
 from analytic.kinematics import frames
-from analytic.kinematics.dyads import crossing
-from analytic.kinematics.dyads.closure import (
-    LEAST_SINE,
-    At,
-    Closure,
-    Poses,
-    Rates,
-    Shortfall,
-    Travel,
-    Written,
-    on_rail,
-)
-from analytic.kinematics.dyads.crossing import slides
+from analytic.kinematics.dyads.closure import Closure, Hosts, Links, Poses, Rates, Travel, on_rail
+from analytic.kinematics.dyads.crossing import least, missing, shortfall, slides  # noqa: F401 - of both kinds
 from analytic.kinematics.frames import Pair, Pose, Rate, Scalar
-from analytic.kinematics.structure import Dyad, Prismatic, Revolute
+from analytic.kinematics.structure import Prismatic, Revolute
 
 
 class PRPConstants(NamedTuple):
@@ -76,17 +65,10 @@ def rates(k: PRPConstants, near: Poses, near_rates: Rates, own: Poses, closure: 
     return pair, Travel(scale, one, two)
 
 
-def accelerations(
-    k: PRPConstants,
-    near: Poses,
-    near_rates: Rates,
-    near_seconds: Rates,
-    own: Poses,
-    own_rates: Rates,
-    closure: Closure,
-    travel: Travel,
-) -> Rates:
+def accelerations(k: PRPConstants, hosts: Hosts, links: Links, closure: Closure, travel: Travel) -> Rates:
     """The same once more, with the Coriolis term of each slide on its host."""
+    near, near_rates, near_seconds = hosts
+    own, _ = links
     a = _on_host(near[0], near_rates[0], near_seconds[0], closure.pin, travel.first, closure.u)
     b = _on_host(near[1], near_rates[1], near_seconds[1], closure.pin, travel.second, closure.v)
     slide, _ = slides(closure.u, closure.v, frames.minus(b, a), travel.scale)
@@ -101,18 +83,3 @@ def _on_host(host: Pose, rate: Rate, second: Rate, pin: Pair, travel: Scalar, al
     """Second derivative of the pin, less that of the travel along its line."""
     carried = frames.carried_acceleration(host, rate, second, pin)
     return carried if frames.is_still(rate) else frames.plus(carried, frames.coriolis(rate[2], travel, along))
-
-
-def least(k: PRPConstants, closure: Closure) -> Scalar:
-    """The lines are parallel."""
-    return LEAST_SINE
-
-
-def missing(k: PRPConstants, near: Poses, closure: Closure) -> tuple[Scalar, Scalar]:
-    """No length is missing, but parallel lines do not cross."""
-    return crossing.missing(closure.determinant)
-
-
-def shortfall(dyad: Dyad, k: PRPConstants, near: Poses, at: At, written: Written) -> Shortfall:
-    """The lines are parallel."""
-    return crossing.shortfall(dyad)

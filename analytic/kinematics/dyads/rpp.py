@@ -6,21 +6,9 @@ from typing import NamedTuple
 
 from analytic.description.linkage import Vector
 from analytic.kinematics import frames
-from analytic.kinematics.dyads import crossing
-from analytic.kinematics.dyads.closure import (
-    LEAST_SINE,
-    At,
-    Closure,
-    Poses,
-    Rates,
-    Shortfall,
-    Travel,
-    Written,
-    on_rail,
-)
-from analytic.kinematics.dyads.crossing import slides
-from analytic.kinematics.frames import Scalar
-from analytic.kinematics.structure import Dyad, Prismatic, Revolute
+from analytic.kinematics.dyads.closure import Closure, Hosts, Links, Poses, Rates, Travel, on_rail
+from analytic.kinematics.dyads.crossing import least, missing, shortfall, slides  # noqa: F401 - of both kinds
+from analytic.kinematics.structure import Prismatic, Revolute
 
 
 class RPPConstants(NamedTuple):
@@ -77,17 +65,10 @@ def rates(k: RPPConstants, near: Poses, near_rates: Rates, own: Poses, closure: 
     return (frames.rate_through(own[0], a, moves[2], k.pin_a), (x, y, moves[2])), Travel(scale, one, two)
 
 
-def accelerations(
-    k: RPPConstants,
-    near: Poses,
-    near_rates: Rates,
-    near_seconds: Rates,
-    own: Poses,
-    own_rates: Rates,
-    closure: Closure,
-    travel: Travel,
-) -> Rates:
+def accelerations(k: RPPConstants, hosts: Hosts, links: Links, closure: Closure, travel: Travel) -> Rates:
     """The same once more, with the Coriolis term of both slides on the turning host."""
+    near, near_rates, near_seconds = hosts
+    own, _ = links
     host, moves, seconds = near[1], near_rates[1], near_seconds[1]
     e, f = closure.u, closure.v
     a = frames.point_acceleration(near[0], near_rates[0], near_seconds[0], k.a)
@@ -98,18 +79,3 @@ def accelerations(
     home = frames.carried_acceleration(host, moves, seconds, (own[1][0], own[1][1]))
     x, y = frames.plus(frames.ahead(home, slide, e), one)
     return frames.acceleration_through(own[0], a, moves[2], seconds[2], k.pin_a), (x, y, seconds[2])
-
-
-def least(k: RPPConstants, closure: Closure) -> Scalar:
-    """The lines are parallel."""
-    return LEAST_SINE
-
-
-def missing(k: RPPConstants, near: Poses, closure: Closure) -> tuple[Scalar, Scalar]:
-    """No length is missing, but parallel lines do not cross."""
-    return crossing.missing(closure.determinant)
-
-
-def shortfall(dyad: Dyad, k: RPPConstants, near: Poses, at: At, written: Written) -> Shortfall:
-    """The lines are parallel."""
-    return crossing.shortfall(dyad)

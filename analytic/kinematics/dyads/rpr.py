@@ -15,6 +15,8 @@ from analytic.kinematics.dyads.closure import (
     UNDETERMINED,
     At,
     Closure,
+    Hosts,
+    Links,
     Poses,
     Rates,
     Shortfall,
@@ -94,17 +96,10 @@ def rates(k: RPRConstants, near: Poses, near_rates: Rates, own: Poses, closure: 
     )
 
 
-def accelerations(
-    k: RPRConstants,
-    near: Poses,
-    near_rates: Rates,
-    near_seconds: Rates,
-    own: Poses,
-    own_rates: Rates,
-    closure: Closure,
-    travel: Travel,
-) -> Rates:
+def accelerations(k: RPRConstants, hosts: Hosts, links: Links, closure: Closure, travel: Travel) -> Rates:
     """Closure twice differentiated: d'' = t'' e + 2 θ' t' e⊥ + θ'' d⊥ - θ'² d."""
+    near, near_rates, near_seconds = hosts
+    own, own_rates = links
     a = frames.point_acceleration(near[0], near_rates[0], near_seconds[0], k.a)
     b = frames.point_acceleration(near[1], near_rates[1], near_seconds[1], k.b)
     w = own_rates[0][2]

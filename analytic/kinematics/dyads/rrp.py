@@ -14,6 +14,8 @@ from analytic.kinematics.dyads.closure import (
     UNASSEMBLED,
     At,
     Closure,
+    Hosts,
+    Links,
     Poses,
     Rates,
     Shortfall,
@@ -95,17 +97,10 @@ def rates(k: RRPConstants, near: Poses, near_rates: Rates, own: Poses, closure: 
     return pair, Travel(scale, slide, 0.0)
 
 
-def accelerations(
-    k: RRPConstants,
-    near: Poses,
-    near_rates: Rates,
-    near_seconds: Rates,
-    own: Poses,
-    own_rates: Rates,
-    closure: Closure,
-    travel: Travel,
-) -> Rates:
+def accelerations(k: RRPConstants, hosts: Hosts, links: Links, closure: Closure, travel: Travel) -> Rates:
     """Closure twice differentiated, with the Coriolis term of sliding on a turning host."""
+    near, near_rates, near_seconds = hosts
+    own, own_rates = links
     a = frames.point_acceleration(near[0], near_rates[0], near_seconds[0], k.a)
     carried = frames.carried_acceleration(near[1], near_rates[1], near_seconds[1], closure.pin)
     r, e = closure.u, closure.v

@@ -15,6 +15,8 @@ from analytic.kinematics.dyads.closure import (
     UNDETERMINED,
     At,
     Closure,
+    Hosts,
+    Links,
     Poses,
     Rates,
     Shortfall,
@@ -90,17 +92,10 @@ def rates(k: RRRConstants, near: Poses, near_rates: Rates, own: Poses, closure: 
     return pair, Travel(scale, 0.0, 0.0)
 
 
-def accelerations(
-    k: RRRConstants,
-    near: Poses,
-    near_rates: Rates,
-    near_seconds: Rates,
-    own: Poses,
-    own_rates: Rates,
-    closure: Closure,
-    travel: Travel,
-) -> Rates:
+def accelerations(k: RRRConstants, hosts: Hosts, links: Links, closure: Closure, travel: Travel) -> Rates:
     """Closure twice differentiated: A'' + θ1'' r⊥ - θ1'² r = B'' + θ2'' q⊥ - θ2'² q."""
+    near, near_rates, near_seconds = hosts
+    own, own_rates = links
     a = frames.point_acceleration(near[0], near_rates[0], near_seconds[0], k.a)
     b = frames.point_acceleration(near[1], near_rates[1], near_seconds[1], k.b)
     r, q = closure.u, closure.v
