@@ -110,12 +110,11 @@ class Engine(Protocol):
         """Version of the installed engine, or None where it is not installed."""
         ...
 
-    def obstacle(self, scene: Scene) -> str | None:
-        """Why this engine cannot hold the scene, in one sentence; None where it can."""
-        ...
-
     def run(self, scene: Scene, setting: Setting) -> Run:
-        """Build the scene, step it through its drive and return the motion; never raises for a bad simulation."""
+        """Build the scene, step it through its drive and return the motion; never raises for a bad simulation.
+
+        A scene the engine cannot hold is not stepped: the run says UNSUPPORTED with a reason in one sentence.
+        """
         ...
 
     def methods(self, scene: Scene) -> tuple[Method, ...]:

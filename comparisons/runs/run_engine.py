@@ -16,14 +16,11 @@ from engines.scene import Channel, Scene
 def run_engine(adapter: Engine, model: Scene, way: Setting | Method, step: float | None = None) -> Run:
     """The run of a scene by a setting, or by a method at a longest ``step``, s.
 
-    A scene the engine cannot hold is not tried, and a run that finished has recorded all it was asked for, finite.
+    A run that finished has recorded all it was asked for, finite.
     Raises AdapterError for every exception of the adapter but MemoryError, which whoever set the bound explains
     (``comparisons.runs.failures``).
     """
     with blamed_on(adapter):
-        obstacle = adapter.obstacle(model)
-        if obstacle is not None:
-            return Run(Outcome.UNSUPPORTED, obstacle)
         return checked(started(adapter, model, way, step), model)
 
 

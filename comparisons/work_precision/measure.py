@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from functools import lru_cache
 
 from comparisons.judging.deviations import NoSampleError, deviation
 from comparisons.judging.quantities import JOINT_FORCE, QUANTITIES, Quantity, all_quantities
@@ -18,7 +17,7 @@ from comparisons.runs.timing import calibrate, timed
 from comparisons.work_precision.records import PointError
 from engines.contract import Engine, Method, Outcome, Run, Setting
 from engines.registry import engine
-from engines.scene import Channel, Scene
+from engines.scene import Scene
 
 JOINTS = JOINT_FORCE.rstrip(":")
 # Steps per turn of the peak speed in the run that warms an engine up.
@@ -85,9 +84,6 @@ def measure(  # noqa: PLR0917  a worker's job is a plain tuple
     scene = case.scene(channels)
     step = None if steps_per_turn is None else longest_step(case, steps_per_turn)
     with blamed_on(adapter):
-        obstacle = _obstacle(pickled, name, channels)
-        if obstacle is not None:
-            return Taken(Outcome.UNSUPPORTED.value, obstacle)
         _WARMTH.see_to(adapter, scene, longest_step(case, WARM))
         steady = calibrate()
         run, wall = timed(lambda: started(adapter, scene, way, step))
@@ -139,12 +135,6 @@ def _errors(case: Case, families: Mapping[str, Sequence[Quantity]], motion: Obse
         rms = max(each.error_rms for each, _ in deviations)
         errors[name] = PointError(unit, worst.error_max, rms, worst.peak)
     return errors
-
-
-@lru_cache(maxsize=256)
-def _obstacle(pickled: bytes, name: str, channels: frozenset[Channel]) -> str | None:
-    """Why an engine cannot hold a case, asked once."""
-    return engine(name).obstacle(unpickled(pickled).scene(channels))
 
 
 @dataclass

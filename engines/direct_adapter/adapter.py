@@ -9,20 +9,18 @@ instant depend on nothing but that instant. A free crank follows the bodies' own
 
 from __future__ import annotations
 
-import math
-import time as clock
-from dataclasses import replace
 from importlib import metadata
 
 import numpy as np
 
-from analytic.errors import LinkproofError
-from engines.contract import History, Method, Outcome, Run, Setting
-from engines.direct_adapter.assembly import Equations, UnsolvableError
+from engines.contract import History, Method, Run, Setting
+from engines.direct_adapter.assembly import Equations
 from engines.direct_adapter.motion import motion
 from engines.direct_adapter.precision import METHODS, SETTINGS, Precision, method_precision
-from engines.scene import Channel, Scene
+from engines.scene import Scene
 from engines.start_check import start_misfit
+from engines.stepping.cost import Cost
+from engines.stepping.driver import DivergedError, UnsupportedError, check_step, run_stepping
 
 DISTRIBUTION = "linkproof"
 SINGULAR = 1e-9  # smallest over largest singular value of the constraint equations
@@ -40,53 +38,49 @@ class DirectEngine:
         except metadata.PackageNotFoundError:
             return "source"  # run from a checkout that is not installed: nothing else is needed
 
-    def obstacle(self, scene: Scene) -> str | None:
-        crank = next(body for body in scene.bodies if body.name == scene.crank)
-        if crank.inertia is None:
-            return f"crank '{scene.crank}' has no inertia, so it cannot turn; give it one"
-        equations = Equations(scene)
-        given, expected = equations.rows - 1, equations.size - 1
-        if given != expected:
-            surplus = "some are redundant" if given > expected else "more than the crank can move"
-            return f"the joints give {given} equations where {expected} leave one freedom: {surplus}"
-        return _degeneracy(equations)
-
     def run(self, scene: Scene, setting: Setting) -> Run:
-        return _run(scene, SETTINGS[setting])
+        return _run(scene, SETTINGS[setting], Cost())
 
     def methods(self, scene: Scene) -> tuple[Method, ...]:
         return METHODS
 
     def run_method(self, scene: Scene, method: Method, step: float) -> Run:
-        if not 0.0 < step < math.inf:
-            raise LinkproofError(f"step: expected a positive finite number of seconds, got {step:g}; correct it")
-        run = _run(scene, method_precision(method, step))
-        return replace(run, details={"method": method.name, **run.details})
+        check_step(step)
+        return _run(scene, method_precision(method, step), Cost(details={"method": method.name}))
 
 
-def _run(scene: Scene, precision: Precision) -> Run:
-    begin = clock.perf_counter()
-    misfit = start_misfit(scene)
+def _run(scene: Scene, precision: Precision, cost: Cost) -> Run:
+    return run_stepping(cost, lambda: _history(scene, precision, cost))
+
+
+def _history(scene: Scene, precision: Precision, cost: Cost) -> History:
+    with cost.building():
+        equations = _equations(scene)
+        misfit = start_misfit(scene)
     if misfit is not None:
-        return Run(Outcome.DIVERGED, misfit)
-    equations = Equations(scene)
-    ready = clock.perf_counter()
+        raise DivergedError(misfit)
     try:
-        with np.errstate(all="ignore"):  # what is not finite is found and named
-            history, steps, details = motion(equations, precision)
-        reason = _not_finite(history)
-    except UnsolvableError as failure:
-        history, steps, details, reason = None, 0, {}, str(failure)
-    return Run(
-        Outcome.FINISHED if reason is None else Outcome.DIVERGED,
-        reason or "",
-        history if reason is None else None,
-        seconds=clock.perf_counter() - ready,
-        setup_seconds=ready - begin,
-        steps=steps,
-        solver_work=equations.solves,
-        details=details,
-    )
+        with cost.stepping(), np.errstate(all="ignore"):  # what is not finite is found and named
+            history, cost.steps, details = motion(equations, precision)
+    finally:
+        cost.solver_work = equations.solves
+    cost.details.update(details)
+    return history
+
+
+def _equations(scene: Scene) -> Equations:
+    """The scene's equations; raises UnsupportedError where they do not fix its motion."""
+    if any(body.name == scene.crank and body.inertia is None for body in scene.bodies):
+        raise UnsupportedError(f"crank '{scene.crank}' has no inertia, so it cannot turn; give it one")
+    equations = Equations(scene)
+    given, expected = equations.rows - 1, equations.size - 1
+    if given != expected:
+        surplus = "some are redundant" if given > expected else "more than the crank can move"
+        raise UnsupportedError(f"the joints give {given} equations where {expected} leave one freedom: {surplus}")
+    reason = _degeneracy(equations)
+    if reason is not None:
+        raise UnsupportedError(reason)
+    return equations
 
 
 def _degeneracy(equations: Equations) -> str | None:
@@ -101,14 +95,4 @@ def _degeneracy(equations: Equations) -> str | None:
         sizes = np.linalg.svd(matrix[rows], compute_uv=False)
         if not sizes[-1] > SINGULAR * sizes[0]:
             return f"{meaning} (singular values {sizes[-1]:.2g} to {sizes[0]:.2g})"
-    return None
-
-
-def _not_finite(history: History) -> str | None:
-    """Which channel holds something that is no number."""
-    for channel in Channel:
-        recorded = getattr(history, channel.value)
-        signals = recorded.values() if channel is Channel.JOINT_FORCE else [recorded]
-        if not all(signal is None or np.all(np.isfinite(signal.values)) for signal in signals):
-            return f"the {channel.value.replace('_', ' ')} is not finite everywhere; check masses, inertias and loads"
     return None

@@ -14,6 +14,7 @@ import numpy as np
 from engines.mechanics.joints import Arms, JointEquations
 from engines.mechanics.states import Pose, Reals
 from engines.scene import Scene
+from engines.stepping.driver import DivergedError
 
 NEAR = 1e-6  # units and rad of a first correction that leave an inverse good enough for two refinements
 CONTRACTION = 0.25  # of a second correction over the first: Newton's method has its solution in sight
@@ -21,7 +22,7 @@ PASSES = 12
 UNFINISHED = 1e-9  # a correction that no longer shrinks is rounding if it is smaller, failure if not
 
 
-class UnsolvableError(Exception):
+class UnsolvableError(DivergedError):
     """The scene cannot be put together or solved somewhere; the message is the run's reason."""
 
 

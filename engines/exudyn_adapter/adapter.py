@@ -19,7 +19,7 @@ from contextlib import contextmanager
 from dataclasses import replace
 
 from engines.contract import History, Method, Outcome, Run, Setting
-from engines.exudyn_adapter.checks import assemble, data_obstacle
+from engines.exudyn_adapter.checks import assemble
 from engines.exudyn_adapter.model import build_model
 from engines.exudyn_adapter.passes import follow
 from engines.exudyn_adapter.readout import add_sensors
@@ -27,8 +27,9 @@ from engines.exudyn_adapter.recipes import Recipe, method_recipe, setting_recipe
 from engines.exudyn_adapter.stepping import Stepper
 from engines.installed import installed_version, why_absent
 from engines.scene import Scene
+from engines.start_check import data_obstacle
 from engines.stepping.cost import Cost
-from engines.stepping.driver import UnsupportedError, check_step, run_stepping
+from engines.stepping.driver import check_step, run_stepping
 from engines.stepping.own_units import own_units, restored, scaled
 
 
@@ -40,17 +41,6 @@ class ExudynEngine:
 
     def version(self) -> str | None:
         return installed_version(self.name)
-
-    def obstacle(self, scene: Scene) -> str | None:
-        reason = data_obstacle(scene)
-        if reason is not None or why_absent(self.name) is not None:
-            return reason
-        with _silent():
-            try:
-                assemble(build_model(scene))
-            except UnsupportedError as error:
-                return str(error)
-        return None
 
     def run(self, scene: Scene, setting: Setting) -> Run:
         return self._run(scene, setting_recipe(scene, setting), checked=True)
@@ -68,7 +58,7 @@ class ExudynEngine:
         absent = why_absent(self.name)
         if absent is not None:
             return Run(Outcome.UNAVAILABLE, absent)
-        reason = data_obstacle(scene)
+        reason = data_obstacle(scene, massless=True)
         if reason is not None:
             return Run(Outcome.UNSUPPORTED, reason)
         cost = Cost()

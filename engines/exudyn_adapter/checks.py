@@ -8,25 +8,14 @@ from engines.exudyn_adapter.drive import crank_angle
 from engines.exudyn_adapter.model import ANGLE, Model
 from engines.mechanics.joints import scene_size
 from engines.mechanics.states import Reals, body_numbers, start_motion
-from engines.scene import Prescribed, Scene
-from engines.start_check import misfits, start_misfit
+from engines.scene import Prescribed
+from engines.start_check import misfits
 from engines.stepping.driver import UnsupportedError
 
 # A joint may be open by this share of the scene's size over the square of the division: the drift of a constraint on
 # velocity level is second order in the step, and what does not shrink like that is not drift.
 LARGEST_GAP = 5e-2
 LARGEST_LAG = 0.05  # rad between the crank and its prescribed angle
-
-
-def data_obstacle(scene: Scene) -> str | None:
-    """What can be told from the data alone; exudyn itself would run on with most of this."""
-    for body in scene.bodies:
-        state = (*body.position, body.angle, *body.velocity, body.angular_velocity, *body.acceleration)
-        if not all(map(math.isfinite, (body.mass, body.inertia or 0.0, *state, body.angular_acceleration))):
-            return f"body '{body.name}' has a mass, inertia or start state that is not finite"
-        if body.mass < 0.0 or (body.inertia or 0.0) < 0.0:
-            return f"body '{body.name}' has a negative mass or inertia"
-    return start_misfit(scene)
 
 
 def assemble(model: Model) -> None:

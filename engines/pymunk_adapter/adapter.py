@@ -6,8 +6,7 @@ import numpy as np
 
 from engines.contract import History, Method, Outcome, Run, Setting
 from engines.installed import installed_version, why_absent
-from engines.pymunk_adapter import checks
-from engines.pymunk_adapter.checks import check_read_out
+from engines.pymunk_adapter.checks import freedom_obstacle
 from engines.pymunk_adapter.layout import PartLayout, exact_layout, plain_layout
 from engines.pymunk_adapter.passes import ORDERS, naive_pass, prescribed_passes
 from engines.pymunk_adapter.plans import METHODS, Aim, PlainPlan, Plan, method_plan, setting_plan
@@ -15,6 +14,7 @@ from engines.pymunk_adapter.released import WINDOW, free_history
 from engines.pymunk_adapter.solver import iterations_for
 from engines.pymunk_adapter.space import Rig
 from engines.scene import Prescribed, Scene
+from engines.start_check import data_obstacle
 from engines.stepping.cost import Cost
 from engines.stepping.driver import DivergedError, UnsupportedError, run_stepping
 from engines.stepping.richardson import extrapolate
@@ -29,9 +29,6 @@ class PymunkEngine:
     def version(self) -> str | None:
         return installed_version(self.name)
 
-    def obstacle(self, scene: Scene) -> str | None:
-        return checks.data_obstacle(scene) or checks.freedom_obstacle(plain_layout(scene))
-
     def run(self, scene: Scene, setting: Setting) -> Run:
         return self._run(scene, setting_plan(scene.drive, setting), Cost())
 
@@ -45,7 +42,7 @@ class PymunkEngine:
         absent = why_absent(self.name)
         if absent is not None:
             return Run(Outcome.UNAVAILABLE, absent)
-        reason = checks.data_obstacle(scene)
+        reason = data_obstacle(scene, massless=False)
         if reason is not None:
             return Run(Outcome.UNSUPPORTED, reason)
         return run_stepping(cost, lambda: _history(scene, plan, cost))
@@ -54,16 +51,14 @@ class PymunkEngine:
 def _history(scene: Scene, plan: PlainPlan | Plan, cost: Cost) -> History:
     try:
         with np.errstate(over="ignore", invalid="ignore"):
-            history = _plain(scene, plan, cost) if isinstance(plan, PlainPlan) else _extrapolated(scene, plan, cost)
+            return _plain(scene, plan, cost) if isinstance(plan, PlainPlan) else _extrapolated(scene, plan, cost)
     except np.linalg.LinAlgError as error:
         raise DivergedError("the motion came to a state from which it cannot be read out") from error
-    check_read_out(history)
-    return history
 
 
 def _laid_out(layout: PartLayout) -> PartLayout:
     """A layout that pymunk can hold; raises UnsupportedError for any other."""
-    reason = checks.freedom_obstacle(layout)
+    reason = freedom_obstacle(layout)
     if reason is not None:
         raise UnsupportedError(reason)
     return layout

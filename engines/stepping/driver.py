@@ -10,10 +10,13 @@ import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
+import numpy as np
+
 from analytic.description.law import FULL_TURN
 from analytic.errors import LinkproofError
 from engines.contract import History, Outcome, Run
 from engines.stepping.cost import Cost
+from engines.stepping.histories import labelled
 from engines.stepping.richardson import Pass
 
 ROUNDING = 1e-6  # of a step: what a whole number of steps may lack of a duration
@@ -30,9 +33,13 @@ class UnsupportedError(Exception):
 
 
 def run_stepping(cost: Cost, history: Callable[[], History]) -> Run:
-    """The run whose history a call makes, with its cost however it ends."""
+    """The run whose history a call makes, with its cost however it ends; a history of numbers alone is a motion."""
     try:
-        return cost.run(Outcome.FINISHED, history=history())
+        result = history()
+        for name, signal in labelled(result):
+            if not np.isfinite(signal.values).all():
+                raise DivergedError(f"the {name} is not finite everywhere")
+        return cost.run(Outcome.FINISHED, history=result)
     except DivergedError as stop:
         return cost.run(Outcome.DIVERGED, str(stop))
     except UnsupportedError as stop:

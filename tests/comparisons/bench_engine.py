@@ -26,9 +26,6 @@ class KnownEngine:
     def version(self):
         return "1.0"
 
-    def obstacle(self, scene):
-        return None
-
     def methods(self, scene):
         return (FIRST, SECOND, FOURTH, WRONG, BROKEN)
 

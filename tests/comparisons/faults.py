@@ -164,9 +164,6 @@ class _Faulty:
     def version(self):
         return "1.0"
 
-    def obstacle(self, scene):
-        return None
-
     def run(self, scene, setting):
         job(self.act, self.value)
         return Run(Outcome.DIVERGED, "did nothing")

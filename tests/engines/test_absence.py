@@ -21,7 +21,6 @@ def test_an_absent_engine_is_unavailable_and_an_error_inside_it_is_not_hidden(mo
     run = adapter.run(model, Setting.TUNED)
     assert run.outcome is Outcome.UNAVAILABLE
     assert "pip install" in run.reason
-    assert adapter.obstacle(model) is None
 
     class Broken:
         def find_spec(self, wanted, path=None, target=None):

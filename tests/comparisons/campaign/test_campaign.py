@@ -47,15 +47,12 @@ class Scripted:
     name = "scripted"
     work_unit = "steps"
 
-    def __init__(self, act, version="1.0", obstacle=None):
-        self.act, self._version, self._obstacle = act, version, obstacle
+    def __init__(self, act, version="1.0"):
+        self.act, self._version = act, version
         self.scenes = []
 
     def version(self):
         return self._version
-
-    def obstacle(self, scene):
-        return self._obstacle
 
     def run(self, scene, setting):
         self.scenes.append(scene)
@@ -174,7 +171,7 @@ def test_a_quantity_without_a_sample_is_undefined(with_engine, monkeypatch):
     ("engine", "outcome", "words"),
     [
         (Scripted(_finished, version=None), "unavailable", "pip install"),
-        (Scripted(_finished, obstacle="cannot hold springs"), "unsupported", "cannot hold springs"),
+        (Scripted(lambda scene: Run(Outcome.UNSUPPORTED, "cannot hold springs")), "unsupported", "cannot hold springs"),
         (Scripted(lambda scene: Run(Outcome.DIVERGED, "crank ran away")), "diverged", "crank ran away"),
     ],
 )

@@ -73,7 +73,7 @@ def test_an_engine_that_raises_gives_no_motion_and_ends_nothing(monkeypatch):
         def version(self):
             return "1"
 
-        def obstacle(self, scene):
+        def run(self, scene, setting):
             raise RuntimeError("out of memory")
 
     monkeypatch.setattr(campaign, "engine", lambda name: Failing())

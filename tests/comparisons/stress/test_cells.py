@@ -32,9 +32,6 @@ class Perfect:
     def version(self):
         return "1"
 
-    def obstacle(self, scene):
-        return None
-
     def methods(self, scene):
         return (Method("defaults", "as it comes"), Method("centred", "careful", effort=7.0, effort_unit="iterations"))
 

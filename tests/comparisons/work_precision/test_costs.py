@@ -76,9 +76,6 @@ class Refusing:
 
     name = "refusing"
 
-    def obstacle(self, scene):
-        return "it will not"
-
     def run(self, scene, setting):
         return Run(Outcome.UNSUPPORTED, "it will not")
 

@@ -21,7 +21,7 @@ from comparisons.work_precision.floor import Cause
 from comparisons.work_precision.points import OUT_OF_TIME, Extent
 from comparisons.work_precision.records import METHOD, SETTING
 from comparisons.work_precision.study import BenchRequest, bench, methods_told
-from engines.contract import Setting
+from engines.contract import Outcome, Run, Setting
 from tests.comparisons.bench_engine import KnownEngine
 
 CASE = Case(Mechanism(load("juki-mf7923d")), crank_motion("run-up-quintic", ramp_time=0.15, hold_time=0.0))
@@ -36,14 +36,12 @@ def _installed(monkeypatch):
         monkeypatch.setattr(module, "engine", lambda name: found)
     monkeypatch.setattr(benchmark, "engine_names", lambda: ("known",))
     monkeypatch.setattr(measure, "_WARMTH", measure._Warmth())
-    measure._obstacle.cache_clear()
     return found
 
 
 @pytest.fixture
 def known(monkeypatch):
-    yield _installed(monkeypatch)
-    measure._obstacle.cache_clear()
+    return _installed(monkeypatch)
 
 
 @pytest.fixture(scope="module")
@@ -52,7 +50,6 @@ def whole():
     with pytest.MonkeyPatch.context() as monkeypatch:
         engine = _installed(monkeypatch)
         yield bench(REQUEST), engine
-    measure._obstacle.cache_clear()
 
 
 @pytest.fixture
@@ -174,11 +171,12 @@ def test_an_engine_that_is_not_installed_has_a_record_that_says_so(known, monkey
     assert methods_told(REQUEST) == []
 
 
-def test_an_engine_that_cannot_hold_a_scene_is_not_run(known, monkeypatch):
-    monkeypatch.setattr(known, "obstacle", lambda scene: "cannot hold springs")
+def test_an_engine_that_cannot_hold_a_scene_says_so(known, monkeypatch):
+    refused = Run(Outcome.UNSUPPORTED, "cannot hold springs")
+    monkeypatch.setattr(known, "run", lambda scene, setting: refused)
+    monkeypatch.setattr(known, "run_method", lambda scene, method, step: refused)
     found = bench(REQUEST).records
     assert {(one.outcome, one.detail) for one in found} == {("unsupported", "cannot hold springs")}
-    assert known.runs == []
 
 
 def test_unknown_engines_are_refused_before_any_run(known):

@@ -50,6 +50,12 @@ GRAVITY_ONLY = [
 ]
 
 
+def _obstacle(model):
+    """Why a scene is not run."""
+    run = ENGINE.run(model, Setting.TUNED)
+    return run.reason if run.outcome is Outcome.UNSUPPORTED else None
+
+
 def _motion(regime="run-up-quintic", **changes):
     return crank_motion(regime, **{"ramp_time": 0.15, "hold_time": 0.03, "start_angle": 0.3, **changes})
 
@@ -277,8 +283,8 @@ def _changed_body(model, name, **changes):
         ({"position": (0.001, 0.02)}, "in position"),
         ({"velocity": (0.1, 0.0)}, "in velocity"),
         ({"acceleration": (0.0, 1e5)}, "in acceleration"),
-        ({"mass": math.nan}, "not finite"),
-        ({"inertia": -1e-5}, "negative"),
+        ({"mass": math.nan}, "mass nan"),
+        ({"inertia": -1e-5}, "inertia -1e-05"),
     ],
 )
 def test_a_start_that_does_not_fit_is_refused(changes, words):
@@ -287,27 +293,26 @@ def test_a_start_that_does_not_fit_is_refused(changes, words):
     run = ENGINE.run(model, Setting.TUNED)
     assert run.outcome is Outcome.UNSUPPORTED
     assert words in run.reason
-    assert ENGINE.obstacle(model) == run.reason
 
 
 def test_a_crank_that_is_not_where_its_drive_has_it_is_refused():
     model = scene(mechanism("juki-mf7923d"), Prescribed(_motion()), NO_FORCES)
     elsewhere = dataclasses.replace(model, drive=Prescribed(_motion(start_angle=1.0)))
-    assert "the crank starts" in (ENGINE.obstacle(elsewhere) or "")
+    assert "the crank starts" in (_obstacle(elsewhere) or "")
 
 
 def test_a_joint_said_twice_is_refused():
     model = scene(mechanism("juki-mf7923d"), Prescribed(_motion()), NO_FORCES)
-    assert ENGINE.obstacle(model) is None
+    assert _obstacle(model) is None
     twice = dataclasses.replace(model, pins=(*model.pins, dataclasses.replace(model.pins[0], name="again")))
-    assert "repeat 2" in (ENGINE.obstacle(twice) or "")
+    assert "repeat 2" in (_obstacle(twice) or "")
     assert ENGINE.run(twice, Setting.TUNED).outcome is Outcome.UNSUPPORTED
 
 
 def test_a_joint_left_out_is_refused():
     model = scene(mechanism("juki-mf7923d"), Prescribed(_motion()), NO_FORCES)
     loose = dataclasses.replace(model, pins=tuple(pin for pin in model.pins if GROUND in (pin.first, pin.second)))
-    assert "degrees of freedom" in (ENGINE.obstacle(loose) or "")
+    assert "degrees of freedom" in (_obstacle(loose) or "")
 
 
 @pytest.mark.parametrize(
