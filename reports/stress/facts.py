@@ -4,19 +4,21 @@ from __future__ import annotations
 
 import json
 from collections import Counter
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, fields
 from functools import cached_property
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, TypeVar
 
 from analytic.errors import LinkproofError
 from comparisons.stress.axes import axes
 from comparisons.stress.cells import Cell, CellResult, from_document
 from comparisons.stress.verdict import StressVerdict
 from reports.text.numbers import ABSENT, bound, printed
+from reports.text.signs import TABLES
 
 FILE = "stress.json"
+Item = TypeVar("Item")
 Line = tuple[str, str, str, str]  # axis, row, engine, usage
 # An outcome that says nothing of how far an engine goes.
 APART = (StressVerdict.UNSUPPORTED, StressVerdict.UNAVAILABLE, StressVerdict.SUITE_ERROR)
@@ -32,40 +34,22 @@ class StressSign(NamedTuple):
     terminal: str = ""
 
 
-# Pale where all is well, dark where nothing ran to its end, and nothing as loud as a wrong motion that was let pass.
 SIGNS: Mapping[StressVerdict, StressSign] = {
-    StressVerdict.WITHIN: StressSign("✓", "#cfe8e0", "#07513c"),
-    StressVerdict.OVER: StressSign("○", "#f7e7a6", "#5c4a00"),
-    StressVerdict.CAUGHT: StressSign("!", "#f0a860", "#4a2200"),
-    StressVerdict.MISSED: StressSign("✗", "#c8004b", "#ffffff", "bold red"),
-    StressVerdict.ALARM: StressSign("a", "#d9c2ec", "#43206b", "magenta"),
-    StressVerdict.DIVERGED: StressSign("D", "#a9bfd8", "#14304f"),
-    StressVerdict.TIMED_OUT: StressSign("T", "#7f97b2", "#ffffff"),
-    StressVerdict.CRASHED: StressSign("C", "#3f5169", "#ffffff"),
-    StressVerdict.ADAPTER_ERROR: StressSign("A", "#3f5169", "#ffffff"),
-    StressVerdict.SUITE_ERROR: StressSign("S", "#000000", "#ffffff", "bold red"),
-    StressVerdict.UNSUPPORTED: StressSign("–", "#eef0f3", "#5b6673"),
-    StressVerdict.UNAVAILABLE: StressSign("·", "#eef0f3", "#5b6673"),
+    StressVerdict(verdict): StressSign(*row) for verdict, row in TABLES["stress"].items()
 }
 
 
 @dataclass(frozen=True)
 class BorderRecord:
-    """Where one line of a map leaves its limit: the last value ``inside``, the first ``outside`` and the verdict there.
-
-    ``value`` lies between the two; it is None where it was not narrowed down.
-    """
+    """Where one line of a map leaves its limit: the last value ``inside``, the first ``outside``, the verdict there."""
 
     axis: str
     row: str
     engine: str
     usage: str
-    value: float | None
     inside: float | None
     outside: float | None
     verdict: StressVerdict
-    inside_command: str = ""
-    outside_command: str = ""
 
     @property
     def line(self) -> Line:
@@ -90,20 +74,14 @@ class Stress:
         return tuple(_border(row) for row in self.document.get("borders", ()))
 
     @cached_property
-    def lines(self) -> Mapping[Line, tuple[CellResult, ...]]:
+    def lines(self) -> Mapping[Line, Sequence[CellResult]]:
         """The cells of each line."""
-        found: dict[Line, list[CellResult]] = {}
-        for result in self.results:
-            found.setdefault(result.cell.line, []).append(result)
-        return {line: tuple(cells) for line, cells in found.items()}
+        return _grouped((result.cell.line, result) for result in self.results)
 
     @cached_property
-    def line_borders(self) -> Mapping[Line, tuple[BorderRecord, ...]]:
+    def line_borders(self) -> Mapping[Line, Sequence[BorderRecord]]:
         """The borders of each line that has any."""
-        found: dict[Line, list[BorderRecord]] = {}
-        for border in self.borders:
-            found.setdefault(border.line, []).append(border)
-        return {line: tuple(borders) for line, borders in found.items()}
+        return _grouped((border.line, border) for border in self.borders)
 
     @cached_property
     def axes(self) -> tuple[str, ...]:
@@ -125,6 +103,13 @@ class Stress:
             result.verdict for result in self.results
             if engine in ("", result.cell.engine) and axis in ("", result.cell.axis)
         )  # fmt: skip
+
+
+def _grouped(pairs: Iterable[tuple[Line, Item]]) -> dict[Line, list[Item]]:
+    groups: dict[Line, list[Item]] = {}
+    for line, item in pairs:
+        groups.setdefault(line, []).append(item)
+    return groups
 
 
 def _place(cell: Cell) -> tuple[object, ...]:

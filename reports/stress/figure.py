@@ -7,13 +7,14 @@ from __future__ import annotations
 
 import math
 import textwrap
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patches import PathPatch
 from matplotlib.path import Path as Outline
+from matplotlib.transforms import Affine2D
 
 from comparisons.stress.axes import axes as axes_table
 from comparisons.stress.cells import CellResult
@@ -27,6 +28,7 @@ ROW_LETTER, USAGE_LETTER, TOP, BOTTOM = 0.066, 0.062, 0.3, 0.5
 WRAPPED = 25  # letters of a row's label to a line
 SHORTEST = 17  # letters that the name of the values has room for, with that of the usages
 LINES_OF_LABEL = 0.13
+BOX = Outline.unit_rectangle().transformed(Affine2D().scale(1.0, LINE))
 
 
 @dataclass(frozen=True)
@@ -133,7 +135,7 @@ def _cells(
             places.setdefault(one.verdict, []).append(place)
     for verdict, found in places.items():
         sign = SIGNS[verdict]
-        boxes = [_box(x, y) for x, y in found]
+        boxes = [BOX.transformed(Affine2D().translate(x, y)) for x, y in found]
         panel.add_patch(
             PathPatch(Outline.make_compound_path(*boxes), facecolor=sign.fill, edgecolor="white", linewidth=0.8)
         )
@@ -141,11 +143,6 @@ def _cells(
         for x, y in found:
             panel.text(x + 0.5, y + 0.54 * LINE, sign.symbol, color=sign.ink, fontsize=7.0, fontweight=bold,
                        ha="center", va="center")  # fmt: skip
-
-
-def _box(x: float, y: float) -> Outline:
-    corners = [(x, y), (x + 1.0, y), (x + 1.0, y + LINE), (x, y + LINE), (x, y)]
-    return Outline(corners, closed=True)
 
 
 def _border(panel: Axes, border: BorderRecord, top: float, values: Sequence[float]) -> None:
@@ -159,14 +156,10 @@ def border_place(border: BorderRecord, values: Sequence[float]) -> int | None:
     """The column that a border stands left of; None if one of its sides was never found."""
     if border.inside is None or border.outside is None:
         return None
-    between = _between(border.inside, border.outside)
-    rising: Callable[[float], bool] = (lambda value: value < between) if list(values) == sorted(values) else (
-        lambda value: value > between)  # fmt: skip
-    return sum(map(rising, values))
-
-
-def _between(one: float, other: float) -> float:
-    return math.sqrt(one * other) if min(one, other) > 0.0 else 0.5 * (one + other)
+    low, high = sorted((border.inside, border.outside))
+    between = math.sqrt(low * high) if low > 0.0 else 0.5 * (low + high)
+    rising = list(values) == sorted(values)
+    return sum(value < between if rising else value > between for value in values)
 
 
 def _labels(panel: Axes, at: Mapping[tuple[str, str], float], plan: MapLayout, *, first: bool) -> None:

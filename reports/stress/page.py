@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
+from collections.abc import Iterable
 from pathlib import Path
 
 from markupsafe import Markup
@@ -22,31 +21,11 @@ from reports.text.tables import ReportTable
 from reports.text.templates import render
 
 PAGE = "stress.html"
-MAP_WORDS = "A bar stands at the border of the limit, where bisection found it between two columns or beside one."
-
-
-@dataclass(frozen=True)
-class AxisPart:
-    """One axis on the page; ``counts`` is what its cells came to, in words."""
-
-    key: str
-    title: str
-    about: str
-    cells: int
-    counts: str
-    drawing: Markup
-    borders: ReportTable
-
-
-@dataclass(frozen=True)
-class IncidentList:
-    """All cells of one verdict, each with the command that makes it again; a long list is folded away."""
-
-    key: str
-    title: str
-    meaning: str
-    table: ReportTable
-    is_open: bool
+# Each with every cell and the command that makes it again; those that were caught are folded away.
+INCIDENTS = (
+    *(StressVerdict.SUITE_ERROR, StressVerdict.MISSED, StressVerdict.ALARM, StressVerdict.CRASHED),
+    *(StressVerdict.ADAPTER_ERROR, StressVerdict.CAUGHT),
+)
 
 
 def write(stress: Stress, folder: Path) -> Path:
@@ -59,20 +38,19 @@ def page(stress: Stress) -> str:
     """The page's HTML."""
     return render(
         "stress.html",
-        facts=facts(stress),
+        facts=_facts(stress),
         section=section(stress, with_borders=False),
         signs=SIGNS,
         meanings=MEANINGS,
         count=stress.count(),
-        map_words=MAP_WORDS,
-        axes=[axis_part(stress, name) for name in stress.axes],
-        incidents=incidents(stress),
+        axes=[_axis_part(stress, name) for name in stress.axes],
+        incidents=[(verdict, anchor(verdict.value), incident_table(stress.of(verdict))) for verdict in INCIDENTS],
         command=stress.document["command"],
         file=FILE,
     )
 
 
-def facts(stress: Stress) -> list[tuple[str, str]]:
+def _facts(stress: Stress) -> list[tuple[str, str]]:
     """Name and value of everything that decides a cell."""
     spent = sum(one.spent for one in stress.results)
     return [
@@ -82,37 +60,17 @@ def facts(stress: Stress) -> list[tuple[str, str]]:
     ]
 
 
-def axis_part(stress: Stress, name: str) -> AxisPart:
-    """One axis: its map and its borders."""
-    known, key = axes().get(name), anchor("stress", name)
-    title = axis_title(name)
-    count = stress.count(axis=name)
-    return AxisPart(
-        key=key,
-        title=title,
-        about=known.about if known else "",
-        cells=count.total(),
-        counts=", ".join(f"{count[verdict]} {verdict.value}" for verdict in StressVerdict if count[verdict]),
-        drawing=picture(stress_figure(stress, name), f"{key}-map", f"verdicts over {title.lower()}, every engine"),
-        borders=border_table(stress, [name]),
-    )
-
-
-def incidents(stress: Stress) -> list[IncidentList]:
-    """What was missed, what was a false alarm, what crashed, what was caught; engines together."""
-    folded: Mapping[StressVerdict, bool] = {
-        StressVerdict.SUITE_ERROR: False,
-        StressVerdict.MISSED: False,
-        StressVerdict.ALARM: False,
-        StressVerdict.CRASHED: False,
-        StressVerdict.ADAPTER_ERROR: False,
-        StressVerdict.CAUGHT: True,
+def _axis_part(stress: Stress, name: str) -> dict[str, object]:
+    """One axis: what its cells came to, its map and its borders."""
+    known, key, title = axes().get(name), anchor("stress", name), axis_title(name)
+    return {
+        "key": key,
+        "title": title,
+        "about": known.about if known else "",
+        "count": stress.count(axis=name),
+        "drawing": picture(stress_figure(stress, name), f"{key}-map", f"verdicts over {title.lower()}, every engine"),
+        "borders": border_table(stress, [name]),
     }
-    return [
-        IncidentList(anchor(verdict.value), verdict.value.capitalize(), MEANINGS[verdict],
-                     incident_table(stress.of(verdict)), is_open=not fold)
-        for verdict, fold in folded.items()
-    ]  # fmt: skip
 
 
 def incident_table(results: Iterable[CellResult]) -> ReportTable:

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+import tomllib
 from collections.abc import Mapping
 from typing import NamedTuple
 
-from comparisons.judging.records import Verdict
+from reports.text.templates import FOLDER
 
 
 class VerdictSign(NamedTuple):
@@ -17,20 +18,6 @@ class VerdictSign(NamedTuple):
     colour: str
 
 
-RUNS: Mapping[str, VerdictSign] = {
-    Verdict.PASSED.value: VerdictSign("✓", "within its limit", "pass", "green"),
-    Verdict.OVER_LIMIT.value: VerdictSign("✗", "over its limit", "over", "red"),
-    Verdict.DIVERGED.value: VerdictSign("✗", "diverged", "failed", "red"),
-    Verdict.UNSUPPORTED.value: VerdictSign("–", "unsupported", "absent", "yellow"),
-    Verdict.UNAVAILABLE.value: VerdictSign("–", "not installed", "absent", "yellow"),
-    Verdict.TIMED_OUT.value: VerdictSign("✗", "timed out", "failed", "red"),
-    Verdict.CRASHED.value: VerdictSign("✗", "crashed", "failed", "red"),
-    Verdict.ADAPTER_ERROR.value: VerdictSign("✗", "adapter error", "failed", "red"),
-    Verdict.SUITE_ERROR.value: VerdictSign("–", "fault of linkproof", "absent", "bold red"),
-    Verdict.UNDEFINED.value: VerdictSign("?", "undefined", "absent", "yellow"),
-}
-PUBLISHED: Mapping[str, VerdictSign] = {
-    "reproduced": VerdictSign("✓", "reproduced", "pass", "green"),
-    "within 6 %": VerdictSign("≈", "within 6 %", "near", ""),
-    "not reproduced": VerdictSign("✗", "not reproduced", "over", "red"),
-}
+TABLES = tomllib.loads((FOLDER / "signs.toml").read_text(encoding="utf-8"))
+RUNS: Mapping[str, VerdictSign] = {verdict: VerdictSign(*row) for verdict, row in TABLES["runs"].items()}
+PUBLISHED: Mapping[str, VerdictSign] = {verdict: VerdictSign(*row) for verdict, row in TABLES["published"].items()}

@@ -115,7 +115,7 @@ def test_borders_stand_side_by_side_for_the_engines():
     ],
 )
 def test_a_border_stands_between_the_columns_it_lies_between(inside, outside, values, place):
-    found = BorderRecord(**PLACE, value=None, inside=inside, outside=outside, verdict=StressVerdict.OVER)
+    found = BorderRecord(**PLACE, inside=inside, outside=outside, verdict=StressVerdict.OVER)
     assert border_place(found, values) == place
 
 
