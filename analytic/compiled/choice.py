@@ -71,7 +71,9 @@ def is_kept(kernels: str) -> bool:
 def sources() -> list[Path]:
     """Files of the formulas and kernels."""
     analytic = Path(__file__).parents[1]
-    return sorted(path for room in ("kinematics", "dynamics", "compiled") for path in (analytic / room).rglob("*.py"))
+    return sorted(
+        path for room in ("numerics", "kinematics", "dynamics", "compiled") for path in (analytic / room).rglob("*.py")
+    )
 
 
 def folder() -> Path | None:

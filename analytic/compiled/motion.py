@@ -21,10 +21,10 @@ from analytic.dynamics.equation_of_motion import EquationOfMotion
 from analytic.errors import LinkproofError
 from analytic.kinematics.mechanism import Mechanism
 from analytic.numerics import integration
-from analytic.numerics.collocation import Windows, gauss_scheme
+from analytic.numerics.collocation import GaussScheme, Windows, gauss_scheme
 
 if TYPE_CHECKING:
-    from analytic.compiled.kernels.integration import Controls, Rules, Space
+    from analytic.compiled.kernels.integration import Space
 
 Array = NDArray[np.float64]
 
@@ -53,7 +53,6 @@ def integrate(
     """``analytic.numerics.integration.integrate`` of an equation that the kernels know; None where it would raise."""
     integrator = kernels("integration")
     flat, scheme = _flattened(equation), gauss_scheme(NODES)
-    rules, controls = _rules()
     design, space = _memory(flat)
     most = integration.MOST_WINDOWS
     # Memory that is never written to costs nothing.
@@ -63,8 +62,7 @@ def integrate(
     count = integrator.advance(
         flat.tables,
         design,
-        rules,
-        controls,
+        _transposed(),
         (float(start[0]), float(start[1])),
         float(duration),
         tolerance,
@@ -103,12 +101,6 @@ def _memory(flat: FlatLinkage) -> tuple[Array, Space]:
 
 
 @lru_cache
-def _rules() -> tuple[Rules, Controls]:
-    """Scheme and constants as the kernels take them."""
-    integrator = kernels("integration")
-    scheme = gauss_scheme(NODES)
-    rules = integrator.Rules(
-        **{name: np.ascontiguousarray(getattr(scheme, name).T) for name in integrator.Rules._fields}
-    )
-    controls = integrator.Controls(**{name: getattr(integration, name.upper()) for name in integrator.Controls._fields})
-    return rules, controls
+def _transposed() -> GaussScheme:
+    """The scheme as the kernels take it."""
+    return GaussScheme(*(np.ascontiguousarray(part.T) for part in gauss_scheme(NODES)))
