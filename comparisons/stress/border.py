@@ -5,7 +5,7 @@ from __future__ import annotations
 import itertools
 import math
 from collections.abc import Callable, Iterable, Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import asdict, dataclass, replace
 from typing import Any, Final
 
 from comparisons.stress.axes import axes, nearest
@@ -25,43 +25,48 @@ BOUNDED: Final = (StressVerdict.TIMED_OUT, StressVerdict.CRASHED)
 
 @dataclass(frozen=True)
 class Border:
-    """Between ``inside``, within limit, and ``outside``, which is not."""
+    """Where a line of a map leaves its limit: the last value ``inside``, the first ``outside``, the verdict there."""
 
-    inside: CellResult
-    outside: CellResult
+    axis: str
+    row: str
+    engine: str
+    usage: str
+    inside: float
+    outside: float
+    verdict: StressVerdict
+
+    @property
+    def line(self) -> tuple[str, str, str, str]:
+        """What it shares with the cells it lies between."""
+        return (self.axis, self.row, self.engine, self.usage)
 
     @property
     def ratio(self) -> float:
         """By what factor the two values differ; infinite next to zero."""
-        low, high = sorted((self.inside.cell.value, self.outside.cell.value))
+        low, high = sorted((self.inside, self.outside))
         return high / low if low > 0.0 else math.inf
 
     @property
     def middle(self) -> float:
         """The value between the two, halfway by ratio, to the digits that a cell's name has."""
-        low, high = sorted((self.inside.cell.value, self.outside.cell.value))
+        low, high = sorted((self.inside, self.outside))
         return float(f"{math.sqrt((low if low > 0.0 else NEXT_TO_ZERO * high) * high):.6g}")
+
+    def cell(self, value: float) -> Cell:
+        """A cell of its line."""
+        return Cell(self.axis, self.row, value, self.engine, self.usage)
 
     def narrowed(self, result: CellResult) -> Border:
         """The half of it that has the border, by a run between its ends."""
-        return replace(self, inside=result) if result.verdict in GOOD else replace(self, outside=result)
+        if result.verdict in GOOD:
+            return replace(self, inside=result.cell.value)
+        return replace(self, outside=result.cell.value, verdict=result.verdict)
 
     @property
     def document(self) -> dict[str, Any]:
         """The border as JSON-ready data."""
-        axis, row, engine, usage = self.inside.cell.line
-        return {
-            "axis": axis,
-            "row": row,
-            "engine": engine,
-            "usage": usage,
-            "value": self.middle,
-            "inside": self.inside.cell.value,
-            "outside": self.outside.cell.value,
-            "verdict": self.outside.verdict.value,
-            "inside_command": self.inside.document["command"],
-            "outside_command": self.outside.document["command"],
-        }
+        commands = {f"{end}_command": self.cell(getattr(self, end)).command for end in ("inside", "outside")}
+        return {**asdict(self), "value": self.middle, **commands}
 
 
 def borders(results: Iterable[CellResult]) -> list[Border]:
@@ -78,7 +83,7 @@ def _on(line: Sequence[CellResult]) -> Iterator[Border]:
             if inside.verdict not in GOOD:
                 break
             if outside.verdict not in GOOD:
-                yield Border(inside, outside)
+                yield Border(*inside.cell.line, inside.cell.value, outside.cell.value, outside.verdict)
                 break
 
 
@@ -88,7 +93,7 @@ def bisected(
     """The same borders between runs that differ by no more than ``precision``; ``make`` makes many cells at once."""
     narrow = list(rough)
     while wide := [number for number, border in enumerate(narrow) if _is_wide(border, precision)]:
-        middles = [replace(narrow[number].inside.cell, value=narrow[number].middle) for number in wide]
+        middles = [narrow[number].cell(narrow[number].middle) for number in wide]
         for number, result in zip(wide, make(middles), strict=True):
             narrow[number] = narrow[number].narrowed(result)
     return narrow
@@ -96,6 +101,6 @@ def bisected(
 
 def _is_wide(border: Border, precision: float) -> bool:
     """Whether halving it once more is worth a run: what lies next to zero is not followed for ever."""
-    low, high = sorted((border.inside.cell.value, border.outside.cell.value))
-    worth = axes()[border.inside.cell.axis].narrow and border.outside.verdict not in BOUNDED
+    low, high = sorted((border.inside, border.outside))
+    worth = axes()[border.axis].narrow and border.verdict not in BOUNDED
     return worth and border.ratio > precision and (low > 0.0 or high > SMALLEST)

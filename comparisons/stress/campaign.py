@@ -91,7 +91,7 @@ def stress(request: StressRequest, announce: Announce = lambda *_: None, journal
     grid = make(wanted)
     rough = borders(grid)
     if request.quick:
-        rough = [border for border in rough if border.inside.cell.usage == QUICK_BORDERS]
+        rough = [border for border in rough if border.usage == QUICK_BORDERS]
     narrow = bisected(rough, make, COARSE if request.quick else PRECISE)
     return Stressed(tuple(study.results.values()), tuple(narrow))
 

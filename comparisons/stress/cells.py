@@ -7,9 +7,9 @@ from __future__ import annotations
 
 import time
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import asdict, dataclass, replace
+from dataclasses import asdict, dataclass, fields, replace
 from functools import lru_cache
-from typing import Any
+from typing import Any, TypeVar
 
 from analytic.errors import LinkproofError, UnknownNameError
 from comparisons.reference.case import Case
@@ -21,6 +21,8 @@ from comparisons.stress.verdict import Judgement, StressVerdict, judged
 from engines.contract import Engine, Outcome, Run, Setting
 from engines.registry import engine
 from engines.scene import Scene
+
+T = TypeVar("T", "Cell", "CellResult", Judgement)
 
 SETTINGS = tuple(setting.value for setting in Setting)
 
@@ -39,6 +41,11 @@ class Cell:
     def key(self) -> str:
         """The cell in words that a command understands."""
         return "/".join((self.axis, self.row, f"{self.value:.6g}", self.engine, self.usage))
+
+    @property
+    def command(self) -> str:
+        """What makes it again."""
+        return f"linkproof stress '{self.key}'"
 
     @property
     def line(self) -> tuple[str, str, str, str]:
@@ -71,35 +78,19 @@ class CellResult:
     @property
     def document(self) -> dict[str, Any]:
         """The result as JSON-ready data."""
-        cell = self.cell
-        judgement = {key: value for key, value in asdict(self.judgement).items() if key not in ("verdict", "reason")}
-        return {
-            **asdict(cell),
-            "mechanism": self.mechanism,
-            "outcome": self.outcome,
-            "verdict": self.verdict.value,
-            "reason": self.judgement.reason,
-            **judgement,
-            "seconds": self.seconds,
-            "spent": self.spent,
-            "steps": self.steps,
-            "solver_work": self.solver_work,
-            "conditions": dict(self.conditions),
-            "command": f"linkproof stress '{cell.key}'",
-        }
+        told = asdict(self)
+        return {**told.pop("cell"), **told.pop("judgement"), **told, "command": self.cell.command}
 
 
 def from_document(row: Mapping[str, Any]) -> CellResult:
-    """A result back from its JSON data; raises KeyError or TypeError for anything else."""
-    cell = Cell(*(row[name] for name in ("axis", "row", "value", "engine", "usage")))
-    names = ("reason", "quantity", "deviation", "deviation_limit", "wrong", "invariant", "invariant_error")
-    judgement = Judgement(
-        StressVerdict(row["verdict"]),
-        **{name: row[name] for name in (*names, "invariant_limit")},
-        alarms=tuple(row["alarms"]),
-    )
-    numbers = {name: row[name] for name in ("seconds", "spent", "steps", "solver_work")}
-    return CellResult(cell, row["mechanism"], row["outcome"], judgement, row["conditions"], **numbers)
+    """A result back from its JSON data; raises KeyError or ValueError for anything else."""
+    values = {**row, "verdict": StressVerdict(row["verdict"]), "alarms": tuple(row["alarms"])}
+    parts = {"cell": _part(Cell, values), "judgement": _part(Judgement, values)}
+    return _part(CellResult, {**values, **parts})
+
+
+def _part(kind: type[T], values: Mapping[str, Any]) -> T:
+    return kind(**{field.name: values[field.name] for field in fields(kind)})
 
 
 def usages(axis: Axis, adapter: Engine) -> list[str]:

@@ -48,21 +48,6 @@ class StressVerdict(StrEnum):
     UNAVAILABLE = "unavailable"
 
 
-MEANINGS: Mapping[StressVerdict, str] = {
-    StressVerdict.WITHIN: "every quantity within its limit",
-    StressVerdict.OVER: "a quantity over its limit, the motion not grossly wrong",
-    StressVerdict.CAUGHT: "reported success with a wrong motion; the checks flagged it",
-    StressVerdict.MISSED: "reported success with a wrong motion; no check flagged it",
-    StressVerdict.ALARM: "a false alarm: within every limit, yet a check flagged it",
-    StressVerdict.DIVERGED: "the engine, or its adapter, said that it failed",
-    StressVerdict.TIMED_OUT: "took longer than a cell may",
-    StressVerdict.CRASHED: "took its process down, or more memory than a cell may",
-    StressVerdict.ADAPTER_ERROR: "the adapter of the engine raised an exception",
-    StressVerdict.SUITE_ERROR: "linkproof itself raised an exception: the engine is not to blame",
-    StressVerdict.UNSUPPORTED: "refused before it began",
-    StressVerdict.UNAVAILABLE: "not installed",
-}
-
 SAID: Mapping[str, str] = {
     "joint_gap": "joint {joint} is open by {error} of the shortest link",
     "closure": "bodies are {error} (of size, rad or peak) away from fitting joints and drive",

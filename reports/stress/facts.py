@@ -12,6 +12,7 @@ from typing import Any, NamedTuple, TypeVar
 
 from analytic.errors import LinkproofError
 from comparisons.stress.axes import axes
+from comparisons.stress.border import Border
 from comparisons.stress.cells import Cell, CellResult, from_document
 from comparisons.stress.verdict import StressVerdict
 from reports.text.numbers import ABSENT, bound, printed
@@ -26,35 +27,18 @@ SILENT = (StressVerdict.CAUGHT, StressVerdict.MISSED)
 
 
 class StressSign(NamedTuple):
-    """How a verdict is shown: a sign, what a cell is filled with, the ink of its sign, a style of the terminal."""
+    """How a verdict is shown, as ``signs.toml`` has it, and what it means."""
 
     symbol: str
     fill: str
     ink: str
+    meaning: str
     terminal: str = ""
 
 
 SIGNS: Mapping[StressVerdict, StressSign] = {
     StressVerdict(verdict): StressSign(*row) for verdict, row in TABLES["stress"].items()
 }
-
-
-@dataclass(frozen=True)
-class BorderRecord:
-    """Where one line of a map leaves its limit: the last value ``inside``, the first ``outside``, the verdict there."""
-
-    axis: str
-    row: str
-    engine: str
-    usage: str
-    inside: float | None
-    outside: float | None
-    verdict: StressVerdict
-
-    @property
-    def line(self) -> Line:
-        """What it shares with the cells it lies between."""
-        return (self.axis, self.row, self.engine, self.usage)
 
 
 @dataclass(frozen=True)
@@ -69,7 +53,7 @@ class Stress:
         return tuple(sorted((from_document(row) for row in self.document["cells"]), key=lambda one: _place(one.cell)))
 
     @cached_property
-    def borders(self) -> tuple[BorderRecord, ...]:
+    def borders(self) -> tuple[Border, ...]:
         """Every border found."""
         return tuple(_border(row) for row in self.document.get("borders", ()))
 
@@ -79,7 +63,7 @@ class Stress:
         return _grouped((result.cell.line, result) for result in self.results)
 
     @cached_property
-    def line_borders(self) -> Mapping[Line, Sequence[BorderRecord]]:
+    def line_borders(self) -> Mapping[Line, Sequence[Border]]:
         """The borders of each line that has any."""
         return _grouped((border.line, border) for border in self.borders)
 
@@ -128,9 +112,9 @@ def _rank(names: Sequence[str], name: str) -> int:
     return names.index(name) if name in names else len(names)
 
 
-def _border(row: Mapping[str, Any]) -> BorderRecord:
-    told = {field.name: row[field.name] for field in fields(BorderRecord)}
-    return BorderRecord(**{**told, "verdict": StressVerdict(row["verdict"])})
+def _border(row: Mapping[str, Any]) -> Border:
+    values = {field.name: row[field.name] for field in fields(Border)}
+    return Border(**{**values, "verdict": StressVerdict(row["verdict"])})
 
 
 def load(saved: Path) -> Stress:

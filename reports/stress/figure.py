@@ -17,10 +17,11 @@ from matplotlib.path import Path as Outline
 from matplotlib.transforms import Affine2D
 
 from comparisons.stress.axes import axes as axes_table
+from comparisons.stress.border import Border
 from comparisons.stress.cells import CellResult
 from comparisons.stress.verdict import StressVerdict
 from reports.drawing.style import FULL_WIDTH, INK, MUTED, drawn
-from reports.stress.facts import SIGNS, BorderRecord, Stress, value_words
+from reports.stress.facts import SIGNS, Stress, value_words
 
 # Inches: height of a line, widest cell, gaps between engines and between rows, room for labels, title and values.
 LINE, WIDEST, GAP, ROW_GAP = 0.165, 0.42, 0.16, 0.07
@@ -145,17 +146,14 @@ def _cells(
                        ha="center", va="center")  # fmt: skip
 
 
-def _border(panel: Axes, border: BorderRecord, top: float, values: Sequence[float]) -> None:
+def _border(panel: Axes, border: Border, top: float, values: Sequence[float]) -> None:
     """A bar between the last column inside and the first one beyond."""
     place = border_place(border, values)
-    if place is not None:
-        panel.plot([place, place], [top, top + LINE], color=INK, linewidth=2.2, solid_capstyle="butt", clip_on=False)
+    panel.plot([place, place], [top, top + LINE], color=INK, linewidth=2.2, solid_capstyle="butt", clip_on=False)
 
 
-def border_place(border: BorderRecord, values: Sequence[float]) -> int | None:
-    """The column that a border stands left of; None if one of its sides was never found."""
-    if border.inside is None or border.outside is None:
-        return None
+def border_place(border: Border, values: Sequence[float]) -> int:
+    """The column that a border stands left of."""
     low, high = sorted((border.inside, border.outside))
     between = math.sqrt(low * high) if low > 0.0 else 0.5 * (low + high)
     rising = list(values) == sorted(values)

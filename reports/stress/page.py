@@ -10,7 +10,7 @@ from markupsafe import Markup
 from comparisons.runs.files import write_text
 from comparisons.stress.axes import axes
 from comparisons.stress.cells import CellResult
-from comparisons.stress.verdict import MEANINGS, StressVerdict
+from comparisons.stress.verdict import StressVerdict
 from reports.drawing.style import picture
 from reports.facts.environment import environment_facts
 from reports.facts.views import anchor
@@ -41,7 +41,6 @@ def page(stress: Stress) -> str:
         facts=_facts(stress),
         section=section(stress, with_borders=False),
         signs=SIGNS,
-        meanings=MEANINGS,
         count=stress.count(),
         axes=[_axis_part(stress, name) for name in stress.axes],
         incidents=[(verdict, anchor(verdict.value), incident_table(stress.of(verdict))) for verdict in INCIDENTS],

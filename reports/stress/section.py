@@ -6,13 +6,13 @@ from collections.abc import Iterable, Sequence
 
 from markupsafe import Markup
 
+from comparisons.stress.border import Border
 from comparisons.stress.cells import CellResult
 from comparisons.stress.verdict import StressVerdict
 from reports.stress.facts import (
     APART,
     SIGNS,
     SILENT,
-    BorderRecord,
     Line,
     Stress,
     axis_title,
@@ -101,10 +101,9 @@ def _nowhere(cells: Sequence[CellResult]) -> str:
     return f"none within: {', '.join(seen)}"
 
 
-def border_words(border: BorderRecord) -> str:
+def border_words(border: Border) -> str:
     """``0.001, over limit at 7.2e-4``."""
-    beyond = f"{border.verdict.value} at {value_words(border.outside)}"
-    return beyond if border.inside is None else f"{value_words(border.inside)}, {beyond}"
+    return f"{value_words(border.inside)}, {border.verdict.value} at {value_words(border.outside)}"
 
 
 def section(stress: Stress, *, with_borders: bool = True) -> Markup:

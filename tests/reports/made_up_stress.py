@@ -60,9 +60,9 @@ def made_up_cell(came_to, **place):
 
 def border(inside, outside, beyond, **place):
     """One border as the document has it."""
-    value = None if inside is None or outside is None else 0.5 * (inside + outside)
-    return {**place, "value": value, "inside": inside, "outside": outside, "verdict": beyond, "inside_command": "in",
-            "outside_command": "out"}  # fmt: skip
+    commands = {"inside_command": "in", "outside_command": "out"}
+    middle = 0.5 * (inside + outside)
+    return {**place, "value": middle, "inside": inside, "outside": outside, "verdict": beyond, **commands}
 
 
 def _borders(line):

@@ -47,8 +47,8 @@ def test_both_borders_are_bracketed_to_a_tenth(above, below):
     assert len(rough) == 2
     asked.clear()
     high, low = sorted(bisected(rough, make), key=lambda one: -one.middle)
-    assert high.inside.cell.value < above <= high.outside.cell.value
-    assert low.outside.cell.value <= below < low.inside.cell.value
+    assert high.inside < above <= high.outside
+    assert low.outside <= below < low.inside
     assert high.ratio <= PRECISE
     assert low.ratio <= PRECISE
     assert len(asked) <= 2 * math.ceil(math.log2(math.log(10.0) / math.log(PRECISE)))
@@ -67,7 +67,7 @@ def test_where_the_easiest_value_fails_there_is_none_either():
 def test_only_the_first_border_from_the_easy_value_counts():
     verdicts = dict.fromkeys(MASS, StressVerdict.WITHIN) | {1e2: StressVerdict.OVER, 1e4: StressVerdict.DIVERGED}
     (border,) = borders([result(value, verdict) for value, verdict in verdicts.items()])
-    assert (border.inside.cell.value, border.outside.cell.value) == (1e1, 1e2)
+    assert (border.inside, border.outside) == (1e1, 1e2)
     assert border.document["verdict"] == "over limit"
     assert border.document["value"] == pytest.approx(math.sqrt(1e3))
     assert border.document["outside_command"] == "linkproof stress 'mass/row/100/e/tuned'"
@@ -81,15 +81,15 @@ def test_lines_are_kept_apart():
         for value, v in zip((1.0, 10.0), verdicts, strict=True)
     ]
     found = borders(lines)
-    assert [one.inside.cell.usage for one in found] == ["best", "tuned"]
+    assert [one.usage for one in found] == ["best", "tuned"]
 
 
 def test_a_border_next_to_zero_is_not_followed_for_ever():
     values = [1e-1, 1e-6, 1e-12, 0.0]
     make, asked = world(below=1e-300)
     (border,) = bisected(borders(grid(make, values, "change-point")), make)
-    assert border.outside.cell.value == 0.0
-    assert border.inside.cell.value <= SMALLEST
+    assert border.outside == 0.0
+    assert border.inside <= SMALLEST
     assert len(asked) < 10
 
 

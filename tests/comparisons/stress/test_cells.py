@@ -182,7 +182,7 @@ def test_an_engine_that_lies_is_caught_in_every_cell_and_its_border_found(with_e
         value: StressVerdict.CAUGHT if value > 500.0 else StressVerdict.WITHIN for value in axes()["mass"].values
     }
     (border,) = found.borders
-    assert border.inside.cell.value <= 500.0 < border.outside.cell.value
+    assert border.inside <= 500.0 < border.outside
     assert border.ratio <= 1.1
     assert found.missed == ()
     told = found.document("as asked", quick=False)

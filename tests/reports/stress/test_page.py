@@ -6,9 +6,10 @@ import re
 import pytest
 
 from analytic.errors import LinkproofError
-from comparisons.stress.verdict import MEANINGS, StressVerdict
+from comparisons.stress.border import Border
+from comparisons.stress.verdict import StressVerdict
 from reports.stress import page as stress_page
-from reports.stress.facts import FILE, SIGNS, BorderRecord, Stress, load
+from reports.stress.facts import FILE, SIGNS, Stress, load
 from reports.stress.figure import border_place, columns, layout, stress_figure
 from reports.stress.section import border_table, reach, section, summary, verdict_table
 from reports.stress.terminal import cell_details, printout
@@ -111,11 +112,10 @@ def test_borders_stand_side_by_side_for_the_engines():
         (1e-3, 0.0, (1e-2, 1e-3, 0.0), 2),
         (10.0, 1.0, (10.0, 1.0, 0.3), 1),
         (0.4, 0.3, (10.0, 1.0, 0.3), 2),
-        (None, 0.3, (10.0, 1.0, 0.3), None),
     ],
 )
 def test_a_border_stands_between_the_columns_it_lies_between(inside, outside, values, place):
-    found = BorderRecord(**PLACE, inside=inside, outside=outside, verdict=StressVerdict.OVER)
+    found = Border(**PLACE, inside=inside, outside=outside, verdict=StressVerdict.OVER)
     assert border_place(found, values) == place
 
 
@@ -168,8 +168,9 @@ def test_every_axis_has_a_map_a_link_and_every_verdict_a_meaning(page):
         assert f'<section id="stress-{name}"' in page
         assert f'href="#stress-{name}"' in page
         assert f'id="stress-{name}-map-title"' in page
-    for meaning in MEANINGS.values():
-        assert meaning in page
+    assert set(SIGNS) == set(StressVerdict)
+    for sign in SIGNS.values():
+        assert sign.meaning in page
 
 
 def test_what_was_missed_raised_or_caught_stands_with_its_reason_and_command(page):
