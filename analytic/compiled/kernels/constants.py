@@ -14,26 +14,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from analytic.compiled.flat_linkage import PRP, RPP, RPR, RRP, RRR, Integers, Tables
+from analytic.compiled.kernels import layout
 from analytic.compiled.kernels.jit import inlined, kernel
-from analytic.compiled.kernels.layout import (
-    ALONG,
-    ANCHOR,
-    CRANK_CENTRE,
-    CRANK_CONSTANTS,
-    CRANK_FAR,
-    CRANK_INERTIA,
-    CRANK_MASS,
-    DYAD_CONSTANTS,
-    FAR_POINT,
-    FIRST_JOINT,
-    FROM_SLIDER,
-    INNER_JOINT,
-    KIND,
-    NEAR_POINT,
-    SECOND_JOINT,
-    SIGN,
-    THROUGH,
-)
 from analytic.compiled.kernels.solution import pair
 from analytic.kinematics.dyads import prp, rpp, rpr, rrp, rrr
 from analytic.kinematics.frames import Pair, minus, rotated
@@ -59,19 +41,18 @@ class Rail(NamedTuple):
 
 @inlined
 def _pin(numbers: Array, dyad: Integers, joint: int) -> PinPlaces:
-    return PinPlaces(pair(numbers, dyad[joint + NEAR_POINT]), pair(numbers, dyad[joint + FAR_POINT]))
+    return PinPlaces(pair(numbers, dyad[joint + layout.NEAR_POINT]), pair(numbers, dyad[joint + layout.FAR_POINT]))
 
 
 @kernel
 def _rail(numbers: Array, dyad: Integers, joint: int) -> Rail:
     """A P joint seen from the near body, as ``structure.prismatic_joint`` has it."""
-    x, y = pair(numbers, dyad[joint + ALONG])
+    x, y = pair(numbers, dyad[joint + layout.ALONG])
     length = math.hypot(x, y)
     along = (x / length, y / length)
-    origin = minus(
-        pair(numbers, dyad[joint + THROUGH]), rotated(along[0], along[1], pair(numbers, dyad[joint + ANCHOR]))
-    )
-    if dyad[joint + FROM_SLIDER] == 0:
+    anchor = rotated(along[0], along[1], pair(numbers, dyad[joint + layout.ANCHOR]))
+    origin = minus(pair(numbers, dyad[joint + layout.THROUGH]), anchor)
+    if dyad[joint + layout.FROM_SLIDER] == 0:
         return Rail(along, along, origin)
     x, y = rotated(along[0], -along[1], origin)
     return Rail((1.0, 0.0), (along[0], -along[1]), (-x, -y))
@@ -89,8 +70,8 @@ def _deriver(dyad: ModuleType, first: Joint, inner: Joint, second: Joint) -> Cal
 
     @kernel
     def derived(numbers: Array, row: Integers, k: Array) -> None:
-        one, two = first(numbers, row, FIRST_JOINT), second(numbers, row, SECOND_JOINT)
-        _store(constants(one, inner(numbers, row, INNER_JOINT), two, float(row[SIGN])), k)
+        one, two = first(numbers, row, layout.FIRST_JOINT), second(numbers, row, layout.SECOND_JOINT)
+        _store(constants(one, inner(numbers, row, layout.INNER_JOINT), two, float(row[layout.SIGN])), k)
 
     return derived
 
@@ -106,21 +87,21 @@ _prp = _deriver(prp, _rail, _pin, _rail)
 def derive(tables: Tables, design: Array) -> None:
     """Fill in the constants that follow a design's numbers: those of the crank, then those of each dyad."""
     dyads, crank = tables.dyads, tables.crank
-    start = len(design) - CRANK_CONSTANTS - DYAD_CONSTANTS * len(dyads)
-    pin = pair(design, crank[CRANK_FAR])
-    x, y = minus(pair(design, crank[CRANK_CENTRE]), pin)
+    start = len(design) - layout.CRANK_CONSTANTS - layout.DYAD_CONSTANTS * len(dyads)
+    pin = pair(design, crank[layout.CRANK_FAR])
+    x, y = minus(pair(design, crank[layout.CRANK_CENTRE]), pin)
     design[start], design[start + 1] = pin
-    design[start + 2] = design[crank[CRANK_MASS]] * (x * x + y * y) + design[crank[CRANK_INERTIA]]
+    design[start + 2] = design[crank[layout.CRANK_MASS]] * (x * x + y * y) + design[crank[layout.CRANK_INERTIA]]
     for number in range(len(dyads)):
-        at = start + CRANK_CONSTANTS + DYAD_CONSTANTS * number
-        dyad, k = dyads[number], design[at : at + DYAD_CONSTANTS]
-        if dyad[KIND] == RRR:
+        at = start + layout.CRANK_CONSTANTS + layout.DYAD_CONSTANTS * number
+        dyad, k = dyads[number], design[at : at + layout.DYAD_CONSTANTS]
+        if dyad[layout.KIND] == RRR:
             _rrr(design, dyad, k)
-        elif dyad[KIND] == RRP:
+        elif dyad[layout.KIND] == RRP:
             _rrp(design, dyad, k)
-        elif dyad[KIND] == RPR:
+        elif dyad[layout.KIND] == RPR:
             _rpr(design, dyad, k)
-        elif dyad[KIND] == RPP:
+        elif dyad[layout.KIND] == RPP:
             _rpp(design, dyad, k)
-        elif dyad[KIND] == PRP:
+        elif dyad[layout.KIND] == PRP:
             _prp(design, dyad, k)

@@ -21,22 +21,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from analytic.compiled.flat_linkage import CRANK_BODY, FlatLinkage, Tables
+from analytic.compiled.kernels import layout
 from analytic.compiled.kernels.constants import derive
 from analytic.compiled.kernels.jit import SOURCES, entry
-from analytic.compiled.kernels.layout import (
-    ANGLE,
-    BLOCK,
-    BODY,
-    COSINE,
-    CRANK_CONSTANTS,
-    DW,
-    DYAD_CONSTANTS,
-    FAULT,
-    LAW,
-    LAWS,
-    SINE,
-    C,
-)
+from analytic.compiled.kernels.layout import ANGLE, BLOCK, BODY, COSINE, DW, FAULT, LAW, LAWS, SINE, C
 from analytic.compiled.kernels.solution import faults, solve
 from analytic.compiled.kernels.sums import constant_laws, sum_forces, sum_half_derivative, sum_inertia, tabled_laws
 from analytic.compiled.kernels.trigonometry import cosines_and_sines
@@ -54,7 +42,7 @@ def design_of(flat: FlatLinkage) -> Array:
 
 def design_size(flat: FlatLinkage) -> int:
     """Floats of a design."""
-    return len(flat.numbers) + CRANK_CONSTANTS + DYAD_CONSTANTS * len(flat.structure.dyads)
+    return len(flat.numbers) + layout.CRANK_CONSTANTS + layout.DYAD_CONSTANTS * len(flat.structure.dyads)
 
 
 def scratch(flat: FlatLinkage) -> Array:

@@ -6,28 +6,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from analytic.compiled.flat_linkage import CRANK_BODY, RPP, RPR, RRP, RRR, Integers, Tables
+from analytic.compiled.kernels import layout
 from analytic.compiled.kernels.dyads import solve_prp, solve_rpp, solve_rpr, solve_rrp, solve_rrr
 from analytic.compiled.kernels.jit import counting, inlined, kernel
-from analytic.compiled.kernels.layout import (
-    BLOCK,
-    BODY,
-    COSINE,
-    CRANK_CONSTANTS,
-    CRANK_NEAR,
-    DDX,
-    DDY,
-    DX,
-    DY,
-    DYAD_CONSTANTS,
-    FAULT,
-    KIND,
-    LAW,
-    LAWS,
-    NEAR_ONE,
-    NEAR_TWO,
-    SINE,
-    SUMS,
-)
+from analytic.compiled.kernels.layout import BLOCK, BODY, COSINE, DDX, DDY, DX, DY, FAULT, LAW, LAWS, SINE, SUMS
 from analytic.compiled.kernels.rows import put_pose
 from analytic.kinematics import frames
 
@@ -82,8 +64,8 @@ def solve_dyad(kind: int, level: int, n: int, k: Array, one: Array, two: Array, 
 @inlined
 def solve(tables: Tables, design: Array, n: int, levels: Integers, work: Array) -> None:
     """All bodies up to the orders asked for, at angles whose cosines and sines are known; faults are marked."""
-    start = len(design) - CRANK_CONSTANTS - DYAD_CONSTANTS * len(tables.dyads)
-    near = tables.crank[CRANK_NEAR]
+    start = len(design) - layout.CRANK_CONSTANTS - layout.DYAD_CONSTANTS * len(tables.dyads)
+    near = tables.crank[layout.CRANK_NEAR]
     fault = work[FAULT : FAULT + BLOCK]
     fill(n, 0.0, fault)
     at = body_at(tables, CRANK_BODY)
@@ -91,12 +73,12 @@ def solve(tables: Tables, design: Array, n: int, levels: Integers, work: Array) 
     for number in range(len(tables.dyads)):
         if levels[number] >= 0:
             dyad = tables.dyads[number]
-            at = start + CRANK_CONSTANTS + DYAD_CONSTANTS * number
-            k = design[at : at + DYAD_CONSTANTS]
-            one, two = body_at(tables, dyad[NEAR_ONE]), body_at(tables, dyad[NEAR_TWO])
+            at = start + layout.CRANK_CONSTANTS + layout.DYAD_CONSTANTS * number
+            k = design[at : at + layout.DYAD_CONSTANTS]
+            one, two = body_at(tables, dyad[layout.NEAR_ONE]), body_at(tables, dyad[layout.NEAR_TWO])
             at = body_at(tables, CRANK_BODY + 1 + 2 * number)
             near_one, near_two, own = work[one : one + BODY], work[two : two + BODY], work[at : at + 2 * BODY]
-            solve_dyad(dyad[KIND], levels[number], n, k, near_one, near_two, own, fault)
+            solve_dyad(dyad[layout.KIND], levels[number], n, k, near_one, near_two, own, fault)
 
 
 @counting

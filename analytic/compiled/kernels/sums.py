@@ -8,35 +8,18 @@ import numpy as np
 from numpy.typing import NDArray
 
 from analytic.compiled.flat_linkage import CONSTANT, CRANK_BODY, Tables
-from analytic.compiled.kernels.dynamics import (
-    add_damper,
-    add_force,
-    add_half_derivative,
-    add_inertia,
-    add_spring,
-    add_torque,
-    add_varying_force,
-    place_along,
-    rate_along,
-    second_along,
-)
+from analytic.compiled.kernels import dynamics, layout
 from analytic.compiled.kernels.jit import inlined
 from analytic.compiled.kernels.layout import (
     ANGLE,
     BLOCK,
     BODY,
-    CRANK_CENTRE,
-    CRANK_MASS,
     DAMPING,
-    DYAD_CONSTANTS,
     FORCE,
     HALF_DERIVATIVE,
     JEQ,
     LAW,
     LAWS,
-    OUTPUT,
-    OUTPUT_RATE,
-    OUTPUT_SECOND,
     ROW,
     SUMS,
 )
@@ -87,12 +70,12 @@ def constant_laws(tables: Tables, design: Array, n: int, work: Array) -> None:
 def sum_inertia(tables: Tables, design: Array, n: int, work: Array) -> None:
     """Jeq."""
     sums = work[SUMS:LAWS]
-    crank = len(design) - DYAD_CONSTANTS * len(tables.dyads) - 1
+    crank = len(design) - layout.DYAD_CONSTANTS * len(tables.dyads) - 1
     fill(n, design[crank], sums[JEQ : JEQ + BLOCK])
     for number in range(len(tables.masses)):
         body, mass, centre, inertia = tables.masses[number]
         at = body_at(tables, body)
-        add_inertia(n, design[mass], pair(design, centre), design[inertia], work[at : at + BODY], sums)
+        dynamics.add_inertia(n, design[mass], pair(design, centre), design[inertia], work[at : at + BODY], sums)
 
 
 @inlined
@@ -103,7 +86,7 @@ def sum_half_derivative(tables: Tables, design: Array, n: int, work: Array) -> N
     for number in range(len(tables.masses)):
         body, mass, centre, inertia = tables.masses[number]
         at = body_at(tables, body)
-        add_half_derivative(n, design[mass], pair(design, centre), design[inertia], work[at : at + BODY], sums)
+        dynamics.add_half_derivative(n, design[mass], pair(design, centre), design[inertia], work[at : at + BODY], sums)
 
 
 @inlined
@@ -113,13 +96,13 @@ def sum_weights(tables: Tables, design: Array, n: int, work: Array) -> None:
     gx, gy = pair(design, tables.gravity[0])
     if gx == 0.0 and gy == 0.0:
         return
-    mass, centre = tables.crank[CRANK_MASS], tables.crank[CRANK_CENTRE]
+    mass, centre = tables.crank[layout.CRANK_MASS], tables.crank[layout.CRANK_CENTRE]
     m, at = design[mass], body_at(tables, CRANK_BODY)
-    add_force(n, pair(design, centre), (m * gx, m * gy), work[at : at + BODY], sums)
+    dynamics.add_force(n, pair(design, centre), (m * gx, m * gy), work[at : at + BODY], sums)
     for number in range(len(tables.masses)):
         body, mass, centre, _ = tables.masses[number]
         m, at = design[mass], body_at(tables, body)
-        add_force(n, pair(design, centre), (m * gx, m * gy), work[at : at + BODY], sums)
+        dynamics.add_force(n, pair(design, centre), (m * gx, m * gy), work[at : at + BODY], sums)
 
 
 @inlined
@@ -132,21 +115,21 @@ def sum_forces(tables: Tables, design: Array, n: int, work: Array) -> None:
     for number in range(len(tables.forces)):
         body, point, law = tables.forces[number]
         values, at = LAWS + LAW * law, body_at(tables, body)
-        add_varying_force(n, pair(design, point), work[values : values + LAW], work[at : at + BODY], sums)
+        dynamics.add_varying_force(n, pair(design, point), work[values : values + LAW], work[at : at + BODY], sums)
     for number in range(len(tables.torques)):
         body, law = tables.torques[number]
         values, at = LAWS + LAW * law, body_at(tables, body)
-        add_torque(n, work[values : values + LAW], work[at : at + BODY], sums)
+        dynamics.add_torque(n, work[values : values + LAW], work[at : at + BODY], sums)
     for number in range(len(tables.springs)):
         one, at, two, to, stiffness, length, damping = tables.springs[number]
         p, q = pair(design, at), pair(design, to)
         k, free, c = design[stiffness], design[length], design[damping]
         one, two = body_at(tables, one), body_at(tables, two)
-        add_spring(n, p, q, k, free, c, work[one : one + BODY], work[two : two + BODY], sums)
+        dynamics.add_spring(n, p, q, k, free, c, work[one : one + BODY], work[two : two + BODY], sums)
     for number in range(len(tables.dampers)):
         one, two, coefficient = tables.dampers[number]
         one, two = body_at(tables, one), body_at(tables, two)
-        add_damper(n, design[coefficient], work[one : one + BODY], work[two : two + BODY], sums)
+        dynamics.add_damper(n, design[coefficient], work[one : one + BODY], work[two : two + BODY], sums)
 
 
 @inlined
@@ -157,9 +140,9 @@ def output(tables: Tables, design: Array, n: int, order: int, work: Array) -> No
     length = math.hypot(x, y)
     direction = (x / length, y / length)
     at = body_at(tables, body)
-    rows = work[at : at + BODY]
-    place_along(n, place, direction, rows, work[SUMS + OUTPUT : SUMS + OUTPUT + ROW])
+    rows, sums = work[at : at + BODY], work[SUMS:LAWS]
+    dynamics.place_along(n, place, direction, rows, sums[layout.OUTPUT : layout.OUTPUT + ROW])
     if order >= 1:
-        rate_along(n, place, direction, rows, work[SUMS + OUTPUT_RATE : SUMS + OUTPUT_RATE + ROW])
+        dynamics.rate_along(n, place, direction, rows, sums[layout.OUTPUT_RATE : layout.OUTPUT_RATE + ROW])
     if order >= 2:
-        second_along(n, place, direction, rows, work[SUMS + OUTPUT_SECOND : SUMS + OUTPUT_SECOND + ROW])
+        dynamics.second_along(n, place, direction, rows, sums[layout.OUTPUT_SECOND : layout.OUTPUT_SECOND + ROW])
