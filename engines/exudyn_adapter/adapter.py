@@ -20,7 +20,7 @@ from dataclasses import replace
 
 from engines.contract import History, Method, Outcome, Run, Setting
 from engines.exudyn_adapter.checks import assemble
-from engines.exudyn_adapter.model import build_model
+from engines.exudyn_adapter.model import Model
 from engines.exudyn_adapter.passes import follow
 from engines.exudyn_adapter.readout import add_sensors
 from engines.exudyn_adapter.recipes import Recipe, method_recipe, setting_recipe, studied_methods
@@ -75,7 +75,7 @@ def _history(scene: Scene, recipe: Recipe, cost: Cost, *, checked: bool) -> Hist
 
 def _stepper(scene: Scene, recipe: Recipe, cost: Cost, *, checked: bool) -> Stepper:
     with cost.building():
-        model = build_model(scene, plain=recipe.rule.as_shipped)
+        model = Model(scene, plain=recipe.rule.as_shipped)
         stepper = Stepper(model, add_sensors(model), cost, checked=checked)
         assemble(model)
         stepper.prepare(recipe)

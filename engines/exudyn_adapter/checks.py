@@ -7,7 +7,7 @@ import math
 from engines.exudyn_adapter.drive import crank_angle
 from engines.exudyn_adapter.model import ANGLE, Model
 from engines.mechanics.joints import scene_size
-from engines.mechanics.states import Reals, body_numbers, start_motion
+from engines.mechanics.states import body_numbers
 from engines.scene import Prescribed
 from engines.start_check import misfits
 from engines.stepping.driver import UnsupportedError
@@ -47,7 +47,7 @@ def not_finite(model: Model, now: float) -> str | None:
 def broken(model: Model, now: float, division: int) -> str | None:
     """Whether the linkage is still closed, and the crank where its drive has it, in a pass of that division."""
     scene = model.scene
-    position = _position(model)
+    position = model.position()
     size = scene_size(scene)
     for miss in misfits(scene, position):
         share = miss.size / size
@@ -58,13 +58,3 @@ def broken(model: Model, now: float, division: int) -> str | None:
         if not abs(lag) <= LARGEST_LAG:
             return f"the crank is {lag:.3g} rad away from its drive at {now:.4g} s"
     return None
-
-
-def _position(model: Model) -> Reals:
-    """Position of all bodies, the ground among them, (1, bodies, 3)."""
-    shift = iter(model.mbs.systemData.GetODE2Coordinates().tolist())
-    position = start_motion(model.scene)[0]
-    for number, body in enumerate(model.scene.bodies):
-        for part in (0, 1, ANGLE) if body.name in model.turning else (0, 1):
-            position[0, number, part] += next(shift)
-    return position

@@ -18,7 +18,7 @@ from comparisons.reference.start_state import scene
 from engines.contract import Outcome, Setting
 from engines.exudyn_adapter import adapter, checks, recipes, stepping
 from engines.exudyn_adapter.adapter import ExudynEngine
-from engines.exudyn_adapter.model import build_model
+from engines.exudyn_adapter.model import Model
 from engines.exudyn_adapter.readout import add_sensors
 from engines.scene import Channel, Free, Prescribed
 from tests.analytic.linkages import mechanism
@@ -239,9 +239,9 @@ def test_a_free_crank_moves_as_the_equation_of_motion_says(name, torque, duratio
 def test_no_sensor_for_a_channel_nobody_reads():
     motion = _motion()
     bare = scene(mechanism("juki-mf7923d"), Prescribed(motion), ())
-    assert add_sensors(build_model(bare)).sensors == ()
+    assert add_sensors(Model(bare)).sensors == ()
     torque = dataclasses.replace(bare, channels=frozenset({Channel.TORQUE}))
-    assert len(add_sensors(build_model(torque)).sensors) == 1
+    assert len(add_sensors(Model(torque)).sensors) == 1
     run = ENGINE.run(torque, Setting.TUNED)
     assert run.history.position is run.history.velocity is run.history.acceleration is None
     assert run.history.joint_force == {}
@@ -249,13 +249,13 @@ def test_no_sensor_for_a_channel_nobody_reads():
 
 
 def test_a_body_that_cannot_turn_has_no_angle_and_no_weight_without_gravity():
-    model = build_model(scene(mechanism("juki-mf7923d"), Prescribed(_motion()), ()))
+    model = Model(scene(mechanism("juki-mf7923d"), Prescribed(_motion()), ()))
     assert model.turning == {"crank", "coupler"}
     model.mbs.Assemble()
     assert model.mbs.systemData.ODE2Size() == 8
     assert model.mbs.systemData.NumberOfLoads() == 3
     light = dataclasses.replace(model.scene, gravity=(0.0, 0.0))
-    assert build_model(light).mbs.systemData.NumberOfLoads() == 0
+    assert Model(light).mbs.systemData.NumberOfLoads() == 0
 
 
 def test_nothing_is_printed_and_no_file_is_left(capfd, tmp_path, monkeypatch):

@@ -5,7 +5,7 @@ import pytest
 
 from analytic.description.crank_motion import crank_motion
 from comparisons.reference.start_state import scene
-from engines.exudyn_adapter.model import build_model
+from engines.exudyn_adapter.model import Model
 from engines.exudyn_adapter.projection import Constraints, projected_state
 from engines.exudyn_adapter.readout import add_sensors
 from engines.exudyn_adapter.recipes import TRAPEZOIDAL, Recipe
@@ -27,7 +27,7 @@ NAMES = ["juki-mf7923d", "rimoldi-164", "slotted-takeup", "carried-slider", "mov
 def _stepper(name, motion):
     wanted = scene(mechanism(name), Prescribed(motion), set(Channel))
     units = own_units(wanted)
-    model = build_model(scaled(wanted, units))
+    model = Model(scaled(wanted, units))
     stepper = Stepper(model, add_sensors(model), Cost(), checked=True)
     model.mbs.Assemble()
     stepper.prepare(Recipe(rule=TRAPEZOIDAL, step=1e-3))
