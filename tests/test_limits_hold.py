@@ -8,10 +8,10 @@ from analytic.description.crank_motion import crank_motion
 from analytic.description.loading import catalogue, load
 from analytic.kinematics.mechanism import Mechanism
 from comparisons.campaign.campaign import CampaignRequest, RunResult, compare
-from comparisons.invariants.invariants import INVARIANTS
 from comparisons.judging import baseline
 from comparisons.judging.quantities import all_quantities
 from comparisons.reference.case import Case
+from comparisons.stress.verdict import SAID as INVARIANTS
 from engines.contract import Setting
 from engines.registry import engine, engine_names
 from reports.command_line.requests import CampaignChoice

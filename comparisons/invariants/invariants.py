@@ -22,8 +22,6 @@ loads are those of ``engines.mechanics``, shared with ``direct``: no formula is 
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-
 import numpy as np
 from numpy.typing import NDArray
 
@@ -35,17 +33,6 @@ from engines.contract import Signal
 from engines.scene import Channel, Free, Prescribed
 
 Array = NDArray[np.float64]
-
-KINEMATICS = frozenset(LEVELS)
-INVARIANTS: Mapping[str, frozenset[Channel]] = {
-    "joint_gap": frozenset({Channel.POSITION}),
-    "closure": KINEMATICS,
-    "assembly_mode": frozenset({Channel.POSITION}),
-    "crank_phase": KINEMATICS | {Channel.TORQUE},
-    "energy_balance": frozenset({Channel.POSITION, Channel.VELOCITY, Channel.TORQUE}),
-    "torque_two_routes": KINEMATICS | {Channel.TORQUE},
-    "force_balance": KINEMATICS | {Channel.JOINT_FORCE},
-}
 
 # Steps by which a history may begin late or end early: a sample at either end can be missing.
 MISSING_STEPS = 2.0

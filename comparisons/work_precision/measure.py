@@ -22,6 +22,7 @@ from engines.scene import Scene
 JOINTS = JOINT_FORCE.rstrip(":")
 # Steps per turn of the peak speed in the run that warms an engine up.
 WARM = 16.0
+_WARM: set[str] = set()  # the engines this process has run
 
 
 @dataclass(frozen=True)
@@ -84,7 +85,7 @@ def measure(  # noqa: PLR0917  a worker's job is a plain tuple
     scene = case.scene(channels)
     step = None if steps_per_turn is None else longest_step(case, steps_per_turn)
     with blamed_on(adapter):
-        _WARMTH.see_to(adapter, scene, longest_step(case, WARM))
+        _warm_up(adapter, scene, longest_step(case, WARM))
         steady = calibrate()
         run, wall = timed(lambda: started(adapter, scene, way, step))
         run = checked(run, scene)
@@ -137,17 +138,8 @@ def _errors(case: Case, families: Mapping[str, Sequence[Quantity]], motion: Obse
     return errors
 
 
-@dataclass
-class _Warmth:
-    """Which engines this process has run before: the first run imports, and is thrown away."""
-
-    engines: set[str] = field(default_factory=set)
-
-    def see_to(self, adapter: Engine, scene: Scene, step: float) -> None:
-        """Warm an engine up unless it is warm."""
-        if adapter.name not in self.engines:
-            self.engines.add(adapter.name)
-            adapter.run_method(scene, adapter.methods(scene)[0], step)
-
-
-_WARMTH = _Warmth()
+def _warm_up(adapter: Engine, scene: Scene, step: float) -> None:
+    """Run an engine that this process has not run before: the first run imports, and is thrown away."""
+    if adapter.name not in _WARM:
+        _WARM.add(adapter.name)
+        adapter.run_method(scene, adapter.methods(scene)[0], step)

@@ -5,9 +5,10 @@ from __future__ import annotations
 import json
 import pickle
 import time
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import closing
-from dataclasses import asdict, dataclass
+from dataclasses import asdict
+from functools import partial
 from typing import Any
 
 from comparisons.reference.case import Case
@@ -19,7 +20,8 @@ from comparisons.runs.workers import Bounds
 from comparisons.work_precision.measure import Taken, longest_step, measure
 from comparisons.work_precision.points import Extent, Point, Track
 from comparisons.work_precision.records import METHOD, SETTING, PointError, PointRecord
-from engines.contract import Engine, Outcome
+from engines.contract import Outcome
+from engines.registry import engine
 
 # A run that takes this much longer than its budget, s, hangs.
 HANGS = 60.0
@@ -107,37 +109,31 @@ def _from_json(payload: bytes) -> Taken:
     return Taken(**{**row, "errors": {name: PointError(**error) for name, error in row["errors"].items()}})
 
 
-@dataclass(frozen=True)
-class Subject:
-    """What a sweep's records share: its case, its engine, that engine's version."""
-
-    case: Case
-    adapter: Engine
-    version: str
-
-
-def records(subject: Subject, track: Track, rounds: Rounds) -> Iterator[PointRecord]:
+def records(case: Case, track: Track, rounds: Rounds) -> Iterator[PointRecord]:
     """A record per point of a sweep; a sweep there was no time for has its first point to say so."""
+    adapter = engine(track.points[0].engine)
+    blank = partial(PointRecord, engine_version=adapter.version() or "", work_unit=adapter.work_unit, ended=track.ended)
     for point, taken in zip(track.points, track.taken or [Taken(Failure.TIMED_OUT.value, track.ended)], strict=False):
-        yield _record(subject, point, taken, rounds.repeats(point, rounds.extent.repeats), track.ended)
+        yield _record(blank, case, point, taken, rounds.repeats(point, rounds.extent.repeats))
 
 
-def _record(subject: Subject, point: Point, taken: Taken, repeats: Sequence[Taken], ended: str) -> PointRecord:
-    linkage, method = subject.case.mechanism.linkage, point.method
+def _record(
+    blank: Callable[..., PointRecord], case: Case, point: Point, taken: Taken, repeats: Sequence[Taken]
+) -> PointRecord:
+    linkage, method = case.mechanism.linkage, point.method
     least, median = smallest_and_median([run.seconds for run in repeats])
     steps = point.steps_per_turn
-    return PointRecord(
+    return blank(
         mechanism=linkage.name,
         variant=linkage.variant,
-        regime=subject.case.motion.regime,
+        regime=case.motion.regime,
         engine=point.engine,
-        engine_version=subject.version,
         kind=METHOD if method else SETTING,
         setting=method.name if method else str(point.setting or ""),
         levels=method.levels if method else 0,
         effort=method.effort if method else None,
         effort_unit=method.effort_unit if method else "",
-        step=longest_step(subject.case, steps) if steps else None,
+        step=longest_step(case, steps) if steps else None,
         steps_per_turn=steps,
         errors=taken.errors,
         seconds_min=least,
@@ -147,9 +143,7 @@ def _record(subject: Subject, point: Point, taken: Taken, repeats: Sequence[Take
         readout_seconds=min((run.readout for run in repeats), default=None),
         steps=taken.steps,
         solver_work=taken.solver_work,
-        work_unit=subject.adapter.work_unit,
         outcome=taken.outcome,
         detail=taken.reason,
         used=taken.used,
-        ended=ended,
     )

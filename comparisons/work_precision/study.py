@@ -20,7 +20,7 @@ from comparisons.runs.timing import Noise
 from comparisons.work_precision.analysis import judged
 from comparisons.work_precision.points import FULL, Extent, Point, Track, tracks
 from comparisons.work_precision.records import BenchRecord, PointRecord, by_quantity
-from comparisons.work_precision.rounds import Rounds, Subject, records
+from comparisons.work_precision.rounds import Rounds, records
 from engines.contract import Method, Setting
 from engines.registry import engine, engine_names
 from engines.scene import Channel
@@ -131,12 +131,6 @@ def _in_turn(sweeps: Sequence[Track]) -> list[Track]:
 
 def _records(request: BenchRequest, sweeps: Sequence[Track], rounds: Rounds) -> list[PointRecord]:
     """All records, by case and engine as asked for, then as measured."""
-    adapters = {name: engine(name) for name in request.engines}
-    versions = {name: adapter.version() or "" for name, adapter in adapters.items()}
-    points = []
     places = {name: place for place, name in enumerate(request.engines)}
-    for track in sorted(sweeps, key=lambda track: (track.points[0].case, places[track.points[0].engine])):
-        first = track.points[0]
-        subject = Subject(request.cases[first.case], adapters[first.engine], versions[first.engine])
-        points += list(records(subject, track, rounds))
-    return points
+    ordered = sorted(sweeps, key=lambda track: (track.points[0].case, places[track.points[0].engine]))
+    return [one for track in ordered for one in records(request.cases[track.points[0].case], track, rounds)]

@@ -13,12 +13,12 @@ from analytic.description.loading import load
 from analytic.kinematics.mechanism import Mechanism
 from comparisons.campaign.campaign import CampaignRequest, RunResult
 from comparisons.campaign.results import Results, dataset, document
-from comparisons.invariants.invariants import INVARIANTS
 from comparisons.judging.deviations import Deviation, near_jumps
 from comparisons.judging.quantities import QUANTITIES
 from comparisons.judging.records import Record, Verdict
 from comparisons.judging.verdicts import judge
 from comparisons.reference.case import Case
+from comparisons.stress.verdict import SAID as INVARIANTS
 from engines.contract import Setting
 
 SIZES = {Setting.NAIVE: 2e-2, Setting.TUNED: 1.3e-5, Setting.BEST: 4e-8}

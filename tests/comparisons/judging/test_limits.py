@@ -5,9 +5,9 @@ import itertools
 import pytest
 
 from analytic.description.crank_motion import REGIMES
-from comparisons.invariants.invariants import INVARIANTS
 from comparisons.judging.limits import limit
 from comparisons.judging.quantities import QUANTITIES
+from comparisons.stress.verdict import SAID as INVARIANTS
 from engines.contract import Setting
 
 GIVEN = {"Mkr", "Peq"}  # by the drive of a released crank, not results

@@ -8,13 +8,12 @@ import pytest
 from analytic.description.crank_motion import crank_motion
 from analytic.description.loading import load
 from analytic.kinematics.mechanism import Mechanism
-from comparisons.invariants.invariants import INVARIANTS
 from comparisons.judging.records import Verdict
 from comparisons.reference.case import Case
 from comparisons.stress import verdict
 from comparisons.stress.scenes import Conditions
 from comparisons.stress.scenes import case as stress_case
-from comparisons.stress.verdict import SAID, StressVerdict, judged
+from comparisons.stress.verdict import StressVerdict, judged
 from engines.contract import Outcome, Run
 from tests.comparisons.true_motions import EVERYTHING, judgement, true_history, with_signal
 
@@ -138,7 +137,3 @@ def test_six_true_samples_are_caught_for_what_lies_between_them():
 def test_a_motion_with_a_regime_of_its_own_is_held_to_the_limits_of_the_like():
     turned = stress_case(Conditions("juki-mf7923d", motion="reversal", hold_turns=0.5))
     assert judgement(turned, true_history(turned, 901), "best").verdict is StressVerdict.WITHIN
-
-
-def test_every_invariant_has_its_words():
-    assert set(SAID) == set(INVARIANTS)

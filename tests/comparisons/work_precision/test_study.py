@@ -14,7 +14,7 @@ from comparisons.runs import study as spine
 from comparisons.runs import workers
 from comparisons.runs.failures import Failure, Lost
 from comparisons.runs.journal import Journal
-from comparisons.work_precision import measure
+from comparisons.work_precision import measure, rounds
 from comparisons.work_precision import study as benchmark
 from comparisons.work_precision.analysis import findings
 from comparisons.work_precision.floor import Cause
@@ -32,10 +32,10 @@ REQUEST = BenchRequest((CASE,), ("known",), ("Mkr",), extent=EXTENT, processes=0
 def _installed(monkeypatch):
     """The known engine in the registry's place, and nothing remembered of another."""
     found = KnownEngine(CASE.mechanism, CASE.motion)
-    for module in (benchmark, measure):
+    for module in (benchmark, measure, rounds):
         monkeypatch.setattr(module, "engine", lambda name: found)
     monkeypatch.setattr(benchmark, "engine_names", lambda: ("known",))
-    monkeypatch.setattr(measure, "_WARMTH", measure._Warmth())
+    monkeypatch.setattr(measure, "_WARM", set())
     return found
 
 

@@ -1,7 +1,7 @@
 """Every deviation at a glance."""
 
-from comparisons.invariants.invariants import INVARIANTS
 from comparisons.judging.records import Verdict
+from comparisons.stress.verdict import SAID as INVARIANTS
 from reports.drawing import errors
 from reports.facts.views import views
 from tests.reports.made_up_results import made_up_results

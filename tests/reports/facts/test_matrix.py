@@ -5,8 +5,8 @@ from dataclasses import asdict, replace
 import pytest
 
 from comparisons.campaign.results import Results
-from comparisons.invariants.invariants import INVARIANTS
 from comparisons.judging.records import Verdict
+from comparisons.stress.verdict import SAID as INVARIANTS
 from reports.facts import matrix
 from reports.facts.views import columns
 from tests.reports.made_up_results import PRESCRIBED, made_up_results
