@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from typing import Any, Final
 
@@ -11,14 +11,15 @@ from numpy.typing import ArrayLike, NDArray
 
 from analytic.compiled.choice import is_compiled
 from analytic.compiled.evaluation import compute
-from analytic.compiled.flat_linkage import FlatLinkage, flatten, redesigned
+from analytic.compiled.flat_linkage import FlatLinkage, Integers, flatten, redesigned
 from analytic.description.linkage import Linkage
 from analytic.dynamics.derivative_orders import Needs, needs
-from analytic.errors import AssemblyError, LinkproofError, UnknownNameError
+from analytic.errors import LinkproofError, UnknownNameError
 from analytic.evaluation import PER_ANGLE, PIECE, QUANTITIES, moving_sweep
 from analytic.kinematics.mechanism import Mechanism
 from analytic.kinematics.structure import Structure, find_structure
 from analytic.kinematics.sweep import Sweep
+from analytic.numerics.where_assembled import where_assembled
 from analytic.request import EvaluationRequest, evaluation_request
 
 Array = NDArray[np.float64]
@@ -154,29 +155,19 @@ def _plain(flat: FlatLinkage, request: EvaluationRequest, needed: Needs, designs
         linkage = redesigned(flat, designs.rows(number, number + 1)[0])
         structure = find_structure(linkage).with_signs(signs)
 
-        def at(here: slice, linkage: Linkage = linkage, structure: Structure = structure) -> Array:
+        def at(here: Integers, linkage: Linkage = linkage, structure: Structure = structure) -> Array:
             return _piece(Sweep(linkage, structure, request.angle[here]), request, needed, here)
 
         for start in range(0, request.angle.size, PIECE):
-            _fill(at, slice(start, min(start + PIECE, request.angle.size)), values[:, number], moving[number])
+            here = np.arange(start, min(start + PIECE, request.angle.size))
+            rows = where_assembled(at, here, (len(values) + 1,))
+            values[:, number, here], moving[number, here] = rows[:-1], rows[-1] == 1.0
     return values, moving
 
 
-def _piece(sweep: Sweep, request: EvaluationRequest, needed: Needs, here: slice) -> Array:
-    """Quantities at some of the crank angles; raises AssemblyError if there is no motion at any of them."""
+def _piece(sweep: Sweep, request: EvaluationRequest, needed: Needs, here: Integers) -> Array:
+    """Quantities at some of the crank angles, and a row of ones; raises AssemblyError if any of them has no motion."""
     for body, order in needed.orders.items():
         (sweep.poses, sweep.rates, sweep.accelerations)[order](body)
     at = moving_sweep(sweep, request, here)
-    return np.array([QUANTITIES[name](at) for name in request.names])
-
-
-def _fill(at: Callable[[slice], Array], here: slice, values: Array, moving: Booleans) -> None:
-    """Values (quantities, angles) of a range of crank angles, halved until those without motion stand alone."""
-    try:
-        values[:, here] = at(here)
-        moving[here] = True
-    except AssemblyError:
-        middle = (here.start + here.stop) // 2
-        if middle > here.start:
-            _fill(at, slice(here.start, middle), values, moving)
-            _fill(at, slice(middle, here.stop), values, moving)
+    return np.array([*(QUANTITIES[name](at) for name in request.names), np.ones(here.shape)])

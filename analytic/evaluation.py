@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from analytic.compiled.choice import is_compiled
 from analytic.compiled.evaluation import compute
-from analytic.compiled.flat_linkage import flatten
+from analytic.compiled.flat_linkage import Integers, flatten
 from analytic.dynamics import reduced
 from analytic.dynamics.derivative_orders import needs
 from analytic.kinematics.mechanism import Mechanism
@@ -116,6 +116,6 @@ def _by_numpy(mechanism: Mechanism, request: EvaluationRequest) -> Array:
     return values
 
 
-def moving_sweep(sweep: Sweep, request: EvaluationRequest, here: slice) -> MovingSweep:
+def moving_sweep(sweep: Sweep, request: EvaluationRequest, here: slice | Integers) -> MovingSweep:
     """A sweep of some of the crank angles, with the crank's motion there."""
     return MovingSweep(sweep, *(move[here] if move.ndim else move for move in (request.speed, request.acceleration)))

@@ -12,7 +12,7 @@ from analytic.description.crank_motion import REGIMES
 from analytic.description.diagnosis import EXPECTED, Source
 from analytic.description.linkage import GROUND, Linkage, Vector
 from analytic.description.lookup import Reader, reader_of
-from analytic.description.thread_path import EyeReference, ThreadEye, ThreadGuide, ThreadPath
+from analytic.description.thread_path import ThreadEye, ThreadGuide, ThreadPath
 from analytic.errors import UnknownNameError
 
 # Points of one link nearer to each other than this share of the drawing's size are one point written twice.
@@ -77,11 +77,11 @@ def _thread(reader: Reader) -> ThreadPath | None:
     if table is None:
         return None
     stops = tuple(_stop(reader, stop, f"thread.stops.{number}") for number, stop in enumerate(table.stops))
-    if isinstance(table.reference, doc.ReferenceTable):
-        _check_eye(reader, table.reference.eye, "thread.reference")
-        reference: float | EyeReference = EyeReference(table.reference.eye, table.reference.extreme)
+    reference = table.reference
+    if isinstance(reference, doc.EyeReference):
+        _check_eye(reader, reference.eye, "thread.reference")
     else:
-        reference = table.reference * reader.scale["angle"]
+        reference *= reader.scale["angle"]
     return ThreadPath(stops, reader.number(table.stretch, "length", "thread.stretch"), table.feed, reference)
 
 

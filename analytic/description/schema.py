@@ -140,8 +140,8 @@ class StopTable(TomlTable):
     z: Finite = 0.0
 
 
-class ReferenceTable(TomlTable):
-    """The crank angle at which an eye is highest or lowest."""
+class EyeReference(TomlTable):
+    """The crank angle at which an eye is at its ``highest`` or ``lowest``, +y up."""
 
     eye: str
     extreme: Literal["highest", "lowest"]
@@ -153,7 +153,7 @@ class ThreadTable(TomlTable):
     stops: list[StopTable] = Field(min_length=2)
     stretch: NotNegative = 0.0
     feed: Literal["shortening", "lengthening"] = "shortening"
-    reference: Finite | ReferenceTable = 0.0
+    reference: Finite | EyeReference = 0.0
 
 
 class Erratum(TomlTable):

@@ -5,8 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Literal
 
+from analytic.description.schema import EyeReference
+
 Feed = Literal["shortening", "lengthening"]
-Extreme = Literal["highest", "lowest"]
 
 
 @dataclass(frozen=True)
@@ -23,14 +24,6 @@ class ThreadEye:
 
     point: str
     z: float = 0.0
-
-
-@dataclass(frozen=True)
-class EyeReference:
-    """The crank angle at which an eye is at its ``highest`` or ``lowest``, +y up."""
-
-    eye: str
-    extreme: Extreme
 
 
 @dataclass(frozen=True)

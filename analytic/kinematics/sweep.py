@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -11,7 +13,7 @@ from analytic.kinematics import frames
 from analytic.kinematics.assembly import check_assembly, check_motion
 from analytic.kinematics.dyad_solver import DyadSolver
 from analytic.kinematics.frames import Pair, Pose, Rate, Scalar
-from analytic.kinematics.structure import Dyad, Revolute, Structure
+from analytic.kinematics.structure import Revolute, Structure
 
 Array = NDArray[np.float64]
 
@@ -47,56 +49,50 @@ class Sweep:
         self._centres: dict[tuple[str, int], Pair] = {}
         self._needs = {name: dyad for dyad in structure.dyads for name in (dyad.first, dyad.second)}
         crank = crank_pose(structure.pivot, angle)
-        self._poses: dict[str, Pose] = {GROUND: (0.0, 0.0, 1.0, 0.0), linkage.crank: crank}
         local = structure.pivot.far_local
-        self._rates: dict[str, Rate] = {
-            GROUND: frames.STILL,
-            linkage.crank: frames.rate_through(crank, (0.0, 0.0), 1.0, local),
-        }
-        self._accelerations: dict[str, Rate] = {
-            GROUND: frames.STILL,
-            linkage.crank: frames.acceleration_through(crank, (0.0, 0.0), 1.0, 0.0, local),
-        }
-
-    def _dyad(self, body: str) -> Dyad:
-        if body not in self._needs:
-            raise UnknownNameError("link", body, self.linkage.links)
-        return self._needs[body]
+        rate = frames.rate_through(crank, (0.0, 0.0), 1.0, local)
+        second = frames.acceleration_through(crank, (0.0, 0.0), 1.0, 0.0, local)
+        self._known: list[dict[str, Any]] = [  # poses, rates and accelerations
+            {GROUND: (0.0, 0.0, 1.0, 0.0), linkage.crank: crank},
+            {GROUND: frames.STILL, linkage.crank: rate},
+            {GROUND: frames.STILL, linkage.crank: second},
+        ]
 
     def poses(self, body: str) -> Pose:
         """Origin x, y, m, and cosine and sine of the angle of a body's frame."""
-        if body not in self._poses:
-            dyad = self._dyad(body)
-            for joint in (dyad.first_joint, dyad.second_joint):
-                self.poses(joint.near)
-            solver = DyadSolver(dyad)
-            self._poses[dyad.first], self._poses[dyad.second] = solver.poses(self._poses)
-            check_assembly(self.linkage, solver, self.angle)
-            self._solvers[dyad.first] = self._solvers[dyad.second] = solver
-        return self._poses[body]
+        pose: Pose = self._solved(body, 0)
+        return pose
 
     def rates(self, body: str) -> Rate:
         """First derivatives x', y' (m/rad) and θ' of a body's frame."""
-        if body not in self._rates:
-            self.poses(body)
-            solver = self._solvers[body]
-            for host in solver.hosts:
-                self.rates(host)
-            check_motion(self.linkage, solver, self.angle)
-            dyad = solver.dyad
-            self._rates[dyad.first], self._rates[dyad.second] = solver.rates(self._rates)
-        return self._rates[body]
+        rate: Rate = self._solved(body, 1)
+        return rate
 
     def accelerations(self, body: str) -> Rate:
         """Second derivatives x'', y'' (m/rad²) and θ'' of a body's frame."""
-        if body not in self._accelerations:
-            self.rates(body)
-            solver = self._solvers[body]
+        second: Rate = self._solved(body, 2)
+        return second
+
+    def _solved(self, body: str, order: int) -> Any:  # noqa: ANN401 - a pose or a rate
+        """Pose of a body or its derivative of an order; of its dyad, and of those before it, what is not yet known."""
+        known = self._known[order]
+        if body not in known:
+            if body not in self._needs:
+                raise UnknownNameError("link", body, self.linkage.links)
+            dyad = self._needs[body]
+            if order == 0:
+                solver = self._solvers[dyad.first] = DyadSolver(dyad)
+            else:
+                self._solved(body, order - 1)
+                solver = self._solvers[dyad.first]
             for host in solver.hosts:
-                self.accelerations(host)
-            dyad, pair = solver.dyad, solver.accelerations(self._accelerations)
-            self._accelerations[dyad.first], self._accelerations[dyad.second] = pair
-        return self._accelerations[body]
+                self._solved(host, order)
+            if order == 1:
+                check_motion(self.linkage, solver, self.angle)
+            known[dyad.first], known[dyad.second] = (solver.poses, solver.rates, solver.accelerations)[order](known)
+            if order == 0:
+                check_assembly(self.linkage, solver, self.angle)
+        return known[body]
 
     def local_point(self, body: str, local: Vector, order: int = 0) -> Pair:
         """Coordinates x and y of a point given in a body's frame, or their derivative of order 1 or 2 over φ."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from typing import TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -10,14 +11,15 @@ from numpy.typing import NDArray
 from analytic.errors import AssemblyError
 
 Array = NDArray[np.float64]
+_Angles = TypeVar("_Angles", Array, NDArray[np.int64])
 
 
-def where_assembled(function: Callable[[Array], Array], angle: Array) -> Array:
-    """A function at every crank angle (n,), rad, nan where the linkage cannot be assembled or cannot move; (n,)."""
+def where_assembled(function: Callable[[_Angles], Array], angle: _Angles, rows: tuple[int, ...] = ()) -> Array:
+    """A function at every angle (n,), rad or by number, nan where the linkage is not assembled or stuck; (*rows, n)."""
     try:
         return function(angle)
     except AssemblyError:
         if len(angle) == 1:
-            return np.full(1, np.nan)
-        half = len(angle) // 2
-        return np.concatenate([where_assembled(function, angle[:half]), where_assembled(function, angle[half:])])
+            return np.full((*rows, 1), np.nan)
+        halves = np.split(angle, [len(angle) // 2])
+        return np.concatenate([where_assembled(function, half, rows) for half in halves], axis=-1)

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from analytic.description.thread_path import EyeReference, ThreadPath
+from analytic.description.schema import EyeReference
+from analytic.description.thread_path import ThreadPath
 from analytic.turn.thread_feed import EyeTravel, FeedDiagram, eye_travel, feed_diagram
 from reports.facts.views import View
 from reports.text.templates import sentence

@@ -153,8 +153,8 @@ def test_a_point_is_the_same_on_every_link_that_carries_it():
 def test_nothing_is_solved_that_is_not_asked_for():
     sweep = mechanism("rimoldi-164").sweep(angles(4))
     sweep.poses("rocker")
-    assert set(sweep._poses) == {"ground", "crank", "rod", "rocker"}
-    assert set(sweep._rates) == {"ground", "crank"}
+    assert set(sweep._known[0]) == {"ground", "crank", "rod", "rocker"}
+    assert set(sweep._known[1]) == {"ground", "crank"}
 
 
 @pytest.mark.parametrize(

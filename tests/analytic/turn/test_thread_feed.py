@@ -7,7 +7,8 @@ import numpy as np
 import pytest
 from mpmath import mp, mpf
 
-from analytic.description.thread_path import EyeReference, ThreadEye, ThreadGuide, ThreadPath
+from analytic.description.schema import EyeReference
+from analytic.description.thread_path import ThreadEye, ThreadGuide, ThreadPath
 from analytic.errors import LinkproofError, UnknownNameError
 from analytic.turn.required_feed import RequiredFeed, compare_feed, read_required_feed
 from analytic.turn.thread_feed import (
@@ -46,7 +47,7 @@ SLOTTED = ThreadPath(
     stops=(ThreadGuide("NN1", (30 * MM, 90 * MM, 0.0)), ThreadEye("P7"), ThreadGuide("NN2", (30 * MM, -60 * MM, 0.0))),
     stretch=6 * MM,
     feed="shortening",
-    reference=EyeReference("P7", "lowest"),
+    reference=EyeReference(eye="P7", extreme="lowest"),
 )
 TAKEUPS = [("fork-takeup", "representative", FORK), ("slotted-takeup", "corrected", SLOTTED)]
 TAKEUPS += [("slotted-takeup", "inverted", SLOTTED)]
@@ -115,7 +116,7 @@ def test_feed_of_the_slotted_takeup_as_article_004_writes_it():
 
     assert feed(sample, SLOTTED, phi) == pytest.approx(-d(phi) + d(travel.bottom_angle) + 6 * MM, abs=LENGTH)
     assert float(feed(sample, SLOTTED, travel.bottom_angle)) == pytest.approx(6 * MM, abs=LENGTH)
-    highest = ThreadPath(SLOTTED.stops, SLOTTED.stretch, SLOTTED.feed, EyeReference("P7", "highest"))
+    highest = ThreadPath(SLOTTED.stops, SLOTTED.stretch, SLOTTED.feed, EyeReference(eye="P7", extreme="highest"))
     assert reference_angle(sample, highest) == travel.top_angle
 
 
