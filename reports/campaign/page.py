@@ -89,7 +89,7 @@ def section(results: Results, number: int) -> Markup:
     gc.disable()
     try:
         found = mechanism_section(views(results)[number], _readings(results, number))
-        return render("section.html", section=found, met=met, signs=PUBLISHED)
+        return render("section.html", **found, met=met, signs=PUBLISHED)
     finally:
         gc.enable()
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
 from functools import partial
 
 import numpy as np
@@ -30,21 +29,8 @@ from reports.text.tables import ReportTable
 from reports.text.templates import plain
 
 
-@dataclass(frozen=True)
-class MechanismSection:
-    """Everything about one mechanism in one variant."""
-
-    key: str
-    view: View
-    formula: str
-    scheme: ReportFigure | None
-    links: ReportTable
-    parts: tuple[ReportPart, ...]
-    readings: Readings | None
-
-
-def mechanism_section(view: View, readings: Readings | None) -> MechanismSection:
-    """Build a mechanism's section."""
+def mechanism_section(view: View, readings: Readings | None) -> dict[str, object]:
+    """What ``section.html`` shows of one mechanism in one variant."""
     parts = [_attempt("Motion of the output", partial(kinematics_part, view))] if view.has_output else []
     parts += [_attempt("Reduced moment of inertia Jeq", partial(inertia_part, view))] if view.makes_full_turn else []
     if view.makes_full_turn:
@@ -54,15 +40,15 @@ def mechanism_section(view: View, readings: Readings | None) -> MechanismSection
     parts += [_attempt(f"Regime {regime.name}", partial(regime_part, view, regime)) for regime in view.regimes]
     if judgements(view):
         parts += [_attempt("Printed models put to the engines", partial(printed_part, view))]
-    return MechanismSection(
-        key=view.key,
-        view=view,
-        formula=view.mechanism.structure.formula.replace("->", "→").replace("_", " "),
-        scheme=_scheme(view) if view.makes_full_turn else None,
-        links=_links(view),
-        parts=tuple(parts),
-        readings=readings,
-    )
+    return {
+        "key": view.key,
+        "linkage": view.linkage,
+        "formula": view.mechanism.structure.formula.replace("->", "→").replace("_", " "),
+        "scheme": _scheme(view) if view.makes_full_turn else None,
+        "links": _links(view),
+        "parts": parts,
+        "readings": readings,
+    }
 
 
 def _attempt(heading: str, build: Callable[[], ReportPart]) -> ReportPart:

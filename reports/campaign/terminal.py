@@ -95,8 +95,8 @@ def _reasons(results: Sequence[RunResult]) -> list[Text]:
     """Why runs gave nothing, and which records the baseline rather than the limit caught; each once."""
     reasons: dict[str, None] = {}
     for record in (record for result in results for record in _all(result)):
-        past_baseline = record.error_max is not None and record.limit is not None and record.error_max <= record.limit
-        if record.detail and (record.error_max is None or past_baseline):
+        within = record.error_max is not None and record.limit is not None and record.error_max <= record.limit
+        if record.detail and (record.error_max is None or within):
             reasons[f"{record.engine} {record.setting}, {record.mechanism}: {record.detail}"] = None
     return [line(reason) for reason in reasons]
 

@@ -21,27 +21,17 @@ from reports.stress.facts import (
 )
 from reports.text.numbers import ABSENT
 from reports.text.tables import ReportTable
-from reports.text.templates import render
+from reports.text.templates import render, sentence
 
 TITLE = "Where each engine fails"
 
 
 def summary(stress: Stress) -> str:
     """What it all comes to, in one paragraph."""
-    count = stress.count()
-    wrong = sum(count[verdict] for verdict in SILENT)
-    kind = "a quick map" if stress.document.get("quick") else "full maps"
-    return (
-        f"Each engine is driven from easy conditions to conditions it cannot handle: {kind} of "
-        f"{_of(len(stress.results), 'cell')} on {_of(len(stress.axes), 'axis', 'axes')}, each run in a process of its "
-        f"own and compared with the closed form. {_of(wrong, 'run')} reported success with a wrong motion; the checks, "
-        f"which need no reference, flagged {count[StressVerdict.CAUGHT]} of them and missed "
-        f"{count[StressVerdict.MISSED]}. False alarms: {count[StressVerdict.ALARM]}."
-    )
-
-
-def _of(count: int, name: str, many: str = "") -> str:
-    return f"{count} {name if count == 1 else many or name + 's'}"
+    caught, missed, alarms = (stress.count()[verdict] for verdict in (*SILENT, StressVerdict.ALARM))
+    quick, sizes = stress.document.get("quick"), {"cells": len(stress.results), "axes": len(stress.axes)}
+    wrong = caught + missed
+    return sentence("stress_summary", **sizes, wrong=wrong, caught=caught, missed=missed, alarms=alarms, quick=quick)
 
 
 def verdict_table(stress: Stress) -> ReportTable:

@@ -61,7 +61,7 @@ def _environment(*, escaped: bool) -> jinja2.Environment:
         keep_trailing_newline=True,
     )
     own = (numbers.figure, numbers.bound, numbers.decade, numbers.printed, numbers.error, numbers.per_cent,
-           numbers.seconds, plain, worded, math.degrees)  # fmt: skip
+           numbers.seconds, numbers.within_turn, plain, worded, math.degrees)  # fmt: skip
     environment.filters.update({one.__name__: one for one in own})
     return environment
 

@@ -11,9 +11,9 @@ import numpy as np
 from rich.console import Group, RenderableType
 from rich.table import Table
 
-from reports.text.numbers import degrees
 from reports.text.screen import Cell, line, table
 from reports.text.signs import PUBLISHED
+from reports.text.templates import lines
 
 if TYPE_CHECKING:
     from analytic.description.linkage import Linkage
@@ -29,51 +29,24 @@ def catalogue(linkages: Iterable[Linkage]) -> Table:
 
 def portrait(facts: Mapping[str, Any]) -> Group:
     """A mechanism's structure and figures."""
-    bound = facts["error_bound"]
-    lines = {
-        "source": facts["source"],
-        "variants": ", ".join(facts["variants"]),
-        "structure": facts["structure"],
-        "Jeq": _inertia(facts["Jeq"]),
-        "output": _output(facts.get("output")),
-        "rests at": _equilibria(facts.get("equilibria", [])),
-        **_thread(facts.get("thread")),
-        "closure": f"joints closed to {facts['closure_error']:.1e} m over the whole turn",
-        "accuracy": f"closed form within {bound['position']:.0e} of peak, its first derivative within "
-        f"{bound['first']:.0e}, its second within {bound['second']:.0e}",
-    }
+    given = {"source": facts["source"], "variants": ", ".join(facts["variants"]), "structure": facts["structure"]}
     return Group(
         line(f"{facts['mechanism']} ({facts['variant']}): {facts['title']}", "bold"),
-        *_labelled(lines),
+        *map(_labelled, given, given.values()),
+        *_facts("mechanism", facts=facts),
         line(""),
         table(("link", "mass kg", "inertia kg m²", "mean Jeq kg m²", "points"), list(_links(facts["links"]))),
         *(line(f"note: {note}") for note in facts["notes"]),
     )
 
 
-def _labelled(facts: Mapping[str, str]) -> list[RenderableType]:
-    """One line per fact, those without a text left out."""
-    return [line(f"{name:<10} {text}") for name, text in facts.items() if text]
+def _facts(macro: str, **values: object) -> list[RenderableType]:
+    """The lines of a macro of ``sentences.txt``, each with a name before its first colon."""
+    return [_labelled(name, fact) for name, _, fact in (told.partition(": ") for told in lines(macro, **values))]
 
 
-def _inertia(found: Mapping[str, float]) -> str:
-    return (
-        f"mean {found['mean']:.4g}, max {found['max']:.4g} at {degrees(found['max_at'])}, min {found['min']:.4g} at "
-        f"{degrees(found['min_at'])} kg m²; pulsation {found['pulsation']:.2%}"
-    )
-
-
-def _output(found: Mapping[str, Any] | None) -> str:
-    if found is None:
-        return ""
-    return (
-        f"{found['point']}, stroke {found['stroke'] * 1e3:.4g} mm, top dead centre "
-        f"{degrees(found['top_dead_centre'])}, bottom {degrees(found['bottom_dead_centre'])}"
-    )
-
-
-def _equilibria(found: Sequence[Mapping[str, Any]]) -> str:
-    return ", ".join(f"{degrees(e['angle'], 2)} ({'stable' if e['stable'] else 'unstable'})" for e in found)
+def _labelled(name: str, fact: str) -> RenderableType:
+    return line(f"{name:<10} {fact}")
 
 
 def _links(links: Mapping[str, Mapping[str, Any]]) -> Iterator[tuple[str, ...]]:
@@ -82,24 +55,9 @@ def _links(links: Mapping[str, Mapping[str, Any]]) -> Iterator[tuple[str, ...]]:
         yield name, f"{link['mass']:.4g}", inertia, f"{link['Jeq_mean']:.4g}", ", ".join(link["points"])
 
 
-def _thread(thread: Mapping[str, Any] | None) -> dict[str, str]:
-    if thread is None:
-        return {}
-    contour, feed = thread["contour"], thread["feed"]
-    eyes = [
-        f"{eye} highest at {degrees(at['top'], 2)}, lowest at {degrees(at['bottom'], 2)}"
-        for eye, at in thread["eyes"].items()
-    ]
-    return {
-        "thread": f"contour {contour['min'] * 1e3:.2f} to {contour['max'] * 1e3:.2f} mm, feed "
-        f"{feed['min'] * 1e3:.2f} to {feed['max'] * 1e3:.2f} mm, {feed['total'] * 1e3:.2f} mm a turn",
-        "eyes": "; ".join(eyes),
-    }
-
-
 def thread(facts: Mapping[str, Any], held: FeedComparison | None) -> Group:
     """Contour, feed and eyes of a thread, and how far its feed is from a required one."""
-    return Group(*_labelled(_thread(facts)), *(_feed(held) if held else []))
+    return Group(*_facts("thread_facts", thread=facts), *(_feed(held) if held else []))
 
 
 def _feed(comparison: FeedComparison) -> list[RenderableType]:
