@@ -11,13 +11,12 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.collections import LineCollection
 from matplotlib.figure import Figure
-from matplotlib.ticker import MaxNLocator
 from numpy.typing import NDArray
 
 from analytic.description.linkage import GROUND, Guide, Linkage, Vector
 from analytic.kinematics.sweep import Sweep
 from reports.drawing import symbols
-from reports.drawing.style import INK, MUTED, scaled_figure
+from reports.drawing.style import INK, MUTED, plane, scaled_figure
 from reports.facts.views import View
 
 Array = NDArray[np.float64]
@@ -54,11 +53,20 @@ class KinematicScheme:
         """The named points that make a link's shape."""
         return list(self.linkage.links[link].points.values())
 
+    def shown_places(self, body: str, locals_: Iterable[Vector]) -> Array:
+        """Points of a body in the position drawn out, (points, 2)."""
+        return self.places(self.few, body, locals_)[:, :, self.shown]
+
+    @cached_property
+    def spots(self) -> dict[str, Array]:
+        """Every named point in the position drawn out."""
+        names = {p for link in self.linkage.links.values() for p in link.points} | set(self.linkage.ground)
+        return {name: MILLIMETRE * self.few.point(name)[:, self.shown] for name in sorted(names)}
+
     def direction(self, guide: Guide) -> Array:
-        """Unit vector of a guide at every one of the twelve positions, (2, positions)."""
-        ends = self.places(self.few, guide.host, [(0.0, 0.0), guide.along])
-        span = ends[1] - ends[0]
-        return np.asarray(span / np.hypot(*span))
+        """Unit vector of a guide in the position drawn out."""
+        start, end = self.shown_places(guide.host, [(0.0, 0.0), guide.along])
+        return np.asarray((end - start) / np.hypot(*(end - start)))
 
     def travel(self, guide: Guide, body: str, point: str) -> tuple[Vector, Vector]:
         """The two ends, in the host's frame, between which a point moves along a guide over the turn."""
@@ -102,13 +110,9 @@ def scheme_figure(view: View) -> Figure:
 def draw_scheme(axes: Axes, view: View, size: float) -> None:
     """All positions faintly, one drawn out; ``size`` is a pin's radius in mm. The axes' limits are the caller's."""
     scheme = scheme_of(view)
-    axes.set_aspect("equal")
-    axes.set_xlabel("x, mm")
-    axes.set_ylabel("y, mm")
-    axes.xaxis.set_major_locator(MaxNLocator(4, steps=[1, 2, 5, 10]))
-    axes.yaxis.set_major_locator(MaxNLocator(8, steps=[1, 2, 5, 10]))
+    plane(axes, 4, 8)
     _ghosts(axes, scheme)
-    _paths(axes, scheme, view)
+    _paths(axes, scheme)
     taken = draw_position(axes, scheme, size)
     _crank_numbers(axes, scheme, size, taken)
 
@@ -132,11 +136,10 @@ def _ghosts(axes: Axes, scheme: KinematicScheme) -> None:
     axes.add_collection(LineCollection(lines, colors=GHOST, linewidths=0.7, zorder=2.0))
 
 
-def _paths(axes: Axes, scheme: KinematicScheme, view: View) -> None:
+def _paths(axes: Axes, scheme: KinematicScheme) -> None:
     """The circle or curve of every moving pin, the output's in colour."""
-    output = view.linkage.output.point if view.linkage.output else None
-    points = sorted({point for link in scheme.linkage.links.values() for point in link.points})
-    for point in points:
+    output = scheme.linkage.output.point if scheme.linkage.output else None
+    for point in sorted({point for link in scheme.linkage.links.values() for point in link.points}):
         path = MILLIMETRE * scheme.turn.point(point)
         if point == output:
             axes.plot(*path, color=PATH, linewidth=2.4, alpha=0.75, solid_capstyle="round", zorder=3.0)
@@ -158,7 +161,7 @@ def _crank_numbers(axes: Axes, scheme: KinematicScheme, size: float, taken: Arra
     places = centre + arm * (1.0 + 2.4 * size / np.hypot(*arm))
     for number in sorted(set(range(POSITIONS)) - {scheme.shown}):
         if np.min(np.hypot(*(taken - places[:, number]).T)) > 3.0 * size:
-            _write(axes, places[:, number], str(number), NUMBER_STYLE)
+            write(axes, places[:, number], str(number), NUMBER_STYLE)
 
 
 def _guides(axes: Axes, scheme: KinematicScheme, size: float) -> None:
@@ -166,7 +169,7 @@ def _guides(axes: Axes, scheme: KinematicScheme, size: float) -> None:
     runs = [(s.guide, s.link, s.point) for s in scheme.linkage.sliders]
     runs += [(s.guide, scheme.few.carrier(s.point), s.point) for s in scheme.linkage.slots]
     for guide, body, point in runs:
-        start, end = scheme.places(scheme.few, guide.host, scheme.travel(guide, body, point))[:, :, scheme.shown]
+        start, end = scheme.shown_places(guide.host, scheme.travel(guide, body, point))
         if guide.host == GROUND:
             symbols.guide(axes, start, end, _free_side(scheme, point, end - start), size)
         else:
@@ -175,8 +178,7 @@ def _guides(axes: Axes, scheme: KinematicScheme, size: float) -> None:
 
 def _free_side(scheme: KinematicScheme, point: str, along: Array) -> float:
     """+1 where the left of a guide is clear of the links that lead to its slider, -1 where the right is."""
-    spots = _spots(scheme)
-    pull = _pull(point, spots[point], spots, scheme)
+    pull = _pull(point, scheme)
     return -1.0 if float(along[0] * pull[1] - along[1] * pull[0]) > 0.0 else 1.0
 
 
@@ -184,40 +186,36 @@ def _links(axes: Axes, scheme: KinematicScheme, size: float) -> None:
     """The links of the position drawn out, springs, blocks of sliders, mass centres clear of the joints."""
     linkage = scheme.linkage
     for number, name in enumerate(linkage.links):
-        spots = scheme.places(scheme.few, name, scheme.link_points(name))[:, :, scheme.shown]
+        spots = scheme.shown_places(name, scheme.link_points(name))
         if len(spots) > 1:
             symbols.bar(axes, spots, 2.6, INK, 5.0 + 0.01 * number)
     for spring in linkage.springs:
-        one, two = (
-            scheme.places(scheme.few, body, [linkage.local(point, body)])[0, :, scheme.shown]
-            for point, body in zip(spring.points, spring.links, strict=True)
-        )
-        symbols.spring(axes, one, two, size)
+        ends = zip(spring.links, spring.points, strict=True)
+        start, end = (scheme.shown_places(body, [linkage.local(point, body)])[0] for body, point in ends)
+        symbols.spring(axes, start, end, size)
     for slider in linkage.sliders:
-        along = scheme.direction(slider.guide)[:, scheme.shown]
-        symbols.slider(axes, MILLIMETRE * scheme.few.point(slider.point)[:, scheme.shown], along, size)
+        symbols.slider(axes, scheme.spots[slider.point], scheme.direction(slider.guide), size)
     _mass_centres(axes, scheme, size)
 
 
 def _mass_centres(axes: Axes, scheme: KinematicScheme, size: float) -> None:
     """Mass centres of turning links that are clear of the joints, tied to their link."""
-    joints = np.array(list(_spots(scheme).values()))
+    joints = np.array(list(scheme.spots.values()))
     for name, link in scheme.linkage.links.items():
         if link.inertia is not None and link.points:
-            spot = scheme.places(scheme.few, name, [link.centre])[0, :, scheme.shown]
+            start, spot = scheme.shown_places(name, [scheme.link_points(name)[0], link.centre])
             if float(np.min(np.hypot(*(joints - spot).T))) > 1.6 * size:
-                start = scheme.places(scheme.few, name, scheme.link_points(name))[0, :, scheme.shown]
                 symbols.leader(axes, start, spot)
                 symbols.mass_centre(axes, spot, size)
 
 
 def _joints(axes: Axes, scheme: KinematicScheme, size: float) -> None:
     """Pins, fixed pivots, pins in slots, and the points where nothing is pinned."""
-    linkage, spots = scheme.linkage, _spots(scheme)
+    linkage = scheme.linkage
     held = {end for spring in linkage.springs for end in spring.points} | {slot.point for slot in linkage.slots}
     pivots = {pin.point for pin in linkage.pins if GROUND in pin.links} | (held & set(linkage.ground))
     pins = {pin.point for pin in linkage.pins} | {s.point for s in linkage.slots} | {s.point for s in linkage.sliders}
-    for name, spot in spots.items():
+    for name, spot in scheme.spots.items():
         if name in pivots:
             symbols.fixed_pivot(axes, spot, size)
         elif name in pins:
@@ -226,18 +224,12 @@ def _joints(axes: Axes, scheme: KinematicScheme, size: float) -> None:
             symbols.eye(axes, spot, size)
 
 
-def _spots(scheme: KinematicScheme) -> dict[str, Array]:
-    """Every named point in the position drawn out, mm."""
-    names = {p for link in scheme.linkage.links.values() for p in link.points} | set(scheme.linkage.ground)
-    return {name: MILLIMETRE * scheme.few.point(name)[:, scheme.shown] for name in sorted(names)}
-
-
 def _names(axes: Axes, scheme: KinematicScheme, size: float) -> Array:
     """Names of the points beside them, on the side no link leaves from; returns where they stand, (names, 2)."""
-    spots, places = _spots(scheme), []
-    across = {s.point: _across(scheme.direction(s.guide)[:, scheme.shown]) for s in scheme.linkage.sliders}
-    for name, spot in spots.items():
-        away = -_pull(name, spot, spots, scheme)
+    places = []
+    across = {s.point: _across(scheme.direction(s.guide)) for s in scheme.linkage.sliders}
+    for name, spot in scheme.spots.items():
+        away = -_pull(name, scheme)
         length = float(np.hypot(*away))
         away = away / length if length > 1e-6 else np.array([0.8, 0.6])
         reach = 3.6 * size
@@ -247,11 +239,11 @@ def _names(axes: Axes, scheme: KinematicScheme, size: float) -> Array:
         elif name in scheme.linkage.ground and away[1] < 0.2:  # the hatched foot hangs below
             away = np.array([np.copysign(0.95, away[0]), 0.3])
         places.append(spot + reach * away)
-        _write(axes, places[-1], name, NAME_STYLE)
+        write(axes, places[-1], name, NAME_STYLE)
     return np.array(places)
 
 
-def _write(axes: Axes, place: Array, text: str, style: dict[str, Any]) -> None:
+def write(axes: Axes, place: Array, text: str, style: dict[str, Any]) -> None:
     """Centred text."""
     axes.text(float(place[0]), float(place[1]), text, ha="center", va="center", **style)
 
@@ -260,13 +252,8 @@ def _across(along: Array) -> Array:
     return np.array([-along[1], along[0]])
 
 
-def _pull(name: str, spot: Array, spots: dict[str, Array], scheme: KinematicScheme) -> Array:
+def _pull(name: str, scheme: KinematicScheme) -> Array:
     """Sum of the unit vectors from a point to its neighbours on the links that carry it."""
-    total = np.zeros(2)
-    for link in scheme.linkage.links.values():
-        if name in link.points:
-            for other in link.points:
-                span = spots[other] - spot
-                if other != name:
-                    total += span / (float(np.hypot(*span)) or 1.0)
-    return total
+    links = [link.points for link in scheme.linkage.links.values() if name in link.points]
+    spans = [scheme.spots[other] - scheme.spots[name] for points in links for other in points if other != name]
+    return np.asarray(sum((span / (float(np.hypot(*span)) or 1.0) for span in spans), np.zeros(2)))

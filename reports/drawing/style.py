@@ -173,6 +173,14 @@ def label_values(axes: Axes, label: str, ticks: int = 5) -> None:
     axes.yaxis.set_major_locator(MaxNLocator(ticks))
 
 
+def plane(axes: Axes, across: int, down: int) -> None:
+    """Axes of the linkage's plane, to one scale both ways, with at most so many round steps of mm."""
+    axes.set_aspect("equal")
+    for axis, name, ticks in ((axes.xaxis, "x, mm", across), (axes.yaxis, "y, mm", down)):
+        axis.set_label_text(name)
+        axis.set_major_locator(MaxNLocator(ticks, steps=[1, 2, 5, 10]))
+
+
 def error_scale(axes: Axes, lowest: float, highest: float) -> None:
     """A logarithmic y axis over whole decades."""
     axes.set_yscale("log")

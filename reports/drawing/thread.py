@@ -23,6 +23,7 @@ from reports.drawing.scheme import (
     TURN_POINTS,
     KinematicScheme,
     draw_position,
+    write,
 )
 from reports.drawing.style import (
     INK,
@@ -35,6 +36,7 @@ from reports.drawing.style import (
     label_values,
     over_turn,
     panels,
+    plane,
     scaled_figure,
 )
 from reports.facts.thread import MM, diagram, thread_of, travels
@@ -74,11 +76,7 @@ def plane_figure(view: View) -> Figure:
 def draw_plane(axes: Axes, view: View, scheme: KinematicScheme, size: float) -> None:
     """Links, eyes' paths and the contour in the reference position; the axes' limits are the caller's."""
     thread = thread_of(view)
-    axes.set_aspect("equal")
-    axes.set_xlabel("x, mm")
-    axes.set_ylabel("y, mm")
-    axes.xaxis.set_major_locator(MaxNLocator(6, steps=[1, 2, 5, 10]))
-    axes.yaxis.set_major_locator(MaxNLocator(8, steps=[1, 2, 5, 10]))
+    plane(axes, 6, 8)
     for eye in thread.eyes:
         axes.plot(*(MILLIMETRE * scheme.turn.point(eye.point)), color=GHOST, linewidth=1.0, linestyle=(0, (3, 2)))
     draw_position(axes, scheme, size)
@@ -87,14 +85,8 @@ def draw_plane(axes: Axes, view: View, scheme: KinematicScheme, size: float) -> 
     for stop, spot in zip(thread.stops, spots, strict=True):
         if isinstance(stop, ThreadGuide):
             symbols.pin(axes, spot, 0.8 * size, 11.0)
-            _name_guide(axes, stop.name, spot, spots.mean(axis=0), size)
-
-
-def _name_guide(axes: Axes, name: str, spot: Array, middle: Array, size: float) -> None:
-    """A guide's name on the side away from the thread."""
-    away = spot - middle
-    place = spot + 4.2 * size * away / (float(np.hypot(*away)) or 1.0)
-    axes.text(float(place[0]), float(place[1]), name, ha="center", va="center", **GUIDE_STYLE)
+            away = spot - spots.mean(axis=0)  # its name on the side away from the thread
+            write(axes, spot + 4.2 * size * away / (float(np.hypot(*away)) or 1.0), stop.name, GUIDE_STYLE)
 
 
 def space_figure(view: View) -> Figure:
@@ -115,7 +107,7 @@ def draw_space(axes: Axes3D, view: View) -> None:
     """
     scheme, thread = reference_scheme(view), thread_of(view)
     for name in view.linkage.links:
-        spots = scheme.places(scheme.few, name, scheme.link_points(name))[:, :, 0]
+        spots = scheme.shown_places(name, scheme.link_points(name))
         corners = symbols.outline(spots) if len(spots) > 1 else spots
         ring = np.vstack([corners, corners[:1]])
         axes.plot(ring[:, 0], np.zeros(len(ring)), ring[:, 1], color=INK, linewidth=1.8)

@@ -12,7 +12,7 @@ from comparisons.work_precision.records import MeasuredCost
 from engines.contract import Outcome
 from reports.text.numbers import figure, seconds
 from reports.text.tables import ReportTable
-from reports.text.templates import render
+from reports.text.templates import render, sentence
 
 TITLE = "What each output and load costs"
 ABOUT = (
@@ -32,47 +32,32 @@ def cost_tables(costs: Sequence[MeasuredCost]) -> tuple[ReportTable, ...]:
 
 
 def _run_table(costs: Sequence[MeasuredCost]) -> ReportTable:
-    first, whole = costs[0], {cost.solver: cost for cost in reversed(costs)}
-    lead = (
-        f"Time of {first.mechanism} ({first.variant}) brought to speed, tuned, from checking the scene to "
-        f"reading the motion out: least and median of {len(first.seconds)} runs of every scene made in turn, the least "
-        "over that of the whole scene, and the least that stepping alone took."
-    )
+    whole = {cost.solver: cost for cost in reversed(costs)}
     told = dict.fromkeys(f"{cost.reduction}: {cost.about}" for cost in costs)
     failed = dict.fromkeys(f" {cost.solver}, {cost.reduction}: {cost.reason}." for cost in costs if cost.reason)
     note = f"{'; '.join(told)}.{''.join(failed)}"
-    return ReportTable(lead, RUNS, tuple(_run_row(cost, whole[cost.solver]) for cost in costs), "llr", note)
+    rows = tuple(_run_row(cost, whole[cost.solver]) for cost in costs)
+    return ReportTable(sentence("cost_of_runs", first=costs[0]), RUNS, rows, "llr", note)
 
 
 def _run_row(cost: MeasuredCost, whole: MeasuredCost) -> tuple[str, ...]:
     if cost.outcome != Outcome.FINISHED:
         return (cost.solver, cost.reduction, cost.outcome, "", "", "", "")
-    times = (*map(seconds, _two(cost)), _share(cost, whole), seconds(min(cost.stepping)))
-    return (cost.solver, cost.reduction, *times, str(cost.steps))
+    return (cost.solver, cost.reduction, *_times(cost, whole), seconds(min(cost.stepping)), str(cost.steps))
 
 
 def _query_table(costs: Sequence[MeasuredCost]) -> ReportTable:
     first = costs[0]
-    lead = (
-        f"Time of the closed form of {first.mechanism} ({first.variant}) per crank angle, {PATHS[first.solver]}: least "
-        f"and median of {len(first.seconds)} evaluations at {first.angles} angles of every question put in turn, and "
-        "the least over that of the first."
-    )
-    note = f"{first.reduction}: {first.about}."
-    return ReportTable(lead, ANGLES, tuple(_query_row(cost, first) for cost in costs), "lr", note)
+    lead = sentence("cost_of_queries", first=first, path=PATHS[first.solver])
+    rows = tuple((cost.reduction, *_times(cost, first)) for cost in costs)
+    return ReportTable(lead, ANGLES, rows, "lr", f"{first.reduction}: {first.about}.")
 
 
-def _query_row(cost: MeasuredCost, whole: MeasuredCost) -> tuple[str, ...]:
-    each = (f"{figure(spent / cost.angles * 1e9, 3)} ns" for spent in _two(cost))
-    return (cost.reduction, *each, _share(cost, whole))
-
-
-def _two(cost: MeasuredCost) -> tuple[float, float]:
-    return min(cost.seconds), statistics.median(cost.seconds)
-
-
-def _share(cost: MeasuredCost, whole: MeasuredCost) -> str:
-    return f"{100.0 * min(cost.seconds) / min(whole.seconds):.0f} %"
+def _times(cost: MeasuredCost, whole: MeasuredCost) -> tuple[str, ...]:
+    """Least and median, of an evaluation per crank angle, and the share of the whole."""
+    least, median = min(cost.seconds), statistics.median(cost.seconds)
+    words = (f"{figure(one / cost.angles * 1e9, 3)} ns" if cost.angles else seconds(one) for one in (least, median))
+    return (*words, f"{100.0 * least / min(whole.seconds):.0f} %")
 
 
 def section(costs: Sequence[MeasuredCost]) -> Markup:
