@@ -11,7 +11,6 @@ The equations are those of ``engines.mechanics``, which ``direct`` solves too; n
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -151,14 +150,14 @@ class Corrected:
 class Findings:
     """What the joints' equations say of a motion at the samples of one clock, up to an order.
 
-    ``lacking`` and ``moving`` hold, by order, the size of the largest correction of any body and of the largest motion
-    of any: displacements over the scene's size, turns in rad, (n,). ``determinants`` is (n, groups). ``torque`` (n,),
+    ``lacking`` and ``moving``, (n, orders), are the size of the largest correction of any body and of the largest
+    motion of any: displacements over the scene's size, turns in rad. ``determinants`` is (n, groups). ``torque`` (n,),
     N m, and ``forces`` (n, joints, 2), N, of the accelerations' clock are what the motion requires; else empty.
     """
 
     time: Array
-    lacking: tuple[Array, ...]
-    moving: tuple[Array, ...]
+    lacking: Array
+    moving: Array
     determinants: Array
     torque: Array
     forces: Array
@@ -166,30 +165,20 @@ class Findings:
 
 def findings(motion: ObservedMotion, groups: AssurGroups, time: Array, order: int) -> Findings:
     """Look at a motion block by block."""
-    blocks = list(_blocks(motion, groups, time, order))
-    orders = range(order + 1)
-    return Findings(
-        time,
-        lacking=tuple(np.concatenate([block.lacking[k] for block in blocks]) for k in orders),
-        moving=tuple(np.concatenate([block.moving[k] for block in blocks]) for k in orders),
-        determinants=np.concatenate([block.determinants for block in blocks]),
-        torque=np.concatenate([block.torque for block in blocks]),
-        forces=np.concatenate([block.forces for block in blocks]),
+    blocks = [
+        _looked_at(Corrected(motion, groups, time[start : start + BLOCK]), order)
+        for start in range(0, len(time), BLOCK)
+    ]
+    return Findings(time, *(np.concatenate(parts) for parts in zip(*blocks, strict=True)))
+
+
+def _looked_at(state: Corrected, order: int) -> tuple[Array, ...]:
+    """A block's findings, but its clock."""
+    lacking, moving = (
+        np.stack([size(states(k)) for k in range(order + 1)], axis=1) for states in (state.correction, state.observed)
     )
-
-
-def _blocks(motion: ObservedMotion, groups: AssurGroups, time: Array, order: int) -> Iterator[Findings]:
-    for start in range(0, len(time), BLOCK):
-        state = Corrected(motion, groups, time[start : start + BLOCK])
-        orders, has_forces = range(order + 1), order == len(LEVELS) - 1
-        yield Findings(
-            state.time,
-            tuple(size(state.correction(k)) for k in orders),
-            tuple(size(state.observed(k)) for k in orders),
-            state.determinants,
-            state.torque if has_forces else np.zeros(0),
-            state.forces if has_forces else np.zeros(0),
-        )
+    required = (state.torque, state.forces) if order == len(LEVELS) - 1 else (np.zeros(0), np.zeros(0))
+    return (lacking, moving, state.determinants, *required)
 
 
 def size(states: Array) -> Array:

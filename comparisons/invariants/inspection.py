@@ -71,8 +71,8 @@ class Inspection:
         result = {}
         for order, channel in enumerate(LEVELS):
             found = self.on(channel)
-            scale = float(np.max(found.moving[order])) if order else 1.0
-            result[channel.value] = Signal(found.time, found.lacking[order] / (scale or 1.0))
+            scale = float(np.max(found.moving[:, order])) if order else 1.0
+            result[channel.value] = Signal(found.time, found.lacking[:, order] / (scale or 1.0))
         return result
 
     def assembly_mode(self) -> Signal:
