@@ -10,8 +10,8 @@ from rich.table import Table
 from rich.text import Text
 
 from comparisons.campaign.campaign import RunResult
-from comparisons.judging.quantities import JOINT_FORCE
 from comparisons.judging.records import Record, Verdict
+from reports.facts.views import family
 from reports.text.numbers import bound, error, figure
 from reports.text.screen import Cell, Printout, line, table
 from reports.text.signs import RUNS
@@ -50,7 +50,7 @@ def _heading(record: Record) -> Text:
 def _mechanism_table(results: Sequence[RunResult]) -> Table:
     first = [result.records[0] for result in results]
     rows: list[Sequence[Cell]] = []
-    for quantity in dict.fromkeys(_row(record) for result in results for record in _all(result)):
+    for quantity in dict.fromkeys(family(record.quantity) for result in results for record in _all(result)):
         worst = [_worst(result, quantity) for result in results]
         rows.append((quantity, _limits(worst), *map(_cell, worst)))
     rows.append(("seconds, stepping", "", *(f"{record.seconds:.3f}" for record in first)))
@@ -59,14 +59,9 @@ def _mechanism_table(results: Sequence[RunResult]) -> Table:
     return table(head, rows, align="lr")
 
 
-def _row(record: Record) -> str:
-    """The row a record stands in: forces of all joints share one."""
-    return JOINT_FORCE.rstrip(":") if record.quantity.startswith(JOINT_FORCE) else record.quantity
-
-
 def _worst(result: RunResult, row: str) -> Record | None:
     """The record of a run that stands in a row; of several the one with the largest error."""
-    candidates = [record for record in _all(result) if _row(record) == row]
+    candidates = [record for record in _all(result) if family(record.quantity) == row]
     return max(candidates, key=lambda record: record.error_max or 0.0, default=None)
 
 

@@ -68,7 +68,7 @@ def bench(choice: BenchChoice, destination: Destination) -> int:
     destination.check(FILE)
     asked = request(choice.campaign)
     wanted = _request(choice, asked)
-    kept = journal(out, choice.command, asked, resume=destination.resume) if out else None
+    kept = journal(out, choice.command, asked.engines, asked.linkages, resume=destination.resume) if out else None
     with interruptible(out) as counting:
         with destination.progress() as announce:
             measured = measure_all(wanted, counting(announce), kept)

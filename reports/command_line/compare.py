@@ -34,7 +34,7 @@ def compare(
     wanted = request(choice)
     if out:
         tasks(wanted)  # what cannot run is refused before the folder is touched
-    kept = journal(out, choice.command, wanted, resume=destination.resume) if out else None
+    kept = journal(out, choice.command, wanted.engines, wanted.linkages, resume=destination.resume) if out else None
     with interruptible(out) as counting:
         with destination.progress() as announce:
             running: _Running = {"bounds": limits.bounds, "processes": limits.processes, "journal": kept}

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
-from comparisons.campaign.campaign import CampaignRequest
+from analytic.description.linkage import Linkage
 from comparisons.runs.environment import environment
 from comparisons.runs.journal import Journal
 from engines.registry import engine
@@ -18,14 +18,16 @@ Announce = Callable[[str, int, int], None]
 INCIDENTAL = ("date", "machine")
 
 
-def journal(folder: Path, command: str, request: CampaignRequest, *, resume: bool) -> Journal:
+def journal(
+    folder: Path, command: str, engines: Iterable[str], linkages: Iterable[Linkage] = (), *, resume: bool
+) -> Journal:
     """The journal of a request: empty, or what was kept of the same request before where it is resumed.
 
     The same are the command, the linkage files and the versions of everything that computes.
     """
     facts = {name: value for name, value in environment().items() if name not in INCIDENTAL}
-    facts |= {f"engine {name}": engine(name).version() or "not installed" for name in request.engines}
-    facts |= {f"file of {k.name}": hashlib.sha256(k.text.encode()).hexdigest()[:16] for k in request.linkages}
+    facts |= {f"engine {name}": engine(name).version() or "not installed" for name in engines}
+    facts |= {f"file of {k.name}": hashlib.sha256(k.text.encode()).hexdigest()[:16] for k in linkages}
     kept = Journal(folder, "\n".join([command, *(f"{name} {value}" for name, value in facts.items())]))
     if not resume:
         kept.clear()

@@ -8,16 +8,14 @@ from pathlib import Path
 
 from analytic.errors import LinkproofError
 from comparisons.judging.records import to_json
-from comparisons.runs.environment import environment
 from comparisons.runs.files import write_text
-from comparisons.runs.journal import Journal
 from comparisons.stress.axes import chosen_axes
 from comparisons.stress.campaign import StressRequest, make_cells, stress
 from comparisons.stress.cells import find_cell
 from engines.registry import engine, engine_names
 from reports.command_line.destination import Destination
 from reports.command_line.exit_codes import stress_exit_code
-from reports.command_line.interruption import INCIDENTAL, interruptible
+from reports.command_line.interruption import interruptible, journal
 from reports.command_line.requests import command_line, installed
 from reports.stress.facts import FILE, Stress
 from reports.stress.terminal import cell_details, printout
@@ -59,7 +57,7 @@ def run(choice: StressChoice, destination: Destination, jobs: int | None = None)
     if choice.cells:
         return _alone(choice, destination)
     wanted, out = _request(choice, jobs), destination.folder
-    kept = _journal(out, choice, wanted, resume=destination.resume) if out else None
+    kept = journal(out, choice.command, wanted.engines, resume=destination.resume) if out else None
     with interruptible(out) as counting:
         with destination.progress() as announce:
             found = stress(wanted, counting(announce), kept)
@@ -86,16 +84,6 @@ def _request(choice: StressChoice, jobs: int | None) -> StressRequest:
         )
     axes = tuple(chosen_axes(choice.words))
     return StressRequest(axes, present, choice.settings, choice.quick, jobs, choice.time_limit)
-
-
-def _journal(out: Path, choice: StressChoice, wanted: StressRequest, *, resume: bool) -> Journal:
-    """The journal of a request: empty, or what was kept of the same one before where it is resumed."""
-    facts = {name: value for name, value in environment().items() if name not in INCIDENTAL}
-    facts |= {f"engine {name}": engine(name).version() or "" for name in wanted.engines}
-    kept = Journal(out, "\n".join([choice.command, *(f"{name} {value}" for name, value in facts.items())]))
-    if not resume:
-        kept.clear()
-    return kept
 
 
 def _alone(choice: StressChoice, destination: Destination) -> int:

@@ -10,10 +10,10 @@ from comparisons.campaign.results import Results
 from comparisons.judging.limits import limit
 from comparisons.judging.records import Record, Verdict
 from reports.facts.views import SETTINGS, anchor, columns, family, ordered, worst
-from reports.text.numbers import bound, error
+from reports.text.numbers import bound
 from reports.text.signs import RUNS
 from reports.text.tables import ReportTable
-from reports.text.templates import plain
+from reports.text.templates import plain, sentence
 
 
 @dataclass(frozen=True)
@@ -32,7 +32,6 @@ class MatrixRow:
     """One run; ``failure`` says why it gave no motion, in which case it has no cells."""
 
     engine: str
-    version: str
     setting: str
     cells: tuple[MatrixCell | None, ...]
     style: str = ""
@@ -78,26 +77,19 @@ def _row(records: Sequence[Record], names: Sequence[str]) -> MatrixRow:
     if all(record.error_max is None for record in records):
         sign = RUNS[first.outcome]
         failure = f"{sign.symbol} {sign.word}" + (f": {first.detail}" if first.detail else "")
-        return MatrixRow(first.engine, first.engine_version, first.setting, (), sign.style, failure)
+        return MatrixRow(first.engine, first.setting, (), sign.style, failure)
     families: dict[str, list[Record]] = {}
     for record in records:
         families.setdefault(family(record.quantity), []).append(record)
     cells = tuple(_cell(families[name]) if name in families else None for name in names)
-    return MatrixRow(first.engine, first.engine_version, first.setting, cells)
+    return MatrixRow(first.engine, first.setting, cells)
 
 
 def _cell(records: Sequence[Record]) -> MatrixCell:
     """The worst of a family: of the forces in all joints, say."""
     record = worst(records)
     sign = RUNS[record.outcome]
-    told = f"worst of {len(records)}, " if len(records) > 1 else ""
-    told += f"{record.quantity}: {sign.word}"
-    if record.error_max is not None:
-        told += f"; largest {error(record.error_max)}, rms {error(record.error_rms)} of the peak"
-        told += f", worst at {record.worst_time:.4g} s" if record.worst_time is not None else ""
-        told += f"; {record.samples} samples" + (f", {record.left_out} left out" if record.left_out else "")
-    if record.detail:
-        told += f". {record.detail}"
+    told = sentence("matrix_cell", record=record, count=len(records), word=sign.word)
     return MatrixCell(record.error_max, sign.symbol, sign.style, _bound(record), told)
 
 

@@ -15,7 +15,7 @@ CHOICE = CampaignChoice(("juki-mf7923d",), engines=("direct",))
 def begun(folder, choice=CHOICE, text="the file", *, resume):
     asked = request(choice)
     linkages = tuple(dataclasses.replace(linkage, text=text) for linkage in asked.linkages)
-    return journal(folder, choice.command, dataclasses.replace(asked, linkages=linkages), resume=resume)
+    return journal(folder, choice.command, asked.engines, linkages, resume=resume)
 
 
 def interrupted(folder, *heard, by=lambda *_: None):
