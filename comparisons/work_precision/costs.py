@@ -33,7 +33,7 @@ FEWEST, MOST = 3, 15  # rounds
 # Crank angles in a repeat of the closed form, by path: some milliseconds, beside which a call's own cost is nothing.
 ANGLES: Final = {"numpy": 20_000, "compiled": 200_000}
 
-Job = Callable[[], object]  # an engine's run, without its history, or an evaluation of the closed form
+Job = Callable[[], Run | None]  # what an engine's run came to, without its history; None for the closed form
 
 
 def measure(linkage: Linkage, engines: Sequence[str], budget: float | None = None) -> list[MeasuredCost]:
@@ -84,8 +84,14 @@ def query_jobs(linkage: Linkage, paths: Sequence[str]) -> Iterator[tuple[Measure
             names, rest = query.names(linkage), reduced(linkage, query)
             if names and rest is not None:
                 question = partial(evaluate, Mechanism(rest), angle, names, path=path)
+                work = partial(question, speed=query.speed, acceleration=query.acceleration)
                 cost = MeasuredCost(linkage.name, linkage.variant, path, query.name, ", ".join(names), len(angle))
-                yield cost, partial(question, speed=query.speed, acceleration=query.acceleration)
+                yield cost, partial(_forgotten, work)
+
+
+def _forgotten(work: Callable[[], object]) -> None:
+    """Do the work and let go of what comes of it."""
+    work()
 
 
 def _measured(cost: MeasuredCost, done: Sequence[tuple[float, Run | None]]) -> MeasuredCost:
@@ -114,8 +120,8 @@ def interleaved(jobs: Sequence[Job], budget: float) -> list[list[tuple[float, Ru
     for number in range(1, MOST + 1):
         for job, done in order:
             start = time.perf_counter()
-            found = job()
-            done.append((time.perf_counter() - start, found if isinstance(found, Run) else None))
+            run = job()
+            done.append((time.perf_counter() - start, run))
         order.reverse()
         spent = time.perf_counter() - begun
         if number >= FEWEST and spent * (number + 1) / number > budget:
