@@ -9,7 +9,7 @@ from analytic.description.crank_motion import degrees
 from analytic.description.linkage import Linkage
 from analytic.errors import AssemblyError, LinkproofError
 from analytic.kinematics.dyad_solver import DyadSolver
-from analytic.kinematics.dyads.closure import ROUNDING
+from analytic.kinematics.dyads.arms import ROUNDING
 from analytic.kinematics.frames import Scalar
 
 Array = NDArray[np.float64]

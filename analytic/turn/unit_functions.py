@@ -13,7 +13,7 @@ from functools import lru_cache
 import numpy as np
 
 from analytic.errors import LinkproofError
-from analytic.kinematics.dyads.closure import ROUNDING
+from analytic.kinematics.dyads.arms import ROUNDING
 from analytic.kinematics.mechanism import Mechanism
 from analytic.numerics.extremes import Array, grid, largest, periodic_mean, zeros
 

@@ -18,7 +18,8 @@ from analytic.compiled.kernels.jit import inlined, kernel
 from analytic.compiled.kernels.layout import BLOCK, KEPT, SECOND, C, X
 from analytic.compiled.kernels.rows import pose, put_pose, put_rate, put_second, rate, second
 from analytic.kinematics.dyads import prp, rpp, rpr, rrp, rrr
-from analytic.kinematics.dyads.closure import ROUNDING, Closure, Travel
+from analytic.kinematics.dyads.arms import ROUNDING
+from analytic.kinematics.dyads.closure import Closure, Travel
 from analytic.kinematics.frames import Pair
 
 Array = NDArray[np.float64]

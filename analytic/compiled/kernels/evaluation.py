@@ -12,25 +12,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from analytic.compiled.flat_linkage import Integers, Tables
+from analytic.compiled.kernels import layout
 from analytic.compiled.kernels.constants import derive
 from analytic.compiled.kernels.jit import SOURCES, counting, entry, inlined, kernel
-from analytic.compiled.kernels.layout import (
-    ACCELERATION,
-    ANGLE,
-    BLOCK,
-    COSINE,
-    DAMPING,
-    FAULT,
-    FORCE,
-    HALF_DERIVATIVE,
-    JEQ,
-    OUTPUT,
-    OUTPUT_RATE,
-    OUTPUT_SECOND,
-    SINE,
-    SPEED,
-    SUMS,
-)
+from analytic.compiled.kernels.layout import ACCELERATION, ANGLE, BLOCK, COSINE, FAULT, FORCE, JEQ, SINE, SPEED, SUMS
 from analytic.compiled.kernels.solution import solve
 from analytic.compiled.kernels.sums import (
     constant_laws,
@@ -48,7 +33,7 @@ Booleans = NDArray[np.bool_]
 # Codes of quantities; the first four are sums as they are.
 CODES: Final = {"Jeq": 0, "half_slope": 1, "Q": 2, "S": 3, "Mkr": 4, "Teq": 5, "Peq": 6, "v": 7, "a": 8}
 STORED: Final = 4
-STORED_ROWS: Final = (JEQ, HALF_DERIVATIVE, FORCE, OUTPUT)
+STORED_ROWS: Final = (JEQ, layout.HALF_DERIVATIVE, FORCE, layout.OUTPUT)
 ENERGY, POWER, VELOCITY, PULL = CODES["Teq"], CODES["Peq"], CODES["v"], CODES["a"]
 # What they are made up of, each with a flag in ``wanted``; the output with the order of its derivative.
 WANTED_INERTIA, WANTED_SLOPE, WANTED_FORCES, WANTED_OUTPUT = range(4)
@@ -79,16 +64,19 @@ def emit(quantity: int, n: int, block: Array, sums: Array, result: Array) -> Non
             result[i] = 0.5 * sums[JEQ + i] * (block[SPEED + i] * block[SPEED + i])
     elif quantity == VELOCITY:
         for i in range(n):
-            result[i] = sums[OUTPUT_RATE + i] * block[SPEED + i]
+            result[i] = sums[layout.OUTPUT_RATE + i] * block[SPEED + i]
     elif quantity == PULL:
         for i in range(n):
             speed = block[SPEED + i]
-            result[i] = sums[OUTPUT_SECOND + i] * (speed * speed) + sums[OUTPUT_RATE + i] * block[ACCELERATION + i]
+            result[i] = (
+                sums[layout.OUTPUT_SECOND + i] * (speed * speed)
+                + sums[layout.OUTPUT_RATE + i] * block[ACCELERATION + i]
+            )
     else:
         for i in range(n):
             speed = block[SPEED + i]
-            torque = sums[JEQ + i] * block[ACCELERATION + i] + sums[HALF_DERIVATIVE + i] * (speed * speed)
-            torque = torque - sums[FORCE + i] + sums[DAMPING + i] * speed
+            torque = sums[JEQ + i] * block[ACCELERATION + i] + sums[layout.HALF_DERIVATIVE + i] * (speed * speed)
+            torque = torque - sums[FORCE + i] + sums[layout.DAMPING + i] * speed
             result[i] = torque * speed if quantity == POWER else torque
 
 

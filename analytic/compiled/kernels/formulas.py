@@ -15,7 +15,7 @@ from numba.extending import overload, register_jitable
 from analytic.compiled.kernels.jit import INLINED
 from analytic.dynamics import link_sums
 from analytic.kinematics import frames
-from analytic.kinematics.dyads import closure, crossing, prp, rpp, rpr, rrp, rrr
+from analytic.kinematics.dyads import arms, crossing, prp, rpp, rpr, rrp, rrr
 from analytic.numerics import step_control
 
 NEVER = (frames.is_zero, frames.is_origin, frames.is_still)
@@ -36,5 +36,5 @@ def _compiled(module: ModuleType) -> None:
 
 for question in NEVER:
     _never(question)
-for source in (frames, closure, crossing, rrr, rrp, rpr, rpp, prp, link_sums, step_control):
+for source in (frames, arms, crossing, rrr, rrp, rpr, rpp, prp, link_sums, step_control):
     _compiled(source)

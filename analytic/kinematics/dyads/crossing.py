@@ -8,7 +8,8 @@ from __future__ import annotations
 import numpy as np
 
 from analytic.description.linkage import Vector
-from analytic.kinematics.dyads.closure import LEAST_SINE, UNDETERMINED, At, Closure, Poses, Shortfall, Written
+from analytic.kinematics.dyads.arms import LEAST_SINE, UNDETERMINED
+from analytic.kinematics.dyads.closure import At, Closure, Poses, Shortfall, Written
 from analytic.kinematics.frames import Pair, Scalar, cross
 from analytic.kinematics.structure import Dyad
 
