@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from dataclasses import asdict, dataclass
-from pathlib import Path
 from typing import Any
 
 from analytic.description.linkage import Linkage
@@ -76,7 +75,9 @@ def bench(choice: BenchChoice, destination: Destination) -> int:
         destination.write_json(found.document)
         if out:
             save(out / FILE, found.document)
-            destination.say(f"benchmark: {_write_page(found, out)}")
+            from reports.work_precision.page import write  # noqa: PLC0415  plots cost seconds that a table does not pay
+
+            destination.say(f"benchmark: {write(found, out)}")
         if kept:
             kept.clear()
     destination.print_out(printout(found, choice.quantities))
@@ -130,9 +131,3 @@ def _document(choice: BenchChoice, wanted: BenchRequest, measured: Measured) -> 
 def _costs(linkages: Sequence[Linkage], engines: Sequence[str]) -> list[dict[str, Any]]:
     """What each output and load costs, in the linkage with most to leave out and the engines that are installed."""
     return rows(costs.measure(costs.most_reducible(linkages), installed(engines)))
-
-
-def _write_page(found: Bench, folder: Path) -> Path:
-    from reports.work_precision.page import write  # noqa: PLC0415  plots cost seconds that a table does not pay
-
-    return write(found, folder)

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from pathlib import Path
 
 from analytic.errors import LinkproofError
 from comparisons.judging.records import to_json
@@ -65,7 +64,9 @@ def run(choice: StressChoice, destination: Destination, jobs: int | None = None)
         destination.write_json(maps.document)
         if out:
             write_text(out / FILE, to_json(maps.document))
-            destination.say(f"stability maps: {_write_page(maps, out)}")
+            from reports.stress.page import write  # noqa: PLC0415  pictures cost seconds that a table does not pay
+
+            destination.say(f"stability maps: {write(maps, out)}")
         if kept:
             kept.clear()
     destination.print_out(printout(maps))
@@ -94,9 +95,3 @@ def _alone(choice: StressChoice, destination: Destination) -> int:
     destination.print(*map(cell_details, results))
     destination.write_json({"cells": [result.document for result in results]})
     return stress_exit_code(results)
-
-
-def _write_page(found: Stress, folder: Path) -> Path:
-    from reports.stress.page import write  # noqa: PLC0415  pictures cost seconds that a table does not pay
-
-    return write(found, folder)

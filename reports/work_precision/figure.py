@@ -76,7 +76,7 @@ def draw_place(axes: Axes, place: PlaceFacts, engines: Sequence[str], quantity: 
         _draw_engine(axes, one, colour(one.engine, engines))
     axes.set_title(f"{place.mechanism}: {quantity.replace('_', ' ')}")
     _scales(axes, [record for one in facts for record in one.records if record.finished])
-    lowest = [(min(map(_error, on_front(one.records))), one.engine) for one in facts]
+    lowest = [(min(map(drawn_error, on_front(one.records))), one.engine) for one in facts]
     label_ends(axes, [(height, name, colour(name, engines)) for height, name in lowest])
 
 
@@ -86,12 +86,12 @@ def _draw_engine(axes: Axes, facts: EngineFacts, ink: str) -> None:
         axes.plot(points.seconds, [max(one, LEAST) for one in points.errors], color=ink, linewidth=0.6, alpha=0.5,
                   marker=".", markersize=2.2, zorder=2.0)  # fmt: skip
     front = on_front(facts.records)
-    line = [(_seconds(one), _error(one)) for one in front]
+    line = [(_seconds(one), drawn_error(one)) for one in front]
     axes.plot(*zip(*line, strict=True), color=ink, linewidth=1.9, solid_joinstyle="round", zorder=3.0)
     for record in facts.records:
         if record.kind == SETTING and record.finished:
             mark, size = MARKS.get(record.setting, ("D", 4.5))
-            axes.plot(_seconds(record), _error(record), marker=mark, markersize=size, color=ink, zorder=4.0,
+            axes.plot(_seconds(record), drawn_error(record), marker=mark, markersize=size, color=ink, zorder=4.0,
                       markerfacecolor="white" if record.setting == "naive" else ink,
                       markeredgecolor=ink if record.setting == "naive" else INK,
                       markeredgewidth=1.3 if record.setting == "naive" else 0.7, linestyle="none")  # fmt: skip
@@ -100,7 +100,7 @@ def _draw_engine(axes: Axes, facts: EngineFacts, ink: str) -> None:
 def _staircase(axes: Axes, front: Sequence[BenchRecord]) -> None:
     """What no engine does better than, as a broad grey line."""
     if front:
-        line = [(_seconds(one), _error(one)) for one in front]
+        line = [(_seconds(one), drawn_error(one)) for one in front]
         axes.step(*zip(*line, strict=True), where="post", color=REFERENCE, linewidth=5.0, alpha=0.55, zorder=1.0,
                   solid_capstyle="round")  # fmt: skip
 
@@ -109,14 +109,15 @@ def _seconds(record: BenchRecord) -> float:
     return record.seconds_min or 0.0
 
 
-def _error(record: BenchRecord) -> float:
+def drawn_error(record: BenchRecord) -> float:
+    """The largest error over the peak, at the least that a decade is worth."""
     return max(record.error_max or 0.0, LEAST)
 
 
 def _scales(axes: Axes, records: Sequence[BenchRecord]) -> None:
     axes.set_xscale("log")
     axes.set_yscale("log")
-    errors = [min(_error(one), MOST) for one in records] or [LEAST, 1.0]
+    errors = [min(drawn_error(one), MOST) for one in records] or [LEAST, 1.0]
     low, high = math.floor(math.log10(min(errors))), math.ceil(math.log10(max(errors)) + 0.05)
     axes.set_ylim(10.0 ** (low - 0.4), 10.0 ** (high + 0.2))
     decades(axes.yaxis, 6)

@@ -13,10 +13,10 @@ from comparisons.work_precision.step_sweep import pareto
 from reports.drawing.style import FAINT, INK, MUTED, REFERENCE, colour
 from reports.text.templates import lines, plain
 from reports.work_precision.facts import EngineFacts, PlaceFacts, effort_words
+from reports.work_precision.figure import drawn_error
 
 # The file that the page needs beside it; the pages of one folder share it.
 SCRIPT = "plotly.min.js"
-LEAST = 1e-16
 HEIGHT = 560
 SYMBOLS = ("circle", "square", "diamond", "triangle-up", "triangle-down", "cross", "x", "pentagon")
 MARKS = {"naive": ("circle-open", 11), "tuned": ("square", 11), "best": ("star", 15)}
@@ -109,18 +109,14 @@ def _fronts(records: Sequence[BenchRecord], label: str) -> dict[str, Any]:
         kept = pareto([value(one) for one in counted], [one.error_max or 0.0 for one in counted])
         front = sorted((one for one, keep in zip(counted, kept, strict=True) if keep), key=value)
         words = [*[""] * (len(front) - 1), label] if front else []
-        found[name] = ([value(one) for one in front], [_height(one) for one in front], words)
+        found[name] = ([value(one) for one in front], [drawn_error(one) for one in front], words)
     x, y, words = found["stepping"]
     return {"x": x, "y": y, "text": words, "meta": found}
 
 
-def _height(record: BenchRecord) -> float:
-    return max(record.error_max or 0.0, LEAST)
-
-
 def _points(records: Sequence[BenchRecord]) -> dict[str, Any]:
     """Places and words of points; ``meta`` keeps x, y and text for every choice of the x axis."""
-    heights = [_height(record) for record in records]
+    heights = [drawn_error(record) for record in records]
     return {
         "x": [record.seconds_min for record in records],
         "y": heights,
