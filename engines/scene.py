@@ -57,8 +57,8 @@ class PinJoint:
 
 
 @dataclass(frozen=True)
-class SliderJoint:
-    """Prismatic joint: ``body`` does not turn against ``host`` and keeps ``anchor`` on the host's line."""
+class GuidedJoint:
+    """Joint that keeps ``anchor`` of ``body`` on a line of ``host`` through a point, along a direction."""
 
     name: str
     body: str
@@ -68,16 +68,12 @@ class SliderJoint:
     along: Vector
 
 
-@dataclass(frozen=True)
-class SlotJoint:
-    """Pin in a slot: ``anchor`` of ``body`` stays on the host's line; body and host turn freely."""
+class SliderJoint(GuidedJoint):
+    """Prismatic joint: ``body`` does not turn against ``host``."""
 
-    name: str
-    body: str
-    anchor: Vector
-    host: str
-    through: Vector
-    along: Vector
+
+class SlotJoint(GuidedJoint):
+    """Pin in a slot: body and host turn freely."""
 
 
 @dataclass(frozen=True)

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import replace
 
-from analytic.description.linkage import GROUND, Guide, Linkage, Slider, Vector
+from analytic.description.linkage import GROUND, Linkage, Slider, Slot, Vector
 from engines.scene import (
     AppliedForce,
     AppliedTorque,
@@ -21,45 +21,23 @@ from engines.scene import (
 )
 
 
-@dataclass(frozen=True)
-class LinkState:
-    """Where a link is at the start: its mass centre and frame angle with their first two time derivatives."""
-
-    position: Vector
-    angle: float
-    velocity: Vector
-    angular_velocity: float
-    acceleration: Vector
-    angular_acceleration: float
-
-
-def build_scene(linkage: Linkage, start: Mapping[str, LinkState], drive: Drive, channels: frozenset[Channel]) -> Scene:
-    """Everything an engine is told of a linkage; ``start`` holds the state of every link."""
-    merged: dict[str, Slider] = {slider.link: slider for slider in linkage.sliders if is_pin_mass(linkage, slider)}
-    bodies = tuple(_body(linkage, name, start[name], merged) for name in linkage.links)
+def build_scene(linkage: Linkage, start: Mapping[str, Body], drive: Drive, channels: frozenset[Channel]) -> Scene:
+    """Everything an engine is told of a linkage; ``start`` holds every link as a body in its state."""
+    merged = {slider.link: slider for slider in linkage.sliders if is_pin_mass(linkage, slider)}
     pins = tuple(
         PinJoint(name, link, pin.hub, _anchor(linkage, pin.point, link), _anchor(linkage, pin.point, pin.hub))
         for pin in linkage.pins
         for name, link in pin.joints.items()
     )
-    sliders = tuple(
-        SliderJoint(
-            s.name,
-            s.link,
-            _anchor(linkage, s.point, s.link),
-            s.guide.host,
-            _from_centre(linkage, s.guide.host, s.guide.through),
-            s.guide.along,
-        )
-        for s in linkage.sliders
-        if s.link not in merged
-    )
+    held = [slider for slider in linkage.sliders if slider.link not in merged]
+    slots: list[tuple[Slider | Slot, str]] = [(slot, _slot_body(linkage, slot)) for slot in linkage.slots]
+    slots += [(slider, slider.link) for slider in merged.values()]
     return Scene(
         crank=linkage.crank,
-        bodies=bodies,
+        bodies=tuple(_body(linkage, start[name], merged) for name in linkage.links),
         pins=pins,
-        sliders=sliders,
-        slots=_slot_joints(linkage, merged),
+        sliders=tuple(SliderJoint(*_line(linkage, slider, slider.link)) for slider in held),
+        slots=tuple(SlotJoint(*_line(linkage, joint, body)) for joint, body in slots),
         gravity=linkage.gravity,
         drive=drive,
         channels=channels,
@@ -96,24 +74,12 @@ def is_pin_mass(linkage: Linkage, slider: Slider) -> bool:
     )
 
 
-def _body(linkage: Linkage, name: str, state: LinkState, merged: Mapping[str, Slider]) -> Body:
-    link = linkage.links[name]
-    inertia = None if name in merged or not _can_turn(linkage, name) else link.inertia
-    for slider in merged.values():
-        if slider.guide.host == name and inertia is not None:
-            inertia += linkage.links[slider.link].inertia or 0.0
-    turns = inertia is not None  # a pin mass in a turning slot is told not to, so it may not start as if it did
-    return Body(
-        name,
-        link.mass,
-        inertia,
-        state.position,
-        state.angle,
-        state.velocity,
-        state.angular_velocity if turns else 0.0,
-        state.acceleration,
-        state.angular_acceleration if turns else 0.0,
-    )
+def _body(linkage: Linkage, start: Body, merged: Mapping[str, Slider]) -> Body:
+    if start.inertia is None or start.name in merged or not _can_turn(linkage, start.name):
+        # A pin mass in a turning slot is told not to turn, so it may not start as if it did.
+        return replace(start, inertia=None, angular_velocity=0.0, angular_acceleration=0.0)
+    pinned = [linkage.links[name].inertia or 0.0 for name, s in merged.items() if s.guide.host == start.name]
+    return replace(start, inertia=sum(pinned, start.inertia))
 
 
 def _can_turn(linkage: Linkage, name: str) -> bool:
@@ -135,16 +101,15 @@ def _anchor(linkage: Linkage, point: str, body: str) -> Vector:
     return _from_centre(linkage, body, linkage.local(point, body))
 
 
-def _slot_joints(linkage: Linkage, merged: Mapping[str, Slider]) -> tuple[SlotJoint, ...]:
-    joints = []
-    for slot in linkage.slots:
-        owners = [name for name, link in linkage.links.items() if slot.point in link.points and name != slot.guide.host]
-        body = GROUND if slot.point in linkage.ground else owners[0]
-        joints.append(_slot(linkage, slot.name, body, slot.point, slot.guide))
-    joints += [_slot(linkage, s.name, s.link, s.point, s.guide) for s in merged.values()]
-    return tuple(joints)
+def _slot_body(linkage: Linkage, slot: Slot) -> str:
+    """What the point of a slot is on, beside the slot's host."""
+    if slot.point in linkage.ground:
+        return GROUND
+    return next(name for name, link in linkage.links.items() if slot.point in link.points and name != slot.guide.host)
 
 
-def _slot(linkage: Linkage, name: str, body: str, point: str, guide: Guide) -> SlotJoint:
+def _line(linkage: Linkage, joint: Slider | Slot, body: str) -> tuple[str, str, Vector, str, Vector, Vector]:
+    """The fields of a scene's slider or slot whose point is on ``body``."""
+    guide = joint.guide
     through = _from_centre(linkage, guide.host, guide.through)
-    return SlotJoint(name, body, _anchor(linkage, point, body), guide.host, through, guide.along)
+    return joint.name, body, _anchor(linkage, joint.point, body), guide.host, through, guide.along

@@ -10,23 +10,30 @@ from analytic.dynamics.reduced import damping_coefficient, generalised_force, ha
 from analytic.kinematics.frames import Pair
 from analytic.kinematics.mechanism import Mechanism
 from analytic.kinematics.sweep import Sweep
-from engines.scene import Channel, Drive, Prescribed, Scene
-from engines.scene_builder import LinkState, build_scene
+from engines.scene import Body, Channel, Drive, Prescribed, Scene
+from engines.scene_builder import build_scene
 
 
-def start_state(sweep: Sweep, speed: float, acceleration: float) -> dict[str, LinkState]:
-    """State of every link at the sweep's single crank angle for crank speed ω, rad/s, and acceleration ε, rad/s²."""
+def start_state(sweep: Sweep, speed: float, acceleration: float) -> dict[str, Body]:
+    """Every link as a body in its state at the sweep's single crank angle.
+
+    The crank's speed ω is in rad/s, its acceleration ε in rad/s².
+    """
     return {name: _state(sweep, name, speed, acceleration) for name in sweep.linkage.links}
 
 
-def _state(sweep: Sweep, name: str, speed: float, acceleration: float) -> LinkState:
+def _state(sweep: Sweep, name: str, speed: float, acceleration: float) -> Body:
     first, second = sweep.rates(name)[2], sweep.accelerations(name)[2]
     position, velocity, bend = (sweep.centre(name, order) for order in range(3))
 
     def moved(scale: float, vector: Pair, other: float = 0.0, also: Pair = (0.0, 0.0)) -> tuple[float, float]:
         return (float(scale * vector[0] + other * also[0]), float(scale * vector[1] + other * also[1]))
 
-    return LinkState(
+    link = sweep.linkage.links[name]
+    return Body(
+        name,
+        link.mass,
+        link.inertia,
         position=moved(1.0, position),
         angle=float(sweep.angles(name)),
         velocity=moved(speed, velocity),

@@ -18,7 +18,7 @@ from analytic.description.law import Law
 from analytic.description.linkage import GROUND, Vector
 from engines.exudyn_adapter.drive import Foreign, crank_angle
 from engines.mechanics.states import Reals, start_motion
-from engines.scene import Body, PinJoint, Prescribed, Scene, SliderJoint, SlotJoint
+from engines.scene import Body, GuidedJoint, PinJoint, Prescribed, Scene, SliderJoint
 
 Array = NDArray[np.float64]
 
@@ -162,7 +162,7 @@ class Model:
         direction[first], direction[second] = 1.0, ratio
         self.joints[joint.name] = ForceOutput(item, "Force", direction)
 
-    def _add_line(self, joint: SliderJoint | SlotJoint, *, turning: bool) -> None:
+    def _add_line(self, joint: GuidedJoint, *, turning: bool) -> None:
         """Add exudyn's prismatic joint; a pin in a slot is one without its condition on the angle."""
         angles = {body.name: body.angle for body in self.scene.bodies}
         turned = angles.get(joint.host, 0.0) - angles.get(joint.body, 0.0)

@@ -18,10 +18,10 @@ from typing import TypeAlias, TypeVar
 
 import numpy as np
 
-from analytic.description.linkage import GROUND, Vector
+from analytic.description.linkage import GROUND, Vector, rotate, unit
 from engines.mechanics.joints import JointEquations
 from engines.mechanics.states import body_numbers, point_acceleration, point_velocity, pose_of, start_motion
-from engines.scene import Body, PinJoint, PointSpring, Scene, SliderJoint, SlotJoint
+from engines.scene import Body, GuidedJoint, PinJoint, PointSpring, Scene, SliderJoint, SlotJoint
 
 # Distances below this share of the scene's size are zero.
 CLOSE = 1e-12
@@ -50,7 +50,7 @@ class Gear:
     host: str
 
 
-Hold: TypeAlias = PinJoint | SliderJoint | SlotJoint | Gear
+Hold: TypeAlias = PinJoint | GuidedJoint | Gear
 Fastened = TypeVar("Fastened", PinJoint, PointSpring)
 Groove = TypeVar("Groove", SliderJoint, SlotJoint)
 
@@ -100,16 +100,6 @@ def exact_layout(scene: Scene) -> PartLayout:
 
 def _minus(a: Vector, b: Vector) -> Vector:
     return (a[0] - b[0], a[1] - b[1])
-
-
-def _turned(vector: Vector, angle: float) -> Vector:
-    c, s = math.cos(angle), math.sin(angle)
-    return (c * vector[0] - s * vector[1], s * vector[0] + c * vector[1])
-
-
-def _unit(vector: Vector) -> Vector:
-    length = math.hypot(*vector)
-    return (vector[0] / length, vector[1] / length)
 
 
 def without_point(part: BodyPart, point: Vector) -> tuple[BodyPart, BodyPart]:
@@ -245,7 +235,7 @@ class _Cutter:
         """The point nearest to ``centre`` that lies on all lines; None where they have none in common."""
         if not lines:
             return centre
-        normals = np.array([_turned(_unit(along), math.pi / 2.0) for _, along in lines])
+        normals = np.array([rotate(unit(along), (0.0, 1.0)) for _, along in lines])
         distances = np.einsum("ik,ik->i", normals, np.subtract([through for through, _ in lines], centre))
         shift = np.linalg.lstsq(normals, distances, rcond=1e-9)[0]
         if len(lines) > 1 and (
@@ -257,7 +247,8 @@ class _Cutter:
     def _groove_point(self, slider: SliderJoint) -> Vector:
         """A point of the line, in the host's frame, on which the slider's own centre moves."""
         offset = _minus(slider.anchor, self.carrier(slider.body).offset)
-        return _minus(slider.through, _turned(offset, start_turn(self.scene, slider)))
+        turn = start_turn(self.scene, slider)
+        return _minus(slider.through, rotate(offset, (math.cos(turn), math.sin(turn))))
 
     def _anchor(self, name: str, anchor: Vector) -> Vector:
         return anchor if name == GROUND else _minus(anchor, self.carrier(name).offset)
@@ -284,7 +275,7 @@ class _Cutter:
         if joint.name in self.rails:
             host = self.rails[joint.name]
             start = _minus(through, self.cut_off[host].offset)
-        return replace(joint, body=body, anchor=anchor, host=host, through=start, along=_unit(joint.along))
+        return replace(joint, body=body, anchor=anchor, host=host, through=start, along=unit(joint.along))
 
 
 def start_turn(scene: Scene, joint: SliderJoint | Gear) -> float:
