@@ -14,7 +14,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from analytic.description.linkage import Linkage, ReleasedRegime
+from analytic.description.linkage import Linkage
 from analytic.description.loading import in_variant
 from analytic.description.schema import Erratum
 from analytic.kinematics.mechanism import Mechanism
@@ -92,13 +92,7 @@ class Stepped:
         return resample(self.speeds, np.atleast_1d(np.asarray(time, dtype=float)))
 
 
-@dataclass(frozen=True)
-class _Trial:
-    """A printed model on trial."""
-
-    linkage: Linkage
-    erratum: Erratum
-    case: Case
+Trial = tuple[Erratum, Case]  # a printed model, and the case of the regime that it is tried in
 
 
 def judge_errata(
@@ -114,24 +108,24 @@ def judge_errata(
     The engines run as ``comparisons.campaign.campaign.compare`` runs them.
     """
     trials = list(_trials(linkages))
-    tasks = [_task(trial, name) for trial in trials for name in engines]
+    tasks = [_task(*trial, name) for trial in trials for name in engines]
     count = usual_processes(len({task.key for task in tasks})) if processes is None else processes
     study = Study(judged, lost, to_bytes, from_bytes, journal, processes=count)
     with closing(study.in_order(tasks, bounds)) as runs:
-        for trial in trials:
+        for erratum, case in trials:
             printed = None
             for name, run in zip(engines, runs, strict=False):
-                printed = printed or _printed(trial)  # while the workers are busy
-                yield _record(trial, name, printed, run)
+                printed = printed or printed_motion(case.mechanism.linkage, erratum)  # while the workers are busy
+                yield _record((erratum, case), name, printed, run)
 
 
-def _task(trial: _Trial, name: str) -> Task:
+def _task(erratum: Erratum, case: Case, name: str) -> Task:
     """The run that a trial needs of an engine; trials of one linkage and regime share it."""
-    key = "/".join(("errata", trial.linkage.name, trial.erratum.regime, name))
-    return Task(key, (pickle.dumps(trial.case), name, Setting.TUNED, (SPEED,), False))
+    key = "/".join(("errata", case.mechanism.linkage.name, erratum.regime, name))
+    return Task(key, (pickle.dumps(case), name, Setting.TUNED, (SPEED,), False))
 
 
-def _trials(linkages: Iterable[Linkage]) -> Iterator[_Trial]:
+def _trials(linkages: Iterable[Linkage]) -> Iterator[Trial]:
     for linkage in linkages:
         if linkage.variant != linkage.variants[0]:
             continue  # printed models are held against the file's own values
@@ -139,22 +133,13 @@ def _trials(linkages: Iterable[Linkage]) -> Iterator[_Trial]:
         regimes = {own.name: own for own in linkage.regimes}
         names = dict.fromkeys(erratum.regime for erratum in linkage.errata)
         cases = {name: own_case(mechanism, regimes[name]) for name in names}
-        yield from (_Trial(linkage, erratum, cases[erratum.regime]) for erratum in linkage.errata)
+        yield from ((erratum, cases[erratum.regime]) for erratum in linkage.errata)
 
 
-def _printed(trial: _Trial) -> Spin:
-    """The motion by the printed model of a trial."""
-    linkage, erratum = trial.linkage, trial.erratum
-    mechanism = Mechanism(in_variant(linkage, erratum.variant)) if erratum.variant else trial.case.mechanism
+def printed_motion(linkage: Linkage, erratum: Erratum) -> Spin:
+    """The crank's motion by the printed model, in the printed integrator where that is what is on trial."""
     own = next(own for own in linkage.regimes if own.name == erratum.regime)
-    return printed_motion(mechanism, own, erratum)
-
-
-def printed_motion(mechanism: Mechanism, own: ReleasedRegime, erratum: Erratum) -> Spin:
-    """The crank's motion by the printed model, in the printed integrator where that is what is on trial.
-
-    ``mechanism`` is the printed variant already, where the erratum names one.
-    """
+    mechanism = Mechanism(in_variant(linkage, erratum.variant) if erratum.variant else linkage)
     if erratum.steps is None:
         return own_motion(mechanism, own, erratum.half_slope)
     stepped = fixed_step(
@@ -169,13 +154,14 @@ def printed_motion(mechanism: Mechanism, own: ReleasedRegime, erratum: Erratum) 
     return Stepped(Signal(stepped.time, stepped.angle), Signal(stepped.time, stepped.speed))
 
 
-def _record(trial: _Trial, name: str, printed: Spin, result: RunResult) -> ErratumRecord:
-    corrected, found = trial.case.motion, result.deviations.get(SPEED)
+def _record(trial: Trial, name: str, printed: Spin, result: RunResult) -> ErratumRecord:
+    erratum, case = trial
+    corrected, found = case.motion, result.deviations.get(SPEED)
     record = ErratumRecord(
-        mechanism=trial.linkage.name,
-        erratum=trial.erratum.name,
-        place=trial.erratum.place,
-        regime=trial.erratum.regime,
+        mechanism=case.mechanism.linkage.name,
+        erratum=erratum.name,
+        place=erratum.place,
+        regime=erratum.regime,
         engine=name,
         outcome=result.records[0].outcome,
         supports="neither",
@@ -184,7 +170,7 @@ def _record(trial: _Trial, name: str, printed: Spin, result: RunResult) -> Errat
         mean_speed=None,
         mean_speed_corrected=_mean_speed(corrected, corrected.duration),
         mean_speed_printed=_mean_speed(printed, corrected.duration),
-        note=trial.erratum.note,
+        note=erratum.note,
         reason=result.records[0].detail,
     )
     if found is None:

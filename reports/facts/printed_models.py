@@ -6,7 +6,6 @@ from functools import lru_cache
 from typing import Any
 
 from analytic.description.schema import Erratum
-from analytic.kinematics.mechanism import Mechanism
 from comparisons.campaign.errata import printed_motion as by_erratum
 from comparisons.campaign.results import described
 from comparisons.reference.case import Spin
@@ -35,6 +34,4 @@ def printed_motion(view: View, erratum: Erratum) -> Spin:
 @lru_cache(maxsize=32)
 def _printed(text: str, name: str, gravity: tuple[float, float], erratum: Erratum) -> Spin:
     """A variant is taken from the text, so that nothing is looked up that has changed since the campaign."""
-    linkage = described(text, name, None, gravity)
-    own = next(own for own in linkage.regimes if own.name == erratum.regime)
-    return by_erratum(Mechanism(described(text, name, erratum.variant, gravity)), own, erratum)
+    return by_erratum(described(text, name, None, gravity), erratum)
