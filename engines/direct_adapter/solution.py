@@ -93,21 +93,12 @@ def _free_acceleration(equations: Equations, lever: Reals, bend: Reals, loads: R
 
 def history(time: Array, blocks: list[Solution], joints: Iterable[str], channels: frozenset[Channel]) -> History:
     """The channels asked for, from consecutive blocks of instants."""
-
-    def values(channel: Channel) -> Array:
-        return np.concatenate([getattr(block, channel.value) for block in blocks]).astype(np.float64)
-
-    def signal(channel: Channel) -> Signal | None:
-        if channel not in channels:
-            return None
-        whole = values(channel)
-        return Signal(time, whole[:, :-1] if whole.ndim == 3 else whole)  # without the ground, the last body
-
-    forces = values(Channel.JOINT_FORCE).swapaxes(0, 1) if Channel.JOINT_FORCE in channels else ()
-    return History(
-        signal(Channel.POSITION),
-        signal(Channel.VELOCITY),
-        signal(Channel.ACCELERATION),
-        signal(Channel.TORQUE),
-        {name: Signal(time, force) for name, force in zip(joints, forces, strict=False)},
-    )
+    whole = {
+        channel: np.concatenate([getattr(block, channel.value) for block in blocks]).astype(np.float64)
+        for channel in channels
+    }
+    forces = whole.pop(Channel.JOINT_FORCE).swapaxes(0, 1) if Channel.JOINT_FORCE in channels else ()
+    # The ground, the last body, is left out.
+    signals = {c.value: Signal(time, values[:, :-1] if values.ndim == 3 else values) for c, values in whole.items()}
+    joint_force = {name: Signal(time, force) for name, force in zip(joints, forces, strict=False)}
+    return History(**signals, joint_force=joint_force)

@@ -246,19 +246,13 @@ def _naive_history(layout: PartLayout, step: float, seen: Array, torque: Array) 
     times = step * np.arange(1, len(seen), dtype=np.float64)
     state, rates = seen[:, :, 0], seen[:, :, 1]
     acceleration = np.diff(rates, axis=0) / step
-    forces = {}
+    signals = {
+        Channel.POSITION: state[1:],
+        Channel.VELOCITY: rates[1:],
+        Channel.ACCELERATION: acceleration,
+        Channel.TORQUE: torque,
+    }
     channels = layout.scene.channels
-    if Channel.JOINT_FORCE in channels:
-        reactions = joint_forces(layout, state[1:], rates[1:], acceleration)
-        forces = {name: Signal(times, values) for name, values in reactions.items()}
-
-    def signal(channel: Channel, values: Array) -> Signal | None:
-        return Signal(times, values) if channel in channels else None
-
-    return History(
-        position=signal(Channel.POSITION, state[1:]),
-        velocity=signal(Channel.VELOCITY, rates[1:]),
-        acceleration=signal(Channel.ACCELERATION, acceleration),
-        torque=signal(Channel.TORQUE, torque),
-        joint_force=forces,
-    )
+    forces = joint_forces(layout, state[1:], rates[1:], acceleration) if Channel.JOINT_FORCE in channels else {}
+    recorded = {channel.value: Signal(times, values) for channel, values in signals.items() if channel in channels}
+    return History(**recorded, joint_force={name: Signal(times, values) for name, values in forces.items()})
