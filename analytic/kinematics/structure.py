@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import heapq
 from collections import defaultdict
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 from analytic.description.linkage import GROUND, Link, Linkage, Pin, Slider, Vector, rotate
@@ -129,27 +129,28 @@ def prismatic_joint(slider: Slider, anchor: Vector, near: str) -> Prismatic:
     return Prismatic(slider.link, slider.link, guide.host, back, (-home[0], -home[1]), (1.0, 0.0))
 
 
-def _with_slot_sliders(linkage: Linkage) -> tuple[dict[str, Link], list[Pin], list[Slider]]:
-    """Bodies, pins and sliders with each pin in a slot replaced by a massless slider."""
+def _with_slot_sliders(linkage: Linkage) -> Linkage:
+    """The linkage with each pin in a slot replaced by a massless slider."""
     bodies = dict(linkage.links)
     sliders = list(linkage.sliders)
     carriers = {pin.point: set(pin.links) for pin in linkage.pins}
-    owners = _carriers(linkage.links.values(), linkage.ground)
+    owners = _carriers(linkage)
     for slot in linkage.slots:
         bodies[slot.name] = Link(slot.name, {slot.point: (0.0, 0.0)}, 0.0, (0.0, 0.0), None)
         sliders.append(Slider(slot.name, slot.point, slot.guide))
         pinned = set(owners[slot.point]) - {slot.guide.host}
         carriers.setdefault(slot.point, set()).update([slot.name, *pinned])
-    return bodies, [Pin(p, tuple(sorted(names))) for p, names in sorted(carriers.items())], sliders
+    pins = tuple(Pin(p, tuple(sorted(names))) for p, names in sorted(carriers.items()))
+    return replace(linkage, links=bodies, pins=pins, sliders=tuple(sliders), slots=())
 
 
-def _carriers(bodies: Iterable[Link], ground: Iterable[str]) -> Mapping[str, list[str]]:
+def _carriers(linkage: Linkage) -> Mapping[str, list[str]]:
     """The bodies that carry each point, the ground included."""
     carriers: dict[str, list[str]] = defaultdict(list)
-    for body in bodies:
+    for body in linkage.links.values():
         for point in body.points:
             carriers[point].append(body.name)
-    for point in ground:
+    for point in linkage.ground:
         carriers[point].append(GROUND)
     return carriers
 
@@ -162,14 +163,14 @@ class _Search:
     """
 
     def __init__(self, linkage: Linkage) -> None:
-        self.linkage = linkage
-        self.bodies, self.pins, self.sliders = _with_slot_sliders(linkage)
+        self.linkage = _with_slot_sliders(linkage)
+        self.bodies = self.linkage.links
         self.pins_of: dict[str, list[Pin]] = defaultdict(list)
-        for pin in self.pins:
+        for pin in self.linkage.pins:
             for name in pin.links:
                 self.pins_of[name].append(pin)
         self.sliders_of: dict[str, list[Slider]] = defaultdict(list)
-        for slider in self.sliders:
+        for slider in self.linkage.sliders:
             for name in (slider.link, slider.guide.host):
                 self.sliders_of[name].append(slider)
         self.placed: set[str] = set()
@@ -178,14 +179,11 @@ class _Search:
         self.first_two: dict[str, list[str]] = defaultdict(list)  # of each pin: its first reachable bodies by name
         self.pairs: list[tuple[str, str]] = []  # heap of reachable pairs with a joint between them
 
-    def local(self, point: str, body: str) -> Vector:
-        return self.linkage.ground[point] if body == GROUND else self.bodies[body].points[point]
-
     def revolute(self, point: str, near: str, far: str) -> Revolute:
-        return Revolute(point, near, far, self.local(point, near), self.local(point, far))
+        return Revolute(point, near, far, self.linkage.local(point, near), self.linkage.local(point, far))
 
     def prismatic(self, slider: Slider, near: str) -> Prismatic:
-        return prismatic_joint(slider, self.local(slider.point, slider.link), near)
+        return prismatic_joint(slider, self.linkage.local(slider.point, slider.link), near)
 
     def joints(self, near: str, far: str) -> Iterator[Joint]:
         """Every joint between two bodies, seen from ``near``."""
@@ -309,11 +307,11 @@ def _leftover(search: _Search) -> str:
     """Why the bodies that are left form no dyad: too many or too few joints, or a group of a higher class."""
     left = sorted(set(search.bodies) - search.placed)
     moving = len(search.bodies)
-    lower_pairs = sum(len(pin.links) - 1 for pin in search.pins) + len(search.sliders)
+    lower_pairs = sum(len(pin.links) - 1 for pin in search.linkage.pins) + len(search.linkage.sliders)
     mobility = 3 * moving - 2 * lower_pairs
     names = listed(f"'{name}'" for name in left)
     if mobility != 1:
-        carriers = _carriers(search.bodies.values(), search.linkage.ground)
+        carriers = _carriers(search.linkage)
         single = sorted(f"'{p}'" for name in left for p in search.bodies[name].points if len(carriers[p]) == 1)
         loose = f"; on one link only: {listed(single)}" if single and mobility > 1 else ""
         cure = "add a joint to" if mobility > 1 else "leave out a joint of"
