@@ -6,6 +6,7 @@ import tomllib
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
+from typing import Any
 
 from analytic.description.crank_motion import REGIMES
 
@@ -21,33 +22,10 @@ class Limit:
     reason: str
 
 
-@dataclass(frozen=True)
-class _Row:
-    quantities: tuple[str, ...]
-    settings: tuple[str, ...]
-    regimes: tuple[str, ...]
-    limit: Limit
-
-    def fits(self, quantity: str, setting: str, regime: str) -> bool:
-        return (
-            quantity in self.quantities
-            and (not self.settings or setting in self.settings)
-            and (not self.regimes or regime in self.regimes)
-        )
-
-
 @cache
-def _rows() -> tuple[_Row, ...]:
-    table = tomllib.loads(TABLE.read_text(encoding="utf-8"))["limit"]
-    return tuple(
-        _Row(
-            tuple(row["quantities"]),
-            tuple(row.get("settings", ())),
-            tuple(row.get("regimes", ())),
-            Limit(float(row["value"]), row["reason"]),
-        )
-        for row in table
-    )
+def _rows() -> list[dict[str, Any]]:
+    found: list[dict[str, Any]] = tomllib.loads(TABLE.read_text(encoding="utf-8"))["limit"]
+    return found
 
 
 def limit(quantity: str, setting: str, regime: str) -> Limit:
@@ -57,6 +35,7 @@ def limit(quantity: str, setting: str, regime: str) -> Limit:
     """
     quantity, regime = quantity.partition(":")[0], regime if regime in REGIMES else OWN
     for row in _rows():
-        if row.fits(quantity, setting, regime):
-            return row.limit
+        fits = setting in row.get("settings", [setting]) and regime in row.get("regimes", [regime])
+        if quantity in row["quantities"] and fits:
+            return Limit(float(row["value"]), row["reason"])
     raise LookupError(f"limits.toml has no row for {quantity}, {setting}, {regime}: add one with its reason")
