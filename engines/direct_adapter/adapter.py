@@ -9,14 +9,13 @@ instant depend on nothing but that instant. A free crank follows the bodies' own
 
 from __future__ import annotations
 
-from importlib import metadata
-
 import numpy as np
 
 from engines.contract import History, Method, Run, Setting
 from engines.direct_adapter.assembly import Equations
 from engines.direct_adapter.motion import motion
 from engines.direct_adapter.precision import METHODS, SETTINGS, Precision, method_precision
+from engines.installed import installed_version
 from engines.scene import Scene
 from engines.start_check import start_misfit
 from engines.stepping.cost import Cost
@@ -33,10 +32,7 @@ class DirectEngine:
     work_unit = "linear solves"
 
     def version(self) -> str | None:
-        try:
-            return metadata.version(DISTRIBUTION)
-        except metadata.PackageNotFoundError:
-            return "source"  # run from a checkout that is not installed: nothing else is needed
+        return installed_version(DISTRIBUTION) or "source"  # run from a checkout: nothing else is needed
 
     def run(self, scene: Scene, setting: Setting) -> Run:
         return _run(scene, SETTINGS[setting], Cost())
