@@ -23,7 +23,7 @@ from analytic.compiled.kernels.linkage import design_of, scratch
 from analytic.compiled.kernels.rows import pose, rate, second
 from analytic.compiled.kernels.solution import body_at, pair, solve
 from analytic.compiled.kernels.trigonometry import cosines_and_sines
-from analytic.description.linkage import Linkage
+from analytic.description.linkage import GROUND, Linkage
 from analytic.dynamics.equation_of_motion import equation_of_motion
 from analytic.kinematics.frames import point, point_acceleration, point_rate
 from analytic.kinematics.mechanism import Mechanism
@@ -184,7 +184,9 @@ def our_motion(mechanism: Mechanism, angle: Array) -> Callable[[], Array]:
     """The kernels of any linkage, at crank angles, rad; a call gives (points, orders, 2, angles)."""
     flat, sweep = flatten(mechanism), mechanism.sweep(angle)
     carriers = [(sweep.carrier(name), name) for name in POINTS]
-    points = np.array([(flat.bodies[body], flat.points[body, name]) for body, name in carriers], dtype=np.int64)
+    links = [name for dyad in mechanism.structure.dyads for name in dyad.links]
+    numbers = {name: number for number, name in enumerate((GROUND, mechanism.linkage.crank, *links))}
+    points = np.array([(numbers[body], flat.places[f"{body}.{name}.x"]) for body, name in carriers], dtype=np.int64)
     memory = (design_of(flat), np.full_like(flat.tables.levels, 2), scratch(flat))
 
     def run() -> Array:
