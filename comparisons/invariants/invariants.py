@@ -74,10 +74,3 @@ def _untold(seen: Inspection) -> float:
         turned = float(np.max(np.abs(np.diff(motion.crank(Channel.POSITION, time)))))
         worst = max(worst, turned if turned > HALF_TURN else 0.0)
     return worst
-
-
-def power_torque(motion: ObservedMotion, least_speed: float = 0.0) -> Signal:
-    """The drive torque by the other route, N m: by virtual power, where the crank turns at least so fast."""
-    required = Inspection(motion).torque_required()
-    fast = np.abs(motion.crank(Channel.VELOCITY, required.time)) >= least_speed
-    return Signal(required.time[fast], required.values[fast])

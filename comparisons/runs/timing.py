@@ -44,7 +44,7 @@ print(spent[0] - spent[1])
 
 @dataclass(frozen=True)
 class Noise:
-    """How long the same work took each time, s, spread over the whole of a measurement; all nought if it never did."""
+    """How long the same work took each time, s, spread over the whole of a measurement; all 0 if it never did."""
 
     samples: tuple[float, ...]
 

@@ -26,8 +26,8 @@ class Extent:
 
     ``steps_per_turn`` of the crank's peak speed, coarse to fine; a sweep ends before a point whose stepping would take
     longer than ``budget``, s. A point is timed ``repeats`` times, fewer once it has taken ``patience``, s, in all.
-    ``effort_stride`` takes every so-manieth step in sweeps at other solver efforts; 0 leaves these out. No run is begun
-    after ``deadline``, s from the start.
+    ``effort_stride`` is the stride through the steps in sweeps at other solver efforts; 0 leaves these out. No run is
+    begun after ``deadline``, s from the start.
     """
 
     steps_per_turn: tuple[float, ...]

@@ -105,4 +105,5 @@ def _closing_line(results: Sequence[RunResult]) -> Text:
     judged = sum(count for verdict, count in counts.items() if verdict.judged)
     words += [f"{len(records) - judged} not judged ({', '.join(unjudged)})"] if unjudged else []
     note = f"; {left_out} samples at acceleration jumps or near standstill left out" if left_out else ""
-    return line(f"{judged} deviations: {', '.join(words)}{note}")
+    deviations = "deviation" if judged == 1 else "deviations"
+    return line(f"{judged} {deviations}: {', '.join(words)}{note}")

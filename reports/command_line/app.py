@@ -11,42 +11,13 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 from typer.core import TyperGroup
 
-from reports.command_line.options import (
-    Cells,
-    Engines,
-    Jobs,
-    Json,
-    Mechanism,
-    Mechanisms,
-    Out,
-    Quantities,
-    Quiet,
-    Regimes,
-    Resume,
-    Settings,
-    Usages,
-    Variant,
-    Verbose,
-    flag,
-    valued,
-)  # fmt: skip
+from reports.command_line import options
+from reports.command_line.options import flag, valued
 
 if TYPE_CHECKING:
     from reports.command_line.destination import Destination
 
-GLOSSARY = """
-Symbols:
-  φ    rad     crank angle, counter-clockwise positive
-  ω    rad/s   crank speed, dφ/dt
-  ε    rad/s²  crank acceleration, dω/dt
-  S    m       displacement of the output point from its top dead centre
-  v    m/s     velocity of the output point, dS/dt
-  a    m/s²    acceleration of the output point, dv/dt
-  Jeq  kg m²   reduced moment of inertia: all moving masses, as felt at the crank
-  Teq  J       kinetic energy of the linkage, ½ Jeq ω²
-  Mkr  N m     torque that drives the crank
-  Peq  W       power at the crank, Mkr ω
-"""
+GLOSSARY = Path(__file__).parents[1] / "templates" / "glossary.txt"
 
 
 class InterruptedRunError(Exception):
@@ -61,7 +32,7 @@ class _Commands(TyperGroup):
             raise InterruptedRunError(str(interrupt) or "nothing was written") from interrupt
 
     def get_help(self, ctx: typer.Context) -> str:  # type: ignore[override]
-        return f"{super().get_help(ctx)}\n{GLOSSARY}"
+        return f"{super().get_help(ctx)}\n\n{GLOSSARY.read_text(encoding='utf-8')}"
 
 
 app = typer.Typer(
@@ -94,7 +65,7 @@ def _print_version(wanted: bool) -> None:
 
 
 @app.callback()
-def options(
+def linkproof(
     version: Annotated[
         bool, typer.Option("--version", help="Show the version and exit.", callback=_print_version, is_eager=True)
     ] = False,
@@ -103,7 +74,7 @@ def options(
 
 
 @app.command("list", short_help="List the mechanisms of the catalogue.")
-def list_(json: Json = None) -> None:
+def list_(json: options.Json = None) -> None:
     """List the mechanisms of the catalogue, their variants and sources."""
     from reports.command_line import mechanisms
 
@@ -111,7 +82,7 @@ def list_(json: Json = None) -> None:
 
 
 @app.command(short_help="Show one mechanism: structure, links, Jeq, stroke.")
-def show(mechanism: Mechanism, variant: Variant = None, json: Json = None) -> None:
+def show(mechanism: options.Mechanism, variant: options.Variant = None, json: options.Json = None) -> None:
     """Show one mechanism: structure, links, Jeq, stroke, accuracy of its closed form.
 
     MECHANISM is a name in the catalogue or the path of a .toml file.
@@ -123,10 +94,10 @@ def show(mechanism: Mechanism, variant: Variant = None, json: Json = None) -> No
 
 @app.command(short_help="Show a mechanism's thread feed.")
 def thread(
-    mechanism: Mechanism,
-    variant: Variant = None,
+    mechanism: options.Mechanism,
+    variant: options.Variant = None,
     required: Annotated[Path | None, valued("CSV", "Required feed: columns phi_deg, feed_mm.")] = None,
-    json: Json = None,
+    json: options.Json = None,
 ) -> None:
     """Show a mechanism's thread feed, and compare it with a required curve.
 
@@ -138,7 +109,7 @@ def thread(
 
 
 @app.command(short_help="Compare figures printed in the sources with the closed form.")
-def published(mechanisms: Mechanisms = None, json: Json = None) -> None:
+def published(mechanisms: options.Mechanisms = None, json: options.Json = None) -> None:
     """Compare the figures printed in the sources with the closed form, in every variant.
 
     MECHANISM is a name in the catalogue or the path of a .toml file; default: the whole catalogue.
@@ -150,12 +121,12 @@ def published(mechanisms: Mechanisms = None, json: Json = None) -> None:
 
 @app.command(short_help="Simulate mechanisms; compare every error with its limit.")
 def compare(
-    mechanisms: Mechanisms = None,
-    variant: Variant = None,
-    regime: Regimes = None,
-    engine: Engines = None,
-    setting: Settings = None,
-    quantity: Quantities = None,
+    mechanisms: options.Mechanisms = None,
+    variant: options.Variant = None,
+    regime: options.Regimes = None,
+    engine: options.Engines = None,
+    setting: options.Settings = None,
+    quantity: options.Quantities = None,
     speed: Annotated[float, valued("RPM", "Final crank speed.")] = 1000.0,
     ramp_time: Annotated[float, valued("SECONDS", "Time to reach it.")] = 0.6,
     hold_time: Annotated[float, valued("SECONDS", "Time at that speed.")] = 0.1,
@@ -163,15 +134,15 @@ def compare(
     clockwise: Annotated[bool, flag("Turn the crank clockwise.", "--clockwise")] = False,
     no_gravity: Annotated[bool, flag("Leave gravity out.", "--no-gravity")] = False,
     full: Annotated[bool, flag("Run the files' own regimes in every setting, not best alone.", "--full")] = False,
-    out: Out = None,
-    json: Json = None,
+    out: options.Out = None,
+    json: options.Json = None,
     record_baseline: Annotated[bool, flag("Record these errors as the new baseline.", "--record-baseline")] = False,
-    resume: Resume = False,
-    quiet: Quiet = False,
-    verbose: Verbose = False,
+    resume: options.Resume = False,
+    quiet: options.Quiet = False,
+    verbose: options.Verbose = False,
     time_limit: Annotated[float | None, valued("SECONDS", "Wall time that one run may take; default: 600.")] = None,
     memory_limit: Annotated[float | None, valued("GIB", "Memory that one run may add; default: 4.")] = None,
-    jobs: Jobs = None,
+    jobs: options.Jobs = None,
 ) -> None:
     """Simulate mechanisms in engines and compare every error with its limit.
 
@@ -200,17 +171,17 @@ def compare(
 
 @app.command(short_help="Measure error against run time, over a sweep of steps.")
 def bench(
-    mechanisms: Mechanisms = None,
-    regime: Regimes = None,
-    engine: Engines = None,
-    quantity: Quantities = None,
+    mechanisms: options.Mechanisms = None,
+    regime: options.Regimes = None,
+    engine: options.Engines = None,
+    quantity: options.Quantities = None,
     quick: Annotated[bool, flag("A coarser sweep of one regime: under a minute.", "--quick")] = False,
     costs: Annotated[bool, flag("Measure what each output and load costs too.", "--costs")] = False,
-    out: Out = None,
-    json: Json = None,
-    resume: Resume = False,
-    quiet: Quiet = False,
-    verbose: Verbose = False,
+    out: options.Out = None,
+    json: options.Json = None,
+    resume: options.Resume = False,
+    quiet: options.Quiet = False,
+    verbose: options.Verbose = False,
 ) -> None:
     """Measure error against run time: every engine, setting and method over a sweep of steps.
 
@@ -229,19 +200,19 @@ def bench(
 
 @app.command(short_help="Find where each engine fails, and whether the checks notice.")
 def stress(
-    words: Cells = None,
-    engine: Engines = None,
-    setting: Usages = None,
+    words: options.Cells = None,
+    engine: options.Engines = None,
+    setting: options.Settings = None,
     quick: Annotated[bool, flag("Fewer cells, coarser borders: about a minute.", "--quick")] = False,
-    out: Out = None,
-    json: Json = None,
-    resume: Resume = False,
-    quiet: Quiet = False,
-    verbose: Verbose = False,
+    out: options.Out = None,
+    json: options.Json = None,
+    resume: options.Resume = False,
+    quiet: options.Quiet = False,
+    verbose: options.Verbose = False,
     time_limit: Annotated[
         float | None, valued("SECONDS", "Wall time that one cell may take; default: that of its map.")
     ] = None,
-    jobs: Jobs = None,
+    jobs: options.Jobs = None,
 ) -> None:
     """Find where each engine fails, and whether the checks notice.
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TypedDict
+from typing import Any
 
 from comparisons.campaign.campaign import CampaignRequest, tasks
 from comparisons.campaign.campaign import compare as run_campaign
@@ -12,8 +12,6 @@ from comparisons.campaign.results import document, save
 from comparisons.campaign.results import load as load_results
 from comparisons.judging import baseline
 from comparisons.runs.files import write_text
-from comparisons.runs.journal import Journal
-from comparisons.runs.workers import Bounds
 from reports.campaign.terminal import printout
 from reports.command_line.destination import Destination
 from reports.command_line.exit_codes import campaign_exit_code
@@ -37,7 +35,7 @@ def compare(
     kept = journal(out, choice.command, wanted.engines, wanted.linkages, resume=destination.resume) if out else None
     with interruptible(out) as counting:
         with destination.progress() as announce:
-            running: _Running = {"bounds": limits.bounds, "processes": limits.processes, "journal": kept}
+            running: dict[str, Any] = {"bounds": limits.bounds, "processes": limits.processes, "journal": kept}
             results = list(run_campaign(wanted, counting(announce), **running))
             errata = _errata(wanted, running) if destination.json or out else []
         records = [record for result in results for record in (*result.records, *result.invariants)]
@@ -56,15 +54,7 @@ def compare(
     return campaign_exit_code(records, errata)
 
 
-class _Running(TypedDict):
-    """How engines are run, as campaigns and errata take it."""
-
-    bounds: Bounds
-    processes: int
-    journal: Journal | None
-
-
-def _errata(wanted: CampaignRequest, running: _Running) -> list[ErratumRecord]:
+def _errata(wanted: CampaignRequest, running: dict[str, Any]) -> list[ErratumRecord]:
     """The printed models of the linkages whose own regimes are asked for, put to the engines asked for."""
     asked = wanted.linkages if wanted.own_regimes else ()
     return list(judge_errata(asked, installed(wanted.engines), **running))

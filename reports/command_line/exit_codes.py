@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Iterable, Sequence
-from typing import Final
 
 from analytic.errors import LinkproofError
 from comparisons.campaign.errata import ErratumRecord
@@ -15,10 +14,7 @@ from comparisons.stress.verdict import StressVerdict
 from comparisons.work_precision.points import OUT_OF_TIME
 from comparisons.work_precision.records import BenchRecord
 from engines.contract import Outcome, Setting
-
-PASSED: Final = 0
-FAILED: Final = 1
-SUITE_ERROR: Final = 3
+from reports.command_line.main import FAILED, PASSED, SUITE_ERROR
 
 
 def campaign_exit_code(records: Sequence[Record], errata: Iterable[ErratumRecord] = ()) -> int:

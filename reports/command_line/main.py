@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import sys
 
-FAILED, BAD_INPUT, SUITE_ERROR, INTERRUPTED = 1, 2, 3, 130
+PASSED, FAILED, BAD_INPUT, SUITE_ERROR, INTERRUPTED = 0, 1, 2, 3, 130
 
 
 def main() -> None:

@@ -52,13 +52,10 @@ Engines = Annotated[
 ]
 Settings = Annotated[
     list[str] | None,
-    valued("NAME", "naive, tuned, best, or all; repeatable; default: tuned.", "--setting", names=completion.settings),
-]
-Usages = Annotated[
-    list[str] | None,
     valued(
         "NAME",
-        "Setting or fixed-step method; repeatable; default: those of each map.",
+        "naive, tuned, best, or all; repeatable; default: tuned (stress: a setting or a fixed-step method; default: "
+        "those of each map).",
         "--setting",
         names=completion.settings,
     ),

@@ -99,9 +99,9 @@ def border_words(border: Border) -> str:
 def section(stress: Stress, *, with_borders: bool = True) -> Markup:
     """The section's HTML, heading and tables, as a page has it; the long table of borders folded away."""
     return render(
-        "stress_section.html",
+        "study_section.html",
         title=TITLE,
         about=summary(stress),
-        verdicts=verdict_table(stress),
+        tables=[verdict_table(stress)],
         borders=border_table(stress) if with_borders else None,
     )

@@ -62,4 +62,4 @@ def _times(cost: MeasuredCost, whole: MeasuredCost) -> tuple[str, ...]:
 
 def section(costs: Sequence[MeasuredCost]) -> Markup:
     """The section's HTML, heading and tables, as the page has it."""
-    return render("tables_section.html", title=TITLE, about=ABOUT, tables=cost_tables(costs))
+    return render("study_section.html", title=TITLE, about=ABOUT, tables=cost_tables(costs))

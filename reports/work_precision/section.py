@@ -98,10 +98,10 @@ def overviews(bench: Bench, only_first: bool = False) -> tuple[ReportFigure, ...
 def section(bench: Bench, *, only_first: bool = False) -> Markup:
     """The section's HTML, heading, plots and tables, as a page has it."""
     return render(
-        "bench_section.html",
+        "study_section.html",
         title=TITLE,
         about=ABOUT,
         figures=overviews(bench, only_first),
-        tables=choice_tables(bench),
+        choices=choice_tables(bench),
         note=noise_note(bench),
     )

@@ -60,7 +60,7 @@ def accelerations(tables: Tables, design: Array, n: int, speeds: Array, result: 
 
 @kernel
 def stay(tables: Tables, design: Array, n: int, angle: float, speed: float, space: Space) -> None:
-    """Guess that the acceleration stays what it is at an angle and a speed; nan if there is no motion."""
+    """Predict the window with the acceleration of an angle and a speed kept constant; nan if there is no motion."""
     for i in range(n):
         space.work[ANGLE + i] = angle
         space.speeds[i] = speed

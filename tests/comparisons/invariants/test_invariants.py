@@ -455,7 +455,7 @@ def test_energy_is_balanced(motion):
 
 
 def test_both_routes_to_the_torque_agree_at_standstill_too(motion):
-    by_power = invariants.power_torque(motion)
+    by_power = Inspection(motion).torque_required()
     torque = motion.history.torque
     assert by_power.time[0] == 0.0
     np.testing.assert_allclose(by_power.values, torque.values, atol=1e-10 * np.abs(torque.values).max())

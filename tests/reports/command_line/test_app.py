@@ -38,8 +38,8 @@ def completed(*words):
 
 def test_help_explains_every_symbol():
     shown = linkproof("--help").stdout
-    assert shown.rstrip().endswith(GLOSSARY.strip())
-    named = [words.split()[0] for words in GLOSSARY.strip().splitlines()[1:]]
+    assert shown.rstrip().endswith(GLOSSARY.read_text(encoding="utf-8").strip())
+    named = [words.split()[0] for words in GLOSSARY.read_text(encoding="utf-8").strip().splitlines()[1:]]
     assert named == ["φ", "ω", "ε", "S", "v", "a", "Jeq", "Teq", "Mkr", "Peq"]
 
 
@@ -87,6 +87,6 @@ def test_a_file_is_completed_from_where_it_lies(tmp_path, monkeypatch):
 
 def test_the_readme_explains_the_same_symbols_in_the_same_words():
     readme = (Path(__file__).parents[3] / "README.md").read_text(encoding="utf-8")
-    for words in GLOSSARY.strip().splitlines()[1:]:
+    for words in GLOSSARY.read_text(encoding="utf-8").strip().splitlines()[1:]:
         symbol, unit, meaning = re.split(r"\s{2,}", words.strip())
         assert f"| {symbol} | {unit} | {meaning} |" in readme

@@ -31,14 +31,14 @@ def test_markdown_rows_are_as_wide_as_their_head_and_bars_are_escaped():
 
 
 def test_a_page_escapes_words_and_keeps_markup():
-    found = render("tables_section.html", title="t", about="", tables=[TABLE])
+    found = render("study_section.html", title="t", about="", tables=[TABLE])
     assert "What &lt;it&gt; is." in found
     assert re.findall(r"<t[dh](?: [^>]*)?>(.*?)</t[dh]>", found) == [
         *("name", "kind", "1/2 | value", "a|b", "&lt;x&gt;", "<strong>3</strong>", "[/c]", "y", "<strong>40</strong>"),
     ]
     assert found.count('class="num"') == 3
     marked = ReportTable("", ("name",), ((Markup("<code>c</code>"),),))
-    assert "<code>c</code>" in render("tables_section.html", title="t", about="", tables=[marked])
+    assert "<code>c</code>" in render("study_section.html", title="t", about="", tables=[marked])
 
 
 def test_a_terminal_reads_no_markup_and_aligns_figures():

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import dataclasses
+
 from . import lacking
 
 
@@ -48,7 +50,10 @@ class Judging:
         self.observed = lacking.module("comparisons.observation.observed_motion").ObservedMotion
         self.deviation = lacking.module("comparisons.judging.deviations").deviation
         self.quantities = lacking.module("comparisons.judging.quantities").chosen_quantities
-        self.invariants = lacking.module("comparisons.invariants.invariants")
+        self.checks = lacking.module("comparisons.invariants.checks").checks
+        record = lacking.module("comparisons.judging.records").Record
+        words = {field.name: "" for field in dataclasses.fields(record)}
+        self.blank = record(**{**words, "setting": "tuned", "regime": "run-up"})
         self.history = adapter.run(self.scene, setting).history
 
     def time_deviations(self, _engine):
@@ -58,4 +63,4 @@ class Judging:
 
     def time_invariants(self, _engine):
         motion = self.observed(self.scene, self.history)
-        return [self.invariants.joint_gaps(motion).values, self.invariants.power_torque(motion, 1.0).values]
+        return [record.samples for record in self.checks(_case(), motion, self.blank)]
