@@ -62,12 +62,12 @@ def evaluate_designs(
         )
     flat = flatten(mechanism)
     designs = _designs(flat, parameters)
-    needed = needs(redesigned(flat, designs.largest()), request.names, turns=request.turns)
+    largest = redesigned(flat, designs.largest())
     angles = request.angle.size + ANGLES_OF_A_DESIGN
     if is_compiled(path, "evaluation", PER_ANGLE * designs.count * angles * len(flat.structure.bodies)):
-        values, moving = compute(flat, request, needed, count=designs.count, designs=designs.rows, cores=cores)
+        values, moving = compute(flat, request, largest, count=designs.count, designs=designs.rows, cores=cores)
     else:
-        values, moving = _plain(flat, request, needed, designs)
+        values, moving = _plain(flat, request, needs(largest, request.names, turns=request.turns), designs)
     return {**dict(zip(request.names, values, strict=True)), ASSEMBLED: moving}
 
 

@@ -11,10 +11,9 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from analytic.compiled.choice import is_compiled
-from analytic.compiled.evaluation import compute
-from analytic.compiled.flat_linkage import Integers, flatten
+from analytic.compiled.evaluation import by_kernels
+from analytic.compiled.flat_linkage import Integers
 from analytic.dynamics import reduced
-from analytic.dynamics.derivative_orders import needs
 from analytic.kinematics.mechanism import Mechanism
 from analytic.kinematics.sweep import Sweep
 from analytic.request import EvaluationRequest, evaluation_request
@@ -88,21 +87,10 @@ def evaluate(
     request = evaluation_request(angle, quantities, speed, acceleration)
     values = None
     if is_compiled(path, "evaluation", PER_ANGLE * request.angle.size * len(mechanism.structure.bodies)):
-        values = _by_kernels(mechanism, request, cores)
+        values = by_kernels(mechanism, request, cores)
     if values is None:
         values = _by_numpy(mechanism, request)
     return {name: row.reshape(request.shape) for name, row in zip(request.names, values, strict=True)}
-
-
-def _by_kernels(mechanism: Mechanism, request: EvaluationRequest, cores: int | None) -> Array | None:
-    """Quantities (quantities, angles); None where the linkage cannot be assembled or cannot move at some angle.
-
-    There NumPy has a sentence to say, or finds that no more than a rounding was missing.
-    """
-    flat = flatten(mechanism)
-    needed = needs(mechanism.linkage, request.names, turns=request.turns)
-    values, moving = compute(flat, request, needed, count=1, designs=lambda *_: flat.numbers[None], cores=cores)
-    return values[:, 0] if np.all(moving) else None
 
 
 def _by_numpy(mechanism: Mechanism, request: EvaluationRequest) -> Array:

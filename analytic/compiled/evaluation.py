@@ -12,9 +12,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from analytic.compiled.choice import kernels
-from analytic.compiled.flat_linkage import FlatLinkage, levels
-from analytic.dynamics.derivative_orders import Needs
+from analytic.compiled.flat_linkage import FlatLinkage, flatten, levels
+from analytic.description.linkage import Linkage
+from analytic.dynamics.derivative_orders import needs
 from analytic.errors import LinkproofError
+from analytic.kinematics.mechanism import Mechanism
 from analytic.request import EvaluationRequest
 
 Array = NDArray[np.float64]
@@ -25,10 +27,22 @@ CHUNK: Final = 256  # designs a thread takes at a time: their vectors stay in it
 SHARE: Final = 16384  # crank angles that are worth a thread's attention: less than a millisecond's work
 
 
+def by_kernels(mechanism: Mechanism, request: EvaluationRequest, cores: int | None) -> Array | None:
+    """Quantities (quantities, angles); None where the linkage cannot be assembled or cannot move at some angle.
+
+    There NumPy has a sentence to say, or finds that no more than a rounding was missing.
+    """
+    flat = flatten(mechanism)
+    values, moving = compute(
+        flat, request, mechanism.linkage, count=1, designs=lambda *_: flat.numbers[None], cores=cores
+    )
+    return values[:, 0] if np.all(moving) else None
+
+
 def compute(
     flat: FlatLinkage,
     request: EvaluationRequest,
-    needed: Needs,
+    largest: Linkage,
     *,
     count: int,
     designs: Callable[[int, int], Array],
@@ -36,11 +50,13 @@ def compute(
 ) -> tuple[Array, Booleans]:
     """Quantities of ``count`` designs at all crank angles, (quantities, count, angles), and where they move.
 
-    ``designs`` gives the vectors of numbers from one design to before another, (designs, numbers). Where a design
-    has no motion its values are nan. ``cores`` is the number of threads, one for each core of the machine if None.
-    Raises LinkproofError if numba is not installed.
+    ``largest`` is a linkage that has whatever one of the designs has, a mass or a load for instance. ``designs`` gives
+    the vectors of numbers from one design to before another, (designs, numbers). Where a design has no motion its
+    values are nan. ``cores`` is the number of threads, one for each core of the machine if None. Raises LinkproofError
+    if numba is not installed.
     """
     linkage, arrays = kernels("linkage"), kernels("evaluation")
+    needed = needs(largest, request.names, turns=request.turns)
     wanted = np.array([needed.inertia, needed.half_derivative, needed.forces, needed.output], dtype=np.int64)
     codes = np.array([arrays.CODES[name] for name in request.names], dtype=np.int64)
     orders = levels(flat.structure, needed.orders)

@@ -37,7 +37,6 @@ class PointChoice:
     ``closest`` is the engine's point of the smallest error.
     """
 
-    wanted: float
     record: BenchRecord | None
     closest: BenchRecord
 
@@ -137,9 +136,7 @@ def choices(records: Sequence[BenchRecord], limits: Sequence[float] = WANTED) ->
     if not finished:
         return ()
     closest = min(finished, key=lambda record: (_error(record), _seconds(record)))
-    return tuple(
-        PointChoice(error, min(_reaching(finished, error), key=_seconds, default=None), closest) for error in limits
-    )
+    return tuple(PointChoice(min(_reaching(finished, error), key=_seconds, default=None), closest) for error in limits)
 
 
 def _reaching(records: Sequence[BenchRecord], limit: float) -> Iterator[BenchRecord]:
