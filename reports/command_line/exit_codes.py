@@ -14,7 +14,7 @@ from comparisons.stress.verdict import StressVerdict
 from comparisons.work_precision.points import OUT_OF_TIME
 from comparisons.work_precision.records import BenchRecord
 from engines.contract import Outcome, Setting
-from reports.command_line.main import FAILED, PASSED, SUITE_ERROR
+from reports.command_line import FAILED, PASSED, SUITE_ERROR
 
 
 def campaign_exit_code(records: Sequence[Record], errata: Iterable[ErratumRecord] = ()) -> int:

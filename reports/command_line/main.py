@@ -1,15 +1,15 @@
 """The entry of the command line: every error becomes one sentence and an exit code.
 
 Exit codes: 0 all within limits, 1 a limit exceeded or a run that failed, 2 misuse, bad input or nothing judged, 3 a
-fault of linkproof itself, 130 interrupted. Nothing is imported before ``main`` runs: from then on Ctrl-C ends in a
-sentence.
+fault of linkproof itself, 130 interrupted. Nothing but these is imported before ``main`` runs: from then on Ctrl-C
+ends in a sentence.
 """
 
 from __future__ import annotations
 
 import sys
 
-PASSED, FAILED, BAD_INPUT, SUITE_ERROR, INTERRUPTED = 0, 1, 2, 3, 130
+from reports.command_line import BAD_INPUT, FAILED, INTERRUPTED, SUITE_ERROR
 
 
 def main() -> None:

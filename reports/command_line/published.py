@@ -10,8 +10,8 @@ from comparisons.campaign.errata import judge_errata
 from comparisons.reference.published import all_variants, compare_published
 from comparisons.runs.failures import Failure
 from engines.registry import engine_names
+from reports.command_line import PASSED, SUITE_ERROR
 from reports.command_line.destination import Destination
-from reports.command_line.main import PASSED, SUITE_ERROR
 from reports.command_line.requests import installed
 from reports.text import terminal
 from reports.text.screen import line
