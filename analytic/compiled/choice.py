@@ -47,6 +47,11 @@ def cost_of_start(kernels: str) -> float:
     return math.inf if folder() is None else COMPILING
 
 
+def cores() -> int:
+    """Processor cores this process may use."""
+    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+
+
 def is_installed() -> bool:
     """Whether numba is installed; it is not imported for the answer."""
     return importlib.util.find_spec("numba") is not None

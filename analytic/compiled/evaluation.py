@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import itertools
-import os
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from typing import Any, Final
@@ -11,6 +10,7 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
+from analytic.compiled.choice import cores as available
 from analytic.compiled.choice import kernels
 from analytic.compiled.flat_linkage import FlatLinkage, flatten, levels
 from analytic.description.linkage import Linkage
@@ -107,4 +107,4 @@ def _threads(cores: int | None) -> int:
         if cores < 1:
             raise LinkproofError(f"cores: expected a positive number of threads, or none for all, got {cores}; mend it")
         return cores
-    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+    return available()

@@ -21,6 +21,7 @@ from multiprocessing.connection import Connection, wait
 from multiprocessing.process import BaseProcess
 from typing import Any, Final, TypeVar
 
+from analytic.compiled.choice import cores
 from analytic.errors import LinkproofError
 from comparisons.runs.failures import GIB, Failure, Lost, lost
 from comparisons.runs.worker_process import READY, cut_off, serve, start_method, start_server
@@ -46,11 +47,6 @@ class Bounds:
 
 
 DEFAULT_BOUNDS = Bounds()
-
-
-def cores() -> int:
-    """Processor cores this process may use."""
-    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
 
 
 def usual_processes(count: int) -> int:

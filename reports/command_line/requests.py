@@ -7,6 +7,7 @@ import shlex
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
+from analytic.compiled.choice import cores
 from analytic.description.changes import without
 from analytic.description.crank_motion import LARGEST, RAMPS, REGIMES, RPM, CrankMotion, crank_motion
 from analytic.description.linkage import Linkage
@@ -14,7 +15,7 @@ from analytic.description.loading import catalogue, read
 from analytic.errors import LinkproofError, UnknownNameError
 from comparisons.campaign.campaign import CampaignRequest
 from comparisons.runs.failures import GIB
-from comparisons.runs.workers import DEFAULT_BOUNDS, Bounds, cores
+from comparisons.runs.workers import DEFAULT_BOUNDS, Bounds
 from engines.contract import Setting
 from engines.registry import engine, engine_names
 

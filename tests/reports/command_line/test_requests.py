@@ -7,11 +7,12 @@ from pathlib import Path
 
 import pytest
 
+from analytic.compiled.choice import cores
 from analytic.description.loading import catalogue, find
 from analytic.errors import LinkproofError, UnknownNameError
 from comparisons.campaign.campaign import cases
 from comparisons.runs.failures import GIB
-from comparisons.runs.workers import DEFAULT_BOUNDS, cores
+from comparisons.runs.workers import DEFAULT_BOUNDS
 from engines.contract import Setting
 from engines.registry import engine_names
 from reports.command_line import requests
