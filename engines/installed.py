@@ -1,7 +1,11 @@
-"""Which engines are installed."""
+"""Which engines are installed, and keeping them quiet."""
 
 from __future__ import annotations
 
+import os
+import re
+from collections.abc import Iterator
+from contextlib import contextmanager
 from importlib import import_module, metadata
 
 
@@ -13,12 +17,38 @@ def installed_version(name: str) -> str | None:
         return None
 
 
-def why_absent(name: str) -> str | None:
-    """Why an engine cannot be imported; an error inside an installed one is not hidden by this."""
+def why_absent(package: str, extra: str = "", oldest: str = "") -> str | None:
+    """Why an engine cannot be used; an error inside an installed one is not hidden by this.
+
+    ``extra`` is the extra that brings the package, by default of its name; ``oldest`` the first version that will do.
+    """
+    cure = f"pip install --upgrade 'linkproof[{extra or package}]' brings it"
     try:
-        import_module(name)
+        import_module(package)
     except ModuleNotFoundError as error:
-        if error.name != name:
+        if error.name != package:
             raise
-        return f"{name} is not installed: pip install 'linkproof[{name}]' brings it"
+        return f"{package} is not installed: {cure}"
+    version = installed_version(package)
+    if oldest and version is not None and _numbers(version) < _numbers(oldest):
+        return f"{package} {version} is too old, {oldest} is the first that will do: {cure}"
     return None
+
+
+def _numbers(version: str) -> tuple[int, ...]:
+    return tuple(int(number) for number in re.findall(r"\d+", version)[:3])
+
+
+@contextmanager
+def silenced() -> Iterator[None]:
+    """Send what the process writes to its standard output and error nowhere, C code's included."""
+    kept = [(stream, os.dup(stream)) for stream in (1, 2)]
+    try:
+        with open(os.devnull, "w") as nowhere:
+            for stream, _ in kept:
+                os.dup2(nowhere.fileno(), stream)
+        yield
+    finally:
+        for stream, copy in kept:
+            os.dup2(copy, stream)
+            os.close(copy)

@@ -124,10 +124,14 @@ class Prescribed:
 
 @dataclass(frozen=True)
 class Free:
-    """The crank is moved by a constant torque (and the scene's loads) for ``duration`` seconds."""
+    """The crank is moved by a constant torque (and the scene's loads) for ``duration`` seconds.
+
+    ``pace``, rad/s, is about how fast it will turn or swing, for the choice of a step; 0 where nobody knows.
+    """
 
     torque: float
     duration: float
+    pace: float = 0.0
 
 
 Drive = Prescribed | Free

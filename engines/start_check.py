@@ -13,9 +13,10 @@ from dataclasses import dataclass, fields, is_dataclass
 import numpy as np
 
 from analytic.description.linkage import GROUND
+from engines.contract import Abilities
 from engines.mechanics.joints import JointEquations, scene_size
 from engines.mechanics.states import Reals, pose_of, start_motion
-from engines.scene import Body, Prescribed, Scene
+from engines.scene import AppliedForce, Body, Prescribed, Scene
 
 # Numbers beyond these, SI, are taken for slips: their products and quotients are no longer finite.
 LEAST, LARGEST = 1e-60, 1e60
@@ -80,6 +81,21 @@ def start_misfit(scene: Scene, tolerance: float = 1e-6) -> str | None:
     worst = max(violated, key=lambda miss: miss.size / scales[miss.order])
     where = f"joint '{worst.joint}' by {worst.size:.3g} {UNITS[worst.order]}"
     return f"the start state violates {where} in {QUANTITIES[worst.order]}; give one that fits every joint"
+
+
+def ability_obstacle(scene: Scene, abilities: Abilities) -> str | None:
+    """What of a scene goes beyond an engine's abilities, in one sentence; else None."""
+    if type(scene.drive) not in abilities.drives:
+        return f"it takes no {_words(scene.drive)} drive"
+    loads = (*scene.forces, *scene.torques, *scene.springs, *scene.dampers)
+    for part in (*scene.guided, *loads):
+        if type(part) not in abilities.joints | abilities.loads:
+            return f"it has no {_words(part)}, which {_label(part)} asks for"
+    for load in (*scene.forces, *scene.torques):
+        law = load.force if isinstance(load, AppliedForce) else load.torque
+        if not law.is_constant and not abilities.varying_loads:
+            return f"it takes no load that changes with the crank angle, as {_label(load)} does"
+    return None
 
 
 def data_obstacle(scene: Scene, *, massless: bool) -> str | None:
@@ -153,8 +169,13 @@ def _ends(part: object) -> set[str]:
 
 def _label(part: object) -> str:
     """A part of a scene in words: "pin joint 'A'", "applied force on 'rod'"."""
-    words = "".join(f" {c.lower()}" if c.isupper() else c for c in type(part).__name__).strip()
+    words = _words(part)
     if hasattr(part, "name"):
         return f"{words} '{part.name}'"
     ends = " and ".join(f"'{end}'" for end in sorted(_ends(part)))
     return f"{words} on {ends}" if ends else f"{words} drive"
+
+
+def _words(part: object) -> str:
+    """The type of a part in words: "pin joint"."""
+    return "".join(f" {c.lower()}" if c.isupper() else c for c in type(part).__name__).strip()

@@ -22,7 +22,7 @@ from engines.mechanics.states import (
     pose_of,
     with_ground,
 )
-from engines.scene import Channel, Scene
+from engines.scene import Channel, Free, Scene
 
 Array = NDArray[np.float64]
 
@@ -48,7 +48,10 @@ class ObservedMotion:
         return np.asarray(body_masses(self.scene), dtype=float)
 
     def signal(self, channel: Channel) -> Signal:
-        """A channel's signal; the channel has to be among those asked for."""
+        """A channel's signal; the channel has to be among those recorded. A free crank's torque is given."""
+        if channel is Channel.TORQUE and isinstance(self.scene.drive, Free):
+            time = self.signal(Channel.ACCELERATION).time
+            return Signal(time, np.full(len(time), self.scene.drive.torque))
         signal = getattr(self.history, channel.value)
         assert isinstance(signal, Signal), f"channel {channel} was not recorded"
         return signal

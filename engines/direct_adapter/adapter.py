@@ -11,12 +11,23 @@ from __future__ import annotations
 
 import numpy as np
 
-from engines.contract import History, Method, Run, Setting
+from engines.contract import Abilities, History, Method, ReadOut, Run, Setting
 from engines.direct_adapter.assembly import Equations
 from engines.direct_adapter.motion import motion
 from engines.direct_adapter.precision import METHODS, SETTINGS, Precision, method_precision
 from engines.installed import installed_version
-from engines.scene import Scene
+from engines.scene import (
+    AppliedForce,
+    AppliedTorque,
+    Channel,
+    Free,
+    PointSpring,
+    Prescribed,
+    Scene,
+    SliderJoint,
+    SlotJoint,
+    TurnDamper,
+)
 from engines.start_check import start_misfit
 from engines.stepping.cost import Cost
 from engines.stepping.driver import DivergedError, UnsupportedError, check_step, run_stepping
@@ -30,6 +41,19 @@ class DirectEngine:
 
     name = "direct"
     work_unit = "linear solves"
+    is_control = True
+    abilities = Abilities(
+        readouts={
+            Channel.POSITION: ReadOut("the joints' equations, closed by Newton's method"),
+            Channel.VELOCITY: ReadOut("their first derivative over the crank angle, times its speed"),
+            Channel.ACCELERATION: ReadOut("their second derivative"),
+            Channel.TORQUE: ReadOut("multiplier of the crank's equation", drive="it is the drive's"),
+            Channel.JOINT_FORCE: ReadOut("multipliers of the joint's equations", drive="left out"),
+        },
+        drives=frozenset({Prescribed, Free}),
+        joints=frozenset({SliderJoint, SlotJoint}),
+        loads=frozenset({AppliedForce, AppliedTorque, PointSpring, TurnDamper}),
+    )
 
     def version(self) -> str | None:
         return installed_version(DISTRIBUTION) or "source"  # run from a checkout: nothing else is needed

@@ -77,7 +77,7 @@ def restored(history: History, units: OwnUnits) -> History:
     coordinates = np.array([units.length, units.length, 1.0])
 
     def times(signal: Signal | None, factor: object) -> Signal | None:
-        return None if signal is None else Signal(signal.time, signal.values * np.asarray(factor))
+        return None if signal is None else replace(signal, values=signal.values * np.asarray(factor))
 
     return History(
         position=times(history.position, coordinates),
@@ -85,7 +85,7 @@ def restored(history: History, units: OwnUnits) -> History:
         acceleration=times(history.acceleration, coordinates),
         torque=times(history.torque, units.unit("torque")),
         joint_force={
-            name: Signal(signal.time, signal.values * units.unit("force"))
+            name: replace(signal, values=signal.values * units.unit("force"))
             for name, signal in history.joint_force.items()
         },
     )
