@@ -8,7 +8,7 @@ two functions of its author's.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from enum import StrEnum
 from typing import Protocol, runtime_checkable
@@ -35,6 +35,11 @@ class Origin(StrEnum):
     READ = "read"  # the engine's own output, or a fixed map of it: unit, sign, impulse or velocity difference over step
     EXTRAPOLATED = "extrapolated"  # several runs of the engine combined
     COMPUTED = "computed"  # from masses, inertias, loads or the linkage's equations: not the engine's word
+
+
+def weakest(origins: Iterable[Origin]) -> Origin:
+    """The origin of what is made of several signals."""
+    return max(origins, key=list(Origin).index, default=Origin.READ)
 
 
 class Outcome(StrEnum):

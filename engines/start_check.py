@@ -12,11 +12,12 @@ from dataclasses import dataclass, fields, is_dataclass
 
 import numpy as np
 
+from analytic.description.law import Law
 from analytic.description.linkage import GROUND
 from engines.contract import Abilities
 from engines.mechanics.joints import JointEquations, scene_size
 from engines.mechanics.states import Reals, pose_of, start_motion
-from engines.scene import AppliedForce, Body, Prescribed, Scene
+from engines.scene import Body, Prescribed, Scene
 
 # Numbers beyond these, SI, are taken for slips: their products and quotients are no longer finite.
 LEAST, LARGEST = 1e-60, 1e60
@@ -91,8 +92,9 @@ def ability_obstacle(scene: Scene, abilities: Abilities) -> str | None:
     for part in (*scene.guided, *loads):
         if type(part) not in abilities.joints | abilities.loads:
             return f"it has no {_words(part)}, which {_label(part)} asks for"
-    for load in (*scene.forces, *scene.torques):
-        law = load.force if isinstance(load, AppliedForce) else load.torque
+    laws: list[tuple[object, Law]] = [(load, load.force) for load in scene.forces]
+    laws += [(load, load.torque) for load in scene.torques]
+    for load, law in laws:
         if not law.is_constant and not abilities.varying_loads:
             return f"it takes no load that changes with the crank angle, as {_label(load)} does"
     return None

@@ -65,9 +65,9 @@ def _untold(seen: Inspection) -> float:
     """Angle that the crank turns in the longest time of which a history says nothing, rad."""
     motion = seen.motion
     peak = float(np.max(np.abs(motion.crank(Channel.VELOCITY, motion.signal(Channel.VELOCITY).time))))
-    signals = [getattr(motion.history, channel.value) for channel in (*LEVELS, Channel.TORQUE)]
+    signals = [motion.signal(channel) for channel in (*LEVELS, Channel.TORQUE) if motion.has(channel)]
     worst = 0.0
-    for time in [s.time for s in (*signals, *motion.history.joint_force.values()) if s is not None]:
+    for time in [s.time for s in (*signals, *motion.history.joint_force.values())]:
         allowed = MISSING_STEPS * float(np.max(np.diff(time)))
         late = max(float(time[0]), seen.duration - float(time[-1]))
         worst = max(worst, peak * late if late > allowed else 0.0)

@@ -10,6 +10,8 @@ from engines.contract import Signal
 Array = NDArray[np.float64]
 
 POINTS = 6
+SHARP = 12  # points where a value between samples is itself the zero that all others are counted from
+BETWEEN = 129  # places between the neighbours of the largest sample
 
 
 def resample(signal: Signal, time: Array, points: int = POINTS) -> Array:
@@ -32,3 +34,17 @@ def resample(signal: Signal, time: Array, points: int = POINTS) -> Array:
                 weight *= (time - nodes[j]) / (nodes[k] - nodes[j])
         result += weight.reshape(shape) * signal.values[start + k]
     return result
+
+
+def peak(signal: Signal) -> float:
+    """The largest value of a smooth signal (n,), between its samples too."""
+    time = signal.time
+    at = int(np.argmax(signal.values))
+    low, high = time[max(at - 1, 0)], time[min(at + 1, len(time) - 1)]
+    values = resample(signal, np.linspace(low, high, BETWEEN), min(SHARP, len(time)))
+    top = int(np.argmax(values))
+    if top in (0, BETWEEN - 1):
+        return float(values[top])
+    before, here, after = values[top - 1 : top + 2]
+    bend = before - 2.0 * here + after
+    return float(here - (after - before) ** 2 / (8.0 * bend)) if bend else float(here)

@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
 
+from analytic.description.law import FULL_TURN
 from analytic.description.linkage import Vector
 from comparisons.observation.interpolation import resample
-from engines.contract import History, Signal
+from engines.contract import History, Origin, Signal, weakest
 from engines.mechanics.joints import JointEquations
 from engines.mechanics.loads import applied_loads, potential_energy, without_potential
 from engines.mechanics.states import (
@@ -55,6 +57,31 @@ class ObservedMotion:
         signal = getattr(self.history, channel.value)
         assert isinstance(signal, Signal), f"channel {channel} was not recorded"
         return signal
+
+    def has(self, channel: Channel) -> bool:
+        """Whether a channel was recorded; a free crank's torque is given."""
+        if channel is Channel.JOINT_FORCE:
+            return bool(self.history.joint_force)
+        if channel is Channel.TORQUE and isinstance(self.scene.drive, Free):
+            return self.has(Channel.ACCELERATION)
+        return getattr(self.history, channel.value) is not None
+
+    def origin(self, channels: Iterable[Channel]) -> Origin:
+        """The weakest origin of these channels."""
+        signals = [s for c in channels for s in (self.history.joint_force.values() if c is Channel.JOINT_FORCE
+                   else (self.signal(c),))]  # fmt: skip
+        return weakest(signal.origin for signal in signals)
+
+    @cached_property
+    def last_turn(self) -> slice | None:
+        """The position's samples of the crank's last full turn; None where it makes none in one direction."""
+        angle = self.crank(Channel.POSITION, self.signal(Channel.POSITION).time)
+        inside = np.flatnonzero(np.abs(angle - angle[-1]) >= FULL_TURN)
+        if not len(inside):
+            return None
+        turn = slice(int(inside[-1]), len(angle))
+        ways = np.diff(angle[turn])
+        return turn if np.all(ways > 0.0) or np.all(ways < 0.0) else None
 
     def on_clock(self, channel: Channel, time: Array) -> Array:
         """A channel's values at other times, interpolated to sixth order between its samples."""

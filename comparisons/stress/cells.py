@@ -18,7 +18,7 @@ from comparisons.runs.run_engine import run_engine
 from comparisons.stress.axes import Axis, axes
 from comparisons.stress.scenes import Conditions, case, scene
 from comparisons.stress.verdict import Judgement, StressVerdict, judged
-from engines.contract import Engine, Outcome, Run, Setting
+from engines.contract import Engine, Outcome, Run, Setting, StudiedEngine
 from engines.registry import engine
 from engines.scene import Scene
 
@@ -100,7 +100,8 @@ def usages(axis: Axis, adapter: Engine) -> list[str]:
     plain = axis.rows[0].conditions
     given = scene(plain, case(plain))
     with blamed_on(adapter):
-        offered = {method.name: method.effort_unit for method in adapter.methods(given)}
+        methods = adapter.methods(given) if isinstance(adapter, StudiedEngine) else ()
+        offered = {method.name: method.effort_unit for method in methods}
     fitting = [name for name in axis.methods if name in offered and axis.unit in ("", offered[name])]
     return [*axis.settings, *fitting]
 
@@ -187,6 +188,7 @@ def _case(conditions: Conditions) -> Case:
 def _run(adapter: Engine, given: Scene, usage: str, conditions: Conditions) -> Run:
     if usage in SETTINGS:
         return run_engine(adapter, given, Setting(usage))
+    assert isinstance(adapter, StudiedEngine)
     with blamed_on(adapter):
         method = next(method for method in adapter.methods(given) if method.name == usage)
     if conditions.effort:

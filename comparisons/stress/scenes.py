@@ -16,7 +16,7 @@ from analytic.kinematics.mechanism import Mechanism
 from comparisons.reference.case import Case, free_drive, own_case
 from comparisons.stress.stiff_motion import MOST_RELAXATIONS, relaxations, stiff_motion
 from engines.mechanics.joints import scene_size
-from engines.scene import Body, Channel, Free, Scene
+from engines.scene import Body, Channel, Scene
 
 LINKAGES = Path(__file__).with_name("linkages")
 RELEASED, REVERSAL = "released", "reversal"

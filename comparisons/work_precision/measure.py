@@ -15,7 +15,7 @@ from comparisons.runs.failures import blamed_on
 from comparisons.runs.run_engine import checked, started
 from comparisons.runs.timing import calibrate, timed
 from comparisons.work_precision.records import PointError
-from engines.contract import Engine, Method, Outcome, Run, Setting
+from engines.contract import Engine, Method, Outcome, Run, Setting, StudiedEngine
 from engines.registry import engine
 from engines.scene import Scene
 
@@ -142,4 +142,7 @@ def _warm_up(adapter: Engine, scene: Scene, step: float) -> None:
     """Run an engine that this process has not run before: the first run imports, and is thrown away."""
     if adapter.name not in _WARM:
         _WARM.add(adapter.name)
+        if not isinstance(adapter, StudiedEngine):
+            adapter.run(scene, Setting.TUNED)
+            return
         adapter.run_method(scene, adapter.methods(scene)[0], step)

@@ -20,7 +20,7 @@ from comparisons.runs.workers import Bounds
 from comparisons.work_precision.measure import Taken, longest_step, measure
 from comparisons.work_precision.points import Extent, Point, Track
 from comparisons.work_precision.records import METHOD, SETTING, PointError, PointRecord
-from engines.contract import Outcome
+from engines.contract import Outcome, StudiedEngine
 from engines.registry import engine
 
 # A run that takes this much longer than its budget, s, hangs.
@@ -112,7 +112,8 @@ def _from_json(payload: bytes) -> Taken:
 def records(case: Case, track: Track, rounds: Rounds) -> Iterator[PointRecord]:
     """A record per point of a sweep; a sweep there was no time for has its first point to say so."""
     adapter = engine(track.points[0].engine)
-    blank = partial(PointRecord, engine_version=adapter.version() or "", work_unit=adapter.work_unit, ended=track.ended)
+    unit = adapter.work_unit if isinstance(adapter, StudiedEngine) else ""
+    blank = partial(PointRecord, engine_version=adapter.version() or "", work_unit=unit, ended=track.ended)
     for point, taken in zip(track.points, track.taken or [Taken(Failure.TIMED_OUT.value, track.ended)], strict=False):
         yield _record(blank, case, point, taken, rounds.repeats(point, rounds.extent.repeats))
 

@@ -21,7 +21,7 @@ from comparisons.work_precision.analysis import judged
 from comparisons.work_precision.points import FULL, Extent, Point, Track, tracks
 from comparisons.work_precision.records import BenchRecord, PointRecord, by_quantity
 from comparisons.work_precision.rounds import Rounds, records
-from engines.contract import Method, Setting
+from engines.contract import Method, Setting, StudiedEngine
 from engines.registry import engine, engine_names
 from engines.scene import Channel
 
@@ -98,7 +98,7 @@ def methods_told(request: BenchRequest) -> list[Mapping[str, Any]]:
 def _methods(request: BenchRequest, case: Case, name: str) -> list[Method]:
     """The methods of an engine that are asked for; none where it is not installed."""
     adapter = engine(name)
-    if adapter.version() is None:
+    if adapter.version() is None or not isinstance(adapter, StudiedEngine):
         return []
     scene = case.scene([Channel.POSITION])
     with blamed_on(adapter):

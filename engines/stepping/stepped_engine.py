@@ -95,8 +95,8 @@ class SteppedEngine(ABC, Generic[World, R]):
     work_unit: ClassVar[str] = ""
     effort_unit: ClassVar[str] = ""
     abilities: ClassVar[Abilities]
-    settings: ClassVar[Mapping[type, Mapping[Setting, Recipe]]]
-    studied: ClassVar[Mapping[str, tuple[str, Recipe]]]
+    settings: Mapping[type, Mapping[Setting, R]]
+    studied: Mapping[str, tuple[str, R]]
     chatters: ClassVar[bool] = False  # whether the engine writes to the terminal
 
     @abstractmethod
@@ -119,21 +119,25 @@ class SteppedEngine(ABC, Generic[World, R]):
         return scene
 
     def version(self) -> str | None:
+        """As the contract says, like all that follows."""
         return installed_version(self.package)
 
     def run(self, scene: Scene, setting: Setting) -> Run:
+        """One pass, or several extrapolated, by the setting's recipe."""
         recipes = self.settings.get(type(scene.drive), {})
         if setting not in recipes:
             return Run(Outcome.UNSUPPORTED, f"{self.name} offers no setting '{setting}' for such a drive")
         return self._run(scene, recipes[setting], {})
 
     def methods(self, scene: Scene) -> tuple[Method, ...]:
+        """Those of ``studied``, for any drive."""
         return tuple(
             Method(name, about, len(recipe.ratios), recipe.effort, self.effort_unit)
             for name, (about, recipe) in self.studied.items()
         )
 
     def run_method(self, scene: Scene, method: Method, step: float) -> Run:
+        """The method's recipe at a step and an effort of the caller's."""
         check_step(step)
         if method.name not in self.studied:
             raise UnknownNameError(f"method of {self.name}", method.name, list(self.studied))
@@ -146,7 +150,7 @@ class SteppedEngine(ABC, Generic[World, R]):
             scene, replace(recipe, step=step, steps_per_turn=0.0, effort=method.effort), {"method": method.name}
         )
 
-    def _run(self, scene: Scene, recipe: Recipe, details: dict[str, str | int | float]) -> Run:
+    def _run(self, scene: Scene, recipe: R, details: dict[str, str | int | float]) -> Run:
         absent = why_absent(self.package, self.name, self.oldest)
         if absent is not None:
             return Run(Outcome.UNAVAILABLE, absent)
@@ -161,14 +165,14 @@ class SteppedEngine(ABC, Generic[World, R]):
         with silenced() if self.chatters else nullcontext():
             return run_stepping(cost, lambda: self._history(scene, recipe, cost))
 
-    def _history(self, scene: Scene, recipe: Recipe, cost: Cost) -> History:
+    def _history(self, scene: Scene, recipe: R, cost: Cost) -> History:
         offered = scene.channels & frozenset(self.abilities.readouts)
         channels = offered if isinstance(scene.drive, Prescribed) else offered - {Channel.TORQUE}
         scene = self.altered(scene)
         units = own_units(scene) if recipe.in_own_units else None
         given = scaled(scene, units) if units else scene
         parts = recipe.parts(given)
-        passes = [self._pass(given, recipe, parts, ratio, channels, cost) for ratio in recipe.ratios]
+        passes = [self._pass(given, Course(recipe, parts, ratio, channels, cost)) for ratio in recipe.ratios]
         longest = max(part.step for part in parts)
         cost.passes = tuple(longest * each.step for each in passes)
         cost.details["steps"] = " ".join(str(ratio * sum(part.samples for part in parts)) for ratio in recipe.ratios)
@@ -180,12 +184,10 @@ class SteppedEngine(ABC, Generic[World, R]):
         history = extrapolate(passes, recipe.orders)
         return restored(history, units) if units else history
 
-    def _pass(
-        self, scene: Scene, recipe: Recipe, parts: list[Interval], ratio: int, channels: frozenset[Channel], cost: Cost
-    ) -> Pass:
-        with cost.building():
-            world = self.build(scene, recipe)  # type: ignore[arg-type]
-        with cost.stepping():
-            history = self.follow(world, Course(recipe, parts, ratio, channels, cost))  # type: ignore[arg-type]
-        cost.steps += ratio * sum(part.samples for part in parts)
-        return Pass(1.0 / ratio, history)
+    def _pass(self, scene: Scene, course: Course[R]) -> Pass:
+        with course.cost.building():
+            world = self.build(scene, course.recipe)
+        with course.cost.stepping():
+            history = self.follow(world, course)
+        course.cost.steps += course.ratio * sum(part.samples for part in course.parts)
+        return Pass(1.0 / course.ratio, history)

@@ -11,6 +11,7 @@ from rich.text import Text
 
 from comparisons.campaign.campaign import RunResult
 from comparisons.judging.records import Record, Verdict
+from reports.facts.origins import origin_words
 from reports.facts.views import family
 from reports.text.numbers import bound, error, figure
 from reports.text.screen import Cell, Printout, line, table
@@ -18,7 +19,8 @@ from reports.text.signs import RUNS
 
 ACROSS = 4  # runs side by side in a table of 80 columns
 DETAILS = (
-    *("engine", "setting", "quantity", "outcome", "error", "RMS", "limit", "baseline", "peak", "unit", "worst at s"),
+    *("engine", "setting", "quantity", "origin", "outcome", "error", "RMS", "limit", "baseline", "peak", "unit"),
+    "worst at s",
     *("samples", "left out", "why"),
 )
 
@@ -53,6 +55,7 @@ def _mechanism_table(results: Sequence[RunResult]) -> Table:
     for quantity in dict.fromkeys(family(record.quantity) for result in results for record in _all(result)):
         worst = [_worst(result, quantity) for result in results]
         rows.append((quantity, _limits(worst), *map(_cell, worst)))
+    rows.append(("figures of", "", *(origin_words(_all(result)) for result in results)))
     rows.append(("seconds, stepping", "", *(f"{record.seconds:.3f}" for record in first)))
     rows.append(("steps", "", *(f"{record.steps}" for record in first)))
     head = ("error over peak", "limit", *(f"{record.engine}\n{record.setting}" for record in first))
@@ -80,7 +83,7 @@ def _cell(record: Record | None) -> Cell:
 def _detail(record: Record) -> tuple[Cell, ...]:
     time = "" if record.worst_time is None else f"{record.worst_time:.6g}"
     return (
-        record.engine, record.setting, record.quantity, (record.outcome, RUNS[record.outcome].colour),
+        record.engine, record.setting, record.quantity, record.origin, (record.outcome, RUNS[record.outcome].colour),
         error(record.error_max), error(record.error_rms), bound(record.limit), error(record.baseline),
         figure(record.peak), record.unit, time, f"{record.samples}", f"{record.left_out}", record.detail,
     )  # fmt: skip
