@@ -62,7 +62,9 @@ def _checks(case: Case, motion: ObservedMotion, blank: Record) -> Iterator[Recor
         lacking = _lacking(motion, name, needed)
         record = replace(blank, quantity=name, unit=UNITS[name])
         if lacking:
-            yield replace(record, outcome=Verdict.NOT_PROVIDED.value, detail=f"{blank.engine} offers no {lacking}")
+            yield replace(
+                record, outcome=Verdict.NOT_PROVIDED.value, detail=f"{blank.engine} has recorded no {lacking}"
+            )
         else:
             yield _checked(case, seen, replace(record, origin=blank.origin or motion.origin(needed).value))
 

@@ -50,8 +50,8 @@ class Record:
     ``seconds`` is the stepping alone of the run the record belongs to, ``steps`` all its time steps; ``left_out``
     counts the samples not compared (acceleration jumps, standstill). ``detail`` says why, wherever it did not pass.
     ``origin`` says where the engine's figure comes from (``engines.contract.Origin``, the weakest of all that it is
-    made of, or ``CONTROL``), ``runs`` of how many runs of the engine it is made, ``shared`` what of it the reference and the engine
-    have in common.
+    made of, or ``CONTROL``), ``runs`` of how many runs of the engine it is made, ``shared`` what of it the reference
+    and the engine have in common.
     """
 
     mechanism: str

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -33,6 +35,23 @@ def resample(signal: Signal, time: Array, points: int = POINTS) -> Array:
             if j != k:
                 weight *= (time - nodes[j]) / (nodes[k] - nodes[j])
         result += weight.reshape(shape) * signal.values[start + k]
+    return result
+
+
+def resample_piecewise(signal: Signal, time: Array, breaks: Sequence[float]) -> Array:
+    """The same with nodes from one side of each break alone: a derivative jumps there, and no polynomial follows it.
+
+    A piece with fewer nodes takes what it has; one with a single node is read across the break.
+    """
+    if time is signal.time or np.array_equal(time, signal.time) or not len(breaks):
+        return resample(signal, time)
+    nodes, places = np.searchsorted(breaks, signal.time, "right"), np.searchsorted(breaks, time, "right")
+    result = np.empty((len(time), *signal.values.shape[1:]))
+    for piece in np.unique(places):
+        here, there = nodes == piece, places == piece
+        count = int(np.count_nonzero(here))
+        part = Signal(signal.time[here], signal.values[here]) if count > 1 else signal
+        result[there] = resample(part, time[there], min(POINTS, len(part.time)))
     return result
 
 

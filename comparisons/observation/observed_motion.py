@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from analytic.description.law import FULL_TURN
 from analytic.description.linkage import Vector
-from comparisons.observation.interpolation import resample
+from comparisons.observation.interpolation import resample_piecewise
 from engines.contract import History, Origin, Signal, weakest
 from engines.mechanics.joints import JointEquations
 from engines.mechanics.loads import applied_loads, potential_energy, without_potential
@@ -85,7 +85,13 @@ class ObservedMotion:
 
     def on_clock(self, channel: Channel, time: Array) -> Array:
         """A channel's values at other times, interpolated to sixth order between its samples."""
-        return resample(self.signal(channel), time)
+        return resample_piecewise(self.signal(channel), time, self._jumps)
+
+    @property
+    def _jumps(self) -> tuple[float, ...]:
+        """Where the prescribed acceleration jumps, s."""
+        drive = self.scene.drive
+        return () if isinstance(drive, Free) else drive.motion.jumps
 
     def bodies(self, channel: Channel, time: Array) -> Array:
         """Position, velocity or acceleration of every body, (n, bodies, 3)."""
@@ -99,7 +105,7 @@ class ObservedMotion:
         """Crank angle, speed or acceleration by the engine's own account."""
         signal = self.signal(channel)
         column = Signal(signal.time, signal.values[:, self.numbers[self.scene.crank], 2])
-        return resample(column, time)
+        return resample_piecewise(column, time, self._jumps)
 
     def kinetic_energy(self, time: Array) -> Array:
         """T = Σ ½ m v² + ½ J ω², J."""

@@ -50,7 +50,7 @@ class Recipe(Pace):
         """The scene's motion in intervals of equal samples."""
         drive = scene.drive
         if isinstance(drive, Free):
-            return [whole_interval(drive.duration, self._longest(drive.pace), self.least_steps)]
+            return [whole_interval(drive.duration, self._longest(drive.pace or _start_pace(scene)), self.least_steps)]
         motion = drive.motion
         if not self.restarted:
             return [whole_interval(motion.duration, self._longest(motion.peak_speed), self.least_steps)]
@@ -61,6 +61,12 @@ class Recipe(Pace):
     def _longest(self, speed: float) -> float:
         turn = FULL_TURN / (self.steps_per_turn * speed) if self.steps_per_turn and speed else math.inf
         return min(self.step, turn)
+
+
+def _start_pace(scene: Scene) -> float:
+    """What the start state shows of a free crank's pace, rad/s."""
+    crank = next(body for body in scene.bodies if body.name == scene.crank)
+    return abs(crank.angular_velocity) + math.sqrt(abs(crank.angular_acceleration))
 
 
 World = TypeVar("World")
