@@ -9,7 +9,7 @@ two functions of its author's.
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import asdict, dataclass, field
 from enum import StrEnum
 from typing import Protocol, runtime_checkable
 
@@ -149,6 +149,10 @@ class Abilities:
     varying_loads: bool = True
     massless: bool = True
     settings: frozenset[Setting] = frozenset(Setting)
+
+    def told(self) -> dict[str, dict[str, str]]:
+        """The read-outs as JSON has them, by channel."""
+        return {channel.value: asdict(readout) for channel, readout in self.readouts.items()}
 
 
 class Engine(Protocol):

@@ -35,8 +35,8 @@ __all__ = ["CampaignRequest", "RunResult", "cases", "compare", "tasks"]
 class CampaignRequest:
     """What to compare. ``conditions`` words the motions' speed, times, direction and start angle, the same for all.
 
-    ``own_regimes`` names regimes that a linkage's own file may define; linkages without them are not run in them. No
-    quantities means all that are results.
+    ``own_regimes`` names regimes that a linkage's own file may define; linkages without them are not run in them. They
+    have settings of their own: a released crank takes many turns. No quantities means all that are results.
     """
 
     linkages: tuple[Linkage, ...]
@@ -46,6 +46,7 @@ class CampaignRequest:
     settings: tuple[Setting, ...] = (Setting.TUNED,)
     quantities: tuple[str, ...] = ()
     own_regimes: tuple[str, ...] = ()
+    own_settings: tuple[Setting, ...] = (Setting.TUNED,)
     with_invariants: bool = True
 
 
@@ -67,7 +68,7 @@ def _tasks(request: CampaignRequest, case: Case) -> Iterator[Task]:
     names = tuple(quantity.name for quantity in quantities)
     turned = motion.duration * motion.peak_speed
     for name in request.engines:
-        for setting in request.settings:
+        for setting in request.settings if case.is_prescribed else request.own_settings:
             yield Task(
                 key="/".join((linkage.name, linkage.variant, motion.regime, name, setting)),
                 job=(pickled, name, setting, names, request.with_invariants),

@@ -21,6 +21,7 @@ from comparisons.judging.records import Record, from_rows, to_json
 from comparisons.judging.run_result import ARRAYS
 from comparisons.runs.environment import environment
 from comparisons.runs.files import write_file
+from engines.registry import engine
 
 if TYPE_CHECKING:
     import xarray
@@ -100,6 +101,7 @@ def document(
         "records": [asdict(record) for result in results for record in result.records],
         "invariants": [asdict(record) for result in results for record in result.invariants],
         "errata": [{**asdict(record), "sentence": record.sentence} for record in errata],
+        "readouts": {name: engine(name).abilities.told() for name in request.engines},
         "details": {"/".join(r.records[0].run): r.details for r in results if r.records},
         "motions": [
             {"regime": m.regime, "segments": [[s.start, s.end, list(s.coefficients)] for s in m.segments]}

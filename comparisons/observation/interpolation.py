@@ -13,7 +13,8 @@ Array = NDArray[np.float64]
 
 POINTS = 6
 SHARP = 12  # points where a value between samples is itself the zero that all others are counted from
-BETWEEN = 129  # places between the neighbours of the largest sample
+# Places between the neighbours of the largest value, and how often they are looked at: to a millionth of a sample.
+BETWEEN, CLOSER = 65, 3
 
 
 def resample(signal: Signal, time: Array, points: int = POINTS) -> Array:
@@ -60,10 +61,9 @@ def peak(signal: Signal) -> float:
     time = signal.time
     at = int(np.argmax(signal.values))
     low, high = time[max(at - 1, 0)], time[min(at + 1, len(time) - 1)]
-    values = resample(signal, np.linspace(low, high, BETWEEN), min(SHARP, len(time)))
-    top = int(np.argmax(values))
-    if top in (0, BETWEEN - 1):
-        return float(values[top])
-    before, here, after = values[top - 1 : top + 2]
-    bend = before - 2.0 * here + after
-    return float(here - (after - before) ** 2 / (8.0 * bend)) if bend else float(here)
+    for _ in range(CLOSER):
+        places = np.linspace(low, high, BETWEEN)
+        values = resample(signal, places, min(SHARP, len(time)))
+        at = int(np.argmax(values))
+        low, high = places[max(at - 1, 0)], places[min(at + 1, BETWEEN - 1)]
+    return float(values[at])

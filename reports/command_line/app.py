@@ -1,4 +1,4 @@
-"""The commands and their options: ``linkproof list | show | thread | published | compare | bench | stress | report``.
+"""The commands and their options: ``linkproof list | show | thread | compare | bench | …``.
 
 Only typer is imported here: what a command needs is imported when it runs, so that help comes at once.
 """
@@ -119,6 +119,16 @@ def published(mechanisms: options.Mechanisms = None, json: options.Json = None) 
     raise typer.Exit(published.published(mechanisms or [], _destination(json)))
 
 
+@app.command(short_help="List the engines, what they can do and where their figures come from.")
+def engines(
+    names: Annotated[list[str] | None, typer.Argument(metavar="[ENGINE]...")] = None, json: options.Json = None
+) -> None:
+    """List the engines: what each can hold, what it offers, and what its figures are in the engine itself."""
+    from reports.command_line import engines
+
+    engines.list_engines(_names(names), _destination(json))
+
+
 @app.command(short_help="Simulate mechanisms; compare every error with its limit.")
 def compare(
     mechanisms: options.Mechanisms = None,
@@ -133,7 +143,7 @@ def compare(
     start_angle: Annotated[float, valued("DEGREES", "Crank angle at the start.")] = 0.0,
     clockwise: Annotated[bool, flag("Turn the crank clockwise.", "--clockwise")] = False,
     no_gravity: Annotated[bool, flag("Leave gravity out.", "--no-gravity")] = False,
-    full: Annotated[bool, flag("Run the files' own regimes in every setting, not best alone.", "--full")] = False,
+    full: Annotated[bool, flag("Run the files' own regimes in every setting, not tuned alone.", "--full")] = False,
     out: options.Out = None,
     json: options.Json = None,
     record_baseline: Annotated[bool, flag("Record these errors as the new baseline.", "--record-baseline")] = False,

@@ -207,6 +207,11 @@ def _settings(choice: CampaignChoice) -> tuple[Setting, ...]:
     return tuple(Setting(name) for name in dict.fromkeys(choice.settings)) or (Setting.TUNED,)
 
 
+def _own_settings(choice: CampaignChoice) -> tuple[Setting, ...]:
+    """Settings of the linkages' own regimes: those named; of all, tuned alone unless all of them are asked for."""
+    return _settings(choice) if choice.full or EVERYTHING not in choice.settings else (Setting.TUNED,)
+
+
 def request(choice: CampaignChoice) -> CampaignRequest:
     """The campaign's request; raises LinkproofError for anything that does not exist or cannot be."""
     choice.check()
@@ -219,5 +224,6 @@ def request(choice: CampaignChoice) -> CampaignRequest:
         settings=_settings(choice),
         quantities=tuple(dict.fromkeys(choice.quantities)),
         own_regimes=own_regimes(choice, found),
+        own_settings=_own_settings(choice),
         with_invariants=not choice.quantities,
     )

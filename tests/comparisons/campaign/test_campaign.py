@@ -352,7 +352,7 @@ def test_runs_in_workers_give_the_same_in_the_same_order():
 
 
 def test_a_released_crank_is_the_same_in_a_worker():
-    own = _parallel(linkages=(TAKEUP,), motions=(), own_regimes=("free",), settings=(Setting.TUNED,))
+    own = _parallel(linkages=(TAKEUP,), motions=(), own_regimes=("free",))
     (here,), (there,) = compare(own, processes=0), compare(own, processes=1)
     assert _untimed(there) == _untimed(here)
     assert {record.outcome for record in here.records} == {"passed"}
