@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass, replace
 from functools import cached_property
 from pathlib import Path
@@ -21,7 +21,6 @@ from comparisons.judging.records import Record, from_rows, to_json
 from comparisons.judging.run_result import ARRAYS
 from comparisons.runs.environment import environment
 from comparisons.runs.files import write_file
-from engines.registry import engine
 
 if TYPE_CHECKING:
     import xarray
@@ -91,8 +90,9 @@ def document(
     results: Sequence[RunResult],
     command: str,
     errata: Sequence[ErratumRecord] = (),
+    readouts: Mapping[str, Mapping[str, Mapping[str, str]]] | None = None,
 ) -> dict[str, Any]:
-    """Everything but the curves, as JSON-ready data."""
+    """Everything but the curves, as JSON-ready data; ``readouts`` are the engines' as ``Abilities.told`` has them."""
     return {
         "format": 1,
         "command": command,
@@ -101,7 +101,7 @@ def document(
         "records": [asdict(record) for result in results for record in result.records],
         "invariants": [asdict(record) for result in results for record in result.invariants],
         "errata": [{**asdict(record), "sentence": record.sentence} for record in errata],
-        "readouts": {name: engine(name).abilities.told() for name in request.engines},
+        "readouts": dict(readouts or {}),
         "details": {"/".join(r.records[0].run): r.details for r in results if r.records},
         "motions": [
             {"regime": m.regime, "segments": [[s.start, s.end, list(s.coefficients)] for s in m.segments]}

@@ -12,7 +12,7 @@ from engines.contract import Signal
 Array = NDArray[np.float64]
 
 POINTS = 6
-SHARP = 12  # points where a value between samples is itself the zero that all others are counted from
+SHARP = 16  # points where a value between samples is itself the zero that all others are counted from
 # Places between the neighbours of the largest value, and how often they are looked at: to a millionth of a sample.
 BETWEEN, CLOSER = 65, 3
 

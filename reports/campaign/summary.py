@@ -38,7 +38,8 @@ def markdown(results: Results) -> str:
 
 def _standing(one: EngineStanding) -> str:
     origin = f" ({one.origin})" if one.origin else ""
-    words = f"{one.engine} {one.setting}{origin}: {one.passed} of {one.total} within limits"
+    count = f"{one.passed} of {one.total} within limits" if one.total else "nothing judged"
+    words = f"{one.engine} {one.setting}{origin}: {count}"
     words += f", {one.computed} computed by the adapter and not judged" if one.computed else ""
     if one.nearest is not None:
         place = "furthest over its limit" if one.share > 1.0 else "closest to its limit"

@@ -12,6 +12,7 @@ from comparisons.campaign.results import document, save
 from comparisons.campaign.results import load as load_results
 from comparisons.judging import baseline
 from comparisons.runs.files import write_text
+from engines.registry import engine
 from reports.campaign.terminal import printout
 from reports.command_line.destination import Destination
 from reports.command_line.exit_codes import campaign_exit_code
@@ -43,7 +44,8 @@ def compare(
             baseline.record_all(records)
         if destination.json or out:
             command = choice.command + limits.words + (" --out DIR" if out else "")
-            saved = document(wanted, results, command, errata)
+            readouts = {name: engine(name).abilities.told() for name in wanted.engines}
+            saved = document(wanted, results, command, errata, readouts)
             destination.write_json(saved)
             if out:
                 save(out, results, saved)
