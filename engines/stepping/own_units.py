@@ -47,10 +47,10 @@ class OwnUnits:
         return float(self.length**length * self.mass**mass)
 
 
-def own_units(scene: Scene) -> OwnUnits:
-    """The units in which the scene's size is one and its largest mass is LARGEST_MASS."""
+def own_units(scene: Scene, size: float = 1.0) -> OwnUnits:
+    """The units in which the scene's size is ``size`` and its largest mass is LARGEST_MASS."""
     largest = max(body.mass for body in scene.bodies)
-    return OwnUnits(scene_size(scene), largest / LARGEST_MASS if largest > 0.0 else 1.0)
+    return OwnUnits(scene_size(scene) / size, largest / LARGEST_MASS if largest > 0.0 else 1.0)
 
 
 def scaled(scene: Scene, units: OwnUnits) -> Scene:

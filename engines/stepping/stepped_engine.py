@@ -36,7 +36,8 @@ class Recipe(Pace):
     ``ratios`` are the steps between two samples, of one run each; several are extrapolated, the error's terms having
     the ``orders`` as powers of the step. ``effort`` is the constraint solver's, None for the engine's own. ``graded``
     lets slow parts have longer steps, ``restarted`` begins every segment of a prescribed motion anew: without it the
-    whole motion is one interval. ``in_own_units`` counts lengths and masses in units of the scene.
+    whole motion is one interval. ``in_own_units`` counts lengths and masses in units of the scene, its size being
+    ``size``: where an engine's tolerance is a length, a larger one makes it tighter.
     """
 
     ratios: tuple[int, ...] = (1,)
@@ -45,6 +46,7 @@ class Recipe(Pace):
     graded: bool = False
     restarted: bool = True
     in_own_units: bool = True
+    size: float = 1.0
 
     def parts(self, scene: Scene) -> list[Interval]:
         """The scene's motion in intervals of equal samples."""
@@ -132,7 +134,8 @@ class SteppedEngine(ABC, Generic[World, R]):
         """One pass, or several extrapolated, by the setting's recipe."""
         recipes = self.settings.get(type(scene.drive), {})
         if setting not in recipes:
-            return Run(Outcome.UNSUPPORTED, f"{self.name} offers no setting '{setting}' for such a drive")
+            obstacle = ability_obstacle(scene, self.abilities)
+            return Run(Outcome.UNSUPPORTED, obstacle or f"{self.name} offers no setting '{setting}' for such a drive")
         return self._run(scene, recipes[setting], {})
 
     def methods(self, scene: Scene) -> tuple[Method, ...]:
@@ -175,7 +178,7 @@ class SteppedEngine(ABC, Generic[World, R]):
         offered = scene.channels & frozenset(self.abilities.readouts)
         channels = offered if isinstance(scene.drive, Prescribed) else offered - {Channel.TORQUE}
         scene = self.altered(scene)
-        units = own_units(scene) if recipe.in_own_units else None
+        units = own_units(scene, recipe.size) if recipe.in_own_units else None
         given = scaled(scene, units) if units else scene
         parts = recipe.parts(given)
         passes = [self._pass(given, Course(recipe, parts, ratio, channels, cost)) for ratio in recipe.ratios]
