@@ -113,7 +113,13 @@ def records(case: Case, track: Track, rounds: Rounds) -> Iterator[PointRecord]:
     """A record per point of a sweep; a sweep there was no time for has its first point to say so."""
     adapter = engine(track.points[0].engine)
     unit = adapter.work_unit if isinstance(adapter, StudiedEngine) else ""
-    blank = partial(PointRecord, engine_version=adapter.version() or "", work_unit=unit, ended=track.ended)
+    blank = partial(
+        PointRecord,
+        engine_version=adapter.version() or "",
+        is_control=adapter.is_control,
+        work_unit=unit,
+        ended=track.ended,
+    )
     for point, taken in zip(track.points, track.taken or [Taken(Failure.TIMED_OUT.value, track.ended)], strict=False):
         yield _record(blank, case, point, taken, rounds.repeats(point, rounds.extent.repeats))
 
@@ -131,12 +137,13 @@ def _record(
         engine=point.engine,
         kind=METHOD if method else SETTING,
         setting=method.name if method else str(point.setting or ""),
-        levels=method.levels if method else 0,
+        runs=taken.runs,
         effort=method.effort if method else None,
         effort_unit=method.effort_unit if method else "",
         step=longest_step(case, steps) if steps else None,
         steps_per_turn=steps,
         errors=taken.errors,
+        left_out=taken.left_out,
         seconds_min=least,
         seconds_median=median,
         repeats=tuple(run.seconds for run in repeats),

@@ -13,12 +13,12 @@ from comparisons.work_precision.records import Bench
 from reports.text.numbers import bound, error, seconds
 from reports.text.screen import Printout, line, table
 from reports.work_precision.cost_section import cost_tables
-from reports.work_precision.facts import PlaceFacts, failed_methods, places
+from reports.work_precision.facts import PlaceFacts, engine_label, failed_methods, places
 from reports.work_precision.words import choice_words, method_row, noise_note, noise_share, standing_words
 
 METHODS = ("engine", "method", "order", "least error", "steps/turn", "time", "what limits it")
 POINTS = (
-    *("mechanism", "regime", "engine", "method", "levels", "effort", "step s", "quantity", "outcome", "error", "RMS"),
+    *("mechanism", "regime", "engine", "method", "runs", "effort", "step s", "quantity", "outcome", "error", "RMS"),
     *("stepping", "steps", "why"),
 )
 
@@ -38,7 +38,7 @@ def _points(bench: Bench) -> Table:
     """Every point measured."""
     rows = [
         (
-            one.mechanism, one.regime, one.engine, one.setting, f"{one.levels}",
+            one.mechanism, one.regime, engine_label(one.engine, one.is_control), one.setting, f"{one.runs}",
             "" if one.effort is None else f"{one.effort:g}",
             "" if one.step is None else f"{one.step:.4g}", one.quantity, one.outcome, error(one.error_max),
             error(one.error.error_rms if one.error else None), seconds(one.seconds_min or 0.0),
@@ -62,7 +62,7 @@ def _block(place: PlaceFacts, quantity: str, noise: float) -> list[RenderableTyp
 
 def _failures(place: PlaceFacts, quantity: str) -> list[Text]:
     return [
-        line(f"{facts.engine} {reason}", "yellow")
+        line(f"{facts.label} {reason}", "yellow")
         for facts in place.engines(quantity)
         for reason in failed_methods(facts)
     ]
@@ -80,7 +80,7 @@ def _choices(place: PlaceFacts, quantity: str) -> Table:
         (bound(wanted), *(_choice(*choice_words(facts.choices[number], facts)) for facts in engines))
         for number, wanted in enumerate(WANTED)
     ]
-    return table(("to get", *(facts.engine for facts in engines)), rows)
+    return table(("to get", *(facts.label for facts in engines)), rows)
 
 
 def _choice(cost: str, way: str, step: str, _: str) -> str:

@@ -16,7 +16,7 @@ def test_methods_choices_and_settings_stand_in_one_block_per_place():
     assert text.count("largest error over the peak") == 2
     assert "still falling" in text
     assert "4.00 ms: plain @ 4" in text
-    assert "tuned: 4.0e-4 in 17.0 ms; on the front" in text
+    assert "tuned: 4.0e-4 in 17.0 ms; on the front of single runs" in text
     assert "torn: diverged: the joints <gave> way" in text
     assert "beside every run took 1.00 ms at best" in " ".join(text.split())
 
