@@ -66,7 +66,7 @@ def _run(case: Case, maker: Maker, request: CampaignRequest, broken: dict[str, V
     engine, setting, samples = maker.engine, maker.setting, maker.samples
     blank = _blank(case, engine, setting, request.conditions)
     if engine in broken:
-        told = {"outcome": broken[engine].value, "detail": f"{engine} <cannot> hold this scene"}
+        told = {"origin": "", "outcome": broken[engine].value, "detail": f"{engine} <cannot> hold this scene"}
         return RunResult(tuple(_named(blank, name, **told) for name in request.quantities), ())
     size = SIZES[setting] * (1.0 + 0.7 * request.engines.index(engine))
     deviations = {name: _deviation(case, name, size, samples) for name in request.quantities}

@@ -58,7 +58,7 @@ def test_the_verdict_counts_and_names_what_comes_nearest_to_its_limit(text):
     )
     naive = r"^- alpha naive \(1 run, read\): \d+ of \d+ within limits; furthest over its limit: "
     assert re.search(naive, text, re.MULTILINE)
-    assert "- gamma best: 0 of " in text
+    assert "- gamma best: nothing judged. " in text
     assert "not installed: gamma <cannot> hold this scene." in text
 
 
