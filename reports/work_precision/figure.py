@@ -59,7 +59,7 @@ def bench_figure(places: Sequence[PlaceFacts], colours: Mapping[str, str], quant
     def draw(drawing: Figure) -> None:
         grid = drawing.subplots(down, across, squeeze=False)
         sides = {"left": 0.6 / width, "right": 1.0 - 0.5 / width}
-        drawing.subplots_adjust(**sides, top=1.0 - 0.28 / height, bottom=0.46 / height, wspace=0.5, hspace=0.42)
+        drawing.subplots_adjust(**sides, top=1.0 - 0.28 / height, bottom=0.46 / height, wspace=0.62, hspace=0.42)
         panels = [axes for row in grid for axes in row]
         for axes, place in zip(panels, places, strict=False):
             draw_place(axes, place, colours, quantity or place.foremost)

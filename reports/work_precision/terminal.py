@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from itertools import groupby
 
 from rich.console import RenderableType
 from rich.table import Table
@@ -16,6 +17,7 @@ from reports.work_precision.cost_section import cost_tables
 from reports.work_precision.facts import PlaceFacts, engine_label, failed_methods, places
 from reports.work_precision.words import choice_words, method_row, noise_note, noise_share, standing_words
 
+CHOICES = ("engine", "to get", "time", "by")
 METHODS = ("engine", "method", "order", "least error", "steps/turn", "time", "what limits it")
 POINTS = (
     *("mechanism", "regime", "engine", "method", "runs", "effort", "step s", "quantity", "outcome", "error", "RMS"),
@@ -74,14 +76,14 @@ def _methods(place: PlaceFacts, quantity: str) -> Table:
 
 
 def _choices(place: PlaceFacts, quantity: str) -> Table:
-    """What to use for an error: errors down, engines across."""
-    engines = [facts for facts in place.engines(quantity) if facts.choices]
-    rows = [
-        (bound(wanted), *(_choice(*choice_words(facts.choices[number], facts)) for facts in engines))
-        for number, wanted in enumerate(WANTED)
-    ]
-    return table(("to get", *(facts.label for facts in engines)), rows)
-
-
-def _choice(cost: str, way: str, step: str, _: str) -> str:
-    return f"{cost}: {way}{f' @ {step}' if step else ''}" if cost else f"not reached; {way}"
+    """What to use for an error: a row for all errors that one point of an engine serves."""
+    rows = []
+    for facts in place.engines(quantity):
+        wanted = zip(WANTED, facts.choices, strict=False)
+        for choice, part in groupby(wanted, key=lambda pair: pair[1]):
+            errors = [bound(error) for error, _ in part]
+            span = errors[0] if len(errors) == 1 else f"{errors[0]} to {errors[-1]}"
+            cost, way, step, _ = choice_words(choice, facts)
+            turn = f" @ {step}" if step else ""
+            rows.append((facts.label, span, cost or "–", f"{way}{turn}" if cost else f"not reached; {way}"))
+    return table(CHOICES, rows, align="llrl")
