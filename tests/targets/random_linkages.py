@@ -1,8 +1,8 @@
 """Random valid linkages in every engine: how often tuned fails, and whether a wrong motion ever passes unseen.
 
 ``python -m tests.targets.random_linkages [COUNT] [ENGINE ...]`` prints the table by engine and by mass ratio.
-Four-bars, offset slider-cranks, quick returns and six-bars; sizes and masses over four decades, each with a transmission angle
-that a designer would accept.
+Four-bars, offset slider-cranks, quick returns and six-bars; sizes and masses over four decades, each with a
+transmission angle that a designer would accept.
 """
 
 from __future__ import annotations
@@ -189,4 +189,6 @@ def main(words: Sequence[str]) -> None:
 
 
 if __name__ == "__main__":
-    main(sys.argv[1:])
+    from tests.targets import random_linkages  # workers find its functions by this name
+
+    random_linkages.main(sys.argv[1:])
