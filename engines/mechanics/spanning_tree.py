@@ -1,7 +1,8 @@
 """The joints of a scene as a tree from the ground and the cuts of its loops, for engines in joint coordinates.
 
 Such an engine moves a body by the one joint that joins it to its parent, and holds every further joint, which closes a
-loop, as a constraint. Pins and sliders may be in the tree; slots never are.
+loop, as a constraint. Pins and sliders may be in the tree; slots never are. Sliders go before pins, as a pin is the
+easier one to hold as a constraint: a slider is cut only where sliders alone form a loop.
 """
 
 from __future__ import annotations
@@ -34,30 +35,30 @@ class SpanningTree:
 
 
 def spanning_tree(scene: Scene) -> SpanningTree:
-    """The tree that begins with the crank on the ground and takes the joints nearest to the ground first."""
+    """The tree that begins with the crank on the ground; then sliders, and then the pins nearest to the ground."""
     bodies = {body.name: body for body in scene.bodies}
-    reached: dict[str, Branch | None] = {GROUND: None}
-    joints: list[PinJoint | SliderJoint] = sorted(
-        (*scene.pins, *scene.sliders), key=lambda joint: scene.crank not in _ends(joint) or GROUND not in _ends(joint)
-    )
-    left: list[PinJoint | SliderJoint] = joints
-    while True:
-        before, level = left, set(reached)
-        left = []
-        for joint in before:
+    depth = {GROUND: 0}
+    branches: list[Branch] = []
+    left: list[PinJoint | SliderJoint] = [*scene.sliders, *scene.pins]
+
+    def rank(joint: PinJoint | SliderJoint) -> tuple[bool, bool, int]:
+        ends = _ends(joint)
+        nearest = min(depth[end] for end in ends if end in depth)
+        return set(ends) != {scene.crank, GROUND}, isinstance(joint, PinJoint), nearest
+
+    while len(branches) < len(bodies):
+        open_joints = [joint for joint in left if len(depth.keys() & _ends(joint)) == 1]
+        if open_joints:
+            joint = min(open_joints, key=rank)
+            left.remove(joint)
             first, second = _ends(joint)
-            if second in level and first not in reached:
-                reached[first] = Branch(bodies[first], second, joint)
-            elif first in level and second not in reached:
-                reached[second] = Branch(bodies[second], first, joint, reverse=True)
-            else:
-                left.append(joint)
-        if len(left) == len(before):
-            loose = next((body for body in scene.bodies if body.name not in reached), None)
-            if loose is None:
-                break
-            reached[loose.name] = Branch(loose, GROUND, None)
-    return SpanningTree(tuple(branch for branch in reached.values() if branch), (*left, *scene.slots))
+            body, parent = (second, first) if first in depth else (first, second)
+            branches.append(Branch(bodies[body], parent, joint, reverse=parent == first))
+        else:
+            body, parent = next(name for name in bodies if name not in depth), GROUND
+            branches.append(Branch(bodies[body], parent, None))
+        depth[body] = depth[parent] + 1
+    return SpanningTree(tuple(branches), (*left, *scene.slots))
 
 
 def anchors(joint: PinJoint | SliderJoint | SlotJoint) -> tuple[Vector, Vector]:
