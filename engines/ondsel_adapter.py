@@ -17,8 +17,11 @@ its reaction is the damper's torque: a moment of inertia of c · 1 s, for a coef
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+import os
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
 from dataclasses import dataclass, field
+from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -220,6 +223,20 @@ def _followed(world: World, part: Interval, course: Course[OndselRecipe], is_las
     )
 
 
+@contextmanager
+def _own_folder() -> Iterator[None]:
+    """A folder for the solver's files: it gives them the same names in every process, and two at once mix them up."""
+    before = os.environ.get("TMPDIR")
+    with TemporaryDirectory() as folder:
+        os.environ["TMPDIR"] = folder
+        try:
+            yield
+        finally:
+            del os.environ["TMPDIR"]
+            if before is not None:
+                os.environ["TMPDIR"] = before
+
+
 def _solved(world: World, part: Interval) -> dict[tuple[str, str], Array]:
     """Solve one part of the motion: the rows of all series by path and label, one number a frame."""
     from pyondsel.errors import AsmtError
@@ -236,7 +253,8 @@ def _solved(world: World, part: Interval) -> dict[tuple[str, str], Array]:
     world.model.simulation = Simulation(part.start - segment.start, part.end - segment.start, part.samples)
     try:
         # pyondsel writes "Pitch" where Ondsel reads "pitch" and gives up otherwise.
-        text = solve_asmt(world.model.to_asmt().replace("\tPitch\n", "\tpitch\n"), timeout=TIMEOUT)
+        with _own_folder():
+            text = solve_asmt(world.model.to_asmt().replace("\tPitch\n", "\tpitch\n"), timeout=TIMEOUT)
     except AsmtError as error:
         raise DivergedError(f"Ondsel gave up: {error}") from error
     rows: dict[tuple[str, str], Array] = {}
