@@ -80,7 +80,7 @@ class Signal:
 
 @dataclass(frozen=True)
 class History:
-    """The raw motion an engine computed, each channel on its own clock; None where it was not asked for or not offered.
+    """The motion an engine computed, each channel on its own clock; None where it was not asked for or not offered.
 
     ``position`` values (n, bodies, 3): mass centre x, y, m, and angle, rad, unwrapped; ``velocity`` and
     ``acceleration`` likewise; bodies in the scene's order. ``torque`` values (n,): what the drive exerts on the

@@ -1,4 +1,4 @@
-"""Reading a motion back: energies, points and powers from the raw history, never from an engine's own word for them."""
+"""Reading a motion back: energies, points and powers from the history, never from an engine's own word for them."""
 
 from __future__ import annotations
 
