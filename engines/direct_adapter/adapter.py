@@ -28,7 +28,7 @@ from engines.scene import (
     SlotJoint,
     TurnDamper,
 )
-from engines.start_check import start_misfit
+from engines.start_check import data_obstacle
 from engines.stepping.cost import Cost
 from engines.stepping.driver import DivergedError, UnsupportedError, check_step, run_stepping
 
@@ -74,11 +74,13 @@ def _run(scene: Scene, precision: Precision, cost: Cost) -> Run:
 
 
 def _history(scene: Scene, precision: Precision, cost: Cost) -> History:
+    if any(body.name == scene.crank and body.inertia is None for body in scene.bodies):
+        raise UnsupportedError(f"crank '{scene.crank}' has no inertia, so it cannot turn; give it one")
     with cost.building():
+        reason = data_obstacle(scene, massless=True)
+        if reason is not None:
+            raise DivergedError(reason)
         equations = _equations(scene)
-        misfit = start_misfit(scene)
-    if misfit is not None:
-        raise DivergedError(misfit)
     try:
         with cost.stepping(), np.errstate(all="ignore"):  # what is not finite is found and named
             history, cost.steps, details = motion(equations, precision)
@@ -90,8 +92,6 @@ def _history(scene: Scene, precision: Precision, cost: Cost) -> History:
 
 def _equations(scene: Scene) -> Equations:
     """The scene's equations; raises UnsupportedError where they do not fix its motion."""
-    if any(body.name == scene.crank and body.inertia is None for body in scene.bodies):
-        raise UnsupportedError(f"crank '{scene.crank}' has no inertia, so it cannot turn; give it one")
     equations = Equations(scene)
     given, expected = equations.rows - 1, equations.size - 1
     if given != expected:

@@ -239,6 +239,27 @@ def stress(
     raise typer.Exit(stress.run(choice, _destination(json, out, resume, quiet, verbose), jobs))
 
 
+@app.command("check-engine", short_help="Hold an engine's adapter to the contract.")
+def check_engine(
+    engine: Annotated[str, typer.Argument(metavar="ENGINE", hidden=True)],
+    json: options.Json = None,
+    quiet: options.Quiet = False,
+    jobs: Annotated[int | None, valued("N", "Worker processes; default: one per core.")] = None,
+) -> None:
+    """Hold an engine's adapter to the contract: signs, frames, units, instants, failures as values, mutants.
+
+    ENGINE is the name of an adapter announced under the entry-point group linkproof.engines.
+
+    Exit codes: 0 every check passed, failed as expected or does not apply, 1 a check failed, 2 nothing to check.
+    """
+    from comparisons.runs.worker_process import start_server
+
+    start_server(["comparisons.conformance.conformance"])  # its imports run beside ours
+    from reports.command_line import engines
+
+    raise typer.Exit(engines.check(engine, _destination(json, None, False, quiet), jobs))
+
+
 @app.command(short_help="Write the report of saved curves again.")
 def report(
     saved: Annotated[Path, typer.Argument(metavar="DIR", hidden=True)],

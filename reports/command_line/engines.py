@@ -1,16 +1,25 @@
-"""What ``linkproof engines`` does: tell what each engine can do and where its figures come from."""
+"""What ``linkproof engines`` and ``linkproof check-engine`` do: tell what engines can do, and hold one to it."""
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Mapping, Sequence
+from dataclasses import asdict
 from typing import Any
 
 from rich.console import RenderableType
 
+from analytic.errors import LinkproofError
+from comparisons.conformance.conformance import MUTANT, check_engine
+from comparisons.conformance.findings import Finding, Found
 from engines.registry import engine, engine_names
+from reports.command_line import FAILED, PASSED
 from reports.command_line.destination import Destination
 from reports.facts.readouts import abilities_told, readout_table
-from reports.text.screen import line
+from reports.text.screen import Cell, Printout, line, table
+
+INSTALLED = ("installed", Finding.NOT_APPLICABLE)
+STYLES = {Finding.PASSED: "green", Finding.FAILED: "bold red", Finding.EXPECTED: "yellow"}
 
 
 def list_engines(names: Sequence[str], destination: Destination) -> None:
@@ -29,4 +38,35 @@ def _shown(told: Mapping[str, Any]) -> list[RenderableType]:
         *(line(f"  {kind}: {', '.join(told[kind])}") for kind in kinds),
         readout_table(told["engine"], told["readouts"]),
         line(""),
+    ]
+
+
+def check(name: str, destination: Destination, processes: int | None = None) -> int:
+    """Make every check of an engine, print a line of each; returns the exit code.
+
+    Raises UnknownNameError for an engine that is not announced, LinkproofError where nothing could be checked.
+    """
+    adapter = engine(name)
+    found = check_engine(adapter, processes)
+    counts = Counter(each.finding for each in found)
+    absent = next((each.detail for each in found if (each.check, each.finding) == INSTALLED), None)
+    if absent is not None:
+        raise LinkproofError(f"expected an engine to check, got none: {absent}")
+    destination.write_json({"engine": name, "version": adapter.version(), "checks": [asdict(each) for each in found]})
+    closing = f"{name}: " + ", ".join(f"{counts[finding]} {finding}" for finding in Finding if counts[finding])
+    shown = table(("check", "", ""), _rows(found))
+    destination.print_out(Printout([shown], [line(closing)]))
+    return FAILED if counts[Finding.FAILED] else PASSED
+
+
+def _rows(found: Sequence[Found]) -> list[Sequence[Cell]]:
+    """A line of every check; of mutants that say the same, one line."""
+    groups: dict[tuple[str, Finding, str], int] = {}
+    for each in found:
+        alike = each.check.startswith(MUTANT) and each.finding is not Finding.FAILED
+        key = ("mutants" if alike else each.check, each.finding, each.detail)
+        groups[key] = groups.get(key, 0) + 1
+    return [
+        (f"{count} {name}" if name == "mutants" else name, (finding.value, STYLES.get(finding, "dim")), detail)
+        for (name, finding, detail), count in groups.items()
     ]
