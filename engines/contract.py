@@ -86,8 +86,8 @@ class History:
     ``acceleration`` likewise; bodies in the scene's order. ``torque`` values (n,): what the drive exerts on the
     crank, N m; a free crank's is given and not recorded. ``joint_force``: one signal per joint name, acting on the
     joint's first body (the pin's ``first``, the slider's or slot's ``body``), N: (n, 2) in the ground frame, or (n,)
-    where the engine tells magnitudes only. Torque and joint forces may lack a sample at the start or at a jump of the
-    prescribed acceleration, where they have two values; kinematics carry the value just after it.
+    where the engine tells magnitudes only. Torque and joint forces may lack a sample at the start, and they and
+    accelerations one at a jump of the prescribed acceleration, where they have two values.
     """
 
     position: Signal | None = None
