@@ -10,17 +10,20 @@ import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
+from typing import Any, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
 
-from analytic.description.law import Law
+from analytic.description.crank_motion import derivative
+from analytic.description.law import FULL_TURN, Law
 from analytic.description.linkage import GROUND, Vector
-from engines.exudyn_adapter.drive import Foreign, crank_angle
-from engines.mechanics.states import Reals, start_motion
+from engines.mechanics.states import start_motion
 from engines.scene import Body, GuidedJoint, PinJoint, Prescribed, Scene, SliderJoint
+from engines.stepping.intervals import Interval
 
 Array = NDArray[np.float64]
+Foreign: TypeAlias = Any  # an object of exudyn, which carries no types
 
 ANGLE = 2  # number of the angle among the coordinates of a two-dimensional rigid body
 
@@ -57,6 +60,7 @@ class Model:
         self.scene, self.plain = scene, plain
         self.nodes: dict[str, int] = {}
         self.objects: dict[str, Foreign] = {GROUND: self._object("Ground")}
+        self.angles = {GROUND: 0.0, **{body.name: body.angle for body in scene.bodies}}
         self.turning: set[str] = set()
         self.joints: dict[str, ForceOutput] = {}
         ground = self.mbs.AddNode(itemInterface.NodePointGround())
@@ -74,17 +78,54 @@ class Model:
         self.driver = self._add_drive()
         # Which of x, y and angle of every body are coordinates of the system, in whose order they are.
         self.free = np.array([(True, True, body.name in self.turning) for body in scene.bodies])
+        self.begin = 0.0  # the time at which exudyn's is 0, s
+        self.unwound = np.zeros(self.free.shape)  # whole turns, rad, that have been taken off the angles
 
     def start(self, order: int) -> Array:
         """Start values of all coordinates, or their time derivatives of order 1 or 2, in exudyn's order."""
         values = start_motion(self.scene)[order][0, :-1][self.free]
         return np.asarray(values if order else np.zeros_like(values))  # coordinates are displacements from the start
 
-    def position(self) -> Reals:
-        """Present position of all bodies, the ground among them, (1, bodies, 3)."""
-        position = start_motion(self.scene)[0]
-        position[0, :-1][self.free] += np.array(self.mbs.systemData.GetODE2Coordinates())
-        return position
+    def unwind(self, position: Array) -> Array:
+        """Coordinates without the whole turns of their angles.
+
+        On position level accelerations and forces carry the rounding of angles and times over the square of the step,
+        which would grow with them: 2e-5 of the torque's peak after 300 turns.
+        """
+        whole = np.zeros_like(self.unwound)
+        whole[self.free] = position
+        whole = np.round(whole / FULL_TURN) * FULL_TURN * (0.0, 0.0, 1.0)
+        self.unwound += whole
+        return np.asarray(position - whole[self.free])
+
+    @property
+    def crank_origin(self) -> float:
+        """The crank angle φ at which the crank's coordinate is 0, rad."""
+        return self.scene.crank_angle + float(self.unwound[list(self.nodes).index(self.scene.crank), ANGLE])
+
+    def set_drive(self, part: Interval) -> None:
+        """Let the solver itself run the crank's angle and speed over the time since the start of a part.
+
+        Python functions take a third more time.
+        """
+        from exudyn.advancedUtilities import CreateSymbolicUserFunction as Symbolic
+
+        self.begin = part.start
+        assert part.segment is not None
+        terms = [
+            float(part.segment.value(part.start, order)) / math.factorial(order)
+            for order in range(len(part.segment.coefficients))
+        ]
+        terms[0] -= self.crank_origin
+        self._functions = []  # exudyn does not keep them alive itself
+        for order, name in enumerate(("offsetUserFunction", "offsetUserFunction_t")):
+            self._functions.append(Symbolic(self.mbs, _polynomial(derivative(tuple(terms), order)), name, self.driver))
+            self.mbs.SetObjectParameter(self.driver, name, self._functions[-1])
+
+    def hold_drive(self, angle: float) -> None:
+        """Keep the crank at an angle, rad."""
+        self.mbs.SetObjectParameter(self.driver, "offsetUserFunction", 0)
+        self.mbs.SetObjectParameter(self.driver, "offset", angle - self.crank_origin)
 
     def _object(self, kind: str, **data: Foreign) -> Foreign:
         return self.mbs.AddObject(getattr(self.items, f"Object{kind}")(**data))
@@ -105,8 +146,7 @@ class Model:
         """Marker of a point of a body."""
         x, y = anchor
         if body != GROUND and body not in self.turning:  # a point mass has no frame of its own
-            angle = next(b.angle for b in self.scene.bodies if b.name == body)
-            c, s = math.cos(angle), math.sin(angle)
+            c, s = math.cos(self.angles[body]), math.sin(self.angles[body])
             x, y = c * x - s * y, s * x + c * y
         return self._marker("BodyPosition", bodyNumber=self.objects[body], localPosition=[x, y, 0.0])
 
@@ -164,8 +204,7 @@ class Model:
 
     def _add_line(self, joint: GuidedJoint, *, turning: bool) -> None:
         """Add exudyn's prismatic joint; a pin in a slot is one without its condition on the angle."""
-        angles = {body.name: body.angle for body in self.scene.bodies}
-        turned = angles.get(joint.host, 0.0) - angles.get(joint.body, 0.0)
+        turned = self.angles[joint.host] - self.angles[joint.body]
         (x, y), c, s = joint.along, math.cos(turned), math.sin(turned)
         item = self._object(
             "JointPrismatic2D",
@@ -200,9 +239,8 @@ class Model:
         """A load as a function of system and time; a prescribed crank's angle is a matter of the time alone."""
         value, drive = law.of_float(), self.scene.drive
         if isinstance(drive, Prescribed):
-            segments = drive.motion.segments
-            at_time = lru_cache(maxsize=1)(lambda t: value(crank_angle(segments, t)))  # asked for at every iteration
-            return lambda _mbs, t: at_time(t)
+            at_time = lru_cache(maxsize=1)(lambda t: value(_crank_angle(drive, t)))  # asked for at every iteration
+            return lambda _mbs, t: at_time(self.begin + t)
         start, node = self.scene.crank_angle, self.nodes[self.scene.crank]
         coordinates = self.exudyn.OutputVariableType.Coordinates
         return lambda mbs, _t: value(start + mbs.GetNodeOutput(node, coordinates)[ANGLE])
@@ -228,7 +266,31 @@ class Model:
         crank = self._coordinate(self.scene.crank, ANGLE)
         drive = self.scene.drive
         if isinstance(drive, Prescribed):
-            return self._object("ConnectorCoordinate", markerNumbers=[self.fixed, crank])
+            driver = self._object("ConnectorCoordinate", markerNumbers=[self.fixed, crank])
+            if self.plain:
+                start = self.scene.crank_angle
+                self.mbs.SetObjectParameter(
+                    driver, "offsetUserFunction", lambda _mbs, t, _item, _offset: _crank_angle(drive, t) - start
+                )
+            return driver
         if drive.torque:
             self._load("Coordinate", crank, load=drive.torque)
         return None
+
+
+def _crank_angle(drive: Prescribed, time: float) -> float:
+    """φ at any time of a motion, rad."""
+    segments = drive.motion.segments
+    return float(next((s for s in segments if time <= s.end), segments[-1]).value(time))
+
+
+def _polynomial(coefficients: Sequence[float]) -> Callable[..., Foreign]:
+    """A polynomial, highest power first, in the form exudyn asks a function of time to have."""
+
+    def value(_mbs: Foreign, t: Foreign, _item: Foreign, _offset: Foreign) -> Foreign:
+        result = coefficients[0] + 0.0 * t  # a symbolic function has to return a symbolic
+        for coefficient in coefficients[1:]:
+            result = result * t + coefficient
+        return result
+
+    return value
