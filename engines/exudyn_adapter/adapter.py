@@ -17,7 +17,6 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 from contextlib import contextmanager
-from dataclasses import dataclass
 from typing import ClassVar
 
 from engines.contract import Abilities, History
@@ -29,7 +28,6 @@ from engines.scene import (
     AppliedForce,
     AppliedTorque,
     Free,
-    PinJoint,
     PointSpring,
     Prescribed,
     Scene,
@@ -43,15 +41,7 @@ from engines.stepping.intervals import Interval
 from engines.stepping.stepped_engine import Course, SteppedEngine
 
 
-@dataclass(frozen=True)
-class World:
-    """An assembled system with its sensors."""
-
-    model: Model
-    recorder: Recorder
-
-
-class ExudynEngine(SteppedEngine[World, Recipe]):
+class ExudynEngine(SteppedEngine[Recorder, Recipe]):
     """Adapter for exudyn."""
 
     name = "exudyn"
@@ -62,20 +52,19 @@ class ExudynEngine(SteppedEngine[World, Recipe]):
     abilities: ClassVar[Abilities] = Abilities(
         readouts=READOUTS,
         drives=frozenset({Prescribed, Free}),
-        joints=frozenset({PinJoint, SliderJoint, SlotJoint}),
+        joints=frozenset({SliderJoint, SlotJoint}),
         loads=frozenset({AppliedForce, AppliedTorque, PointSpring, TurnDamper}),
     )
     settings = SETTINGS
     studied = STUDIED
 
-    def build(self, scene: Scene, recipe: Recipe) -> World:
+    def build(self, scene: Scene, recipe: Recipe) -> Recorder:
         with _silent():
-            model = Model(scene, plain=recipe.as_shipped)
-            recorder = add_sensors(model)
-            _assemble(model)
-            return World(model, recorder)
+            recorder = add_sensors(Model(scene, plain=recipe.as_shipped))
+            _assemble(recorder.model)
+            return recorder
 
-    def follow(self, world: World, course: Course[Recipe]) -> History:
+    def follow(self, world: Recorder, course: Course[Recipe]) -> History:
         recipe, model = course.recipe, world.model
         course.cost.details.update(recipe.details())
         histories: list[History] = []
@@ -85,7 +74,7 @@ class ExudynEngine(SteppedEngine[World, Recipe]):
                     _start(model, part, course.cost.details, first=not histories)
                 _solve(model, part, course)
                 before_jump = later is not None and later.after_jump
-                histories.append(world.recorder.read(first=not histories, before_jump=before_jump))
+                histories.append(world.read(first=not histories, before_jump=before_jump))
         return joined(histories)
 
 
