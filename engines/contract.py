@@ -56,7 +56,7 @@ class Method:
     """One way of stepping that an engine offers for study: each step as asked, nothing tried again or adapted.
 
     A :class:`Setting` is what a user runs; a method is what its choice is argued from. ``name`` is unique within the
-    engine, ``about`` says in one sentence what it is. ``levels`` counts the runs at fractions of the step that are
+    engine, ``about`` says in one sentence what it is. ``runs`` counts the runs at fractions of the step that are
     extrapolated (1: none). ``effort`` is what the constraint solver is given in every step, in ``effort_unit``
     ("iterations", "relative tolerance"); None leaves the engine's own, and any other may be put in its place with
     ``dataclasses.replace`` where ``effort_unit`` is not empty.
@@ -64,7 +64,7 @@ class Method:
 
     name: str
     about: str
-    levels: int = 1
+    runs: int = 1
     effort: float | None = None
     effort_unit: str = ""
 
@@ -182,7 +182,7 @@ class StudiedEngine(Engine, Protocol):
     work_unit: str  # what Run.solver_work counts, in the plural: "Newton iterations"
 
     def methods(self, scene: Scene) -> tuple[Method, ...]:
-        """The ways of stepping that can be studied on a scene's kind of drive: integrators × levels × solver effort.
+        """The ways of stepping that can be studied on a scene's kind of drive: integrators × runs × solver effort.
 
         The first is what a newcomer would write, the engine's defaults at a step of the caller's. Nothing is imported.
         """

@@ -92,7 +92,7 @@ def method_table(bench: Bench) -> ReportTable:
     """Engine, method, what it is, of how many runs, and the solver effort it comes with."""
     labels = engine_labels(bench)
     rows = tuple(
-        (labels[told["engine"]], told["name"], told["about"], f"{told['levels']}",
+        (labels[told["engine"]], told["name"], told["about"], f"{told['runs']}",
          effort_words(told["effort"], told["effort_unit"]))
         for told in bench.document["methods"]
     )  # fmt: skip

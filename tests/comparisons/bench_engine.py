@@ -8,7 +8,7 @@ from engines.scene import Channel
 
 FIRST = Method("first", "first order", effort_unit="")
 SECOND = Method("second", "second order down to a floor the solver sets", effort=30.0, effort_unit="iterations")
-FOURTH = Method("fourth", "fourth order until rounding grows", levels=2)
+FOURTH = Method("fourth", "fourth order until rounding grows", runs=2)
 WRONG = Method("wrong", "a read-out that no step mends")
 BROKEN = Method("broken", "raises")
 SIZE = 0.2
@@ -41,7 +41,7 @@ class KnownEngine:
         self.runs.append((method.name, method.effort, step))
         if method.name == "broken":
             raise RuntimeError("matrix is singular")
-        return self._finished(step, self.error(method, step), {"step": step}, method.levels)
+        return self._finished(step, self.error(method, step), {"step": step}, method.runs)
 
     def error(self, method, step):
         """The error a method has at a step, over the peak."""

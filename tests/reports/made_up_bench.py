@@ -51,10 +51,10 @@ def document(records, mechanisms, engines, **changes):
         "first_use": [{"engine": name, "seconds": [0.3, 0.2]} for name in engines],
         "mechanisms": [{"name": name, "title": f"The {name}", "variant": "v"} for name in mechanisms],
         "methods": [
-            {"engine": engine, "name": name, "about": f"what <{name}> does", "levels": levels, "effort": effort,
+            {"engine": engine, "name": name, "about": f"what <{name}> does", "runs": runs, "effort": effort,
              "effort_unit": unit}
             for engine in engines
-            for name, effort, unit, levels in methods
+            for name, effort, unit, runs in methods
         ],
         "costs": [],
         "quantities": ["Mkr", "joint_force"],

@@ -92,7 +92,7 @@ def test_steps_and_iterations_are_counted(name):
     model = _driven()[1]
     coarse, fine = (ENGINE.run_method(model, _method(name), step) for step in (2e-3, 5e-4))
     ratios = STUDIED[name][1].ratios
-    assert len(ratios) == _method(name).levels == len(coarse.passes)
+    assert len(ratios) == _method(name).runs == len(coarse.passes)
     assert coarse.steps == sum(ratios) * (len(coarse.history.position.time) - 1)
     assert coarse.steps < fine.steps
     assert coarse.steps < coarse.solver_work < fine.solver_work
