@@ -115,6 +115,10 @@ class TurnDamper:
     coefficient: float
 
 
+GUIDES: frozenset[type] = frozenset({SliderJoint, SlotJoint})  # every type of joint beside the pin
+LOADS: frozenset[type] = frozenset({AppliedForce, AppliedTorque, PointSpring, TurnDamper})  # every type beside gravity
+
+
 @dataclass(frozen=True)
 class Prescribed:
     """The crank follows ``motion`` exactly; the torque this takes is the drive torque."""
