@@ -22,17 +22,33 @@ def why_absent(package: str, extra: str = "", oldest: str = "") -> str | None:
 
     ``extra`` is the extra that brings the package, by default of its name; ``oldest`` the first version that will do.
     """
-    cure = f"pip install --upgrade 'linkproof[{extra or package}]' brings it"
     try:
         import_module(package)
     except ModuleNotFoundError as error:
         if error.name != package:
             raise
-        return f"{package} is not installed: {cure}"
+        return _not_installed(package, extra)
+    return _too_old(installed_version(package), package, extra, oldest)
+
+
+def why_unusable(package: str, extra: str = "", oldest: str = "") -> str | None:
+    """The same by what is known without importing the engine."""
     version = installed_version(package)
-    if oldest and version is not None and _numbers(version) < _numbers(oldest):
-        return f"{package} {version} is too old, {oldest} is the first that will do: {cure}"
-    return None
+    return _not_installed(package, extra) if version is None else _too_old(version, package, extra, oldest)
+
+
+def _not_installed(package: str, extra: str) -> str:
+    return f"{package} is not installed: {_cure(package, extra)}"
+
+
+def _too_old(version: str | None, package: str, extra: str, oldest: str) -> str | None:
+    if not oldest or version is None or _numbers(version) >= _numbers(oldest):
+        return None
+    return f"{package} {version} is too old, {oldest} is the first that will do: {_cure(package, extra)}"
+
+
+def _cure(package: str, extra: str) -> str:
+    return f"pip install --upgrade 'linkproof[{extra or package}]' brings it"
 
 
 def _numbers(version: str) -> tuple[int, ...]:

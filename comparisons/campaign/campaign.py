@@ -25,7 +25,7 @@ from comparisons.runs.run_engine import run_engine
 from comparisons.runs.study import Announce, Study, Task
 from comparisons.runs.workers import DEFAULT_BOUNDS, Bounds, usual_processes
 from engines.contract import Engine, Outcome, Setting
-from engines.registry import engine, engine_names
+from engines.registry import engine, engine_names, why_unavailable
 from engines.scene import Channel
 
 __all__ = ["CampaignRequest", "RunResult", "cases", "compare", "tasks"]
@@ -139,11 +139,10 @@ def judged(pickled: bytes, name: str, setting: Setting, names: tuple[str, ...], 
     case, adapter = unpickled(pickled), engine(name)
     quantities = chosen_quantities(case, names)
     with blamed_on(adapter):
-        version = adapter.version()
+        version, absent = adapter.version(), why_unavailable(adapter)
     blank = blank_record(case, setting, name, version or "")
-    if version is None:
-        reason = f"engine '{name}' is not installed; install it with: pip install 'linkproof[{name}]'"
-        return _all_alike(quantities, blank, Outcome.UNAVAILABLE, reason)
+    if absent is not None:
+        return _all_alike(quantities, blank, Outcome.UNAVAILABLE, absent)
     model = case.scene(_channels(quantities, with_invariants))
     run = run_engine(adapter, model, setting)
     blank = replace(

@@ -19,7 +19,7 @@ from comparisons.stress.axes import Axis, axes
 from comparisons.stress.scenes import Conditions, case, scene
 from comparisons.stress.verdict import Judgement, StressVerdict, judged
 from engines.contract import Engine, Outcome, Run, Setting, StudiedEngine
-from engines.registry import engine
+from engines.registry import engine, why_unavailable
 from engines.scene import Scene
 
 T = TypeVar("T", "Cell", "CellResult", Judgement)
@@ -99,9 +99,11 @@ def usages(axis: Axis, adapter: Engine) -> list[str]:
         return list(axis.settings)
     plain = axis.rows[0].conditions
     given = scene(plain, case(plain))
-    with blamed_on(adapter):
+    try:
         methods = adapter.methods(given) if isinstance(adapter, StudiedEngine) else ()
         offered = {method.name: method.effort_unit for method in methods}
+    except Exception:  # a cell of every method tells what the adapter raises
+        return [*axis.settings, *axis.methods]
     fitting = [name for name in axis.methods if name in offered and axis.unit in ("", offered[name])]
     return [*axis.settings, *fitting]
 
@@ -146,8 +148,9 @@ def made(cell: Cell) -> CellResult:
     conditions = axes()[cell.axis].conditions(cell.row, cell.value)
     blank = replace(_unmade(cell), conditions=conditions.differing)
     adapter = engine(cell.engine)
-    if adapter.version() is None:
-        return replace(blank, judgement=Judgement(StressVerdict.UNAVAILABLE, "not installed"), outcome="unavailable")
+    absent = why_unavailable(adapter)
+    if absent is not None:
+        return replace(blank, judgement=Judgement(StressVerdict.UNAVAILABLE, absent), outcome="unavailable")
     try:
         true = _case(conditions)
     except LinkproofError as error:

@@ -21,7 +21,7 @@ from comparisons.work_precision.measure import Taken, longest_step, measure
 from comparisons.work_precision.points import Extent, Point, Track
 from comparisons.work_precision.records import METHOD, SETTING, PointError, PointRecord
 from engines.contract import Outcome, StudiedEngine
-from engines.registry import engine
+from engines.registry import engine, why_unavailable
 
 # A run that takes this much longer than its budget, s, hangs.
 HANGS = 60.0
@@ -60,8 +60,7 @@ class Rounds:
     def taken(self, number: int, point: Point) -> Taken | None:
         """What a point took in a round; None where it was not measured."""
         if not point.is_run:
-            cure = f"install it with: pip install 'linkproof[{point.engine}]'"
-            return Taken(Outcome.UNAVAILABLE.value, f"engine '{point.engine}' is not installed; {cure}")
+            return Taken(Outcome.UNAVAILABLE.value, why_unavailable(engine(point.engine)) or "")
         return self.study.results.get(_key(number, point))
 
     def repeats(self, point: Point, rounds: int) -> list[Taken]:

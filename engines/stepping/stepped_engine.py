@@ -16,7 +16,7 @@ from typing import ClassVar, Generic, TypeVar
 from analytic.description.law import FULL_TURN
 from analytic.errors import LinkproofError, UnknownNameError
 from engines.contract import Abilities, History, Method, Outcome, Run, Setting
-from engines.installed import installed_version, silenced, why_absent
+from engines.installed import installed_version, silenced, why_absent, why_unusable
 from engines.scene import Channel, Free, Prescribed, Scene
 from engines.start_check import ability_obstacle, data_obstacle
 from engines.stepping.cost import Cost
@@ -129,6 +129,10 @@ class SteppedEngine(ABC, Generic[World, R]):
     def version(self) -> str | None:
         """As the contract says, like all that follows."""
         return installed_version(self.package)
+
+    def why_unavailable(self) -> str | None:
+        """Why the engine cannot be used here, in one sentence with the cure; nothing is imported."""
+        return why_unusable(self.package, self.name, self.oldest)
 
     def run(self, scene: Scene, setting: Setting) -> Run:
         """One pass, or several extrapolated, by the setting's recipe."""

@@ -12,7 +12,9 @@ from rich.console import RenderableType
 from analytic.errors import LinkproofError
 from comparisons.conformance.conformance import MUTANT, check_engine
 from comparisons.conformance.findings import Finding, Found
-from engines.registry import engine, engine_names
+from comparisons.runs.failures import blamed_on
+from engines.contract import Engine
+from engines.registry import Unusable, engine, engine_names, why_unavailable
 from reports.command_line import FAILED, PASSED
 from reports.command_line.destination import Destination
 from reports.facts.readouts import abilities_told, readout_table
@@ -24,13 +26,20 @@ STYLES = {Finding.PASSED: "green", Finding.FAILED: "bold red", Finding.EXPECTED:
 
 def list_engines(names: Sequence[str], destination: Destination) -> None:
     """Print or write the abilities and read-outs of these engines, of all by default."""
-    told = [abilities_told(engine(name)) for name in names or engine_names()]
+    told = [_told(engine(name)) for name in names or engine_names()]
     destination.print(*(part for one in told for part in _shown(one)))
     destination.write_json({"records": told})
 
 
+def _told(adapter: Engine) -> dict[str, Any]:
+    """What an engine takes and offers, and why it cannot be used here, where it cannot."""
+    error = adapter.error if isinstance(adapter, Unusable) else None
+    reason = why_unavailable(adapter) if error is None else f"{type(error).__name__}: {error}"
+    return {**abilities_told(adapter), "unusable": reason or ""}
+
+
 def _shown(told: Mapping[str, Any]) -> list[RenderableType]:
-    version = told["version"] or "not installed"
+    version = told["unusable"] or told["version"]
     control = ", the reference's control, no engine" if told["control"] else ""
     kinds = ("drives", "joints", "loads", "settings")
     return [
@@ -44,9 +53,15 @@ def _shown(told: Mapping[str, Any]) -> list[RenderableType]:
 def check(name: str, destination: Destination, processes: int | None = None) -> int:
     """Make every check of an engine, print a line of each; returns the exit code.
 
-    Raises UnknownNameError for an engine that is not announced, LinkproofError where nothing could be checked.
+    Raises UnknownNameError for an engine that is not announced, LinkproofError where nothing could be checked,
+    AdapterError for one that cannot be loaded.
     """
     adapter = engine(name)
+    if isinstance(adapter, Unusable):
+        if adapter.error is None:
+            raise LinkproofError(adapter.reason)
+        with blamed_on(adapter):
+            raise adapter.error
     found = check_engine(adapter, processes)
     counts = Counter(each.finding for each in found)
     absent = next((each.detail for each in found if (each.check, each.finding) == INSTALLED), None)

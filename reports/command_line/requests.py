@@ -17,7 +17,7 @@ from comparisons.campaign.campaign import CampaignRequest
 from comparisons.runs.failures import GIB
 from comparisons.runs.workers import DEFAULT_BOUNDS, Bounds
 from engines.contract import Setting
-from engines.registry import engine, engine_names
+from engines.registry import engine, engine_names, why_unavailable
 
 EVERYTHING = "all"
 OWN = "own"  # every regime that a linkage defines for itself
@@ -185,17 +185,21 @@ def own_regimes(choice: CampaignChoice, found: tuple[Linkage, ...]) -> tuple[str
 
 def installed(engines: Sequence[str]) -> list[str]:
     """Those of the engines that are installed."""
-    return [name for name in engines if engine(name).version() is not None]
+    return [name for name in engines if why_unavailable(engine(name)) is None]
+
+
+def named(engines: Sequence[str]) -> tuple[str, ...]:
+    """Engines that are asked for by name, each once; raises LinkproofError for one that cannot be used here."""
+    for name in engines:
+        absent = why_unavailable(engine(name))
+        if absent is not None:
+            raise LinkproofError(f"{absent}; or leave it out")
+    return tuple(dict.fromkeys(engines))
 
 
 def _engines(choice: CampaignChoice) -> tuple[str, ...]:
-    """Engine names; one that is named but not installed is an error, one of the default set is a record."""
-    for name in choice.engines:
-        if engine(name).version() is None:
-            raise LinkproofError(
-                f"engine '{name}' is not installed: install it with: pip install 'linkproof[{name}]', or leave it out"
-            )
-    return tuple(dict.fromkeys(choice.engines)) or engine_names()
+    """Engine names; one that is named and cannot be used is an error, one of the default set is a record."""
+    return named(choice.engines) or engine_names()
 
 
 def _settings(choice: CampaignChoice) -> tuple[Setting, ...]:

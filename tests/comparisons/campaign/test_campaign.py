@@ -213,7 +213,7 @@ def test_a_quantity_without_a_sample_is_undefined(with_engine, monkeypatch):
 @pytest.mark.parametrize(
     ("engine", "outcome", "words"),
     [
-        (Scripted(_finished, version=None), "unavailable", "pip install"),
+        (Scripted(_finished, version=None), "unavailable", "is not installed"),
         (Scripted(lambda scene: Run(Outcome.UNSUPPORTED, "cannot hold springs")), "unsupported", "cannot hold springs"),
         (Scripted(lambda scene: Run(Outcome.DIVERGED, "crank ran away")), "diverged", "crank ran away"),
     ],
