@@ -11,7 +11,7 @@ from rich.text import Text
 
 from comparisons.campaign.campaign import RunResult
 from comparisons.judging.records import Record, Verdict
-from reports.facts.origins import origin_words
+from reports.facts.origins import exceptions, origin_words
 from reports.facts.views import family
 from reports.text.numbers import bound, error, figure
 from reports.text.screen import Cell, Printout, line, table
@@ -35,7 +35,8 @@ def printout(results: Sequence[RunResult]) -> Printout:
         heading = _heading(together[0].records[0])
         tables.append(heading)
         for start in range(0, len(together), ACROSS):
-            tables += [_mechanism_table(together[start : start + ACROSS]), line("")]
+            beside = together[start : start + ACROSS]
+            tables += [_mechanism_table(beside), *_exceptions(beside), line("")]
         rows = [_detail(record) for result in together for record in _all(result)]
         details += [heading, table(DETAILS, rows), line("")]
     return Printout(tables, [*_reasons(results), _closing_line(results)], details)
@@ -60,6 +61,12 @@ def _mechanism_table(results: Sequence[RunResult]) -> Table:
     rows.append(("steps", "", *(f"{record.steps}" for record in first)))
     head = ("error over peak", "limit", *(f"{record.engine}\n{record.setting}" for record in first))
     return table(head, rows, align="lr")
+
+
+def _exceptions(results: Sequence[RunResult]) -> list[Text]:
+    """What is not the engines' own, a line for each run that has any."""
+    told = {f"{r.records[0].engine} {r.records[0].setting}": exceptions(_all(r)) for r in results}
+    return [line(f"{name}: {words}") for name, words in told.items() if words]
 
 
 def _worst(result: RunResult, row: str) -> Record | None:

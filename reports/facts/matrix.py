@@ -8,8 +8,8 @@ from itertools import groupby
 
 from comparisons.campaign.results import Results
 from comparisons.judging.limits import limit
-from comparisons.judging.records import Record, Verdict
-from reports.facts.origins import CONTROL_WORDS, origin_words
+from comparisons.judging.records import CONTROL, Record, Verdict
+from reports.facts.origins import exceptions, origin_words
 from reports.facts.views import SETTINGS, anchor, columns, family, ordered, worst
 from reports.text.numbers import bound
 from reports.text.signs import RUNS
@@ -84,7 +84,8 @@ def _row(records: Sequence[Record], names: Sequence[str]) -> MatrixRow:
     for record in records:
         families.setdefault(family(record.quantity), []).append(record)
     cells = tuple(_cell(families[name]) if name in families else None for name in names)
-    return MatrixRow(first.engine, first.setting, cells, origin_words(records))
+    origin = "; ".join(filter(None, (origin_words(records), exceptions(records))))
+    return MatrixRow(first.engine, first.setting, cells, origin)
 
 
 def _cell(records: Sequence[Record]) -> MatrixCell:
@@ -136,7 +137,7 @@ def standings(results: Results) -> tuple[EngineStanding, ...]:
     """One standing per engine and setting; the reference's control, which is no engine, comes last."""
     records = sorted(every_record(results), key=_by_engine)
     found = [_standing(list(part)) for _, part in groupby(records, key=_by_engine)]
-    return tuple(sorted(found, key=lambda one: one.origin == CONTROL_WORDS))
+    return tuple(sorted(found, key=lambda one: one.origin == CONTROL))
 
 
 def _by_engine(record: Record) -> tuple[str, int]:

@@ -2,28 +2,29 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 
 from comparisons.judging.records import CONTROL, Record
 from engines.contract import Origin
 
-CONTROL_WORDS = "the reference's control"
 
-
-def origin_words(records: Iterable[Record]) -> str:
-    """Of the records of one run: "1 run, read"; "4 runs, extrapolated"; what is computed or shared besides."""
+def origin_words(records: Sequence[Record]) -> str:
+    """Of the records of one run: "1 run, read", "4 runs, extrapolated", "control"."""
     told = [record for record in records if record.origin]
     if not told:
         return ""
     if told[0].origin == CONTROL:
-        return CONTROL_WORDS
+        return CONTROL
     runs = max(record.runs for record in told)
-    origin = Origin.EXTRAPOLATED if runs > 1 else Origin.READ
-    words = [f"{runs} run{'s' if runs > 1 else ''}, {origin}"]
-    computed = _families(record.quantity for record in told if record.origin == Origin.COMPUTED)
-    words += [f"computed: {computed}"] if computed else []
-    words += list(dict.fromkeys(f"shared: {r.shared} of {r.quantity}" for r in told if r.shared))
-    return "; ".join(words)
+    return f"{runs} runs, {Origin.EXTRAPOLATED}" if runs > 1 else f"1 run, {Origin.READ}"
+
+
+def exceptions(records: Sequence[Record]) -> str:
+    """What of these records is computed by the adapter, or shared with the reference; empty if nothing is."""
+    computed = _families(record.quantity for record in records if record.origin == Origin.COMPUTED)
+    shared = dict.fromkeys(f"{r.shared} of {r.quantity.replace('_', ' ')}" for r in records if r.shared)
+    words = [f"computed by its adapter: {computed}"] if computed else []
+    return "; ".join([*words, *([f"shared with the reference: {', '.join(shared)}"] if shared else [])])
 
 
 def _families(quantities: Iterable[str]) -> str:
