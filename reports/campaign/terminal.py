@@ -10,7 +10,7 @@ from rich.table import Table
 from rich.text import Text
 
 from comparisons.campaign.campaign import RunResult
-from comparisons.judging.records import Record, Verdict
+from comparisons.judging.records import CONTROL, Record, Verdict
 from reports.facts.origins import exceptions, origin_words
 from reports.facts.views import family
 from reports.text.numbers import bound, error, figure
@@ -31,7 +31,7 @@ def printout(results: Sequence[RunResult]) -> Printout:
     details: list[RenderableType] = []
     kept = [result for result in results if result.records]
     for _, part in groupby(kept, key=lambda result: result.records[0].run[:3]):
-        together = list(part)
+        together = sorted(part, key=lambda result: result.records[0].origin == CONTROL)
         heading = _heading(together[0].records[0])
         tables.append(heading)
         for start in range(0, len(together), ACROSS):

@@ -9,7 +9,7 @@ from itertools import groupby
 from comparisons.campaign.results import Results
 from comparisons.judging.limits import limit
 from comparisons.judging.records import CONTROL, Record, Verdict
-from reports.facts.origins import exceptions, origin_words
+from reports.facts.origins import control_last, exceptions, origin_words
 from reports.facts.views import SETTINGS, anchor, columns, family, ordered, worst
 from reports.text.numbers import bound
 from reports.text.signs import RUNS
@@ -64,7 +64,7 @@ def blocks(results: Results) -> tuple[MatrixBlock, ...]:
         records = list(part)
         runs = [list(run) for _, run in groupby(records, key=lambda record: record.run)]
         first = records[0]
-        rows = tuple(_row(run, names) for run in runs)
+        rows = tuple(_row(run, names) for run in control_last(runs))
         found.append(MatrixBlock(first.mechanism, first.variant, first.regime, first.conditions, rows))
     return tuple(found)
 
