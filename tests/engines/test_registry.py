@@ -10,6 +10,7 @@ import pytest
 
 from analytic.description.crank_motion import crank_motion
 from analytic.description.loading import load
+from analytic.errors import LinkproofError
 from analytic.kinematics.mechanism import Mechanism
 from comparisons.campaign.campaign import CampaignRequest, compare
 from comparisons.campaign.errata import judge_errata
@@ -21,8 +22,10 @@ from comparisons.stress.cells import find_cell
 from comparisons.work_precision.points import Extent
 from comparisons.work_precision.study import BenchRequest, bench
 from engines import registry
-from engines.contract import Setting
+from engines.contract import Outcome, Setting
+from engines.ondsel_adapter import OndselEngine
 from engines.scene import Channel
+from reports.command_line import requests
 from tests.comparisons.faults import announce
 
 ADAPTER = """
@@ -99,6 +102,16 @@ def test_two_plugins_of_one_name_are_unavailable_and_both_are_named(plugins):
     direct, other = compare(request, processes=0)
     assert {record.outcome for record in direct.records} == {"passed"}
     assert {(record.outcome, record.detail) for record in other.records} == {("unavailable", reason)}
+
+
+def test_an_engine_too_old_is_refused_by_name_and_a_row_otherwise(monkeypatch):
+    monkeypatch.setattr(OndselEngine, "package", "numpy")
+    monkeypatch.setattr(OndselEngine, "oldest", "9999")
+    monkeypatch.setattr(requests, "engine", lambda _: OndselEngine())
+    with pytest.raises(LinkproofError, match=r"numpy .* is too old, 9999 is the first that will do: pip install"):
+        requests.named(["ondsel"])
+    run = OndselEngine().run(CASE.scene([Channel.TORQUE]), Setting.TUNED)
+    assert (run.outcome, "is too old" in run.reason) == (Outcome.UNAVAILABLE, True)
 
 
 def test_a_plugin_that_cannot_be_imported_costs_its_own_rows_in_every_study(plugins):

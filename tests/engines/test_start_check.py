@@ -6,9 +6,10 @@ import pytest
 
 from analytic.description.crank_motion import crank_motion
 from comparisons.reference.start_state import scene
+from engines.contract import Abilities
 from engines.mechanics.states import start_motion
-from engines.scene import Prescribed
-from engines.start_check import misfits, start_misfit
+from engines.scene import AppliedForce, AppliedTorque, Free, PointSpring, Prescribed, SliderJoint, SlotJoint, TurnDamper
+from engines.start_check import ability_obstacle, misfits, start_misfit
 from tests.analytic.linkages import EVERY, mechanism
 
 SLIP = 1e-3  # of whatever is changed
@@ -62,3 +63,41 @@ def test_a_slider_that_turns_against_its_host_is_found():
         for b in model.bodies
     )
     assert "in velocity" in (start_misfit(dataclasses.replace(model, bodies=turned)) or "")
+
+
+ALL = Abilities(
+    {},
+    drives=frozenset({Prescribed, Free}),
+    joints=frozenset({SliderJoint, SlotJoint}),
+    loads=frozenset({AppliedForce, AppliedTorque, PointSpring, TurnDamper}),
+)
+
+
+@pytest.mark.parametrize(
+    ("name", "less", "reason"),
+    [
+        ("juki-mf7923d", {"drives": frozenset({Free})}, "it takes no prescribed drive"),
+        (
+            "juki-mf7923d",
+            {"joints": frozenset({SlotJoint})},
+            "it has no slider joint, which slider joint 'needle_bar on",
+        ),
+        ("scotch-yoke", {"joints": frozenset({SliderJoint})}, "it has no slot joint, which slot joint 'A in yoke'"),
+        (
+            "slotted-takeup",
+            {"loads": ALL.loads - {TurnDamper}},
+            "it has no turn damper, which turn damper on 'crank' and",
+        ),
+        ("spring-and-damper", {"loads": ALL.loads - {PointSpring}}, "it has no point spring, which point spring on"),
+        ("force-over-angle", {"loads": ALL.loads - {AppliedForce}}, "it has no applied force, which applied force on"),
+        (
+            "force-over-angle",
+            {"varying_loads": False},
+            "it takes no load that changes with the crank angle, as applied",
+        ),
+    ],
+)
+def test_what_goes_beyond_an_engines_abilities_is_said_in_one_sentence(name, less, reason):
+    model = _scene(name)
+    assert ability_obstacle(model, ALL) is None
+    assert (ability_obstacle(model, dataclasses.replace(ALL, **less)) or "").startswith(reason)
