@@ -78,7 +78,7 @@ def _plain_run(engine: Engine, channels: frozenset[Channel] = frozenset(Channel)
 
 def _setting(engine: Engine) -> Setting:
     settings = engine.abilities.settings
-    return Setting.TUNED if Setting.TUNED in settings else min(settings)
+    return Setting.TUNED if Setting.TUNED in settings else min(settings, default=Setting.TUNED)
 
 
 def refuses_what_it_cannot_hold(engine: Engine) -> None:

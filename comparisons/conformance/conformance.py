@@ -32,11 +32,13 @@ from comparisons.conformance.mutants import (
 from comparisons.conformance.mutations import MUTATIONS
 from comparisons.conformance.samples import PLAIN, case
 from engines.contract import Engine
+from engines.registry import Unusable
 
 if TYPE_CHECKING:
     import pytest
 
 MUTANT: Final = "mutant: "
+INSTALLED: Final = "installed"
 
 
 def _is_seen(engine: Engine, wrong: Engine, sample: str) -> None:
@@ -107,7 +109,12 @@ def expected_failures(engine: Engine, named: Mapping[str, str] | None = None) ->
 
 
 def check_engine(engine: Engine, processes: int | None = None) -> list[Found]:
-    """The findings of all checks, each made in a worker process; nothing an engine does brings this one down."""
+    """The findings of all checks, each made in a worker process; nothing an engine does brings this one down.
+
+    Of an engine that cannot be used, or whose adapter cannot be loaded, that is the only finding.
+    """
+    if isinstance(engine, Unusable):
+        return [examined(engine, CHECKS[INSTALLED])]
     expected = expected_failures(engine)
     known = [name for name in expected if name in CHECKS]
     found = in_workers(examine, engine, list(CHECKS), processes)

@@ -11,6 +11,7 @@ from typing import Any
 from comparisons.runs.failures import AdapterError, Failure, Lost, blamed_on
 from comparisons.runs.workers import Bounds, run_jobs
 from engines.contract import Engine
+from engines.registry import why_unavailable
 
 BOUNDS = Bounds(seconds=120.0)
 
@@ -60,9 +61,9 @@ def examined(engine: Engine, check: Check) -> Found:
     """What comes of a check in this process."""
     try:
         with blamed_on(engine):
-            version = engine.version()
-        if version is None and check.needs_engine:
-            raise NotApplicableError(f"{engine.name} is not installed")
+            reason = why_unavailable(engine)
+        if reason is not None and check.needs_engine:
+            raise NotApplicableError(reason)
         check.examine(engine)
     except AssertionError as failure:
         return Found(check.name, Finding.FAILED, str(failure))
