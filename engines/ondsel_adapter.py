@@ -106,6 +106,7 @@ class OndselEngine(SteppedEngine[World, OndselRecipe]):
 
     name = "ondsel"
     package = "pyondsel"
+    oldest = "0.0.3"
     abilities = Abilities(
         readouts={
             Channel.POSITION: ReadOut("PartSeries X, Y, Bryantz"),
