@@ -1,4 +1,4 @@
-"""Which engines are installed, and keeping them quiet."""
+"""Which engines are installed, and keeping them quiet and apart."""
 
 from __future__ import annotations
 
@@ -7,6 +7,7 @@ import re
 from collections.abc import Iterator
 from contextlib import contextmanager
 from importlib import import_module, metadata
+from tempfile import TemporaryDirectory
 
 
 def installed_version(name: str) -> str | None:
@@ -68,3 +69,17 @@ def silenced() -> Iterator[None]:
         for stream, copy in kept:
             os.dup2(copy, stream)
             os.close(copy)
+
+
+@contextmanager
+def own_folder() -> Iterator[None]:
+    """A folder for temporary files of this process and what it starts, for an engine that gives them fixed names."""
+    before = os.environ.get("TMPDIR")
+    with TemporaryDirectory() as folder:
+        os.environ["TMPDIR"] = folder
+        try:
+            yield
+        finally:
+            del os.environ["TMPDIR"]
+            if before is not None:
+                os.environ["TMPDIR"] = before

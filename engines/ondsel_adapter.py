@@ -17,11 +17,8 @@ its reaction is the damper's torque: a moment of inertia of c · 1 s, for a coef
 from __future__ import annotations
 
 import math
-import os
-from collections.abc import Iterator, Mapping
-from contextlib import contextmanager
+from collections.abc import Mapping
 from dataclasses import dataclass, field
-from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -29,6 +26,7 @@ from numpy.typing import NDArray
 
 from analytic.description.linkage import GROUND, Vector
 from engines.contract import Abilities, History, ReadOut, Setting, Signal
+from engines.installed import own_folder
 from engines.scene import Body, Channel, Prescribed, Scene, SliderJoint, SlotJoint, TurnDamper
 from engines.stepping.driver import DivergedError
 from engines.stepping.histories import joined
@@ -157,8 +155,7 @@ class OndselEngine(SteppedEngine[World, OndselRecipe]):
         for slider in scene.sliders:
             if any(body.name == slider.body and scene.can_turn(body) for body in scene.bodies):
                 _keep_angle(world, slider.body, slider.host)
-        coefficient = sum(damper.coefficient for damper in scene.dampers)
-        if coefficient:
+        if coefficient := sum(damper.coefficient for damper in scene.dampers):
             world.add_part(Body(FLYWHEEL, 0.0, coefficient, (0.0, 0.0), 0.0, (0.0, 0.0), 0.0, (0.0, 0.0), 0.0))
             world.join("revolute", world.marker(scene.crank), world.marker(FLYWHEEL), motion=FLYWHEEL)
         return world
@@ -185,8 +182,8 @@ def _keep_angle(world: World, body: str, host: str) -> None:
     """Hold a body's angle against its host's: a direction of each stays square to the other's."""
     angle = {**{each.name: each.angle for each in world.scene.bodies}, GROUND: 0.0}
     turn = angle[host] - angle[body]
-    across = world.marker(host, axes=_along((1.0, 0.0)))
-    world.join("perpendicular", across, world.marker(body, axes=_along((-math.sin(turn), math.cos(turn)))))
+    square = world.marker(body, axes=_along((-math.sin(turn), math.cos(turn))))
+    world.join("perpendicular", world.marker(host, axes=_along((1.0, 0.0))), square)
 
 
 def _place(part: Part, x: float, y: float, angle: float) -> None:
@@ -224,20 +221,6 @@ def _followed(world: World, part: Interval, course: Course[OndselRecipe], is_las
     )
 
 
-@contextmanager
-def _own_folder() -> Iterator[None]:
-    """A folder for the solver's files: it gives them the same names in every process, and two at once mix them up."""
-    before = os.environ.get("TMPDIR")
-    with TemporaryDirectory() as folder:
-        os.environ["TMPDIR"] = folder
-        try:
-            yield
-        finally:
-            del os.environ["TMPDIR"]
-            if before is not None:
-                os.environ["TMPDIR"] = before
-
-
 def _solved(world: World, part: Interval) -> dict[tuple[str, str], Array]:
     """Solve one part of the motion: the rows of all series by path and label, one number a frame."""
     from pyondsel.errors import AsmtError
@@ -254,7 +237,7 @@ def _solved(world: World, part: Interval) -> dict[tuple[str, str], Array]:
     world.model.simulation = Simulation(part.start - segment.start, part.end - segment.start, part.samples)
     try:
         # pyondsel writes "Pitch" where Ondsel reads "pitch" and gives up otherwise.
-        with _own_folder():
+        with own_folder():  # its files have the same names in every process
             text = solve_asmt(world.model.to_asmt().replace("\tPitch\n", "\tpitch\n"), timeout=TIMEOUT)
     except AsmtError as error:
         raise DivergedError(f"Ondsel gave up: {error}") from error

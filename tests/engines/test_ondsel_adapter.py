@@ -1,6 +1,8 @@
 """Ondsel against the closed form: every joint, the slots that it gets wrong by itself, and what it cannot hold."""
 
 import dataclasses
+import os
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -14,7 +16,7 @@ from engines.ondsel_adapter import OndselEngine
 from engines.scene import Channel, Free, PinJoint, Prescribed
 from tests.analytic.linkages import from_text, mechanism
 
-pytest.importorskip("pyondsel")
+pyondsel_solve = pytest.importorskip("pyondsel.solve")
 
 ENGINE = OndselEngine()
 ROUNDING = 1e-11  # of the peak: what a solution at every instant leaves
@@ -88,6 +90,22 @@ def test_a_joint_force_acts_on_the_body_that_the_scene_names_first():
             other.joint_force[pin.name].values, -as_given.joint_force[pin.name].values, rtol=1e-9
         )
     np.testing.assert_allclose(other.torque.values, as_given.torque.values, rtol=1e-9)
+
+
+def test_every_solution_has_a_folder_of_its_own_for_files_of_fixed_names(monkeypatch):
+    before, seen = os.environ.get("TMPDIR"), []
+    solve = pyondsel_solve.solve_asmt
+
+    def solved(*args, **options):
+        seen.append(os.environ["TMPDIR"])
+        assert Path(seen[-1]).is_dir()
+        return solve(*args, **options)
+
+    monkeypatch.setattr(pyondsel_solve, "solve_asmt", solved)
+    _run(mechanism("juki-mf7923d"), crank_motion("run-up", ramp_time=0.02, hold_time=0.01))
+    assert len(set(seen)) == len(seen) > 1
+    assert os.environ.get("TMPDIR") == before
+    assert not any(map(os.path.exists, seen))
 
 
 def test_the_accelerations_of_a_slot_that_turns_are_wrong_by_a_known_formula_and_right_in_tuned():
