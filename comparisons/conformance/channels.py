@@ -13,6 +13,7 @@ from comparisons.conformance.clues import Part, likeliest
 from comparisons.conformance.findings import Check, NotApplicableError
 from comparisons.conformance.mutants import kept_run
 from comparisons.conformance.samples import PLAIN, SAMPLES, case, truth
+from comparisons.invariants.invariants import MISSING_STEPS
 from comparisons.judging.limits import limit
 from comparisons.reference.case import Case
 from engines.contract import Engine, History, Outcome, Run, Setting, Signal
@@ -31,6 +32,7 @@ LIKE = {
 }
 PLACE, ANGLE = slice(0, 2), slice(2, 3)
 DENSE = 48  # samples per turn that interpolation to sixth order needs at the least
+ROUNDED = 1.0 + 1e-6
 
 
 def obstacle(engine: Engine, sample: str) -> str | None:
@@ -152,16 +154,16 @@ def _check_times(words: str, time: Array, of: Case) -> None:
     )
     longest = float(gaps.max())
     late = max(float(time[0]), end - float(time[-1]))
-    assert late <= 2.0 * longest, (
+    assert late <= MISSING_STEPS * longest * ROUNDED, (
         f"{words}: expected samples from 0 to {end:g} s, got {time[0]:g} to {time[-1]:g} s: run to the end of the "
         "drive, and count time from its start"
     )
     turn = FULL_TURN / of.motion.peak_speed
-    assert longest * DENSE <= turn * 1.001, (
+    assert longest * DENSE <= turn * ROUNDED, (
         f"{words}: expected {DENSE} samples per turn or more, got {turn / longest:.0f}: give the recipe more steps per "
         "turn"
     )
-    assert time[-1] <= end * (1.0 + 1e-9), f"{words}: expected samples up to {end:g} s, got {time[-1]:g} s"
+    assert time[-1] <= end * ROUNDED, f"{words}: expected samples up to {end:g} s, got {time[-1]:g} s"
 
 
 CHECKS = (
