@@ -11,22 +11,21 @@ Simbody divides it where it must; only the methods for study keep it fixed.
 
 from __future__ import annotations
 
-import cmath
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from functools import cache
+from functools import cache, partial
 from typing import Any
 
 import numpy as np
 
 from analytic.description.law import Law
 from analytic.description.linkage import GROUND, Vector
-from engines.contract import Abilities, Array, History, ReadOut, Setting, Signal
+from engines.contract import Abilities, Array, History, ReadOut, Setting
 from engines.mechanics.spanning_tree import Branch, anchors, spanning_tree
 from engines.scene import GUIDES, LOADS, Body, Channel, Free, PinJoint, Prescribed, Scene, SliderJoint, SlotJoint
-from engines.stepping.driver import DivergedError, UnsupportedError
-from engines.stepping.histories import joined
+from engines.stepping.driver import DivergedError
 from engines.stepping.intervals import Interval
+from engines.stepping.recording import recorded
 from engines.stepping.stepped_engine import Course, Recipe, SteppedEngine
 
 KINEMATICS = {
@@ -35,14 +34,17 @@ KINEMATICS = {
     Channel.ACCELERATION: ("getLinearAccelerationInGround", "getAccelerationValue"),
 }
 REACTION = "Joint.calcReactionOnParentExpressedInGround"
-AT_REST = Body(GROUND, 0.0, None, (0.0, 0.0), 0.0, (0.0, 0.0), 0.0, (0.0, 0.0), 0.0)
+READOUTS = {
+    **{channel: ReadOut(f"Frame.{place}, Coordinate.{turn}") for channel, (place, turn) in KINEMATICS.items()},
+    Channel.TORQUE: ReadOut(f"{REACTION}, moment at the crank's pin", drive="the drive's alone"),
+    Channel.JOINT_FORCE: ReadOut(f"{REACTION}, force; Constraint.getRecordValues where a joint closes a loop"),
+}
 
 
 @dataclass(frozen=True, kw_only=True)
 class SimbodyRecipe(Recipe):
     """A recipe whose ``effort`` is the tolerance of the joints; its steps may be divided unless they are ``fixed``."""
 
-    method: str = "RungeKuttaMerson"
     fixed: bool = False
 
 
@@ -53,88 +55,66 @@ class SimbodyRecipe(Recipe):
 NAIVE = SimbodyRecipe(steps_per_turn=120, in_own_units=False)
 DRIVEN = SimbodyRecipe(steps_per_turn=120, effort=1e-12)
 FREE = SimbodyRecipe(steps_per_turn=100, ratios=(2,), effort=1e-6)
-FIXED = replace(DRIVEN, fixed=True)
 
 
 @dataclass
 class World:
     """An OpenSim model and what is read from it in a state.
 
-    By body: its frame, at the mass centre and parallel to the scene's; the body as that frame starts; the bodies from
-    it to the ground; the coordinates that turn it. ``links`` are the tree's joints, the crank's first. ``forces`` act
-    on the joints' first bodies. ``loads`` take three functions of time each.
+    By body: its frame, at the mass centre and parallel to the scene's, and the coordinates that turn it. ``forces`` act
+    on the joints' first bodies. ``loads`` take three functions of time each. ``readers`` give what a history has.
     """
 
     model: Any
     frames: dict[str, Any]
-    start: dict[str, Body] = field(default_factory=lambda: {GROUND: AT_REST})
-    chains: dict[str, list[str]] = field(default_factory=lambda: {GROUND: [GROUND]})
     turning: dict[str, list[Any]] = field(default_factory=lambda: {GROUND: []})
-    links: list[Any] = field(default_factory=list)
     forces: dict[str, Callable[[Any], Vector]] = field(default_factory=dict)
     loads: list[tuple[Callable[..., None], Law]] = field(default_factory=list)
     readers: dict[Channel, Callable[[Any], Any]] = field(default_factory=dict)
 
     def carry(self, branch: Branch) -> None:
-        """Put a body on its parent."""
-        osim, number = _opensim(), len(self.frames)
-        body, joint, parent = branch.body, branch.joint, self.start[branch.parent]
-        if joint is None:
-            raise UnsupportedError(f"only slots hold body '{body.name}', and no pin or slider carries it")
-        frame = osim.Body(f"body{number}", body.mass, _vector(), osim.Inertia(*[body.inertia or 0.0] * 3))
+        """Put a body on its parent; the crank is the first."""
+        osim, body, joint = _opensim(), branch.body, branch.joint
+        assert joint is not None  # or it is refused
+        frame = osim.Body(f"body{len(self.frames)}", body.mass, _vector(), osim.Inertia(*[body.inertia or 0.0] * 3))
         self.model.addBody(frame)
-        points = anchors(joint) if branch.reverse else anchors(joint)[::-1]  # the parent's and the body's
-        kind, tilts = osim.PinJoint, (0.0, 0.0)
-        value, speed = body.angle - parent.angle, body.angular_velocity - parent.angular_velocity
-        if isinstance(joint, SliderJoint):
-            kind = osim.SliderJoint  # along the first axis of both its frames
-            along = complex(*joint.along) * cmath.rect(1.0, (body if branch.reverse else parent).angle)
-            tilts = cmath.phase(along) - parent.angle, cmath.phase(along) - body.angle
-            ends = zip(_moving(parent, points[0]), _moving(body, points[1]), strict=True)
-            value, speed = (((own - other) * along.conjugate()).real / abs(along) for other, own in ends)
-        elif body.inertia is None:  # a mass on its pin: without an inertia it cannot be left to turn
-            kind, tilts = osim.WeldJoint, (value, 0.0)
-            body = replace(body, angular_velocity=parent.angular_velocity)
-        sides = [(_vector(*point), _vector(0.0, 0.0, tilt)) for point, tilt in zip(points, tilts, strict=True)]
-        link = kind(f"joint{number}", self.frames[branch.parent], *sides[0], frame, *sides[1])
+        sides = zip(branch.points, branch.tilts, strict=True)
+        parent, child = ((_vector(*point), _vector(0.0, 0.0, tilt)) for point, tilt in sides)
+        slides = isinstance(joint, SliderJoint)  # along the first axis of both its frames
+        kind = osim.SliderJoint if slides else osim.WeldJoint if branch.rigid else osim.PinJoint
+        link = kind(f"joint{len(self.frames)}", self.frames[branch.parent], *parent, frame, *child)
         self.model.addJoint(link)
-        for coordinate in _coordinates(link):
-            coordinate.setDefaultValue(value)
-            coordinate.setDefaultSpeedValue(speed)
-        self.links.append(link)
-        self.frames[body.name], self.start[body.name] = frame, body
-        self.chains[body.name] = [body.name, *self.chains[branch.parent]]
-        self.turning[body.name] = self.turning[branch.parent] + (_coordinates(link) if kind is osim.PinJoint else [])
+        moving = [] if branch.rigid else [link.updCoordinate()]
+        for coordinate in moving:
+            coordinate.setDefaultValue(branch.value)
+            coordinate.setDefaultSpeedValue(branch.speed)
+        self.frames[body.name] = frame
+        self.turning[body.name] = self.turning[branch.parent] + ([] if slides else moving)
         reaction, sign = link.calcReactionOnParentExpressedInGround, 1.0 if branch.reverse else -1.0
         self.forces[joint.name] = lambda state: _plane(reaction(state).get(1), sign)
+        self.readers.setdefault(Channel.TORQUE, lambda state: -reaction(state).get(0).get(2))
 
-    def close(self, cut: PinJoint | SliderJoint | SlotJoint) -> None:
-        """Hold a joint that closes a loop as a constraint."""
-        if isinstance(cut, SliderJoint):
-            raise UnsupportedError(f"sliders alone form a loop with '{cut.name}', and no constraint is a slider")
-        osim, places = _opensim(), [_vector(*anchor) for anchor in anchors(cut)]
-        ends = (cut.first, cut.second) if isinstance(cut, PinJoint) else (cut.body, cut.host)
-        first, second = (self.frames[end] for end in ends)
+    def close(self, cut: PinJoint | SliderJoint | SlotJoint, carrier: str) -> None:
+        """Hold a joint that closes a loop as a constraint; it tells minus its forces in the axes of the ``carrier``."""
+        osim, (on_first, on_second) = _opensim(), (_vector(*anchor) for anchor in anchors(cut))
         if isinstance(cut, PinJoint):
-            row, constraint = 0, osim.PointConstraint(first, places[0], second, places[1])
+            first, second = self.frames[cut.first], self.frames[cut.second]
+            constraint, row = osim.PointConstraint(first, on_first, second, on_second), 0
         else:  # the first rows are the line's
-            row, constraint = 6, osim.PointOnLineConstraint(second, _vector(*cut.along), places[1], first, places[0])
-        constraint.setName(f"cut{len(self.forces)}")
+            line = self.frames[cut.host], _vector(*cut.along), on_second
+            constraint, row = osim.PointOnLineConstraint(*line, self.frames[cut.body], on_first), 6
         self.model.addConstraint(constraint)
-        # It tells minus its forces, in the axes of the nearest body that carries both ends.
-        carrier = self.frames[next(name for name in self.chains[ends[0]] if name in self.chains[ends[1]])]
 
         def force(state: Any) -> Vector:  # noqa: ANN401
-            values = constraint.getRecordValues(state)
-            return _plane(carrier.expressVectorInGround(state, _vector(values.get(row), values.get(row + 1))), -1.0)
+            taken_up = _vector(*map(constraint.getRecordValues(state).get, (row, row + 1)))
+            return _plane(self.frames[carrier].expressVectorInGround(state, taken_up), -1.0)
 
         self.forces[cut.name] = force
 
     def push(self, body: str, law: Law, anchor: Vector = (0.0, 0.0)) -> None:
-        """A force on a point of a body, or a torque if the law has one component."""
+        """A force on a point of a body, or a torque if the law has one component, in ground axes as is the default."""
         osim = _opensim()
         load = osim.PrescribedForce(f"load{len(self.loads)}", self.frames[body])
-        load.set_forceIsGlobal(True)
         load.setPointFunctions(*(osim.Constant(float(place)) for place in (*anchor, 0.0)))
         self.model.addForce(load)
         self.loads.append((load.setForceFunctions if len(law.values.T) > 1 else load.setTorqueFunctions, law))
@@ -157,33 +137,22 @@ class SimbodyEngine(SteppedEngine[World, SimbodyRecipe]):
     package = "opensim"
     oldest = "4.6"
     effort_unit = "tolerance of the joints"
-    abilities = Abilities(
-        readouts={
-            **{channel: ReadOut(f"Frame.{place}, Coordinate.{turn}") for channel, (place, turn) in KINEMATICS.items()},
-            Channel.TORQUE: ReadOut(f"{REACTION}, moment at the crank's pin", drive="the drive's alone"),
-            Channel.JOINT_FORCE: ReadOut(f"{REACTION}, force; Constraint.getRecordValues where a joint closes a loop"),
-        },
-        drives=frozenset({Prescribed, Free}),
-        joints=GUIDES,
-        loads=LOADS,
-        massless=False,
-    )
+    abilities = Abilities(READOUTS, frozenset({Prescribed, Free}), GUIDES, LOADS, massless=False)
     settings: Mapping[type, Mapping[Setting, SimbodyRecipe]] = {
         Prescribed: dict(zip(Setting, (NAIVE, DRIVEN, replace(DRIVEN, effort=1e-13)), strict=True)),
-        Free: dict(zip(Setting, (NAIVE, FREE, replace(FREE, ratios=(4,), effort=1e-9)), strict=True)),
+        Free: dict(zip(Setting, (NAIVE, FREE, replace(FREE, ratios=(4,))), strict=True)),
     }
     studied: Mapping[str, tuple[str, SimbodyRecipe]] = {
         "defaults": ("Runge-Kutta-Merson, all else as OpenSim has it", replace(NAIVE, fixed=True)),
-        "merson": ("Runge-Kutta-Merson, projected onto the joints", FIXED),
-        "semi-explicit": ("two semi-explicit Euler half steps, projected", replace(FIXED, method="SemiExplicitEuler2")),
+        "projected": ("Runge-Kutta-Merson, projected onto the joints", replace(DRIVEN, fixed=True)),
     }
 
     def refusal(self, scene: Scene) -> str | None:
         """Loads over the crank angle become tables over time, which a free crank does not have."""
         laws = [load.force for load in scene.forces] + [load.torque for load in scene.torques]
-        if isinstance(scene.drive, Prescribed) or all(law.is_constant for law in laws):
-            return None
-        return "its forces follow time, so that a free crank can have none that changes with its angle"
+        if isinstance(scene.drive, Free) and not all(law.is_constant for law in laws):
+            return "its forces follow time, so that a free crank can have none that changes with its angle"
+        return spanning_tree(scene).obstacle
 
     def build(self, scene: Scene, recipe: SimbodyRecipe) -> World:
         """Loads and drive have no functions yet: those of each part of the motion are given to them in turn."""
@@ -195,7 +164,7 @@ class SimbodyEngine(SteppedEngine[World, SimbodyRecipe]):
         for branch in tree.branches:
             world.carry(branch)
         for cut in tree.cuts:
-            world.close(cut)
+            world.close(cut, tree.carrier(cut))
         for spring in scene.springs:
             law = f"{spring.stiffness:.17g} * (d - {spring.length:.17g}) + {spring.damping:.17g} * ddot"
             first = frames[spring.first].getName(), _vector(*spring.first_anchor)
@@ -210,16 +179,13 @@ class SimbodyEngine(SteppedEngine[World, SimbodyRecipe]):
             world.push(torque.body, torque.torque)
         if isinstance(scene.drive, Free):
             world.push(scene.crank, Law(np.array([scene.drive.torque])))
-        model.finalizeConnections()
-        reaction = world.links[0].calcReactionOnParentExpressedInGround
-        world.readers = {channel: world.kinematics(scene.bodies, channel) for channel in KINEMATICS}
-        world.readers[Channel.TORQUE] = lambda state: -reaction(state).get(0).get(2)
+        world.readers |= {channel: world.kinematics(scene.bodies, channel) for channel in KINEMATICS}
         world.readers[Channel.JOINT_FORCE] = lambda state: [force(state) for force in world.forces.values()]
         return world
 
     def follow(self, world: World, course: Course[SimbodyRecipe]) -> History:
-        """Part by part; the sample between two parts is the later one's."""
-        return joined([_followed(world, course, part) for part in course.parts])
+        """Part by part, each from where the one before ends."""
+        return recorded(course.parts, world.forces, partial(_states, world, course))
 
 
 @cache
@@ -238,16 +204,6 @@ def _plane(vector: Any, factor: float = 1.0) -> Vector:  # noqa: ANN401
     return factor * vector.get(0), factor * vector.get(1)
 
 
-def _moving(body: Body, anchor: Vector) -> tuple[complex, complex]:
-    """Position and velocity of a point of a body at the start."""
-    arm = complex(*anchor) * cmath.rect(1.0, body.angle)
-    return complex(*body.position) + arm, complex(*body.velocity) + 1j * body.angular_velocity * arm
-
-
-def _coordinates(link: Any) -> list[Any]:  # noqa: ANN401
-    return [link.updCoordinate()] if link.numCoordinates() else []
-
-
 def _functions(law: Law, time: Array, angle: Array) -> list[Any]:
     """Three functions of time: a force's components, or a torque's, of which there is the third alone."""
     osim, components = _opensim(), law(angle)
@@ -259,44 +215,31 @@ def _functions(law: Law, time: Array, angle: Array) -> list[Any]:
     return functions
 
 
-def _followed(world: World, course: Course[SimbodyRecipe], part: Interval) -> History:
+def _states(world: World, course: Course[SimbodyRecipe], part: Interval, time: Array) -> Iterator[dict[Channel, Any]]:
     osim, model, recipe, segment = _opensim(), world.model, course.recipe, part.segment
-    begin = segment.start if segment else 0.0
-    time = np.linspace(part.start, part.end, part.samples + 1)
+    clock = time - (segment.start if segment else 0.0)
     if segment:
-        (crank,) = _coordinates(world.links[0])
         highest_first = osim.Vector.createFromMat(np.array(segment.coefficients[::-1]))
+        crank = model.updCoordinateSet().get(0)  # the tree begins with it
         crank.setPrescribedFunction(osim.PolynomialFunction(highest_first))
         crank.setDefaultIsPrescribed(True)
     for apply, law in world.loads:
-        apply(*_functions(law, time - begin, segment.value(time) if segment else time))
+        apply(*_functions(law, clock, segment.value(time) if segment else time))
     state = model.initSystem()
-    state.setTime(part.start - begin)
+    state.setTime(clock[0])
     manager = osim.Manager(model)
-    manager.setIntegratorMethod(getattr(manager, f"IntegratorMethod_{recipe.method}"))
     manager.setWriteToStorage(False)
     if recipe.effort is not None:
         manager.setIntegratorConstraintTolerance(recipe.effort)
     set_step = manager.setIntegratorFixedStepSize if recipe.fixed else manager.setIntegratorMaximumStepSize
     set_step(part.step / course.ratio)
-    readers = {channel: world.readers[channel] for channel in course.channels}
-    samples: list[list[Any]] = []
     try:
         manager.initialize(state)
-        state = manager.getState()
-        for instant in (time - begin).tolist():
-            if samples:
-                manager.setIntegratorFinalTime(instant)  # or it steps beyond and interpolates
-                state = manager.integrate(instant)
+        for instant in clock.tolist():
+            manager.setIntegratorFinalTime(instant)  # or it steps beyond and interpolates
+            state = manager.integrate(instant) if instant > clock[0] else manager.getState()
             model.realizeAcceleration(state)
-            samples.append([read(state) for read in readers.values()])
+            yield {channel: world.readers[channel](state) for channel in course.channels}
     except RuntimeError as error:
         raise DivergedError(f"Simbody gave up: {str(error).splitlines()[-1].strip()}") from error
-    for coordinate in [own for link in world.links for own in _coordinates(link)]:  # where the next part begins
-        coordinate.setDefaultValue(coordinate.getValue(state))
-        coordinate.setDefaultSpeedValue(coordinate.getSpeedValue(state))
-    kept = slice(None if part is course.parts[-1] else -1)
-    values = {channel: np.array(column)[kept] for channel, *column in zip(readers, *samples, strict=True)}
-    forces = values.pop(Channel.JOINT_FORCE, None)
-    named = {} if forces is None else {name: Signal(time[kept], forces[:, n]) for n, name in enumerate(world.forces)}
-    return History(**{channel: Signal(time[kept], each) for channel, each in values.items()}, joint_force=named)
+    model.setPropertiesFromState(state)  # where the next part begins

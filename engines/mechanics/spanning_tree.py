@@ -7,23 +7,41 @@ easier one to hold as a constraint: a slider is cut only where sliders alone for
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+import cmath
+from dataclasses import dataclass, replace
 
 from analytic.description.linkage import GROUND, Vector
 from engines.scene import Body, PinJoint, Scene, SliderJoint, SlotJoint
+
+AT_REST = Body(GROUND, 0.0, None, (0.0, 0.0), 0.0, (0.0, 0.0), 0.0, (0.0, 0.0), 0.0)  # the ground
 
 
 @dataclass(frozen=True)
 class Branch:
     """A body, its parent and the joint between them; None for one that hangs on no pin or slider.
 
-    ``reverse``: the parent is the joint's first body (the pin's ``first``, the slider's ``body``).
+    ``reverse``: the parent is the joint's first body (the pin's ``first``, the slider's ``body``). ``rigid``: the body
+    is a mass on its pin, without an inertia; as such an engine cannot leave it free to turn, it turns with its parent.
+
+    In the start state ``value`` is the joint's coordinate and ``speed`` its rate: the body's angle against its parent,
+    rad, or how far the body's point is from the parent's along the slider's line, m. ``tilts``, rad, turn the axes of
+    parent and body onto that line, or the parent's onto those of a rigid body.
     """
 
     body: Body
     parent: str
     joint: PinJoint | SliderJoint | None
     reverse: bool = False
+    rigid: bool = False
+    value: float = 0.0
+    speed: float = 0.0
+    tilts: tuple[float, float] = (0.0, 0.0)
+
+    @property
+    def points(self) -> tuple[Vector, Vector]:
+        """The joint's points on the parent and on the body, body frames."""
+        assert self.joint is not None
+        return anchors(self.joint) if self.reverse else anchors(self.joint)[::-1]
 
 
 @dataclass(frozen=True)
@@ -33,10 +51,33 @@ class SpanningTree:
     branches: tuple[Branch, ...]
     cuts: tuple[PinJoint | SliderJoint | SlotJoint, ...]
 
+    @property
+    def obstacle(self) -> str | None:
+        """Why an engine cannot hold it that puts every body on a pin or slider and holds only pins and slots else."""
+        loose = next((branch.body.name for branch in self.branches if branch.joint is None), None)
+        if loose is not None:
+            return f"it carries every body by a pin or a slider, and only slots hold '{loose}'"
+        loop = next((cut.name for cut in self.cuts if isinstance(cut, SliderJoint)), None)
+        return None if loop is None else f"it has no constraint for '{loop}', which closes a loop of sliders alone"
+
+    def carrier(self, cut: PinJoint | SliderJoint | SlotJoint) -> str:
+        """The body, or the ground, nearest to both ends of a joint that carries both of them or is one."""
+        first, second = (self._chain(end) for end in _ends(cut))
+        return next(name for name in first if name in second)
+
+    def _chain(self, name: str) -> list[str]:
+        """A body and what carries it, down to the ground."""
+        parents = {branch.body.name: branch.parent for branch in self.branches}
+        chain = [name]
+        while chain[-1] != GROUND:
+            chain.append(parents[chain[-1]])
+        return chain
+
 
 def spanning_tree(scene: Scene) -> SpanningTree:
     """The tree that begins with the crank on the ground; then sliders, and then the pins nearest to the ground."""
     bodies = {body.name: body for body in scene.bodies}
+    carried = {GROUND: AT_REST}  # as they start, a rigid body with its parent's speed
     depth = {GROUND: 0}
     branches: list[Branch] = []
     left: list[PinJoint | SliderJoint] = [*scene.sliders, *scene.pins]
@@ -53,12 +94,34 @@ def spanning_tree(scene: Scene) -> SpanningTree:
             left.remove(joint)
             first, second = _ends(joint)
             body, parent = (second, first) if first in depth else (first, second)
-            branches.append(Branch(bodies[body], parent, joint, reverse=parent == first))
+            branch = _branch(bodies[body], carried[parent], joint, reverse=parent == first)
         else:
             body, parent = next(name for name in bodies if name not in depth), GROUND
-            branches.append(Branch(bodies[body], parent, None))
+            branch = Branch(bodies[body], parent, None)
+        branches.append(branch)
+        turns = carried[parent] if branch.rigid else bodies[body]
+        carried[body] = replace(bodies[body], angular_velocity=turns.angular_velocity)
         depth[body] = depth[parent] + 1
     return SpanningTree(tuple(branches), (*left, *scene.slots))
+
+
+def _branch(body: Body, parent: Body, joint: PinJoint | SliderJoint, reverse: bool) -> Branch:
+    turn, rate = body.angle - parent.angle, body.angular_velocity - parent.angular_velocity
+    if isinstance(joint, PinJoint):
+        rigid = body.inertia is None
+        return Branch(body, parent.name, joint, reverse, rigid, turn, rate, (turn, 0.0) if rigid else (0.0, 0.0))
+    along = complex(*joint.along) * cmath.rect(1.0, (body if reverse else parent).angle)
+    points = anchors(joint)[::-1] if reverse else anchors(joint)
+    ends = zip(_moving(body, points[0]), _moving(parent, points[1]), strict=True)
+    value, speed = (((own - other) * along.conjugate()).real / abs(along) for own, other in ends)
+    tilts = cmath.phase(along) - parent.angle, cmath.phase(along) - body.angle
+    return Branch(body, parent.name, joint, reverse, False, value, speed, tilts)
+
+
+def _moving(body: Body, anchor: Vector) -> tuple[complex, complex]:
+    """Position and velocity of a point of a body, as complex numbers."""
+    arm = complex(*anchor) * cmath.rect(1.0, body.angle)
+    return complex(*body.position) + arm, complex(*body.velocity) + 1j * body.angular_velocity * arm
 
 
 def anchors(joint: PinJoint | SliderJoint | SlotJoint) -> tuple[Vector, Vector]:
@@ -68,5 +131,5 @@ def anchors(joint: PinJoint | SliderJoint | SlotJoint) -> tuple[Vector, Vector]:
     return joint.anchor, joint.through
 
 
-def _ends(joint: PinJoint | SliderJoint) -> tuple[str, str]:
+def _ends(joint: PinJoint | SliderJoint | SlotJoint) -> tuple[str, str]:
     return (joint.first, joint.second) if isinstance(joint, PinJoint) else (joint.body, joint.host)

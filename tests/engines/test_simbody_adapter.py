@@ -174,8 +174,8 @@ def _loop_of_sliders(given):
     ("change", "words"),
     [
         (_varying, "changes with its angle"),
-        (_on_slots_alone, "only slots hold"),
-        (_loop_of_sliders, "loop with 'again'"),
+        (_on_slots_alone, "only slots hold 'rod'"),
+        (_loop_of_sliders, "no constraint for 'again'"),
     ],
 )
 def test_what_simbody_cannot_hold_is_unsupported_in_one_sentence(change, words, monkeypatch):
