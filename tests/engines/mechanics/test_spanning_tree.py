@@ -1,5 +1,7 @@
 """The tree of a scene: each body once and after its parent, each joint once, and no slider cut but where it must be."""
 
+import cmath
+
 import pytest
 
 from analytic.description.crank_motion import crank_motion
@@ -60,3 +62,37 @@ def test_a_body_that_only_slots_hold_hangs_on_nothing():
     tree = spanning_tree(_scene(["crank", "loose", "arm"], [("crank", GROUND), ("arm", "loose")]))
     assert [(branch.body.name, branch.parent) for branch in tree.branches[1:]] == [("loose", GROUND), ("arm", "loose")]
     assert tree.branches[1].joint is None
+
+
+def test_the_carrier_of_a_cut_is_the_nearest_body_that_carries_both_ends():
+    pins = [("crank", GROUND), ("rocker", GROUND), ("crank", "coupler"), ("rocker", "coupler")]
+    dyad = [("crank", "left"), ("coupler", "right"), ("left", "right")]
+    tree = spanning_tree(_scene(["crank", "coupler", "rocker", "left", "right"], pins + dyad))
+    carriers = {cut.name: tree.carrier(cut) for cut in tree.cuts}
+    assert carriers == {"rocker-coupler": GROUND, "left-right": "crank"}
+
+
+@pytest.mark.parametrize(("name", "variant"), FULL_TURN)
+def test_positions_and_speeds_of_the_start_follow_from_the_coordinates_of_the_branches(name, variant):
+    """A body is where its parent's point is, moved along the line or turned about the pin; likewise its velocity."""
+    given = scene(mechanism(name, variant), Prescribed(crank_motion("constant-speed", start_angle=0.4)), frozenset())
+    spin = {GROUND: 0.0, **{body.name: body.angular_velocity for body in given.bodies}}
+    frame = {GROUND: (0j, 0j, 0.0)} | {
+        body.name: (complex(*body.position), complex(*body.velocity), body.angle) for body in given.bodies
+    }
+    for branch in spanning_tree(given).branches:
+        on_parent, on_body = (complex(*point) for point in branch.points)
+        place, velocity, angle = frame[branch.parent]
+        turning = spin[branch.parent]
+        slides = isinstance(branch.joint, SliderJoint)
+        line = cmath.exp(1j * (angle + branch.tilts[0])) if slides else 0.0
+        arm = on_parent * cmath.exp(1j * angle)
+        end = place + arm + branch.value * line
+        drift = velocity + 1j * turning * (arm + branch.value * line) + branch.speed * line
+        own = angle + (branch.tilts[0] - branch.tilts[1] if slides else branch.value)
+        spin[branch.body.name] = turning + (0.0 if slides or branch.rigid else branch.speed)
+        lever = on_body * cmath.exp(1j * own)
+        assert end - lever == pytest.approx(complex(*branch.body.position), abs=1e-12)
+        rate = drift - 1j * spin[branch.body.name] * lever
+        assert rate == pytest.approx(complex(*branch.body.velocity), abs=1e-9)
+        assert cmath.exp(1j * own) == pytest.approx(cmath.exp(1j * branch.body.angle), abs=1e-12)
