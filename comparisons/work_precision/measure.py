@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, field, replace
 
 from comparisons.judging.deviations import NoSampleError, deviation
@@ -87,6 +88,8 @@ def measure(  # noqa: PLR0917  a worker's job is a plain tuple
     scene = case.scene(channels)
     step = None if steps_per_turn is None else longest_step(case, steps_per_turn)
     with blamed_on(adapter):
+        if isinstance(way, Method) and isinstance(adapter, StudiedEngine):
+            adapter.methods(scene)  # an engine that cannot say its methods says here why
         _warm_up(adapter, scene, longest_step(case, WARM))
         steady = calibrate()
         run, wall = timed(lambda: started(adapter, scene, way, step))
@@ -157,10 +160,14 @@ def _untold(quantity: Quantity, motion: ObservedMotion) -> str:
 
 
 def _warm_up(adapter: Engine, scene: Scene, step: float) -> None:
-    """Run an engine that this process has not run before: the first run imports, and is thrown away."""
+    """Run an engine that this process has not run before: the first run imports, and is thrown away.
+
+    What it raises is not told: the run that it is made for need not raise it.
+    """
     if adapter.name not in _WARM:
         _WARM.add(adapter.name)
-        if not isinstance(adapter, StudiedEngine):
-            adapter.run(scene, Setting.TUNED)
-            return
-        adapter.run_method(scene, adapter.methods(scene)[0], step)
+        with suppress(Exception):
+            if isinstance(adapter, StudiedEngine):
+                adapter.run_method(scene, adapter.methods(scene)[0], step)
+            else:
+                adapter.run(scene, Setting.TUNED)

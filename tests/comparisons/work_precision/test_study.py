@@ -204,6 +204,17 @@ def test_an_engine_without_methods_to_study_has_its_settings(known, monkeypatch)
     assert methods_told(REQUEST) == []
 
 
+def test_an_engine_that_cannot_say_its_methods_has_its_settings_and_a_point_that_says_why(known, monkeypatch):
+    def fail(scene):
+        raise TypeError("a slip")
+
+    monkeypatch.setattr(known, "methods", fail)
+    found = bench(REQUEST).records
+    assert [(one.setting, one.finished) for one in found[:3]] == [(setting, True) for setting in Setting]
+    assert {(one.setting, one.outcome) for one in found[3:]} == {("methods", "adapter-error")}
+    assert "known raised TypeError: a slip (tests/comparisons/work_precision/test_study.py" in found[3].detail
+
+
 def test_methods_can_be_asked_for_by_name(known):
     only = dataclasses.replace(REQUEST, methods=("first",), settings=())
     assert {one.setting for one in bench(only).records} == {"first"}

@@ -111,20 +111,6 @@ def test_a_fault_of_ours_is_one_sentence_and_exit_code_3():
     assert done.stderr.count("\n") == 1
 
 
-def test_an_adapter_that_cannot_say_its_methods_is_not_our_fault():
-    script = (
-        "import sys; sys.argv = ['linkproof', 'bench', 'juki-mf7923d', '--engine', 'direct', '--quick']\n"
-        "from engines.direct_adapter.adapter import DirectEngine\n"
-        "from reports.command_line.main import main\n"
-        "def fail(*_): raise TypeError('a slip')\n"
-        "DirectEngine.methods = fail\n"
-        "main()"
-    )
-    done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=False)
-    assert done.returncode == 1
-    assert done.stderr.startswith("linkproof: the adapter of direct raised TypeError: a slip (")
-
-
 @pytest.mark.skipif(sys.platform == "win32", reason="pipes differ there")
 @pytest.mark.parametrize("words", [["--out", "o"], ["--json", "-", "--out", "o"]])
 def test_a_reader_that_leaves_costs_no_report(tmp_path, words):
