@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import ctypes
 import os
 import re
+import sys
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from importlib import import_module, metadata
 from tempfile import TemporaryDirectory
 
@@ -56,9 +58,18 @@ def _numbers(version: str) -> tuple[int, ...]:
     return tuple(int(number) for number in re.findall(r"\d+", version)[:3])
 
 
+def flush() -> None:
+    """Have Python and C write out what they hold back of standard output and error."""
+    for stream in filter(None, (sys.stdout, sys.stderr)):
+        stream.flush()
+    with suppress(OSError, AttributeError, TypeError):  # a system without a C library of its own to ask
+        ctypes.CDLL(None).fflush(None)
+
+
 @contextmanager
 def silenced() -> Iterator[None]:
     """Send what the process writes to its standard output and error nowhere, C code's included."""
+    flush()  # what was written before is not lost
     kept = [(stream, os.dup(stream)) for stream in (1, 2)]
     try:
         with open(os.devnull, "w") as nowhere:
@@ -66,6 +77,7 @@ def silenced() -> Iterator[None]:
                 os.dup2(nowhere.fileno(), stream)
         yield
     finally:
+        flush()  # what is still held back is not written later
         for stream, copy in kept:
             os.dup2(copy, stream)
             os.close(copy)

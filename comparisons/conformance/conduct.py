@@ -20,6 +20,7 @@ from comparisons.conformance.samples import PLAIN, SAMPLES, case
 from comparisons.runs.failures import AdapterError, blamed_on
 from comparisons.runs.run_engine import run_engine
 from engines.contract import Abilities, Engine, History, Origin, Outcome, ReadOut, Run, Setting
+from engines.installed import flush
 from engines.scene import (
     AppliedForce,
     AppliedTorque,
@@ -243,8 +244,7 @@ def keeps_silent(engine: Engine) -> None:
 def _listening() -> Iterator[list[bytes]]:
     """What is written to the process's standard output and error inside, when it is over."""
     written: list[bytes] = []
-    sys.stdout.flush()
-    sys.stderr.flush()
+    flush()
     kept = [(stream, os.dup(stream)) for stream in (1, 2)]
     streams = sys.stdout, sys.stderr
     with tempfile.TemporaryFile() as heard:
@@ -254,7 +254,7 @@ def _listening() -> Iterator[list[bytes]]:
             with open(os.dup(1), "w", encoding="utf-8") as out:
                 sys.stdout = sys.stderr = out
                 yield written
-                out.flush()
+                flush()
         finally:
             sys.stdout, sys.stderr = streams
             for stream, copy in kept:

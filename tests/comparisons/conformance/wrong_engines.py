@@ -1,5 +1,6 @@
 """Engines that are right but for one thing, each made of the direct solution."""
 
+import ctypes
 import os
 import sys
 from dataclasses import replace
@@ -87,7 +88,7 @@ class ChatteringEngine(Direct):
     """Its C code prints."""
 
     def run(self, scene, setting):
-        os.write(2, b"stepping\n")
+        ctypes.CDLL(None).puts(b"stepping")
         return super().run(scene, setting)
 
 
