@@ -93,8 +93,10 @@ def in_workers(
 
 
 def _of_lost(name: str, lost: Lost) -> Found:
-    words = {Failure.TIMED_OUT: "it ", Failure.CRASHED: "its process "}.get(lost.outcome, "")
-    return Found(name, Finding.FAILED, f"{words}{lost.reason}: end every run with an outcome and a reason")
+    if lost.outcome in (Failure.TIMED_OUT, Failure.CRASHED):
+        what = "it" if lost.outcome is Failure.TIMED_OUT else "its process"
+        return Found(name, Finding.FAILED, f"{what} {lost.reason}: end every run with an outcome and a reason")
+    return Found(name, Finding.FAILED, lost.reason)
 
 
 def with_expected(found: Found, expected: Mapping[str, str]) -> Found:

@@ -10,7 +10,7 @@ from typing import Any
 from rich.console import RenderableType
 
 from analytic.errors import LinkproofError
-from comparisons.conformance.conformance import MUTANT, check_engine
+from comparisons.conformance.conformance import INSTALLED, MUTANT, check_engine
 from comparisons.conformance.findings import Finding, Found
 from comparisons.runs.failures import blamed_on
 from engines.contract import Engine
@@ -20,7 +20,7 @@ from reports.command_line.destination import Destination
 from reports.facts.readouts import abilities_told, readout_table
 from reports.text.screen import Cell, Printout, line, table
 
-INSTALLED = ("installed", Finding.NOT_APPLICABLE)
+UNTESTED = (Finding.NOT_APPLICABLE, Finding.NOT_TESTED)
 STYLES = {Finding.PASSED: "green", Finding.FAILED: "bold red", Finding.EXPECTED: "yellow"}
 
 
@@ -64,7 +64,7 @@ def check(name: str, destination: Destination, processes: int | None = None) -> 
             raise adapter.error
     found = check_engine(adapter, processes)
     counts = Counter(each.finding for each in found)
-    absent = next((each.detail for each in found if (each.check, each.finding) == INSTALLED), None)
+    absent = next((each.detail for each in found if each.check == INSTALLED and each.finding in UNTESTED), None)
     if absent is not None:
         raise LinkproofError(f"expected an engine to check, got none: {absent}")
     destination.write_json({"engine": name, "version": adapter.version(), "checks": [asdict(each) for each in found]})

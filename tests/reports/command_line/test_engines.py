@@ -50,6 +50,13 @@ def test_an_expected_failure_is_told_with_its_reason_and_is_no_failure(checked):
     assert "1 expected failure" in out.splitlines()[-1]
 
 
+def test_an_engine_that_cannot_be_sent_to_another_process_is_not_taken_for_checked(checked):
+    engine = Direct()
+    engine.handle = lambda: None
+    with pytest.raises(LinkproofError, match="cannot be sent to another process"):
+        checked(engine)
+
+
 def test_an_engine_that_is_not_installed_leaves_nothing_to_check(checked):
     with pytest.raises(LinkproofError, match="not installed"):
         checked(AbsentEngine())
