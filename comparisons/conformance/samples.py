@@ -100,7 +100,7 @@ def truth(of: Case, channel: Channel, part: str, time: Array) -> Array:
         return np.asarray(at.joint_forces[part].T)
     sweep, speed, acceleration = at.sweep, at.speed, at.acceleration
     if channel is Channel.POSITION:
-        return np.column_stack([*sweep.centre(part), sweep.angles(part)])
+        return np.column_stack(np.broadcast_arrays(*sweep.centre(part), sweep.angles(part), speed)[:3])
     first = np.column_stack(np.broadcast_arrays(*sweep.centre(part, 1), sweep.rates(part)[2], speed)[:3])
     if channel is Channel.VELOCITY:
         return np.asarray(first * speed[:, None])

@@ -20,6 +20,7 @@ from contextlib import contextmanager
 from typing import ClassVar
 
 from engines.contract import Abilities, History
+from engines.exudyn_adapter.export import text
 from engines.exudyn_adapter.fresh_start import FROM, closed_state, end_state, set_initial
 from engines.exudyn_adapter.model import Foreign, Model
 from engines.exudyn_adapter.readout import READOUTS, Recorder, add_sensors
@@ -59,10 +60,9 @@ class ExudynEngine(SteppedEngine[Recorder, Recipe]):
     studied = STUDIED
 
     def build(self, scene: Scene, recipe: Recipe) -> Recorder:
-        with _silent():
-            recorder = add_sensors(Model(scene, plain=recipe.as_shipped))
-            _assemble(recorder.model)
-            return recorder
+        recorder = add_sensors(Model(scene, plain=recipe.as_shipped))
+        _assemble(recorder.model)
+        return recorder
 
     def follow(self, world: Recorder, course: Course[Recipe]) -> History:
         recipe, model = course.recipe, world.model
@@ -76,6 +76,12 @@ class ExudynEngine(SteppedEngine[Recorder, Recipe]):
                 before_jump = later is not None and later.after_jump
                 histories.append(world.read(first=not histories, before_jump=before_jump))
         return joined(histories)
+
+    def script(self, world: Recorder, course: Course[Recipe], followed: Recorder) -> str:
+        settings = _settings(world.model.exudyn, course.parts[0], course)
+        parts = [(part, course.ratio) for part in course.parts]
+        starts = followed.model.starts or [([], (), followed.model.unwound)]
+        return text(world, parts, starts, settings)
 
 
 def _start(model: Model, part: Interval, details: dict[str, str | int | float], *, first: bool) -> None:
@@ -92,6 +98,7 @@ def _start(model: Model, part: Interval, details: dict[str, str | int | float], 
         start = closed or reached
     if part.segment is not None:
         model.set_drive(part)
+    model.starts.append((model.drive_terms(part), start, model.unwound.copy()))
     set_initial(model, *start)
 
 

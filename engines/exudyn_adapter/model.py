@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 from analytic.description.crank_motion import derivative
 from analytic.description.law import FULL_TURN, Law
 from analytic.description.linkage import GROUND, Vector
+from engines.export.transcript import Sourced
 from engines.mechanics.states import start_motion
 from engines.scene import Body, GuidedJoint, PinJoint, Prescribed, Scene, SliderJoint
 from engines.stepping.intervals import Interval
@@ -35,7 +36,7 @@ class ForceOutput:
     The result is in the frame of ``frame``, a body, or in the ground's.
     """
 
-    item: int
+    item: Foreign
     output: str
     matrix: Array
     frame: str = GROUND
@@ -58,7 +59,7 @@ class Model:
         self.container: Foreign = exudyn.SystemContainer()
         self.mbs: Foreign = self.container.AddSystem()
         self.scene, self.plain = scene, plain
-        self.nodes: dict[str, int] = {}
+        self.nodes: dict[str, Foreign] = {}
         self.objects: dict[str, Foreign] = {GROUND: self._object("Ground")}
         self.angles = {GROUND: 0.0, **{body.name: body.angle for body in scene.bodies}}
         self.turning: set[str] = set()
@@ -80,6 +81,9 @@ class Model:
         self.free = np.array([(True, True, body.name in self.turning) for body in scene.bodies])
         self.begin = 0.0  # the time at which exudyn's is 0, s
         self.unwound = np.zeros(self.free.shape)  # whole turns, rad, that have been taken off the angles
+        # Of every part so far: the polynomial of the crank's coordinate, lowest power first, the state it started
+        # from, and what had been unwound.
+        self.starts: list[tuple[list[float], tuple[Array, ...], Array]] = []
 
     def start(self, order: int) -> Array:
         """Start values of all coordinates, or their time derivatives of order 1 or 2, in exudyn's order."""
@@ -111,16 +115,22 @@ class Model:
         from exudyn.advancedUtilities import CreateSymbolicUserFunction as Symbolic
 
         self.begin = part.start
-        assert part.segment is not None
+        terms = self.drive_terms(part)
+        self._functions = []  # exudyn does not keep them alive itself
+        for order, name in enumerate(("offsetUserFunction", "offsetUserFunction_t")):
+            self._functions.append(Symbolic(self.mbs, _polynomial(derivative(tuple(terms), order)), name, self.driver))
+            self.mbs.SetObjectParameter(self.driver, name, self._functions[-1])
+
+    def drive_terms(self, part: Interval) -> list[float]:
+        """The crank's coordinate as a polynomial of the time since the start of a part, lowest power first."""
+        if part.segment is None:
+            return []
         terms = [
             float(part.segment.value(part.start, order)) / math.factorial(order)
             for order in range(len(part.segment.coefficients))
         ]
         terms[0] -= self.crank_origin
-        self._functions = []  # exudyn does not keep them alive itself
-        for order, name in enumerate(("offsetUserFunction", "offsetUserFunction_t")):
-            self._functions.append(Symbolic(self.mbs, _polynomial(derivative(tuple(terms), order)), name, self.driver))
-            self.mbs.SetObjectParameter(self.driver, name, self._functions[-1])
+        return terms
 
     def hold_drive(self, angle: float) -> None:
         """Keep the crank at an angle, rad."""
@@ -130,19 +140,19 @@ class Model:
     def _object(self, kind: str, **data: Foreign) -> Foreign:
         return self.mbs.AddObject(getattr(self.items, f"Object{kind}")(**data))
 
-    def _marker(self, kind: str, **data: Foreign) -> int:
-        return int(self.mbs.AddMarker(getattr(self.items, f"Marker{kind}")(**data)))
+    def _marker(self, kind: str, **data: Foreign) -> Foreign:
+        return self.mbs.AddMarker(getattr(self.items, f"Marker{kind}")(**data))
 
-    def _load(self, kind: str, marker: int, **data: Foreign) -> None:
+    def _load(self, kind: str, marker: Foreign, **data: Foreign) -> None:
         self.mbs.AddLoad(getattr(self.items, f"Load{kind}")(markerNumber=marker, **data))
 
-    def _coordinate(self, body: str, number: int) -> int:
+    def _coordinate(self, body: str, number: int) -> Foreign:
         """Marker of one coordinate of a body; the ground's for what does not move."""
         if body == GROUND or (number == ANGLE and body not in self.turning):
             return self.fixed
         return self._marker("NodeCoordinate", nodeNumber=self.nodes[body], coordinate=number)
 
-    def _point(self, body: str, anchor: Vector) -> int:
+    def _point(self, body: str, anchor: Vector) -> Foreign:
         """Marker of a point of a body."""
         x, y = anchor
         if body != GROUND and body not in self.turning:  # a point mass has no frame of its own
@@ -150,7 +160,7 @@ class Model:
             x, y = c * x - s * y, s * x + c * y
         return self._marker("BodyPosition", bodyNumber=self.objects[body], localPosition=[x, y, 0.0])
 
-    def _frame(self, body: str, anchor: Vector) -> int:
+    def _frame(self, body: str, anchor: Vector) -> Foreign:
         """Marker of a point of a body together with the body's orientation."""
         return self._marker("BodyRigid", bodyNumber=self.objects[body], localPosition=[*anchor, 0.0])
 
@@ -168,7 +178,7 @@ class Model:
             )
             shape, inertia = "RigidBody2D", {"inertia": body.inertia or 0.0}
             self.turning.add(body.name)
-        self.nodes[body.name] = number = int(self.mbs.AddNode(node))
+        self.nodes[body.name] = number = self.mbs.AddNode(node)
         self.objects[body.name] = self._object(shape, mass=body.mass, nodeNumber=number, **inertia)
         held = any(self.plain or joint.host != GROUND for joint in joints)  # by a prismatic joint
         if straight and body.name in self.turning and not held:
@@ -226,7 +236,7 @@ class Model:
                 self._add_law("Coordinate", marker, "load", torque.torque, lambda value: value[0])
 
     def _add_law(
-        self, kind: str, marker: int, name: str, law: Law, shaped: Callable[[Sequence[float]], Foreign]
+        self, kind: str, marker: Foreign, name: str, law: Law, shaped: Callable[[Sequence[float]], Foreign]
     ) -> None:
         """Add a load; ``shaped`` brings its components into exudyn's form."""
         if law.is_constant:
@@ -269,9 +279,10 @@ class Model:
             driver = self._object("ConnectorCoordinate", markerNumbers=[self.fixed, crank])
             if self.plain:
                 start = self.scene.crank_angle
-                self.mbs.SetObjectParameter(
-                    driver, "offsetUserFunction", lambda _mbs, t, _item, _offset: _crank_angle(drive, t) - start
-                )
+                self.mbs.SetObjectParameter(driver, "offsetUserFunction", Sourced(
+                    lambda _mbs, t, _item, _offset: _crank_angle(drive, t) - start,
+                    f"lambda mbs, t, item, offset: {_angle_told(drive)} - {start!r}",
+                ))  # fmt: skip
             return driver
         if drive.torque:
             self._load("Coordinate", crank, load=drive.torque)
@@ -282,6 +293,17 @@ def _crank_angle(drive: Prescribed, time: float) -> float:
     """φ at any time of a motion, rad."""
     segments = drive.motion.segments
     return float(next((s for s in segments if time <= s.end), segments[-1]).value(time))
+
+
+def _angle_told(drive: Prescribed) -> str:
+    """φ at the time t as Python source."""
+    told = ""
+    for number, segment in enumerate(drive.motion.segments, 1 - len(drive.motion.segments)):
+        total = ""
+        for coefficient in reversed(segment.coefficients):
+            total = f"({total} * (t - {segment.start!r}) + {coefficient!r})" if total else repr(coefficient)
+        told += f"{total} if t <= {segment.end!r} else " if number else total
+    return f"({told})"
 
 
 def _polynomial(coefficients: Sequence[float]) -> Callable[..., Foreign]:

@@ -20,10 +20,10 @@ from engines.installed import installed_version, silenced, why_absent, why_unusa
 from engines.scene import Channel, Free, Prescribed, Scene
 from engines.start_check import ability_obstacle, data_obstacle
 from engines.stepping.cost import Cost
-from engines.stepping.driver import check_step, run_stepping
+from engines.stepping.driver import UnsupportedError, check_step, run_stepping
 from engines.stepping.error_estimate import estimated_error
 from engines.stepping.intervals import Interval, Pace, intervals, whole_interval
-from engines.stepping.own_units import own_units, restored, scaled
+from engines.stepping.own_units import OwnUnits, own_units, restored, scaled
 from engines.stepping.richardson import Pass, extrapolate
 
 LARGEST_EFFORT = 2.0**31  # of an iteration count
@@ -158,10 +158,22 @@ class SteppedEngine(ABC, Generic[World, R]):
             raise LinkproofError(
                 f"effort of method '{method.name}': expected a positive {self.effort_unit}, got {method.effort:g}"
             )
+        return self._run(scene, self.studied_recipe(method, step), {"method": method.name})
+
+    def studied_recipe(self, method: Method, step: float) -> R:
+        """What a method does at a step and its effort."""
         _, recipe = self.studied[method.name]
-        return self._run(
-            scene, replace(recipe, step=step, steps_per_turn=0.0, effort=method.effort), {"method": method.name}
-        )
+        return replace(recipe, step=step, steps_per_turn=0.0, effort=method.effort)
+
+    def script(self, world: World, course: Course[R], followed: World) -> str:
+        """The text of a pass through a world in the engine's own API (``engines.export``).
+
+        In ``world`` stand-ins are in the place of the engine's objects: their text is what the script calls them, and
+        what is done to them becomes lines of the script that come before this text. ``followed`` is such a world
+        without stand-ins that the course has been taken through. The text makes ``samples``: times and values by
+        channel or joint, as in ``History``. Raises UnsupportedError for what cannot be exported.
+        """
+        raise UnsupportedError(f"{self.name} does not say how its run is written as a script")
 
     def _run(self, scene: Scene, recipe: R, details: dict[str, str | int | float]) -> Run:
         absent = why_absent(self.package, self.name, self.oldest)
@@ -179,13 +191,9 @@ class SteppedEngine(ABC, Generic[World, R]):
             return run_stepping(cost, lambda: self._history(scene, recipe, cost))
 
     def _history(self, scene: Scene, recipe: R, cost: Cost) -> History:
-        offered = scene.channels & frozenset(self.abilities.readouts)
-        channels = offered if isinstance(scene.drive, Prescribed) else offered - {Channel.TORQUE}
-        scene = self.altered(scene)
-        units = own_units(scene, recipe.size) if recipe.in_own_units else None
-        given = scaled(scene, units) if units else scene
-        parts = recipe.parts(given)
-        passes = [self._pass(given, Course(recipe, parts, ratio, channels, cost)) for ratio in recipe.ratios]
+        given, units, courses = self.courses(scene, recipe, cost)
+        passes = [self._pass(given, course) for course in courses]
+        parts = courses[0].parts
         longest = max(part.step for part in parts)
         cost.passes = tuple(longest * each.step for each in passes)
         cost.details["steps"] = " ".join(str(ratio * sum(part.samples for part in parts)) for ratio in recipe.ratios)
@@ -196,6 +204,16 @@ class SteppedEngine(ABC, Generic[World, R]):
             cost.details["estimated_error"] = estimated_error(passes, recipe.orders)
         history = extrapolate(passes, recipe.orders)
         return restored(history, units) if units else history
+
+    def courses(self, scene: Scene, recipe: R, cost: Cost) -> tuple[Scene, OwnUnits | None, list[Course[R]]]:
+        """The scene that worlds are built from, its units if these are its own, and the passes that are asked for."""
+        offered = scene.channels & frozenset(self.abilities.readouts)
+        channels = offered if isinstance(scene.drive, Prescribed) else offered - {Channel.TORQUE}
+        scene = self.altered(scene)
+        units = own_units(scene, recipe.size) if recipe.in_own_units else None
+        given = scaled(scene, units) if units else scene
+        parts = recipe.parts(given)
+        return given, units, [Course(recipe, parts, ratio, channels, cost) for ratio in recipe.ratios]
 
     def _pass(self, scene: Scene, course: Course[R]) -> Pass:
         with course.cost.building():

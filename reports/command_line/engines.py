@@ -1,24 +1,31 @@
-"""What ``linkproof engines`` and ``linkproof check-engine`` do: tell what engines can do, and hold one to it."""
+"""What ``linkproof engines``, ``check-engine`` and ``export`` do: tell of engines, check one, write its run down."""
 
 from __future__ import annotations
 
+import sys
 from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict
+from pathlib import Path
 from typing import Any
 
 from rich.console import RenderableType
 
 from analytic.errors import LinkproofError
+from comparisons.campaign.campaign import cases
 from comparisons.conformance.conformance import INSTALLED, MUTANT, check_engine
 from comparisons.conformance.findings import Finding, Found
+from comparisons.exported_run import exported, exported_cell
 from comparisons.runs.failures import blamed_on
+from comparisons.runs.files import check_writable, write_text
+from comparisons.stress.cells import find_cell
 from engines.contract import Engine
 from engines.registry import Unusable, engine, engine_names, why_unavailable
 from reports.command_line import FAILED, PASSED
 from reports.command_line.destination import Destination
+from reports.command_line.requests import CampaignChoice, command_line, request
 from reports.facts.readouts import abilities_told, readout_table
-from reports.text.screen import Cell, Printout, line, table
+from reports.text.screen import Cell, Printout, line, table, write
 
 UNTESTED = (Finding.NOT_APPLICABLE, Finding.NOT_TESTED)
 STYLES = {Finding.PASSED: "green", Finding.FAILED: "bold red", Finding.EXPECTED: "yellow"}
@@ -48,6 +55,36 @@ def _shown(told: Mapping[str, Any]) -> list[RenderableType]:
         readout_table(told["engine"], told["readouts"]),
         line(""),
     ]
+
+
+def export(choice: CampaignChoice, cell: str | None, out: Path | None) -> None:
+    """Write the run of one mechanism, or of one cell, in one engine and setting as a script of the engine's own.
+
+    Raises LinkproofError for what does not exist or cannot be exported.
+    """
+    if out is not None:
+        check_writable(out)
+    if (cell is None) != bool(choice.mechanisms):
+        raise LinkproofError("expected a mechanism with --engine, or a --cell, and not both: leave one out")
+    if cell is not None:
+        if choice != CampaignChoice():
+            raise LinkproofError("expected --cell alone, since it says all of a run: leave the other options out")
+        text = exported_cell(find_cell(cell), command_line("export", (), {"cell": [cell]}, {}))
+    else:
+        wanted = request(choice)
+        if len(choice.engines) != 1:
+            raise LinkproofError(f"expected one --engine to export, got {len(choice.engines)}: name one")
+        found = cases(wanted)
+        settings = wanted.settings
+        if len(found) != 1 or len(settings) != 1:
+            raise LinkproofError(
+                f"expected one regime and setting, got {len(found)} and {len(settings)}: name one each"
+            )
+        text = exported(found[0], choice.engines[0], settings[0], choice.written("export"))
+    if out is None:
+        write(text, sys.stdout)
+    else:
+        write_text(out, text)
 
 
 def check(name: str, destination: Destination, processes: int | None = None) -> int:

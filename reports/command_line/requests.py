@@ -52,6 +52,10 @@ class CampaignChoice:
     @property
     def command(self) -> str:
         """The command that asks for the same."""
+        return self.written("compare")
+
+    def written(self, command: str) -> str:
+        """The same by another command."""
         lists = {
             "variant": [self.variant] if self.variant else [],
             "regime": self.regimes,
@@ -64,7 +68,7 @@ class CampaignChoice:
             if getattr(self, name) != getattr(default, name):
                 lists[name.replace("_", "-")] = [repr(getattr(self, name)).removesuffix(".0")]
         flags = {"clockwise": self.clockwise, "no-gravity": not self.gravity, "full": self.full}
-        return command_line("compare", self.mechanisms, lists, flags)
+        return command_line(command, self.mechanisms, lists, flags)
 
     def check(self) -> None:
         """Raise LinkproofError for a speed, time or angle that cannot be, in the unit it is given in."""
