@@ -169,11 +169,11 @@ def _check_times(words: str, time: Array, of: Case) -> None:
 CHECKS = (
     Check("samples", "sample times increase and cover the motion densely", samples_cover_the_motion),
     *(
-        Check(name, f"{about}, {channel.value} beside the closed form", partial(says_what_is_true, channel))
+        Check(name, f"the closed form's: {about}", partial(says_what_is_true, channel))
         for name, channel, about in (
             ("positions", Channel.POSITION, "mass centres and angles in the ground frame"),
-            ("velocities", Channel.VELOCITY, "of the same instants"),
-            ("accelerations", Channel.ACCELERATION, "of the same instants"),
+            ("velocities", Channel.VELOCITY, "of the instants they are said to be of"),
+            ("accelerations", Channel.ACCELERATION, "of those instants, gravity not taken off"),
             ("drive torque", Channel.TORQUE, "what the drive exerts on the crank"),
             ("joint forces", Channel.JOINT_FORCE, "on each joint's first body, in the ground frame"),
         )

@@ -11,6 +11,7 @@ import cmath
 from dataclasses import dataclass, replace
 
 from analytic.description.linkage import GROUND, Vector
+from engines.mechanics.joints import scene_size
 from engines.scene import Body, PinJoint, Scene, SliderJoint, SlotJoint
 
 AT_REST = Body(GROUND, 0.0, None, (0.0, 0.0), 0.0, (0.0, 0.0), 0.0, (0.0, 0.0), 0.0)  # the ground
@@ -36,6 +37,11 @@ class Branch:
     value: float = 0.0
     speed: float = 0.0
     tilts: tuple[float, float] = (0.0, 0.0)
+
+    @property
+    def name(self) -> str:
+        """The joint's name; empty where there is none."""
+        return self.joint.name if self.joint else ""
 
     @property
     def points(self) -> tuple[Vector, Vector]:
@@ -64,6 +70,12 @@ class SpanningTree:
         """The body, or the ground, nearest to both ends of a joint that carries both of them or is one."""
         first, second = (self._chain(end) for end in _ends(cut))
         return next(name for name in first if name in second)
+
+    def hinges(self, name: str) -> set[str]:
+        """The bodies from the ground to one, itself included, that turn against what carries them."""
+        chain = self._chain(name)
+        turning = {branch.body.name for branch in self.branches if not isinstance(branch.joint, SliderJoint)}
+        return turning & set(chain)
 
     def _chain(self, name: str) -> list[str]:
         """A body and what carries it, down to the ground."""
@@ -105,6 +117,34 @@ def spanning_tree(scene: Scene) -> SpanningTree:
     return SpanningTree(tuple(branches), (*left, *scene.slots))
 
 
+def slots_as_blocks(scene: Scene, mass: float) -> Scene:
+    """The scene with a block in every slot, for engines that have no constraint between a point and a line.
+
+    A block of the given mass slides in the slot's host and is pinned to its body; the pin has the slot's name.
+    """
+    bodies = {GROUND: AT_REST, **{body.name: body for body in scene.bodies}}
+    pins, sliders = [*scene.pins], [*scene.sliders]
+    for slot in scene.slots:
+        body, host, name = bodies[slot.body], bodies[slot.host], f"block of {slot.name}"
+        place, velocity = _moving(body, slot.anchor)
+        arm = complex(*slot.anchor) * cmath.rect(1.0, body.angle)
+        bend = (1j * body.angular_acceleration - body.angular_velocity**2) * arm
+        acceleration = complex(*body.acceleration) + bend
+        bodies[name] = replace(
+            host,
+            name=name,
+            mass=mass,
+            inertia=mass * scene_size(scene) ** 2,
+            position=(place.real, place.imag),
+            velocity=(velocity.real, velocity.imag),
+            acceleration=(acceleration.real, acceleration.imag),
+        )
+        pins.append(PinJoint(slot.name, slot.body, name, slot.anchor, (0.0, 0.0)))
+        sliders.append(SliderJoint(name, name, (0.0, 0.0), slot.host, slot.through, slot.along))
+    del bodies[GROUND]
+    return replace(scene, bodies=tuple(bodies.values()), pins=tuple(pins), sliders=tuple(sliders), slots=())
+
+
 def _branch(body: Body, parent: Body, joint: PinJoint | SliderJoint, reverse: bool) -> Branch:
     turn, rate = body.angle - parent.angle, body.angular_velocity - parent.angular_velocity
     if isinstance(joint, PinJoint):
@@ -122,6 +162,12 @@ def _moving(body: Body, anchor: Vector) -> tuple[complex, complex]:
     """Position and velocity of a point of a body, as complex numbers."""
     arm = complex(*anchor) * cmath.rect(1.0, body.angle)
     return complex(*body.position) + arm, complex(*body.velocity) + 1j * body.angular_velocity * arm
+
+
+def ends(joint: PinJoint | SliderJoint | SlotJoint) -> tuple[tuple[str, Vector], tuple[str, Vector]]:
+    """A joint's first and second body, each with the joint's point on it."""
+    (first, second), (on_first, on_second) = _ends(joint), anchors(joint)
+    return (first, on_first), (second, on_second)
 
 
 def anchors(joint: PinJoint | SliderJoint | SlotJoint) -> tuple[Vector, Vector]:

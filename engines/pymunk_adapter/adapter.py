@@ -18,7 +18,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from engines.contract import Abilities, History, ReadOut, Setting
-from engines.pymunk_adapter.checks import freedom_obstacle
 from engines.pymunk_adapter.layout import Gear, exact_layout, plain_layout
 from engines.pymunk_adapter.loads import StepLoads
 from engines.pymunk_adapter.recording import Clock, Recording
@@ -46,8 +45,10 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 
-# Steps after a start or a jump that have no impulses to begin with, and how many times as many iterations they get.
-COLD_STEPS, COLD = 3, 10
+# Steps at a start or a jump that have no good impulses to begin with, and how many times as many iterations they get.
+COLD_STEPS, COLD = 4, 10
+
+MOTOR = "the motor"  # beside the names of joints
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -130,9 +131,10 @@ class PymunkEngine(SteppedEngine[World, PymunkRecipe]):
 
     def build(self, scene: Scene, recipe: PymunkRecipe) -> World:
         layout = exact_layout(scene) if recipe.centred else plain_layout(scene)
-        reason = freedom_obstacle(layout)
-        if reason is not None:
-            raise UnsupportedError(reason)
+        if layout.freedom != 1:
+            raise UnsupportedError(
+                f"the joints leave {layout.freedom} degrees of freedom by count, where a linkage has one"
+            )
         world = build_world(layout, plain=not recipe.centred)
         if recipe.effort is not None:
             world.iterations[:] = max(1, round(recipe.effort))
@@ -143,8 +145,10 @@ class PymunkEngine(SteppedEngine[World, PymunkRecipe]):
     def follow(self, world: World, course: Course[PymunkRecipe]) -> History:
         centred, parts = course.recipe.centred, course.parts
         clocks = [Clock(part, course.ratio, part is parts[-1], centred) for part in parts]
-        layout, names = world.layout, tuple(_joints(world))
-        on = calls(world, [*([world.motor] if world.motor else []), *_joints(world).values()])
+        read = _joints(world) if Channel.JOINT_FORCE in course.channels else {}
+        if world.motor is not None and Channel.TORQUE in course.channels:
+            read[MOTOR] = world.motor
+        on = calls(world, read.values())
         rates = _rates(clocks, centred)
         _set_off(world, clocks[0], float(rates[0]))
         fewest, most = (round(bound(world.iterations)) for bound in (min, max))
@@ -155,23 +159,25 @@ class PymunkEngine(SteppedEngine[World, PymunkRecipe]):
         for clock, later in zip(clocks, [*clocks[1:], clocks[-1]], strict=True):
             count = clock.steps
             coming = (-rates[start + centred : start + centred + count]).tolist()
-            first, *marks = clock.marks()
+            first, *marks = clock.marks(course.channels).tolist()
             if first:
                 on.look()
             given = iterations[start : start + count]
             *plan, last = zip(coming, given.tolist(), marks, strict=True)
             impulses = march(on, clock.fine, plan, loads)
             impulses += march(on, _change_of_step(world, clock, later), [last], loads)
-            read = np.array(impulses).reshape(len(clock.loaded), -1) / clock.fine
-            torque = read[:, 0]
-            if world.motor is not None and centred:
+            columns = np.array(impulses).reshape(-1, len(read) or 1).T / clock.fine
+            forces = dict(zip(read, columns, strict=False))  # there are none where nothing is read
+            torque = forces.pop(MOTOR, np.zeros(0))
+            if MOTOR in read and centred:
                 gained = np.diff(rates)[start + clock.loaded - 1] / clock.fine
-                torque = world.offset - torque - layout.flywheel * gained
-            recordings.append(Recording(clock, layout, on.collected().copy(), torque, names, read[:, -len(names) :]))
+                torque = world.offset - torque - world.layout.flywheel * gained
+            seen = on.collected().copy()
+            recordings.append(Recording(clock, world.layout, course.channels, seen, torque, forces))
             course.cost.solver_work += int(given.sum()) * len(world.space.constraints)
             start += count
         with np.errstate(all="ignore"):
-            return joined([recording.history(course.channels) for recording in recordings])
+            return joined([recording.history() for recording in recordings])
 
 
 def _joints(world: World) -> dict[str, pymunk.Constraint]:
@@ -239,6 +245,7 @@ def _iterations(world: World, clocks: list[Clock], rates: Array) -> NDArray[np.i
     for clock, former in zip(clocks, [None, *clocks], strict=False):
         unlike = former is None or clock.part.after_jump or not math.isclose(clock.fine, former.fine)
         if clock.centred and unlike:
-            result[max(0, start - 1) : start + COLD_STEPS] *= COLD
+            first = max(0, start - 1)
+            result[first : first + COLD_STEPS] *= COLD
         start += clock.steps
     return result

@@ -108,6 +108,12 @@ class PartLayout:
         return body_numbers(self.scene)[self.scene.crank]
 
     @property
+    def freedom(self) -> int:
+        """Degrees of freedom that the joints leave by count; the free turning of parts without inertia is none."""
+        coordinates = sum(2 if part.inertia is None else 3 for part in self.parts)
+        return coordinates - sum(2 if isinstance(hold, PinJoint) else 1 for hold in self.holds)
+
+    @property
     def carried(self) -> int:
         """Number of the bodies of the scene that was cut."""
         return len(self.parts) - len(self.inner)
@@ -285,8 +291,9 @@ class _Cutter:
             self._keep(BodyPart(part.owner, points[-1], None, (pivot[0] + x, pivot[1] + y)))
             inertia -= POINT * whole
         mass = RESTING * (sum(points) + sum(body.mass for body in self.scene.bodies))
-        lift = np.multiply(part.mass - mass - sum(points), self.scene.gravity)
-        self.lifts.append(AppliedForce(name, pivot, Law(lift)))
+        if any(self.scene.gravity):
+            lift = np.multiply(part.mass - mass - sum(points), self.scene.gravity)
+            self.lifts.append(AppliedForce(name, pivot, Law(lift)))
         return BodyPart(part.owner, mass, inertia, pivot)
 
     def _cut(self, name: str, part: BodyPart) -> BodyPart:

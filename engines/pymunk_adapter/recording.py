@@ -7,7 +7,9 @@ therefore live on the middles, and the acceleration at a sample is (v⁺ − v�
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -59,19 +61,26 @@ class Clock:
 
     @property
     def loaded(self) -> Numbers:
-        """Steps after which forces and accelerations are read: neither at the start or a jump nor by the first step.
+        """Steps after which forces and accelerations are read: not at a start or a jump nor two samples on.
 
-        The impulses of that step answer to the velocities that were given at the start.
+        The first impulses answer to the velocities that were given, or to those before the jump.
         """
-        first = 2 if self.part.start == 0.0 else 1
-        return self.samples[first if self.centred else 0 :]
+        return self.samples[3 if self.centred else 0 :]
 
-    def marks(self) -> list[int]:
-        """What is read after each step, the part's start first."""
-        result = np.zeros(self.steps + 1, dtype=np.intp)
-        for steps, mark in ((self.loaded - 1, LOOK), (self.samples, LOOK), (self.middles, LOOK), (self.loaded, LOADS)):
-            result[steps] = mark
-        return [int(mark) for mark in result]
+    def marks(self, channels: frozenset[Channel]) -> NDArray[np.uint8]:
+        """What is read after each step for some channels, the part's start first."""
+        result = np.zeros(self.steps + 1, dtype=np.uint8)
+        seen = {
+            Channel.POSITION: self.samples,
+            Channel.VELOCITY: self.middles,
+            Channel.ACCELERATION: np.concatenate([self.loaded - 1, self.loaded]),
+        }
+        for channel, steps in seen.items():
+            if channel in channels:
+                result[steps] = LOOK
+        if channels & {Channel.TORQUE, Channel.JOINT_FORCE}:
+            result[self.loaded] |= LOADS
+        return result
 
     def times(self, steps: Numbers, ahead: float | Array = 0.0) -> Array:
         """Times of the states after steps, s; ``ahead`` by a share of a step."""
@@ -80,46 +89,47 @@ class Clock:
 
 @dataclass(frozen=True)
 class Recording:
-    """All that was read in a part of a run.
+    """All that was read in a part of a run for some channels.
 
     ``seen`` (looks, parts, 2, 3) are the parts' positions and rates, ``torque`` (loads,) is the drive's, ``forces``
-    (loads, joints) are magnitudes by the scene's joints in ``names``.
+    (loads,) are magnitudes by joint of the scene.
     """
 
     clock: Clock
     layout: PartLayout
+    channels: frozenset[Channel]
     seen: Array
     torque: Array
-    names: tuple[str, ...]
-    forces: Array
+    forces: Mapping[str, Array]
 
-    def history(self, channels: frozenset[Channel]) -> History:
-        """The channels asked for, for the bodies of the scene that was cut."""
-        clock = self.clock
-        looked = np.flatnonzero(clock.marks())
+    def history(self) -> History:
+        """What was asked for, for the bodies of the scene that was cut."""
+        clock, asked = self.clock, self.channels
+        half, loaded = 0.5 if clock.centred else 0.0, clock.times(clock.loaded)
+        position = velocity = acceleration = None
+        if Channel.POSITION in asked:
+            position = Signal(clock.times(clock.samples), carried_position(self.layout, self._at(clock.samples)[0]))
+        if Channel.VELOCITY in asked:
+            rates = carried_velocity(self.layout, *self._at(clock.middles), half * clock.fine)
+            velocity = Signal(clock.times(clock.middles, half), rates)
+        if Channel.ACCELERATION in asked:
+            state, late = self._at(clock.loaded)
+            early = self._at(clock.loaded - 1)[1]
+            change = carried_velocity(self.layout, state, late, half * clock.fine)
+            change -= carried_velocity(self.layout, state, early, -half * clock.fine)
+            acceleration = Signal(loaded, change / clock.fine)
+        torque = Signal(loaded, self.torque) if Channel.TORQUE in asked else None
+        forces = {name: Signal(loaded, values) for name, values in self.forces.items()}
+        return History(position, velocity, acceleration, torque, forces)
 
-        def at(steps: Numbers) -> tuple[Array, Array]:
-            seen = self.seen[np.searchsorted(looked, steps)]
-            return seen[:, :, 0], seen[:, :, 1]
+    @cached_property
+    def _looked(self) -> Numbers:
+        return np.flatnonzero(self.clock.marks(self.channels) & LOOK)
 
-        half = 0.5 if clock.centred else 0.0
-        (state, _), loaded = at(clock.samples), clock.times(clock.loaded)
-        velocity = carried_velocity(self.layout, *at(clock.middles), half * clock.fine)
-        reached, late = at(clock.loaded)
-        early = at(clock.loaded - 1)[1]
-        change = carried_velocity(self.layout, reached, late, half * clock.fine)
-        change -= carried_velocity(self.layout, reached, early, -half * clock.fine)
-        signals = {
-            Channel.POSITION: Signal(clock.times(clock.samples), carried_position(self.layout, state)),
-            Channel.VELOCITY: Signal(clock.times(clock.middles, half), velocity),
-            Channel.ACCELERATION: Signal(loaded, change / clock.fine),
-            Channel.TORQUE: Signal(loaded, self.torque),
-        }
-        forces = {name: Signal(loaded, self.forces[:, number]) for number, name in enumerate(self.names)}
-        return History(
-            **{channel.value: signal for channel, signal in signals.items() if channel in channels},
-            joint_force=forces if Channel.JOINT_FORCE in channels else {},
-        )
+    def _at(self, steps: Numbers) -> tuple[Array, Array]:
+        """Positions and rates of the parts after steps."""
+        seen = self.seen[np.searchsorted(self._looked, steps)]
+        return seen[:, :, 0], seen[:, :, 1]
 
 
 def _arms(layout: PartLayout, angle: Array) -> Array:

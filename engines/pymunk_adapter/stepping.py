@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 
-LOOK, LOADS = 1, 2  # what is read after a step: the parts' state; and the impulses as well
+LOOK, LOADS = 1, 2  # what is read after a step, by its bits: the parts' state, the impulses
 
 
 @dataclass(frozen=True)
@@ -125,8 +125,8 @@ def march(on: Calls, step: float, plan: Iterable[tuple[float, int, int]], loads:
             now = count
         set_rate(rate)
         take(step)
-        if mark:
+        if mark & LOOK:
             look()
-            if mark == LOADS:
-                read.extend([impulse() for impulse in impulses])
+        if mark & LOADS:
+            read.extend([impulse() for impulse in impulses])
     return read

@@ -10,6 +10,7 @@ from pathlib import Path
 import pytest
 
 from comparisons.conformance.channels import says_what_is_true
+from comparisons.conformance.conformance import CHECKS, MUTANT
 from comparisons.conformance.misreadings import MISREADINGS
 from comparisons.conformance.mutants import Misread
 from engines.direct_adapter.adapter import DirectEngine
@@ -64,6 +65,11 @@ def test_its_checks_are_cases_for_pytest(run):
 def test_its_adapter_is_short():
     lines = [line for line in BLOCKS["linkproof_barwork.py"].splitlines() if line.strip()]
     assert len(lines) <= MOST_LINES
+
+
+def test_the_page_has_every_check():
+    rows = [f"| {check.name} | {check.about} |" for check in CHECKS.values() if not check.name.startswith(MUTANT)]
+    assert "\n".join(rows) in PAGE
 
 
 def test_a_wrong_sign_is_named_as_the_page_has_it():

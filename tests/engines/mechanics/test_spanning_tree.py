@@ -7,8 +7,9 @@ import pytest
 from analytic.description.crank_motion import crank_motion
 from analytic.description.linkage import GROUND
 from comparisons.reference.start_state import scene
-from engines.mechanics.spanning_tree import spanning_tree
+from engines.mechanics.spanning_tree import slots_as_blocks, spanning_tree
 from engines.scene import Body, PinJoint, Prescribed, Scene, SliderJoint
+from engines.start_check import start_misfit
 from tests.analytic.linkages import FULL_TURN, mechanism
 
 
@@ -96,3 +97,18 @@ def test_positions_and_speeds_of_the_start_follow_from_the_coordinates_of_the_br
         rate = drift - 1j * spin[branch.body.name] * lever
         assert rate == pytest.approx(complex(*branch.body.velocity), abs=1e-9)
         assert cmath.exp(1j * own) == pytest.approx(cmath.exp(1j * branch.body.angle), abs=1e-12)
+
+
+@pytest.mark.parametrize("name", ["moving-guides", "ground-pin-in-slot", "slotted-takeup", "shaper"])
+def test_blocks_move_with_their_slots_and_leave_pins_alone_to_be_cut(name):
+    given = scene(mechanism(name), Prescribed(crank_motion("constant-speed", start_angle=0.4)), frozenset())
+    blocked = slots_as_blocks(given, 1e-9)
+    assert start_misfit(blocked) is None
+    assert not blocked.slots
+    assert {pin.name for pin in blocked.pins} >= {slot.name for slot in given.slots}
+    assert all(isinstance(cut, PinJoint) for cut in spanning_tree(blocked).cuts)
+
+
+def test_a_body_on_a_slider_turns_with_what_carries_it():
+    tree = spanning_tree(_scene(["crank", "sleeve"], [("crank", GROUND)], [("sleeve", "crank")]))
+    assert (tree.hinges("crank"), tree.hinges("sleeve"), tree.hinges(GROUND)) == ({"crank"}, {"crank"}, set())
