@@ -33,11 +33,10 @@ KINEMATICS = {
     Channel.VELOCITY: ("getLinearVelocityInGround", "getSpeedValue"),
     Channel.ACCELERATION: ("getLinearAccelerationInGround", "getAccelerationValue"),
 }
-REACTION = "Joint.calcReactionOnParentExpressedInGround"
 READOUTS = {
     **{channel: ReadOut(f"Frame.{place}, Coordinate.{turn}") for channel, (place, turn) in KINEMATICS.items()},
-    Channel.TORQUE: ReadOut(f"{REACTION}, moment at the crank's pin", drive="the drive's alone"),
-    Channel.JOINT_FORCE: ReadOut(f"{REACTION}, force; Constraint.getRecordValues where a joint closes a loop"),
+    Channel.TORQUE: ReadOut("Joint.calcReactionOnParentExpressedInGround, moment", drive="the drive's alone"),
+    Channel.JOINT_FORCE: ReadOut("Joint.calcReactionOnParentExpressedInGround, Constraint.getRecordValues"),
 }
 
 
@@ -49,9 +48,10 @@ class SimbodyRecipe(Recipe):
 
 
 # What a driven linkage does follows from its joints, to their tolerance. Catalogue, quintic run-up, largest Mkr at 120
-# steps per turn: tolerance 1e-8 1e-7, 1e-10 4e-10, 1e-12 1e-12, 1e-13 1e-14, each in 0.2 to 0.4 s; 60 steps or 240
-# change nothing. Every projection changes a free crank's energy. Slotted take-up driven for 10 s, φ at 100, 200, 300
+# steps per turn: tolerance 1e-8 1e-7, 1e-10 4e-10, 1e-12 1e-12, 1e-13 1e-14, each in 0.2 to 0.4 s; 60 or 240 steps
+# are no better. Every projection changes a free crank's energy. Slotted take-up driven for 10 s, φ at 100, 200, 300
 # steps per turn: tolerance 1e-12 2.9e-4, 5.7e-6, 4e-7 rad; 1e-6 3.0e-5, 3.4e-7, 3.8e-8 rad in 3.0, 5.6, 8.1 s.
+RAPID = 1e3  # rad/s: a crank's speed beyond which the tolerance grows with it
 NAIVE = SimbodyRecipe(steps_per_turn=120, in_own_units=False)
 DRIVEN = SimbodyRecipe(steps_per_turn=120, effort=1e-12)
 FREE = SimbodyRecipe(steps_per_turn=100, ratios=(2,), effort=1e-6)
@@ -113,9 +113,8 @@ class World:
 
     def push(self, body: str, law: Law, anchor: Vector = (0.0, 0.0)) -> None:
         """A force on a point of a body, or a torque if the law has one component, in ground axes as is the default."""
-        osim = _opensim()
-        load = osim.PrescribedForce(f"load{len(self.loads)}", self.frames[body])
-        load.setPointFunctions(*(osim.Constant(float(place)) for place in (*anchor, 0.0)))
+        load = _opensim().PrescribedForce(f"load{len(self.loads)}", self.frames[body])
+        load.setPointFunctions(*(_opensim().Constant(float(place)) for place in (*anchor, 0.0)))
         self.model.addForce(load)
         self.loads.append((load.setForceFunctions if len(law.values.T) > 1 else load.setTorqueFunctions, law))
 
@@ -229,8 +228,9 @@ def _states(world: World, course: Course[SimbodyRecipe], part: Interval, time: A
     state.setTime(clock[0])
     manager = osim.Manager(model)
     manager.setWriteToStorage(False)
-    if recipe.effort is not None:
-        manager.setIntegratorConstraintTolerance(recipe.effort)
+    speed = np.abs(segment.value(time, 1)).max() if segment else 0.0
+    if recipe.effort is not None:  # it holds for velocities too, of which rounding leaves more where they are large
+        manager.setIntegratorConstraintTolerance(recipe.effort * max(1.0, speed / RAPID))
     set_step = manager.setIntegratorFixedStepSize if recipe.fixed else manager.setIntegratorMaximumStepSize
     set_step(part.step / course.ratio)
     try:
@@ -241,5 +241,5 @@ def _states(world: World, course: Course[SimbodyRecipe], part: Interval, time: A
             model.realizeAcceleration(state)
             yield {channel: world.readers[channel](state) for channel in course.channels}
     except RuntimeError as error:
-        raise DivergedError(f"Simbody gave up: {str(error).splitlines()[-1].strip()}") from error
+        raise DivergedError(f"Simbody gave up: {' '.join(str(error).rpartition('because:')[2].split())}") from error
     model.setPropertiesFromState(state)  # where the next part begins

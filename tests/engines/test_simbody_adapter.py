@@ -107,6 +107,23 @@ def test_motion_torque_and_every_joint_force_are_those_of_the_closed_form(name):
     assert errors == {key: pytest.approx(0.0, abs=PROJECTED) for key in errors}
 
 
+@pytest.mark.parametrize("setting", [Setting.TUNED, Setting.BEST])
+def test_a_crank_of_any_speed_is_held_to_the_closed_form(setting):
+    linkage = mechanism("rimoldi-164")
+    motion = crank_motion("run-up-quintic", speed=1e5, ramp_time=6e-4, hold_time=1e-4)
+    history = _run(linkage, motion, setting)
+    assert _error(history.torque.values, Truth(linkage, motion, history.torque.time).torque) < 1e-8
+
+
+def test_a_crank_that_cannot_go_on_is_diverged_with_the_reason_of_the_engine():
+    blocked = from_text(ON_THE_CRANK.replace("B = [80, 0]", "B = [45, 0]").replace("B = [85, 70]", "B = [60, 45]"))
+    motion = crank_motion("constant-speed", speed=5.0, ramp_time=0.5, hold_time=0.0, start_angle=0.3)
+    given = scene(blocked, Prescribed(motion), frozenset(Channel))
+    run = ENGINE.run(given, Setting.TUNED)
+    assert run.outcome is Outcome.DIVERGED
+    assert "Unable to advance time" in run.reason
+
+
 def test_a_joint_force_acts_on_the_body_that_the_scene_names_first():
     linkage, motion = mechanism("rimoldi-164"), crank_motion("constant-speed", ramp_time=0.02, hold_time=0.0)
     pins = scene(linkage, Prescribed(motion), frozenset(Channel)).pins
