@@ -10,7 +10,8 @@ rounding weighs as much. The cost is quadratic then, and Newton's method needs o
 control callback, which runs at every stage of the integrator, sets it: ε and the return to φ and ω. Set once a step
 instead, the fourth order of RK4 is lost.
 
-**Slots.** A block without a weight to speak of slides in the host and is tied to the pin.
+**Slots.** A block without a weight to speak of slides in the host and is tied to the pin. **Springs**, like forces, are
+set by the callback: before version 4.0 ``cfrc_int`` leaves out what MuJoCo's own springs, its tendons, exert.
 """
 
 from __future__ import annotations
@@ -37,6 +38,7 @@ from engines.stepping.intervals import Interval
 from engines.stepping.recording import recorded
 from engines.stepping.stepped_engine import Course, Recipe, SteppedEngine
 
+LEAST = 1e-14  # of a mass or inertia; MuJoCo takes none below 1e-15
 HARDER = 1e-7  # of the inverse weights
 PLANE = np.array([1.0, 1j, 0.0])  # vectors of space as complex numbers
 KINEMATICS = {Channel.POSITION: "framepos", Channel.VELOCITY: "framelinvel", Channel.ACCELERATION: "framelinacc"}
@@ -69,8 +71,8 @@ class World:
     def __init__(self, scene: Scene, recipe: MujocoRecipe) -> None:
         import mujoco
 
-        block = (1e-9 if recipe.settle else 1e-2) * min(body.mass for body in scene.bodies)
-        blocked = slots_as_blocks(scene, block)
+        lightest = min(body.mass for body in scene.bodies)
+        blocked = slots_as_blocks(scene, max(LEAST, 1e-9 * lightest) if recipe.settle else 1e-2 * lightest)
         self.scene, self.tree = scene, spanning_tree(blocked)
         self.joints, self.warnings = [joint.name for joint in (*scene.pins, *scene.guided)], list[str]()
         self.bodies = {GROUND: AT_REST, **{body.name: body for body in blocked.bodies}}
