@@ -17,8 +17,8 @@ from comparisons.invariants.invariants import MISSING_STEPS
 from comparisons.judging.limits import limit
 from comparisons.reference.case import Case
 from engines.contract import Engine, History, Outcome, Run, Setting, Signal
+from engines.mechanics.start_check import ability_obstacle
 from engines.scene import Channel, Prescribed, Scene
-from engines.start_check import ability_obstacle
 
 Array = NDArray[np.float64]
 

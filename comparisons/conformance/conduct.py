@@ -21,6 +21,7 @@ from comparisons.runs.failures import AdapterError, blamed_on
 from comparisons.runs.run_engine import run_engine
 from engines.contract import Abilities, Engine, History, Origin, Outcome, ReadOut, Run, Setting
 from engines.installed import flush
+from engines.mechanics.start_check import ability_obstacle
 from engines.scene import (
     AppliedForce,
     AppliedTorque,
@@ -32,7 +33,6 @@ from engines.scene import (
     SlotJoint,
     TurnDamper,
 )
-from engines.start_check import ability_obstacle
 
 LOADS: Final = frozenset({AppliedForce, AppliedTorque, PointSpring, TurnDamper})
 JOINTS: Final = frozenset({SliderJoint, SlotJoint})
@@ -135,7 +135,7 @@ def survives_bad_data(engine: Engine) -> None:
         _available(run)
         assert run.outcome is not Outcome.FINISHED, (
             f"{words}: expected an outcome with a reason, got a finished run: look at the data before the engine does "
-            "(engines.start_check.data_obstacle)"
+            "(engines.mechanics.start_check.data_obstacle)"
         )
         assert run.reason.strip(), f"{words}: expected a reason, got none: say in one sentence what is wrong"
 

@@ -16,6 +16,7 @@ from engines.direct_adapter.assembly import Equations
 from engines.direct_adapter.motion import motion
 from engines.direct_adapter.precision import METHODS, SETTINGS, Precision, method_precision
 from engines.installed import installed_version
+from engines.mechanics.start_check import data_obstacle
 from engines.scene import (
     AppliedForce,
     AppliedTorque,
@@ -28,7 +29,6 @@ from engines.scene import (
     SlotJoint,
     TurnDamper,
 )
-from engines.start_check import data_obstacle
 from engines.stepping.cost import Cost
 from engines.stepping.driver import DivergedError, UnsupportedError, check_step, run_stepping
 

@@ -11,8 +11,8 @@ from typing import Any
 from engines.contract import History
 from engines.export.transcript import Transcript, folded, literal
 from engines.installed import silenced, why_absent
+from engines.mechanics.start_check import ability_obstacle, data_obstacle
 from engines.scene import Channel, Scene
-from engines.start_check import ability_obstacle, data_obstacle
 from engines.stepping.cost import Cost
 from engines.stepping.driver import DivergedError, UnsupportedError
 from engines.stepping.own_units import OwnUnits, restored

@@ -17,8 +17,8 @@ from analytic.description.law import FULL_TURN
 from analytic.errors import LinkproofError, UnknownNameError
 from engines.contract import Abilities, History, Method, Outcome, Run, Setting
 from engines.installed import installed_version, silenced, why_absent, why_unusable
+from engines.mechanics.start_check import ability_obstacle, data_obstacle
 from engines.scene import Channel, Free, Prescribed, Scene
-from engines.start_check import ability_obstacle, data_obstacle
 from engines.stepping.cost import Cost
 from engines.stepping.driver import UnsupportedError, check_step, run_stepping
 from engines.stepping.error_estimate import estimated_error

@@ -8,8 +8,8 @@ from analytic.description.crank_motion import crank_motion
 from analytic.description.linkage import GROUND
 from comparisons.reference.start_state import scene
 from engines.mechanics.spanning_tree import slots_as_blocks, spanning_tree
+from engines.mechanics.start_check import start_misfit
 from engines.scene import Body, PinJoint, Prescribed, Scene, SliderJoint
-from engines.start_check import start_misfit
 from tests.analytic.linkages import FULL_TURN, mechanism
 
 

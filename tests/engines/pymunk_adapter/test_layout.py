@@ -11,6 +11,7 @@ from hypothesis import strategies as st
 from analytic.description.crank_motion import crank_motion
 from analytic.description.linkage import GROUND
 from comparisons.reference.start_state import scene
+from engines.mechanics.start_check import start_misfit
 from engines.pymunk_adapter.layout import (
     BodyPart,
     exact_layout,
@@ -20,7 +21,6 @@ from engines.pymunk_adapter.layout import (
     without_rail,
 )
 from engines.scene import Free, Prescribed
-from engines.start_check import start_misfit
 from tests.analytic.linkages import MADE_UP, mechanism
 
 ROUNDING = 1e-9  # relative; a point mass may be a millionth of its body

@@ -7,9 +7,9 @@ import pytest
 from analytic.description.crank_motion import crank_motion
 from comparisons.reference.start_state import scene
 from engines.contract import Abilities
+from engines.mechanics.start_check import ability_obstacle, misfits, start_misfit
 from engines.mechanics.states import start_motion
 from engines.scene import AppliedForce, AppliedTorque, Free, PointSpring, Prescribed, SliderJoint, SlotJoint, TurnDamper
-from engines.start_check import ability_obstacle, misfits, start_misfit
 from tests.analytic.linkages import EVERY, mechanism
 
 SLIP = 1e-3  # of whatever is changed
