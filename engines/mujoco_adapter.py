@@ -38,7 +38,6 @@ from engines.stepping.intervals import Interval
 from engines.stepping.recording import recorded
 from engines.stepping.stepped_engine import Course, Recipe, SteppedEngine
 
-LEAST = 1e-14  # of a mass or inertia; MuJoCo takes none below 1e-15
 HARDER = 1e-7  # of the inverse weights
 PLANE = np.array([1.0, 1j, 0.0])  # vectors of space as complex numbers
 KINEMATICS = {Channel.POSITION: "framepos", Channel.VELOCITY: "framelinvel", Channel.ACCELERATION: "framelinacc"}
@@ -71,8 +70,8 @@ class World:
     def __init__(self, scene: Scene, recipe: MujocoRecipe) -> None:
         import mujoco
 
-        lightest = min(body.mass for body in scene.bodies)
-        blocked = slots_as_blocks(scene, max(LEAST, 1e-9 * lightest) if recipe.settle else 1e-2 * lightest)
+        share = 1e-9 if recipe.settle else 1e-2  # a block's of the lightest body; no mass may be below 1e-15
+        blocked = slots_as_blocks(scene, max(1e-14, share * min(body.mass for body in scene.bodies)))
         self.scene, self.tree = scene, spanning_tree(blocked)
         self.joints, self.warnings = [joint.name for joint in (*scene.pins, *scene.guided)], list[str]()
         self.bodies = {GROUND: AT_REST, **{body.name: body for body in blocked.bodies}}
@@ -188,9 +187,9 @@ class MujocoEngine(SteppedEngine[World, MujocoRecipe]):
     oldest = "3.7"  # the first to count J'q' in a reference acceleration: without it loops bend at every turn
     abilities = Abilities(
         readouts={
-            **{channel: ReadOut(f"sensor {sensor}; hinges, added up") for channel, sensor in KINEMATICS.items()},
+            **{c: ReadOut(f"sensor {sensor}; angles of hinges added up") for c, sensor in KINEMATICS.items()},
             Channel.TORQUE: ReadOut("efc_force of the equality at the crank's hinge", drive="the drive's alone"),
-            Channel.JOINT_FORCE: ReadOut("cfrc_int of the body on the joint; efc_force where a joint closes a loop"),
+            Channel.JOINT_FORCE: ReadOut("cfrc_int of the body on it; of a cut efc_force", drive="it exerts none"),
         },
         drives=frozenset({Prescribed, Free}),
         joints=GUIDES,
