@@ -24,18 +24,7 @@ from engines.pymunk_adapter.recording import Clock, Recording
 from engines.pymunk_adapter.solver import iterations_for, way
 from engines.pymunk_adapter.space import World, build_world
 from engines.pymunk_adapter.stepping import calls, march
-from engines.scene import (
-    AppliedForce,
-    AppliedTorque,
-    Channel,
-    Free,
-    PointSpring,
-    Prescribed,
-    Scene,
-    SliderJoint,
-    SlotJoint,
-    TurnDamper,
-)
+from engines.scene import GUIDES, LOADS, Channel, Free, Prescribed, Scene
 from engines.stepping.driver import UnsupportedError
 from engines.stepping.histories import joined
 from engines.stepping.stepped_engine import Course, Recipe, SteppedEngine
@@ -80,12 +69,7 @@ FREE_TUNED: Final = PymunkRecipe(steps_per_turn=600, ratios=(11,), least_steps=1
 FREE_BEST: Final = PymunkRecipe(steps_per_turn=240, ratios=(7, 11, 15), least_steps=1000, remaining=0.2)
 
 ABOUT: Final = "second order by unbiased joints, mean crank speeds and centred read-outs"
-STUDIED: Final[Mapping[str, tuple[int, ...]]] = {
-    "centred": (1,),
-    "centred x2": (1, 3),
-    "centred x3": (1, 3, 5),
-    "centred x4": (1, 3, 5, 7),
-}
+STUDIED: Final = {"centred": (1,), "centred x2": (1, 3), "centred x3": (1, 3, 5), "centred x4": (1, 3, 5, 7)}
 
 
 class PymunkEngine(SteppedEngine[World, PymunkRecipe]):
@@ -110,8 +94,8 @@ class PymunkEngine(SteppedEngine[World, PymunkRecipe]):
             ),
         },
         drives=frozenset({Prescribed, Free}),
-        joints=frozenset({SliderJoint, SlotJoint}),
-        loads=frozenset({AppliedForce, AppliedTorque, PointSpring, TurnDamper}),
+        joints=GUIDES,
+        loads=LOADS,
         massless=False,
     )
     settings: Mapping[type, Mapping[Setting, PymunkRecipe]] = {
@@ -196,11 +180,10 @@ def _rates(clocks: list[Clock], centred: bool) -> Array:
         segment, steps = clock.part.segment, np.arange(clock.steps + clock.last)
         if segment is None:
             result.append(np.zeros(len(steps)))
-        elif centred:
-            nodes, shares = np.polynomial.legendre.leggauss(max(1, (len(segment.coefficients) + 1) // 2))
-            result.append(segment.value(clock.times(steps[:, None], 0.5 * (nodes + 1.0)), 1) @ (0.5 * shares))
-        else:
-            result.append(segment.value(clock.times(steps), 1))
+            continue
+        order = (len(segment.coefficients) + 1) // 2
+        nodes, shares = np.polynomial.legendre.leggauss(order) if centred else (-np.ones(1), np.full(1, 2.0))
+        result.append(segment.value(clock.times(steps[:, None], 0.5 * (nodes + 1.0)), 1) @ (0.5 * shares))
     return np.concatenate(result)
 
 

@@ -20,7 +20,7 @@ from engines.scene import Free, Scene
 Array = NDArray[np.float64]
 
 # Crank angles of a full turn at which the solver's convergence is looked at, and the corrections that close the joints.
-ANGLES, CORRECTIONS = 72, 8
+ANGLES, CORRECTIONS = 180, 8
 
 # Joints open by less, as a share of the scene's size, are closed.
 CLOSED = 1e-9
@@ -39,7 +39,8 @@ def iterations_for(scene: Scene, layout: PartLayout, remaining: float, even: int
     """
     with np.errstate(all="ignore"):
         factors = np.array([contraction(layout, pose) for pose in turned_through(scene, layout.equations)])
-        wanted, needed = (np.log(share) / np.log(factors) for share in (remaining, LARGEST_REMAINDER))
+        rates = np.log(np.minimum(factors, 1.0 - 1e-12))
+        wanted, needed = (np.log(share) / rates for share in (remaining, LARGEST_REMAINDER))
     counts = np.clip(np.fmax(np.fmin(wanted, ENOUGH), needed), FEWEST, MOST)
     most = float(counts.max())
     if isinstance(scene.drive, Free):
@@ -69,12 +70,14 @@ def turned_through(scene: Scene, equations: JointEquations) -> list[Pose]:
             arms = equations.arms(pose)
             residual = equations.residual(pose, arms)
             residual[:, equations.crank_row] = pose.angle[:, equations.crank] - scene.crank_angle - angle
+            if np.abs(residual).max() < CLOSED:
+                break
             try:
                 change = np.linalg.solve(equations.jacobian(arms), -residual[..., None])[..., 0]
             except np.linalg.LinAlgError:
                 return poses
             pose = pose.moved(equations.spread(change))
-        if not np.abs(residual).max() < CLOSED:
+        else:
             return poses
         poses.append(pose)
     return poses

@@ -69,4 +69,4 @@ def test_the_linkage_is_looked_at_along_its_motion_with_closed_joints(name):
         assert np.abs(np.diff(angles)).max() < 0.1
         for pose in poses:
             opened = equations.openings(equations.residual(pose, equations.arms(pose)))
-            assert np.abs(opened).max() < 1e-9
+            assert np.abs(opened).max() < 1e-8
