@@ -158,11 +158,11 @@ def made(cell: Cell) -> CellResult:
         return replace(blank, judgement=nothing, outcome=Outcome.UNSUPPORTED.value)
     given = scene(conditions, true)
     run = _run(adapter, given, cell.usage, conditions)
-    limits_of = cell.usage if cell.usage in SETTINGS else Setting.TUNED.value
+    limits_of = Setting.BEST if cell.usage == Setting.BEST else Setting.TUNED  # those of naive would hide a wrong motion
     return replace(
         blank,
         outcome=run.outcome.value,
-        judgement=judged(true, given, run, limits_of),
+        judgement=judged(true, given, run, limits_of.value),
         seconds=run.seconds,
         spent=time.perf_counter() - begun,
         steps=run.steps,

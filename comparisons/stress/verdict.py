@@ -23,7 +23,7 @@ from comparisons.judging.records import Record, Verdict, blank_record
 from comparisons.observation.observed_motion import ObservedMotion
 from comparisons.reference.case import Case
 from comparisons.stress.truth import wrongs
-from engines.contract import Origin, Outcome, Run, Setting
+from engines.contract import Origin, Outcome, Run
 from engines.scene import Scene
 
 LARGEST = 1e300
@@ -152,11 +152,8 @@ def _blank(case: Case, setting: str) -> Record:
 def _invariants(case: Case, motion: ObservedMotion, blank: Record) -> tuple[list[Record], Record]:
     """Those that failed, the one furthest over its limit first, and the one nearest to or furthest over it.
 
-    They are to see what is wrong whatever the setting: the limits of naive would hide what is less than 6 % off.
-
     What is not judged has neither failed nor passed.
     """
-    blank = replace(blank, setting=Setting.TUNED.value) if blank.setting == Setting.NAIVE else blank
     records = [record for record in checks(case, motion, blank) if Verdict(record.outcome).judged]
     records.sort(key=_over, reverse=True)
     return [record for record in records if record.outcome != Verdict.PASSED], records[0]
