@@ -26,7 +26,6 @@ from numpy.typing import NDArray
 
 from analytic.description.linkage import GROUND, Vector
 from engines.contract import Abilities, History, ReadOut, Setting, Signal
-from engines.export.ondsel import text
 from engines.installed import own_folder
 from engines.scene import Body, Channel, Prescribed, Scene, SliderJoint, SlotJoint, TurnDamper
 from engines.stepping.driver import DivergedError
@@ -168,9 +167,6 @@ class OndselEngine(SteppedEngine[World, OndselRecipe]):
             angles[:] = np.unwrap([[body.angle for body in world.scene.bodies], *angles], axis=0)[1:]
         return history
 
-    def script(self, world: World, course: Course[OndselRecipe], followed: World) -> str:
-        return text(world, course, _expressions)
-
 
 def _path(*names: str) -> str:
     return "/".join(("", LINKAGE, *names))
@@ -225,15 +221,6 @@ def _followed(world: World, part: Interval, course: Course[OndselRecipe], is_las
     )
 
 
-def _expressions(part: Interval) -> list[str]:
-    """The crank's angle over the time of its segment, and the flywheel's against the crank."""
-    assert part.segment is not None  # the drive is prescribed
-    crank = part.segment.coefficients
-    turned = [0.0, *(each / power for power, each in enumerate(crank, 1))]  # ∫φ dt
-    flywheel = [whole - own for whole, own in zip(turned, [*crank, 0.0], strict=True)]
-    return ["+time*(".join(repr(float(c)) for c in each) + ")" * (len(each) - 1) for each in (crank, flywheel)]
-
-
 def _solved(world: World, part: Interval) -> dict[tuple[str, str], Array]:
     """Solve one part of the motion: the rows of all series by path and label, one number a frame."""
     from pyondsel.errors import AsmtError
@@ -242,18 +229,21 @@ def _solved(world: World, part: Interval) -> dict[tuple[str, str], Array]:
 
     segment = part.segment
     assert segment is not None  # the drive is prescribed
-    for motion, expression in zip(world.model.motions, _expressions(part), strict=False):
-        motion.expression = expression
+    crank = segment.coefficients
+    turned = [0.0, *(each / power for power, each in enumerate(crank, 1))]  # ∫φ dt; its motion is against the crank
+    flywheel = [whole - own for whole, own in zip(turned, [*crank, 0.0], strict=True)]
+    for motion, coefficients in zip(world.model.motions, (crank, flywheel), strict=False):
+        motion.expression = "+time*(".join(repr(float(c)) for c in coefficients) + ")" * (len(coefficients) - 1)
     world.model.simulation = Simulation(part.start - segment.start, part.end - segment.start, part.samples)
     try:
         # pyondsel writes "Pitch" where Ondsel reads "pitch" and gives up otherwise.
         with own_folder():  # its files have the same names in every process
-            solution = solve_asmt(world.model.to_asmt().replace("\tPitch\n", "\tpitch\n"), timeout=TIMEOUT)
+            text = solve_asmt(world.model.to_asmt().replace("\tPitch\n", "\tpitch\n"), timeout=TIMEOUT)
     except AsmtError as error:
         raise DivergedError(f"Ondsel gave up: {error}") from error
     rows: dict[tuple[str, str], Array] = {}
     path = ""
-    for line in solution.partition("TimeSeries\n")[2].splitlines():
+    for line in text.partition("TimeSeries\n")[2].splitlines():
         label, *cells = line.rstrip("\t").split("\t")
         if label.endswith("Series"):
             path = cells[0]

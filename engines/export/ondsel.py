@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 from engines.export.script import FORCE, row
-from engines.stepping.stepped_engine import Course
+from engines.ondsel_adapter import World
+from engines.scene import Scene
+from engines.stepping.stepped_engine import Course, Recipe
 
 TEXT = """
 # Of each part of the motion: begin (s); start, end and number of frames of the simulation, whose clock is that of a
-# piece of the crank's motion; the expressions of the motions.
+# piece of the crank's motion; the crank's angle as a polynomial of that clock, lowest power first.
 PARTS = [
 {parts}
 ]
@@ -23,9 +23,12 @@ MOTION = {{
     "velocity": ("VX", "VY", "OmegaZ"),
     "acceleration": ("AX", "AY", "AlphaZ"),
 }}
-for begin, start, end, count, expressions in PARTS:
-    for motion, expression in zip({model}.motions, expressions):
-        motion.expression = expression
+for begin, start, end, count, crank in PARTS:
+    # A flywheel's motion, if there is one, is against the crank: its whole angle is the integral of the crank's.
+    whole = [0.0, *(each / power for power, each in enumerate(crank, 1))]
+    flywheel = [each - own for each, own in zip(whole, [*crank, 0.0])]
+    for motion, angle in zip({model}.motions, (crank, flywheel)):
+        motion.expression = "+time*(".join(map(repr, angle)) + ")" * (len(angle) - 1)
     {model}.simulation = {Simulation}(start, end, count)
     # pyondsel writes "Pitch" where Ondsel reads "pitch" and gives up otherwise.
     text = {solve_asmt}({model}.to_asmt().replace("\\tPitch\\n", "\\tpitch\\n"), timeout=3600.0)
@@ -58,19 +61,20 @@ samples["position"] = samples["position"][0], places
 """
 
 
-def text(world: Any, course: Course[Any], expressions: Any) -> str:  # noqa: ANN401
-    """The text of a pass; ``expressions`` gives those of the motions in a part."""
+def text(scene: Scene, world: World, course: Course[Recipe], followed: World) -> str:
+    """The text of a pass."""
     from pyondsel.model.simulation import Simulation
     from pyondsel.solve import solve_asmt
 
-    parts = [
-        (part.start, part.start - part.segment.start, part.end - part.segment.start, part.samples, expressions(part))
-        for part in course.parts
-        if part.segment is not None
-    ]
-    bodies = world.scene.bodies
+    parts = []
+    for part in course.parts:
+        segment = part.segment
+        assert segment is not None  # the drive is prescribed
+        crank = [*map(float, segment.coefficients)]
+        parts.append(row((part.start, part.start - segment.start, part.end - segment.start, part.samples, crank)))
+    bodies = scene.bodies
     return TEXT.format(
-        parts="\n".join(map(row, parts)),
+        parts="\n".join(parts),
         bodies=", ".join(str(world.parts[body.name]) for body in bodies),
         angles=[float(body.angle) for body in bodies],
         forces="\n".join(row(source, FORCE + name) for name, source in world.sources.items()),

@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+import sys
 import textwrap
 from collections.abc import Callable, Sequence
 from contextlib import nullcontext
 from dataclasses import dataclass, replace
+from importlib import import_module
+from importlib.util import find_spec
 from typing import Any
 
 from engines.contract import History
@@ -94,7 +97,7 @@ def script(
     )
     if reason is not None:
         raise UnsupportedError(reason)
-    given, units, (course, *more) = engine.courses(scene, recipe, Cost())
+    given, units, (course, *more) = engine.planned(scene, recipe, Cost())
     if more:
         raise UnsupportedError(f"it is {1 + len(more)} runs extrapolated, and a script holds one: export 'tuned'")
     transcript, ending = Transcript(engine.package), ""
@@ -106,9 +109,12 @@ def script(
             shown = figures(restored(history, units) if units else history)
         except DivergedError as error:
             ending = f"\n# It does not get to its end: {error}.\n"
+        writer = _writer(engine)
+        _forget_imports(engine)
         with transcript.on():
             world = engine.build(given, recipe)
-            text = engine.script(world, course, followed)
+            text = writer.text(given, world, course, followed)
+        _forget_imports(engine)
     if shown:
         ending = CLOSING.format(engine=engine.name, rows="\n".join(figure.told(units) for figure in shown))
     imports, lines, rest = transcript.source(world, text)
@@ -135,6 +141,28 @@ def script(
             ending,
         ]
     )
+
+
+def _writer(engine: SteppedEngine[Any, Any]) -> Any:  # noqa: ANN401 - a module
+    """The module here that has the engine's name.
+
+    Its ``text(scene, world, course, followed)`` is that of a pass through a world in the engine's own API. In ``world``
+    stand-ins are in the place of the engine's objects: their text is what the script calls them, and what is done to
+    them becomes lines of the script that come before this text. ``followed`` is such a world without stand-ins that
+    the course has been taken through. The text lets ``keep`` keep times and values by channel or joint, as in
+    ``History``; it raises UnsupportedError for what it cannot hold.
+    """
+    module = f"engines.export.{engine.name}"
+    if find_spec(module) is None:
+        raise UnsupportedError(f"how its steps are written is not known, as there is no {module}")
+    return import_module(module)
+
+
+def _forget_imports(engine: SteppedEngine[Any, Any]) -> None:
+    """Let an adapter import its engine again that has kept it."""
+    for each in vars(sys.modules[type(engine).__module__]).values():
+        if hasattr(each, "cache_clear"):
+            each.cache_clear()
 
 
 def _units_told(units: OwnUnits | None) -> str:

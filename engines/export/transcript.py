@@ -19,6 +19,7 @@ from contextlib import contextmanager
 from dataclasses import dataclass, field
 from types import ModuleType
 from typing import Any
+from xml.etree import ElementTree
 
 import numpy as np
 
@@ -26,8 +27,9 @@ from engines.stepping.driver import UnsupportedError
 
 OPEN, CLOSE = "\ue000", "\ue001"  # around the number of a variable in a text, until it gets its name
 VARIABLE = re.compile(f"{OPEN}(\\d+){CLOSE}")
-LONGEST = 180  # characters of a line that takes up the one before it
-WITHOUT_EFFECT = re.compile(r"\.(get|num|calc|compute|is|express)\w*\(", re.IGNORECASE)
+LONGEST = 300  # characters of a line that takes up the one before it
+# Methods of the engines that only look something up.
+LOOK = re.compile(r"\.((?i:get|num|calc|compute|is|express)\w*|joint|body|equality)\([^()]*\)$")
 DEPTH = 4  # of a world in which names are looked for
 
 
@@ -47,15 +49,14 @@ class Sourced:
 class _Line:
     target: int | None
     text: str
-    is_new: bool = False  # made by a class, without other effect
+    is_plain: bool = False  # a new object, or one looked up, without other effect
 
 
 @dataclass
 class Transcript:
-    """The lines so far. ``package`` is the engine's; ``lookups`` are methods of it that only look something up."""
+    """The lines so far; ``package`` is the engine's."""
 
     package: str
-    lookups: Sequence[str] = ()
     lines: list[_Line] = field(default_factory=list)
     kinds: list[str] = field(default_factory=list)  # of each variable, a first name
     imports: dict[int, tuple[str, str]] = field(default_factory=dict)  # variables that are imported: statement, name
@@ -108,13 +109,13 @@ class Transcript:
             real, (int, float, str, tuple)
         )
 
-    def called(self, real: Any, text: str, is_new: bool) -> Any:  # noqa: ANN401
+    def called(self, real: Any, text: str, is_plain: bool) -> Any:  # noqa: ANN401
         """Note a call and stand in for its result."""
         if id(real) in self.known or not (callable(real) or isinstance(real, list) or self.is_ours(real)):
-            self.lines.append(_Line(None, text, is_new))
+            self.lines.append(_Line(None, text, is_plain))
             return self.known.get(id(real), real)
         number = self._variable(type(real).__name__)
-        self.lines.append(_Line(number, text, is_new))
+        self.lines.append(_Line(number, text, is_plain))
         self.known[id(real)] = StandIn(self, real, f"{OPEN}{number}{CLOSE}")
         return self.known[id(real)]
 
@@ -163,12 +164,11 @@ class Transcript:
         """The lines without those that only make what nobody uses; a result that nobody uses gets no name."""
         used = {int(number) for number in VARIABLE.findall(rest)}
         kept: list[_Line] = []
-        looks = [WITHOUT_EFFECT, *(re.compile(rf"\.{name}\(") for name in self.lookups)]
         for line in reversed(self.lines):
-            if line.target not in used | held and (line.is_new or any(look.search(line.text) for look in looks)):
+            if line.target not in used | held and line.is_plain:
                 continue
             used |= {int(number) for number in VARIABLE.findall(line.text)}
-            kept.append(_Line(line.target if line.target in used | held else None, line.text, line.is_new))
+            kept.append(_Line(line.target if line.target in used | held else None, line.text, line.is_plain))
         return kept[::-1]
 
     def _joined(self, lines: list[_Line], rest: str, held: set[int]) -> list[_Line]:
@@ -179,12 +179,12 @@ class Transcript:
             uses[int(number)] = uses.get(int(number), 0) + 1
         result: list[_Line] = []
         for line in lines:
-            while result and result[-1].is_new and uses.get(result[-1].target) == 1 and result[-1].target not in held:
+            while result and result[-1].is_plain and uses.get(result[-1].target) == 1 and result[-1].target not in held:
                 token = f"{OPEN}{result[-1].target}{CLOSE}"
                 text = line.text.replace(token, result[-1].text)
                 if token not in line.text or len(VARIABLE.sub("x" * 12, text)) > LONGEST:
                     break
-                line = _Line(line.target, text, line.is_new)  # noqa: PLW2901
+                line = _Line(line.target, text, line.is_plain)  # noqa: PLW2901
                 result.pop()
             result.append(line)
         return result
@@ -192,11 +192,12 @@ class Transcript:
     def _names(self, told: Mapping[int, str], rest: str, used: set[int]) -> dict[int, str]:
         """A name for every variable: what the world calls it, else its kind with a number."""
         names = {number: name for number, (_, name) in self.imports.items()}
-        taken = {*re.findall(r"[^\W\d]\w*", rest), *names.values(), *keyword.kwlist}
+        taken = {*re.findall(r"[^\W\d]\w*", re.sub(r'"[^"\n]*"|#.*', "", rest)), *names.values(), *keyword.kwlist}
         counts: dict[str, int] = {}
         for number in sorted(used - names.keys()):
             kind = self.kinds[number]
-            name = re.sub(r"\W+", "_", told.get(number, "").replace("*", kind)).strip("_")
+            key = told.get(number, "").removesuffix("_*")
+            name = re.sub(r"\W+", "_", f"{key}_{kind}" if told.get(number) != key != kind else key).strip("_")
             while not name.isidentifier() or name in taken:
                 counts[kind] = counts.get(kind, 0) + 1
                 name = f"{kind}_{counts[kind]}" if counts[kind] > 1 else kind
@@ -274,7 +275,7 @@ class StandIn:
         text = f"{self.source}({', '.join(words)})"
         with self._transcript.off():
             real = self._real(*map(bare, given), **{name: bare(value) for name, value in named.items()})
-        return self._transcript.called(real, text, isinstance(self._real, type))
+        return self._transcript.called(real, text, isinstance(self._real, type) or bool(LOOK.search(text)))
 
     def __getitem__(self, key: object) -> Any:  # noqa: ANN401
         return self._transcript.wrapped(self._real[bare(key)], f"{self.source}[{_key(key)}]")
@@ -336,6 +337,8 @@ def literal(value: Any) -> str:  # noqa: ANN401, PLR0911
         return f"[{inner}]" if isinstance(value, list) else f"({inner},)" if len(value) == 1 else f"({inner})"
     if isinstance(value, float) and not np.isfinite(value):
         return f'float("{value}")'
+    if isinstance(value, str) and value.startswith("<") and ">" in value:
+        return f'"""{_indented(value)}"""'
     if isinstance(value, str):
         return f'"""{value}"""' if "\n" in value else repr(value) if '"' in value else f'"{value}"'
     if value is None or isinstance(value, (bool, int, float)):
@@ -343,6 +346,13 @@ def literal(value: Any) -> str:  # noqa: ANN401, PLR0911
     if isinstance(value, Sourced):
         return value.source
     raise UnsupportedError(f"a script cannot hold what the engine is given as {type(value).__name__}")
+
+
+def _indented(text: str) -> str:
+    """XML with a line for each element."""
+    root = ElementTree.fromstring(text)
+    ElementTree.indent(root)
+    return ElementTree.tostring(root, encoding="unicode")
 
 
 def _key(value: Any) -> str:  # noqa: ANN401

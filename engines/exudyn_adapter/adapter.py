@@ -20,7 +20,6 @@ from contextlib import contextmanager
 from typing import ClassVar
 
 from engines.contract import Abilities, History
-from engines.exudyn_adapter.export import text
 from engines.exudyn_adapter.fresh_start import FROM, closed_state, end_state, set_initial
 from engines.exudyn_adapter.model import Foreign, Model
 from engines.exudyn_adapter.readout import READOUTS, Recorder, add_sensors
@@ -77,12 +76,6 @@ class ExudynEngine(SteppedEngine[Recorder, Recipe]):
                 histories.append(world.read(first=not histories, before_jump=before_jump))
         return joined(histories)
 
-    def script(self, world: Recorder, course: Course[Recipe], followed: Recorder) -> str:
-        settings = _settings(world.model.exudyn, course.parts[0], course)
-        parts = [(part, course.ratio) for part in course.parts]
-        starts = followed.model.starts or [([], (), followed.model.unwound)]
-        return text(world, parts, starts, settings)
-
 
 def _start(model: Model, part: Interval, details: dict[str, str | int | float], *, first: bool) -> None:
     """Set the drive's functions and the state a part starts from: the scene's, or one near what has been reached."""
@@ -107,7 +100,7 @@ def _solve(model: Model, part: Interval, course: Course[Recipe]) -> None:
     mbs = model.mbs
     solver = model.exudyn.MainSolverImplicitSecondOrder()
     try:
-        finished = solver.SolveSystem(mbs, _settings(model.exudyn, part, course))
+        finished = solver.SolveSystem(mbs, solver_settings(model.exudyn, part, course))
         reason = solver.GetErrorString()
     except model.exudyn.ExudynError as error:
         finished, reason = False, str(error).partition("\n")[0]
@@ -119,7 +112,8 @@ def _solve(model: Model, part: Interval, course: Course[Recipe]) -> None:
         raise DivergedError(f"the state is not finite at {part.end:.4g} s")
 
 
-def _settings(exudyn: Foreign, part: Interval, course: Course[Recipe]) -> Foreign:
+def solver_settings(exudyn: Foreign, part: Interval, course: Course[Recipe]) -> Foreign:
+    """The settings of a part's solver."""
     recipe = course.recipe
     settings = exudyn.SimulationSettings()
     integration = settings.timeIntegration

@@ -20,7 +20,7 @@ from engines.installed import installed_version, silenced, why_absent, why_unusa
 from engines.mechanics.start_check import ability_obstacle, data_obstacle
 from engines.scene import Channel, Free, Prescribed, Scene
 from engines.stepping.cost import Cost
-from engines.stepping.driver import UnsupportedError, check_step, run_stepping
+from engines.stepping.driver import check_step, run_stepping
 from engines.stepping.error_estimate import estimated_error
 from engines.stepping.intervals import Interval, Pace, intervals, whole_interval
 from engines.stepping.own_units import OwnUnits, own_units, restored, scaled
@@ -165,16 +165,6 @@ class SteppedEngine(ABC, Generic[World, R]):
         _, recipe = self.studied[method.name]
         return replace(recipe, step=step, steps_per_turn=0.0, effort=method.effort)
 
-    def script(self, world: World, course: Course[R], followed: World) -> str:
-        """The text of a pass through a world in the engine's own API (``engines.export``).
-
-        In ``world`` stand-ins are in the place of the engine's objects: their text is what the script calls them, and
-        what is done to them becomes lines of the script that come before this text. ``followed`` is such a world
-        without stand-ins that the course has been taken through. The text makes ``samples``: times and values by
-        channel or joint, as in ``History``. Raises UnsupportedError for what cannot be exported.
-        """
-        raise UnsupportedError(f"{self.name} does not say how its run is written as a script")
-
     def _run(self, scene: Scene, recipe: R, details: dict[str, str | int | float]) -> Run:
         absent = why_absent(self.package, self.name, self.oldest)
         if absent is not None:
@@ -191,7 +181,7 @@ class SteppedEngine(ABC, Generic[World, R]):
             return run_stepping(cost, lambda: self._history(scene, recipe, cost))
 
     def _history(self, scene: Scene, recipe: R, cost: Cost) -> History:
-        given, units, courses = self.courses(scene, recipe, cost)
+        given, units, courses = self.planned(scene, recipe, cost)
         passes = [self._pass(given, course) for course in courses]
         parts = courses[0].parts
         longest = max(part.step for part in parts)
@@ -205,7 +195,7 @@ class SteppedEngine(ABC, Generic[World, R]):
         history = extrapolate(passes, recipe.orders)
         return restored(history, units) if units else history
 
-    def courses(self, scene: Scene, recipe: R, cost: Cost) -> tuple[Scene, OwnUnits | None, list[Course[R]]]:
+    def planned(self, scene: Scene, recipe: R, cost: Cost) -> tuple[Scene, OwnUnits | None, list[Course[R]]]:
         """The scene that worlds are built from, its units if these are its own, and the passes that are asked for."""
         offered = scene.channels & frozenset(self.abilities.readouts)
         channels = offered if isinstance(scene.drive, Prescribed) else offered - {Channel.TORQUE}

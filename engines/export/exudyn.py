@@ -4,9 +4,11 @@ from __future__ import annotations
 
 from analytic.description.linkage import GROUND
 from engines.export.script import FORCE, row
-from engines.exudyn_adapter.model import Foreign
+from engines.exudyn_adapter.adapter import solver_settings
 from engines.exudyn_adapter.readout import Recorder
-from engines.stepping.intervals import Interval
+from engines.exudyn_adapter.recipes import Recipe
+from engines.scene import Scene
+from engines.stepping.stepped_engine import Course
 
 TEXT = """
 exudyn.config.printToConsole = False  # True shows its solver at work
@@ -71,34 +73,28 @@ for begin, duration, count, ratio, jumps, crank, states, turns in PARTS:
 """
 
 
-def text(world: Recorder, parts: list[tuple[Interval, int]], starts: list[Foreign], settings: Foreign) -> str:
-    """The text of a pass; ``parts`` have their steps to a sample, ``starts`` what each has been started from."""
+def text(scene: Scene, world: Recorder, course: Course[Recipe], followed: Recorder) -> str:
+    """The text of a pass, each part of it from the state that the run ``followed`` has started it from."""
     from exudyn.advancedUtilities import CreateSymbolicUserFunction as Symbolic
 
-    model = world.model
-    parts_told = [
-        (
-            part.start,
-            part.end - part.start,
-            part.samples,
-            ratio,
-            later is not None and later[0].after_jump,
-            drive,
-            [state.tolist() for state in states],
-            turns.tolist(),
-        )
-        for (part, ratio), later, (drive, states, turns) in zip(parts, [*parts[1:], None], starts, strict=False)
-    ]
+    model, parts = world.model, course.parts
+    starts = followed.model.starts or [([], (), followed.model.unwound)]
+    told = [
+        row((
+            part.start, part.end - part.start, part.samples, course.ratio, later is not None and later.after_jump,
+            drive, [state.tolist() for state in states], turns.tolist(),
+        ))
+        for part, later, (drive, states, turns) in zip(parts, [*parts[1:], None], starts, strict=False)
+    ]  # fmt: skip
     forces = []
     for name, sensor in world.forces.items():
         output = model.joints[name]
         turned = (None, 0.0) if output.frame == GROUND else (world.angles[output.frame], model.angles[output.frame])
         forces.append(row((sensor, output.matrix.tolist(), *turned), FORCE + name))
     return TEXT.format(
-        parts="\n".join(map(row, parts_told)),
+        parts="\n".join(told),
         start="\n".join(
-            f"    [{body.position[0]!r}, {body.position[1]!r}, {body.angle!r}],  # {body.name}"
-            for body in model.scene.bodies
+            f"    [{body.position[0]!r}, {body.position[1]!r}, {body.angle!r}],  # {body.name}" for body in scene.bodies
         ),
         motion="\n".join(f'    "{channel}": {list(sensors)},' for channel, sensors in world.motion.items()),
         forces="\n".join(forces),
@@ -107,6 +103,6 @@ def text(world: Recorder, parts: list[tuple[Interval, int]], starts: list[Foreig
         torque="" if world.torque is None else f'    keep("torque", time[kept], -data[{world.torque}][kept, 1])',
         mbs=model.mbs,
         driver=model.driver,
-        settings=settings,
+        settings=solver_settings(model.exudyn, parts[0], course),
         symbolic=Symbolic,
     )
