@@ -37,6 +37,9 @@ Array = NDArray[np.float64]
 # Steps at a start or a jump that have no good impulses to begin with, and how many times as many iterations they get.
 COLD_STEPS, COLD = 4, 10
 
+# Steps after which that has no effect on the forces any more, and samples that are given up for it at most.
+SETTLED, MOST_LEAD = 10, 3
+
 MOTOR = "the motor"  # beside the names of joints
 
 
@@ -128,7 +131,8 @@ class PymunkEngine(SteppedEngine[World, PymunkRecipe]):
 
     def follow(self, world: World, course: Course[PymunkRecipe]) -> History:
         centred, parts = course.recipe.centred, course.parts
-        clocks = [Clock(part, course.ratio, part is parts[-1], centred) for part in parts]
+        lead = min(MOST_LEAD, math.ceil(SETTLED / min(course.recipe.ratios)))
+        clocks = [Clock(part, course.ratio, part is parts[-1], centred, lead) for part in parts]
         read = _joints(world) if Channel.JOINT_FORCE in course.channels else {}
         if world.motor is not None and Channel.TORQUE in course.channels:
             read[MOTOR] = world.motor

@@ -29,13 +29,14 @@ Numbers = NDArray[np.intp]
 class Clock:
     """The instants of a part of a run that are looked at; numbers count the engine's steps since the part's start.
 
-    ``last``: no other part follows, whose start would be this one's end.
+    ``last``: no other part follows, whose start would be this one's end. ``lead`` counts samples.
     """
 
     part: Interval
     ratio: int
     last: bool
     centred: bool
+    lead: int
 
     @property
     def fine(self) -> float:
@@ -61,11 +62,11 @@ class Clock:
 
     @property
     def loaded(self) -> Numbers:
-        """Steps after which forces and accelerations are read: not at a start or a jump nor two samples on.
+        """Steps after which forces and accelerations are read: not at a start or a jump, nor for ``lead`` more.
 
         The first impulses answer to the velocities that were given, or to those before the jump.
         """
-        return self.samples[3 if self.centred else 0 :]
+        return self.samples[self.lead if self.centred else 0 :]
 
     def marks(self, channels: frozenset[Channel]) -> NDArray[np.uint8]:
         """What is read after each step for some channels, the part's start first."""
