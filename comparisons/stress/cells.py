@@ -158,7 +158,8 @@ def made(cell: Cell) -> CellResult:
         return replace(blank, judgement=nothing, outcome=Outcome.UNSUPPORTED.value)
     given = scene(conditions, true)
     run = _run(adapter, given, cell.usage, conditions)
-    limits_of = Setting.BEST if cell.usage == Setting.BEST else Setting.TUNED  # those of naive would hide a wrong motion
+    # Those of naive would hide a wrong motion.
+    limits_of = Setting.BEST if cell.usage == Setting.BEST else Setting.TUNED
     return replace(
         blank,
         outcome=run.outcome.value,
