@@ -26,7 +26,7 @@ class Setting(StrEnum):
 
     NAIVE = "naive"  # the engine's defaults, every read-out at face value
     TUNED = "tuned"  # the default: one run, as an expert would write it
-    BEST = "best"  # several runs extrapolated, to the engine's floor
+    BEST = "best"  # the engine's floor: several runs extrapolated, or one at its tightest
 
 
 class Origin(StrEnum):

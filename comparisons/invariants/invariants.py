@@ -34,8 +34,8 @@ from engines.scene import Channel, Free, Prescribed
 
 Array = NDArray[np.float64]
 
-# Steps by which a history may begin late or end early: a sample at either end can be missing.
-MISSING_STEPS = 2.0
+# Steps by which a channel may begin late or end early: an engine may lack the samples of its first steps.
+MISSING_STEPS = 4.0
 HALF_TURN = np.pi  # rad between two samples: beyond it they show no motion
 
 
