@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from contextlib import suppress
 from dataclasses import replace
 from typing import cast
 
@@ -28,7 +29,11 @@ from engines.stepping.stepped_engine import Recipe, SteppedEngine
 
 Array = NDArray[np.float64]
 
-STATES = {Channel.POSITION: "m rad", Channel.VELOCITY: "m/s rad/s", Channel.ACCELERATION: "m/s2 rad/s2"}
+UNITS = {
+    Channel.POSITION: ("m", "rad"),
+    Channel.VELOCITY: ("m/s", "rad/s"),
+    Channel.ACCELERATION: ("m/s2", "rad/s2"),
+}
 
 
 def exported(case: Case, name: str, setting: Setting, command: str) -> str:
@@ -81,15 +86,23 @@ def _script(adapter: SteppedEngine[object, Recipe], scene: Scene, case: Case, re
 
 
 def worst_figures(case: Case, scene: Scene, history: History) -> list[Figure]:
-    """Of every channel what is furthest from the truth, over its peak, away from jumps of the acceleration."""
+    """Of every channel what is furthest from the truth, over its peak, away from jumps of the acceleration.
+
+    A channel without a truth at some instant, as in a dead position, has none.
+    """
     found = []
-    for figures in _by_kind(case, scene, history):
-        errors = [_error(case, each) for each in figures]
-        at = max(range(len(errors)), key=lambda number: float(errors[number].max()))
-        figure, time, read, true, _ = figures[at]
-        worst = int(np.argmax(errors[at]))
-        found.append(replace(figure, time=float(time[worst]), read=float(read[worst]), true=float(true[worst])))
+    for channel in Channel:
+        with suppress(LinkproofError):
+            found += [_worst(case, curves) for curves in _by_kind(case, scene, history, channel)]
     return found
+
+
+def _worst(case: Case, curves: list[_Curve]) -> Figure:
+    errors = [_error(case, curve) for curve in curves]
+    at = max(range(len(errors)), key=lambda number: float(errors[number].max()))
+    figure, time, read, true, _ = curves[at]
+    worst = int(np.argmax(errors[at]))
+    return replace(figure, time=float(time[worst]), read=float(read[worst]), true=float(true[worst]))
 
 
 # A figure without its instant; times, what was read, what is true (n,); the peak of its kind.
@@ -104,28 +117,29 @@ def _error(case: Case, curve: _Curve) -> Array:
     )
 
 
-def _by_kind(case: Case, scene: Scene, history: History) -> Iterator[list[_Curve]]:
-    for channel, units in STATES.items():
-        signal = getattr(history, channel.value)
-        if signal is None:
-            continue
-        true = np.stack([truth(case, channel, body.name, signal.time) for body in scene.bodies], axis=1)
-        for columns, unit in zip(((0, 1), (2,)), units.split(), strict=True):
-            peak = float(np.abs(true[..., columns]).max())
-            yield [
-                (
-                    Figure(f"{channel} of {body.name}, {('x', 'y', 'angle')[column]}", unit, channel, (number, column)),
-                    signal.time, signal.values[:, number, column], true[:, number, column], peak,
-                )
-                for number, body in enumerate(scene.bodies) for column in columns
-                if column < 2 or body.inertia is not None  # what is told not to turn has no angle of its own
-            ]  # fmt: skip
-    if history.torque is not None:
-        true = truth(case, Channel.TORQUE, "", history.torque.time)
-        figure = Figure("drive torque", "N m", Channel.TORQUE)
-        yield [(figure, history.torque.time, history.torque.values, true, float(np.abs(true).max()))]
-    if history.joint_force:
-        yield list(_forces(case, history))
+def _by_kind(case: Case, scene: Scene, history: History, channel: Channel) -> Iterator[list[_Curve]]:
+    if channel is Channel.JOINT_FORCE:
+        if history.joint_force:
+            yield list(_forces(case, history))
+        return
+    signal = getattr(history, channel.value)
+    if signal is None:
+        return
+    if channel is Channel.TORQUE:
+        true = truth(case, channel, "", signal.time)
+        yield [(Figure("drive torque", "N m", channel), signal.time, signal.values, true, float(np.abs(true).max()))]
+        return
+    true = np.stack([truth(case, channel, body.name, signal.time) for body in scene.bodies], axis=1)
+    for columns, unit in zip(((0, 1), (2,)), UNITS[channel], strict=True):
+        peak = float(np.abs(true[..., columns]).max())
+        yield [
+            (
+                Figure(f"{channel} of {body.name}, {('x', 'y', 'angle')[column]}", unit, channel, (number, column)),
+                signal.time, signal.values[:, number, column], true[:, number, column], peak,
+            )
+            for number, body in enumerate(scene.bodies) for column in columns
+            if column < 2 or body.inertia is not None  # what is told not to turn has no angle of its own
+        ]  # fmt: skip
 
 
 def _forces(case: Case, history: History) -> Iterator[_Curve]:

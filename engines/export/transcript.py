@@ -345,7 +345,7 @@ def literal(value: Any) -> str:  # noqa: ANN401, PLR0911
         return repr(value)
     if isinstance(value, Sourced):
         return value.source
-    raise UnsupportedError(f"a script cannot hold what the engine is given as {type(value).__name__}")
+    raise UnsupportedError(f"the engine is given a {type(value).__name__} of the adapter's, which a script cannot hold")
 
 
 def _indented(text: str) -> str:

@@ -130,19 +130,18 @@ class PymunkEngine(SteppedEngine[World, PymunkRecipe]):
         return world
 
     def follow(self, world: World, course: Course[PymunkRecipe]) -> History:
-        centred, parts = course.recipe.centred, course.parts
-        lead = min(MOST_LEAD, math.ceil(SETTLED / min(course.recipe.ratios)))
-        clocks = [Clock(part, course.ratio, part is parts[-1], centred, lead) for part in parts]
-        read = _joints(world) if Channel.JOINT_FORCE in course.channels else {}
+        centred = course.recipe.centred
+        clocks = clocks_of(course)
+        read = joints_of(world) if Channel.JOINT_FORCE in course.channels else {}
         if world.motor is not None and Channel.TORQUE in course.channels:
             read[MOTOR] = world.motor
         on = calls(world, read.values())
-        rates = _rates(clocks, centred)
-        _set_off(world, clocks[0], float(rates[0]))
+        rates = crank_rates(clocks, centred)
+        set_off(world, clocks[0], float(rates[0]))
         fewest, most = (round(bound(world.iterations)) for bound in (min, max))
         course.cost.details["iterations"] = most if fewest == most else f"{fewest} to {most}"
         loads = StepLoads(world, ahead=centred)
-        iterations = _iterations(world, clocks, rates)
+        iterations = iterations_in(world, clocks, rates)
         recordings, start = [], 0
         for clock, later in zip(clocks, [*clocks[1:], clocks[-1]], strict=True):
             count = clock.steps
@@ -168,13 +167,20 @@ class PymunkEngine(SteppedEngine[World, PymunkRecipe]):
             return joined([recording.history() for recording in recordings])
 
 
-def _joints(world: World) -> dict[str, pymunk.Constraint]:
+def clocks_of(course: Course[PymunkRecipe]) -> list[Clock]:
+    """What is looked at in every part of a course."""
+    recipe, parts = course.recipe, course.parts
+    lead = min(MOST_LEAD, math.ceil(SETTLED / min(recipe.ratios)))
+    return [Clock(part, course.ratio, part is parts[-1], recipe.centred, lead) for part in parts]
+
+
+def joints_of(world: World) -> dict[str, pymunk.Constraint]:
     """The constraints that are the scene's joints, by name."""
     inner, pairs = world.layout.inner, zip(world.layout.holds, world.constraints, strict=True)
     return {hold.name: joint for hold, joint in pairs if not isinstance(hold, Gear) and hold.name not in inner}
 
 
-def _rates(clocks: list[Clock], centred: bool) -> Array:
+def crank_rates(clocks: list[Clock], centred: bool) -> Array:
     """Speed of the crank in every step and one more, rad/s; zeros for a free crank.
 
     It is the mean over the step, exact by Gauss-Legendre quadrature, or a newcomer's: that at the step's start.
@@ -191,7 +197,7 @@ def _rates(clocks: list[Clock], centred: bool) -> Array:
     return np.concatenate(result)
 
 
-def _set_off(world: World, clock: Clock, rate: float) -> None:
+def set_off(world: World, clock: Clock, rate: float) -> None:
     """Give the parts their velocities: those that bring them through the first step, or a newcomer's.
 
     The latter are those of the start. The former are the motion's tangent there, at the speed of the middle of the
@@ -223,7 +229,7 @@ def _change_of_step(world: World, clock: Clock, later: Clock) -> float:
     return later.fine
 
 
-def _iterations(world: World, clocks: list[Clock], rates: Array) -> NDArray[np.intp]:
+def iterations_in(world: World, clocks: list[Clock], rates: Array) -> NDArray[np.intp]:
     """Iterations in every step."""
     angles = np.cumsum(rates[:-1] * np.concatenate([np.full(clock.steps, clock.fine) for clock in clocks]))
     share = angles / (way(world.layout.scene) or 1.0) % 1.0

@@ -8,8 +8,9 @@ import numpy as np
 import pytest
 
 from analytic.description.crank_motion import crank_motion
-from comparisons.exported_run import exported
+from comparisons.exported_run import exported, exported_cell
 from comparisons.reference.case import Case, own_case
+from comparisons.stress.cells import find_cell
 from engines.contract import Outcome, Setting
 from engines.registry import engine
 from engines.scene import Channel
@@ -55,6 +56,10 @@ def _run_alone(text, folder):
     ("mujoco", "slotted-takeup", "run-up", "tuned"),
     ("mujoco", "slotted-takeup", "driven", "tuned"),
     ("mujoco", "juki-mf7923d", "run-up-quintic", "naive"),
+    ("pymunk", "slotted-takeup", "run-up", "tuned"),
+    ("pymunk", "slotted-takeup", "driven", "tuned"),
+    ("pymunk", "rimoldi-164", "run-up-quintic", "tuned"),
+    ("pymunk", "juki-mf7923d", "run-up-quintic", "naive"),
     ("simbody", "slotted-takeup", "run-up", "tuned"),
     ("simbody", "spring-and-damper", "run-up-quintic", "naive"),
     ("simbody", "slotted-takeup", "driven", "tuned"),
@@ -79,3 +84,14 @@ def test_a_script_alone_says_what_the_adapter_says(name, linkage, regime, settin
     assert len(figures) >= 6 + (run.history.torque is not None)
     for *_, read, exported_figure, _true, _difference in figures:
         assert float(read) == pytest.approx(float(exported_figure), rel=1e-8, abs=1e-10)
+
+
+def test_a_run_that_an_engine_gives_up_is_given_up_by_its_script(tmp_path):
+    pytest.importorskip("pyondsel")
+    cell = find_cell("change-point/rocker longer than crank/0/ondsel/tuned")
+    (tmp_path / "case.py").write_text(exported_cell(cell, "linkproof export"), encoding="utf-8")
+    done = subprocess.run(
+        [sys.executable, "-I", "case.py"], cwd=tmp_path, capture_output=True, text=True, check=False, timeout=120
+    )
+    assert done.returncode == 1
+    assert done.stderr.startswith("Ondsel solved 25 of 101 frames")
