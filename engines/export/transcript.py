@@ -229,17 +229,11 @@ def _told(value: object, depth: int, hint: str = "") -> Iterator[tuple[int, str]
     inside: Mapping[str, object] = {}
     if isinstance(value, dict):
         inside = {f"{key}_*": each for key, each in value.items() if isinstance(key, str)}
-    elif isinstance(value, (list, tuple)):
-        inside = {f"{number} {hint}": each for number, each in enumerate(value)} if hint.endswith("*") else {}
     elif type(value).__module__.startswith("engines."):
         inside = dict(getattr(value, "__dict__", {}))
-        if hint.endswith("*"):
-            for each in inside.values():
-                yield from _told(each, depth - 1, hint)
-            return
     # What is named of itself comes last: of a variable's names the last one counts.
     for name, each in sorted(inside.items(), key=lambda item: isinstance(item[1], StandIn)):
-        yield from _told(each, depth - 1, name)
+        yield from _told(each, depth - 1, hint if hint.endswith("*") else name)
 
 
 class StandIn:
@@ -295,9 +289,6 @@ class StandIn:
 
     def __int__(self) -> int:
         return int(self._real)
-
-    def __float__(self) -> float:
-        return float(self._real)
 
 
 class _NotedArray(np.ndarray):
