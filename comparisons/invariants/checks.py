@@ -62,9 +62,7 @@ def _checks(case: Case, motion: ObservedMotion, blank: Record) -> Iterator[Recor
         lacking = _lacking(motion, name, needed)
         record = replace(blank, quantity=name, unit=UNITS[name])
         if lacking:
-            yield replace(
-                record, outcome=Verdict.NOT_PROVIDED.value, detail=f"{blank.engine} has recorded no {lacking}"
-            )
+            yield replace(record, outcome=Verdict.NOT_PROVIDED.value, detail=f"{blank.engine} tells no {lacking}")
         else:
             yield _checked(case, seen, replace(record, origin=blank.origin or motion.origin(needed).value))
 
@@ -74,7 +72,7 @@ def _lacking(motion: ObservedMotion, name: str, needed: Sequence[Channel]) -> st
     if name == "force_balance" and not lacking:
         forces, joints = motion.history.joint_force, (*motion.scene.pins, *motion.scene.guided)
         if not all(joint.name in forces and forces[joint.name].values.ndim > 1 for joint in joints):
-            return "direction of every joint's force"
+            return "direction of joint forces"
     return ", ".join(lacking)
 
 

@@ -97,13 +97,13 @@ def _detail(record: Record) -> tuple[Cell, ...]:
 
 
 def _reasons(results: Sequence[RunResult]) -> list[Text]:
-    """Why runs gave nothing, and which records the baseline rather than the limit caught; each once."""
-    reasons: dict[str, None] = {}
+    """Why runs gave nothing, and which records the baseline rather than the limit caught; each once, with where."""
+    reasons: dict[tuple[str, str], dict[str, None]] = {}
     for record in (record for result in results for record in _all(result)):
         within = record.error_max is not None and record.limit is not None and record.error_max <= record.limit
         if record.detail and (record.error_max is None or within):
-            reasons[f"{record.engine} {record.setting}, {record.mechanism}: {record.detail}"] = None
-    return [line(reason) for reason in reasons]
+            reasons.setdefault((f"{record.engine} {record.setting}", record.detail), {})[record.mechanism] = None
+    return [line(f"{run}, {', '.join(where)}: {detail}") for (run, detail), where in reasons.items()]
 
 
 def _closing_line(results: Sequence[RunResult]) -> Text:
