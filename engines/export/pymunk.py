@@ -6,12 +6,13 @@ import math
 from itertools import groupby
 
 from analytic.description.crank_motion import derivative
+from analytic.description.linkage import GROUND
+from engines.export.loads import law_told
 from engines.export.script import FORCE, row
 from engines.export.transcript import folded, literal
 from engines.pymunk_adapter.adapter import PymunkRecipe, clocks_of, crank_rates, iterations_in, joints_of, set_off
 from engines.pymunk_adapter.space import World
 from engines.scene import Scene
-from engines.stepping.driver import UnsupportedError
 from engines.stepping.stepped_engine import Course
 
 TEXT = '''
@@ -25,7 +26,12 @@ ITERATIONS = [{iterations}]  # steps in a row, and their iterations
 BODIES = [{bodies}]
 OFFSETS = np.array({offsets})  # of the scene's bodies' mass centres from these, in their frames
 AHEAD = {ahead}  # of a step from positions to velocities
+FORCES_ON = [  # of loads set before every step: body, anchor in its frame, law over the crank angle
+{forces}
+]
+TORQUES_ON = [{torques}]
 DAMPERS = [{dampers}]
+DASHPOTS = [{dashpots}]  # a change of a spring's free length: speed times this
 READ = {{{read}}}
 
 
@@ -54,6 +60,40 @@ def centres(seen, ahead, rates=None):
     return result
 
 
+def span(spring, ahead):
+    places = []
+    for body, (x, y) in ((spring.a, spring.anchor_a), (spring.b, spring.anchor_b)):
+        turn, (vx, vy) = body.angle + ahead * body.angular_velocity, body.velocity
+        c, s = math.cos(turn), math.sin(turn)
+        places.append((body.position.x + ahead * vx + c * x - s * y, body.position.y + ahead * vy + s * x + c * y))
+    return math.dist(*places)
+
+
+def set_loads(ahead):
+    """Those that change from step to step, for the positions to come."""
+    angle = {crank}.angle + ahead * {crank}.angular_velocity
+    for body, (x, y), law in FORCES_ON:
+        turn, (fx, fy) = body.angle + ahead * body.angular_velocity, at_angle(law, angle)
+        c, s = math.cos(turn), math.sin(turn)
+        body.force += (fx, fy)
+        body.torque += (c * x - s * y) * fy - (s * x + c * y) * fx
+    for body, law in TORQUES_ON:
+        body.torque += at_angle(law, angle)[0]
+    for number, (first, second, coefficient) in enumerate(DAMPERS):
+        rate = first.angular_velocity - second.angular_velocity
+        torque = coefficient * (1.5 * rate - 0.5 * turning[number])
+        turning[number] = rate
+        first.torque -= torque
+        second.torque += torque
+    for number, (spring, stretch, free) in enumerate(DASHPOTS):
+        last, second_last = spans.get(number) or (span(spring, 0.0), span(spring, -ahead))
+        now = span(spring, ahead)
+        speed = (3.0 * now - 4.0 * last + second_last) / (2.0 * ahead)
+        spans[number] = now, last
+        spring.rest_length = (now if free is None else free) - stretch * speed
+
+
+spans = {{}}
 iterations = [count for steps, count in ITERATIONS for _ in range(steps)]
 speeds = [mean_speeds(part[0], part[1], part[2] + (part is PARTS[-1]), *part[-2:]) for part in PARTS if part[-1]]
 speeds = np.concatenate(speeds) if speeds else np.zeros(len(iterations) + 1)
@@ -68,12 +108,7 @@ for begin, step, steps, last_step, *reads, zero, speed in PARTS:
             for body in {space}.bodies:
                 body.velocity *= step / length
                 body.angular_velocity *= step / length
-        for damper, (first, second, coefficient) in enumerate(DAMPERS):
-            rate = first.angular_velocity - second.angular_velocity
-            torque = coefficient * (1.5 * rate - 0.5 * turning[damper])
-            turning[damper] = rate
-            first.torque -= torque
-            second.torque += torque
+        set_loads(length if AHEAD else 0.0)
         {space}.iterations = iterations[start + number]
         if speed:
             {motor}.rate = -float(speeds[start + number + {centred}])
@@ -96,13 +131,8 @@ for begin, step, steps, last_step, *reads, zero, speed in PARTS:
 
 
 def text(scene: Scene, world: World, course: Course[PymunkRecipe], followed: World) -> str:
-    """The text of a pass; raises UnsupportedError for loads that are set before every step, but for dampers."""
+    """The text of a pass."""
     centred, layout = course.recipe.centred, world.layout
-    varying = any(not load.force.is_constant for load in scene.forces) or any(
-        not load.torque.is_constant for load in scene.torques
-    )
-    if varying or (centred and any(spring.damping for spring in scene.springs)):
-        raise UnsupportedError("it has dashpots, or loads that change with the crank angle, set before every step")
     clocks = clocks_of(course)
     rates = crank_rates(clocks, centred)
     set_off(world, clocks[0], float(rates[0]))
@@ -119,7 +149,18 @@ def text(scene: Scene, world: World, course: Course[PymunkRecipe], followed: Wor
         read["torque"] = world.motor
     carried = len(scene.bodies)
     dampers = [(world.ends[d.first], world.ends[d.second], d.coefficient) for d in scene.dampers if centred]
+    dashpots = [
+        (engine, spring.damping / engine.stiffness, spring.length if spring.stiffness else None)
+        for spring, engine in zip(scene.springs, world.springs, strict=True)
+        if centred and spring.damping
+    ]
+    turned = [load for load in scene.forces if not load.force.is_constant]
+    twisted = [load for load in scene.torques if not load.torque.is_constant and load.body != GROUND]
     return TEXT.format(
+        crank=world.crank,
+        forces="\n".join(row((world.ends[load.body], load.anchor, law_told(load.force))) for load in turned),
+        torques=literal([(world.ends[load.body], law_told(load.torque)) for load in twisted])[1:-1],
+        dashpots=literal(dashpots)[1:-1],
         parts="\n".join(rows),
         iterations=folded(literal(runs)[1:-1]),
         bodies=literal(list(world.bodies[:carried]))[1:-1],

@@ -12,6 +12,7 @@ from importlib.util import find_spec
 from typing import Any
 
 from engines.contract import History
+from engines.export.loads import AT_ANGLE
 from engines.export.transcript import Transcript, folded, literal
 from engines.installed import silenced, why_absent
 from engines.mechanics.start_check import ability_obstacle, data_obstacle
@@ -132,6 +133,7 @@ def script(
             "import numpy as np",
             *imports,
             "",
+            *([AT_ANGLE] if "at_angle(" in "".join([*lines, rest]) else []),
             "# The model in its start state.",
             *lines,
             "",

@@ -4,13 +4,12 @@ from __future__ import annotations
 
 import numpy as np
 
-from analytic.description.law import Law
+from engines.export.loads import law_told
 from engines.export.script import FORCE, row
 from engines.export.transcript import literal
 from engines.mechanics.spanning_tree import spanning_tree
 from engines.scene import PinJoint, Scene
 from engines.simbody_adapter import RAPID, SimbodyRecipe, World
-from engines.stepping.driver import UnsupportedError
 from engines.stepping.stepped_engine import Course
 
 TEXT = """
@@ -50,7 +49,9 @@ KINEMATICS = (
     ("velocity", "getLinearVelocityInGround", "getSpeedValue"),
     ("acceleration", "getLinearAccelerationInGround", "getAccelerationValue"),
 )
+LOADS = [  # what takes its components, the first of these, its law over the crank angle
 {loads}
+]
 for begin, end, count, ratio, tolerance, zero, crank in PARTS:
     time = np.linspace(begin, end, count + 1)
     clock = (time - zero).tolist()
@@ -59,6 +60,14 @@ for begin, end, count, ratio, tolerance, zero, crank in PARTS:
         coefficients = {opensim}.Vector.createFromMat(np.array(crank[::-1]))
         coordinate.setPrescribedFunction({opensim}.PolynomialFunction(coefficients))
         coordinate.setDefaultIsPrescribed(True)
+    angles = np.polynomial.polynomial.polyval(clock, crank or [0.0])
+    for apply, first, law in LOADS:
+        functions = [{opensim}.Constant(0.0) for _ in range(3)]
+        for axis, values in enumerate(np.array([at_angle(law, angle) for angle in angles]).T.tolist(), first):
+            functions[axis] = {opensim}.Constant(values[0]) if len(law) == 1 else {opensim}.SimmSpline()
+            for point in zip(clock, values) if len(law) > 1 else ():
+                functions[axis].addPoint(*point)
+        apply(*functions)
     state = {model}.initSystem()
     state.setTime(clock[0])
     manager = {opensim}.Manager({model})
@@ -89,7 +98,7 @@ for begin, end, count, ratio, tolerance, zero, crank in PARTS:
 
 
 def text(scene: Scene, world: World, course: Course[SimbodyRecipe], followed: World) -> str:
-    """The text of a pass; raises UnsupportedError for loads that change with the crank angle."""
+    """The text of a pass."""
     import opensim
 
     recipe, tree, parts = course.recipe, spanning_tree(scene), []
@@ -117,16 +126,8 @@ def text(scene: Scene, world: World, course: Course[SimbodyRecipe], followed: Wo
         parts="\n".join(parts),
         bodies="\n".join(bodies),
         forces="\n".join(f"    {literal(FORCE + name)}: {force}," for name, force in forces),
-        loads="\n".join(_load(str(opensim), str(apply), law) for apply, law in world.loads),
+        loads="\n".join(row((apply, 0 if len(law.values.T) > 1 else 2, law_told(law))) for apply, law in world.loads),
         model=world.model,
         opensim=opensim,
         set_step="setIntegratorFixedStepSize" if recipe.fixed else "setIntegratorMaximumStepSize",
     )
-
-
-def _load(opensim: str, apply: str, law: Law) -> str:
-    if not law.is_constant:
-        raise UnsupportedError("it has a load that changes with the crank angle")
-    values = [float(value) for value in law.values]
-    components = [*values, 0.0] if len(values) > 1 else [0.0, 0.0, *values]
-    return f"{apply}({', '.join(f'{opensim}.Constant({value!r})' for value in components)})"

@@ -332,7 +332,7 @@ def literal(value: Any) -> str:  # noqa: ANN401, PLR0911
         return f'"""{_indented(value)}"""'
     if isinstance(value, str):
         return f'"""{value}"""' if "\n" in value else repr(value) if '"' in value else f'"{value}"'
-    if value is None or isinstance(value, (bool, int, float)):
+    if value is None or isinstance(value, (bool, int, float, complex)):
         return repr(value)
     if isinstance(value, Sourced):
         return value.source

@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 from analytic.description.crank_motion import derivative
 from analytic.description.law import FULL_TURN, Law
 from analytic.description.linkage import GROUND, Vector
+from engines.export.loads import law_told
 from engines.export.transcript import Sourced
 from engines.mechanics.states import start_motion
 from engines.scene import Body, GuidedJoint, PinJoint, Prescribed, Scene, SliderJoint
@@ -26,6 +27,7 @@ from engines.stepping.intervals import Interval
 Array = NDArray[np.float64]
 Foreign: TypeAlias = Any  # an object of exudyn, which carries no types
 
+COORDINATES = "exudyn.OutputVariableType.Coordinates"
 ANGLE = 2  # number of the angle among the coordinates of a two-dimensional rigid body
 
 
@@ -243,7 +245,9 @@ class Model:
             self._load(kind, marker, **{name: shaped(law.values.tolist())})
             return
         over_turn = self._over_turn(law)
-        self._load(kind, marker, **{f"{name}UserFunction": lambda mbs, t, _load: shaped(over_turn(mbs, t))})
+        told = self._over_turn_told(law, "[*{}, 0.0]" if len(law.values.T) > 1 else "{}[0]")
+        function = Sourced(lambda mbs, t, _load: shaped(over_turn(mbs, t)), told)
+        self._load(kind, marker, **{f"{name}UserFunction": function})
 
     def _over_turn(self, law: Law) -> Callable[[Foreign, float], tuple[float, ...]]:
         """A load as a function of system and time; a prescribed crank's angle is a matter of the time alone."""
@@ -254,6 +258,14 @@ class Model:
         start, node = self.scene.crank_angle, self.nodes[self.scene.crank]
         coordinates = self.exudyn.OutputVariableType.Coordinates
         return lambda mbs, _t: value(start + mbs.GetNodeOutput(node, coordinates)[ANGLE])
+
+    def _over_turn_told(self, law: Law, shape: str) -> str:
+        """The same as Python source, in a shape; ``begin`` is the time at which exudyn's is 0."""
+        drive, start = self.scene.drive, self.scene.crank_angle
+        angle = f"{start!r} + mbs.GetNodeOutput({self.nodes[self.scene.crank]}, {COORDINATES})[2]"
+        if isinstance(drive, Prescribed):
+            angle = _angle_told(drive, "(begin + t)")
+        return f"lambda mbs, t, load: {shape.format(f'at_angle({law_told(law)}, {angle})')}"
 
     def _add_springs(self) -> None:
         """Add the springs between points and the dampers between bodies."""
@@ -295,14 +307,14 @@ def _crank_angle(drive: Prescribed, time: float) -> float:
     return float(next((s for s in segments if time <= s.end), segments[-1]).value(time))
 
 
-def _angle_told(drive: Prescribed) -> str:
-    """φ at the time t as Python source."""
+def _angle_told(drive: Prescribed, time: str = "t") -> str:
+    """φ at a time as Python source."""
     told = ""
     for number, segment in enumerate(drive.motion.segments, 1 - len(drive.motion.segments)):
         total = ""
         for coefficient in reversed(segment.coefficients):
-            total = f"({total} * (t - {segment.start!r}) + {coefficient!r})" if total else repr(coefficient)
-        told += f"{total} if t <= {segment.end!r} else " if number else total
+            total = f"({total} * ({time} - {segment.start!r}) + {coefficient!r})" if total else repr(coefficient)
+        told += f"{total} if {time} <= {segment.end!r} else " if number else total
     return f"({told})"
 
 
