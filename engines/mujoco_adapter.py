@@ -60,7 +60,7 @@ EXPERT = MujocoRecipe(steps_per_turn=200, ratios=(5,))
 FREE = MujocoRecipe(steps_per_turn=100, ratios=(6,))
 
 
-class World:
+class MujocoWorld:
     """A scene in MuJoCo's own language, compiled, in its start state.
 
     A body and the hinge or slide that carries it have one name. ``numbers`` are those of the scene's bodies and the
@@ -179,7 +179,7 @@ class World:
         return control if segment or pushes else None
 
 
-class MujocoEngine(SteppedEngine[World, MujocoRecipe]):
+class MujocoEngine(SteppedEngine[MujocoWorld, MujocoRecipe]):
     """One run through all parts of the motion: the integrators keep nothing of a step that a jump could spoil."""
 
     name = "mujoco"
@@ -210,10 +210,10 @@ class MujocoEngine(SteppedEngine[World, MujocoRecipe]):
     def refusal(self, scene: Scene) -> str | None:
         return spanning_tree(slots_as_blocks(scene, 1.0)).obstacle
 
-    def build(self, scene: Scene, recipe: MujocoRecipe) -> World:
-        return World(scene, recipe)
+    def build(self, scene: Scene, recipe: MujocoRecipe) -> MujocoWorld:
+        return MujocoWorld(scene, recipe)
 
-    def follow(self, world: World, course: Course[MujocoRecipe]) -> History:
+    def follow(self, world: MujocoWorld, course: Course[MujocoRecipe]) -> History:
         import mujoco
 
         mujoco.set_mju_user_warning(world.warnings.append)  # or they go to the terminal and into a file
@@ -224,7 +224,9 @@ class MujocoEngine(SteppedEngine[World, MujocoRecipe]):
             mujoco.set_mju_user_warning(None)
 
 
-def _states(world: World, course: Course[MujocoRecipe], part: Interval, time: Array) -> Iterator[dict[Channel, Any]]:
+def _states(
+    world: MujocoWorld, course: Course[MujocoRecipe], part: Interval, time: Array
+) -> Iterator[dict[Channel, Any]]:
     import mujoco
 
     model, data, settle = world.model, world.data, course.recipe.settle

@@ -62,7 +62,7 @@ EXPERT = OndselRecipe(steps_per_turn=100, guide="screw", size=1000.0, graded=Tru
 
 
 @dataclass
-class World:
+class OndselWorld:
     """``parts`` by body; ``sources``: of each joint the path of its force and the sign on the joint's first body."""
 
     scene: Scene
@@ -99,7 +99,7 @@ class World:
         return _path(joint.name)
 
 
-class OndselEngine(SteppedEngine[World, OndselRecipe]):
+class OndselEngine(SteppedEngine[OndselWorld, OndselRecipe]):
     """One simulation for each part of the motion; each begins in the pose in which the one before ended."""
 
     name = "ondsel"
@@ -131,10 +131,10 @@ class OndselEngine(SteppedEngine[World, OndselRecipe]):
             return None
         return f"it takes no turn damper but one between the crank '{scene.crank}' and the ground"
 
-    def build(self, scene: Scene, recipe: OndselRecipe) -> World:
+    def build(self, scene: Scene, recipe: OndselRecipe) -> OndselWorld:
         from pyondsel.model.asmt_model import AsmtModel
 
-        world = World(scene, AsmtModel(LINKAGE, gravity=(float(scene.gravity[0]), float(scene.gravity[1]), 0.0)))
+        world = OndselWorld(scene, AsmtModel(LINKAGE, gravity=(float(scene.gravity[0]), float(scene.gravity[1]), 0.0)))
         for body in scene.bodies:
             world.add_part(body)
             if body.name != scene.crank:
@@ -160,7 +160,7 @@ class OndselEngine(SteppedEngine[World, OndselRecipe]):
             world.join("revolute", world.marker(scene.crank), world.marker(FLYWHEEL), motion=FLYWHEEL)
         return world
 
-    def follow(self, world: World, course: Course[OndselRecipe]) -> History:
+    def follow(self, world: OndselWorld, course: Course[OndselRecipe]) -> History:
         history = joined([_followed(world, part, course, part is course.parts[-1]) for part in course.parts])
         if history.position is not None:
             angles = history.position.values[..., 2]
@@ -178,7 +178,7 @@ def _along(direction: Vector) -> Matrix:
     return ((0.0, x, -y), (0.0, y, x), (1.0, 0.0, 0.0))
 
 
-def _keep_angle(world: World, body: str, host: str) -> None:
+def _keep_angle(world: OndselWorld, body: str, host: str) -> None:
     """Hold a body's angle against its host's: a direction of each stays square to the other's."""
     angle = {**{each.name: each.angle for each in world.scene.bodies}, GROUND: 0.0}
     turn = angle[host] - angle[body]
@@ -192,7 +192,7 @@ def _place(part: Part, x: float, y: float, angle: float) -> None:
     part.rotation = ((cosine, -sine, 0.0), (sine, cosine, 0.0), (0.0, 0.0, 1.0))
 
 
-def _followed(world: World, part: Interval, course: Course[OndselRecipe], is_last: bool) -> History:
+def _followed(world: OndselWorld, part: Interval, course: Course[OndselRecipe], is_last: bool) -> History:
     """The history of one part of the motion, without its last sample where another part begins; the model moves on."""
     rows = _solved(world, part)
     kept = slice(0, part.samples + is_last)
@@ -221,7 +221,7 @@ def _followed(world: World, part: Interval, course: Course[OndselRecipe], is_las
     )
 
 
-def _solved(world: World, part: Interval) -> dict[tuple[str, str], Array]:
+def _solved(world: OndselWorld, part: Interval) -> dict[tuple[str, str], Array]:
     """Solve one part of the motion: the rows of all series by path and label, one number a frame."""
     from pyondsel.errors import AsmtError
     from pyondsel.model.simulation import Simulation

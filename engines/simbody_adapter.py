@@ -58,7 +58,7 @@ FREE = SimbodyRecipe(steps_per_turn=100, ratios=(2,), effort=1e-6)
 
 
 @dataclass
-class World:
+class SimbodyWorld:
     """An OpenSim model and what is read from it in a state.
 
     By body: its frame, at the mass centre and parallel to the scene's, and the coordinates that turn it. ``forces`` act
@@ -129,7 +129,7 @@ class World:
         return lambda state: [(*_plane(at(state)), sum((turn(state) for turn in by), base)) for at, by, base in sources]
 
 
-class SimbodyEngine(SteppedEngine[World, SimbodyRecipe]):
+class SimbodyEngine(SteppedEngine[SimbodyWorld, SimbodyRecipe]):
     """OpenSim's default integrator, with a tolerance of the joints of its own for each kind of drive."""
 
     name = "simbody"
@@ -153,13 +153,13 @@ class SimbodyEngine(SteppedEngine[World, SimbodyRecipe]):
             return "its forces follow time, so that a free crank can have none that changes with its angle"
         return spanning_tree(scene).obstacle
 
-    def build(self, scene: Scene, recipe: SimbodyRecipe) -> World:
+    def build(self, scene: Scene, recipe: SimbodyRecipe) -> SimbodyWorld:
         """Loads and drive have no functions yet: those of each part of the motion are given to them in turn."""
         osim, tree = _opensim(), spanning_tree(scene)
         model = osim.Model()
         model.setGravity(_vector(*scene.gravity))
         frames = {GROUND: model.getGround()}
-        world = World(model, frames)
+        world = SimbodyWorld(model, frames)
         for branch in tree.branches:
             world.carry(branch)
         for cut in tree.cuts:
@@ -182,7 +182,7 @@ class SimbodyEngine(SteppedEngine[World, SimbodyRecipe]):
         world.readers[Channel.JOINT_FORCE] = lambda state: [force(state) for force in world.forces.values()]
         return world
 
-    def follow(self, world: World, course: Course[SimbodyRecipe]) -> History:
+    def follow(self, world: SimbodyWorld, course: Course[SimbodyRecipe]) -> History:
         """Part by part, each from where the one before ends."""
         return recorded(course.parts, world.forces, partial(_states, world, course))
 
@@ -214,7 +214,9 @@ def _functions(law: Law, time: Array, angle: Array) -> list[Any]:
     return functions
 
 
-def _states(world: World, course: Course[SimbodyRecipe], part: Interval, time: Array) -> Iterator[dict[Channel, Any]]:
+def _states(
+    world: SimbodyWorld, course: Course[SimbodyRecipe], part: Interval, time: Array
+) -> Iterator[dict[Channel, Any]]:
     osim, model, recipe, segment = _opensim(), world.model, course.recipe, part.segment
     clock = time - (segment.start if segment else 0.0)
     if segment:

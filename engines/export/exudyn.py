@@ -6,7 +6,7 @@ from analytic.description.linkage import GROUND
 from engines.export.script import FORCE, row
 from engines.exudyn_adapter.adapter import solver_settings
 from engines.exudyn_adapter.readout import Recorder
-from engines.exudyn_adapter.recipes import Recipe
+from engines.exudyn_adapter.recipes import ExudynRecipe
 from engines.scene import Scene
 from engines.stepping.stepped_engine import Course
 
@@ -73,7 +73,7 @@ for begin, duration, count, ratio, jumps, crank, states, turns in PARTS:
 """
 
 
-def text(scene: Scene, world: Recorder, course: Course[Recipe], followed: Recorder) -> str:
+def text(scene: Scene, world: Recorder, course: Course[ExudynRecipe], followed: Recorder) -> str:
     """The text of a pass, each part of it from the state that the run ``followed`` has started it from."""
     from exudyn.advancedUtilities import CreateSymbolicUserFunction as Symbolic
 

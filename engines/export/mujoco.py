@@ -10,7 +10,7 @@ from engines.export.script import FORCE, row
 from engines.export.transcript import literal
 from engines.mechanics.loads import instant_pushes
 from engines.mechanics.states import body_numbers
-from engines.mujoco_adapter import MujocoRecipe, World
+from engines.mujoco_adapter import MujocoRecipe, MujocoWorld
 from engines.scene import Scene
 from engines.stepping.stepped_engine import Course
 
@@ -112,7 +112,7 @@ mujoco.set_mjcb_control(None)
 """
 
 
-def text(scene: Scene, world: World, course: Course[MujocoRecipe], followed: World) -> str:
+def text(scene: Scene, world: MujocoWorld, course: Course[MujocoRecipe], followed: MujocoWorld) -> str:
     """The text of a pass."""
     loaded = instant_pushes(scene) is not None
     parts = []
@@ -141,7 +141,7 @@ def text(scene: Scene, world: World, course: Course[MujocoRecipe], followed: Wor
     )
 
 
-def _pushes(scene: Scene, world: World) -> str:
+def _pushes(scene: Scene, world: MujocoWorld) -> str:
     numbers = body_numbers(scene)
     springs = [
         (

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from engines.export.script import FORCE, row
-from engines.ondsel_adapter import World
+from engines.ondsel_adapter import OndselWorld
 from engines.scene import Scene
 from engines.stepping.stepped_engine import Course, Recipe
 
@@ -61,7 +61,7 @@ samples["position"] = samples["position"][0], places
 """
 
 
-def text(scene: Scene, world: World, course: Course[Recipe], followed: World) -> str:
+def text(scene: Scene, world: OndselWorld, course: Course[Recipe], followed: OndselWorld) -> str:
     """The text of a pass."""
     from pyondsel.model.simulation import Simulation
     from pyondsel.solve import solve_asmt

@@ -11,7 +11,7 @@ from engines.export.loads import law_told
 from engines.export.script import FORCE, row
 from engines.export.transcript import folded, literal
 from engines.pymunk_adapter.adapter import PymunkRecipe, clocks_of, crank_rates, iterations_in, joints_of, set_off
-from engines.pymunk_adapter.space import World
+from engines.pymunk_adapter.space import PymunkWorld
 from engines.scene import Scene
 from engines.stepping.stepped_engine import Course
 
@@ -130,7 +130,7 @@ for begin, step, steps, last_step, *reads, zero, speed in PARTS:
 '''
 
 
-def text(scene: Scene, world: World, course: Course[PymunkRecipe], followed: World) -> str:
+def text(scene: Scene, world: PymunkWorld, course: Course[PymunkRecipe], followed: PymunkWorld) -> str:
     """The text of a pass."""
     centred, layout = course.recipe.centred, world.layout
     clocks = clocks_of(course)

@@ -9,7 +9,7 @@ from engines.export.script import FORCE, row
 from engines.export.transcript import literal
 from engines.mechanics.spanning_tree import spanning_tree
 from engines.scene import PinJoint, Scene
-from engines.simbody_adapter import RAPID, SimbodyRecipe, World
+from engines.simbody_adapter import RAPID, SimbodyRecipe, SimbodyWorld
 from engines.stepping.stepped_engine import Course
 
 TEXT = """
@@ -97,7 +97,7 @@ for begin, end, count, ratio, tolerance, zero, crank in PARTS:
 """
 
 
-def text(scene: Scene, world: World, course: Course[SimbodyRecipe], followed: World) -> str:
+def text(scene: Scene, world: SimbodyWorld, course: Course[SimbodyRecipe], followed: SimbodyWorld) -> str:
     """The text of a pass."""
     import opensim
 

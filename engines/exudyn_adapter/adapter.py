@@ -23,7 +23,7 @@ from engines.contract import Abilities, History
 from engines.exudyn_adapter.fresh_start import FROM, closed_state, end_state, set_initial
 from engines.exudyn_adapter.model import Foreign, Model
 from engines.exudyn_adapter.readout import READOUTS, Recorder, add_sensors
-from engines.exudyn_adapter.recipes import EFFORT_UNIT, SETTINGS, STUDIED, Recipe
+from engines.exudyn_adapter.recipes import EFFORT_UNIT, SETTINGS, STUDIED, ExudynRecipe
 from engines.scene import (
     AppliedForce,
     AppliedTorque,
@@ -41,7 +41,7 @@ from engines.stepping.intervals import Interval
 from engines.stepping.stepped_engine import Course, SteppedEngine
 
 
-class ExudynEngine(SteppedEngine[Recorder, Recipe]):
+class ExudynEngine(SteppedEngine[Recorder, ExudynRecipe]):
     """Adapter for exudyn."""
 
     name = "exudyn"
@@ -58,12 +58,12 @@ class ExudynEngine(SteppedEngine[Recorder, Recipe]):
     settings = SETTINGS
     studied = STUDIED
 
-    def build(self, scene: Scene, recipe: Recipe) -> Recorder:
+    def build(self, scene: Scene, recipe: ExudynRecipe) -> Recorder:
         recorder = add_sensors(Model(scene, plain=recipe.as_shipped))
         _assemble(recorder.model)
         return recorder
 
-    def follow(self, world: Recorder, course: Course[Recipe]) -> History:
+    def follow(self, world: Recorder, course: Course[ExudynRecipe]) -> History:
         recipe, model = course.recipe, world.model
         course.cost.details.update(recipe.details())
         histories: list[History] = []
@@ -95,7 +95,7 @@ def _start(model: Model, part: Interval, details: dict[str, str | int | float], 
     set_initial(model, *start)
 
 
-def _solve(model: Model, part: Interval, course: Course[Recipe]) -> None:
+def _solve(model: Model, part: Interval, course: Course[ExudynRecipe]) -> None:
     """Step through a part; raises DivergedError if exudyn stops or leaves what is no number."""
     mbs = model.mbs
     solver = model.exudyn.MainSolverImplicitSecondOrder()
@@ -112,7 +112,7 @@ def _solve(model: Model, part: Interval, course: Course[Recipe]) -> None:
         raise DivergedError(f"the state is not finite at {part.end:.4g} s")
 
 
-def solver_settings(exudyn: Foreign, part: Interval, course: Course[Recipe]) -> Foreign:
+def solver_settings(exudyn: Foreign, part: Interval, course: Course[ExudynRecipe]) -> Foreign:
     """The settings of a part's solver."""
     recipe = course.recipe
     settings = exudyn.SimulationSettings()

@@ -10,12 +10,12 @@ from engines.contract import Setting
 from engines.scene import Free, Prescribed
 from engines.stepping import stepped_engine
 
-EFFORT_UNIT = "tolerance of corrections"
+EFFORT_UNIT = "relative tolerance"
 ODD = (1, 3, 5, 7)  # steps to a sample that keep the sign of what alternates from step to step
 
 
 @dataclass(frozen=True, kw_only=True)
-class Recipe(stepped_engine.Recipe):
+class ExudynRecipe(stepped_engine.Recipe):
     """One of exudyn's rules for a time step, constraints on position (``index`` 3) or velocity level (2).
 
     ``damping`` is the spectral radius at infinite frequency of the generalised α rule, None for the trapezoidal rule;
@@ -44,13 +44,13 @@ class Recipe(stepped_engine.Recipe):
 # Generalised α (J. Chung, G. M. Hulbert, ASME Journal of Applied Mechanics 60, 1993); exudyn has it on position level
 # only. Its auxiliary accelerations start as the true ones, which leaves the multipliers first order for some steps
 # behind every start.
-ALPHA = Recipe(index=3, damping=0.9, effort=1e-10, orders=(2, 3, 4, 5))
+ALPHA = ExudynRecipe(index=3, damping=0.9, effort=1e-10, orders=(2, 3, 4, 5))
 # Second order in the multipliers too. But these and the accelerations carry an undamped part that changes sign from
 # step to step, as large as whatever does not fit at the start: 9.5 % of the peak torque for ever after a linear ramp's
 # kink if nothing is done. What fresh starts leave of it goes in the extrapolation, all steps being odd fractions of the
 # longest. Positions drift off the joints, by a hundred-thousandth of a link in every turn of 500 steps: 1.7 turns keep
 # that below the rule's own error, and being no whole or half number bring the starts upon ever other positions.
-TRAPEZOIDAL = Recipe(effort=1e-10, turns=1.7)
+TRAPEZOIDAL = ExudynRecipe(effort=1e-10, turns=1.7)
 NAIVE = replace(ALPHA, effort=None, as_shipped=True, step=1e-3, restarted=False, in_own_units=False)
 
 # Largest errors of one run over the quintic run-up of the catalogue's five mechanisms, by steps a turn:
@@ -72,7 +72,7 @@ TUNED = replace(
     least_steps=100,
 )
 BEST = replace(TRAPEZOIDAL, effort=1e-12, steps_per_turn=150, ratios=ODD, least_steps=100)
-SETTINGS: Mapping[type, Mapping[Setting, Recipe]] = {
+SETTINGS: Mapping[type, Mapping[Setting, ExudynRecipe]] = {
     Prescribed: {Setting.NAIVE: NAIVE, Setting.TUNED: TUNED, Setting.BEST: BEST},
     # A free crank adds its phase error up over all turns: 160 in 10 s of the slotted take-up, where 1600 steps a turn
     # leave 2e-7 of the angle and 7e-4 of the acceleration.
@@ -84,13 +84,13 @@ SETTINGS: Mapping[type, Mapping[Setting, Recipe]] = {
 }
 
 
-def _extrapolated(count: int) -> tuple[str, Recipe]:
+def _extrapolated(count: int) -> tuple[str, ExudynRecipe]:
     parts = ", 1/".join(map(str, ODD[:count]))
     about = f"the same at 1/{parts} of the step, extrapolated to order {2 * count}"
     return about, replace(TRAPEZOIDAL, ratios=ODD[:count], effort=1e-12)
 
 
-STUDIED: Mapping[str, tuple[str, Recipe]] = {
+STUDIED: Mapping[str, tuple[str, ExudynRecipe]] = {
     "defaults": ("a rigid body for every link, the drive a Python function, exudyn's settings as shipped", NAIVE),
     "generalised alpha": (
         "generalised α as shipped (index 3, spectral radius 0.9) from consistent accelerations, restarted at jumps",

@@ -22,7 +22,7 @@ from engines.pymunk_adapter.layout import Gear, exact_layout, plain_layout
 from engines.pymunk_adapter.loads import StepLoads
 from engines.pymunk_adapter.recording import Clock, Recording
 from engines.pymunk_adapter.solver import iterations_for, way
-from engines.pymunk_adapter.space import World, build_world
+from engines.pymunk_adapter.space import PymunkWorld, build_world
 from engines.pymunk_adapter.stepping import calls, march
 from engines.scene import GUIDES, LOADS, Channel, Free, Prescribed, Scene
 from engines.stepping.driver import UnsupportedError
@@ -75,7 +75,7 @@ ABOUT: Final = "second order by unbiased joints, mean crank speeds and centred r
 STUDIED: Final = {"centred": (1,), "centred x2": (1, 3), "centred x3": (1, 3, 5), "centred x4": (1, 3, 5, 7)}
 
 
-class PymunkEngine(SteppedEngine[World, PymunkRecipe]):
+class PymunkEngine(SteppedEngine[PymunkWorld, PymunkRecipe]):
     """Adapter for pymunk (Chipmunk2D)."""
 
     name = "pymunk"
@@ -116,7 +116,7 @@ class PymunkEngine(SteppedEngine[World, PymunkRecipe]):
         },
     }
 
-    def build(self, scene: Scene, recipe: PymunkRecipe) -> World:
+    def build(self, scene: Scene, recipe: PymunkRecipe) -> PymunkWorld:
         layout = exact_layout(scene) if recipe.centred else plain_layout(scene)
         if layout.freedom != 1:
             raise UnsupportedError(
@@ -129,7 +129,7 @@ class PymunkEngine(SteppedEngine[World, PymunkRecipe]):
             world.iterations[:] = iterations_for(scene, layout, recipe.remaining, recipe.even)
         return world
 
-    def follow(self, world: World, course: Course[PymunkRecipe]) -> History:
+    def follow(self, world: PymunkWorld, course: Course[PymunkRecipe]) -> History:
         centred = course.recipe.centred
         clocks = clocks_of(course)
         read = joints_of(world) if Channel.JOINT_FORCE in course.channels else {}
@@ -174,7 +174,7 @@ def clocks_of(course: Course[PymunkRecipe]) -> list[Clock]:
     return [Clock(part, course.ratio, part is parts[-1], recipe.centred, lead) for part in parts]
 
 
-def joints_of(world: World) -> dict[str, pymunk.Constraint]:
+def joints_of(world: PymunkWorld) -> dict[str, pymunk.Constraint]:
     """The constraints that are the scene's joints, by name."""
     inner, pairs = world.layout.inner, zip(world.layout.holds, world.constraints, strict=True)
     return {hold.name: joint for hold, joint in pairs if not isinstance(hold, Gear) and hold.name not in inner}
@@ -197,7 +197,7 @@ def crank_rates(clocks: list[Clock], centred: bool) -> Array:
     return np.concatenate(result)
 
 
-def set_off(world: World, clock: Clock, rate: float) -> None:
+def set_off(world: PymunkWorld, clock: Clock, rate: float) -> None:
     """Give the parts their velocities: those that bring them through the first step, or a newcomer's.
 
     The latter are those of the start. The former are the motion's tangent there, at the speed of the middle of the
@@ -216,7 +216,7 @@ def set_off(world: World, clock: Clock, rate: float) -> None:
         body.velocity, body.angular_velocity = (x, y), 0.0 if part.inertia is None else turn
 
 
-def _change_of_step(world: World, clock: Clock, later: Clock) -> float:
+def _change_of_step(world: PymunkWorld, clock: Clock, later: Clock) -> float:
     """The step with which to take the last one of a part: that of the part to follow, the way being that of its own.
 
     pymunk closes the joints by the step that it is given, while it is the next one that moves the bodies on.
@@ -229,7 +229,7 @@ def _change_of_step(world: World, clock: Clock, later: Clock) -> float:
     return later.fine
 
 
-def iterations_in(world: World, clocks: list[Clock], rates: Array) -> NDArray[np.intp]:
+def iterations_in(world: PymunkWorld, clocks: list[Clock], rates: Array) -> NDArray[np.intp]:
     """Iterations in every step."""
     angles = np.cumsum(rates[:-1] * np.concatenate([np.full(clock.steps, clock.fine) for clock in clocks]))
     share = angles / (way(world.layout.scene) or 1.0) % 1.0

@@ -12,7 +12,7 @@ from collections.abc import Callable
 from typing import TYPE_CHECKING
 
 from analytic.description.linkage import GROUND
-from engines.pymunk_adapter.space import World
+from engines.pymunk_adapter.space import PymunkWorld
 from engines.scene import AppliedForce, PointSpring, TurnDamper
 
 if TYPE_CHECKING:
@@ -26,7 +26,7 @@ class StepLoads:
     newcomer would have them.
     """
 
-    def __init__(self, world: World, *, ahead: bool) -> None:
+    def __init__(self, world: PymunkWorld, *, ahead: bool) -> None:
         scene = world.layout.scene
         self._ahead, self.reach = ahead, 0.0
         self._crank = world.crank
@@ -72,7 +72,7 @@ class StepLoads:
         total = [0.0, 0.0, 0.0]
         return total if body is self._ground else self._sums.setdefault(body, total)
 
-    def _force(self, world: World, load: AppliedForce) -> Callable[[float], None]:
+    def _force(self, world: PymunkWorld, load: AppliedForce) -> Callable[[float], None]:
         body = world.ends[load.body]
         (x, y), total = load.anchor, self._total(body)
         law = load.force.of_float()
@@ -95,7 +95,7 @@ class StepLoads:
 
         return add
 
-    def _damper(self, world: World, damper: TurnDamper) -> Callable[[float], None]:
+    def _damper(self, world: PymunkWorld, damper: TurnDamper) -> Callable[[float], None]:
         first, second = world.ends[damper.first], world.ends[damper.second]
         first_total, second_total = self._total(first), self._total(second)
         coefficient, last = damper.coefficient, first.angular_velocity - second.angular_velocity

@@ -26,7 +26,7 @@ FAR: Final = 1e15
 
 
 @dataclass(frozen=True)
-class World:
+class PymunkWorld:
     """A built space; ``bodies`` in the order of the layout's parts, ``springs`` in that of the scene's.
 
     ``ends`` has all bodies by name, the ground among them; ``constraints`` are in the order of the layout's holds.
@@ -50,7 +50,7 @@ class World:
         return self.bodies[self.layout.crank]
 
 
-def build_world(layout: PartLayout, *, plain: bool) -> World:
+def build_world(layout: PartLayout, *, plain: bool) -> PymunkWorld:
     """Build the space in the scene's start state, with the drive on the crank and as many iterations as pymunk has.
 
     No shapes, hence no collisions; gravity only where there is any. Where ``plain``, everything is as pymunk has it:
@@ -86,7 +86,7 @@ def build_world(layout: PartLayout, *, plain: bool) -> World:
     if motor is not None:
         space.add(motor)  # last, so that an iteration leaves no error in the crank's speed
     iterations = np.full(ANGLES + 1, float(space.iterations))
-    return World(layout, space, ends, tuple(bodies.values()), constraints, springs, motor, offset, iterations)
+    return PymunkWorld(layout, space, ends, tuple(bodies.values()), constraints, springs, motor, offset, iterations)
 
 
 def torque_bound(scene: Scene, layout: PartLayout, motion: CrankMotion) -> float:

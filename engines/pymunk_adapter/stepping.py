@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from engines.pymunk_adapter.loads import StepLoads
-from engines.pymunk_adapter.space import World
+from engines.pymunk_adapter.space import PymunkWorld
 
 if TYPE_CHECKING:
     import pymunk
@@ -41,7 +41,7 @@ class Calls:
     collected: Callable[[], Array]
 
 
-def calls(world: World, read: Iterable[pymunk.Constraint]) -> Calls:
+def calls(world: PymunkWorld, read: Iterable[pymunk.Constraint]) -> Calls:
     """The C functions behind pymunk's methods where this version has them as known, else the methods.
 
     The methods do housekeeping at every step (late removals, callbacks, type checks) that a space nobody touches does
@@ -53,7 +53,7 @@ def calls(world: World, read: Iterable[pymunk.Constraint]) -> Calls:
         return public_calls(world, read)
 
 
-def public_calls(world: World, read: Iterable[pymunk.Constraint]) -> Calls:
+def public_calls(world: PymunkWorld, read: Iterable[pymunk.Constraint]) -> Calls:
     """The calls through pymunk's documented attributes."""
     values: list[float] = []
 
@@ -77,7 +77,7 @@ def public_calls(world: World, read: Iterable[pymunk.Constraint]) -> Calls:
     return Calls(world.space.step, set_rate, set_iterations, impulses, look, collected)
 
 
-def direct_calls(world: World, read: Iterable[pymunk.Constraint]) -> Calls:
+def direct_calls(world: PymunkWorld, read: Iterable[pymunk.Constraint]) -> Calls:
     """The calls through pymunk's C library; raises ImportError or AttributeError where it is not as expected."""
     from pymunk import batch
     from pymunk._chipmunk_cffi import ffi, lib

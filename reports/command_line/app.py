@@ -114,9 +114,9 @@ def published(mechanisms: options.Mechanisms = None, json: options.Json = None) 
 
     MECHANISM is a name in the catalogue or the path of a .toml file; default: the whole catalogue.
     """
-    from reports.command_line import published
+    from reports.command_line import compare
 
-    raise typer.Exit(published.published(mechanisms or [], _destination(json)))
+    raise typer.Exit(compare.published(mechanisms or [], _destination(json)))
 
 
 @app.command(short_help="List the engines, what they can do and where their figures come from.")

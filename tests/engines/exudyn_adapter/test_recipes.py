@@ -135,7 +135,7 @@ def test_effort_is_the_tolerance_of_newtons_corrections(name):
     loose, tight = (
         ENGINE.run_method(model, dataclasses.replace(method, effort=effort), STEP) for effort in (1e-6, 1e-12)
     )
-    assert method.effort_unit == "tolerance of corrections"
+    assert method.effort_unit == "relative tolerance"
     assert loose.details["tolerance"] == 1e-6
     assert loose.solver_work < tight.solver_work
 
