@@ -1,4 +1,4 @@
-"""What ``linkproof compare``, ``report`` and ``published`` do: run campaigns, write pages, hold figures of the sources."""
+"""What ``linkproof compare``, ``report`` and ``published`` do: campaigns, their pages, the figures of the sources."""
 
 from __future__ import annotations
 

@@ -26,7 +26,7 @@ def _record(outcome, setting="tuned"):
     ("outcomes", "code"),
     [
         (["passed"], 0),
-        (["passed", "unsupported", "undefined"], 0),
+        (["passed", "unsupported", "undefined", "computed", "not-provided"], 0),
         (["passed", "adapter-error"], 1),
         (["passed", "crashed"], 1),
         (["over-limit", "suite-error"], 3),
@@ -47,7 +47,7 @@ def test_an_erratum_counts_where_it_is_a_fault_of_ours(outcome, code):
     assert campaign_exit_code([_record("passed")], [erratum]) == code
 
 
-@pytest.mark.parametrize("outcome", ["unsupported", "unavailable", "undefined"])
+@pytest.mark.parametrize("outcome", ["unsupported", "unavailable", "undefined", "computed", "not-provided"])
 def test_nothing_judged_is_no_success(outcome):
     with pytest.raises(LinkproofError, match=f"got none: {outcome}, it is {outcome}$"):
         campaign_exit_code([_record(outcome), _record(outcome)])
