@@ -1,20 +1,22 @@
 """The contract between the suite and an engine: a scene of rigid bodies goes in, histories or a reason come out.
 
 An adapter receives data only. It never imports the closed forms, never prints, never raises for what a simulation can
-do wrong (that is an :class:`Outcome`), and returns the raw motion: every judgement is made by the suite.
+do wrong (that is an :class:`Outcome`), and says of every signal where it comes from (:class:`Origin`): every judgement
+is made by the suite. ``engines.stepping.stepped_engine`` meets the contract for an engine that takes time steps, from
+two functions of its author's.
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import dataclass, field
+from collections.abc import Iterable, Mapping
+from dataclasses import asdict, dataclass, field
 from enum import StrEnum
-from typing import Protocol
+from typing import Protocol, runtime_checkable
 
 import numpy as np
 from numpy.typing import NDArray
 
-from engines.scene import Scene
+from engines.scene import Channel, Scene
 
 Array = NDArray[np.float64]
 
@@ -22,9 +24,22 @@ Array = NDArray[np.float64]
 class Setting(StrEnum):
     """How an engine is used."""
 
-    NAIVE = "naive"  # what a newcomer would write, the engine's defaults wherever it has any
-    TUNED = "tuned"  # the default: accurate for its price
-    BEST = "best"  # the most accurate the adapter can do
+    NAIVE = "naive"  # the engine's defaults, every read-out at face value
+    TUNED = "tuned"  # the default: one run, as an expert would write it
+    BEST = "best"  # the engine's floor: several runs extrapolated, or one at its tightest
+
+
+class Origin(StrEnum):
+    """Where a number comes from, the strongest first."""
+
+    READ = "read"  # the engine's own output, or a fixed map of it: unit, sign, impulse or velocity difference over step
+    EXTRAPOLATED = "extrapolated"  # several runs of the engine combined
+    COMPUTED = "computed"  # from masses, inertias, loads or the linkage's equations: not the engine's word
+
+
+def weakest(origins: Iterable[Origin]) -> Origin:
+    """The origin of what is made of several signals."""
+    return max(origins, key=list(Origin).index, default=Origin.READ)
 
 
 class Outcome(StrEnum):
@@ -41,7 +56,7 @@ class Method:
     """One way of stepping that an engine offers for study: each step as asked, nothing tried again or adapted.
 
     A :class:`Setting` is what a user runs; a method is what its choice is argued from. ``name`` is unique within the
-    engine, ``about`` says in one sentence what it is. ``levels`` counts the runs at fractions of the step that are
+    engine, ``about`` says in one sentence what it is. ``runs`` counts the runs at fractions of the step that are
     extrapolated (1: none). ``effort`` is what the constraint solver is given in every step, in ``effort_unit``
     ("iterations", "relative tolerance"); None leaves the engine's own, and any other may be put in its place with
     ``dataclasses.replace`` where ``effort_unit`` is not empty.
@@ -49,7 +64,7 @@ class Method:
 
     name: str
     about: str
-    levels: int = 1
+    runs: int = 1
     effort: float | None = None
     effort_unit: str = ""
 
@@ -60,17 +75,19 @@ class Signal:
 
     time: Array
     values: Array
+    origin: Origin = Origin.READ
 
 
 @dataclass(frozen=True)
 class History:
-    """The raw motion an engine computed, each channel on its own clock; None where it was not asked for.
+    """The motion an engine computed, each channel on its own clock; None where it was not asked for or not offered.
 
     ``position`` values (n, bodies, 3): mass centre x, y, m, and angle, rad, unwrapped; ``velocity`` and
     ``acceleration`` likewise; bodies in the scene's order. ``torque`` values (n,): what the drive exerts on the
-    crank, N m. ``joint_force``: one signal (n, 2), N, per joint name, acting on the joint's first body (the pin's
-    ``first``, the slider's or slot's ``body``), ground frame. Torque and joint forces may lack a sample at the start
-    or at a jump of the prescribed acceleration, where they have two values; kinematics carry the value just after it.
+    crank, N m; a free crank's is given and not recorded. ``joint_force``: one signal per joint name, acting on the
+    joint's first body (the pin's ``first``, the slider's or slot's ``body``), N: (n, 2) in the ground frame, or (n,)
+    where the engine tells magnitudes only. Torque and joint forces may lack a sample at the start, and they and
+    accelerations one at a jump of the prescribed acceleration, where they have two values.
     """
 
     position: Signal | None = None
@@ -85,9 +102,9 @@ class Run:
     """What came of a run: an outcome with its reason, and the history if it finished.
 
     ``seconds`` is wall time of the stepping alone, ``setup_seconds`` of building the model; ``steps`` counts
-    every time step taken, over all passes of an extrapolation and every trial of a step. ``solver_work`` counts what
-    the constraint solver did in them, in the engine's own unit (``Engine.work_unit``); 0 where the engine does not
-    tell. ``details`` states the settings actually used.
+    every time step taken, over all passes of an extrapolation. ``solver_work`` counts what the constraint solver did
+    in them, in the engine's own unit (``StudiedEngine.work_unit``); 0 where the engine does not tell. ``passes`` are
+    the longest steps, s, of the runs that the history is made of. ``details`` states the settings actually used.
     """
 
     outcome: Outcome
@@ -97,14 +114,53 @@ class Run:
     setup_seconds: float = 0.0
     steps: int = 0
     solver_work: int = 0
+    passes: tuple[float, ...] = ()
     details: Mapping[str, str | int | float] = field(default_factory=dict)
+
+
+@dataclass(frozen=True)
+class ReadOut:
+    """What a channel is in the engine: ``source`` is its name for it.
+
+    ``frame`` is that of the engine's own numbers, ``instant`` when they hold against the positions of the same step
+    ("of the state", "half a step after the positions"). ``drive`` says whether the drive's share is in a force or
+    torque; empty where there is no such question.
+    """
+
+    source: str
+    frame: str = "ground"
+    instant: str = "of the state"
+    drive: str = ""
+
+
+@dataclass(frozen=True)
+class Abilities:
+    """What an engine can do: the types of ``engines.scene`` it takes, the channels it offers, and its settings.
+
+    Pins, gravity and constant forces are what every engine has to take; ``loads`` are the types of loads,
+    ``varying_loads`` whether they may change with the crank angle, ``massless`` whether a body may have no mass or no
+    inertia. What else an engine cannot hold, its adapter says of the scene (``Outcome.UNSUPPORTED``).
+    """
+
+    readouts: Mapping[Channel, ReadOut]
+    drives: frozenset[type]
+    joints: frozenset[type]
+    loads: frozenset[type]
+    varying_loads: bool = True
+    massless: bool = True
+    settings: frozenset[Setting] = frozenset(Setting)
+
+    def told(self) -> dict[str, dict[str, str]]:
+        """The read-outs as JSON has them, by channel."""
+        return {channel.value: asdict(readout) for channel, readout in self.readouts.items()}
 
 
 class Engine(Protocol):
     """One engine behind the contract. Adapters are found through the entry-point group ``linkproof.engines``."""
 
     name: str
-    work_unit: str  # what Run.solver_work counts, in the plural: "Newton iterations"
+    abilities: Abilities
+    is_control: bool  # whether it is the reference's control and no engine: never ranked
 
     def version(self) -> str | None:
         """Version of the installed engine, or None where it is not installed."""
@@ -113,12 +169,20 @@ class Engine(Protocol):
     def run(self, scene: Scene, setting: Setting) -> Run:
         """Build the scene, step it through its drive and return the motion; never raises for a bad simulation.
 
-        A scene the engine cannot hold is not stepped: the run says UNSUPPORTED with a reason in one sentence.
+        A scene the engine cannot hold is not stepped: the run says UNSUPPORTED with a reason in one sentence. Of the
+        scene's channels those are recorded that the engine offers.
         """
         ...
 
+
+@runtime_checkable
+class StudiedEngine(Engine, Protocol):
+    """An engine whose ways of stepping can be studied one by one."""
+
+    work_unit: str  # what Run.solver_work counts, in the plural: "Newton iterations"
+
     def methods(self, scene: Scene) -> tuple[Method, ...]:
-        """The ways of stepping that can be studied on a scene's kind of drive: integrators × levels × solver effort.
+        """The ways of stepping that can be studied on a scene's kind of drive: integrators × runs × solver effort.
 
         The first is what a newcomer would write, the engine's defaults at a step of the caller's. Nothing is imported.
         """

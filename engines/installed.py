@@ -1,8 +1,15 @@
-"""Which engines are installed."""
+"""Which engines are installed, and keeping them quiet and apart."""
 
 from __future__ import annotations
 
+import ctypes
+import os
+import re
+import sys
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
 from importlib import import_module, metadata
+from tempfile import TemporaryDirectory
 
 
 def installed_version(name: str) -> str | None:
@@ -13,12 +20,78 @@ def installed_version(name: str) -> str | None:
         return None
 
 
-def why_absent(name: str) -> str | None:
-    """Why an engine cannot be imported; an error inside an installed one is not hidden by this."""
+def why_absent(package: str, extra: str = "", oldest: str = "") -> str | None:
+    """Why an engine cannot be used; an error inside an installed one is not hidden by this.
+
+    ``extra`` is the extra that brings the package, by default of its name; ``oldest`` the first version that will do.
+    """
     try:
-        import_module(name)
+        import_module(package)
     except ModuleNotFoundError as error:
-        if error.name != name:
+        if error.name != package:
             raise
-        return f"{name} is not installed: pip install 'linkproof[{name}]' brings it"
-    return None
+        return _not_installed(package, extra)
+    return _too_old(installed_version(package), package, extra, oldest)
+
+
+def why_unusable(package: str, extra: str = "", oldest: str = "") -> str | None:
+    """The same by what is known without importing the engine."""
+    version = installed_version(package)
+    return _not_installed(package, extra) if version is None else _too_old(version, package, extra, oldest)
+
+
+def _not_installed(package: str, extra: str) -> str:
+    return f"{package} is not installed: {_cure(package, extra)}"
+
+
+def _too_old(version: str | None, package: str, extra: str, oldest: str) -> str | None:
+    if not oldest or version is None or _numbers(version) >= _numbers(oldest):
+        return None
+    return f"{package} {version} is too old, {oldest} is the first that will do: {_cure(package, extra)}"
+
+
+def _cure(package: str, extra: str) -> str:
+    return f"pip install --upgrade 'linkproof[{extra or package}]' brings it"
+
+
+def _numbers(version: str) -> tuple[int, ...]:
+    return tuple(int(number) for number in re.findall(r"\d+", version)[:3])
+
+
+def flush() -> None:
+    """Have Python and C write out what they hold back of standard output and error."""
+    for stream in filter(None, (sys.stdout, sys.stderr)):
+        stream.flush()
+    with suppress(OSError, AttributeError, TypeError):  # a system without a C library of its own to ask
+        ctypes.CDLL(None).fflush(None)
+
+
+@contextmanager
+def silenced() -> Iterator[None]:
+    """Send what the process writes to its standard output and error nowhere, C code's included."""
+    flush()  # what was written before is not lost
+    kept = [(stream, os.dup(stream)) for stream in (1, 2)]
+    try:
+        with open(os.devnull, "w") as nowhere:
+            for stream, _ in kept:
+                os.dup2(nowhere.fileno(), stream)
+        yield
+    finally:
+        flush()  # what is still held back is not written later
+        for stream, copy in kept:
+            os.dup2(copy, stream)
+            os.close(copy)
+
+
+@contextmanager
+def own_folder() -> Iterator[None]:
+    """A folder for temporary files of this process and what it starts, for an engine that gives them fixed names."""
+    before = os.environ.get("TMPDIR")
+    with TemporaryDirectory() as folder:
+        os.environ["TMPDIR"] = folder
+        try:
+            yield
+        finally:
+            del os.environ["TMPDIR"]
+            if before is not None:
+                os.environ["TMPDIR"] = before

@@ -1,18 +1,72 @@
-"""Finding engines: every adapter announced under the entry-point group ``linkproof.engines``, in name order."""
+"""Finding engines: every adapter announced under the entry-point group ``linkproof.engines``, in name order.
+
+A plug-in that cannot be loaded costs its own rows alone: a stand-in takes its place and raises, when it is run, what
+loading raised. A stand-in takes the place of two plug-ins of one name as well, as nobody can know which is meant.
+"""
 
 from __future__ import annotations
 
+import contextlib
+import signal
+import threading
+from collections.abc import Iterator
+from dataclasses import dataclass
 from importlib.metadata import EntryPoint, entry_points
+from typing import Final, NoReturn
 
 from analytic.errors import UnknownNameError
-from engines.contract import Engine
+from engines.contract import Abilities, Engine, Outcome, Run, Setting
+from engines.scene import Scene
 
 GROUP = "linkproof.engines"
+CONTRACT: Final = ("name", "abilities", "is_control", "version", "run")  # what every adapter has to have
+LOADING: Final = 30.0  # s that an adapter is given to be imported and to tell its version
+NOTHING: Final = Abilities({}, frozenset(), frozenset(), frozenset(), settings=frozenset())
+_FAILED: dict[str, BaseException] = {}  # by entry point: what failed once is not tried again
 
 
-def announced() -> dict[str, EntryPoint]:
-    """Entry points by engine name; nothing is imported."""
-    return {entry.name: entry for entry in sorted(entry_points(group=GROUP), key=lambda entry: entry.name)}
+class PluginError(Exception):
+    """An adapter that can be imported and does not keep the contract."""
+
+
+@dataclass
+class Unusable:
+    """What stands for an adapter that cannot be used: for the ``error`` that loading it raised, or for a ``reason``.
+
+    ``module`` is where its adapter was announced to be, ``announced_by`` the version of the package that did.
+    """
+
+    name: str
+    module: str
+    announced_by: str | None = None
+    error: BaseException | None = None
+    reason: str | None = None
+    is_control: bool = False
+    abilities: Abilities = NOTHING
+
+    def version(self) -> str | None:
+        """The plug-in's own version, since the engine's cannot be asked for."""
+        return self.announced_by
+
+    def why_unavailable(self) -> str | None:
+        """The reason, if there is one; an error is told when it is run."""
+        return self.reason
+
+    def run(self, scene: Scene, setting: Setting) -> Run:
+        """Raise what loading raised."""
+        if self.error is not None:
+            raise self.error
+        return Run(Outcome.UNAVAILABLE, self.reason or "")
+
+
+def announced() -> dict[str, list[EntryPoint]]:
+    """Entry points by engine name, more than one where several packages have the same name; nothing is imported."""
+    found: dict[str, list[EntryPoint]] = {}
+    for entry in sorted(entry_points(group=GROUP), key=lambda entry: (entry.name, entry.value)):
+        same = found.setdefault(entry.name, [])
+        if entry.value not in [other.value for other in same]:
+            same.append(entry)
+    return found
 
 
 def engine_names() -> tuple[str, ...]:
@@ -21,9 +75,68 @@ def engine_names() -> tuple[str, ...]:
 
 
 def engine(name: str) -> Engine:
-    """The adapter of that name; importing it does not import the engine itself."""
+    """The adapter of that name, or what stands for it; importing it does not import the engine itself.
+
+    Raises UnknownNameError for a name that nobody announces.
+    """
     found = announced()
     if name not in found:
         raise UnknownNameError("engine", name, found)
-    adapter: Engine = found[name].load()()
+    entry, *others = found[name]
+    if others:
+        packages = " and ".join(sorted(_package(each) for each in found[name]))
+        reason = f"engine '{name}' is announced by {packages}: uninstall all of them but one"
+        return Unusable(name, entry.module, reason=reason)
+    try:
+        if entry.value in _FAILED:
+            raise _FAILED[entry.value]
+        return _loaded(entry)
+    except (Exception, SystemExit) as error:
+        _FAILED[entry.value] = error
+        return Unusable(name, entry.module, entry.dist.version if entry.dist else "", error)
+
+
+def why_unavailable(adapter: Engine) -> str | None:
+    """Why an engine cannot be used here, in one sentence with the cure, None where it can; nothing is imported."""
+    told = getattr(adapter, "why_unavailable", None)
+    if told is not None:
+        reason: str | None = told()
+        return reason
+    if adapter.version() is not None:
+        return None
+    is_ours = type(adapter).__module__.startswith("engines.")
+    cure = f"install it with: pip install 'linkproof[{adapter.name}]'" if is_ours else "install it"
+    return f"engine '{adapter.name}' is not installed: {cure}"
+
+
+def _loaded(entry: EntryPoint) -> Engine:
+    with _at_most(LOADING, f"loading it took longer than {LOADING:g} s"):
+        adapter: Engine = entry.load()()
+        lacking = [part for part in CONTRACT if not hasattr(adapter, part)]
+        if lacking:
+            raise PluginError(f"expected an adapter with {', '.join(CONTRACT)}, got one without {', '.join(lacking)}")
+        adapter.version()
     return adapter
+
+
+def _package(entry: EntryPoint) -> str:
+    return f"{entry.dist.name} {entry.dist.version}" if entry.dist else entry.value
+
+
+@contextlib.contextmanager
+def _at_most(seconds: float, words: str) -> Iterator[None]:
+    """Raise TimeoutError, where the system has timers, inside what takes longer, so that it is known where."""
+    if not hasattr(signal, "setitimer") or threading.current_thread() is not threading.main_thread():
+        yield
+        return
+
+    def stop(*_: object) -> NoReturn:
+        raise TimeoutError(words)
+
+    before = signal.signal(signal.SIGALRM, stop)
+    signal.setitimer(signal.ITIMER_REAL, seconds)
+    try:
+        yield
+    finally:
+        signal.setitimer(signal.ITIMER_REAL, 0.0)
+        signal.signal(signal.SIGALRM, before)

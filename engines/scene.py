@@ -115,6 +115,10 @@ class TurnDamper:
     coefficient: float
 
 
+GUIDES: frozenset[type] = frozenset({SliderJoint, SlotJoint})  # every type of joint beside the pin
+LOADS: frozenset[type] = frozenset({AppliedForce, AppliedTorque, PointSpring, TurnDamper})  # every type beside gravity
+
+
 @dataclass(frozen=True)
 class Prescribed:
     """The crank follows ``motion`` exactly; the torque this takes is the drive torque."""
@@ -124,10 +128,14 @@ class Prescribed:
 
 @dataclass(frozen=True)
 class Free:
-    """The crank is moved by a constant torque (and the scene's loads) for ``duration`` seconds."""
+    """The crank is moved by a constant torque (and the scene's loads) for ``duration`` seconds.
+
+    ``pace``, rad/s, is about how fast it will turn or swing, for the choice of a step; 0 where nobody knows.
+    """
 
     torque: float
     duration: float
+    pace: float = 0.0
 
 
 Drive = Prescribed | Free

@@ -6,7 +6,7 @@ from bisect import bisect_right
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -49,6 +49,11 @@ class Law:
             return np.broadcast_to(values.reshape(-1, *([1] * angle.ndim)), (len(values), *angle.shape))
         return np.moveaxis(np.asarray(self._spline(angle, order)), -1, 0)
 
+    def pieces(self) -> tuple[list[float], list[Any]]:
+        """Of a law over the angle, the knots, rad, and the cubics from each on: by piece, component and power."""
+        assert self.angles is not None
+        return self.angles.tolist(), np.moveaxis(self._spline.c[::-1], 0, -1).tolist()
+
     def of_float(self) -> Callable[[float], tuple[float, ...]]:
         """The law as a plain function of one angle, which gives all components.
 
@@ -57,8 +62,7 @@ class Law:
         if self.angles is None:
             constant = tuple(self.values.tolist())
             return lambda _angle: constant
-        knots = self.angles.tolist()
-        pieces = np.moveaxis(self._spline.c[::-1], 0, -1).tolist()  # piece, component, power
+        knots, pieces = self.pieces()
 
         def value(angle: float) -> tuple[float, ...]:
             angle = knots[0] + (angle - knots[0]) % FULL_TURN

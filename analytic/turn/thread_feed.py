@@ -93,12 +93,16 @@ def reference_angle(mechanism: Mechanism, path: ThreadPath) -> float:
 
 def feed(mechanism: Mechanism, path: ThreadPath, angle: ArrayLike) -> Array:
     """Actual feed Pd(φ), m, at crank angles of any shape, rad."""
-    return feed_of_length(mechanism, path, contour_length(mechanism.sweep(angle), path))
+    return feed_of_length(path, contour_length(mechanism.sweep(angle), path), reference_length(mechanism, path))
 
 
-def feed_of_length(mechanism: Mechanism, path: ThreadPath, length: ArrayLike) -> Array:
-    """Feed, m, of a contour of the given length, m: wherever that length was measured."""
-    start = contour_length(mechanism.sweep(reference_angle(mechanism, path)), path)
+def reference_length(mechanism: Mechanism, path: ThreadPath) -> float:
+    """L(φ_ref), m: the contour's length at which the feed is ΔP."""
+    return float(contour_length(mechanism.sweep(reference_angle(mechanism, path)), path))
+
+
+def feed_of_length(path: ThreadPath, length: ArrayLike, start: float) -> Array:
+    """Feed, m, of a contour of the given length, m, from its length ``start`` at the reference angle, m."""
     return np.asarray(_sign(path) * (np.asarray(length) - start) + path.stretch)
 
 

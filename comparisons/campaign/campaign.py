@@ -13,8 +13,8 @@ from analytic.kinematics.mechanism import Mechanism
 from comparisons.invariants.checks import checks
 from comparisons.judging import baseline
 from comparisons.judging.deviations import Deviation, NoSampleError, deviation
-from comparisons.judging.quantities import Quantity, check_defined, chosen_quantities
-from comparisons.judging.records import Record, Verdict, blank_record
+from comparisons.judging.quantities import JOINT_FORCE, Quantity, check_defined, chosen_quantities
+from comparisons.judging.records import CONTROL, Record, Verdict, blank_record
 from comparisons.judging.run_result import RunResult, from_bytes, to_bytes
 from comparisons.judging.verdicts import judge
 from comparisons.observation.observed_motion import ObservedMotion
@@ -24,8 +24,8 @@ from comparisons.runs.journal import Journal
 from comparisons.runs.run_engine import run_engine
 from comparisons.runs.study import Announce, Study, Task
 from comparisons.runs.workers import DEFAULT_BOUNDS, Bounds, usual_processes
-from engines.contract import Outcome, Setting
-from engines.registry import engine, engine_names
+from engines.contract import Engine, Outcome, Setting
+from engines.registry import engine, engine_names, why_unavailable
 from engines.scene import Channel
 
 __all__ = ["CampaignRequest", "RunResult", "cases", "compare", "tasks"]
@@ -36,7 +36,7 @@ class CampaignRequest:
     """What to compare. ``conditions`` words the motions' speed, times, direction and start angle, the same for all.
 
     ``own_regimes`` names regimes that a linkage's own file may define; linkages without them are not run in them. They
-    have settings of their own: a released crank adds up its phase error. No quantities means all that are results.
+    have settings of their own: a released crank takes many turns. No quantities means all that are results.
     """
 
     linkages: tuple[Linkage, ...]
@@ -46,7 +46,7 @@ class CampaignRequest:
     settings: tuple[Setting, ...] = (Setting.TUNED,)
     quantities: tuple[str, ...] = ()
     own_regimes: tuple[str, ...] = ()
-    own_settings: tuple[Setting, ...] = (Setting.BEST,)
+    own_settings: tuple[Setting, ...] = (Setting.TUNED,)
     with_invariants: bool = True
 
 
@@ -130,12 +130,8 @@ def lost(failure: Lost, pickled: bytes, name: str, setting: Setting, names: tupl
 
 
 def _channels(quantities: Iterable[Quantity], with_invariants: bool) -> frozenset[Channel]:
-    """What the engine has to record: joint forces where something needs them, all else always.
-
-    An engine may choose its steps by what it records, and what is asked for is not to change what is simulated.
-    """
-    needed = frozenset(channel for quantity in quantities for channel in quantity.channels)
-    return frozenset(Channel) if with_invariants else needed | (frozenset(Channel) - {Channel.JOINT_FORCE})
+    """What the engine has to record."""
+    return frozenset(Channel) if with_invariants else frozenset(c for q in quantities for c in q.channels)
 
 
 def judged(pickled: bytes, name: str, setting: Setting, names: tuple[str, ...], with_invariants: bool) -> RunResult:
@@ -143,21 +139,22 @@ def judged(pickled: bytes, name: str, setting: Setting, names: tuple[str, ...], 
     case, adapter = unpickled(pickled), engine(name)
     quantities = chosen_quantities(case, names)
     with blamed_on(adapter):
-        version = adapter.version()
+        version, absent = adapter.version(), why_unavailable(adapter)
     blank = blank_record(case, setting, name, version or "")
-    if version is None:
-        reason = f"engine '{name}' is not installed; install it with: pip install 'linkproof[{name}]'"
-        return _all_alike(quantities, blank, Outcome.UNAVAILABLE, reason)
+    if absent is not None:
+        return _all_alike(quantities, blank, Outcome.UNAVAILABLE, absent)
     model = case.scene(_channels(quantities, with_invariants))
     run = run_engine(adapter, model, setting)
-    blank = replace(blank, seconds=run.seconds, setup_seconds=run.setup_seconds, steps=run.steps)
+    blank = replace(
+        blank, seconds=run.seconds, setup_seconds=run.setup_seconds, steps=run.steps, runs=max(1, len(run.passes))
+    )
     if run.outcome is not Outcome.FINISHED or run.history is None:
         return _all_alike(quantities, blank, run.outcome, run.reason)
     motion = ObservedMotion(model, run.history)
-    compared = {quantity.name: _compared(case, quantity, motion, blank) for quantity in quantities}
+    compared = {quantity.name: _compared(case, quantity, motion, blank, adapter) for quantity in quantities}
     return RunResult(
         tuple(record for record, _ in compared.values()),
-        checks(case, motion, blank) if with_invariants else (),
+        checks(case, motion, replace(blank, origin=CONTROL if adapter.is_control else "")) if with_invariants else (),
         {name: found for name, (_, found) in compared.items() if found is not None},
         dict(run.details),
     )
@@ -169,9 +166,21 @@ def _all_alike(quantities: Iterable[Quantity], blank: Record, outcome: Outcome |
     return RunResult(tuple(replace(blank, quantity=q.name, unit=q.unit) for q in quantities), ())
 
 
-def _compared(case: Case, quantity: Quantity, motion: ObservedMotion, blank: Record) -> tuple[Record, Deviation | None]:
+def _compared(
+    case: Case, quantity: Quantity, motion: ObservedMotion, blank: Record, adapter: Engine
+) -> tuple[Record, Deviation | None]:
     """The record of one quantity, and the deviation behind it; None where the run has no sample to judge."""
     blank = replace(blank, quantity=quantity.name, unit=quantity.unit)
+    lacking = quantity.lacking(motion)
+    if lacking:
+        if quantity.clock not in adapter.abilities.readouts or quantity.name.startswith(JOINT_FORCE):
+            return replace(
+                blank, outcome=Verdict.NOT_PROVIDED.value, detail=f"{blank.engine} offers no {lacking}"
+            ), None
+        detail = f"its adapter offers {lacking} and has recorded none"
+        return replace(blank, outcome=Verdict.ADAPTER_ERROR.value, detail=detail), None
+    origin = CONTROL if adapter.is_control else quantity.origin(motion).value
+    blank = replace(blank, origin=origin, shared=quantity.shared(motion))
     try:
         found = deviation(case, quantity, motion)
     except NoSampleError as error:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass, replace
 from functools import cached_property
 from pathlib import Path
@@ -90,8 +90,9 @@ def document(
     results: Sequence[RunResult],
     command: str,
     errata: Sequence[ErratumRecord] = (),
+    readouts: Mapping[str, Mapping[str, Mapping[str, str]]] | None = None,
 ) -> dict[str, Any]:
-    """Everything but the curves, as JSON-ready data."""
+    """Everything but the curves, as JSON-ready data; ``readouts`` are the engines' as ``Abilities.told`` has them."""
     return {
         "format": 1,
         "command": command,
@@ -100,6 +101,7 @@ def document(
         "records": [asdict(record) for result in results for record in result.records],
         "invariants": [asdict(record) for result in results for record in result.invariants],
         "errata": [{**asdict(record), "sentence": record.sentence} for record in errata],
+        "readouts": dict(readouts or {}),
         "details": {"/".join(r.records[0].run): r.details for r in results if r.records},
         "motions": [
             {"regime": m.regime, "segments": [[s.start, s.end, list(s.coefficients)] for s in m.segments]}

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from comparisons.invariants import invariants
+from comparisons.invariants.corrections import LEVELS
 from comparisons.invariants.energy_account import EnergyBalance, energy_at_play, energy_balance
 from comparisons.invariants.inspection import Inspection
 from comparisons.judging.deviations import near_jumps
@@ -21,37 +22,78 @@ from engines.scene import Channel
 
 Array = NDArray[np.float64]
 
+UNITS: Mapping[str, str] = {
+    **dict.fromkeys(("closure", "assembly_mode", "force_balance"), ""),
+    "joint_gap": "m",
+    "crank_phase": "rad",
+    "energy_balance": "J",
+    "torque_two_routes": "N m",
+}
+# Those that are shares of something, or angles, at every sample of the position.
+SHARES: Mapping[str, Callable[[Inspection], Signal]] = {
+    "assembly_mode": Inspection.assembly_mode,
+    "crank_phase": invariants.crank_phase,
+}
 LARGEST = 1e150  # however far off a motion is, its square is a number
 
 
 def checks(case: Case, motion: ObservedMotion, blank: Record) -> tuple[Record, ...]:
-    """One record per invariant; the balance of joint forces only where they were recorded."""
+    """One record per invariant; one that needs a channel the engine has not recorded says so."""
     return tuple(_checks(case, motion, blank))
+
+
+# What each invariant is made of: the joints' equations are looked at level by level.
+NEEDS: Mapping[str, tuple[Channel, ...]] = {
+    "joint_gap": LEVELS[:1],
+    "closure": LEVELS,
+    "assembly_mode": LEVELS[:1],
+    "crank_phase": LEVELS[:2],
+    "energy_balance": (*LEVELS[:2], Channel.TORQUE),
+    "torque_two_routes": (*LEVELS, Channel.TORQUE),
+    "force_balance": (*LEVELS, Channel.JOINT_FORCE),
+}
 
 
 def _checks(case: Case, motion: ObservedMotion, blank: Record) -> Iterator[Record]:
     seen = Inspection(motion)
-    acceleration = motion.signal(Channel.ACCELERATION)
+    for name, needed in NEEDS.items():
+        if name == "force_balance" and Channel.JOINT_FORCE not in motion.scene.channels:
+            continue
+        lacking = _lacking(motion, name, needed)
+        record = replace(blank, quantity=name, unit=UNITS[name])
+        if lacking:
+            yield replace(record, outcome=Verdict.NOT_PROVIDED.value, detail=f"{blank.engine} tells no {lacking}")
+        else:
+            yield _checked(case, seen, replace(record, origin=blank.origin or motion.origin(needed).value))
 
-    def check(name: str, unit: str, signal: Signal, scale: float, total: int) -> Record:
-        return _check(replace(blank, quantity=name, unit=unit), signal, scale, total)
 
-    gaps = invariants.joint_gaps(motion)
-    yield check("joint_gap", "m", gaps, case.mechanism.linkage.shortest_length(), len(gaps.time))
-    closure, count = _closure(case, seen)
-    yield check("closure", "", closure, 1.0, count)
-    mode = seen.assembly_mode()
-    yield check("assembly_mode", "", mode, 1.0, len(mode.time))
-    phase = invariants.crank_phase(seen)
-    yield check("crank_phase", "rad", phase, 1.0, len(phase.time))
-    energy = replace(blank, quantity="energy_balance", unit="J", peak=energy_at_play(motion))
-    yield _check_energy(case, energy, energy_balance(seen))
+def _lacking(motion: ObservedMotion, name: str, needed: Sequence[Channel]) -> str:
+    lacking = [channel.value for channel in needed if not motion.has(channel)]
+    if name == "force_balance" and not lacking:
+        forces, joints = motion.history.joint_force, (*motion.scene.pins, *motion.scene.guided)
+        if not all(joint.name in forces and forces[joint.name].values.ndim > 1 for joint in joints):
+            return "direction of joint forces"
+    return ", ".join(lacking)
+
+
+def _checked(case: Case, seen: Inspection, record: Record) -> Record:
+    """The record of one invariant whose channels are there."""
+    motion, samples = seen.motion, len(seen.motion.signal(Channel.POSITION).time)
+    if record.quantity == "energy_balance":
+        return _check_energy(case, replace(record, peak=energy_at_play(motion)), energy_balance(seen))
+    if record.quantity == "closure":
+        signal, count = _closure(case, seen)
+        return _check(record, signal, 1.0, count)
+    if record.quantity == "joint_gap":
+        return _check(record, invariants.joint_gaps(motion), case.mechanism.linkage.shortest_length(), samples)
+    if record.quantity in SHARES:
+        return _check(record, SHARES[record.quantity](seen), 1.0, samples)
+    samples = len(motion.signal(Channel.ACCELERATION).time)
+    if record.quantity == "force_balance":
+        return _check(record, _away_from_jumps(case, seen.force_balance()), 1.0, samples)
     required = _away_from_jumps(case, seen.torque_required())
     routes = Signal(required.time, required.values - motion.on_clock(Channel.TORQUE, required.time))
-    yield check("torque_two_routes", "N m", routes, _torque_scale(case, motion), len(acceleration.time))
-    if motion.history.joint_force:
-        forces = _away_from_jumps(case, seen.force_balance())
-        yield check("force_balance", "", forces, 1.0, len(acceleration.time))
+    return _check(record, routes, _torque_scale(case, motion), samples)
 
 
 def _closure(case: Case, seen: Inspection) -> tuple[Signal, int]:
@@ -59,8 +101,8 @@ def _closure(case: Case, seen: Inspection) -> tuple[Signal, int]:
     levels = invariants.closure(seen)
     count = sum(len(signal.time) for signal in levels.values())
     levels[Channel.ACCELERATION.value] = _away_from_jumps(case, levels[Channel.ACCELERATION.value])
-    joined = [np.concatenate([getattr(s, part) for s in levels.values()]) for part in ("time", "values")]
-    return Signal(*joined), count
+    time, values = (np.concatenate([getattr(s, part) for s in levels.values()]) for part in ("time", "values"))
+    return Signal(time, values), count
 
 
 def _torque_scale(case: Case, motion: ObservedMotion) -> float:

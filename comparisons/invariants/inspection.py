@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cached_property
+from itertools import takewhile
 
 import numpy as np
 from numpy.typing import NDArray
@@ -56,7 +57,8 @@ class Inspection:
     @cached_property
     def _findings(self) -> dict[bytes, Findings]:
         """By clock, each looked at up to the highest derivative that has it, so that channels on one share the work."""
-        clocks = {(time := self.motion.signal(c).time).tobytes(): (time, order) for order, c in enumerate(LEVELS)}
+        recorded = list(takewhile(self.motion.has, LEVELS))
+        clocks = {(time := self.motion.signal(c).time).tobytes(): (time, order) for order, c in enumerate(recorded)}
         return {key: findings(self.motion, self.groups, *clock) for key, clock in clocks.items()}
 
     def on(self, channel: Channel) -> Findings:

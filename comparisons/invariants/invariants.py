@@ -34,8 +34,8 @@ from engines.scene import Channel, Free, Prescribed
 
 Array = NDArray[np.float64]
 
-# Steps by which a history may begin late or end early: a sample at either end can be missing.
-MISSING_STEPS = 2.0
+# Steps by which a channel may begin late or end early: an engine may lack the samples of its first steps.
+MISSING_STEPS = 4.0
 HALF_TURN = np.pi  # rad between two samples: beyond it they show no motion
 
 
@@ -65,9 +65,9 @@ def _untold(seen: Inspection) -> float:
     """Angle that the crank turns in the longest time of which a history says nothing, rad."""
     motion = seen.motion
     peak = float(np.max(np.abs(motion.crank(Channel.VELOCITY, motion.signal(Channel.VELOCITY).time))))
-    signals = [getattr(motion.history, channel.value) for channel in (*LEVELS, Channel.TORQUE)]
+    signals = [motion.signal(channel) for channel in (*LEVELS, Channel.TORQUE) if motion.has(channel)]
     worst = 0.0
-    for time in [s.time for s in (*signals, *motion.history.joint_force.values()) if s is not None]:
+    for time in [s.time for s in (*signals, *motion.history.joint_force.values())]:
         allowed = MISSING_STEPS * float(np.max(np.diff(time)))
         late = max(float(time[0]), seen.duration - float(time[-1]))
         worst = max(worst, peak * late if late > allowed else 0.0)

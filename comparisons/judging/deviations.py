@@ -16,6 +16,8 @@ from engines.scene import Channel
 
 Array = NDArray[np.float64]
 
+# Of the shortest piece of a prescribed motion: half the window at its acceleration jumps.
+WINDOW = 1e-2
 # Steps on either side of an acceleration jump within which a sample may lie between the two values of the truth there.
 JUMP_STEPS = 2.0
 
@@ -29,8 +31,8 @@ class Deviation:
     """One quantity of one run against the truth; errors are relative to the truth's peak over the run.
 
     ``angle`` is the true crank angle at every sample, rad. ``observed`` and ``reference`` of a vector are its
-    magnitudes; its errors are those of the vector. ``error_at_jumps`` is the largest distance of a sample at a jump
-    from the range of the truth around it.
+    magnitudes; its errors are those of the vector where the engine tells vectors. ``error_at_jumps`` is by how much the
+    largest error of a sample at a jump is over the size of the jump.
     """
 
     time: Array
@@ -49,23 +51,21 @@ class Deviation:
 def deviation(case: Case, quantity: Quantity, motion: ObservedMotion) -> Deviation:
     """Compare one quantity over every sample the engine returned.
 
-    Samples of accelerations and torques within two steps of an acceleration jump are left out and counted, as are
-    those of Jeq near standstill: at a jump an engine may give any value between the two, and none beyond. Raises
-    NoSampleError where none is left.
+    Samples of accelerations and torques in the window at an acceleration jump (``window``) have a bound of their own:
+    there an engine may be off by the jump besides. Samples of Jeq near standstill are left out and counted. A vector
+    of which the engine tells the magnitude is compared as a magnitude. Raises NoSampleError where no sample is left.
     """
     signal = quantity.observed(case, motion)
     kept = np.ones(len(signal.time), dtype=bool)
     if quantity.holds_acceleration:
-        kept &= ~near_jumps(signal.time, case.motion.jumps)
+        kept &= ~at_jumps(signal.time, case)
     if not kept.any():
         raise NoSampleError(
             f"every sample of {quantity.name} lies at an acceleration jump or near standstill: run it for longer"
         )
     reference = quantity.reference(case, signal.time)
-    # What is interpolated from another clock across a jump is the suite's own error.
-    is_judged_at_jumps = quantity.holds_acceleration and all(
-        np.array_equal(motion.signal(channel).time, signal.time) for channel in quantity.also
-    )
+    if signal.values.ndim < reference.ndim:
+        reference = _size(reference)
     difference = _size(signal.values - reference)[kept]
     peak = float(np.max(_size(reference)[kept]))
     scale = peak or 1.0
@@ -81,20 +81,36 @@ def deviation(case: Case, quantity: Quantity, motion: ObservedMotion) -> Deviati
         worst_time=float(signal.time[kept][worst]),
         samples=len(difference),
         left_out=len(_clock(quantity, motion)) - len(difference),
-        error_at_jumps=_beyond_jumps(case, quantity, signal, reference) / scale if is_judged_at_jumps else 0.0,
+        error_at_jumps=_beyond_jumps(case, quantity, signal, reference) / scale,
     )
 
 
 def _beyond_jumps(case: Case, quantity: Quantity, signal: Signal, reference: Array) -> float:
-    """Largest distance of a sample at an acceleration jump from the range of the truth in the samples around it."""
+    """By how much the largest error of a sample at an acceleration jump is over the size of the jump."""
     worst = 0.0
-    for jump in case.motion.jumps:
-        near = near_jumps(signal.time, (jump,))
+    for jump in case.motion.jumps if quantity.holds_acceleration else ():
+        near = np.abs(signal.time - jump) <= window(case)
         if near.any():
-            truth = np.concatenate([reference[near], *_sides(case, quantity, jump)])
-            below, above = np.min(truth, axis=0) - signal.values[near], signal.values[near] - np.max(truth, axis=0)
-            worst = max(worst, float(np.max(_size(np.maximum(np.maximum(below, above), 0.0)))))
+            before, after = _sides(case, quantity, jump)
+            error = _size(signal.values[near] - reference[near])
+            worst = max(worst, float(np.max(error - _size(after - before))))
     return worst
+
+
+def window(case: Case) -> float:
+    """Time on either side of an acceleration jump, s, in which an error may be as large as the jump.
+
+    A share of the shortest piece of the prescribed motion: it belongs to the regime, whatever the engine's steps.
+    """
+    motion = case.motion
+    pieces = motion.segments if isinstance(motion, CrankMotion) else ()
+    return WINDOW * min((piece.end - piece.start for piece in pieces), default=0.0)
+
+
+def at_jumps(time: Array, case: Case) -> NDArray[np.bool_]:
+    """Samples in the window at an acceleration jump."""
+    jumps = np.asarray(case.motion.jumps)
+    return np.asarray((np.abs(time[:, None] - jumps) <= window(case) * (1.0 + 1e-9)).any(axis=1))
 
 
 def _sides(case: Case, quantity: Quantity, jump: float) -> tuple[Array, Array]:

@@ -7,6 +7,7 @@ Every joint of the linkage at hand has its force, ``joint_force:JOINT``.
 
 from __future__ import annotations
 
+import math
 import tomllib
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
@@ -17,13 +18,15 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from analytic.description.law import FULL_TURN
 from analytic.description.thread_path import ThreadEye, ThreadPath
 from analytic.errors import LinkproofError, UnknownNameError
-from analytic.turn.thread_feed import feed, feed_of_length
+from analytic.turn.thread_feed import feed, feed_of_length, reference_angle, reference_length
 from analytic.turn.unit_functions import top_dead_centre
+from comparisons.observation.interpolation import SHARP, peak, resample
 from comparisons.observation.observed_motion import ObservedMotion
 from comparisons.reference.case import Case
-from engines.contract import Signal
+from engines.contract import Origin, Signal
 from engines.scene import Channel
 
 Array = NDArray[np.float64]
@@ -40,7 +43,8 @@ class Quantity:
     """A compared quantity: ``reference(case, time)`` is the truth, ``observed(case, motion)`` what the engine did.
 
     Values are (n,), or (n, 2) for a vector. ``prescribed`` and ``free`` say under which drive it is a result rather
-    than given; ``clock`` is the channel whose samples it has.
+    than given; ``clock`` is the channel whose samples it has; ``zero`` is where it is counted from, which the engine's
+    own motion shows only if its crank turns fully.
     """
 
     name: str
@@ -55,6 +59,24 @@ class Quantity:
     needs_thread: bool = False
     prescribed: bool = True
     free: bool = True
+    zero: str = ""
+
+    def origin(self, motion: ObservedMotion) -> Origin:
+        """The weakest origin of what it is made of."""
+        if self.name.startswith(JOINT_FORCE):
+            return motion.history.joint_force[self.name.removeprefix(JOINT_FORCE)].origin
+        return motion.origin(self.channels)
+
+    def lacking(self, motion: ObservedMotion) -> str:
+        """The channels, or the joint, it needs and the engine has not recorded; empty if none."""
+        if self.name.startswith(JOINT_FORCE):
+            joint = self.name.removeprefix(JOINT_FORCE)
+            return "" if joint in motion.history.joint_force else f"force in joint '{joint}'"
+        return ", ".join(sorted(channel.value for channel in self.channels if not motion.has(channel)))
+
+    def shared(self, motion: ObservedMotion) -> str:
+        """What of it the reference and the engine have in common."""
+        return self.zero if self.zero and motion.last_turn is None else ""
 
     @property
     def channels(self) -> frozenset[Channel]:
@@ -87,8 +109,11 @@ def _power(case: Case, motion: ObservedMotion) -> Signal:
 
 
 def _displacement(case: Case, motion: ObservedMotion) -> Signal:
+    """From the engine's own top dead centre where its crank turns fully, else from the closed form's."""
     place = _output(Channel.POSITION, 0, case, motion)
-    return Signal(place.time, _top(case) + place.values)
+    turn = motion.last_turn
+    top = _top(case) if turn is None else peak(Signal(place.time[turn], -place.values[turn]))
+    return Signal(place.time, top + place.values)
 
 
 def _output(channel: Channel, order: int, case: Case, motion: ObservedMotion) -> Signal:
@@ -134,7 +159,7 @@ def _thread(case: Case) -> ThreadPath:
 
 
 def _thread_feed(case: Case, motion: ObservedMotion) -> Signal:
-    """Feed from where the engine has the eyes; the reference length is geometry, the same for all."""
+    """Feed from where the engine has the eyes, and its own contour at the reference angle in its last full turn."""
     path, linkage = _thread(case), case.mechanism.linkage
     time = motion.signal(Channel.POSITION).time
     corners = []
@@ -147,7 +172,13 @@ def _thread_feed(case: Case, motion: ObservedMotion) -> Signal:
         else:
             corners.append(np.broadcast_to(np.asarray(stop.position), (len(time), 3)))
     length = np.linalg.norm(np.diff(np.stack(corners), axis=0), axis=-1).sum(axis=0)
-    return Signal(time, feed_of_length(case.mechanism, path, length))
+    start, turn = reference_length(case.mechanism, path), motion.last_turn
+    if turn is not None:
+        angle = motion.crank(Channel.POSITION, time)[turn]
+        way = math.copysign(1.0, angle[-1] - angle[0])
+        there = way * (reference_angle(case.mechanism, path) - angle[-1]) % FULL_TURN + way * angle[-1] - FULL_TURN
+        start = float(resample(Signal(way * angle, length[turn]), np.array([there]), min(SHARP, len(angle)))[0])
+    return Signal(time, feed_of_length(path, length, start))
 
 
 # Of each quantity of the table: the truth, and what the engine did.

@@ -25,6 +25,8 @@ class Verdict(StrEnum):
     ADAPTER_ERROR = "adapter-error"  # the engine's adapter raised
     SUITE_ERROR = "suite-error"  # the reference, the judging or a check raised: no fault of the engine
     UNDEFINED = "undefined"  # no sample to judge by
+    NOT_PROVIDED = "not-provided"  # a channel that the engine does not offer
+    COMPUTED = "computed"  # compared, but with a number of the adapter's own, not the engine's
 
     @property
     def failed(self) -> bool:
@@ -37,6 +39,7 @@ class Verdict(StrEnum):
         return self is Verdict.PASSED or self.failed
 
 
+CONTROL = "control"  # the origin of what is no engine's: the suite's second derivation
 FAILED = frozenset((Verdict.OVER_LIMIT, Verdict.DIVERGED, Verdict.TIMED_OUT, Verdict.CRASHED, Verdict.ADAPTER_ERROR))
 
 
@@ -46,6 +49,9 @@ class Record:
 
     ``seconds`` is the stepping alone of the run the record belongs to, ``steps`` all its time steps; ``left_out``
     counts the samples not compared (acceleration jumps, standstill). ``detail`` says why, wherever it did not pass.
+    ``origin`` says where the engine's figure comes from (``engines.contract.Origin``, the weakest of all that it is
+    made of, or ``CONTROL``), ``runs`` of how many runs of the engine it is made, ``shared`` what of it the reference
+    and the engine have in common.
     """
 
     mechanism: str
@@ -70,6 +76,9 @@ class Record:
     seconds: float = 0.0
     setup_seconds: float = 0.0
     steps: int = 0
+    origin: str = ""
+    runs: int = 0
+    shared: str = ""
 
     @property
     def run(self) -> tuple[str, str, str, str, str]:

@@ -1,16 +1,18 @@
-"""Reading a motion back: energies, points and powers from the raw history, never from an engine's own word for them."""
+"""Reading a motion back: energies, points and powers from the history, never from an engine's own word for them."""
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
 
+from analytic.description.law import FULL_TURN
 from analytic.description.linkage import Vector
-from comparisons.observation.interpolation import resample
-from engines.contract import History, Signal
+from comparisons.observation.interpolation import resample_piecewise
+from engines.contract import History, Origin, Signal, weakest
 from engines.mechanics.joints import JointEquations
 from engines.mechanics.loads import applied_loads, potential_energy, without_potential
 from engines.mechanics.states import (
@@ -22,7 +24,7 @@ from engines.mechanics.states import (
     pose_of,
     with_ground,
 )
-from engines.scene import Channel, Scene
+from engines.scene import Channel, Free, Scene
 
 Array = NDArray[np.float64]
 
@@ -48,14 +50,48 @@ class ObservedMotion:
         return np.asarray(body_masses(self.scene), dtype=float)
 
     def signal(self, channel: Channel) -> Signal:
-        """A channel's signal; the channel has to be among those asked for."""
+        """A channel's signal; the channel has to be among those recorded. A free crank's torque is given."""
+        if channel is Channel.TORQUE and isinstance(self.scene.drive, Free):
+            time = self.signal(Channel.ACCELERATION).time
+            return Signal(time, np.full(len(time), self.scene.drive.torque))
         signal = getattr(self.history, channel.value)
         assert isinstance(signal, Signal), f"channel {channel} was not recorded"
         return signal
 
+    def has(self, channel: Channel) -> bool:
+        """Whether a channel was recorded; a free crank's torque is given."""
+        if channel is Channel.JOINT_FORCE:
+            return bool(self.history.joint_force)
+        if channel is Channel.TORQUE and isinstance(self.scene.drive, Free):
+            return self.has(Channel.ACCELERATION)
+        return getattr(self.history, channel.value) is not None
+
+    def origin(self, channels: Iterable[Channel]) -> Origin:
+        """The weakest origin of these channels."""
+        signals = [s for c in channels for s in (self.history.joint_force.values() if c is Channel.JOINT_FORCE
+                   else (self.signal(c),))]  # fmt: skip
+        return weakest(signal.origin for signal in signals)
+
+    @cached_property
+    def last_turn(self) -> slice | None:
+        """The position's samples of the crank's last full turn; None where it makes none in one direction."""
+        angle = self.crank(Channel.POSITION, self.signal(Channel.POSITION).time)
+        inside = np.flatnonzero(np.abs(angle - angle[-1]) >= FULL_TURN)
+        if not len(inside):
+            return None
+        turn = slice(int(inside[-1]), len(angle))
+        ways = np.diff(angle[turn])
+        return turn if np.all(ways > 0.0) or np.all(ways < 0.0) else None
+
     def on_clock(self, channel: Channel, time: Array) -> Array:
         """A channel's values at other times, interpolated to sixth order between its samples."""
-        return resample(self.signal(channel), time)
+        return resample_piecewise(self.signal(channel), time, self._jumps)
+
+    @property
+    def _jumps(self) -> tuple[float, ...]:
+        """Where the prescribed acceleration jumps, s."""
+        drive = self.scene.drive
+        return () if isinstance(drive, Free) else drive.motion.jumps
 
     def bodies(self, channel: Channel, time: Array) -> Array:
         """Position, velocity or acceleration of every body, (n, bodies, 3)."""
@@ -69,7 +105,7 @@ class ObservedMotion:
         """Crank angle, speed or acceleration by the engine's own account."""
         signal = self.signal(channel)
         column = Signal(signal.time, signal.values[:, self.numbers[self.scene.crank], 2])
-        return resample(column, time)
+        return resample_piecewise(column, time, self._jumps)
 
     def kinetic_energy(self, time: Array) -> Array:
         """T = Σ ½ m v² + ½ J ω², J."""

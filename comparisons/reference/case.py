@@ -230,4 +230,13 @@ def own_case(mechanism: Mechanism, own: ReleasedRegime) -> Case:
         f"released at {math.degrees(own.start_angle):g}° with {own.start_speed:g} rad/s, crank torque {own.torque:g} "
         f"N m, {own.duration:g} s, {'gravity on' if any(mechanism.linkage.gravity) else 'gravity off'}"
     )
-    return Case(mechanism, motion, Free(own.torque, own.duration), conditions)
+    return Case(mechanism, motion, free_drive(motion, own), conditions)
+
+
+def free_drive(motion: Motion, own: ReleasedRegime) -> Free:
+    """What an engine is told of a released crank: how fast it turns or swings is what its user expects of the machine.
+
+    Its speed at most, and how fast that changes.
+    """
+    hardest = float(np.max(np.abs(motion.acceleration(np.linspace(0.0, motion.duration, INSTANTS)))))
+    return Free(own.torque, own.duration, motion.peak_speed + hardest / motion.peak_speed)

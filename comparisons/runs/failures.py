@@ -57,8 +57,8 @@ def blamed_on(adapter: _Named) -> Iterator[None]:
     except MemoryError:
         raise
     except Exception as error:
-        module = type(adapter).__module__
-        place = _place(error, (module.rpartition(".")[0] or module,))
+        module = getattr(adapter, "module", type(adapter).__module__)  # a stand-in knows the module it stands for
+        place = _place(error, (module.rpartition(".")[0] or module,), f"announced in {module}")
         raise AdapterError(f"the adapter of {adapter.name} raised {_words(error)} ({place})") from error
 
 
@@ -89,14 +89,16 @@ def _words(error: BaseException) -> str:
     return f"{type(error).__name__}: {words}"[:_LENGTH].rstrip(": ")
 
 
-def _place(error: BaseException, packages: tuple[str, ...]) -> str:
-    """File and line of the innermost frame inside these packages; of the innermost at all where none is."""
+def _place(error: BaseException, packages: tuple[str, ...], otherwise: str = "") -> str:
+    """File and line of the innermost frame inside these packages; else ``otherwise``, or of the innermost at all."""
     walk = traceback.walk_tb(error.__traceback__)
     frames = [(frame.f_globals.get("__name__", ""), frame.f_code.co_filename, n) for frame, n in walk]
     prefixes = tuple(f"{name}." for name in packages)
-    inside = [frame for frame in frames if f"{frame[0]}.".startswith(prefixes)] or frames
+    if isinstance(error, SyntaxError) and error.filename:
+        frames.append((packages[0], error.filename, error.lineno or 0))
+    inside = [frame for frame in frames if f"{frame[0]}.".startswith(prefixes)] or ([] if otherwise else frames)
     if not inside:
-        return "no file"
+        return otherwise or "no file"
     _, file, line = inside[-1]
     path = Path(file)
     return f"{path.relative_to(_ROOT) if path.is_relative_to(_ROOT) else path}, line {line}"

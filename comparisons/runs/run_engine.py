@@ -9,14 +9,14 @@ import numpy as np
 
 from comparisons.observation.interpolation import POINTS
 from comparisons.runs.failures import blamed_on
-from engines.contract import Engine, History, Method, Outcome, Run, Setting, Signal
+from engines.contract import Engine, History, Method, Outcome, Run, Setting, Signal, StudiedEngine
 from engines.scene import Channel, Scene
 
 
 def run_engine(adapter: Engine, model: Scene, way: Setting | Method, step: float | None = None) -> Run:
     """The run of a scene by a setting, or by a method at a longest ``step``, s.
 
-    A run that finished has recorded all it was asked for, finite.
+    What a run that finished has recorded is finite.
     Raises AdapterError for every exception of the adapter but MemoryError, which whoever set the bound explains
     (``comparisons.runs.failures``).
     """
@@ -29,17 +29,21 @@ def started(adapter: Engine, model: Scene, way: Setting | Method, step: float | 
     if isinstance(way, Setting):
         return adapter.run(model, way)
     assert step is not None
+    assert isinstance(adapter, StudiedEngine)
     return adapter.run_method(model, way, step)
 
 
 def checked(run: Run, model: Scene) -> Run:
-    """A run that claims to have finished, held to having returned every channel asked for, finite throughout."""
+    """A run that claims to have finished, held to samples that can be read between and are finite throughout."""
     if run.outcome is not Outcome.FINISHED:
         return run
     history = run.history
     for channel, signal in _signals(history, model):
-        if signal is None or len(signal.time) < POINTS:
-            return replace(run, outcome=Outcome.DIVERGED, reason=f"finished without recording {channel}")
+        if signal is None:
+            continue
+        if len(signal.time) < POINTS:
+            reason = f"{channel} has {len(signal.time)} samples, too few to read between"
+            return replace(run, outcome=Outcome.DIVERGED, reason=reason)
         finite = np.isfinite(signal.values).reshape(len(signal.time), -1).all(axis=1)
         if not finite.all():
             at = float(signal.time[int(np.argmin(finite))])

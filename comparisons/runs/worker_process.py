@@ -115,6 +115,8 @@ def _silent() -> Iterator[None]:
 def serve(channel: Connection, output: Connection | None, function: bytes, memory: int) -> None:
     """Answer every pickled tuple of arguments on the channel by what ``function`` makes of it, until it is closed."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
+    if hasattr(os, "setpgid"):
+        os.setpgid(0, 0)  # what an engine starts of its own is in the worker's group, and dies with it
     _die_with_parent()
     _redirect(output)
     channel.send_bytes(READY)
@@ -151,7 +153,7 @@ def _die_with_parent() -> None:
     if sys.platform.startswith("linux"):
         import fcntl  # noqa: PLC0415  POSIX only
 
-        fcntl.fcntl(parent.sentinel, fcntl.F_SETOWN, os.getpid())
+        fcntl.fcntl(parent.sentinel, fcntl.F_SETOWN, -os.getpid())  # the whole group
         fcntl.fcntl(parent.sentinel, fcntl.F_SETSIG, signal.SIGKILL)
         flags = fcntl.fcntl(parent.sentinel, fcntl.F_GETFL)
         fcntl.fcntl(parent.sentinel, fcntl.F_SETFL, flags | os.O_ASYNC)
@@ -163,6 +165,8 @@ def _die_with_parent() -> None:
 
 def _outlive(sentinel: int) -> None:
     wait([sentinel])
+    if hasattr(os, "killpg"):
+        os.killpg(0, signal.SIGKILL)
     os._exit(1)
 
 

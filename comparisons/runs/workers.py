@@ -128,7 +128,10 @@ class _Worker:
         return self.process.exitcode
 
     def stop(self) -> None:
-        """Kill it, whatever it is doing."""
+        """Kill it, whatever it is doing, and what it has started."""
+        if hasattr(os, "killpg") and self.process.pid is not None:
+            with contextlib.suppress(ProcessLookupError, PermissionError):  # no group yet, or none any more
+                os.killpg(self.process.pid, signal.SIGKILL)
         self.process.kill()
         self.process.join()
         self.channel.close()

@@ -18,8 +18,8 @@ from comparisons.runs.run_engine import run_engine
 from comparisons.stress.axes import Axis, axes
 from comparisons.stress.scenes import Conditions, case, scene
 from comparisons.stress.verdict import Judgement, StressVerdict, judged
-from engines.contract import Engine, Outcome, Run, Setting
-from engines.registry import engine
+from engines.contract import Engine, Outcome, Run, Setting, StudiedEngine
+from engines.registry import engine, why_unavailable
 from engines.scene import Scene
 
 T = TypeVar("T", "Cell", "CellResult", Judgement)
@@ -99,8 +99,11 @@ def usages(axis: Axis, adapter: Engine) -> list[str]:
         return list(axis.settings)
     plain = axis.rows[0].conditions
     given = scene(plain, case(plain))
-    with blamed_on(adapter):
-        offered = {method.name: method.effort_unit for method in adapter.methods(given)}
+    try:
+        methods = adapter.methods(given) if isinstance(adapter, StudiedEngine) else ()
+        offered = {method.name: method.effort_unit for method in methods}
+    except Exception:  # a cell of every method tells what the adapter raises
+        return [*axis.settings, *axis.methods]
     fitting = [name for name in axis.methods if name in offered and axis.unit in ("", offered[name])]
     return [*axis.settings, *fitting]
 
@@ -145,8 +148,9 @@ def made(cell: Cell) -> CellResult:
     conditions = axes()[cell.axis].conditions(cell.row, cell.value)
     blank = replace(_unmade(cell), conditions=conditions.differing)
     adapter = engine(cell.engine)
-    if adapter.version() is None:
-        return replace(blank, judgement=Judgement(StressVerdict.UNAVAILABLE, "not installed"), outcome="unavailable")
+    absent = why_unavailable(adapter)
+    if absent is not None:
+        return replace(blank, judgement=Judgement(StressVerdict.UNAVAILABLE, absent), outcome="unavailable")
     try:
         true = _case(conditions)
     except LinkproofError as error:
@@ -154,11 +158,12 @@ def made(cell: Cell) -> CellResult:
         return replace(blank, judgement=nothing, outcome=Outcome.UNSUPPORTED.value)
     given = scene(conditions, true)
     run = _run(adapter, given, cell.usage, conditions)
-    limits_of = cell.usage if cell.usage in SETTINGS else Setting.TUNED.value
+    # Those of naive would hide a wrong motion.
+    limits_of = Setting.BEST if cell.usage == Setting.BEST else Setting.TUNED
     return replace(
         blank,
         outcome=run.outcome.value,
-        judgement=judged(true, given, run, limits_of),
+        judgement=judged(true, given, run, limits_of.value),
         seconds=run.seconds,
         spent=time.perf_counter() - begun,
         steps=run.steps,
@@ -187,6 +192,7 @@ def _case(conditions: Conditions) -> Case:
 def _run(adapter: Engine, given: Scene, usage: str, conditions: Conditions) -> Run:
     if usage in SETTINGS:
         return run_engine(adapter, given, Setting(usage))
+    assert isinstance(adapter, StudiedEngine)
     with blamed_on(adapter):
         method = next(method for method in adapter.methods(given) if method.name == usage)
     if conditions.effort:

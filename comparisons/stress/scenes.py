@@ -13,10 +13,10 @@ from analytic.description.crank_motion import RPM, CrankMotion, Segment, crank_m
 from analytic.description.linkage import Linkage, ReleasedRegime, Vector
 from analytic.description.loading import catalogue, load
 from analytic.kinematics.mechanism import Mechanism
-from comparisons.reference.case import Case, own_case
+from comparisons.reference.case import Case, free_drive, own_case
 from comparisons.stress.stiff_motion import MOST_RELAXATIONS, relaxations, stiff_motion
 from engines.mechanics.joints import scene_size
-from engines.scene import Body, Channel, Free, Scene
+from engines.scene import Body, Channel, Scene
 
 LINKAGES = Path(__file__).with_name("linkages")
 RELEASED, REVERSAL = "released", "reversal"
@@ -154,7 +154,8 @@ def case(conditions: Conditions) -> Case:
         duration=conditions.turns * turn,
     )
     if relaxations(mechanism, own.duration) > MOST_RELAXATIONS:
-        return Case(mechanism, stiff_motion(mechanism, own), Free(own.torque, own.duration))
+        stiff = stiff_motion(mechanism, own)
+        return Case(mechanism, stiff, free_drive(stiff, own))
     return own_case(mechanism, own)
 
 

@@ -39,12 +39,14 @@ def _errors(case: Case, motion: ObservedMotion) -> Iterator[tuple[float, str]]:
             share,
             f"{name} of {body} off by {share:.2g} of {('the size (or rad)', 'the peak')[order]} at {time:.3g} s",
         )
-    if case.is_prescribed:
+    if case.is_prescribed and motion.has(Channel.TORQUE):
         torque = motion.signal(Channel.TORQUE)
         yield from _off("torque", case, torque, case.at(torque.time).torque)
     forces = motion.history.joint_force
     truths = {joint: case.at(signal.time).joint_forces[joint].T for joint, signal in forces.items()}
-    faint = FAINT_FORCE * max((float(np.max(np.hypot(*truth.T))) for truth in truths.values()), default=0.0)
+    sizes = {joint: np.hypot(*truth.T) for joint, truth in truths.items()}
+    truths = {joint: truth if forces[joint].values.ndim > 1 else sizes[joint] for joint, truth in truths.items()}
+    faint = FAINT_FORCE * max((float(np.max(size)) for size in sizes.values()), default=0.0)
     for joint, truth in truths.items():
         yield from _off(f"force in {joint}", case, forces[joint], truth, faint)
     missing = _missing(case, motion)

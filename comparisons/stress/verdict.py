@@ -23,7 +23,7 @@ from comparisons.judging.records import Record, Verdict, blank_record
 from comparisons.observation.observed_motion import ObservedMotion
 from comparisons.reference.case import Case
 from comparisons.stress.truth import wrongs
-from engines.contract import Outcome, Run
+from engines.contract import Origin, Outcome, Run
 from engines.scene import Scene
 
 LARGEST = 1e300
@@ -152,9 +152,9 @@ def _blank(case: Case, setting: str) -> Record:
 def _invariants(case: Case, motion: ObservedMotion, blank: Record) -> tuple[list[Record], Record]:
     """Those that failed, the one furthest over its limit first, and the one nearest to or furthest over it.
 
-    What is undefined has neither failed nor passed.
+    What is not judged has neither failed nor passed.
     """
-    records = [record for record in checks(case, motion, blank) if record.outcome != Verdict.UNDEFINED]
+    records = [record for record in checks(case, motion, blank) if Verdict(record.outcome).judged]
     records.sort(key=_over, reverse=True)
     return [record for record in records if record.outcome != Verdict.PASSED], records[0]
 
@@ -163,6 +163,8 @@ def _deviations(case: Case, motion: ObservedMotion, blank: Record) -> Record | N
     """The quantity nearest to its limit, or furthest over it."""
     records = []
     for quantity in all_quantities(case).values():
+        if quantity.lacking(motion) or quantity.origin(motion) is Origin.COMPUTED:
+            continue
         try:
             worst = deviation(case, quantity, motion)
         except NoSampleError:

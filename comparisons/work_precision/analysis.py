@@ -11,6 +11,7 @@ from dataclasses import dataclass, replace
 from comparisons.work_precision.floor import Floor, floor
 from comparisons.work_precision.records import SETTING, BenchRecord, PointRecord, Series, by_quantity, series
 from comparisons.work_precision.step_sweep import observed_order, pareto, price, sustained
+from engines.contract import Setting
 
 # Largest errors, over the peak, that somebody may want.
 WANTED = tuple(10.0**-k for k in range(2, 9))
@@ -45,6 +46,7 @@ class PointChoice:
 class Standing:
     """A setting against the methods' front: ``ratio`` of its time to the cheapest method's at the setting's error.
 
+    ``best`` is held against all methods, every other setting against those of a single run.
     ``rival`` is the measured point behind that price, None where no method gets there: then the ratio is None too. A
     ratio below one is a setting ahead of every method.
     """
@@ -82,7 +84,8 @@ def judged(points: Sequence[PointRecord]) -> tuple[PointRecord, ...]:
     """The same points with their orders and their places on their engine's fronts filled in."""
     records = by_quantity(points, ())
     orders = {_seen(record): finding.order for finding in findings(records) for record in finding.points.records}
-    front = {_seen(record) for group in by_engine(records).values() for record in on_front(group)}
+    groups = [part for group in by_engine(records).values() for part in apart(group)]
+    front = {_seen(record) for group in groups for record in on_front(group)}
     completed = []
     for point in points:
         keys = {name: (id(point.errors), name) for name in point.errors}
@@ -108,6 +111,14 @@ def by_engine(records: Iterable[BenchRecord]) -> dict[Key, list[BenchRecord]]:
     for record in records:
         groups.setdefault((*record.place, record.quantity, record.engine), []).append(record)
     return groups
+
+
+def apart(records: Iterable[BenchRecord]) -> tuple[list[BenchRecord], list[BenchRecord]]:
+    """Single runs, and those made of several."""
+    parts: tuple[list[BenchRecord], list[BenchRecord]] = ([], [])
+    for record in records:
+        parts[record.is_extrapolated].append(record)
+    return parts
 
 
 def on_front(records: Iterable[BenchRecord]) -> list[BenchRecord]:
@@ -154,7 +165,8 @@ def standings(records: Sequence[BenchRecord]) -> tuple[Standing, ...]:
     results = []
     for record in records:
         if record.kind == SETTING and record.finished:
-            prices = [(price(sweep.seconds, sweep.errors, _error(record)), sweep) for sweep in sweeps]
+            rivals = [one for one in sweeps if record.setting == Setting.BEST or not one.first.is_extrapolated]
+            prices = [(price(sweep.seconds, sweep.errors, _error(record)), sweep) for sweep in rivals]
             met = [(cost, sweep) for cost, sweep in prices if cost is not None]
             cheapest = min(met, key=lambda pair: pair[0], default=None)
             if cheapest is None:

@@ -62,11 +62,10 @@ def run_jobs(linkage: Linkage, engines: Sequence[str]) -> Iterator[tuple[Measure
     rests = [(part, reduced(linkage, part)) for part in REDUCTIONS]
     models = [(part, scene(Mechanism(rest), drive, part.channels)) for part, rest in rests if rest is not None]
     for name in engines:
+        adapter = engine(name)
         for part, model in models:
-            yield (
-                MeasuredCost(linkage.name, linkage.variant, name, part.name, part.about),
-                partial(_run, engine(name), model),
-            )
+            cost = MeasuredCost(linkage.name, linkage.variant, name, part.name, part.about)
+            yield replace(cost, is_control=adapter.is_control), partial(_run, adapter, model)
 
 
 def _run(adapter: Engine, model: Scene) -> Run:

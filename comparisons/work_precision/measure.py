@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, field, replace
 
 from comparisons.judging.deviations import NoSampleError, deviation
@@ -15,7 +16,7 @@ from comparisons.runs.failures import blamed_on
 from comparisons.runs.run_engine import checked, started
 from comparisons.runs.timing import calibrate, timed
 from comparisons.work_precision.records import PointError
-from engines.contract import Engine, Method, Outcome, Run, Setting
+from engines.contract import Engine, Method, Origin, Outcome, Run, Setting, StudiedEngine
 from engines.registry import engine
 from engines.scene import Scene
 
@@ -27,10 +28,10 @@ _WARM: set[str] = set()  # the engines this process has run
 
 @dataclass(frozen=True)
 class Taken:
-    """One run of one point: times of its parts, s, what the engine did, and its errors by quantity if asked for.
+    """One measurement of a point: times of its parts, s, what the engine did, and its errors by quantity if asked for.
 
-    ``calibration`` is what the fixed work took just before, s. ``readout`` is the wall time of the call less stepping
-    and set-up.
+    ``runs`` of the engine make its motion, 0 where it gave none. ``calibration`` is what the fixed work took just
+    before, s. ``readout`` is the wall time of the call less stepping and set-up. ``left_out`` is as in ``PointRecord``.
     """
 
     outcome: str
@@ -40,9 +41,11 @@ class Taken:
     readout: float = 0.0
     steps: int = 0
     solver_work: int = 0
+    runs: int = 0
     used: str = ""
     calibration: float = 0.0
     errors: Mapping[str, PointError] = field(default_factory=dict)
+    left_out: Mapping[str, str] = field(default_factory=dict)
 
 
 def longest_step(case: Case, steps_per_turn: float) -> float:
@@ -85,6 +88,8 @@ def measure(  # noqa: PLR0917  a worker's job is a plain tuple
     scene = case.scene(channels)
     step = None if steps_per_turn is None else longest_step(case, steps_per_turn)
     with blamed_on(adapter):
+        if isinstance(way, Method) and isinstance(adapter, StudiedEngine):
+            adapter.methods(scene)  # an engine that cannot say its methods says here why
         _warm_up(adapter, scene, longest_step(case, WARM))
         steady = calibrate()
         run, wall = timed(lambda: started(adapter, scene, way, step))
@@ -98,13 +103,14 @@ def measure(  # noqa: PLR0917  a worker's job is a plain tuple
 def _with_errors(taken: Taken, case: Case, families: Mapping[str, Sequence[Quantity]], motion: ObservedMotion) -> Taken:
     """The same with the errors of its motion; they have to be numbers."""
     try:
-        errors = _errors(case, families, motion)
+        errors, left_out = _errors(case, families, motion)
     except NoSampleError as error:
         return replace(taken, outcome=Verdict.UNDEFINED.value, reason=str(error))
     endless = [name for name, error in errors.items() if not math.isfinite(error.error_max)]
     if endless:
         return replace(taken, outcome=Outcome.DIVERGED.value, reason=f"{endless[0]} is not finite")
-    return replace(taken, errors=errors)
+    taken = replace(taken, errors=errors, left_out=left_out)
+    return taken if errors else replace(taken, outcome=Verdict.NOT_PROVIDED.value, reason="; ".join(left_out.values()))
 
 
 def _taken(run: Run, wall: float, steady: float) -> Taken:
@@ -117,6 +123,7 @@ def _taken(run: Run, wall: float, steady: float) -> Taken:
         readout=max(0.0, wall - run.seconds - run.setup_seconds),
         steps=run.steps,
         solver_work=run.solver_work,
+        runs=max(1, len(run.passes)) if run.history else 0,
         used=used,
         calibration=steady,
     )
@@ -126,20 +133,41 @@ def _short(value: str | int | float) -> str:
     return f"{value:.6g}" if isinstance(value, float) else str(value)
 
 
-def _errors(case: Case, families: Mapping[str, Sequence[Quantity]], motion: ObservedMotion) -> dict[str, PointError]:
-    """Errors of a motion; of a family of quantities the worst member's."""
+def _errors(
+    case: Case, families: Mapping[str, Sequence[Quantity]], motion: ObservedMotion
+) -> tuple[dict[str, PointError], dict[str, str]]:
+    """Errors of a motion, of a family of quantities the worst member's, and what the engine does not tell of each."""
     alone = replace(case, _seen={})  # the closed form on this clock goes when the point is done
-    errors = {}
+    errors, left_out = {}, {}
     for name, family in families.items():
-        deviations = [(deviation(alone, quantity, motion), quantity.unit) for quantity in family]
+        untold = {quantity.name: reason for quantity in family if (reason := _untold(quantity, motion))}
+        if untold:
+            left_out[name] = f"{', '.join(untold)} {' or '.join(dict.fromkeys(untold.values()))}"
+        deviations = [(deviation(alone, one, motion), one.unit) for one in family if one.name not in untold]
+        if not deviations:
+            continue
         worst, unit = max(deviations, key=lambda pair: pair[0].error_max)
         rms = max(each.error_rms for each, _ in deviations)
         errors[name] = PointError(unit, worst.error_max, rms, worst.peak)
-    return errors
+    return errors, left_out
+
+
+def _untold(quantity: Quantity, motion: ObservedMotion) -> str:
+    """Why a quantity is not the engine's word; empty where it is."""
+    if quantity.lacking(motion):
+        return "not offered"
+    return "computed by the adapter" if quantity.origin(motion) is Origin.COMPUTED else ""
 
 
 def _warm_up(adapter: Engine, scene: Scene, step: float) -> None:
-    """Run an engine that this process has not run before: the first run imports, and is thrown away."""
+    """Run an engine that this process has not run before: the first run imports, and is thrown away.
+
+    What it raises is not told: the run that it is made for need not raise it.
+    """
     if adapter.name not in _WARM:
         _WARM.add(adapter.name)
-        adapter.run_method(scene, adapter.methods(scene)[0], step)
+        with suppress(Exception):
+            if isinstance(adapter, StudiedEngine):
+                adapter.run_method(scene, adapter.methods(scene)[0], step)
+            else:
+                adapter.run(scene, Setting.TUNED)

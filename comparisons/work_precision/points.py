@@ -6,6 +6,7 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
+from comparisons.judging.records import Verdict
 from comparisons.runs.failures import Failure
 from comparisons.work_precision.measure import Taken
 from comparisons.work_precision.step_sweep import still_improves
@@ -18,6 +19,7 @@ EFFORTS: Mapping[str, tuple[float, ...]] = {
 }
 # A step too long for an engine may be cured by a shorter one, but not for ever.
 FAILURES = 3
+LASTING = (Failure.TIMED_OUT, Outcome.UNSUPPORTED, Outcome.UNAVAILABLE, Verdict.NOT_PROVIDED)  # whatever the step
 
 
 @dataclass(frozen=True)
@@ -124,7 +126,7 @@ class Track:
     def _end_by_failure(self) -> str:
         """Failures end a sweep that worked before, and one that never did after three."""
         last = self.taken[-1]
-        lasting = last.outcome in (Failure.TIMED_OUT, Outcome.UNSUPPORTED, Outcome.UNAVAILABLE)
+        lasting = last.outcome in LASTING
         worked = any(taken.outcome == Outcome.FINISHED for taken in self.taken)
         if lasting or worked or len(self.taken) in (FAILURES, len(self.points)):
             return f"{last.outcome}: {last.reason}"

@@ -10,13 +10,14 @@ from pathlib import Path
 from typing import Any, TypeVar
 
 from analytic.errors import LinkproofError
+from comparisons.judging.records import Verdict
 from comparisons.runs.files import write_text
 from comparisons.runs.timing import Noise
 from comparisons.work_precision.step_sweep import StepSweep
 from engines.contract import Outcome
 
 FILE = "bench.json"
-FORMAT = 2  # 1 had a record for each quantity of a point
+FORMAT = 3  # 1 had a record for each quantity of a point, 2 did not tell the runs behind it
 SETTING, METHOD = "setting", "method"
 
 Row = TypeVar("Row", "PointRecord", "MeasuredCost")
@@ -26,7 +27,8 @@ Row = TypeVar("Row", "PointRecord", "MeasuredCost")
 class PointError:
     """A point's errors in one quantity, over ``peak``, the truth's largest magnitude in ``unit``.
 
-    ``order`` is that of the point's whole sweep. ``on_front``: no other point of the engine is as cheap and as exact.
+    ``order`` is that of the point's whole sweep. ``on_front``: no other point of the engine, single runs and
+    extrapolated ones apart, is as cheap and as exact.
     """
 
     unit: str
@@ -41,10 +43,12 @@ class PointError:
 class PointRecord:
     """One point, as it is saved; ``errors`` by quantity are empty where it did not finish.
 
-    ``kind`` tells a setting, which finds its own steps (``step`` is None), from a method, which takes the ``step``, s,
-    it is asked for. ``seconds_min`` and ``seconds_median`` are of ``repeats``, all wall times of the stepping alone, s;
-    ``setup_seconds`` and ``readout_seconds`` are the shortest of theirs. ``detail`` says why, where it did not finish;
-    ``used`` is what the adapter says of the run, ``ended`` why its sweep goes no further.
+    ``kind`` tells a setting, whose steps its adapter fixes (``step`` is None), from a method, which takes the ``step``,
+    s, it is asked for. ``runs`` of the engine are extrapolated to make it; 1 is a single run, 0 one that gave no
+    motion. ``is_control``: the engine is the reference's control, never ranked. ``seconds_min`` and ``seconds_median``
+    are of ``repeats``, all wall times of the stepping alone, s; ``setup_seconds`` and ``readout_seconds`` are the
+    shortest of theirs. ``left_out`` says of quantities, by name, what of them the engine does not tell. ``detail`` says
+    why, where it did not finish; ``used`` is what the adapter says of the run, ``ended`` why its sweep goes no further.
     """
 
     mechanism: str
@@ -52,14 +56,16 @@ class PointRecord:
     regime: str
     engine: str
     engine_version: str
+    is_control: bool
     kind: str
     setting: str
-    levels: int
+    runs: int
     effort: float | None
     effort_unit: str
     step: float | None
     steps_per_turn: float | None
     errors: Mapping[str, PointError]
+    left_out: Mapping[str, str]
     seconds_min: float | None
     seconds_median: float | None
     repeats: tuple[float, ...]
@@ -77,6 +83,11 @@ class PointRecord:
     def place(self) -> tuple[str, str, str]:
         """Mechanism, variant and regime."""
         return (self.mechanism, self.variant, self.regime)
+
+    @property
+    def is_extrapolated(self) -> bool:
+        """Whether it is no single run."""
+        return self.runs > 1
 
 
 @dataclass(frozen=True)
@@ -107,8 +118,18 @@ class BenchRecord(PointRecord):
 
 
 def by_quantity(points: Iterable[PointRecord], quantities: Sequence[str]) -> tuple[BenchRecord, ...]:
-    """Points in each of their quantities; one that did not finish in all of ``quantities``, those asked for."""
-    return tuple(BenchRecord(**vars(point), quantity=name) for point in points for name in (point.errors or quantities))
+    """Points in each of their quantities; one that did not finish in all of ``quantities``, those asked for.
+
+    A quantity that the engine does not tell at all is not provided there.
+    """
+    found = []
+    for point in points:
+        for name in dict.fromkeys([*point.errors, *point.left_out]) or quantities:
+            told = vars(point)
+            if name in point.left_out and name not in point.errors:
+                told = {**told, "outcome": Verdict.NOT_PROVIDED.value, "detail": point.left_out[name]}
+            found.append(BenchRecord(**told, quantity=name))
+    return tuple(found)
 
 
 @dataclass(frozen=True)
@@ -154,7 +175,8 @@ def series(records: Iterable[BenchRecord]) -> tuple[Series, ...]:
 class MeasuredCost:
     """One reduction of a linkage in one engine, or one query put to the closed form by one path of ``evaluate``.
 
-    ``solver`` is the engine or the path, ``about`` what is recorded or asked for. ``seconds`` are of every repeat, s:
+    ``solver`` is the engine, the reference's control where ``is_control``, or the path; ``about`` is what is recorded
+    or asked for. ``seconds`` are of every repeat, s:
     whole runs, of which ``stepping`` is the engine's own share, or evaluations at so many crank ``angles``; an engine
     has none of these.
     """
@@ -170,6 +192,7 @@ class MeasuredCost:
     seconds: tuple[float, ...] = ()
     stepping: tuple[float, ...] = ()
     steps: int = 0
+    is_control: bool = False
 
 
 @dataclass(frozen=True)

@@ -20,8 +20,8 @@ from comparisons.runs.workers import Bounds
 from comparisons.work_precision.measure import Taken, longest_step, measure
 from comparisons.work_precision.points import Extent, Point, Track
 from comparisons.work_precision.records import METHOD, SETTING, PointError, PointRecord
-from engines.contract import Outcome
-from engines.registry import engine
+from engines.contract import Outcome, StudiedEngine
+from engines.registry import engine, why_unavailable
 
 # A run that takes this much longer than its budget, s, hangs.
 HANGS = 60.0
@@ -60,8 +60,7 @@ class Rounds:
     def taken(self, number: int, point: Point) -> Taken | None:
         """What a point took in a round; None where it was not measured."""
         if not point.is_run:
-            cure = f"install it with: pip install 'linkproof[{point.engine}]'"
-            return Taken(Outcome.UNAVAILABLE.value, f"engine '{point.engine}' is not installed; {cure}")
+            return Taken(Outcome.UNAVAILABLE.value, why_unavailable(engine(point.engine)) or "")
         return self.study.results.get(_key(number, point))
 
     def repeats(self, point: Point, rounds: int) -> list[Taken]:
@@ -112,7 +111,14 @@ def _from_json(payload: bytes) -> Taken:
 def records(case: Case, track: Track, rounds: Rounds) -> Iterator[PointRecord]:
     """A record per point of a sweep; a sweep there was no time for has its first point to say so."""
     adapter = engine(track.points[0].engine)
-    blank = partial(PointRecord, engine_version=adapter.version() or "", work_unit=adapter.work_unit, ended=track.ended)
+    unit = adapter.work_unit if isinstance(adapter, StudiedEngine) else ""
+    blank = partial(
+        PointRecord,
+        engine_version=adapter.version() or "",
+        is_control=adapter.is_control,
+        work_unit=unit,
+        ended=track.ended,
+    )
     for point, taken in zip(track.points, track.taken or [Taken(Failure.TIMED_OUT.value, track.ended)], strict=False):
         yield _record(blank, case, point, taken, rounds.repeats(point, rounds.extent.repeats))
 
@@ -130,12 +136,13 @@ def _record(
         engine=point.engine,
         kind=METHOD if method else SETTING,
         setting=method.name if method else str(point.setting or ""),
-        levels=method.levels if method else 0,
+        runs=taken.runs,
         effort=method.effort if method else None,
         effort_unit=method.effort_unit if method else "",
         step=longest_step(case, steps) if steps else None,
         steps_per_turn=steps,
         errors=taken.errors,
+        left_out=taken.left_out,
         seconds_min=least,
         seconds_median=median,
         repeats=tuple(run.seconds for run in repeats),

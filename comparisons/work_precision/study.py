@@ -13,7 +13,6 @@ from typing import Any
 
 from analytic.errors import UnknownNameError
 from comparisons.reference.case import Case
-from comparisons.runs.failures import blamed_on
 from comparisons.runs.journal import Journal
 from comparisons.runs.study import Announce
 from comparisons.runs.timing import Noise
@@ -21,8 +20,8 @@ from comparisons.work_precision.analysis import judged
 from comparisons.work_precision.points import FULL, Extent, Point, Track, tracks
 from comparisons.work_precision.records import BenchRecord, PointRecord, by_quantity
 from comparisons.work_precision.rounds import Rounds, records
-from engines.contract import Method, Setting
-from engines.registry import engine, engine_names
+from engines.contract import Method, Setting, StudiedEngine
+from engines.registry import engine, engine_names, why_unavailable
 from engines.scene import Channel
 
 QUANTITIES = ("Mkr", "Jeq", "phi", "joint_force")
@@ -96,13 +95,14 @@ def methods_told(request: BenchRequest) -> list[Mapping[str, Any]]:
 
 
 def _methods(request: BenchRequest, case: Case, name: str) -> list[Method]:
-    """The methods of an engine that are asked for; none where it is not installed."""
+    """The methods of an engine that are asked for; none where it cannot be used here."""
     adapter = engine(name)
-    if adapter.version() is None:
+    if why_unavailable(adapter) is not None or not isinstance(adapter, StudiedEngine):
         return []
-    scene = case.scene([Channel.POSITION])
-    with blamed_on(adapter):
-        offered = adapter.methods(scene)
+    try:
+        offered = adapter.methods(case.scene([Channel.POSITION]))
+    except Exception as error:  # a run tells what the adapter raises
+        return [Method(name, str(error)) for name in request.methods or ("methods",)]
     return [method for method in offered if not request.methods or method.name in request.methods]
 
 
@@ -114,7 +114,7 @@ def _sweeps(request: BenchRequest) -> Iterator[Track]:
         first = (linkage.name, linkage.variant) not in known
         known.add((linkage.name, linkage.variant))
         for name in request.engines:
-            if engine(name).version() is None:
+            if why_unavailable(engine(name)) is not None:
                 yield Track([Point(number, name)], 0.0)
             else:
                 methods = _methods(request, case, name)

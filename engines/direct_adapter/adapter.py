@@ -11,13 +11,24 @@ from __future__ import annotations
 
 import numpy as np
 
-from engines.contract import History, Method, Run, Setting
+from engines.contract import Abilities, History, Method, ReadOut, Run, Setting
 from engines.direct_adapter.assembly import Equations
 from engines.direct_adapter.motion import motion
 from engines.direct_adapter.precision import METHODS, SETTINGS, Precision, method_precision
 from engines.installed import installed_version
-from engines.scene import Scene
-from engines.start_check import start_misfit
+from engines.mechanics.start_check import data_obstacle
+from engines.scene import (
+    AppliedForce,
+    AppliedTorque,
+    Channel,
+    Free,
+    PointSpring,
+    Prescribed,
+    Scene,
+    SliderJoint,
+    SlotJoint,
+    TurnDamper,
+)
 from engines.stepping.cost import Cost
 from engines.stepping.driver import DivergedError, UnsupportedError, check_step, run_stepping
 
@@ -30,6 +41,19 @@ class DirectEngine:
 
     name = "direct"
     work_unit = "linear solves"
+    is_control = True
+    abilities = Abilities(
+        readouts={
+            Channel.POSITION: ReadOut("the joints' equations, closed by Newton's method"),
+            Channel.VELOCITY: ReadOut("their first derivative over the crank angle, times its speed"),
+            Channel.ACCELERATION: ReadOut("their second derivative"),
+            Channel.TORQUE: ReadOut("multiplier of the crank's equation", drive="it is the drive's"),
+            Channel.JOINT_FORCE: ReadOut("multipliers of the joint's equations", drive="left out"),
+        },
+        drives=frozenset({Prescribed, Free}),
+        joints=frozenset({SliderJoint, SlotJoint}),
+        loads=frozenset({AppliedForce, AppliedTorque, PointSpring, TurnDamper}),
+    )
 
     def version(self) -> str | None:
         return installed_version(DISTRIBUTION) or "source"  # run from a checkout: nothing else is needed
@@ -50,11 +74,13 @@ def _run(scene: Scene, precision: Precision, cost: Cost) -> Run:
 
 
 def _history(scene: Scene, precision: Precision, cost: Cost) -> History:
+    if any(body.name == scene.crank and body.inertia is None for body in scene.bodies):
+        raise UnsupportedError(f"crank '{scene.crank}' has no inertia, so it cannot turn; give it one")
     with cost.building():
+        reason = data_obstacle(scene, massless=True)
+        if reason is not None:
+            raise DivergedError(reason)
         equations = _equations(scene)
-        misfit = start_misfit(scene)
-    if misfit is not None:
-        raise DivergedError(misfit)
     try:
         with cost.stepping(), np.errstate(all="ignore"):  # what is not finite is found and named
             history, cost.steps, details = motion(equations, precision)
@@ -66,8 +92,6 @@ def _history(scene: Scene, precision: Precision, cost: Cost) -> History:
 
 def _equations(scene: Scene) -> Equations:
     """The scene's equations; raises UnsupportedError where they do not fix its motion."""
-    if any(body.name == scene.crank and body.inertia is None for body in scene.bodies):
-        raise UnsupportedError(f"crank '{scene.crank}' has no inertia, so it cannot turn; give it one")
     equations = Equations(scene)
     given, expected = equations.rows - 1, equations.size - 1
     if given != expected:

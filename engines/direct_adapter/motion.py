@@ -89,7 +89,8 @@ def _sampled(path: Path, time: Array, crank: Crank, precision: Precision) -> Res
 
 def _free(equations: Equations, drive: Free, precision: Precision) -> Result:
     start = equations.scene.crank_angle
-    path = reach(equations, start - FULL_TURN, start + FULL_TURN)
+    around = (start - FULL_TURN, start + FULL_TURN)
+    path = reach(equations, *around).away_from_stops(*around)
     windows = released_motion(equations, path, drive, precision.tolerance)
     turns = drive.duration * float(np.max(np.abs(windows.speed_at(windows.starts)))) / FULL_TURN
     time = _clock(drive.duration, precision.spacing, max(round(drive.duration / FREE_SPACING), _samples(turns)))

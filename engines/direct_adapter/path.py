@@ -19,6 +19,7 @@ from engines.mechanics.states import Pose, Reals, pose_of
 LARGEST_STEP = FULL_TURN / 24.0  # rad of crank between two poses of a path
 FARTHEST = 1e-3  # units and rad that a predicted pose may be off; farther, another solution may be nearer
 LEAST_STEP = 1e-5  # rad; a path that has to go slower than this has come to its end
+STOP = 1e-3  # rad before a position that the path cannot pass
 ATTEMPTS = 5
 SHUT = 1e-9  # units and rad between the two ends of a full turn
 
@@ -48,6 +49,18 @@ class Path:
     state: Reals
     side: float
     turns: Reals | None = None
+
+    def away_from_stops(self, low: float, high: float) -> Path:
+        """The path without its ends where it stops short of ``low`` or ``high``: at a stop its equations are singular.
+
+        A crank that gets nearer than STOP to one is taken to run up against it.
+        """
+        if self.turns is not None:
+            return self
+        first = self.angle[0] + (STOP if self.angle[0] > low else 0.0)
+        last = self.angle[-1] - (STOP if self.angle[-1] < high else 0.0)
+        kept = (self.angle >= first) & (self.angle <= last)
+        return replace(self, angle=self.angle[kept], state=self.state[kept])
 
     def closed(self, crank: Reals, dtype: type[np.floating[Any]] = np.float64) -> Closed:
         """The poses at crank angles (n,); raises UnsolvableError where the path is too coarse to find them."""

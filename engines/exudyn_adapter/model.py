@@ -10,18 +10,24 @@ import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
+from typing import Any, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
 
-from analytic.description.law import Law
+from analytic.description.crank_motion import derivative
+from analytic.description.law import FULL_TURN, Law
 from analytic.description.linkage import GROUND, Vector
-from engines.exudyn_adapter.drive import Foreign, crank_angle
-from engines.mechanics.states import Reals, start_motion
+from engines.export.loads import law_told
+from engines.export.transcript import Sourced
+from engines.mechanics.states import start_motion
 from engines.scene import Body, GuidedJoint, PinJoint, Prescribed, Scene, SliderJoint
+from engines.stepping.intervals import Interval
 
 Array = NDArray[np.float64]
+Foreign: TypeAlias = Any  # an object of exudyn, which carries no types
 
+COORDINATES = "exudyn.OutputVariableType.Coordinates"
 ANGLE = 2  # number of the angle among the coordinates of a two-dimensional rigid body
 
 
@@ -32,7 +38,7 @@ class ForceOutput:
     The result is in the frame of ``frame``, a body, or in the ground's.
     """
 
-    item: int
+    item: Foreign
     output: str
     matrix: Array
     frame: str = GROUND
@@ -55,8 +61,9 @@ class Model:
         self.container: Foreign = exudyn.SystemContainer()
         self.mbs: Foreign = self.container.AddSystem()
         self.scene, self.plain = scene, plain
-        self.nodes: dict[str, int] = {}
+        self.nodes: dict[str, Foreign] = {}
         self.objects: dict[str, Foreign] = {GROUND: self._object("Ground")}
+        self.angles = {GROUND: 0.0, **{body.name: body.angle for body in scene.bodies}}
         self.turning: set[str] = set()
         self.joints: dict[str, ForceOutput] = {}
         ground = self.mbs.AddNode(itemInterface.NodePointGround())
@@ -74,43 +81,88 @@ class Model:
         self.driver = self._add_drive()
         # Which of x, y and angle of every body are coordinates of the system, in whose order they are.
         self.free = np.array([(True, True, body.name in self.turning) for body in scene.bodies])
+        self.begin = 0.0  # the time at which exudyn's is 0, s
+        self.unwound = np.zeros(self.free.shape)  # whole turns, rad, that have been taken off the angles
+        # Of every part so far: the polynomial of the crank's coordinate, lowest power first, the state it started
+        # from, and what had been unwound.
+        self.starts: list[tuple[list[float], tuple[Array, ...], Array]] = []
 
     def start(self, order: int) -> Array:
         """Start values of all coordinates, or their time derivatives of order 1 or 2, in exudyn's order."""
         values = start_motion(self.scene)[order][0, :-1][self.free]
         return np.asarray(values if order else np.zeros_like(values))  # coordinates are displacements from the start
 
-    def position(self) -> Reals:
-        """Present position of all bodies, the ground among them, (1, bodies, 3)."""
-        position = start_motion(self.scene)[0]
-        position[0, :-1][self.free] += np.array(self.mbs.systemData.GetODE2Coordinates())
-        return position
+    def unwind(self, position: Array) -> Array:
+        """Coordinates without the whole turns of their angles.
+
+        On position level accelerations and forces carry the rounding of angles and times over the square of the step,
+        which would grow with them: 2e-5 of the torque's peak after 300 turns.
+        """
+        whole = np.zeros_like(self.unwound)
+        whole[self.free] = position
+        whole = np.round(whole / FULL_TURN) * FULL_TURN * (0.0, 0.0, 1.0)
+        self.unwound += whole
+        return np.asarray(position - whole[self.free])
+
+    @property
+    def crank_origin(self) -> float:
+        """The crank angle φ at which the crank's coordinate is 0, rad."""
+        return self.scene.crank_angle + float(self.unwound[list(self.nodes).index(self.scene.crank), ANGLE])
+
+    def set_drive(self, part: Interval) -> None:
+        """Let the solver itself run the crank's angle and speed over the time since the start of a part.
+
+        Python functions take a third more time.
+        """
+        from exudyn.advancedUtilities import CreateSymbolicUserFunction as Symbolic
+
+        self.begin = part.start
+        terms = self.drive_terms(part)
+        self._functions = []  # exudyn does not keep them alive itself
+        for order, name in enumerate(("offsetUserFunction", "offsetUserFunction_t")):
+            self._functions.append(Symbolic(self.mbs, _polynomial(derivative(tuple(terms), order)), name, self.driver))
+            self.mbs.SetObjectParameter(self.driver, name, self._functions[-1])
+
+    def drive_terms(self, part: Interval) -> list[float]:
+        """The crank's coordinate as a polynomial of the time since the start of a part, lowest power first."""
+        if part.segment is None:
+            return []
+        terms = [
+            float(part.segment.value(part.start, order)) / math.factorial(order)
+            for order in range(len(part.segment.coefficients))
+        ]
+        terms[0] -= self.crank_origin
+        return terms
+
+    def hold_drive(self, angle: float) -> None:
+        """Keep the crank at an angle, rad."""
+        self.mbs.SetObjectParameter(self.driver, "offsetUserFunction", 0)
+        self.mbs.SetObjectParameter(self.driver, "offset", angle - self.crank_origin)
 
     def _object(self, kind: str, **data: Foreign) -> Foreign:
         return self.mbs.AddObject(getattr(self.items, f"Object{kind}")(**data))
 
-    def _marker(self, kind: str, **data: Foreign) -> int:
-        return int(self.mbs.AddMarker(getattr(self.items, f"Marker{kind}")(**data)))
+    def _marker(self, kind: str, **data: Foreign) -> Foreign:
+        return self.mbs.AddMarker(getattr(self.items, f"Marker{kind}")(**data))
 
-    def _load(self, kind: str, marker: int, **data: Foreign) -> None:
+    def _load(self, kind: str, marker: Foreign, **data: Foreign) -> None:
         self.mbs.AddLoad(getattr(self.items, f"Load{kind}")(markerNumber=marker, **data))
 
-    def _coordinate(self, body: str, number: int) -> int:
+    def _coordinate(self, body: str, number: int) -> Foreign:
         """Marker of one coordinate of a body; the ground's for what does not move."""
         if body == GROUND or (number == ANGLE and body not in self.turning):
             return self.fixed
         return self._marker("NodeCoordinate", nodeNumber=self.nodes[body], coordinate=number)
 
-    def _point(self, body: str, anchor: Vector) -> int:
+    def _point(self, body: str, anchor: Vector) -> Foreign:
         """Marker of a point of a body."""
         x, y = anchor
         if body != GROUND and body not in self.turning:  # a point mass has no frame of its own
-            angle = next(b.angle for b in self.scene.bodies if b.name == body)
-            c, s = math.cos(angle), math.sin(angle)
+            c, s = math.cos(self.angles[body]), math.sin(self.angles[body])
             x, y = c * x - s * y, s * x + c * y
         return self._marker("BodyPosition", bodyNumber=self.objects[body], localPosition=[x, y, 0.0])
 
-    def _frame(self, body: str, anchor: Vector) -> int:
+    def _frame(self, body: str, anchor: Vector) -> Foreign:
         """Marker of a point of a body together with the body's orientation."""
         return self._marker("BodyRigid", bodyNumber=self.objects[body], localPosition=[*anchor, 0.0])
 
@@ -128,7 +180,7 @@ class Model:
             )
             shape, inertia = "RigidBody2D", {"inertia": body.inertia or 0.0}
             self.turning.add(body.name)
-        self.nodes[body.name] = number = int(self.mbs.AddNode(node))
+        self.nodes[body.name] = number = self.mbs.AddNode(node)
         self.objects[body.name] = self._object(shape, mass=body.mass, nodeNumber=number, **inertia)
         held = any(self.plain or joint.host != GROUND for joint in joints)  # by a prismatic joint
         if straight and body.name in self.turning and not held:
@@ -164,8 +216,7 @@ class Model:
 
     def _add_line(self, joint: GuidedJoint, *, turning: bool) -> None:
         """Add exudyn's prismatic joint; a pin in a slot is one without its condition on the angle."""
-        angles = {body.name: body.angle for body in self.scene.bodies}
-        turned = angles.get(joint.host, 0.0) - angles.get(joint.body, 0.0)
+        turned = self.angles[joint.host] - self.angles[joint.body]
         (x, y), c, s = joint.along, math.cos(turned), math.sin(turned)
         item = self._object(
             "JointPrismatic2D",
@@ -187,25 +238,34 @@ class Model:
                 self._add_law("Coordinate", marker, "load", torque.torque, lambda value: value[0])
 
     def _add_law(
-        self, kind: str, marker: int, name: str, law: Law, shaped: Callable[[Sequence[float]], Foreign]
+        self, kind: str, marker: Foreign, name: str, law: Law, shaped: Callable[[Sequence[float]], Foreign]
     ) -> None:
         """Add a load; ``shaped`` brings its components into exudyn's form."""
         if law.is_constant:
             self._load(kind, marker, **{name: shaped(law.values.tolist())})
             return
         over_turn = self._over_turn(law)
-        self._load(kind, marker, **{f"{name}UserFunction": lambda mbs, t, _load: shaped(over_turn(mbs, t))})
+        told = self._over_turn_told(law, "[*{}, 0.0]" if len(law.values.T) > 1 else "{}[0]")
+        function = Sourced(lambda mbs, t, _load: shaped(over_turn(mbs, t)), told)
+        self._load(kind, marker, **{f"{name}UserFunction": function})
 
     def _over_turn(self, law: Law) -> Callable[[Foreign, float], tuple[float, ...]]:
         """A load as a function of system and time; a prescribed crank's angle is a matter of the time alone."""
         value, drive = law.of_float(), self.scene.drive
         if isinstance(drive, Prescribed):
-            segments = drive.motion.segments
-            at_time = lru_cache(maxsize=1)(lambda t: value(crank_angle(segments, t)))  # asked for at every iteration
-            return lambda _mbs, t: at_time(t)
+            at_time = lru_cache(maxsize=1)(lambda t: value(_crank_angle(drive, t)))  # asked for at every iteration
+            return lambda _mbs, t: at_time(self.begin + t)
         start, node = self.scene.crank_angle, self.nodes[self.scene.crank]
         coordinates = self.exudyn.OutputVariableType.Coordinates
         return lambda mbs, _t: value(start + mbs.GetNodeOutput(node, coordinates)[ANGLE])
+
+    def _over_turn_told(self, law: Law, shape: str) -> str:
+        """The same as Python source, in a shape; ``begin`` is the time at which exudyn's is 0."""
+        drive, start = self.scene.drive, self.scene.crank_angle
+        angle = f"{start!r} + mbs.GetNodeOutput({self.nodes[self.scene.crank]}, {COORDINATES})[2]"
+        if isinstance(drive, Prescribed):
+            angle = _angle_told(drive, "(begin + t)")
+        return f"lambda mbs, t, load: {shape.format(f'at_angle({law_told(law)}, {angle})')}"
 
     def _add_springs(self) -> None:
         """Add the springs between points and the dampers between bodies."""
@@ -228,7 +288,43 @@ class Model:
         crank = self._coordinate(self.scene.crank, ANGLE)
         drive = self.scene.drive
         if isinstance(drive, Prescribed):
-            return self._object("ConnectorCoordinate", markerNumbers=[self.fixed, crank])
+            driver = self._object("ConnectorCoordinate", markerNumbers=[self.fixed, crank])
+            if self.plain:
+                start = self.scene.crank_angle
+                self.mbs.SetObjectParameter(driver, "offsetUserFunction", Sourced(
+                    lambda _mbs, t, _item, _offset: _crank_angle(drive, t) - start,
+                    f"lambda mbs, t, item, offset: {_angle_told(drive)} - {start!r}",
+                ))  # fmt: skip
+            return driver
         if drive.torque:
             self._load("Coordinate", crank, load=drive.torque)
         return None
+
+
+def _crank_angle(drive: Prescribed, time: float) -> float:
+    """φ at any time of a motion, rad."""
+    segments = drive.motion.segments
+    return float(next((s for s in segments if time <= s.end), segments[-1]).value(time))
+
+
+def _angle_told(drive: Prescribed, time: str = "t") -> str:
+    """φ at a time as Python source."""
+    told = ""
+    for number, segment in enumerate(drive.motion.segments, 1 - len(drive.motion.segments)):
+        total = ""
+        for coefficient in reversed(segment.coefficients):
+            total = f"({total} * ({time} - {segment.start!r}) + {coefficient!r})" if total else repr(coefficient)
+        told += f"{total} if {time} <= {segment.end!r} else " if number else total
+    return f"({told})"
+
+
+def _polynomial(coefficients: Sequence[float]) -> Callable[..., Foreign]:
+    """A polynomial, highest power first, in the form exudyn asks a function of time to have."""
+
+    def value(_mbs: Foreign, t: Foreign, _item: Foreign, _offset: Foreign) -> Foreign:
+        result = coefficients[0] + 0.0 * t  # a symbolic function has to return a symbolic
+        for coefficient in coefficients[1:]:
+            result = result * t + coefficient
+        return result
+
+    return value

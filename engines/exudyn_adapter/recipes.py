@@ -1,8 +1,4 @@
-"""What exudyn is told to do: its rules for a time step, and the recipes that are made of them.
-
-A setting is a recipe that looks for its step until its accuracy is met; a method is one that takes the step it is
-given, once.
-"""
+"""What exudyn is told to do: its rules for a time step, the settings, and the methods that can be studied."""
 
 from __future__ import annotations
 
@@ -10,165 +6,107 @@ import math
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
-from analytic.errors import UnknownNameError
-from engines.contract import Method, Setting
-from engines.scene import Free, Scene
-from engines.stepping.intervals import Pace
+from engines.contract import Setting
+from engines.scene import Free, Prescribed
+from engines.stepping import stepped_engine
 
-TIGHTER = 1e-2  # absolute tolerance of Newton's method over its relative one, as exudyn has it
-RETREAT = 2.0  # the cut of a step that failed, which says nothing of the step that would do
-LEAST_CUT, LARGEST_CUT = 1.5, 4.0  # of the step from one attempt to the next
-# Turns between fresh starts: what drifts off the joints in these does not show beside the rule's own error. No whole or
-# half turn, so that the starts come upon a linkage in ever other positions.
-CLOSED_EVERY = 1.7
 EFFORT_UNIT = "relative tolerance"
-ODD = (1, 3, 5, 7)  # divisions that keep the sign of what alternates from step to step
-
-
-@dataclass(frozen=True)
-class Rule:
-    """One of exudyn's rules for a time step, constraints on position (index 3) or velocity level (index 2).
-
-    ``orders`` are the powers of the step in its error. ``damping`` is the spectral radius at infinite frequency of the
-    generalised α rule, None for the trapezoidal rule; a rule ``as_shipped`` leaves every setting of exudyn's alone.
-    """
-
-    name: str
-    orders: tuple[int, ...]
-    index: int
-    damping: float | None = None
-    as_shipped: bool = False
-
-
-TRAPEZOIDAL = Rule("implicit trapezoidal rule", (2, 4, 6, 8), 2)
-
-
-def generalised_alpha(damping: float) -> Rule:
-    """Generalised α (J. Chung, G. M. Hulbert, ASME Journal of Applied Mechanics 60, 1993).
-
-    exudyn has it on position level only. Its auxiliary accelerations start as the true ones, which leaves the
-    multipliers first order for some steps behind every start.
-    """
-    return Rule(f"generalised α, spectral radius {damping:g}", (2, 3, 4, 5), 3, damping)
-
-
-AS_SHIPPED = replace(generalised_alpha(0.9), as_shipped=True)
+ODD = (1, 3, 5, 7)  # steps to a sample that keep the sign of what alternates from step to step
 
 
 @dataclass(frozen=True, kw_only=True)
-class Recipe(Pace):
-    """A rule, how fine its basic step is, and the ``divisions`` of that step that are run and extrapolated.
+class ExudynRecipe(stepped_engine.Recipe):
+    """One of exudyn's rules for a time step, constraints on position (``index`` 3) or velocity level (2).
 
-    At least ``levels`` divisions are run, the others if the estimated error of accelerations and torque, relative to
-    their peaks, is above ``accuracy``; if that does not do, all is done again with a shorter step, ``attempts`` times
-    in all. ``tolerance`` is Newton's relative one; None leaves exudyn's own.
+    ``damping`` is the spectral radius at infinite frequency of the generalised α rule, None for the trapezoidal rule;
+    a rule ``as_shipped`` leaves every setting of exudyn's alone. ``effort`` is the tolerance of Newton's corrections,
+    absolute and relative. ``adaptive`` lets exudyn halve a step in which they do not die out.
     """
 
-    rule: Rule
-    divisions: tuple[int, ...] = (1,)
-    tolerance: float | None = None
-    levels: int = 1
-    accuracy: float = math.inf
-    attempts: int = 1
+    index: int = 2
+    damping: float | None = None
+    as_shipped: bool = False
+    adaptive: bool = False
 
     def details(self) -> dict[str, str | int | float]:
-        """The recipe in words, for the record of a run."""
+        """The rule in words, for the record of a run."""
+        rule = f"generalised α, spectral radius {self.damping:g}" if self.damping else "implicit trapezoidal rule"
         told: dict[str, str | int | float] = {
-            "integrator": self.rule.name,
-            "constraints": f"on {'velocity' if self.rule.index == 2 else 'position'} level",
-            "newton": "as shipped" if self.rule.as_shipped else "modified, Jacobian updated every step",
+            "integrator": rule,
+            "constraints": f"on {'velocity' if self.index == 2 else 'position'} level",
+            "newton": "as shipped" if self.as_shipped else "modified, Jacobian updated every step",
         }
-        if self.tolerance is not None:
-            told["relative_tolerance"] = self.tolerance
-            told["absolute_tolerance"] = TIGHTER * self.tolerance
-        if math.isfinite(self.turns):
-            told["turns_between_starts"] = self.turns
-        if self.steps_per_turn:
-            told["steps_per_turn"] = round(self.steps_per_turn, 1)
+        if self.effort is not None:
+            told["tolerance"] = self.effort
         return told
 
-    def finer(self, error: float) -> Recipe:
-        """The recipe with a step that should bring ``error`` down to the accuracy wanted."""
-        cut = 1.1 * (error / self.accuracy) ** (0.5 / len(self.divisions)) if math.isfinite(error) else RETREAT
-        return replace(self, steps_per_turn=self.steps_per_turn * min(max(cut, LEAST_CUT), LARGEST_CUT))
 
+# Generalised α (J. Chung, G. M. Hulbert, ASME Journal of Applied Mechanics 60, 1993); exudyn has it on position level
+# only. Its auxiliary accelerations start as the true ones, which leaves the multipliers first order for some steps
+# behind every start.
+ALPHA = ExudynRecipe(index=3, damping=0.9, effort=1e-10, orders=(2, 3, 4, 5))
+# Second order in the multipliers too. But these and the accelerations carry an undamped part that changes sign from
+# step to step, as large as whatever does not fit at the start: 9.5 % of the peak torque for ever after a linear ramp's
+# kink if nothing is done. What fresh starts leave of it goes in the extrapolation, all steps being odd fractions of the
+# longest. Positions drift off the joints, by a hundred-thousandth of a link in every turn of 500 steps: 1.7 turns keep
+# that below the rule's own error, and being no whole or half number bring the starts upon ever other positions.
+TRAPEZOIDAL = ExudynRecipe(effort=1e-10, turns=1.7)
+NAIVE = replace(ALPHA, effort=None, as_shipped=True, step=1e-3, restarted=False, in_own_units=False)
 
-def _searching(levels: int, steps_per_turn: float, accuracy: float, tolerance: float) -> Recipe:
-    return Recipe(
-        rule=TRAPEZOIDAL,
-        divisions=ODD,
-        tolerance=tolerance,
-        steps_per_turn=steps_per_turn,
-        levels=levels,
-        accuracy=accuracy,
-        attempts=4,
-        turns=CLOSED_EVERY,
-        least_steps=100,
-    )
-
-
-NAIVE = Recipe(rule=AS_SHIPPED, step=1e-3)
-# From work against precision of the methods below on the catalogue's mechanisms: fourth order is cheapest down to 1e-5
-# of the torque's peak, sixth down to 1e-7, eighth below; 50 steps a turn are the fewest whose samples can be read
-# between. Smooth linkages stay at fourth order in tuned, sharp ones get the divisions they need.
-PRESCRIBED: Mapping[Setting, Recipe] = {
-    Setting.NAIVE: NAIVE,
-    Setting.TUNED: _searching(2, 50, 1.5e-5, 1e-9),
-    Setting.BEST: _searching(4, 50, 1e-7, 1e-12),
+# Largest errors of one run over the quintic run-up of the catalogue's five mechanisms, by steps a turn:
+#     steps    Mkr     Jeq     v       a       joint force   s a run
+#     1000     1.7e-3  3.4e-5  1.9e-5  6.2e-4  1.5e-3        0.1-0.2
+#     2000     3.0e-5  8.6e-6  4.8e-6  2.2e-5  2.7e-5        0.2-0.4
+#     4000     7.4e-6  2.1e-6  1.2e-6  5.5e-6  6.8e-6        0.3-0.7
+#     8000     4.4e-6  5.4e-7  3.0e-7  1.4e-6  1.7e-6        0.5-1.3
+# Made-up linkages are up to seven times sharper. A spectral radius of 0.6 forgets a start within 20 steps.
+TUNED = replace(
+    ALPHA,
+    damping=0.6,
+    effort=1e-8,
+    adaptive=True,
+    steps_per_turn=100,
+    ratios=(40,),
+    graded=True,
+    turns=10,
+    least_steps=100,
+)
+BEST = replace(TRAPEZOIDAL, effort=1e-12, steps_per_turn=150, ratios=ODD, least_steps=100)
+SETTINGS: Mapping[type, Mapping[Setting, ExudynRecipe]] = {
+    Prescribed: {Setting.NAIVE: NAIVE, Setting.TUNED: TUNED, Setting.BEST: BEST},
+    # A free crank adds its phase error up over all turns: 160 in 10 s of the slotted take-up, where 1600 steps a turn
+    # leave 2e-7 of the angle and 7e-4 of the acceleration.
+    Free: {
+        Setting.NAIVE: NAIVE,
+        Setting.TUNED: replace(TUNED, ratios=(16,)),
+        Setting.BEST: replace(BEST, steps_per_turn=100),
+    },
 }
-# A free crank adds up its phase error over all turns, which eighth order pays for even at a few digits.
-FREE: Mapping[Setting, Recipe] = {
-    Setting.NAIVE: NAIVE,
-    Setting.TUNED: _searching(4, 20, 2e-3, 1e-10),
-    Setting.BEST: _searching(4, 40, 2e-5, 1e-12),
-}
 
 
-def setting_recipe(scene: Scene, setting: Setting) -> Recipe:
-    """What a setting does with a scene."""
-    return (FREE if isinstance(scene.drive, Free) else PRESCRIBED)[setting]
-
-
-def _extrapolated(count: int) -> tuple[str, Recipe]:
+def _extrapolated(count: int) -> tuple[str, ExudynRecipe]:
     parts = ", 1/".join(map(str, ODD[:count]))
-    about = (
-        f"the same at 1/{parts} of the step, extrapolated to order {2 * count}, closed again every {CLOSED_EVERY} turns"
-    )
-    return about, Recipe(rule=TRAPEZOIDAL, divisions=ODD[:count], tolerance=1e-12, levels=count, turns=CLOSED_EVERY)
+    about = f"the same at 1/{parts} of the step, extrapolated to order {2 * count}"
+    return about, replace(TRAPEZOIDAL, ratios=ODD[:count], effort=1e-12)
 
 
-STUDIED: Mapping[str, tuple[str, Recipe]] = {
+STUDIED: Mapping[str, tuple[str, ExudynRecipe]] = {
     "defaults": ("a rigid body for every link, the drive a Python function, exudyn's settings as shipped", NAIVE),
     "generalised alpha": (
         "generalised α as shipped (index 3, spectral radius 0.9) from consistent accelerations, restarted at jumps",
-        Recipe(rule=generalised_alpha(0.9), tolerance=1e-10),
+        ALPHA,
     ),
     "generalised alpha 0.6": (
         "the same with a spectral radius of 0.6, which forgets a start sooner",
-        Recipe(rule=generalised_alpha(0.6), tolerance=1e-10),
+        replace(ALPHA, damping=0.6),
     ),
     "trapezoidal, index 3": (
         "the implicit trapezoidal rule, constraints on position level: nothing damps the multipliers",
-        Recipe(rule=replace(TRAPEZOIDAL, index=3), tolerance=1e-10),
+        replace(TRAPEZOIDAL, index=3, turns=math.inf),
     ),
     "trapezoidal": (
-        "the implicit trapezoidal rule, constraints on velocity level, started anew where the acceleration jumps",
-        Recipe(rule=TRAPEZOIDAL, tolerance=1e-10),
+        "the implicit trapezoidal rule, constraints on velocity level, started anew at jumps and every 1.7 turns",
+        TRAPEZOIDAL,
     ),
     **{f"trapezoidal x{count}": _extrapolated(count) for count in (2, 3, 4)},
 }
-
-
-def studied_methods() -> tuple[Method, ...]:
-    """All methods, the same for prescribed and free cranks."""
-    return tuple(
-        Method(name, about, len(recipe.divisions), recipe.tolerance, EFFORT_UNIT)
-        for name, (about, recipe) in STUDIED.items()
-    )
-
-
-def method_recipe(method: Method, step: float) -> Recipe:
-    """What a method does at a longest step, s; raises UnknownNameError for a method that is not exudyn's."""
-    if method.name not in STUDIED:
-        raise UnknownNameError("method", method.name, STUDIED)
-    return replace(STUDIED[method.name][1], tolerance=method.effort, step=step)

@@ -6,6 +6,14 @@ pin's body at the pin (or the body must not turn). Elsewhere it settles on a wro
 breaks this loses a point mass that is pinned to it, chosen so that the rest has its mass centre where the groove wants
 it. A host of several grooves gets a rail for each line its centre cannot be put on: a part of its own, pinned and
 geared to it. The parts together have the mass, mass centre and inertia of the body, so the motion is the same.
+
+pymunk's solver visits joint after joint, and what it leaves undone shrinks the more slowly, the lighter a body is
+beside its neighbours and the smaller its inertia is about a mass centre far from its pins. At a pivot on the ground
+there is a cure: mass that rests there takes part in nothing. So a body that turns about the ground is carried by a
+heavy part whose centre is that pivot and which has most of its inertia, and a point mass near the pivot has the moment
+of the body's mass about it; a constant force on the pivot takes off what they weigh too much. A driven crank
+gets a flywheel besides, whose share of the torque is taken off where it is read. Measured on random linkages: five to
+thirty times fewer iterations.
 """
 
 from __future__ import annotations
@@ -18,13 +26,29 @@ from typing import TypeAlias, TypeVar
 
 import numpy as np
 
+from analytic.description.law import Law
 from analytic.description.linkage import GROUND, Vector, rotate, unit
 from engines.mechanics.joints import JointEquations
 from engines.mechanics.states import body_numbers, point_acceleration, point_velocity, pose_of, start_motion
-from engines.scene import Body, GuidedJoint, PinJoint, PointSpring, Scene, SliderJoint, SlotJoint
+from engines.scene import (
+    AppliedForce,
+    Body,
+    GuidedJoint,
+    PinJoint,
+    PointSpring,
+    Prescribed,
+    Scene,
+    SliderJoint,
+    SlotJoint,
+)
 
 # Distances below this share of the scene's size are zero.
 CLOSE = 1e-12
+
+# Mass that rests on a pivot, over the scene's; a flywheel, over its mass at the crank's joint; and the shares of a
+# body's inertia about its pivot that go to the pins of slots, and to the point mass. Measured on random linkages: five
+# times as much of the first three changes the iterations by a tenth, and more makes the torque noisier.
+RESTING, FLYWHEEL, SHOES, POINT = 10.0, 3.0, 0.25, 0.25
 
 
 @dataclass(frozen=True)
@@ -70,6 +94,7 @@ class PartLayout:
     holds: tuple[Hold, ...]
     inner: frozenset[str]
     reach: float
+    flywheel: float = 0.0
 
     @cached_property
     def equations(self) -> JointEquations:
@@ -81,6 +106,12 @@ class PartLayout:
     def crank(self) -> int:
         """Number of the driven part."""
         return body_numbers(self.scene)[self.scene.crank]
+
+    @property
+    def freedom(self) -> int:
+        """Degrees of freedom that the joints leave by count; the free turning of parts without inertia is none."""
+        coordinates = sum(2 if part.inertia is None else 3 for part in self.parts)
+        return coordinates - sum(2 if isinstance(hold, PinJoint) else 1 for hold in self.holds)
 
     @property
     def carried(self) -> int:
@@ -96,6 +127,13 @@ def plain_layout(scene: Scene) -> PartLayout:
 def exact_layout(scene: Scene) -> PartLayout:
     """The scene cut so that every groove is exact."""
     return _Cutter(scene, cut=True).layout()
+
+
+def _ends(joint: PinJoint | GuidedJoint) -> tuple[tuple[str, Vector], tuple[str, Vector]]:
+    """The two bodies of a joint, each with the place of the joint in its frame."""
+    if isinstance(joint, PinJoint):
+        return (joint.first, joint.first_anchor), (joint.second, joint.second_anchor)
+    return (joint.body, joint.anchor), (joint.host, joint.through)
 
 
 def _minus(a: Vector, b: Vector) -> Vector:
@@ -146,6 +184,9 @@ class _Cutter:
         self.cut_off: dict[str, BodyPart] = {}
         self.shoes: dict[str, str] = {}  # slot name -> the point mass that is its pin
         self.rails: dict[str, str] = {}  # slot or slider name -> the rail that has its line
+        self.lifts: list[AppliedForce] = []  # what takes off too much weight
+        driven = cut and isinstance(scene.drive, Prescribed)
+        self.flywheel = FLYWHEEL * sum(body.mass for body in scene.bodies) * self._throw() ** 2 if driven else 0.0
 
     def layout(self) -> PartLayout:
         parts = {body.name: self.carrier(body.name) for body in self.scene.bodies} | self.cut_off
@@ -170,10 +211,11 @@ class _Cutter:
             pins=tuple(pins),
             sliders=tuple(sliders),
             slots=tuple(slots),
-            forces=tuple(replace(f, anchor=self._anchor(f.body, f.anchor)) for f in self.scene.forces),
+            forces=tuple(replace(f, anchor=self._anchor(f.body, f.anchor)) for f in (*self.scene.forces, *self.lifts)),
             springs=tuple(map(self._fastened, self.scene.springs)),
         )
-        return PartLayout(scene, tuple(parts.values()), tuple(holds), frozenset(self.cut_off), self.reach)
+        inner = frozenset(self.cut_off)
+        return PartLayout(scene, tuple(parts.values()), tuple(holds), inner, self.reach, self.flywheel)
 
     def _bodies(self, parts: Mapping[str, BodyPart]) -> tuple[Body, ...]:
         """The parts as bodies, in the state their owners start in."""
@@ -201,8 +243,58 @@ class _Cutter:
             body = self.scene.bodies[self.number[name]]
             turning = self.scene.can_turn(body)
             part = BodyPart(self.number[name], body.mass, body.inertia if turning else None, (0.0, 0.0))
-            self.carriers[name] = self._cut(name, part) if self.cut and turning else part
+            if self.cut and turning:
+                if name == self.scene.crank:
+                    part = replace(part, inertia=(part.inertia or 0.0) + self.flywheel)
+                pivot = self._pivot(name)
+                part = self._cut(name, part) if pivot is None else self._pivoted(name, part, pivot)
+            self.carriers[name] = part
         return self.carriers[name]
+
+    def _throw(self) -> float:
+        """Largest distance between joints of the crank, m."""
+        anchors = [
+            anchor
+            for joint in (*self.scene.pins, *self.scene.guided)
+            for body, anchor in _ends(joint)
+            if body == self.scene.crank
+        ]
+        return max(math.dist(one, other) for one in anchors for other in anchors)
+
+    def _pivot(self, name: str) -> Vector | None:
+        """Where a body turns about the ground, in its frame, if grooves allow for a part that is carried there."""
+        pivots = [dict(_ends(pin))[name] for pin in self.scene.pins if {pin.first, pin.second} == {name, GROUND}]
+        if not pivots:
+            return None
+        nearest = self._nearest(list(self._lines(name).values()), pivots[0])
+        return pivots[0] if nearest is not None and math.dist(nearest, pivots[0]) <= CLOSE * self.reach else None
+
+    def _pivoted(self, name: str, part: BodyPart, pivot: Vector) -> BodyPart:
+        """The heavy part at a pivot; what else the body consists of is cut off."""
+        assert part.inertia is not None
+        arm = _minus(part.offset, pivot)
+        inertia = whole = part.inertia + part.mass * (arm[0] ** 2 + arm[1] ** 2)
+        moment = np.multiply(part.mass, arm)
+        slots = [s for s in self.scene.slots if s.body == name and math.dist(s.anchor, pivot) > CLOSE * self.reach]
+        points = []
+        for slot in slots:
+            away = np.subtract(slot.anchor, pivot)
+            points.append(SHOES / len(slots) * whole / float(away @ away))
+            moment -= points[-1] * away
+            self.shoes[slot.name] = self._keep(BodyPart(part.owner, points[-1], None, slot.anchor))
+            inertia -= SHOES / len(slots) * whole
+        size = float(np.hypot(*moment))
+        if size * self.reach > CLOSE * whole:
+            near = POINT * whole / size
+            points.append(size / near)
+            x, y = (near / size * moment).tolist()
+            self._keep(BodyPart(part.owner, points[-1], None, (pivot[0] + x, pivot[1] + y)))
+            inertia -= POINT * whole
+        mass = RESTING * (sum(points) + sum(body.mass for body in self.scene.bodies))
+        if any(self.scene.gravity):
+            lift = np.multiply(part.mass - mass - sum(points), self.scene.gravity)
+            self.lifts.append(AppliedForce(name, pivot, Law(lift)))
+        return BodyPart(part.owner, mass, inertia, pivot)
 
     def _cut(self, name: str, part: BodyPart) -> BodyPart:
         for slot in self.scene.slots:

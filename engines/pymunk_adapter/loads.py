@@ -12,7 +12,7 @@ from collections.abc import Callable
 from typing import TYPE_CHECKING
 
 from analytic.description.linkage import GROUND
-from engines.pymunk_adapter.space import World
+from engines.pymunk_adapter.space import PymunkWorld
 from engines.scene import AppliedForce, PointSpring, TurnDamper
 
 if TYPE_CHECKING:
@@ -20,17 +20,17 @@ if TYPE_CHECKING:
 
 
 class StepLoads:
-    """The loads that have to be set anew before every step of ``step`` seconds.
+    """The loads that have to be set anew before every step.
 
     ``ahead`` aims them at the positions and velocities of the step to come; else they are those of the last one, as a
     newcomer would have them.
     """
 
-    def __init__(self, world: World, step: float, *, ahead: bool) -> None:
+    def __init__(self, world: PymunkWorld, *, ahead: bool) -> None:
         scene = world.layout.scene
+        self._ahead, self.reach = ahead, 0.0
         self._crank = world.crank
         self._ground = world.space.static_body
-        self._reach = step if ahead else 0.0
         self._sums: dict[pymunk.Body, list[float]] = {}
         self._turning = any(not load.force.is_constant for load in scene.forces) or any(
             not load.torque.is_constant for load in scene.torques
@@ -54,9 +54,10 @@ class StepLoads:
     def __bool__(self) -> bool:
         return bool(self._parts)
 
-    def __call__(self) -> None:
-        """Set everything for the next step."""
-        angle = self._crank.angle + self._reach * self._crank.angular_velocity if self._turning else 0.0
+    def __call__(self, step: float) -> None:
+        """Set everything for the next step, s."""
+        self.reach = step if self._ahead else 0.0
+        angle = self._crank.angle + self.reach * self._crank.angular_velocity if self._turning else 0.0
         for total in self._sums.values():
             total[0] = total[1] = total[2] = 0.0
         for part in self._parts:
@@ -71,13 +72,13 @@ class StepLoads:
         total = [0.0, 0.0, 0.0]
         return total if body is self._ground else self._sums.setdefault(body, total)
 
-    def _force(self, world: World, load: AppliedForce) -> Callable[[float], None]:
+    def _force(self, world: PymunkWorld, load: AppliedForce) -> Callable[[float], None]:
         body = world.ends[load.body]
-        (x, y), reach, total = load.anchor, self._reach, self._total(body)
+        (x, y), total = load.anchor, self._total(body)
         law = load.force.of_float()
 
         def add(angle: float) -> None:
-            turn = body.angle + reach * body.angular_velocity
+            turn = body.angle + self.reach * body.angular_velocity
             c, s = math.cos(turn), math.sin(turn)
             fx, fy = law(angle)
             total[0] += fx
@@ -94,7 +95,7 @@ class StepLoads:
 
         return add
 
-    def _damper(self, world: World, damper: TurnDamper) -> Callable[[float], None]:
+    def _damper(self, world: PymunkWorld, damper: TurnDamper) -> Callable[[float], None]:
         first, second = world.ends[damper.first], world.ends[damper.second]
         first_total, second_total = self._total(first), self._total(second)
         coefficient, last = damper.coefficient, first.angular_velocity - second.angular_velocity
@@ -111,7 +112,6 @@ class StepLoads:
 
     def _dashpot(self, spring: PointSpring, engine: pymunk.DampedSpring) -> Callable[[float], None]:
         """A dashpot as a change of its spring's rest length, its speed from the lengths at three instants."""
-        reach = self._reach
         ends = [(engine.a, *engine.anchor_a), (engine.b, *engine.anchor_b)]
         stretch = spring.damping / engine.stiffness
 
@@ -123,12 +123,14 @@ class StepLoads:
                 places.append((px + ahead * vx + c * x - s * y, py + ahead * vy + s * x + c * y))
             return math.dist(*places)
 
-        last, second_last = length(reach), length(0.0)
+        last = second_last = math.nan
 
         def add(_angle: float) -> None:
             nonlocal last, second_last
-            now = length(reach)
-            speed = (3.0 * now - 4.0 * last + second_last) / (2.0 * reach)
+            if math.isnan(last):
+                last, second_last = length(0.0), length(-self.reach)
+            now = length(self.reach)
+            speed = (3.0 * now - 4.0 * last + second_last) / (2.0 * self.reach)
             last, second_last = now, last
             engine.rest_length = (spring.length if spring.stiffness else now) - stretch * speed
 

@@ -7,9 +7,14 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Final, TypeAlias
 
+import numpy as np
+from numpy.typing import NDArray
+
+from analytic.description.crank_motion import CrankMotion
 from analytic.description.linkage import GROUND
 from engines.pymunk_adapter.layout import Gear, Hold, PartLayout, start_turn
-from engines.scene import AppliedForce, Body, PinJoint, PointSpring, Scene
+from engines.pymunk_adapter.solver import ANGLES
+from engines.scene import AppliedForce, Body, PinJoint, PointSpring, Prescribed, Scene
 
 if TYPE_CHECKING:
     import pymunk
@@ -21,23 +26,12 @@ FAR: Final = 1e15
 
 
 @dataclass(frozen=True)
-class Rig:
-    """A scene made ready for pymunk: how it is cut into parts, and the solver's iterations per step.
-
-    Where ``checked``, a pass whose motion is not the scene's ends the run; else only one that cannot be read out does.
-    """
-
-    scene: Scene
-    layout: PartLayout
-    iterations: int
-    checked: bool
-
-
-@dataclass(frozen=True)
-class World:
+class PymunkWorld:
     """A built space; ``bodies`` in the order of the layout's parts, ``springs`` in that of the scene's.
 
-    ``ends`` has all bodies by name, the ground among them.
+    ``ends`` has all bodies by name, the ground among them; ``constraints`` are in the order of the layout's holds.
+    ``motor`` drives the crank against a torque of ``offset``, N m, that keeps the sign of what it exerts.
+    ``iterations`` (ANGLES + 1,) are those at even crank angles from the start on (see ``solver.way``).
     """
 
     layout: PartLayout
@@ -46,52 +40,68 @@ class World:
     bodies: tuple[pymunk.Body, ...]
     constraints: tuple[pymunk.Constraint, ...]
     springs: tuple[pymunk.DampedSpring, ...]
+    motor: pymunk.SimpleMotor | None
+    offset: float
+    iterations: NDArray[np.float64]
 
     @property
     def crank(self) -> pymunk.Body:
         """The driven body."""
         return self.bodies[self.layout.crank]
 
-    @property
-    def visits(self) -> int:
-        """Constraint visits of a step: in every iteration the solver goes once through all constraints of the space."""
-        return int(self.space.iterations * len(self.space.constraints))
 
+def build_world(layout: PartLayout, *, plain: bool) -> PymunkWorld:
+    """Build the space in the scene's start state, with the drive on the crank and as many iterations as pymunk has.
 
-def build_world(
-    layout: PartLayout, *, iterations: int | None, error_bias: float | None, native_damping: bool = False
-) -> World:
-    """Build the space in the scene's start state, at rest; None leaves pymunk's default.
-
-    No shapes, hence no collisions; gravity only where there is any. ``native_damping`` lets pymunk's own springs damp,
-    which they do to first order; else dampers and dashpots are stepped beside them (see ``loads``).
+    No shapes, hence no collisions; gravity only where there is any. Where ``plain``, everything is as pymunk has it:
+    its own springs damp, to first order; else dampers and dashpots are stepped beside them (see ``loads``), joints are
+    unbiased, and the motor's torque has an offset.
     """
     import pymunk
 
     scene, space = layout.scene, pymunk.Space()
-    if iterations is not None:
-        space.iterations = iterations
     if scene.gravity != (0.0, 0.0):
         space.gravity = scene.gravity
     bodies = {body.name: _body(body) for body in scene.bodies}
     ends = bodies | {GROUND: space.static_body}
-    springs = tuple(_spring(ends, spring, native_damping) for spring in scene.springs)
+    springs = tuple(_spring(ends, spring, plain) for spring in scene.springs)
     constraints = tuple(_constraint(ends, layout, hold) for hold in layout.holds)
-    if error_bias is not None:
-        for constraint in constraints:
-            constraint.error_bias = error_bias
+    for constraint in () if plain else constraints:
+        constraint.error_bias = 0.0
     pushes = [_push(ends, load) for load in scene.forces if load.force.is_constant]
     dampers = [
         pymunk.DampedRotarySpring(ends[damper.first], ends[damper.second], 0.0, 0.0, damper.coefficient)
         for damper in scene.dampers
-        if native_damping
+        if plain
     ]
     space.add(*bodies.values(), *springs, *pushes, *dampers, *constraints)
-    world = World(layout, space, ends, tuple(bodies.values()), constraints, springs)
     for load in scene.torques:
         if load.torque.is_constant and load.body != GROUND:
-            add_torque(world, bodies[load.body], float(load.torque.values[0]))
-    return world
+            _add_torque(space, bodies[load.body], float(load.torque.values[0]))
+    crank, motor, offset = bodies[scene.crank], None, 0.0
+    if isinstance(scene.drive, Prescribed):
+        offset = 0.0 if plain else torque_bound(scene, layout, scene.drive.motion)
+        motor = pymunk.SimpleMotor(space.static_body, crank, 0.0)
+    _add_torque(space, crank, offset if isinstance(scene.drive, Prescribed) else scene.drive.torque)
+    if motor is not None:
+        space.add(motor)  # last, so that an iteration leaves no error in the crank's speed
+    iterations = np.full(ANGLES + 1, float(space.iterations))
+    return PymunkWorld(layout, space, ends, tuple(bodies.values()), constraints, springs, motor, offset, iterations)
+
+
+def torque_bound(scene: Scene, layout: PartLayout, motion: CrankMotion) -> float:
+    """A torque well above any that the drive can need, N m: all mass at the scene's size, at the peak of the motion."""
+    times = np.linspace(0.0, motion.duration, 101)
+    rate = float(np.max(np.abs(motion.acceleration(times)))) + motion.peak_speed**2
+    size = layout.reach
+    weight = sum(part.mass for part in layout.parts)
+    bound = rate * (weight * size**2 + sum(part.inertia or 0.0 for part in layout.parts))
+    bound += weight * math.hypot(*scene.gravity) * size
+    bound += sum(float(np.max(np.abs(load.force.values))) for load in scene.forces) * size
+    bound += sum(float(np.max(np.abs(load.torque.values))) for load in scene.torques)
+    bound += sum(damper.coefficient for damper in scene.dampers) * motion.peak_speed
+    bound += sum(spring.stiffness + spring.damping * motion.peak_speed for spring in scene.springs) * size**2
+    return bound
 
 
 def _body(part: Body) -> pymunk.Body:
@@ -114,11 +124,11 @@ def _constraint(ends: Ends, layout: PartLayout, hold: Hold) -> pymunk.Constraint
     return pymunk.GrooveJoint(ends[hold.host], ends[hold.body], start, end, hold.anchor)
 
 
-def _spring(ends: Ends, spring: PointSpring, native_damping: bool) -> pymunk.DampedSpring:
+def _spring(ends: Ends, spring: PointSpring, plain: bool) -> pymunk.DampedSpring:
     import pymunk
 
     # A dashpot alone is stepped as a change of rest length, which needs some stiffness to act on.
-    stiffness = spring.stiffness if native_damping else spring.stiffness or spring.damping
+    stiffness = spring.stiffness if plain else spring.stiffness or spring.damping
     return pymunk.DampedSpring(
         ends[spring.first],
         ends[spring.second],
@@ -126,7 +136,7 @@ def _spring(ends: Ends, spring: PointSpring, native_damping: bool) -> pymunk.Dam
         spring.second_anchor,
         spring.length,
         stiffness,
-        spring.damping if native_damping else 0.0,
+        spring.damping if plain else 0.0,
     )
 
 
@@ -140,18 +150,10 @@ def _push(ends: Ends, load: AppliedForce) -> pymunk.DampedSpring:
     return pymunk.DampedSpring(ends[GROUND], ends[load.body], far, load.anchor, 0.0, stiffness, 0.0)
 
 
-def add_torque(world: World, body: pymunk.Body, torque: float) -> None:
+def _add_torque(space: pymunk.Space, body: pymunk.Body, torque: float) -> None:
     """A constant torque, as that of a rotary spring wound far up."""
     import pymunk
 
-    wound = math.copysign(FAR, torque)
-    world.space.add(pymunk.DampedRotarySpring(world.space.static_body, body, -wound, abs(torque) / FAR, 0.0))
-
-
-def add_motor(world: World) -> pymunk.SimpleMotor:
-    """The drive of the crank; added last, so that an iteration leaves no error in the crank's speed."""
-    import pymunk
-
-    motor = pymunk.SimpleMotor(world.space.static_body, world.crank, 0.0)
-    world.space.add(motor)
-    return motor
+    if torque:
+        wound = math.copysign(FAR, torque)
+        space.add(pymunk.DampedRotarySpring(space.static_body, body, -wound, abs(torque) / FAR, 0.0))

@@ -6,8 +6,7 @@ velocities those of tₙ + h/2, and impulses over h the loads at tₙ.
 
 from __future__ import annotations
 
-import math
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from functools import partial
 from typing import TYPE_CHECKING
@@ -15,29 +14,15 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from analytic.description.law import FULL_TURN
-from analytic.description.linkage import GROUND
-from engines.mechanics.states import body_numbers
-from engines.pymunk_adapter.layout import Gear, PartLayout
-from engines.pymunk_adapter.space import World
-from engines.stepping.driver import DivergedError
+from engines.pymunk_adapter.loads import StepLoads
+from engines.pymunk_adapter.space import PymunkWorld
 
 if TYPE_CHECKING:
     import pymunk
 
 Array = NDArray[np.float64]
 
-# Crank moves of one step while a world is put at an angle, rad: small enough for the joints to follow.
-PLACING_STEP = 0.1
-
-# A crank further than this from where it was last put, rad, has been thrown there.
-LARGEST_WAY = 1e3
-
-# Steps after which full turns are taken off the angles.
-UNWINDING = 500
-
-# Steps at rest after a move, in which the joints close (they do so quadratically).
-SETTLING_STEPS = 4
+LOOK, LOADS = 1, 2  # what is read after a step, by its bits: the parts' state, the impulses
 
 
 @dataclass(frozen=True)
@@ -45,29 +30,30 @@ class Calls:
     """The calls a run consists of.
 
     ``look`` notes every part's x, y, θ and their rates; ``collected`` hands over what was noted since it was last
-    called, (looks, parts, 2, 3).
+    called, (looks, parts, 2, 3). ``impulses`` are those of the constraints to be read, N s or N m s.
     """
 
     step: Callable[[float], object]
     set_rate: Callable[[float], object]
-    impulse: Callable[[], float]
+    set_iterations: Callable[[int], object]
+    impulses: tuple[Callable[[], float], ...]
     look: Callable[[], object]
     collected: Callable[[], Array]
 
 
-def calls(world: World, motor: pymunk.SimpleMotor | None) -> Calls:
+def calls(world: PymunkWorld, read: Iterable[pymunk.Constraint]) -> Calls:
     """The C functions behind pymunk's methods where this version has them as known, else the methods.
 
     The methods do housekeeping at every step (late removals, callbacks, type checks) that a space nobody touches does
     not need; without them a step of a small linkage takes about two thirds of the time. Results are identical.
     """
     try:
-        return direct_calls(world, motor)
+        return direct_calls(world, read)
     except (ImportError, AttributeError):
-        return public_calls(world, motor)
+        return public_calls(world, read)
 
 
-def public_calls(world: World, motor: pymunk.SimpleMotor | None) -> Calls:
+def public_calls(world: PymunkWorld, read: Iterable[pymunk.Constraint]) -> Calls:
     """The calls through pymunk's documented attributes."""
     values: list[float] = []
 
@@ -76,24 +62,22 @@ def public_calls(world: World, motor: pymunk.SimpleMotor | None) -> Calls:
             values.extend((*body.position, body.angle, *body.velocity, body.angular_velocity))
 
     def set_rate(rate: float) -> None:
-        if motor is not None:
-            motor.rate = rate
+        if world.motor is not None:
+            world.motor.rate = rate
+
+    def set_iterations(count: int) -> None:
+        world.space.iterations = count
 
     def collected() -> Array:
         result = np.array(values).reshape(-1, len(world.bodies), 2, 3)
         values.clear()
         return result
 
-    return Calls(
-        step=world.space.step,
-        set_rate=set_rate,
-        impulse=lambda: 0.0 if motor is None else float(motor.impulse),
-        look=look,
-        collected=collected,
-    )
+    impulses = tuple(partial(getattr, constraint, "impulse") for constraint in read)
+    return Calls(world.space.step, set_rate, set_iterations, impulses, look, collected)
 
 
-def direct_calls(world: World, motor: pymunk.SimpleMotor | None) -> Calls:
+def direct_calls(world: PymunkWorld, read: Iterable[pymunk.Constraint]) -> Calls:
     """The calls through pymunk's C library; raises ImportError or AttributeError where it is not as expected."""
     from pymunk import batch
     from pymunk._chipmunk_cffi import ffi, lib
@@ -114,102 +98,35 @@ def direct_calls(world: World, motor: pymunk.SimpleMotor | None) -> Calls:
         buffer.clear()
         return result
 
-    handle = None if motor is None else motor._constraint
+    motor = world.motor
     return Calls(
         step=partial(lib.cpSpaceStep, space),
-        set_rate=(lambda _rate: None) if motor is None else partial(lib.cpSimpleMotorSetRate, handle),
-        impulse=(lambda: 0.0) if motor is None else partial(lib.cpConstraintGetImpulse, handle),
+        set_rate=(lambda _rate: None) if motor is None else partial(lib.cpSimpleMotorSetRate, motor._constraint),
+        set_iterations=partial(lib.cpSpaceSetIterations, space),
+        impulses=tuple(partial(lib.cpConstraintGetImpulse, constraint._constraint) for constraint in read),
         look=look,
         collected=collected,
     )
 
 
-def march(
-    on: Calls, step: float, rates: Iterable[float], looks: Iterable[int], loads: Callable[[], None] | None
-) -> list[float]:
-    """Take one step per rate and look after those marked; returns the drive's impulses there, N m s.
+def march(on: Calls, step: float, plan: Iterable[tuple[float, int, int]], loads: StepLoads) -> list[float]:
+    """Take the steps of a plan: rate, iterations, and the mark of what is read then; returns the impulses in order.
 
     A rate is that of the step to come: it sets the velocity with which the next step moves the bodies.
     """
-    take, set_rate, impulse, look = on.step, on.set_rate, on.impulse, on.look
-    impulses = []
-    for rate, wanted in zip(rates, looks, strict=True):
-        if loads is not None:
-            loads()
+    take, set_rate, impulses, look = on.step, on.set_rate, on.impulses, on.look
+    read: list[float] = []
+    now, any_loads = 0, bool(loads)
+    for rate, count, mark in plan:
+        if any_loads:
+            loads(step)
+        if count != now:
+            on.set_iterations(count)
+            now = count
         set_rate(rate)
         take(step)
-        if wanted:
+        if mark & LOOK:
             look()
-            impulses.append(impulse())
-    return impulses
-
-
-def march_wound(
-    world: World,
-    on: Calls,
-    step: float,
-    *,
-    rates: Sequence[float],
-    looks: Sequence[int],
-    loads: Callable[[], None] | None,
-) -> tuple[Array, list[float]]:
-    """Like ``march``, in parts before each of which full turns are taken off the angles; returns what was seen as well.
-
-    Angles that grow lose digits turn by turn, the same rounding again and again at a constant speed: after a thousand
-    turns the crank is off by 1e-6 rad and accelerations carry the last digit of the angle over the step squared.
-    """
-    together = geared(world.layout)
-    turns = np.zeros(len(world.bodies))
-    seen, impulses = [on.collected().copy()], []
-    for start in range(0, len(rates), UNWINDING):
-        part = slice(start, start + UNWINDING)
-        turns += _unwind(world, together)
-        impulses += march(on, step, rates[part], looks[part], loads)
-        look = on.collected().copy()
-        look[:, :, 0, 2] += FULL_TURN * turns
-        seen.append(look)
-    for body, turned in zip(world.bodies, turns.tolist(), strict=True):
-        body.angle += FULL_TURN * turned
-    return np.concatenate(seen), impulses
-
-
-def geared(layout: PartLayout) -> list[list[int]]:
-    """The parts by number, those together that gears keep at fixed angles to each other."""
-    group, numbers = list(range(len(layout.parts))), body_numbers(layout.scene)
-    for hold in layout.holds:
-        if isinstance(hold, Gear) and hold.host != GROUND:
-            old, new = group[numbers[hold.host]], group[numbers[hold.body]]
-            group = [new if own == old else own for own in group]
-    return [[number for number, own in enumerate(group) if own == chosen] for chosen in sorted(set(group))]
-
-
-def _unwind(world: World, together: Sequence[Sequence[int]]) -> Array:
-    """Take the full turns off the angles, parts that turn together alike; returns how many they were."""
-    turns = np.zeros(len(world.bodies))
-    for parts in together:
-        angle = world.bodies[parts[0]].angle
-        if abs(angle) > FULL_TURN and math.isfinite(angle):
-            turns[list(parts)] = full = round(angle / FULL_TURN)
-            for number in parts:
-                world.bodies[number].angle -= FULL_TURN * full
-    return turns
-
-
-def place(world: World, on: Calls, step: float, angle: float, settling: int = SETTLING_STEPS) -> int:
-    """Bring the crank to an angle and everything to rest there; returns the steps it took. Raises DivergedError."""
-    rates = [0.0, 0.0]  # the first of them still moves with the old velocities
-    _rest(on, step, rates)
-    taken = len(rates)
-    way = angle - world.crank.angle
-    if not abs(way) < LARGEST_WAY:
-        raise DivergedError(f"the crank got to an angle of {world.crank.angle:.3g} rad instead of {angle:.3g} rad")
-    moves = max(1, math.ceil(abs(way) / PLACING_STEP))
-    rates = [-way / moves / step] * moves + [0.0] * settling
-    _rest(on, step, rates)
-    return taken + len(rates)
-
-
-def _rest(on: Calls, step: float, rates: list[float]) -> None:
-    for rate in rates:
-        on.set_rate(rate)
-        on.step(step)
+        if mark & LOADS:
+            read.extend([impulse() for impulse in impulses])
+    return read

@@ -18,6 +18,7 @@ class Cost:
     setup_seconds: float = 0.0
     steps: int = 0
     solver_work: int = 0
+    passes: tuple[float, ...] = ()
     details: dict[str, str | int | float] = field(default_factory=dict)
 
     @contextmanager
@@ -41,5 +42,13 @@ class Cost:
     def run(self, outcome: Outcome, reason: str = "", history: History | None = None) -> Run:
         """The run that ended so at this cost."""
         return Run(
-            outcome, reason, history, self.seconds, self.setup_seconds, self.steps, self.solver_work, self.details
+            outcome,
+            reason,
+            history,
+            self.seconds,
+            self.setup_seconds,
+            self.steps,
+            self.solver_work,
+            self.passes,
+            self.details,
         )

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
+from dataclasses import replace
 
 import numpy as np
 
@@ -27,7 +28,8 @@ def joined(histories: Sequence[History]) -> History:
     """Histories of consecutive parts of a run as one; a channel is None in all or in none."""
 
     def end_to_end(signals: Sequence[Signal]) -> Signal:
-        return Signal(np.concatenate([s.time for s in signals]), np.concatenate([s.values for s in signals]))
+        time, values = (np.concatenate([getattr(signal, name) for signal in signals]) for name in ("time", "values"))
+        return replace(signals[0], time=time, values=values)
 
     return combined(histories, end_to_end)
 

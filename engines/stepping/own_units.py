@@ -47,10 +47,10 @@ class OwnUnits:
         return float(self.length**length * self.mass**mass)
 
 
-def own_units(scene: Scene) -> OwnUnits:
-    """The units in which the scene's size is one and its largest mass is LARGEST_MASS."""
+def own_units(scene: Scene, size: float = 1.0) -> OwnUnits:
+    """The units in which the scene's size is ``size`` and its largest mass is LARGEST_MASS."""
     largest = max(body.mass for body in scene.bodies)
-    return OwnUnits(scene_size(scene), largest / LARGEST_MASS if largest > 0.0 else 1.0)
+    return OwnUnits(scene_size(scene) / size, largest / LARGEST_MASS if largest > 0.0 else 1.0)
 
 
 def scaled(scene: Scene, units: OwnUnits) -> Scene:
@@ -77,7 +77,7 @@ def restored(history: History, units: OwnUnits) -> History:
     coordinates = np.array([units.length, units.length, 1.0])
 
     def times(signal: Signal | None, factor: object) -> Signal | None:
-        return None if signal is None else Signal(signal.time, signal.values * np.asarray(factor))
+        return None if signal is None else replace(signal, values=signal.values * np.asarray(factor))
 
     return History(
         position=times(history.position, coordinates),
@@ -85,7 +85,7 @@ def restored(history: History, units: OwnUnits) -> History:
         acceleration=times(history.acceleration, coordinates),
         torque=times(history.torque, units.unit("torque")),
         joint_force={
-            name: Signal(signal.time, signal.values * units.unit("force"))
+            name: replace(signal, values=signal.values * units.unit("force"))
             for name, signal in history.joint_force.items()
         },
     )

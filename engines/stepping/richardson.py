@@ -16,7 +16,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from engines.contract import History, Signal
+from engines.contract import History, Origin, Signal, weakest
 from engines.stepping.histories import combined
 
 Array = NDArray[np.float64]
@@ -47,6 +47,7 @@ def weights(steps: Sequence[float], orders: Sequence[int]) -> Array:
 def extrapolate(passes: Sequence[Pass], orders: Sequence[int] = (2, 4, 6, 8)) -> History:
     """Combine passes of one scene so that the leading errors, of these orders, cancel; all share their sample times.
 
+    What is read becomes extrapolated unless there is one pass alone.
     Channels that no pass recorded stay None. Raises ValueError where the clocks differ.
     """
     share = weights([each.step for each in passes], orders)
@@ -59,6 +60,9 @@ def extrapolate(passes: Sequence[Pass], orders: Sequence[int] = (2, 4, 6, 8)) ->
         values = share[0] * signals[0].values
         for weight, signal in zip(share[1:], signals[1:], strict=True):
             values += weight * signal.values
-        return Signal(time, values)
+        origin = weakest(signal.origin for signal in signals)
+        if len(signals) > 1 and origin is Origin.READ:
+            origin = Origin.EXTRAPOLATED
+        return Signal(time, values, origin)
 
     return combined([each.history for each in passes], weighted)

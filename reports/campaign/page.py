@@ -22,6 +22,7 @@ from reports.campaign.sections import mechanism_section
 from reports.facts import matrix
 from reports.facts.environment import environment_facts
 from reports.facts.readings import Readings, met, readings_of
+from reports.facts.readouts import readout_table
 from reports.facts.views import View, columns, family, title, views
 from reports.text import numbers
 from reports.text.signs import PUBLISHED
@@ -58,6 +59,7 @@ def page(results: Results, others: Sequence[ExtraSection] = (), *, processes: in
         sections=_sections(results, processes),
         others=others,
         settings=_settings(results),
+        readouts=[readout_table(name, told) for name, told in results.document["readouts"].items()],
         limits=matrix.limit_table(results),
         left_out=sum(record.left_out for record in results.records),
         samples=sum(record.samples for record in results.records),

@@ -37,7 +37,10 @@ def markdown(results: Results) -> str:
 
 
 def _standing(one: EngineStanding) -> str:
-    words = f"{one.engine} {one.setting}: {one.passed} of {one.total} within limits"
+    origin = f" ({one.origin})" if one.origin else ""
+    count = f"{one.passed} of {one.total} within limits" if one.total else "nothing judged"
+    words = f"{one.engine} {one.setting}{origin}: {count}"
+    words += f", {one.computed} computed by the adapter and not judged" if one.computed else ""
     if one.nearest is not None:
         place = "furthest over its limit" if one.share > 1.0 else "closest to its limit"
         largest = f"{steady_error(one.nearest.error_max)} against {bound(one.nearest.limit)}"
@@ -58,15 +61,15 @@ def _matrix(results: Results) -> list[str]:
 
 
 def _block(block: MatrixBlock, names: tuple[str, ...]) -> str:
-    head = ("engine", "setting", *map(plain, names))
+    head = ("engine", "setting", "figures of", *map(plain, names))
     return table(ReportTable("", head, tuple(_row(row, len(names)) for row in block.rows), align="l"))
 
 
 def _row(row: MatrixRow, count: int) -> tuple[str, ...]:
     if row.failure:
-        return (row.engine, row.setting, row.failure, *[""] * (count - 1))
+        return (row.engine, row.setting, "", row.failure, *[""] * (count - 1))
     cells = (f"{cell.sign} {steady_error(cell.error)}" if cell else "–" for cell in row.cells)
-    return (row.engine, row.setting, *cells)
+    return (row.engine, row.setting, row.origin, *cells)
 
 
 def _joint_forces(results: Results) -> list[str]:

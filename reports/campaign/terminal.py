@@ -10,7 +10,8 @@ from rich.table import Table
 from rich.text import Text
 
 from comparisons.campaign.campaign import RunResult
-from comparisons.judging.records import Record, Verdict
+from comparisons.judging.records import CONTROL, Record, Verdict
+from reports.facts.origins import exceptions, origin_words
 from reports.facts.views import family
 from reports.text.numbers import bound, error, figure
 from reports.text.screen import Cell, Printout, line, table
@@ -18,7 +19,8 @@ from reports.text.signs import RUNS
 
 ACROSS = 4  # runs side by side in a table of 80 columns
 DETAILS = (
-    *("engine", "setting", "quantity", "outcome", "error", "RMS", "limit", "baseline", "peak", "unit", "worst at s"),
+    *("engine", "setting", "quantity", "origin", "outcome", "error", "RMS", "limit", "baseline", "peak", "unit"),
+    "worst at s",
     *("samples", "left out", "why"),
 )
 
@@ -29,11 +31,12 @@ def printout(results: Sequence[RunResult]) -> Printout:
     details: list[RenderableType] = []
     kept = [result for result in results if result.records]
     for _, part in groupby(kept, key=lambda result: result.records[0].run[:3]):
-        together = list(part)
+        together = sorted(part, key=lambda result: result.records[0].origin == CONTROL)
         heading = _heading(together[0].records[0])
         tables.append(heading)
         for start in range(0, len(together), ACROSS):
-            tables += [_mechanism_table(together[start : start + ACROSS]), line("")]
+            beside = together[start : start + ACROSS]
+            tables += [_mechanism_table(beside), *_exceptions(beside), line("")]
         rows = [_detail(record) for result in together for record in _all(result)]
         details += [heading, table(DETAILS, rows), line("")]
     return Printout(tables, [*_reasons(results), _closing_line(results)], details)
@@ -53,10 +56,17 @@ def _mechanism_table(results: Sequence[RunResult]) -> Table:
     for quantity in dict.fromkeys(family(record.quantity) for result in results for record in _all(result)):
         worst = [_worst(result, quantity) for result in results]
         rows.append((quantity, _limits(worst), *map(_cell, worst)))
+    rows.append(("figures of", "", *(origin_words(_all(result)) for result in results)))
     rows.append(("seconds, stepping", "", *(f"{record.seconds:.3f}" for record in first)))
     rows.append(("steps", "", *(f"{record.steps}" for record in first)))
     head = ("error over peak", "limit", *(f"{record.engine}\n{record.setting}" for record in first))
     return table(head, rows, align="lr")
+
+
+def _exceptions(results: Sequence[RunResult]) -> list[Text]:
+    """What is not the engines' own, a line for each run that has any."""
+    told = {f"{r.records[0].engine} {r.records[0].setting}": exceptions(_all(r)) for r in results}
+    return [line(f"{name}: {words}") for name, words in told.items() if words]
 
 
 def _worst(result: RunResult, row: str) -> Record | None:
@@ -80,20 +90,20 @@ def _cell(record: Record | None) -> Cell:
 def _detail(record: Record) -> tuple[Cell, ...]:
     time = "" if record.worst_time is None else f"{record.worst_time:.6g}"
     return (
-        record.engine, record.setting, record.quantity, (record.outcome, RUNS[record.outcome].colour),
+        record.engine, record.setting, record.quantity, record.origin, (record.outcome, RUNS[record.outcome].colour),
         error(record.error_max), error(record.error_rms), bound(record.limit), error(record.baseline),
         figure(record.peak), record.unit, time, f"{record.samples}", f"{record.left_out}", record.detail,
     )  # fmt: skip
 
 
 def _reasons(results: Sequence[RunResult]) -> list[Text]:
-    """Why runs gave nothing, and which records the baseline rather than the limit caught; each once."""
-    reasons: dict[str, None] = {}
+    """Why runs gave nothing, and which records the baseline rather than the limit caught; each once, with where."""
+    reasons: dict[tuple[str, str], dict[str, None]] = {}
     for record in (record for result in results for record in _all(result)):
         within = record.error_max is not None and record.limit is not None and record.error_max <= record.limit
         if record.detail and (record.error_max is None or within):
-            reasons[f"{record.engine} {record.setting}, {record.mechanism}: {record.detail}"] = None
-    return [line(reason) for reason in reasons]
+            reasons.setdefault((f"{record.engine} {record.setting}", record.detail), {})[record.mechanism] = None
+    return [line(f"{run}, {', '.join(where)}: {detail}") for (run, detail), where in reasons.items()]
 
 
 def _closing_line(results: Sequence[RunResult]) -> Text:

@@ -1,4 +1,4 @@
-"""The commands and their options: ``linkproof list | show | thread | published | compare | bench | stress | report``.
+"""The commands and their options: ``linkproof list | show | thread | compare | bench | …``.
 
 Only typer is imported here: what a command needs is imported when it runs, so that help comes at once.
 """
@@ -11,8 +11,8 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 from typer.core import TyperGroup
 
-from reports.command_line import options
-from reports.command_line.options import flag, valued
+from reports.command_line import completion, options
+from reports.command_line.options import flag, valued, words
 
 if TYPE_CHECKING:
     from reports.command_line.destination import Destination
@@ -114,9 +114,19 @@ def published(mechanisms: options.Mechanisms = None, json: options.Json = None) 
 
     MECHANISM is a name in the catalogue or the path of a .toml file; default: the whole catalogue.
     """
-    from reports.command_line import published
+    from reports.command_line import compare
 
-    raise typer.Exit(published.published(mechanisms or [], _destination(json)))
+    raise typer.Exit(compare.published(mechanisms or [], _destination(json)))
+
+
+@app.command(short_help="List the engines, what they can do and where their figures come from.")
+def engines(
+    names: Annotated[list[str] | None, typer.Argument(metavar="[ENGINE]...")] = None, json: options.Json = None
+) -> None:
+    """List the engines: what each can hold, what it offers, and what its figures are in the engine itself."""
+    from reports.command_line import engines
+
+    engines.list_engines(_names(names), _destination(json))
 
 
 @app.command(short_help="Simulate mechanisms; compare every error with its limit.")
@@ -127,13 +137,13 @@ def compare(
     engine: options.Engines = None,
     setting: options.Settings = None,
     quantity: options.Quantities = None,
-    speed: Annotated[float, valued("RPM", "Final crank speed.")] = 1000.0,
-    ramp_time: Annotated[float, valued("SECONDS", "Time to reach it.")] = 0.6,
-    hold_time: Annotated[float, valued("SECONDS", "Time at that speed.")] = 0.1,
-    start_angle: Annotated[float, valued("DEGREES", "Crank angle at the start.")] = 0.0,
-    clockwise: Annotated[bool, flag("Turn the crank clockwise.", "--clockwise")] = False,
-    no_gravity: Annotated[bool, flag("Leave gravity out.", "--no-gravity")] = False,
-    full: Annotated[bool, flag("Run the files' own regimes in every setting, not best alone.", "--full")] = False,
+    speed: options.Speed = 1000.0,
+    ramp_time: options.RampTime = 0.6,
+    hold_time: options.HoldTime = 0.1,
+    start_angle: options.StartAngle = 0.0,
+    clockwise: options.Clockwise = False,
+    no_gravity: options.NoGravity = False,
+    full: Annotated[bool, flag("Run the files' own regimes in every setting, not tuned alone.", "--full")] = False,
     out: options.Out = None,
     json: options.Json = None,
     record_baseline: Annotated[bool, flag("Record these errors as the new baseline.", "--record-baseline")] = False,
@@ -227,6 +237,64 @@ def stress(
 
     choice = stress.StressChoice(_names(words), _names(engine), _names(setting), quick, time_limit)
     raise typer.Exit(stress.run(choice, _destination(json, out, resume, quiet, verbose), jobs))
+
+
+@app.command("check-engine", short_help="Hold an engine's adapter to the contract.")
+def check_engine(
+    engine: Annotated[str, typer.Argument(metavar="ENGINE", hidden=True)],
+    json: options.Json = None,
+    quiet: options.Quiet = False,
+    jobs: Annotated[int | None, valued("N", "Worker processes; default: one per core.")] = None,
+) -> None:
+    """Hold an engine's adapter to the contract: signs, frames, units, instants, failures as values, mutants.
+
+    ENGINE is the name of an adapter announced under the entry-point group linkproof.engines.
+
+    Exit codes: 0 every check passed, failed as expected or does not apply, 1 a check failed, 2 nothing to check.
+    """
+    from comparisons.runs.worker_process import start_server
+
+    start_server(["comparisons.conformance.conformance"])  # its imports run beside ours
+    from reports.command_line import engines
+
+    raise typer.Exit(engines.check(engine, _destination(json, None, False, quiet), jobs))
+
+
+@app.command(short_help="Write an engine's run as a script of its own.")
+def export(
+    mechanism: Annotated[str | None, words("MECHANISM", completion.mechanisms)] = None,
+    variant: options.Variant = None,
+    engine: Annotated[str | None, valued("NAME", "Engine.", names=completion.engines)] = None,
+    regime: Annotated[
+        str | None, valued("NAME", "Motion of the crank; default: run-up.", names=completion.regimes)
+    ] = None,
+    setting: Annotated[str | None, valued("NAME", "naive or tuned; default: tuned.", names=completion.settings)] = None,
+    cell: Annotated[
+        str | None, valued("CELL", "Instead of a mechanism: a run of a stability map, AXIS/ROW/VALUE/ENGINE/USAGE.")
+    ] = None,
+    speed: options.Speed = 1000.0,
+    ramp_time: options.RampTime = 0.6,
+    hold_time: options.HoldTime = 0.1,
+    start_angle: options.StartAngle = 0.0,
+    clockwise: options.Clockwise = False,
+    no_gravity: options.NoGravity = False,
+    out: Annotated[Path | None, valued("FILE", "Where to write it; default: stdout.")] = None,
+) -> None:
+    """Write an engine's run as a script that needs the engine and numpy alone, so that its author can repeat it.
+
+    MECHANISM is a name in the catalogue or the path of a .toml file.
+
+    At its end the script prints what the engine says where it is furthest from the closed form, beside the latter.
+    """
+    from reports.command_line import engines
+    from reports.command_line.requests import CampaignChoice
+
+    one = [(name,) if name else () for name in (mechanism, regime, engine, setting)]
+    choice = CampaignChoice(
+        one[0], variant, one[1], one[2], one[3], (),
+        speed, ramp_time, hold_time, start_angle, clockwise, not no_gravity,
+    )  # fmt: skip
+    engines.export(choice, cell, out)
 
 
 @app.command(short_help="Write the report of saved curves again.")

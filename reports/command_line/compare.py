@@ -1,22 +1,30 @@
-"""What ``linkproof compare`` and ``linkproof report`` do: run a campaign, print and write it; write its page again."""
+"""What ``linkproof compare``, ``report`` and ``published`` do: campaigns, their pages, the figures of the sources."""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
+from analytic.description.loading import catalogue
 from comparisons.campaign.campaign import CampaignRequest, tasks
 from comparisons.campaign.campaign import compare as run_campaign
 from comparisons.campaign.errata import ErratumRecord, judge_errata
 from comparisons.campaign.results import document, save
 from comparisons.campaign.results import load as load_results
 from comparisons.judging import baseline
+from comparisons.reference.published import all_variants, compare_published
+from comparisons.runs.failures import Failure
 from comparisons.runs.files import write_text
+from engines.registry import engine, engine_names
 from reports.campaign.terminal import printout
+from reports.command_line import PASSED, SUITE_ERROR
 from reports.command_line.destination import Destination
 from reports.command_line.exit_codes import campaign_exit_code
 from reports.command_line.interruption import interruptible, journal
 from reports.command_line.requests import CampaignChoice, RunLimits, installed, request
+from reports.text import terminal
 from reports.text.screen import line, show
 
 PAGE, SUMMARY = "index.html", "RESULTS.md"
@@ -43,7 +51,8 @@ def compare(
             baseline.record_all(records)
         if destination.json or out:
             command = choice.command + limits.words + (" --out DIR" if out else "")
-            saved = document(wanted, results, command, errata)
+            readouts = {name: engine(name).abilities.told() for name in wanted.engines}
+            saved = document(wanted, results, command, errata, readouts)
             destination.write_json(saved)
             if out:
                 save(out, results, saved)
@@ -84,3 +93,19 @@ def rebuild(saved: Path, out: Path | None = None, processes: int | None = None) 
     write_page(results, folder / PAGE, extra_sections(kept), processes=processes)
     write_text(folder / SUMMARY, markdown(results))
     return folder / PAGE
+
+
+def published(names: Sequence[str], destination: Destination) -> int:
+    """Print or write the published figures beside ours; returns the exit code."""
+    linkages = [linkage for name in names or catalogue() for linkage in all_variants(name)]
+    records = compare_published(linkages)
+    errata = []
+    with destination.progress() as announce:
+        judged = judge_errata(linkages, installed(engine_names()))
+        for number, record in enumerate(judged):
+            announce(f"{record.mechanism}: {record.engine}", number, number + 1)
+            errata.append(record)
+    destination.print(terminal.published(records), *(line(record.sentence) for record in errata))
+    rows = [{**asdict(record), "sentence": record.sentence} for record in errata]
+    destination.write_json({"records": [asdict(record) for record in records], "errata": rows})
+    return SUITE_ERROR if any(record.outcome == Failure.SUITE_ERROR for record in errata) else PASSED

@@ -41,7 +41,7 @@ def bench_exit_code(records: Sequence[BenchRecord], engines: Iterable[str]) -> i
     """
     if any(record.outcome == Failure.SUITE_ERROR for record in records):
         return SUITE_ERROR
-    excused = (Outcome.FINISHED, Outcome.UNAVAILABLE, Outcome.UNSUPPORTED)
+    excused = (Outcome.FINISHED, Outcome.UNAVAILABLE, Outcome.UNSUPPORTED, Verdict.NOT_PROVIDED)
     useful = {record.engine for record in records if record.outcome in excused or record.detail == OUT_OF_TIME}
     if not useful.issuperset(engines):
         return FAILED

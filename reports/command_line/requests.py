@@ -17,7 +17,7 @@ from comparisons.campaign.campaign import CampaignRequest
 from comparisons.runs.failures import GIB
 from comparisons.runs.workers import DEFAULT_BOUNDS, Bounds
 from engines.contract import Setting
-from engines.registry import engine, engine_names
+from engines.registry import engine, engine_names, why_unavailable
 
 EVERYTHING = "all"
 OWN = "own"  # every regime that a linkage defines for itself
@@ -52,6 +52,10 @@ class CampaignChoice:
     @property
     def command(self) -> str:
         """The command that asks for the same."""
+        return self.written("compare")
+
+    def written(self, command: str) -> str:
+        """The same by another command."""
         lists = {
             "variant": [self.variant] if self.variant else [],
             "regime": self.regimes,
@@ -64,7 +68,7 @@ class CampaignChoice:
             if getattr(self, name) != getattr(default, name):
                 lists[name.replace("_", "-")] = [repr(getattr(self, name)).removesuffix(".0")]
         flags = {"clockwise": self.clockwise, "no-gravity": not self.gravity, "full": self.full}
-        return command_line("compare", self.mechanisms, lists, flags)
+        return command_line(command, self.mechanisms, lists, flags)
 
     def check(self) -> None:
         """Raise LinkproofError for a speed, time or angle that cannot be, in the unit it is given in."""
@@ -185,17 +189,21 @@ def own_regimes(choice: CampaignChoice, found: tuple[Linkage, ...]) -> tuple[str
 
 def installed(engines: Sequence[str]) -> list[str]:
     """Those of the engines that are installed."""
-    return [name for name in engines if engine(name).version() is not None]
+    return [name for name in engines if why_unavailable(engine(name)) is None]
+
+
+def named(engines: Sequence[str]) -> tuple[str, ...]:
+    """Engines that are asked for by name, each once; raises LinkproofError for one that cannot be used here."""
+    for name in engines:
+        absent = why_unavailable(engine(name))
+        if absent is not None:
+            raise LinkproofError(f"{absent}; or leave it out")
+    return tuple(dict.fromkeys(engines))
 
 
 def _engines(choice: CampaignChoice) -> tuple[str, ...]:
-    """Engine names; one that is named but not installed is an error, one of the default set is a record."""
-    for name in choice.engines:
-        if engine(name).version() is None:
-            raise LinkproofError(
-                f"engine '{name}' is not installed: install it with: pip install 'linkproof[{name}]', or leave it out"
-            )
-    return tuple(dict.fromkeys(choice.engines)) or engine_names()
+    """Engine names; one that is named and cannot be used is an error, one of the default set is a record."""
+    return named(choice.engines) or engine_names()
 
 
 def _settings(choice: CampaignChoice) -> tuple[Setting, ...]:
@@ -208,8 +216,8 @@ def _settings(choice: CampaignChoice) -> tuple[Setting, ...]:
 
 
 def _own_settings(choice: CampaignChoice) -> tuple[Setting, ...]:
-    """Settings of the linkages' own regimes: those named; else best, for a released crank adds up its phase error."""
-    return _settings(choice) if choice.full or {*choice.settings} - {EVERYTHING} else (Setting.BEST,)
+    """Settings of the linkages' own regimes: those named; of all, tuned alone unless all of them are asked for."""
+    return _settings(choice) if choice.full or EVERYTHING not in choice.settings else (Setting.TUNED,)
 
 
 def request(choice: CampaignChoice) -> CampaignRequest:

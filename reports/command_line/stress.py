@@ -11,11 +11,11 @@ from comparisons.runs.files import write_text
 from comparisons.stress.axes import chosen_axes
 from comparisons.stress.campaign import StressRequest, make_cells, stress
 from comparisons.stress.cells import find_cell
-from engines.registry import engine, engine_names
+from engines.registry import engine_names
 from reports.command_line.destination import Destination
 from reports.command_line.exit_codes import stress_exit_code
 from reports.command_line.interruption import interruptible, journal
-from reports.command_line.requests import command_line, installed
+from reports.command_line.requests import command_line, installed, named
 from reports.stress.facts import FILE, Stress
 from reports.stress.terminal import cell_details, printout
 
@@ -74,9 +74,7 @@ def run(choice: StressChoice, destination: Destination, jobs: int | None = None)
 
 
 def _request(choice: StressChoice, jobs: int | None) -> StressRequest:
-    for name in choice.engines:
-        engine(name)
-    engines = tuple(dict.fromkeys(choice.engines)) or engine_names()
+    engines = named(choice.engines) or engine_names()
     present = tuple(installed(engines))
     if not present:
         raise LinkproofError(

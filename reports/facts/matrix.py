@@ -8,7 +8,8 @@ from itertools import groupby
 
 from comparisons.campaign.results import Results
 from comparisons.judging.limits import limit
-from comparisons.judging.records import Record, Verdict
+from comparisons.judging.records import CONTROL, Record, Verdict
+from reports.facts.origins import control_last, exceptions, origin_words
 from reports.facts.views import SETTINGS, anchor, columns, family, ordered, worst
 from reports.text.numbers import bound
 from reports.text.signs import RUNS
@@ -29,11 +30,12 @@ class MatrixCell:
 
 @dataclass(frozen=True)
 class MatrixRow:
-    """One run; ``failure`` says why it gave no motion, in which case it has no cells."""
+    """One run; ``origin`` says where its figures come from, ``failure`` why there are none."""
 
     engine: str
     setting: str
     cells: tuple[MatrixCell | None, ...]
+    origin: str = ""
     style: str = ""
     failure: str = ""
 
@@ -62,7 +64,7 @@ def blocks(results: Results) -> tuple[MatrixBlock, ...]:
         records = list(part)
         runs = [list(run) for _, run in groupby(records, key=lambda record: record.run)]
         first = records[0]
-        rows = tuple(_row(run, names) for run in runs)
+        rows = tuple(_row(run, names) for run in control_last(runs))
         found.append(MatrixBlock(first.mechanism, first.variant, first.regime, first.conditions, rows))
     return tuple(found)
 
@@ -77,12 +79,13 @@ def _row(records: Sequence[Record], names: Sequence[str]) -> MatrixRow:
     if all(record.error_max is None for record in records):
         sign = RUNS[first.outcome]
         failure = f"{sign.symbol} {sign.word}" + (f": {first.detail}" if first.detail else "")
-        return MatrixRow(first.engine, first.setting, (), sign.style, failure)
+        return MatrixRow(first.engine, first.setting, (), style=sign.style, failure=failure)
     families: dict[str, list[Record]] = {}
     for record in records:
         families.setdefault(family(record.quantity), []).append(record)
     cells = tuple(_cell(families[name]) if name in families else None for name in names)
-    return MatrixRow(first.engine, first.setting, cells)
+    origin = "; ".join(filter(None, (origin_words(records), exceptions(records))))
+    return MatrixRow(first.engine, first.setting, cells, origin)
 
 
 def _cell(records: Sequence[Record]) -> MatrixCell:
@@ -109,12 +112,17 @@ def caught_by_baseline(record: Record) -> bool:
 
 @dataclass(frozen=True)
 class EngineStanding:
-    """How an engine at a setting came out over all it ran; ``nearest`` is the record that uses most of its limit."""
+    """How an engine at a setting came out over all it ran; ``nearest`` is the record that uses most of its limit.
+
+    ``total`` counts what was judged, ``computed`` what is the adapter's own. ``origin`` is as of ``origin_words``.
+    """
 
     engine: str
     setting: str
+    origin: str
     passed: int
     total: int
+    computed: int
     nearest: Record | None
     failures: tuple[str, ...]
 
@@ -126,9 +134,10 @@ class EngineStanding:
 
 
 def standings(results: Results) -> tuple[EngineStanding, ...]:
-    """One standing per engine and setting."""
+    """One standing per engine and setting; the reference's control, which is no engine, comes last."""
     records = sorted(every_record(results), key=_by_engine)
-    return tuple(_standing(list(part)) for _, part in groupby(records, key=_by_engine))
+    found = [_standing(list(part)) for _, part in groupby(records, key=_by_engine)]
+    return tuple(sorted(found, key=lambda one: one.origin == CONTROL))
 
 
 def _by_engine(record: Record) -> tuple[str, int]:
@@ -137,11 +146,22 @@ def _by_engine(record: Record) -> tuple[str, int]:
 
 
 def _standing(records: list[Record]) -> EngineStanding:
-    measured = [record for record in records if record.error_max is not None and record.limit]
+    judged = [record for record in records if Verdict(record.outcome).judged]
+    measured = [record for record in judged if record.error_max is not None and record.limit]
     nearest = max(measured, key=lambda r: (r.error_max or 0.0) / (r.limit or 1.0), default=None)
     failures = dict.fromkeys(f"{RUNS[r.outcome].word}: {r.detail}" for r in records if r.error_max is None)
     passed = sum(record.outcome == Verdict.PASSED.value for record in records)
-    return EngineStanding(records[0].engine, records[0].setting, passed, len(records), nearest, tuple(failures))
+    computed = sum(record.outcome == Verdict.COMPUTED.value for record in records)
+    return EngineStanding(
+        engine=records[0].engine,
+        setting=records[0].setting,
+        origin=origin_words(records),
+        passed=passed,
+        total=len(judged),
+        computed=computed,
+        nearest=nearest,
+        failures=tuple(failures),
+    )
 
 
 def past_baseline(results: Results) -> tuple[str, ...]:

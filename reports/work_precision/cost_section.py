@@ -13,6 +13,7 @@ from engines.contract import Outcome
 from reports.text.numbers import figure, seconds
 from reports.text.tables import ReportTable
 from reports.text.templates import render, sentence
+from reports.work_precision.facts import engine_label
 
 TITLE = "What each output and load costs"
 ABOUT = (
@@ -32,6 +33,7 @@ def cost_tables(costs: Sequence[MeasuredCost]) -> tuple[ReportTable, ...]:
 
 
 def _run_table(costs: Sequence[MeasuredCost]) -> ReportTable:
+    costs = sorted(costs, key=lambda cost: cost.is_control)
     whole = {cost.solver: cost for cost in reversed(costs)}
     told = dict.fromkeys(f"{cost.reduction}: {cost.about}" for cost in costs)
     failed = dict.fromkeys(f" {cost.solver}, {cost.reduction}: {cost.reason}." for cost in costs if cost.reason)
@@ -41,9 +43,10 @@ def _run_table(costs: Sequence[MeasuredCost]) -> ReportTable:
 
 
 def _run_row(cost: MeasuredCost, whole: MeasuredCost) -> tuple[str, ...]:
+    name = engine_label(cost.solver, cost.is_control)
     if cost.outcome != Outcome.FINISHED:
-        return (cost.solver, cost.reduction, cost.outcome, "", "", "", "")
-    return (cost.solver, cost.reduction, *_times(cost, whole), seconds(min(cost.stepping)), str(cost.steps))
+        return (name, cost.reduction, cost.outcome, "", "", "", "")
+    return (name, cost.reduction, *_times(cost, whole), seconds(min(cost.stepping)), str(cost.steps))
 
 
 def _query_table(costs: Sequence[MeasuredCost]) -> ReportTable:

@@ -13,7 +13,6 @@ from comparisons.work_precision.analysis import (
     SweepFinding,
     choices,
     findings,
-    on_front,
     standings,
 )
 from comparisons.work_precision.records import SETTING, Bench, BenchRecord
@@ -42,6 +41,16 @@ class EngineFacts:
         """Those at the effort a method comes with."""
         return tuple(one for one in self.sweeps if self.is_own(one.first))
 
+    @property
+    def label(self) -> str:
+        """The engine's name for a reader."""
+        return engine_label(self.engine, self.is_control)
+
+    @property
+    def is_control(self) -> bool:
+        """Whether it is the reference's control."""
+        return any(record.is_control for record in self.records)
+
     @cached_property
     def choices(self) -> tuple[PointChoice, ...]:
         """The point to choose for every error."""
@@ -49,18 +58,28 @@ class EngineFacts:
 
     @cached_property
     def standings(self) -> tuple[Standing, ...]:
-        """The settings against the methods' front."""
-        return standings(self.records)
+        """The settings against the methods' front; the control has none."""
+        return () if self.is_control else standings(self.records)
 
     def is_own(self, record: BenchRecord) -> bool:
         """Whether a point is a method's at the effort it comes with."""
         return (record.setting, record.effort) in self.own_efforts
 
     def way(self, record: BenchRecord) -> str:
-        """How a point was run, without its step: a setting, or a method with any effort that is not its own."""
+        """How a point was run, without its step: a setting, or a method with any effort that is not its own.
+
+        Of several runs extrapolated it ends in "x3", with which the name of a method may end already.
+        """
+        runs = f" x{record.runs}" if record.is_extrapolated else ""
+        way = record.setting.removesuffix(runs) + runs
         if record.kind == SETTING or self.is_own(record):
-            return record.setting
-        return f"{record.setting}, {effort_words(record.effort, record.effort_unit)}"
+            return way
+        return f"{way}, {effort_words(record.effort, record.effort_unit)}"
+
+
+def engine_label(name: str, is_control: bool) -> str:
+    """An engine's name for a reader, who is told of the reference's control."""
+    return f"{name} (control)" if is_control else name
 
 
 def effort_words(effort: float | None, unit: str) -> str:
@@ -96,19 +115,18 @@ class PlaceFacts:
         return next((name for name in FOREMOST if name in found), found[0])
 
     def engines(self, quantity: str) -> tuple[EngineFacts, ...]:
-        """Every engine in one quantity, worked out once; engines that gave nothing are there to say so."""
+        """Every engine in one quantity, worked out once, the control last; those that gave nothing are there too."""
         if quantity not in self._seen:
             mine: dict[str, list[BenchRecord]] = {record.engine: [] for record in self.records}
             for record in self.records:
                 mine[record.engine] += [record] if record.quantity == quantity else []
-            self._seen[quantity] = tuple(
-                EngineFacts(name, tuple(records), self.own_efforts.get(name, ())) for name, records in mine.items()
-            )
+            facts = [EngineFacts(name, tuple(rows), self.own_efforts.get(name, ())) for name, rows in mine.items()]
+            self._seen[quantity] = tuple(sorted(facts, key=lambda one: one.is_control))
         return self._seen[quantity]
 
-    def front(self, quantity: str) -> list[BenchRecord]:
-        """The points that no point of any engine beats."""
-        return on_front(record for record in self.records if record.quantity == quantity)
+    def ranked(self, quantity: str) -> list[BenchRecord]:
+        """What makes the front over all engines: all but the control's points."""
+        return [record for record in self.records if record.quantity == quantity and not record.is_control]
 
 
 def places(bench: Bench) -> tuple[PlaceFacts, ...]:
@@ -127,14 +145,19 @@ def places(bench: Bench) -> tuple[PlaceFacts, ...]:
     )
 
 
-def engine_names(bench: Bench) -> tuple[str, ...]:
-    """All engines of a benchmark, sorted: an engine keeps its colour within a report."""
-    return tuple(sorted({record.engine for record in bench.records}))
+def engine_labels(bench: Bench) -> dict[str, str]:
+    """What a reader is told of all engines of a benchmark, by name, the control last."""
+    controls = {record.engine: record.is_control for record in bench.records}
+    return {name: engine_label(name, controls[name]) for name in sorted(controls, key=lambda one: (controls[one], one))}
 
 
 def failed_methods(facts: EngineFacts) -> tuple[str, ...]:
-    """Methods and settings that never finished anything."""
+    """Methods and settings that never finished anything, by reason; then what of a quantity was left out."""
     finished = {record.setting for record in facts.records if record.finished}
-    names = dict.fromkeys(r.setting for r in facts.records if not r.finished and r.setting not in finished)
     reasons = {r.setting: f"{r.outcome}: {r.detail}" for r in reversed(facts.records) if not r.finished}
-    return tuple(f"{name or facts.engine}: {reasons[name]}" for name in names)
+    names: dict[str, list[str]] = {}
+    for name in dict.fromkeys(record.setting for record in facts.records):
+        if name not in finished:
+            names.setdefault(reasons[name], []).append(name or facts.engine)
+    left_out = dict.fromkeys(r.left_out[r.quantity] for r in facts.records if r.finished and r.quantity in r.left_out)
+    return (*(f"{', '.join(same)}: {reason}" for reason, same in names.items()), *left_out)

@@ -2,23 +2,26 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import plotly.graph_objects as go
 from plotly.offline import get_plotlyjs
 
+from comparisons.work_precision.analysis import apart
 from comparisons.work_precision.records import SETTING, BenchRecord
 from comparisons.work_precision.step_sweep import pareto
-from reports.drawing.style import FAINT, INK, MUTED, REFERENCE, colour
+from reports.drawing.style import FAINT, INK, MUTED, REFERENCE
 from reports.text.templates import lines, plain
 from reports.work_precision.facts import EngineFacts, PlaceFacts, effort_words
 from reports.work_precision.figure import drawn_error
+from reports.work_precision.words import KINDS
 
 # The file that the page needs beside it; the pages of one folder share it.
 SCRIPT = "plotly.min.js"
 HEIGHT = 560
 SYMBOLS = ("circle", "square", "diamond", "triangle-up", "triangle-down", "cross", "x", "pentagon")
+DASHES = ("solid", "6px,3px")  # of single runs, and of several extrapolated
 MARKS = {"naive": ("circle-open", 11), "tuned": ("square", 11), "best": ("star", 15)}
 FONT = "Helvetica Neue, Helvetica, Arial, Liberation Sans, DejaVu Sans, sans-serif"
 
@@ -31,7 +34,7 @@ def _whole(record: BenchRecord) -> float:
 AXES: dict[str, tuple[str, Any]] = {
     "stepping": ("stepping alone, s (shortest of the repeats)", lambda one: one.seconds_min),
     "all of a run": ("set-up, stepping and read-out, s", _whole),
-    "steps": ("time steps, over all levels", lambda one: one.steps or None),
+    "steps": ("time steps, over all runs of a point", lambda one: one.steps or None),
     "solver work": ("what the constraint solver did, in the engine's own unit", lambda one: one.solver_work or None),
 }
 
@@ -41,12 +44,12 @@ def script() -> str:
     return str(get_plotlyjs())
 
 
-def bench_html(place: PlaceFacts, engines: Sequence[str], key: str) -> str:
+def bench_html(place: PlaceFacts, colours: Mapping[str, str], key: str) -> str:
     """The picture of one mechanism and regime as a part of a page that has loaded the script."""
     figure = go.Figure()
     shown: list[dict[str, bool | str]] = []
     for quantity in place.quantities:
-        for trace, visible in _traces(place, quantity, engines):
+        for trace, visible in _traces(place, quantity, colours):
             trace.visible = visible if quantity == place.foremost else False
             figure.add_trace(trace)
             shown.append({"quantity": quantity, "visible": visible})
@@ -55,50 +58,53 @@ def bench_html(place: PlaceFacts, engines: Sequence[str], key: str) -> str:
     return str(figure.to_html(full_html=False, include_plotlyjs=False, div_id=key, config=shown_as))
 
 
-def _traces(place: PlaceFacts, quantity: str, engines: Sequence[str]) -> list[tuple[go.Scatter, bool | str]]:
+def _traces(place: PlaceFacts, quantity: str, colours: Mapping[str, str]) -> list[tuple[go.Scatter, bool | str]]:
     """All lines and marks of a quantity, each with whether it shows from the start."""
-    mine = [record for record in place.records if record.quantity == quantity]
-    found: list[tuple[go.Scatter, bool | str]] = [(_front(mine), True)]
+    ranked = enumerate(apart(place.ranked(quantity)))
+    found: list[tuple[go.Scatter, bool | str]] = [(_front(part, kind), True) for kind, part in ranked if part]
     for facts in place.engines(quantity):
-        ink = colour(facts.engine, engines)
+        ink = colours[facts.engine]
         for number, sweep in enumerate(facts.sweeps):
             own = facts.is_own(sweep.first)
             found.append((_sweep(facts, sweep.points.records, ink, number, own), True if own else "legendonly"))
-        found += [(_setting(one, ink), True) for one in facts.records if one.kind == SETTING and one.finished]
-        if any(record.finished for record in facts.records):
-            found.append((_engine_front(facts.engine, facts.records, ink), True))
+        found += [(_setting(facts, one, ink), True) for one in facts.records if one.kind == SETTING and one.finished]
+        for kind, records in enumerate(apart(facts.records)):
+            if any(record.finished for record in records):
+                found.append((_engine_front(facts, records, ink, kind), True))
     return found
 
 
 def _sweep(facts: EngineFacts, records: Sequence[BenchRecord], ink: str, number: int, own: bool) -> go.Scatter:
-    line = {"color": ink, "width": 1.2, "dash": "solid" if own else "dot"}
+    line = {"color": ink, "width": 1.2, "dash": DASHES[records[0].is_extrapolated] if own else "dot"}
     marker = {"color": ink, "size": 6 if own else 5, "symbol": SYMBOLS[number % len(SYMBOLS)]}
-    name = f"{facts.engine}: {facts.way(records[0])}"
+    name = f"{facts.label}: {facts.way(records[0])}"
     return go.Scatter(**_points(records), mode="lines+markers", name=name, line=line, marker=marker, opacity=0.8)
 
 
-def _setting(record: BenchRecord, ink: str) -> go.Scatter:
+def _setting(facts: EngineFacts, record: BenchRecord, ink: str) -> go.Scatter:
     symbol, size = MARKS.get(record.setting, ("hexagon", 11))
     line = {"color": ink if symbol.endswith("-open") else INK, "width": 1.2}
     marker = {"color": ink, "size": size, "symbol": symbol, "line": line}
-    return go.Scatter(
-        **_points([record]), mode="markers", name=f"{record.engine}: setting {record.setting}", marker=marker
-    )
+    name = f"{facts.label}: setting {facts.way(record)}"
+    return go.Scatter(**_points([record]), mode="markers", name=name, marker=marker)
 
 
-def _engine_front(engine: str, records: Sequence[BenchRecord], ink: str) -> go.Scatter:
-    """An engine's front, bold, with its name at the lower end."""
-    name = {"textposition": "middle right", "cliponaxis": False, "textfont": {"color": ink, "size": 13}}
-    line, places = {"color": ink, "width": 3}, _fronts(records, f"&nbsp;&nbsp;&nbsp;{engine}")
-    return go.Scatter(**places, **name, mode="lines+text", name=f"{engine}: its front", line=line, hoverinfo="skip")
+def _engine_front(facts: EngineFacts, records: Sequence[BenchRecord], ink: str, kind: int) -> go.Scatter:
+    """An engine's front in single runs or in several, bold, with its name at the lower end."""
+    text = {"textposition": "middle right", "cliponaxis": False, "textfont": {"color": ink, "size": 13}}
+    line = {"color": ink, "width": 3, "dash": DASHES[kind]}
+    places = _fronts(records, f"&nbsp;&nbsp;&nbsp;{facts.label}{', extrapolated' if kind else ''}")
+    name = f"{facts.label}: front, {KINDS[kind]}"
+    return go.Scatter(**places, **text, mode="lines+text", name=name, line=line, hoverinfo="skip")
 
 
-def _front(records: Sequence[BenchRecord]) -> go.Scatter:
-    """The front over all engines; none over solver work, whose units differ."""
+def _front(records: Sequence[BenchRecord], kind: int) -> go.Scatter:
+    """The front over all engines, in single runs or in several; none over solver work, whose units differ."""
     places = _fronts(records, "")
     places["meta"]["solver work"] = ([], [], [])
-    line = {"color": REFERENCE, "width": 9, "shape": "hv"}
-    return go.Scatter(**places, mode="lines", name="front over all engines", line=line, opacity=0.5, hoverinfo="skip")
+    line = {"color": REFERENCE, "width": 9, "shape": "hv", "dash": DASHES[kind]}
+    name = f"front over all engines, {KINDS[kind]}"
+    return go.Scatter(**places, mode="lines", name=name, line=line, opacity=0.5, hoverinfo="skip")
 
 
 def _fronts(records: Sequence[BenchRecord], label: str) -> dict[str, Any]:

@@ -14,8 +14,8 @@ from reports.facts.views import anchor
 from reports.text.numbers import seconds
 from reports.text.tables import ReportTable
 from reports.text.templates import lines, render
-from reports.work_precision.facts import PlaceFacts, engine_names, failed_methods, places
-from reports.work_precision.figure import save_figure
+from reports.work_precision.facts import PlaceFacts, failed_methods, places
+from reports.work_precision.figure import inks, save_figure
 from reports.work_precision.interactive import SCRIPT, bench_html, script
 from reports.work_precision.section import overview, regimes, section
 from reports.work_precision.words import floor_table, method_table, noise_share, standing_words
@@ -72,9 +72,9 @@ def _facts(bench: Bench) -> list[tuple[str, str]]:
 def _part(bench: Bench, place: PlaceFacts) -> dict[str, object]:
     """What the page shows of one mechanism and regime."""
     key = anchor("bench", place.mechanism, place.variant, place.regime)
-    drawing = bench_html(place, engine_names(bench), f"{key}-plot") if place.quantities else ""
+    drawing = bench_html(place, inks(bench), f"{key}-plot") if place.quantities else ""
     ordered = sorted(place.quantities, key=lambda name: name != place.foremost)
-    failures = [f"{facts.engine}: {told}" for facts in place.engines(place.foremost) for told in failed_methods(facts)]
+    failures = [f"{facts.label}: {told}" for facts in place.engines(place.foremost) for told in failed_methods(facts)]
     return {
         "key": key,
         "place": place,

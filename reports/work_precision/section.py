@@ -15,15 +15,16 @@ from reports.facts.views import anchor
 from reports.text.numbers import bound
 from reports.text.tables import ReportTable
 from reports.text.templates import plain, render
-from reports.work_precision.facts import EngineFacts, PlaceFacts, engine_names, failed_methods, places
-from reports.work_precision.figure import bench_figure
+from reports.work_precision.facts import EngineFacts, PlaceFacts, engine_labels, failed_methods, places
+from reports.work_precision.figure import bench_figure, inks
 from reports.work_precision.words import choice_words, noise_note
 
 TITLE = "How accurate an engine is for its cost"
 ABOUT = (
     "Every engine's methods and settings over a sweep of steps, each error beside the wall time of the stepping alone. "
-    "The bold lines join the points that no other point of that engine beats in both; thin lines are single methods, "
-    "coarse steps to fine ones."
+    "The bold lines join the points that no other point of that engine beats in both: solid those of a single run, "
+    "dashed those of several runs extrapolated. Thin lines are single methods, coarse steps to fine ones. The "
+    "reference's control is no engine: it is shown and not ranked."
 )
 
 
@@ -31,9 +32,9 @@ def choice_tables(bench: Bench) -> dict[str, ReportTable]:
     """One table per engine, rows in the order measured: the point to choose for each error wanted."""
     head = ("Mechanism", "Regime", "Quantity", *map(bound, WANTED))
     return {
-        name: ReportTable(
+        label: ReportTable(
             f"The cheapest point of {name} {_version(bench, name)} at or below each error of the peak, held by every "
-            "finer step of its sweep too.",
+            "finer step of its sweep too; x4: of four runs, extrapolated.",
             head,
             tuple(
                 _row(place, facts)
@@ -43,7 +44,7 @@ def choice_tables(bench: Bench) -> dict[str, ReportTable]:
             ),
             align="l",
         )
-        for name in engine_names(bench)
+        for name, label in engine_labels(bench).items()
     }
 
 
@@ -78,7 +79,7 @@ def regimes(bench: Bench) -> dict[str, list[PlaceFacts]]:
 
 def overview(bench: Bench, regime: str) -> Figure:
     """The plot of one regime over its mechanisms."""
-    return bench_figure(regimes(bench)[regime], engine_names(bench))
+    return bench_figure(regimes(bench)[regime], inks(bench))
 
 
 def overviews(bench: Bench, only_first: bool = False) -> tuple[ReportFigure, ...]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from itertools import groupby
 
 from rich.console import RenderableType
 from rich.table import Table
@@ -13,12 +14,13 @@ from comparisons.work_precision.records import Bench
 from reports.text.numbers import bound, error, seconds
 from reports.text.screen import Printout, line, table
 from reports.work_precision.cost_section import cost_tables
-from reports.work_precision.facts import PlaceFacts, failed_methods, places
+from reports.work_precision.facts import PlaceFacts, engine_label, failed_methods, places
 from reports.work_precision.words import choice_words, method_row, noise_note, noise_share, standing_words
 
+CHOICES = ("engine", "to get", "time", "by")
 METHODS = ("engine", "method", "order", "least error", "steps/turn", "time", "what limits it")
 POINTS = (
-    *("mechanism", "regime", "engine", "method", "levels", "effort", "step s", "quantity", "outcome", "error", "RMS"),
+    *("mechanism", "regime", "engine", "method", "runs", "effort", "step s", "quantity", "outcome", "error", "RMS"),
     *("stepping", "steps", "why"),
 )
 
@@ -38,7 +40,7 @@ def _points(bench: Bench) -> Table:
     """Every point measured."""
     rows = [
         (
-            one.mechanism, one.regime, one.engine, one.setting, f"{one.levels}",
+            one.mechanism, one.regime, engine_label(one.engine, one.is_control), one.setting, f"{one.runs}",
             "" if one.effort is None else f"{one.effort:g}",
             "" if one.step is None else f"{one.step:.4g}", one.quantity, one.outcome, error(one.error_max),
             error(one.error.error_rms if one.error else None), seconds(one.seconds_min or 0.0),
@@ -62,7 +64,7 @@ def _block(place: PlaceFacts, quantity: str, noise: float) -> list[RenderableTyp
 
 def _failures(place: PlaceFacts, quantity: str) -> list[Text]:
     return [
-        line(f"{facts.engine} {reason}", "yellow")
+        line(f"{facts.label} {reason}", "yellow")
         for facts in place.engines(quantity)
         for reason in failed_methods(facts)
     ]
@@ -74,14 +76,14 @@ def _methods(place: PlaceFacts, quantity: str) -> Table:
 
 
 def _choices(place: PlaceFacts, quantity: str) -> Table:
-    """What to use for an error: errors down, engines across."""
-    engines = [facts for facts in place.engines(quantity) if facts.choices]
-    rows = [
-        (bound(wanted), *(_choice(*choice_words(facts.choices[number], facts)) for facts in engines))
-        for number, wanted in enumerate(WANTED)
-    ]
-    return table(("to get", *(facts.engine for facts in engines)), rows)
-
-
-def _choice(cost: str, way: str, step: str, _: str) -> str:
-    return f"{cost}: {way}{f' @ {step}' if step else ''}" if cost else f"not reached; {way}"
+    """What to use for an error: a row for all errors that one point of an engine serves."""
+    rows = []
+    for facts in place.engines(quantity):
+        wanted = zip(WANTED, facts.choices, strict=False)
+        for choice, part in groupby(wanted, key=lambda pair: pair[1]):
+            errors = [bound(error) for error, _ in part]
+            span = errors[0] if len(errors) == 1 else f"{errors[0]} to {errors[-1]}"
+            cost, way, step, _ = choice_words(choice, facts)
+            turn = f" @ {step}" if step else ""
+            rows.append((facts.label, span, cost or "–", f"{way}{turn}" if cost else f"not reached; {way}"))
+    return table(CHOICES, rows, align="llrl")

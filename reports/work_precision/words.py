@@ -9,14 +9,21 @@ from markupsafe import Markup
 from comparisons.work_precision.analysis import PointChoice, Standing, SweepFinding
 from comparisons.work_precision.records import Bench, BenchRecord
 from comparisons.work_precision.step_sweep import SATURATED
+from engines.contract import Setting
 from reports.text.numbers import ABSENT, error, figure, seconds
 from reports.text.tables import ReportTable
 from reports.text.templates import sentence
-from reports.work_precision.facts import EngineFacts, effort_words
+from reports.work_precision.facts import EngineFacts, effort_words, engine_labels
+
+# Of points that are no extrapolation, and of those that are one.
+KINDS = ("1 run", "several runs extrapolated")
 
 
 def standing_words(facts: EngineFacts, noise: float) -> list[str]:
-    """How far off the methods' front each setting is; what the machine's noise, a share, may explain is on it."""
+    """How far off the methods' front each setting is; what the machine's noise, a share, may explain is on it.
+
+    ``best`` is held against all methods, the others against those of a single run.
+    """
     return [f"{facts.engine} {one.record.setting}: {_standing(one, facts, noise)}" for one in facts.standings]
 
 
@@ -25,13 +32,15 @@ def _standing(standing: Standing, facts: EngineFacts, noise: float) -> str:
     told = f"{error(record.error_max)} in {seconds(record.seconds_min or 0.0)}"
     if (record.error_max or 0.0) > SATURATED:
         return f"{told}: no solution"
+    against_all = record.setting == Setting.BEST
     if ratio is None or standing.rival is None or standing.rival_seconds is None:
-        return f"{told}; no method measured gets there"
+        return f"{told}; no {'method' if against_all else 'single run'} measured gets there"
+    front = "the front" if against_all else "the front of single runs"
     beside = f"{facts.way(standing.rival)} takes {seconds(standing.rival_seconds)} to the same error"
     if ratio <= 1.0 / (1.0 + noise):
-        return f"{told}; ahead of the front: {beside}, {figure(1.0 / ratio, 2)} × as long"
+        return f"{told}; ahead of {front}: {beside}, {figure(1.0 / ratio, 2)} × as long"
     place = "on" if ratio <= 1.0 + noise else f"{figure(ratio, 2)} ×"
-    return f"{told}; {place} the front: {beside}"
+    return f"{told}; {place} {front}: {beside}"
 
 
 def choice_words(choice: PointChoice, facts: EngineFacts) -> tuple[str, str, str, str]:
@@ -51,7 +60,7 @@ def choice_words(choice: PointChoice, facts: EngineFacts) -> tuple[str, str, str
 
 
 def _per_turn(record: BenchRecord) -> str:
-    """Steps a turn; nothing for a setting, which finds its own."""
+    """Steps a turn; nothing for a setting, whose adapter fixes them."""
     return "" if record.steps_per_turn is None else f"{record.steps_per_turn:.0f}"
 
 
@@ -60,7 +69,7 @@ def method_row(facts: EngineFacts, sweep: SweepFinding) -> tuple[str, ...]:
     least = sweep.points.records[sweep.points.numbers.best]
     order = ABSENT if sweep.order is None else f"{sweep.order:.1f}"
     floor, cost = error(sweep.floor.error), seconds(least.seconds_min or 0.0)
-    return facts.engine, facts.way(sweep.first), order, floor, _per_turn(least), cost, sweep.floor.cause.value
+    return facts.label, facts.way(sweep.first), order, floor, _per_turn(least), cost, sweep.floor.cause.value
 
 
 def floor_table(engines: Iterable[EngineFacts], caption: str) -> ReportTable:
@@ -80,16 +89,18 @@ def _with_note(words: str, note: str) -> str:
 
 
 def method_table(bench: Bench) -> ReportTable:
-    """Engine, method, what it is, and the solver effort it comes with."""
+    """Engine, method, what it is, of how many runs, and the solver effort it comes with."""
+    labels = engine_labels(bench)
     rows = tuple(
-        (told["engine"], told["name"], told["about"], effort_words(told["effort"], told["effort_unit"]))
+        (labels[told["engine"]], told["name"], told["about"], f"{told['runs']}",
+         effort_words(told["effort"], told["effort_unit"]))
         for told in bench.document["methods"]
-    )
+    )  # fmt: skip
     caption = (
-        "What an engine offers for study, each taking the step it is asked for; the settings are made of these and "
-        "find their steps themselves."
+        "What an engine offers for study, each taking the step it is asked for; several runs, at fractions of that "
+        "step, are extrapolated. The steps per turn of a setting are fixed numbers in the adapter."
     )
-    return ReportTable(caption, ("Engine", "Method", "What it is", "Solver effort"), rows, align="l")
+    return ReportTable(caption, ("Engine", "Method", "What it is", "Runs", "Solver effort"), rows, align="lllrl")
 
 
 # Times closer than this are the same time, however quiet the machine.

@@ -3,11 +3,12 @@
 import numpy as np
 
 from analytic.dynamics.reduced import drive_torque
-from engines.contract import History, Method, Outcome, Run, Setting, Signal
+from engines.contract import Abilities, History, Method, Outcome, ReadOut, Run, Setting, Signal
+from engines.scene import Channel
 
 FIRST = Method("first", "first order", effort_unit="")
 SECOND = Method("second", "second order down to a floor the solver sets", effort=30.0, effort_unit="iterations")
-FOURTH = Method("fourth", "fourth order until rounding grows", levels=2)
+FOURTH = Method("fourth", "fourth order until rounding grows", runs=2)
 WRONG = Method("wrong", "a read-out that no step mends")
 BROKEN = Method("broken", "raises")
 SIZE = 0.2
@@ -18,6 +19,8 @@ class KnownEngine:
 
     name = "known"
     work_unit = "iterations"
+    is_control = False
+    abilities = Abilities({Channel.TORQUE: ReadOut("the truth")}, frozenset(), frozenset(), frozenset())
 
     def __init__(self, mechanism, motion):
         self.mechanism, self.motion = mechanism, motion
@@ -32,13 +35,13 @@ class KnownEngine:
     def run(self, scene, setting):
         self.runs.append(setting)
         error = {Setting.NAIVE: 0.1, Setting.TUNED: 1e-5, Setting.BEST: 1e-9}[setting]
-        return self._finished(1e-3, error, {"scheme": "known"})
+        return self._finished(1e-3, error, {"scheme": "known"}, 4 if setting is Setting.BEST else 1)
 
     def run_method(self, scene, method, step):
         self.runs.append((method.name, method.effort, step))
         if method.name == "broken":
             raise RuntimeError("matrix is singular")
-        return self._finished(step, self.error(method, step), {"step": step})
+        return self._finished(step, self.error(method, step), {"step": step}, method.runs)
 
     def error(self, method, step):
         """The error a method has at a step, over the peak."""
@@ -50,11 +53,12 @@ class KnownEngine:
             "wrong": 0.05,
         }[method.name]
 
-    def _finished(self, step, error, details):
+    def _finished(self, step, error, details, runs):
         time = np.arange(0.0, self.motion.duration, step)
         speed, acceleration = self.motion.speed(time), self.motion.acceleration(time)
         torque = drive_torque(self.mechanism.sweep(self.motion.angle(time)), speed, acceleration)
         values = torque + error * np.max(np.abs(torque))
         steps = len(time)
+        passes = tuple(step / (1 + number) for number in range(runs))
         return Run(Outcome.FINISHED, "", History(torque=Signal(time, values)), steps * 1e-6, 1e-4, steps, steps * 5,
-                   details)  # fmt: skip
+                   passes, details)  # fmt: skip

@@ -5,12 +5,13 @@ from __future__ import annotations
 import ctypes
 import os
 import signal
+import subprocess
 import sys
 import threading
 import time
 from pathlib import Path
 
-from engines.contract import Outcome, Run
+from engines.contract import Abilities, Outcome, Run
 
 
 def job(kind, value=None):
@@ -119,6 +120,13 @@ def sign_and_sleep(path):
     time.sleep(60.0)
 
 
+def fork_and_sleep(path):
+    """Leave a child, its process number in a file, and hang."""
+    child = subprocess.Popen([sys.executable, "-c", "import time; time.sleep(60)"])
+    Path(path).write_text(str(child.pid))
+    time.sleep(60.0)
+
+
 JOBS = {
     function.__name__: function
     for function in (
@@ -140,6 +148,7 @@ JOBS = {
         hang_up,
         interrupt_itself,
         sign_and_sleep,
+        fork_and_sleep,
         spoil,
     )
 }
@@ -159,6 +168,8 @@ class Counting:
 class _Faulty:
     """An engine that does one thing when it is run."""
 
+    abilities = Abilities({}, frozenset(), frozenset(), frozenset())
+    is_control = False
     work_unit = "steps"
 
     def version(self):
@@ -195,8 +206,17 @@ Aborting, Hanging, Leaving, Raising, Swelling, Writing = ENGINES.values()
 
 def announce_engines(folder):
     """Have a distribution in this folder announce the faulty engines to whoever has it on the path."""
-    place = folder / "faulty_engines-1.0.dist-info"
+    announce(
+        folder,
+        "faulty-engines",
+        {title: f"tests.comparisons.faults:{kind.__name__}" for title, kind in ENGINES.items()},
+    )
+
+
+def announce(folder, package, entries):
+    """Have a distribution in this folder announce engines: name and "module:class"."""
+    place = folder / f"{package.replace('-', '_')}-1.0.dist-info"
     place.mkdir()
-    (place / "METADATA").write_text("Metadata-Version: 2.1\nName: faulty-engines\nVersion: 1.0\n")
-    lines = [f"{title} = tests.comparisons.faults:{kind.__name__}" for title, kind in ENGINES.items()]
+    (place / "METADATA").write_text(f"Metadata-Version: 2.1\nName: {package}\nVersion: 1.0\n")
+    lines = [f"{name} = {value}" for name, value in entries.items()]
     (place / "entry_points.txt").write_text("\n".join(["[linkproof.engines]", *lines, ""]))

@@ -6,9 +6,9 @@ import pytest
 
 from analytic.description.crank_motion import crank_motion
 from comparisons.reference.start_state import scene
+from engines.mechanics.start_check import start_misfit
 from engines.scene import Channel, Prescribed
 from engines.scene_builder import is_pin_mass
-from engines.start_check import start_misfit
 from tests.analytic.linkages import FULL_TURN, mechanism
 
 MOTION = crank_motion("constant-speed", start_angle=0.7)

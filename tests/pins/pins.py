@@ -32,7 +32,7 @@ BOUNDS = ("closure_error", "error_bound")  # rounding errors themselves: held to
 # What identifies a record, and what is held of it; everything else is a time, a text or derived.
 KEYS = {
     "compare": ("mechanism", "variant", "regime", "conditions", "engine", "setting", "quantity"),
-    "bench": ("mechanism", "variant", "regime", "engine", "kind", "setting", "levels", "effort", "step", "quantity"),
+    "bench": ("mechanism", "variant", "regime", "engine", "kind", "setting", "runs", "effort", "step", "quantity"),
     "stress": ("axis", "row", "value", "engine", "usage"),
 }
 HELD = {

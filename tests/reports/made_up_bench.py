@@ -5,13 +5,18 @@ from comparisons.work_precision.records import FORMAT, Bench, rows
 from tests.comparisons.bench_rows import points, row, setting_row, sweep_rows
 
 
-def made_up_bench(mechanisms=("juki-mf7923d", "rimoldi-164"), regimes=("run-up-quintic",), engines=("alpha", "beta")):
-    """Two methods, three efforts of one of them, three settings and a failure, in every place and engine."""
+def made_up_bench(
+    mechanisms=("juki-mf7923d", "rimoldi-164"), regimes=("run-up-quintic",), engines=("alpha", "beta"), control=""
+):
+    """Two methods, three efforts of one of them, three settings and a failure, in every place and engine.
+
+    One of the engines may be the control.
+    """
     records = []
     for mechanism in mechanisms:
         for regime in regimes:
             for number, engine in enumerate(engines):
-                where = {"mechanism": mechanism, "regime": regime, "engine": engine}
+                where = {"mechanism": mechanism, "regime": regime, "engine": engine, "is_control": engine == control}
                 for quantity in ("Mkr", "joint_force"):
                     records += _engine(quantity, 1.0 + number, where)
     return Bench(document(judged(points(records)), mechanisms, engines))
@@ -23,10 +28,10 @@ def _engine(quantity, dearer, where):
         [0.1 / 4**k for k in range(8)], cost=1e-3 * dearer, effort=100.0, effort_unit="iterations", **told
     )
     loose = sweep_rows([0.1, 0.03, 0.03, 0.03], cost=1e-3 * dearer, effort=10.0, effort_unit="iterations", **told)
-    fourth = sweep_rows([0.1 / 16**k for k in range(6)], cost=4e-3 * dearer, setting="higher", levels=2, **told)
+    fourth = sweep_rows([0.1 / 16**k for k in range(6)], cost=4e-3 * dearer, setting="higher", runs=2, **told)
     settings = [
-        setting_row(name, error, seconds * dearer, used="scheme <made up>", **told)
-        for name, error, seconds in (("naive", 0.9, 2e-3), ("tuned", 4e-4, 1.7e-2), ("best", 1e-12, 0.4))
+        setting_row(name, error, seconds * dearer, runs=runs, used="scheme <made up>", **told)
+        for name, error, seconds, runs in (("naive", 0.9, 2e-3, 1), ("tuned", 4e-4, 1.7e-2, 1), ("best", 1e-12, 0.4, 4))
     ]
     failed = row(setting="torn", outcome="diverged", detail="the joints <gave> way", error_max=None, seconds_min=None,
                  seconds_median=None, repeats=(), **told)  # fmt: skip
@@ -46,10 +51,10 @@ def document(records, mechanisms, engines, **changes):
         "first_use": [{"engine": name, "seconds": [0.3, 0.2]} for name in engines],
         "mechanisms": [{"name": name, "title": f"The {name}", "variant": "v"} for name in mechanisms],
         "methods": [
-            {"engine": engine, "name": name, "about": f"what <{name}> does", "levels": levels, "effort": effort,
+            {"engine": engine, "name": name, "about": f"what <{name}> does", "runs": runs, "effort": effort,
              "effort_unit": unit}
             for engine in engines
-            for name, effort, unit, levels in methods
+            for name, effort, unit, runs in methods
         ],
         "costs": [],
         "quantities": ["Mkr", "joint_force"],

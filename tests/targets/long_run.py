@@ -25,7 +25,8 @@ from engines.scene import Channel
 
 TURNS: Final = 1000
 SPEED: Final = 1000.0  # rpm
-LEAST: Final = float(np.finfo(float).eps)  # of the peak, or of the link: a smaller error is rounding
+# Of the peak, or of the link: a smaller error is the rounding of a body's angle, which after all turns is large.
+LEAST: Final = float(np.finfo(float).eps) * 2.0 * np.pi * TURNS
 BOUNDS: Final = Bounds(300.0, 4 * GIB)
 
 

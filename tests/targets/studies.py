@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Sequence
+from functools import cache
 from typing import Any
 
 from analytic.description.crank_motion import crank_motion
@@ -12,9 +13,11 @@ from analytic.kinematics.mechanism import Mechanism
 from comparisons.reference.case import Case
 from comparisons.stress.axes import chosen_axes
 from comparisons.stress.campaign import StressRequest, stress
+from comparisons.stress.verdict import StressVerdict
 from engines.contract import Setting
 from tests.targets.endurance import killed_and_resumed
 from tests.targets.long_run import LEAST, LongRun, long_runs
+from tests.targets.random_linkages import tallies
 from tests.targets.saving import plain_savings
 from tests.targets.speed import Measured
 
@@ -54,6 +57,17 @@ def missed(asked: dict[str, Any], engines: Sequence[str]) -> Iterator[Measured]:
     found = stress(StressRequest(tuple(chosen_axes(())), tuple(engines), quick=asked["quick"]))
     words = "; ".join(one.cell.key for one in found.missed) or f"of {len(found.cells)} cells"
     yield Measured("all engines", float(len(found.missed)), (), words)
+
+
+def random(asked: dict[str, Any], engines: Sequence[str]) -> Iterator[Measured]:
+    """What came of random linkages: the share that fails, or the wrong motions that no check flagged."""
+    for name, tally in _tallies(asked["count"], tuple(engines), asked["ratio"]).items():
+        told = ", ".join(f"{number} {verdict}" for verdict, number in tally.verdicts.most_common())
+        missed = float(tally.verdicts[StressVerdict.MISSED])
+        yield Measured(name, missed if asked["counted"] == "missed" else tally.failing, (), told)
+
+
+_tallies = cache(tallies)
 
 
 def endurance(asked: dict[str, Any], _engines: Sequence[str]) -> Iterator[Measured]:

@@ -102,6 +102,7 @@ def measure(linkages: Sequence[Linkage], engines: Sequence[str]) -> Iterator[Fig
         "forward": _forward,
         "savings": lambda target: _studied(target, studies.savings, engines),
         "long_turns": lambda target: _studied(target, studies.long_turns, engines),
+        "random": lambda target: _studied(target, studies.random, engines),
         "missed": lambda target: _studied(target, studies.missed, engines),
         "endurance": lambda target: _studied(target, studies.endurance, engines),
     }
@@ -139,7 +140,7 @@ def _errors(target: Target, results: Sequence[RunResult], engines: Sequence[str]
     """The worst error of each engine among the records the target speaks of; in the quantity's unit if it says so."""
     asked = dict(target.arguments)
     only, absolute = asked.pop("engine", None), asked.pop("absolute", False)
-    for name in engines if only is None else [only]:
+    for name in engines if only is None else only:
         found = [
             _error(record, absolute=absolute)
             for result in results

@@ -6,7 +6,7 @@ from tests.comparisons.bench_rows import setting_row, sweep_rows
 from tests.targets.saving import saving
 
 SECOND = sweep_rows([0.1 / 4**k for k in range(8)], setting="second")
-FOURTH = sweep_rows([0.1 / 16**k for k in range(6)], setting="fourth", cost=4e-3, levels=2)
+FOURTH = sweep_rows([0.1 / 16**k for k in range(6)], setting="fourth", cost=4e-3, runs=2)
 
 
 def test_what_a_setting_saves_against_plain_steps_that_get_there():

@@ -7,7 +7,7 @@ import pytest
 from comparisons.stress.campaign import Stressed
 from comparisons.stress.verdict import StressVerdict
 from tests.comparisons.stress.test_border import result
-from tests.targets import studies
+from tests.targets import random_linkages, studies
 from tests.targets.long_run import LEAST, LongRun
 
 
@@ -27,6 +27,14 @@ def test_missed_cells_are_counted(monkeypatch):
     monkeypatch.setattr(studies, "stress", lambda _request: Stressed(cells, ()))
     (found,) = studies.missed({"quick": True}, ["e"])
     assert (found.reached, found.detail) == (0.0, "of 2 cells")
+
+
+def test_random_linkages_are_the_same_every_time_and_right_in_the_control():
+    """One of each kind: the control is within its limits, or the linkages are not valid."""
+    assert random_linkages.draw(2) == random_linkages.draw(2)
+    (failing,) = studies.random({"count": 4, "ratio": 30.0, "counted": "failing"}, ["direct"])
+    (missed,) = studies.random({"count": 4, "ratio": 30.0, "counted": "missed"}, ["direct"])
+    assert (failing.reached, missed.reached, failing.detail) == (0.0, 0.0, "4 within limit")
 
 
 def test_lost_and_doubled_records_add_up(monkeypatch):

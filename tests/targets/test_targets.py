@@ -26,6 +26,7 @@ def test_every_target_can_be_measured_and_has_a_goal_within_its_minimum():
             "forward",
             "savings",
             "long_turns",
+            "random",
             "missed",
             "endurance",
         }

@@ -19,7 +19,7 @@ from comparisons.judging.run_result import ARRAYS
 from comparisons.runs.failures import GIB
 from comparisons.runs.journal import Journal
 from comparisons.runs.workers import Bounds
-from engines.contract import Outcome, Run, Setting, Signal
+from engines.contract import Abilities, Origin, Outcome, ReadOut, Run, Setting, Signal
 from engines.scene import Channel
 from tests.comparisons.faults import announce_engines, fail
 from tests.comparisons.perfect_engine import perfect_motion
@@ -47,8 +47,13 @@ class Scripted:
     name = "scripted"
     work_unit = "steps"
 
-    def __init__(self, act, version="1.0"):
+    is_control = False
+
+    def __init__(self, act, version="1.0", channels=tuple(Channel)):
         self.act, self._version = act, version
+        self.abilities = Abilities(
+            {channel: ReadOut("as told") for channel in channels}, frozenset(), frozenset(), frozenset()
+        )
         self.scenes = []
 
     def version(self):
@@ -105,10 +110,48 @@ def test_nan_is_divergence_with_its_time(with_engine):
     assert result.records[0].detail == "torque is not finite from 0.35 s on"
 
 
-def test_a_channel_that_was_not_recorded_is_noticed(with_engine):
-    with_engine(Scripted(lambda scene: _finished(scene, acceleration=None)))
+@pytest.mark.parametrize(("offered", "outcome"), [(True, "adapter-error"), (False, "not-provided")])
+def test_a_channel_that_was_not_recorded_costs_its_own_rows(with_engine, offered, outcome):
+    """Of an engine that offers it, that is the adapter's error; of one that does not, nothing it has to answer for."""
+    left = [channel for channel in Channel if offered or channel is not Channel.ACCELERATION]
+    with_engine(Scripted(lambda scene: _finished(scene, acceleration=None), channels=left))
     (result,) = compare(_request())
-    assert result.records[0].detail == "finished without recording acceleration"
+    outcomes = {r.quantity: r.outcome for r in (*result.records, *result.invariants)}
+    assert outcomes.pop("a") == outcome
+    for name in ("closure", "torque_two_routes", "force_balance"):
+        assert outcomes.pop(name) == "not-provided"
+    assert set(outcomes.values()) == {"passed"}
+    assert "acceleration" in next(r.detail for r in result.records if r.quantity == "a")
+
+
+def test_a_joint_force_that_is_a_magnitude_is_judged_as_one(with_engine):
+    sizes = {name: Signal(s.time, np.hypot(*s.values.T)) for name, s in HISTORY.joint_force.items()}
+    with_engine(Scripted(lambda scene: _finished(scene, joint_force=sizes)))
+    (result,) = compare(_request())
+    outcomes = {r.quantity: r.outcome for r in (*result.records, *result.invariants)}
+    assert outcomes.pop("force_balance") == "not-provided"
+    assert set(outcomes.values()) == {"passed"}
+
+
+@pytest.mark.parametrize("wrong", [1.0, 2.0])
+def test_what_an_adapter_computes_itself_is_compared_and_not_judged(with_engine, wrong):
+    own = dataclasses.replace(HISTORY.torque, values=wrong * HISTORY.torque.values, origin=Origin.COMPUTED)
+    with_engine(Scripted(lambda scene: _finished(scene, torque=own)))
+    (result,) = compare(_request())
+    outcomes = {r.quantity: r.outcome for r in (*result.records, *result.invariants)}
+    computed = {"Mkr", "Peq", "energy_balance", "torque_two_routes"}
+    assert {name for name, outcome in outcomes.items() if outcome == "computed"} == computed
+    assert {outcome for name, outcome in outcomes.items() if name not in computed} == {"passed"}
+    assert next(r.error_max for r in result.records if r.quantity == "Mkr") == pytest.approx(wrong - 1.0, abs=1e-9)
+
+
+def test_a_derived_quantity_has_the_weakest_origin_of_its_parts(with_engine):
+    several = dataclasses.replace(HISTORY.velocity, origin=Origin.EXTRAPOLATED)
+    with_engine(Scripted(lambda scene: _finished(scene, velocity=several)))
+    (result,) = compare(_request())
+    origins = {r.quantity: r.origin for r in result.records}
+    assert {name for name, origin in origins.items() if origin == "extrapolated"} == {"Jeq", "Teq", "Peq", "v", "a"}
+    assert {origins["Mkr"], origins["S"], origins["joint_force:A"]} == {"read"}
 
 
 def test_an_exception_in_an_engine_costs_its_own_row(with_engine):
@@ -160,7 +203,7 @@ def test_the_whole_traceback_is_shown_where_it_is_asked_for(with_engine, monkeyp
 
 def test_a_quantity_without_a_sample_is_undefined(with_engine, monkeypatch):
     with_engine(Scripted(_finished))
-    monkeypatch.setattr(deviations, "near_jumps", lambda time, jumps: np.ones(len(time), dtype=bool))
+    monkeypatch.setattr(deviations, "at_jumps", lambda time, case: np.ones(len(time), dtype=bool))
     (result,) = compare(_request(quantities=("Mkr", "S"), with_invariants=False))
     assert {r.quantity: r.outcome for r in result.records} == {"Mkr": "undefined", "S": "passed"}
     assert "every sample of Mkr" in result.records[0].detail
@@ -170,7 +213,7 @@ def test_a_quantity_without_a_sample_is_undefined(with_engine, monkeypatch):
 @pytest.mark.parametrize(
     ("engine", "outcome", "words"),
     [
-        (Scripted(_finished, version=None), "unavailable", "pip install"),
+        (Scripted(_finished, version=None), "unavailable", "is not installed"),
         (Scripted(lambda scene: Run(Outcome.UNSUPPORTED, "cannot hold springs")), "unsupported", "cannot hold springs"),
         (Scripted(lambda scene: Run(Outcome.DIVERGED, "crank ran away")), "diverged", "crank ran away"),
     ],
@@ -183,12 +226,15 @@ def test_what_an_engine_cannot_do_is_a_record(with_engine, engine, outcome, word
     assert all(r.error_max is None for r in result.records)
 
 
-def test_what_is_asked_for_does_not_change_what_steps_are_chosen_by(with_engine):
+def test_no_more_is_recorded_than_is_asked_for(with_engine):
     engine = with_engine(Scripted(_finished))
     for names in ("Jeq",), ("Mkr",), ("joint_force",):
         list(compare(_request(quantities=names, with_invariants=False)))
-    all_but_forces = frozenset(Channel) - {Channel.JOINT_FORCE}
-    assert [scene.channels for scene in engine.scenes] == [all_but_forces, all_but_forces, frozenset(Channel)]
+    assert [scene.channels for scene in engine.scenes] == [
+        {Channel.VELOCITY},
+        {Channel.TORQUE},
+        {Channel.JOINT_FORCE},
+    ]
 
 
 def test_deviations_three_times_their_record_fail_within_the_limit(with_engine, monkeypatch):
@@ -306,7 +352,7 @@ def test_runs_in_workers_give_the_same_in_the_same_order():
 
 
 def test_a_released_crank_is_the_same_in_a_worker():
-    own = _parallel(linkages=(TAKEUP,), motions=(), own_regimes=("free",), own_settings=(Setting.TUNED,))
+    own = _parallel(linkages=(TAKEUP,), motions=(), own_regimes=("free",))
     (here,), (there,) = compare(own, processes=0), compare(own, processes=1)
     assert _untimed(there) == _untimed(here)
     assert {record.outcome for record in here.records} == {"passed"}

@@ -19,16 +19,13 @@ def test_the_table_is_complete():
             if quantity in GIVEN and regime not in REGIMES:
                 continue
             row = limit(quantity, setting, regime)
-            assert 0.0 < row.value < 0.02, (quantity, setting, regime)  # no looser than what the sources claim
+            least_strict = 0.06 if setting is Setting.NAIVE else 0.02  # no looser than what the sources claim
+            assert 0.0 < row.value <= least_strict, (quantity, setting, regime)
             assert len(row.reason.split()) > 4, (quantity, setting, regime)
 
 
 def test_best_is_held_to_more_than_tuned():
     assert limit("Mkr", "best", "run-up-quintic").value < limit("Mkr", "tuned", "run-up-quintic").value
-
-
-def test_naive_is_held_to_what_tuned_is():
-    assert limit("Mkr", "naive", "run-up") == limit("Mkr", "tuned", "run-up")
 
 
 def test_an_uncovered_quantity_says_what_to_add():

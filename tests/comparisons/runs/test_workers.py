@@ -180,17 +180,31 @@ def test_closing_stops_workers_at_once(tmp_path):
     assert not runs(int(path.read_text()))
 
 
+@pytest.mark.skipif(not sys.platform.startswith("linux"), reason="reads /proc")
+@pytest.mark.parametrize("bounds", [Bounds(seconds=1.5), Bounds(seconds=60.0)], ids=["late", "closed"])
+def test_what_a_job_has_started_dies_with_its_worker(tmp_path, bounds):
+    path = tmp_path / "child"
+    results = run_jobs(job, [("fine", None), ("fork_and_sleep", str(path))], bounds=bounds, processes=2)
+    next(results)
+    assert wait_for(lambda: written(path))
+    assert runs(int(path.read_text()))
+    if bounds.seconds < 60.0:
+        next(results)
+    results.close()
+    assert wait_for(lambda: not runs(int(path.read_text())))
+
+
 PARENT = """
 import sys
 from comparisons.runs.workers import run_jobs
 from tests.comparisons.faults import job
-list(run_jobs(job, [("sign_and_sleep", sys.argv[1]), ("sign_and_sleep", sys.argv[2])], processes=2))
+list(run_jobs(job, [("sign_and_sleep", sys.argv[1]), ("fork_and_sleep", sys.argv[2])], processes=2))
 """
 
 
 @pytest.mark.skipif(not sys.platform.startswith("linux"), reason="reads /proc")
 @pytest.mark.parametrize("by", [signal.SIGKILL, signal.SIGTERM, signal.SIGINT])
-def test_workers_die_with_their_parent(tmp_path, by):
+def test_workers_and_what_they_started_die_with_their_parent(tmp_path, by):
     paths = [tmp_path / "one", tmp_path / "two"]
     command = [sys.executable, "-c", PARENT, *map(str, paths)]
     with subprocess.Popen(command, env=ENVIRONMENT, stderr=subprocess.PIPE) as parent:

@@ -8,7 +8,7 @@ import pytest
 from analytic.errors import UnknownNameError
 from comparisons.stress.axes import axes, chosen_axes, nearest
 from comparisons.stress.scenes import RELEASED, Conditions, case, scene
-from engines.start_check import start_misfit
+from engines.mechanics.start_check import start_misfit
 
 EVERY = [(axis, row) for axis in axes().values() for row in axis.rows]
 STRETCH = 1e4  # times the easy value: beyond it a released motion is only slow to integrate

@@ -16,7 +16,7 @@ from comparisons.stress.campaign import StressRequest, make_cells
 from comparisons.stress.cells import Cell, cells, find_cell, from_document, lost, made, usages
 from comparisons.stress.scenes import case
 from comparisons.stress.verdict import StressVerdict
-from engines.contract import Method, Outcome, Run
+from engines.contract import Abilities, Method, Outcome, Run
 from tests.comparisons.true_motions import true_history, with_signal
 
 
@@ -24,6 +24,8 @@ class Perfect:
     """An engine that reads the truth off the closed form, and remembers what it was asked."""
 
     name = "perfect"
+    abilities = Abilities({}, frozenset(), frozenset(), frozenset())
+    is_control = False
     work_unit = "thoughts"
 
     def __init__(self):

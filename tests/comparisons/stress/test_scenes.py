@@ -15,8 +15,8 @@ from analytic.errors import DescriptionError
 from analytic.kinematics.mechanism import Mechanism
 from comparisons.stress.scenes import LINKAGES, Conditions, case, linkage, motion, reversal, scene
 from engines.mechanics.joints import scene_size
+from engines.mechanics.start_check import start_misfit
 from engines.scene import Channel, Free
-from engines.start_check import start_misfit
 
 JUKI = Conditions("juki-mf7923d")
 POWERS = st.floats(-6.0, 6.0).map(lambda power: 10.0**power)

@@ -2,12 +2,12 @@
 
 import pytest
 
-from comparisons.work_precision.analysis import WANTED, by_engine, choices, findings, judged, on_front, standings
+from comparisons.work_precision.analysis import WANTED, apart, by_engine, choices, findings, judged, on_front, standings
 from comparisons.work_precision.floor import Cause
 from tests.comparisons.bench_rows import points, row, setting_row, sweep_rows
 
 SECOND = sweep_rows([0.1 / 4**k for k in range(8)], setting="second")
-FOURTH = sweep_rows([0.1 / 16**k for k in range(6)], setting="fourth", cost=4e-3, levels=2)
+FOURTH = sweep_rows([0.1 / 16**k for k in range(6)], setting="fourth", cost=4e-3, runs=2)
 
 
 def test_order_and_floor_of_every_sweep_are_found_and_written_into_its_points():
@@ -64,12 +64,22 @@ def test_the_front_leaves_nothing_better_out():
     assert {one.errors["Mkr"].on_front for one in judged(points(records)) if one.setting == "tuned"} == {True}
 
 
+def test_single_runs_and_extrapolated_ones_have_fronts_of_their_own():
+    single, several = apart([*SECOND, *FOURTH])
+    assert (single, several) == (SECOND, FOURTH)
+    told = judged(points([*SECOND, *FOURTH]))
+    assert all(one.errors["Mkr"].on_front for one in told)
+    assert len(on_front([*SECOND, *FOURTH])) < len(told)
+
+
 def test_a_setting_is_held_against_the_price_of_its_own_error():
-    tuned = setting_row("tuned", 0.1 / 16**2, 0.032)
-    (found,) = standings([*SECOND, *FOURTH, tuned])
-    # Both methods reach it exactly at a measured point: the second order at 16 times its first cost, the fourth at 4.
-    assert found.rival_seconds == pytest.approx(min(16 * 1e-3, 4 * 4e-3))
+    # Both methods reach it exactly at a measured point: the second order at 64 times its first cost, the fourth at 8.
+    tuned, best = (setting_row(name, 0.1 / 16**3, 0.128) for name in ("tuned", "best"))
+    found, other = standings([*SECOND, *FOURTH, tuned, best])
+    assert found.rival_seconds == pytest.approx(64 * 1e-3)  # a single run is not held against several extrapolated
     assert found.ratio == pytest.approx(2.0)
+    assert other.rival_seconds == pytest.approx(8 * 4e-3)
+    assert other.rival.setting == "fourth"
     (beyond,) = standings([*SECOND, setting_row("best", 1e-12, 1.0)])
     assert (beyond.ratio, beyond.rival) == (None, None)
 

@@ -75,6 +75,7 @@ class Refusing:
     """An engine that can do nothing."""
 
     name = "refusing"
+    is_control = False
 
     def run(self, scene, setting):
         return Run(Outcome.UNSUPPORTED, "it will not")

@@ -1,6 +1,7 @@
 """One point measured once in a real engine: times, errors by quantity, and what goes wrong told."""
 
 import pickle
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -10,10 +11,10 @@ from analytic.description.loading import load
 from analytic.kinematics.mechanism import Mechanism
 from comparisons.reference.case import Case, own_case
 from comparisons.runs.failures import AdapterError
+from comparisons.work_precision import measure as point
 from comparisons.work_precision.measure import chosen, longest_step, measure
-from engines.contract import Method, Setting
+from engines.contract import History, Method, Origin, Setting
 from engines.registry import engine
-from engines.scene import Channel
 
 CASE = Case(Mechanism(load("juki-mf7923d")), crank_motion("run-up-quintic", hold_time=0.0, ramp_time=0.2))
 PICKLED = pickle.dumps(CASE)
@@ -31,21 +32,51 @@ def test_an_exact_method_has_errors_of_round_off_in_every_quantity():
     assert min(taken.setup, taken.readout) >= 0.0
 
 
-def test_the_worst_joint_stands_for_all():
-    pytest.importorskip("pymunk")
-    method = Method("centred", "")
-    taken = measure(PICKLED, "pymunk", method, 24.0, FOUR, with_errors=True)
-    scene = CASE.scene(frozenset(Channel))
-    history = engine("pymunk").run_method(scene, method, longest_step(CASE, 24.0)).history
-    time = history.joint_force["A"].time
-    errors = [
-        np.linalg.norm(history.joint_force[name].values - truth.T, axis=1).max() / np.linalg.norm(truth, axis=0).max()
-        for name, truth in CASE.at(time).joint_forces.items()
-    ]
-    assert len(errors) > 2
-    assert taken.errors["joint_force"].error_max == pytest.approx(max(errors), rel=1e-9)
-    assert max(errors) > 1.5 * min(errors) > 1e-6
+class Altered:
+    """The control with another history."""
+
+    name = "altered"
+
+    def __init__(self, change):
+        self.change = change
+
+    def run(self, scene, setting):
+        run = engine("direct").run(scene, setting)
+        return replace(run, history=self.change(run.history), passes=(3e-3, 1e-3))
+
+
+def _measured(monkeypatch, change, names):
+    monkeypatch.setattr(point, "engine", lambda name: Altered(change))
+    return measure(PICKLED, "altered", Setting.TUNED, None, names, with_errors=True)
+
+
+def test_the_worst_joint_stands_for_all(monkeypatch):
+    def enlarged(history):
+        forces = history.joint_force.items()
+        grown = {name: replace(one, values=one.values * (1.02 if name == "A" else 1.01)) for name, one in forces}
+        return replace(history, joint_force=grown)
+
+    taken = _measured(monkeypatch, enlarged, FOUR)
+    assert taken.errors["joint_force"].error_max == pytest.approx(0.02, rel=1e-9)
     assert [one.name for one in chosen(CASE, ("joint_force:A",))["joint_force:A"]] == ["joint_force:A"]
+
+
+def test_what_an_engine_does_not_tell_costs_that_quantity_alone(monkeypatch):
+    def partial(history):
+        torque = replace(history.torque, origin=Origin.COMPUTED)
+        return replace(history, torque=torque, joint_force={"A": history.joint_force["A"]})
+
+    taken = _measured(monkeypatch, partial, FOUR)
+    assert (taken.outcome, taken.runs) == ("finished", 2)
+    assert set(taken.errors) == {"Jeq", "phi", "joint_force"}
+    assert taken.left_out["Mkr"] == "Mkr computed by the adapter"
+    assert "joint_force:A" not in taken.left_out["joint_force"]
+    assert taken.left_out["joint_force"].endswith("not offered")
+
+
+def test_an_engine_that_tells_nothing_asked_for_gives_nothing(monkeypatch):
+    taken = _measured(monkeypatch, lambda history: History(position=history.position), ("Jeq", "Mkr"))
+    assert (taken.outcome, taken.reason) == ("not-provided", "Jeq not offered; Mkr not offered")
 
 
 def test_a_repeat_takes_no_errors():

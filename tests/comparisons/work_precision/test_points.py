@@ -75,6 +75,7 @@ def test_one_slow_run_does_not_end_a_sweep():
         ([_taken(1e-1), _failed()], 2),
         ([_failed("timed-out")], 1),
         ([_failed("unsupported")], 1),
+        ([_failed("not-provided")], 1),
     ],
 )
 def test_failures_end_a_sweep_unless_a_shorter_step_may_cure_them(results, count):

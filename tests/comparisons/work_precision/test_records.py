@@ -44,7 +44,7 @@ def test_the_file_is_json_with_a_record_to_a_line(tmp_path):
 
 
 @pytest.mark.parametrize(
-    "content", ["", "{}", '{"format": 2}', '{"format": 2, "quantities": [], "records": [{}]}', "[1]"]
+    "content", ["", "{}", '{"format": 3}', '{"format": 3, "quantities": [], "records": [{}]}', "[1]"]
 )
 def test_a_file_that_is_no_benchmark_is_refused(tmp_path, content):
     (tmp_path / bench_records.FILE).write_text(content)
@@ -53,8 +53,8 @@ def test_a_file_that_is_no_benchmark_is_refused(tmp_path, content):
 
 
 def test_a_file_of_an_older_format_is_refused_with_the_cure(tmp_path):
-    (tmp_path / bench_records.FILE).write_text('{"format": 1, "records": []}')
-    with pytest.raises(LinkproofError, match="in format 2, got 1: run bench again"):
+    (tmp_path / bench_records.FILE).write_text('{"format": 2, "records": []}')
+    with pytest.raises(LinkproofError, match="in format 3, got 2: run bench again"):
         load(tmp_path)
 
 
@@ -65,6 +65,12 @@ def test_a_point_that_did_not_finish_stands_in_every_quantity_asked_for():
         ("phi", False),
     ]
     assert [one.quantity for one in by_quantity(finished, ("Jeq", "phi"))] == ["Mkr"]
+
+
+def test_a_quantity_that_an_engine_does_not_tell_is_not_provided_there_alone():
+    (point,) = points([row(left_out={"Jeq": "Jeq not offered"})])
+    told = {one.quantity: (one.outcome, one.detail, one.finished) for one in by_quantity([point], ("Mkr", "Jeq"))}
+    assert told == {"Mkr": ("finished", "", True), "Jeq": ("not-provided", "Jeq not offered", False)}
 
 
 def test_a_folder_without_one_is_refused(tmp_path):

@@ -106,6 +106,8 @@ def test_settings_stand_beside_methods(measured):
     assert set(settings) == {"naive", "tuned", "best"}
     assert settings["best"].step is None
     assert settings["best"].used == "scheme known"
+    assert [settings[name].runs for name in ("naive", "tuned", "best")] == [1, 1, 4]
+    assert {one.runs for one in measured.records if one.setting == "fourth"} == {2}
     assert settings["tuned"].error_max == pytest.approx(1e-5)
 
 
@@ -167,7 +169,7 @@ def test_an_engine_that_is_not_installed_has_a_record_that_says_so(known, monkey
     monkeypatch.setattr(known, "version", lambda: None)
     (one,) = bench(REQUEST).records
     assert (one.outcome, one.engine_version) == ("unavailable", "")
-    assert "pip install" in one.detail
+    assert "is not installed" in one.detail
     assert methods_told(REQUEST) == []
 
 
@@ -192,6 +194,25 @@ def test_other_efforts_are_tried_on_the_first_regime_alone(known):
     efforts = {(one.regime, one.effort) for one in found if one.setting == "second"}
     assert ("run-up-quintic", 300.0) in efforts
     assert {effort for regime, effort in efforts if regime == "run-up"} == {30.0}
+
+
+def test_an_engine_without_methods_to_study_has_its_settings(known, monkeypatch):
+    monkeypatch.delattr(KnownEngine, "run_method")
+    monkeypatch.setattr(known, "is_control", True)
+    found = bench(REQUEST).records
+    assert [(one.setting, one.finished, one.is_control) for one in found] == [(s, True, True) for s in Setting]
+    assert methods_told(REQUEST) == []
+
+
+def test_an_engine_that_cannot_say_its_methods_has_its_settings_and_a_point_that_says_why(known, monkeypatch):
+    def fail(scene):
+        raise TypeError("a slip")
+
+    monkeypatch.setattr(known, "methods", fail)
+    found = bench(REQUEST).records
+    assert [(one.setting, one.finished) for one in found[:3]] == [(setting, True) for setting in Setting]
+    assert {(one.setting, one.outcome) for one in found[3:]} == {("methods", "adapter-error")}
+    assert "known raised TypeError: a slip (tests/comparisons/work_precision/test_study.py" in found[3].detail
 
 
 def test_methods_can_be_asked_for_by_name(known):

@@ -342,6 +342,18 @@ def test_a_free_crank_that_runs_up_against_its_stop_diverges():
     assert "locks" in run.reason
 
 
+def test_a_released_parallelogram_swings_between_its_change_points():
+    """Its coupler does not turn: T = ½ (J₁ + J₃ + m₂ r²) ω² and V = m₂ g r sin φ, the other centres being on pivots."""
+    inertia, lift = 0.6e-4 + 0.7e-4 + 0.15 * 0.025**2, 0.15 * 9.81 * 0.025
+    model = scene(mechanism("parallelogram"), Free(0.0, 0.15), EVERYTHING, start_angle=1.0, speed=3.0)
+    history = ENGINE.run(model, Setting.TUNED).history
+    angle, speed = history.position.values[:, 1, 2], history.velocity.values[:, 1, 2]
+    energy = 0.5 * inertia * speed**2 + lift * np.sin(angle)
+    assert np.ptp(energy) <= SAME * energy[0]
+    assert np.ptp(angle) > 0.1
+    assert np.max(np.abs(history.position.values[:, 0, 2])) <= ROUNDING
+
+
 def test_a_start_state_with_an_open_joint_diverges_and_names_it():
     model = scene(mechanism("juki-mf7923d"), Prescribed(_motion()), EVERYTHING)
     bar = next(body for body in model.bodies if body.inertia is None)

@@ -1,7 +1,6 @@
 """exudyn against the closed form, joint by joint and load by load; what exudyn cannot do comes back as a value."""
 
 import dataclasses
-import math
 import os
 
 import numpy as np
@@ -14,13 +13,15 @@ from analytic.dynamics import reduced
 from analytic.dynamics.joint_forces import joint_forces
 from analytic.kinematics.mechanism import Mechanism
 from comparisons.judging.deviations import near_jumps
+from comparisons.observation.observed_motion import ObservedMotion
 from comparisons.reference.start_state import scene
-from engines.contract import Outcome, Setting
-from engines.exudyn_adapter import adapter, checks, recipes, stepping
+from engines.contract import Origin, Outcome, Setting
 from engines.exudyn_adapter.adapter import ExudynEngine
 from engines.exudyn_adapter.model import Model
 from engines.exudyn_adapter.readout import add_sensors
+from engines.mechanics.joints import scene_size
 from engines.scene import Channel, Free, Prescribed
+from engines.stepping.histories import labelled
 from tests.analytic.linkages import mechanism
 from tests.engines.newton_euler import true_motion
 
@@ -30,14 +31,16 @@ ENGINE = ExudynEngine()
 EVERYTHING = frozenset(Channel)
 NO_FORCES = EVERYTHING - {Channel.JOINT_FORCE}
 
-# Errors relative to the peak. The basic step is 5° of crank; made-up linkages are sharper than the needle mechanisms.
-LOAD = {Setting.TUNED: 3e-5, Setting.BEST: 3e-7}  # torque, joint forces, accelerations
-MOTION = {Setting.TUNED: 1e-6, Setting.BEST: 1e-9}  # positions and velocities: an integral smoother
+# Errors relative to the peak; made-up linkages are sharper than the needle mechanisms.
+LOAD = {Setting.TUNED: 1e-4, Setting.BEST: 5e-7}  # torque, joint forces, accelerations
+MOTION = {Setting.TUNED: 3e-6, Setting.BEST: 1e-9}  # positions and velocities: an integral smoother
+ORIGIN = {Setting.TUNED: Origin.READ, Setting.BEST: Origin.EXTRAPOLATED}
 NAIVE_ROUGHNESS = 1e-4  # a newcomer's torque is further off than this
-RINGING = 1e-3  # what a kink leaves behind for ever if the run is not started anew there
-LOOSE_ORDER = 0.5  # an observed order may be this much below the theoretical one
-FREE_ANGLE = {Setting.TUNED: 1e-6, Setting.BEST: 2e-8}  # rad after half a second
+FREE_ANGLE = {Setting.TUNED: 1e-5, Setting.BEST: 2e-8}  # rad after half a second
+PACE = 100.0  # rad/s, about how fast the free cranks turn
 UNREADABLE = 1e-9  # of a joint force's peak: rounding of the reading
+CLOSED = 1e-10  # of the scene's size: joints hold on position level
+GROWN = 3.0  # times an error of the first turns that one of the last may be
 
 NEEDLE = ["juki-mf7923d", "rimoldi-164"]
 GRAVITY_ONLY = [
@@ -92,7 +95,9 @@ def test_motion_and_torque_follow_the_closed_form(name, setting, regime):
     motion = _motion(regime, ramp_time=0.2, clockwise=regime == "run-up-cubic")
     _, run = _run(name, motion, setting)
     history = run.history
-    position, velocity, acceleration = true_motion(mechanism(name), motion, history.position.time)
+    position, velocity, _ = true_motion(mechanism(name), motion, history.position.time)
+    acceleration = true_motion(mechanism(name), motion, history.acceleration.time)[2]  # none at a jump
+    assert {signal.origin for _, signal in labelled(history)} == {ORIGIN[setting]}
     assert _error(history.position, position, motion) < MOTION[setting]
     assert _error(history.velocity, velocity, motion) < MOTION[setting]
     assert _error(history.acceleration, acceleration, motion) < LOAD[setting]
@@ -145,63 +150,55 @@ def test_a_naive_run_finishes_and_is_as_rough_as_a_newcomers():
     _, run = _run("juki-mf7923d", motion, Setting.NAIVE, EVERYTHING)
     error = _torque_error("juki-mf7923d", motion, run)
     assert NAIVE_ROUGHNESS < error < 100.0 * NAIVE_ROUGHNESS
-    assert run.steps == round(motion.duration / run.details["step"])
-
-
-@pytest.mark.parametrize(("divisions", "order"), [((1,), 2), ((1, 3), 4), ((1, 3, 5), 6)])
-def test_order_of_convergence(monkeypatch, divisions, order):
-    motion, errors = _motion(), []
-    for steps in (30, 60):
-        rule, levels = recipes.TRAPEZOIDAL, len(divisions)
-        recipe = recipes.Recipe(
-            rule=rule, divisions=divisions, tolerance=1e-13, steps_per_turn=steps, levels=levels, turns=1.0
-        )
-        monkeypatch.setattr(adapter, "setting_recipe", lambda _scene, _setting, recipe=recipe: recipe)
-        errors.append(_torque_error("rimoldi-164", motion, _run("rimoldi-164", motion)[1]))
-    assert math.log2(errors[0] / errors[1]) > order - LOOSE_ORDER
-
-
-def test_without_consistent_accelerations_the_torque_rings(monkeypatch):
-    motion = _motion("run-up", hold_time=0.06)
-    good = _torque_error("juki-mf7923d", motion, _run("juki-mf7923d", motion)[1])
-    whole = stepping.projected_state
-
-    def without(*given, **how):
-        return dataclasses.replace(whole(*given, **how), acceleration=np.zeros(8))
-
-    monkeypatch.setattr(stepping, "projected_state", without)
-    bad = _torque_error("juki-mf7923d", motion, _run("juki-mf7923d", motion)[1])
-    assert good < LOAD[Setting.TUNED]
-    assert bad > RINGING
+    assert run.steps == round(motion.duration / 1e-3)
+    assert "fresh_starts" not in run.details
 
 
 def test_samples_at_a_jump():
     motion = _motion("run-up")
-    _, run = _run("juki-mf7923d", motion)
-    kink = motion.segments[0].end
-    acceleration, torque = run.history.acceleration, run.history.torque
-    (number,) = np.flatnonzero(np.isclose(acceleration.time, kink))
-    truth = true_motion(mechanism("juki-mf7923d"), motion, acceleration.time[[number]])[2]
-    assert acceleration.values[[number]] == pytest.approx(truth, rel=LOAD[Setting.TUNED], abs=RINGING)
-    assert not np.isclose(torque.time, kink).any()  # it has two values there
-    assert torque.time[0] > 0.0  # the multipliers belong to steps
-    assert np.all(np.diff(torque.time) > 0.0)
+    _, run = _run("juki-mf7923d", motion, channels=EVERYTHING)
+    kink, history = motion.segments[0].end, run.history
+    for signal, has_start, has_kink in (
+        (history.position, True, True),
+        (history.velocity, True, True),
+        (history.acceleration, True, False),  # it has two values there
+        (history.torque, False, False),  # the multipliers belong to steps
+        *((force, False, False) for force in history.joint_force.values()),
+    ):
+        assert np.all(np.diff(signal.time) > 0.0)
+        assert (signal.time[0] == 0.0) == has_start
+        assert np.isclose(signal.time, kink).any() == has_kink
+        assert signal.time[-1] == pytest.approx(motion.duration)
 
 
-def test_a_sharp_linkage_gets_more_passes_than_a_smooth_one():
-    motion = _motion(ramp_time=0.3)
-    _, smooth = _run("centric-slider-crank", motion)
-    _, sharp = _run("double-crank", motion)
-    assert smooth.details["divisions"] == "1 3"
-    assert sharp.details["divisions"].startswith("1 3 5")
-    assert _torque_error("double-crank", motion, sharp) < LOAD[Setting.TUNED]
+def test_nothing_drifts_over_many_turns():
+    motion = crank_motion("constant-speed", ramp_time=3.0, hold_time=0.0)  # 50 turns
+    model, run = _run("juki-mf7923d", motion)
+    time = run.history.position.time
+    gaps = ObservedMotion(model, run.history).joint_gaps(time)
+    assert max(gap.max() for gap in gaps.values()) < CLOSED * scene_size(model)
+    torque = run.history.torque
+    error = np.abs(torque.values - _true_torque("juki-mf7923d", motion, torque.time))
+    first, *_, last = np.array_split(error, 10)
+    assert last.max() < GROWN * first.max()
+
+
+@pytest.mark.parametrize("regime", ["run-up", "run-up-quintic", "constant-speed"])
+def test_a_parallelogram_passes_its_change_points(regime):
+    model = scene(mechanism("parallelogram"), Prescribed(_motion(regime)), NO_FORCES)
+    for setting in (Setting.NAIVE, Setting.TUNED):
+        run = ENGINE.run(model, setting)
+        assert run.outcome is Outcome.FINISHED, run.reason
+        number = [body.name for body in model.bodies].index("coupler")
+        angle = run.history.position.values[:, number, 2]
+        assert np.ptp(angle) < MOTION[Setting.TUNED]  # it does not turn, as long as the assembly stays what it was
 
 
 # -- a free crank ------------------------------------------------------------------------------------------------------
 
 
 def _free(name, torque, duration, start_angle):
-    free = Free(torque, duration)
+    free = Free(torque, duration, PACE)
     return scene(mechanism(name), free, NO_FORCES, start_angle=start_angle)
 
 
@@ -230,7 +227,7 @@ def test_a_free_crank_moves_as_the_equation_of_motion_says(name, torque, duratio
     crank = [body.name for body in _free(name, torque, duration, 0.4).bodies].index(mechanism(name).linkage.crank)
     scale = max(1.0, abs(truth[0]))
     assert run.history.position.values[-1, crank, 2] == pytest.approx(truth[0], abs=scale * FREE_ANGLE[setting])
-    assert run.history.torque.values == pytest.approx(torque)
+    assert run.history.torque is None  # it is given
 
 
 # -- nothing that is not asked for -------------------------------------------------------------------------------------
@@ -272,35 +269,6 @@ def test_nothing_is_printed_and_no_file_is_left(capfd, tmp_path, monkeypatch):
 # -- what cannot be done is a value ------------------------------------------------------------------------------------
 
 
-def _changed_body(model, name, **changes):
-    bodies = tuple(dataclasses.replace(b, **changes) if b.name == name else b for b in model.bodies)
-    return dataclasses.replace(model, bodies=bodies)
-
-
-@pytest.mark.parametrize(
-    ("changes", "words"),
-    [
-        ({"position": (0.001, 0.02)}, "in position"),
-        ({"velocity": (0.1, 0.0)}, "in velocity"),
-        ({"acceleration": (0.0, 1e5)}, "in acceleration"),
-        ({"mass": math.nan}, "mass nan"),
-        ({"inertia": -1e-5}, "inertia -1e-05"),
-    ],
-)
-def test_a_start_that_does_not_fit_is_refused(changes, words):
-    model = scene(mechanism("juki-mf7923d"), Prescribed(_motion("constant-speed")), NO_FORCES)
-    model = _changed_body(model, "coupler", **changes)
-    run = ENGINE.run(model, Setting.TUNED)
-    assert run.outcome is Outcome.UNSUPPORTED
-    assert words in run.reason
-
-
-def test_a_crank_that_is_not_where_its_drive_has_it_is_refused():
-    model = scene(mechanism("juki-mf7923d"), Prescribed(_motion()), NO_FORCES)
-    elsewhere = dataclasses.replace(model, drive=Prescribed(_motion(start_angle=1.0)))
-    assert "the crank starts" in (_obstacle(elsewhere) or "")
-
-
 def test_a_joint_said_twice_is_refused():
     model = scene(mechanism("juki-mf7923d"), Prescribed(_motion()), NO_FORCES)
     assert _obstacle(model) is None
@@ -315,19 +283,9 @@ def test_a_joint_left_out_is_refused():
     assert "degrees of freedom" in (_obstacle(loose) or "")
 
 
-@pytest.mark.parametrize(
-    ("regime", "words"), [("run-up-quintic", "exudyn stopped at"), ("run-up", "passed a dead or change point")]
-)
-def test_a_change_point_ends_as_diverged_with_a_reason(regime, words):
-    run = ENGINE.run(scene(mechanism("parallelogram"), Prescribed(_motion(regime)), NO_FORCES), Setting.TUNED)
+def test_what_exudyn_gives_up_is_diverged_in_its_own_words():
+    run = ENGINE.run(scene(mechanism("parallelogram"), Prescribed(_motion()), NO_FORCES), Setting.BEST)
     assert run.outcome is Outcome.DIVERGED
-    assert words in run.reason
+    assert "exudyn stopped at" in run.reason
     assert run.history is None
-    assert run.steps > 0
-
-
-def test_a_linkage_that_came_apart_is_not_passed_off_as_finished(monkeypatch):
-    monkeypatch.setattr(checks, "LARGEST_GAP", 0.0)
-    run = ENGINE.run(scene(mechanism("juki-mf7923d"), Prescribed(_motion()), NO_FORCES), Setting.TUNED)
-    assert run.outcome is Outcome.DIVERGED
-    assert "is open by" in run.reason
+    assert run.solver_work > 0

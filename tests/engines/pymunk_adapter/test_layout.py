@@ -1,5 +1,6 @@
 """Cutting bodies leaves their mass, mass centre and inertia, and puts mass centres where grooves want them."""
 
+import dataclasses
 import math
 
 import numpy as np
@@ -10,19 +11,16 @@ from hypothesis import strategies as st
 from analytic.description.crank_motion import crank_motion
 from analytic.description.linkage import GROUND
 from comparisons.reference.start_state import scene
-from engines.mechanics.states import body_numbers
+from engines.mechanics.start_check import start_misfit
 from engines.pymunk_adapter.layout import (
     BodyPart,
-    Gear,
     exact_layout,
     plain_layout,
     with_centre,
     without_point,
     without_rail,
 )
-from engines.pymunk_adapter.stepping import geared
-from engines.scene import Prescribed
-from engines.start_check import start_misfit
+from engines.scene import Free, Prescribed
 from tests.analytic.linkages import MADE_UP, mechanism
 
 ROUNDING = 1e-9  # relative; a point mass may be a millionth of its body
@@ -69,17 +67,33 @@ def test_every_groove_has_the_mass_centres_it_needs(name):
             assert abs(along_x * y - along_y * x) < ROUNDING
         if groove.body in turning:
             assert math.hypot(*groove.anchor) < ROUNDING
+
+
+@pytest.mark.parametrize("name", [name for name in MADE_UP if name != "parallelogram"])
+@pytest.mark.parametrize("drive", [Prescribed(crank_motion(start_angle=0.3)), Free(0.0, 1.0)])
+def test_a_body_at_its_pivot_has_the_moments_of_the_body_that_it_stands_for(name, drive):
+    model = scene(mechanism(name), drive, (), start_angle=0.3)
+    layout = exact_layout(model)
+    pins = [pin for pin in model.pins if GROUND in (pin.first, pin.second)]
+    pivots = {pin.first: pin.first_anchor for pin in pins} | {pin.second: pin.second_anchor for pin in pins}
+    lifts = {load.body: load.force.values for load in layout.scene.forces if load not in model.forces}
+    assert (layout.flywheel > 0.0) is isinstance(drive, Prescribed)
     for number, body in enumerate(model.bodies):
         pieces = [part for part in layout.parts if part.owner == number]
-        expected = (body.mass, 0.0, 0.0, body.inertia if layout.parts[number].inertia else _sums(pieces)[3])
-        assert _sums(pieces) == pytest.approx(expected, rel=ROUNDING, abs=ROUNDING)
-
-
-def test_nothing_is_cut_that_need_not_be():
-    for name in ("juki-mf7923d", "rimoldi-164", "double-crank"):
-        exact, plain = exact_layout(_scene(name)), plain_layout(_scene(name))
-        assert (exact.parts, exact.holds) == (plain.parts, plain.holds)
-    assert len(exact_layout(_scene("ground-pin-in-slot")).parts) == len(_scene("ground-pin-in-slot").bodies) + 1
+        wheel = layout.flywheel if body.name == model.crank else 0.0
+        mass, x, y, inertia = _sums(
+            [dataclasses.replace(pieces[0], inertia=(pieces[0].inertia or wheel) - wheel), *pieces[1:]]
+        )
+        if pieces[0].offset != pivots.get(body.name):
+            expected = (body.mass, 0.0, 0.0, body.inertia if layout.parts[number].inertia else inertia)
+            assert (mass, x, y, inertia) == pytest.approx(expected, rel=ROUNDING, abs=ROUNDING)
+            continue
+        pivot = np.array(pivots[body.name])
+        assert mass * ((x, y) - pivot) == pytest.approx(-body.mass * pivot, abs=ROUNDING * body.mass)
+        about = inertia + mass * np.sum(((x, y) - pivot) ** 2)
+        assert about == pytest.approx(body.inertia + body.mass * pivot @ pivot, rel=ROUNDING)
+        lift = lifts.get(body.name, (0.0, 0.0))
+        assert lift == pytest.approx(np.multiply(body.mass - mass, model.gravity), rel=ROUNDING)
 
 
 def test_every_joint_of_the_scene_has_its_hold():
@@ -89,22 +103,6 @@ def test_every_joint_of_the_scene_has_its_hold():
             joints = {joint.name for joint in (*model.pins, *model.sliders, *model.slots)}
             for layout in (exact_layout(model), plain_layout(model)):
                 assert {hold.name for hold in layout.holds} - layout.inner == joints
-
-
-def test_parts_that_gears_join_are_told_together_and_every_part_once():
-    for name in MADE_UP:
-        layout = exact_layout(_scene(name))
-        together = geared(layout)
-        assert sorted(number for parts in together for number in parts) == list(range(len(layout.parts)))
-        group = {number: parts for parts in together for number in parts}
-        numbers, gears = body_numbers(layout.scene), [hold for hold in layout.holds if isinstance(hold, Gear)]
-        joined = {frozenset((numbers[gear.body], numbers[gear.host])) for gear in gears if gear.host != GROUND}
-        for first in range(len(layout.parts)):
-            for second in range(first):
-                linked = frozenset((first, second)) in joined
-                assert not linked or group[first] is group[second]
-        assert len(together) >= len(layout.parts) - len(joined)
-    assert any(len(parts) > 1 for name in MADE_UP for parts in geared(exact_layout(_scene(name))))
 
 
 @pytest.mark.parametrize("name", MADE_UP)

@@ -1,4 +1,6 @@
-"""The joint forces read back are the impulses pymunk applied, and its solver converges as fast as is foreseen."""
+"""pymunk's solver converges as fast as is foreseen, and linkages that are hard for it get what they need."""
+
+import dataclasses
 
 import numpy as np
 import pytest
@@ -6,76 +8,65 @@ import pytest
 from analytic.description.crank_motion import crank_motion
 from comparisons.reference.start_state import scene
 from engines.mechanics.states import pose_of, with_ground
-from engines.pymunk_adapter.layout import Gear, exact_layout
-from engines.pymunk_adapter.recording import gaps, joint_forces
+from engines.pymunk_adapter.layout import exact_layout, plain_layout
+from engines.pymunk_adapter.loads import StepLoads
 from engines.pymunk_adapter.solver import contraction, iterations_for, turned_through
-from engines.pymunk_adapter.space import add_motor, build_world
-from engines.pymunk_adapter.stepping import calls, march
+from engines.pymunk_adapter.space import build_world
+from engines.pymunk_adapter.stepping import LOOK, calls, march
 from engines.scene import Channel, Prescribed
-from tests.analytic.linkages import mechanism
+from tests.analytic.linkages import MADE_UP, mechanism
 
 pytest.importorskip("pymunk")
 
-STEP = 2e-4  # s
-EXACT = 1e-8  # of the largest force: rounding of velocities, differenced over a step
 FORESEEN = 0.05  # relative error of the foreseen convergence
+LIGHTENED = 0.002  # an inertia over mass and the square of a link's length
 
 
-def _scene(name):
-    return scene(mechanism(name), Prescribed(crank_motion(start_angle=0.3)), frozenset(Channel))
+def _scene(name, **changes):
+    return scene(mechanism(name), Prescribed(crank_motion(start_angle=0.3, **changes)), frozenset(Channel))
 
 
-def _turning(name, steps=20, iterations=2000):
-    """A world after some steps at constant crank speed, with what it looked like after the last two."""
-    model = _scene(name)
-    world = build_world(exact_layout(model), iterations=iterations, error_bias=0.0)
-    on = calls(world, add_motor(world))
-    march(on, STEP, [-60.0] * steps, [0] * (steps - 2) + [1, 1], None)
-    return world, on.collected()
-
-
-@pytest.mark.parametrize("name", ["rimoldi-164", "moving-guides", "scotch-yoke"])
-def test_joint_forces_have_the_size_of_pymunks_impulses(name):
-    world, seen = _turning(name)
-    state, before, after = seen[1:, :, 0], seen[:1, :, 1], seen[1:, :, 1]
-    reactions = joint_forces(world.layout, state, 0.5 * (before + after), (after - before) / STEP)
-    forces = {name: float(np.linalg.norm(force)) for name, force in reactions.items()}
-    impulses = {
-        hold.name: constraint.impulse / STEP
-        for hold, constraint in zip(world.layout.holds, world.constraints, strict=True)
-        if not isinstance(hold, Gear) and hold.name not in world.layout.inner
-    }
-    assert forces == pytest.approx(impulses, abs=EXACT * max(impulses.values()))
-
-
-@pytest.mark.parametrize("name", ["juki-mf7923d", "rimoldi-164", "ground-pin-in-slot", "slot-without-mass"])
+@pytest.mark.parametrize("name", ["fork-takeup", "slotted-takeup", "rimoldi-164"])
 def test_the_solver_converges_as_foreseen(name):
-    model = _scene(name)
-    layout = exact_layout(model)
+    layout = exact_layout(_scene(name))
     left = []
-    for iterations in (40, 50):
-        world = build_world(layout, iterations=iterations, error_bias=0.0)
-        on = calls(world, add_motor(world))
-        march(on, 1e-3, [-60.0], [1], None)
+    for iterations in (60, 80):
+        world = build_world(layout, plain=False)
+        on = calls(world, [])
+        march(on, 1e-3, [(-60.0, iterations, LOOK)], StepLoads(world, ahead=True))
         (seen,) = on.collected()
         equations = layout.equations
         state, rate = (with_ground(seen[None, :, order]) / equations.metres for order in (0, 1))
         rows = equations.jacobian(equations.arms(pose_of(state)))[0]
-        left.append(np.abs((rows @ equations.gather(rate)[0])[: equations.crank_row]).max())
-    observed = (left[1] / left[0]) ** 0.1
-    assert observed == pytest.approx(float(contraction(layout, seen[None, :, 0])[0]), rel=FORESEEN)
+        residual = rows @ equations.gather(rate)[0]
+        left.append(np.abs(residual[: equations.crank_row]).max())
+    observed = (left[1] / left[0]) ** (1.0 / 20.0)
+    assert observed == pytest.approx(contraction(layout, pose_of(state)), rel=FORESEEN)
 
 
-def test_harder_linkages_get_more_iterations():
-    easy, hard = (iterations_for(_scene(n), exact_layout(_scene(n)), 0.03) for n in ("juki-mf7923d", "shaper"))
-    assert 10 * easy < hard
+def test_small_inertias_cost_few_iterations_where_bodies_turn_about_the_ground():
+    """Six-bars of such links had thousands: they are what pymunk could not run."""
+    model = _scene("two-crank-takeup")
+    size = max(np.hypot(*pin.first_anchor) for pin in model.pins)
+    bodies = tuple(dataclasses.replace(b, inertia=b.inertia and LIGHTENED * b.mass * size**2) for b in model.bodies)
+    light = dataclasses.replace(model, bodies=bodies)
+    plain, exact = (iterations_for(light, layout(light), 0.1, 1000).max() for layout in (plain_layout, exact_layout))
+    assert plain > 4.0 * exact
 
 
-def test_the_linkage_is_looked_at_all_the_way_round_with_closed_joints():
-    model = _scene("shaper")
-    layout = exact_layout(model)
-    states = turned_through(model, layout)
-    angles = states[:, layout.crank, 2]
-    assert np.ptp(angles) == pytest.approx(2.0 * np.pi)
-    assert np.max(np.diff(np.sort(angles))) < 0.2
-    assert gaps(layout, states).max() < 1e-4 * layout.reach
+@pytest.mark.parametrize("name", [name for name in MADE_UP if name not in {"parallelogram", "near-toggle"}])
+def test_the_linkage_is_looked_at_along_its_motion_with_closed_joints(name):
+    for motion, way in (
+        (crank_motion(clockwise=True), -2.0 * np.pi),
+        (crank_motion(ramp_time=0.01, hold_time=0.01), None),
+    ):
+        model = scene(mechanism(name), Prescribed(motion), ())
+        equations = exact_layout(model).equations
+        poses = turned_through(model, equations)
+        angles = np.array([pose.angle[0, equations.crank] for pose in poses])
+        end = motion.angle(motion.duration) if way is None else way
+        assert angles[[0, -1]] == pytest.approx([0.0, float(end)], abs=1e-9)
+        assert np.abs(np.diff(angles)).max() < 0.1
+        for pose in poses:
+            opened = equations.openings(equations.residual(pose, equations.arms(pose)))
+            assert np.abs(opened).max() < 1e-8

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from engines.contract import History, Signal
-from engines.stepping.error_estimate import change, disagreement, estimated_error, remaining_error
+from engines.stepping.error_estimate import change, estimated_error, remaining_error
 from engines.stepping.richardson import Pass, weights
 
 DIVISIONS = (1, 3, 5, 7)
@@ -59,14 +59,6 @@ def test_an_error_of_the_leading_order_alone_is_estimated_to_be_gone():
     assert estimated_error(passes[:1], ORDERS) == np.inf
     assert estimated_error(passes[:2], ORDERS) < 1e-3
     assert estimated_error(passes[:3], ORDERS) < 1e-12
-
-
-def test_the_disagreement_names_what_the_coarsest_pass_changes_most():
-    one, *others = _passes(error=0.0)
-    off = Pass(one.step, History(torque=Signal(TIME, one.history.torque.values + np.where(TIME == 0.5, 1.0, 0.0))))
-    worst = disagreement([off, *others], ORDERS, reach=1.0)
-    assert (worst.about, worst.time) == ("drive torque", 0.5)
-    assert worst.size == pytest.approx(abs(weights([each.step for each in (off, *others)], ORDERS)[0]) / 4.0)
 
 
 def test_change_is_relative_to_the_peak_of_each_component():

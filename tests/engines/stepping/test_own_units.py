@@ -8,8 +8,8 @@ from comparisons.reference.start_state import scene
 from engines.contract import History, Outcome, Setting
 from engines.exudyn_adapter.adapter import ExudynEngine
 from engines.mechanics.joints import scene_size
+from engines.mechanics.start_check import start_misfit
 from engines.scene import Channel, Free, Prescribed
-from engines.start_check import start_misfit
 from engines.stepping.own_units import LARGEST_MASS, OwnUnits, own_units, restored, scaled
 from tests.analytic.linkages import mechanism
 

@@ -105,8 +105,8 @@ def test_every_figure_describes_itself(text):
 
 
 def test_pass_and_fail_read_in_black_and_white(text):
-    assert re.search(r'class="cell pass[^>]*><span class="sign">✓</span> 1.3e-5<small>≤ 1e-4', text)
-    assert re.search(r'class="cell over[^>]*><span class="sign">✗</span> 2.0e-2<small>≤ 1e-4', text)
+    assert re.search(r'class="cell pass[^>]*><span class="sign">✓</span> 1.3e-6<small>≤ 1e-5', text)
+    assert re.search(r'class="cell over[^>]*><span class="sign">✗</span> \d\.\de-2<small>≤ 6e-2', text)
 
 
 def test_runs_that_failed_are_shown_with_their_reason(text):

@@ -40,9 +40,9 @@ def test_sections_in_order(text):
 
 
 def test_rows_are_signed_and_failures_are_words(text):
-    assert re.search(r"^\| alpha \| tuned \| ✓ 1\.\de-5 \|", text, re.MULTILINE)
-    assert re.search(r"^\| alpha \| naive \| ✗ \d\.\de-2 \|", text, re.MULTILINE)
-    assert "| gamma | best | – not installed: gamma <cannot> hold this scene |" in text
+    assert re.search(r"^\| alpha \| tuned \| 1 run, read \| ✓ 1\.\de-6 \|", text, re.MULTILINE)
+    assert re.search(r"^\| alpha \| naive \| 1 run, read \| ✗ \d\.\de-2 \|", text, re.MULTILINE)
+    assert "| gamma | best |  | – not installed: gamma <cannot> hold this scene |" in text
 
 
 def test_another_machine_on_another_day_writes_the_same(results, text):
@@ -53,9 +53,12 @@ def test_another_machine_on_another_day_writes_the_same(results, text):
 
 
 def test_the_verdict_counts_and_names_what_comes_nearest_to_its_limit(text):
-    assert re.search(r"^- alpha tuned: (\d+) of \1 within limits; closest to its limit: ", text, re.MULTILINE)
-    assert re.search(r"^- alpha naive: \d+ of \d+ within limits; furthest over its limit: ", text, re.MULTILINE)
-    assert "- gamma best: 0 of " in text
+    assert re.search(
+        r"^- alpha tuned \(1 run, read\): (\d+) of \1 within limits; closest to its limit: ", text, re.MULTILINE
+    )
+    naive = r"^- alpha naive \(1 run, read\): \d+ of \d+ within limits; furthest over its limit: "
+    assert re.search(naive, text, re.MULTILINE)
+    assert "- gamma best: nothing judged. " in text
     assert "not installed: gamma <cannot> hold this scene." in text
 
 

@@ -30,4 +30,4 @@ def test_methods_show_the_closed_form_and_every_engine():
     upper, lower = inertia.methods_figure(view).axes
     assert [text.get_text() for text in upper.get_legend().get_texts()] == ["closed form", "alpha", "beta"]
     named = {text.get_text() for text in lower.texts}
-    assert {"alpha naive", "alpha tuned", "alpha best", "limit 1e-4"} <= named
+    assert {"alpha naive", "alpha tuned", "alpha best", "limit 1e-5"} <= named

@@ -212,4 +212,5 @@ def test_one_cell_is_told_in_full():
     assert text.startswith(f"{caught.cell.key}: caught")
     assert caught.judgement.reason in text
     assert "10 steps" in text
-    assert all(result.cell.key in rendered(*printout(STRESS).details) for result in STRESS.results)
+    every = rendered(*printout(STRESS).details)
+    assert all(result.cell.key in every for result in STRESS.results)

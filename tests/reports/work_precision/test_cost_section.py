@@ -1,6 +1,7 @@
 """The table of costs says what was measured, in HTML and on a terminal."""
 
 import re
+from dataclasses import replace
 
 import pytest
 from rich.console import Console
@@ -44,6 +45,11 @@ def test_every_row_stands_beside_the_whole_scene_of_its_engine(tables):
         ("S", "50.0 ns", "75.0 ns", "25 %"),
     ]
     assert compiled.rows == (("everything", "10.0 ns", "20.0 ns", "100 %"),)
+
+
+def test_the_control_is_named_and_stands_below_the_engines():
+    (runs,) = cost_tables([replace(cost, is_control=cost.solver == "first") for cost in COSTS[1:4]])
+    assert [row[0] for row in runs.rows] == ["second", "second", "first (control)"]
 
 
 def test_what_an_engine_could_not_do_is_said_with_its_reason(tables):

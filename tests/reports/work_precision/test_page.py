@@ -5,12 +5,13 @@ import re
 
 import pytest
 
-from comparisons.work_precision.records import FILE, load, save
+from comparisons.work_precision.records import FILE, Bench, load, save
 from reports.work_precision import page as bench_page
-from reports.work_precision.facts import places
+from reports.work_precision.facts import failed_methods, places
 from reports.work_precision.section import choice_tables, section
 from reports.work_precision.words import choice_words, standing_words
-from tests.reports.made_up_bench import made_up_bench, nothing_finished
+from tests.comparisons.bench_rows import points, row, setting_row
+from tests.reports.made_up_bench import document, made_up_bench, nothing_finished
 
 BENCH = made_up_bench()
 
@@ -62,7 +63,7 @@ def test_the_folder_has_page_script_and_plots(tmp_path):
     assert {path.name for path in tmp_path.iterdir()} == {
         FILE, "bench.html", "plotly.min.js", "bench-run-up-quintic.svg", "bench-run-up-quintic.png",
     }  # fmt: skip
-    assert json.loads((tmp_path / FILE).read_text())["format"] == 2
+    assert json.loads((tmp_path / FILE).read_text())["format"] == 3
     assert (tmp_path / "bench-run-up-quintic.png").read_bytes().startswith(b"\x89PNG")
 
 
@@ -89,7 +90,30 @@ def test_a_choice_names_its_way_its_step_and_its_price():
     assert cells[0][:3] == ("4.00 ms", "plain", "4")
     cost, way, *_ = cells[-1]
     assert cost
-    assert way == "best"
+    assert way == "best x4"
+    assert "higher x2" in {way for _, way, *_ in cells}
+
+
+def test_the_control_has_a_table_under_its_name_and_is_held_against_nothing(page):
+    bench = made_up_bench(control="alpha")
+    assert list(choice_tables(bench)) == ["beta", "alpha (control)"]
+    _, alpha = places(bench)[0].engines("Mkr")
+    assert alpha.is_control
+    assert standing_words(alpha, 0.1) == []
+    assert "alpha (control)" in bench_page.page(bench)
+    assert "(control)" not in page
+
+
+def test_what_an_engine_does_not_tell_is_said_once_where_it_is_missing():
+    told = {"left_out": {"Jeq": "Jeq computed by the adapter"}}
+    rows = [row(**told), setting_row("tuned", 1e-3, 1e-2, **told), row(quantity="Jeq", engine="beta")]
+    bench = Bench(document(points(rows), ("m",), ("alpha", "beta")))
+    alpha, beta = places(bench)[0].engines("Jeq")
+    assert failed_methods(alpha) == ("plain, tuned: not-provided: Jeq computed by the adapter",)
+    assert failed_methods(beta) == failed_methods(places(bench)[0].engines("Mkr")[0]) == ()
+    partly = row(quantity="joint_force", left_out={"joint_force": "joint_force:A not offered"})
+    (alpha,) = places(Bench(document(points([partly]), ("m",), ("alpha",))))[0].engines("joint_force")
+    assert failed_methods(alpha) == ("joint_force:A not offered",)
 
 
 def test_a_setting_is_said_to_be_on_ahead_of_or_off_the_front():
@@ -97,5 +121,6 @@ def test_a_setting_is_said_to_be_on_ahead_of_or_off_the_front():
     told = {words.split()[1].rstrip(":"): words for words in standing_words(alpha, 0.1)}
     assert told["naive"].endswith(": no solution")
     assert told["best"].endswith("no method measured gets there")
-    assert "on the front: plain takes 15.8 ms" in told["tuned"]
-    assert "1.1 × the front" in " ".join(standing_words(alpha, 0.01))
+    assert "x2" not in told["tuned"]
+    assert "on the front of single runs: plain takes 15.8 ms" in told["tuned"]
+    assert "1.1 × the front of single runs" in " ".join(standing_words(alpha, 0.01))

@@ -15,8 +15,9 @@ def test_methods_choices_and_settings_stand_in_one_block_per_place():
     text = _text(made_up_bench())
     assert text.count("largest error over the peak") == 2
     assert "still falling" in text
-    assert "4.00 ms: plain @ 4" in text
-    assert "tuned: 4.0e-4 in 17.0 ms; on the front" in text
+    assert "alpha   1e-2          4.00 ms  plain @ 4\n" in text
+    assert "beta    1e-6 to 1e-7   256 ms  higher x2 @ 32\n" in text
+    assert "tuned: 4.0e-4 in 17.0 ms; on the front of single runs" in text
     assert "torn: diverged: the joints <gave> way" in text
     assert "beside every run took 1.00 ms at best" in " ".join(text.split())
 

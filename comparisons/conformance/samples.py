@@ -1,0 +1,108 @@
+"""The few linkages and motions that engines are held against, and the closed form of every channel in them."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, replace
+from functools import cache
+from pathlib import Path
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from analytic.description.crank_motion import crank_motion
+from analytic.description.law import Law
+from analytic.description.linkage import GROUND, Linkage, LinkTorque, PointForce, ReleasedRegime, RotaryDamper, Spring
+from analytic.description.loading import load
+from analytic.kinematics.mechanism import Mechanism
+from comparisons.reference.case import Case, own_case
+from engines.scene import Channel
+
+Array = NDArray[np.float64]
+
+LINKAGES = Path(__file__).with_name("linkages")
+PLAIN: Final = "four-bar"  # what every engine has to take: pins, gravity and a prescribed crank
+SPEED: Final = 20.0  # rad/s: the loads by inertia are a few times those by gravity
+RAMP, HOLD = 0.3, 0.33  # s: half a turn to reach the speed, one full turn at it
+
+
+@dataclass(frozen=True)
+class Sample:
+    """A linkage under one motion of its crank: how the crank turns, and what is added to the linkage of the file."""
+
+    linkage: str
+    start: float  # rad
+    clockwise: bool = False
+    added: Callable[[Linkage], Linkage] = lambda linkage: linkage
+    released: bool = False
+
+    @property
+    def case(self) -> Case:
+        """The case of it."""
+        mechanism = Mechanism(self.added(load(str(LINKAGES / f"{self.linkage}.toml"))))
+        if self.released:
+            return own_case(mechanism, ReleasedRegime("released", 1.5, self.start, 6.0, 0.8))
+        return Case(mechanism, crank_motion(
+            "run-up-quintic", speed=SPEED, ramp_time=RAMP, hold_time=HOLD, clockwise=self.clockwise,
+            start_angle=self.start,
+        ))  # fmt: skip
+
+
+def _pushed(linkage: Linkage) -> Linkage:
+    return replace(linkage, forces=(PointForce("P", "coupler", Law(np.array([-6.0, 11.0]))),))
+
+
+def _pushed_over_angle(linkage: Linkage) -> Linkage:
+    angles, values = np.radians([0.0, 80.0, 170.0, 260.0]), np.array([[8.0, 2.0], [-4.0, 9.0], [3.0, -7.0], [0.0, 5.0]])
+    return replace(linkage, forces=(PointForce("P", "coupler", Law(values, angles)),))
+
+
+def _twisted(linkage: Linkage) -> Linkage:
+    return replace(linkage, torques=(LinkTorque("rocker", Law(np.array([1.7]))),))
+
+
+def _sprung(linkage: Linkage) -> Linkage:
+    return replace(linkage, springs=(Spring(("P", "F"), ("coupler", GROUND), 150.0, 0.1, 12.0),))
+
+
+def _damped(linkage: Linkage) -> Linkage:
+    return replace(linkage, dampers=(RotaryDamper(("coupler", "rocker"), 0.06),))
+
+
+SAMPLES: Final[Mapping[str, Sample]] = {
+    PLAIN: Sample("four-bar", math.radians(40.0)),
+    "four-bar clockwise": Sample("four-bar", math.radians(-200.0), clockwise=True),
+    "slider-crank": Sample("slider-crank", math.radians(20.0), clockwise=True),
+    "quick return": Sample("quick-return", math.radians(75.0)),
+    "force": Sample("four-bar", math.radians(40.0), added=_pushed),
+    "force over the angle": Sample("four-bar", math.radians(40.0), added=_pushed_over_angle),
+    "torque": Sample("four-bar", math.radians(40.0), added=_twisted),
+    "spring": Sample("four-bar", math.radians(40.0), added=_sprung),
+    "damper": Sample("four-bar", math.radians(40.0), added=_damped),
+    "released": Sample("four-bar", math.radians(40.0), released=True),
+}
+
+
+@cache
+def case(name: str) -> Case:
+    """The case of a sample, the same for all who ask, so that its closed form is worked out once."""
+    return SAMPLES[name].case
+
+
+def truth(of: Case, channel: Channel, part: str, time: Array) -> Array:
+    """The closed form of a channel: of a body (n, 3), of a joint (n, 2), or of the drive (n,)."""
+    at = of.at(time)
+    if channel is Channel.TORQUE:
+        return at.torque
+    if channel is Channel.JOINT_FORCE:
+        return np.asarray(at.joint_forces[part].T)
+    sweep, speed, acceleration = at.sweep, at.speed, at.acceleration
+    if channel is Channel.POSITION:
+        return np.column_stack(np.broadcast_arrays(*sweep.centre(part), sweep.angles(part), speed)[:3])
+    first = np.column_stack(np.broadcast_arrays(*sweep.centre(part, 1), sweep.rates(part)[2], speed)[:3])
+    if channel is Channel.VELOCITY:
+        return np.asarray(first * speed[:, None])
+    second = np.column_stack(np.broadcast_arrays(*sweep.centre(part, 2), sweep.accelerations(part)[2], speed)[:3])
+    return np.asarray(second * speed[:, None] ** 2 + first * acceleration[:, None])

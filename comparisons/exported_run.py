@@ -1,0 +1,158 @@
+"""A run of a case as a script in its engine's own API, which ends with the figures that are furthest from the truth."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import suppress
+from dataclasses import replace
+from typing import cast
+
+import numpy as np
+from numpy.typing import NDArray
+
+from analytic.errors import LinkproofError
+from comparisons.conformance.samples import truth
+from comparisons.invariants.inspection import FAINT_FORCE
+from comparisons.judging.deviations import at_jumps
+from comparisons.reference.case import Case
+from comparisons.runs.failures import blamed_on
+from comparisons.stress.axes import axes
+from comparisons.stress.cells import SETTINGS, Cell
+from comparisons.stress.scenes import case as case_of
+from comparisons.stress.scenes import scene as scene_of
+from engines.contract import Engine, History, Setting
+from engines.export.script import Figure, script
+from engines.registry import engine, why_unavailable
+from engines.scene import Channel, Scene
+from engines.stepping.driver import UnsupportedError
+from engines.stepping.stepped_engine import Recipe, SteppedEngine
+
+Array = NDArray[np.float64]
+
+UNITS = {
+    Channel.POSITION: ("m", "rad"),
+    Channel.VELOCITY: ("m/s", "rad/s"),
+    Channel.ACCELERATION: ("m/s2", "rad/s2"),
+}
+
+
+def exported(case: Case, name: str, setting: Setting, command: str) -> str:
+    """The script of a case in an engine's setting, written by a ``command``.
+
+    Raises UnknownNameError for the engine's name, LinkproofError for what cannot be exported.
+    """
+    adapter, scene = _stepped(engine(name)), case.scene(frozenset(Channel))
+    return _script(adapter, scene, case, _recipe(adapter, scene, setting), f"setting {setting}. Written by: {command}")
+
+
+def exported_cell(cell: Cell, command: str) -> str:
+    """The script of a cell of a stress map; raises LinkproofError for what cannot be exported."""
+    adapter, conditions = _stepped(engine(cell.engine)), axes()[cell.axis].conditions(cell.row, cell.value)
+    case = case_of(conditions)
+    scene = scene_of(conditions, case)
+    if cell.usage in SETTINGS:
+        recipe, usage = _recipe(adapter, scene, Setting(cell.usage)), f"setting {cell.usage}"
+    else:
+        method = next(method for method in adapter.methods(scene) if method.name == cell.usage)
+        method = replace(method, effort=conditions.effort) if conditions.effort else method
+        recipe, usage = adapter.studied_recipe(method, conditions.step), f"method '{cell.usage}'"
+    return _script(adapter, scene, case, recipe, f"{usage}. Written by: {command}")
+
+
+def _stepped(adapter: Engine) -> SteppedEngine[object, Recipe]:
+    reason = why_unavailable(adapter)
+    if reason is None and isinstance(adapter, SteppedEngine):
+        return adapter
+    raise LinkproofError(reason or f"expected an engine that takes steps, got '{adapter.name}': export another")
+
+
+def _recipe(adapter: SteppedEngine[object, Recipe], scene: Scene, setting: Setting) -> Recipe:
+    recipes = adapter.settings.get(type(scene.drive), {})
+    if setting not in recipes:
+        offered = ", ".join(recipes) or "none"
+        raise LinkproofError(f"expected a setting that {adapter.name} has for this drive ({offered}), got '{setting}'")
+    return recipes[setting]
+
+
+def _script(adapter: SteppedEngine[object, Recipe], scene: Scene, case: Case, recipe: Recipe, how: str) -> str:
+    linkage = case.mechanism.linkage
+    about = f"{linkage.name} ({linkage.variant}), {case.motion.regime}, in {adapter.name} {adapter.version()}, {how}"
+    with blamed_on(cast(Engine, adapter)):
+        try:
+            return script(adapter, scene, recipe, about, lambda history: worst_figures(case, scene, history))
+        except UnsupportedError as error:
+            reason = str(error)
+    raise LinkproofError(f"this run of {adapter.name} cannot be exported: {reason}")
+
+
+def worst_figures(case: Case, scene: Scene, history: History) -> list[Figure]:
+    """Of every channel what is furthest from the truth, over its peak, away from jumps of the acceleration.
+
+    A channel without a truth at some instant, as in a dead position, has none.
+    """
+    found = []
+    for channel in Channel:
+        with suppress(LinkproofError):
+            found += [_worst(case, curves) for curves in _by_kind(case, scene, history, channel)]
+    return found
+
+
+def _worst(case: Case, curves: list[_Curve]) -> Figure:
+    errors = [_error(case, curve) for curve in curves]
+    at = max(range(len(errors)), key=lambda number: float(errors[number].max()))
+    figure, time, read, true, _ = curves[at]
+    worst = int(np.argmax(errors[at]))
+    return replace(figure, time=float(time[worst]), read=float(read[worst]), true=float(true[worst]))
+
+
+# A figure without its instant; times, what was read, what is true (n,); the peak of its kind.
+_Curve = tuple[Figure, Array, Array, Array, float]
+
+
+def _error(case: Case, curve: _Curve) -> Array:
+    figure, time, read, true, peak = curve
+    error = np.abs(read - true) / (peak or 1.0)
+    return (
+        error if figure.channel in (Channel.POSITION, Channel.VELOCITY) else np.where(at_jumps(time, case), 0.0, error)
+    )
+
+
+def _by_kind(case: Case, scene: Scene, history: History, channel: Channel) -> Iterator[list[_Curve]]:
+    if channel is Channel.JOINT_FORCE:
+        if history.joint_force:
+            yield list(_forces(case, history))
+        return
+    signal = getattr(history, channel.value)
+    if signal is None:
+        return
+    if channel is Channel.TORQUE:
+        true = truth(case, channel, "", signal.time)
+        yield [(Figure("drive torque", "N m", channel), signal.time, signal.values, true, float(np.abs(true).max()))]
+        return
+    true = np.stack([truth(case, channel, body.name, signal.time) for body in scene.bodies], axis=1)
+    for columns, unit in zip(((0, 1), (2,)), UNITS[channel], strict=True):
+        peak = float(np.abs(true[..., columns]).max())
+        yield [
+            (
+                Figure(f"{channel} of {body.name}, {('x', 'y', 'angle')[column]}", unit, channel, (number, column)),
+                signal.time, signal.values[:, number, column], true[:, number, column], peak,
+            )
+            for number, body in enumerate(scene.bodies) for column in columns
+            if column < 2 or body.inertia is not None  # what is told not to turn has no angle of its own
+        ]  # fmt: skip
+
+
+def _forces(case: Case, history: History) -> Iterator[_Curve]:
+    signals = history.joint_force
+    true = {joint: truth(case, Channel.JOINT_FORCE, joint, signal.time) for joint, signal in signals.items()}
+    sizes = {joint: np.hypot(*values.T) for joint, values in true.items()}
+    faint = FAINT_FORCE * max(float(size.max()) for size in sizes.values())
+    for joint, signal in signals.items():
+        peak = max(float(sizes[joint].max()), faint)
+        if signal.values.ndim == 1:
+            figure = Figure(f"force in {joint}, size", "N", Channel.JOINT_FORCE, (), joint)
+            yield figure, signal.time, signal.values, sizes[joint], peak
+            continue
+        for axis, name in enumerate("xy"):
+            figure = Figure(f"force in {joint}, {name}", "N", Channel.JOINT_FORCE, (axis,), joint)
+            yield figure, signal.time, signal.values[:, axis], true[joint][:, axis], peak

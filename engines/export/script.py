@@ -1,0 +1,176 @@
+"""A run of one pass as a script that needs the engine alone and ends with its figures beside the closed form's."""
+
+from __future__ import annotations
+
+import sys
+import textwrap
+from collections.abc import Callable, Sequence
+from contextlib import nullcontext
+from dataclasses import dataclass, replace
+from importlib import import_module
+from importlib.util import find_spec
+from typing import Any
+
+from engines.contract import History
+from engines.export.loads import AT_ANGLE
+from engines.export.transcript import Transcript, folded, literal
+from engines.installed import silenced, why_absent
+from engines.mechanics.start_check import ability_obstacle, data_obstacle
+from engines.scene import Channel, Scene
+from engines.stepping.cost import Cost
+from engines.stepping.driver import DivergedError, UnsupportedError
+from engines.stepping.own_units import OwnUnits, restored
+from engines.stepping.stepped_engine import Recipe, SteppedEngine
+
+FORCE = "force in "  # before the name of a joint: what a script calls its samples
+KEEP = """samples = {}  # times and values, by channel or joint
+
+
+def keep(name, time, values):
+    for kept, new in zip(samples.setdefault(name, ([], [])), (time, values)):
+        kept.extend(new)
+
+"""
+ANGLE = 2  # number of the angle among a body's coordinates
+
+CLOSING = """
+# What {engine} says where it is furthest from the closed form, in SI units.
+FIGURES = [
+    # what, unit, samples and element of them, their unit in SI, time in s, {engine} when exported, closed form
+{rows}
+]
+print(f"{{'':44}}{{'time, s':>9}}{{'{engine}':>20}}{{'when exported':>20}}{{'closed form':>20}}{{'difference':>12}}")
+for what, unit, name, element, factor, at, exported, true in FIGURES:
+    time, values = map(np.asarray, samples[name])
+    read = float(values[(np.argmin(np.abs(time - at)), *element)]) * factor
+    print(f"{{what + ', ' + unit:44}}{{at:9.6f}}{{read:20.12g}}{{exported:20.12g}}{{true:20.12g}}{{read - true:12.1e}}")
+"""
+
+
+@dataclass(frozen=True)
+class Figure:
+    """A figure of a run, SI: what it is, its channel, which element of a sample, and the joint it belongs to.
+
+    ``time`` is the sample's, s; ``read`` what the engine said then, ``true`` what is right.
+    """
+
+    what: str
+    unit: str
+    channel: Channel
+    element: tuple[int, ...] = ()
+    joint: str = ""
+    time: float = 0.0
+    read: float = 0.0
+    true: float = 0.0
+
+    def told(self, units: OwnUnits | None) -> str:
+        """The figure as a line of a script whose samples are in these units."""
+        is_angle = (
+            self.channel in (Channel.POSITION, Channel.VELOCITY, Channel.ACCELERATION) and self.element[-1] == ANGLE
+        )
+        kind = "force" if self.joint else self.channel.value
+        factor = 1.0 if is_angle or units is None else units.unit(kind)
+        name = FORCE + self.joint if self.joint else self.channel.value
+        return row((self.what, self.unit, name, self.element, factor, self.time, self.read, self.true))
+
+
+def row(values: object, key: str = "") -> str:
+    """A line of a table in a script, in several where it is long; ``key`` is that of a dictionary."""
+    return folded("    " + (f"{literal(key)}: " if key else "") + f"{literal(values)},")
+
+
+def script(
+    engine: SteppedEngine[Any, Any],
+    scene: Scene,
+    recipe: Recipe,
+    about: str,
+    figures: Callable[[History], Sequence[Figure]],
+) -> str:
+    """The script of one run; ``about`` says what it is, ``figures`` what of its history it shows at its end.
+
+    Raises UnsupportedError in a sentence for what cannot be exported.
+    """
+    reason = (
+        why_absent(engine.package, engine.name, engine.oldest)
+        or ability_obstacle(scene, engine.abilities)
+        or data_obstacle(scene, massless=engine.abilities.massless)
+        or engine.refusal(scene)
+    )
+    if reason is not None:
+        raise UnsupportedError(reason)
+    given, units, (course, *more) = engine.planned(scene, recipe, Cost())
+    if more:
+        raise UnsupportedError(f"it is {1 + len(more)} runs extrapolated, and a script holds one: export 'tuned'")
+    transcript, ending = Transcript(engine.package), ""
+    shown: Sequence[Figure] = ()
+    with silenced() if engine.chatters else nullcontext():
+        followed = engine.build(given, recipe)
+        try:
+            history = engine.follow(followed, replace(course, cost=Cost()))
+            shown = figures(restored(history, units) if units else history)
+        except DivergedError as error:
+            ending = f"\n# It does not get to its end: {error}.\n"
+        writer = _writer(engine)
+        _forget_imports(engine)
+        with transcript.on():
+            world = engine.build(given, recipe)
+            text = writer.text(given, world, course, followed)
+        _forget_imports(engine)
+    if shown:
+        ending = CLOSING.format(engine=engine.name, rows="\n".join(figure.told(units) for figure in shown))
+    imports, lines, rest = transcript.source(world, text)
+    return "\n".join(
+        [
+            '"""'
+            + "\n\n".join(
+                textwrap.fill(each, 118, break_on_hyphens=False, break_long_words=False)
+                for each in (about, _units_told(units))
+            )
+            + '\n"""',
+            "",
+            "import math",
+            "",
+            "import numpy as np",
+            *imports,
+            "",
+            *([AT_ANGLE] if "at_angle(" in "".join([*lines, rest]) else []),
+            "# The model in its start state.",
+            *lines,
+            "",
+            "# The run.",
+            KEEP,
+            rest.strip("\n"),
+            ending,
+        ]
+    )
+
+
+def _writer(engine: SteppedEngine[Any, Any]) -> Any:  # noqa: ANN401 - a module
+    """The module here that has the engine's name.
+
+    Its ``text(scene, world, course, followed)`` is that of a pass through a world in the engine's own API. In ``world``
+    stand-ins are in the place of the engine's objects: their text is what the script calls them, and what is done to
+    them becomes lines of the script that come before this text. ``followed`` is such a world without stand-ins that
+    the course has been taken through. The text lets ``keep`` keep times and values by channel or joint, as in
+    ``History``; it raises UnsupportedError for what it cannot hold.
+    """
+    module = f"engines.export.{engine.name}"
+    if find_spec(module) is None:
+        raise UnsupportedError(f"how its steps are written is not known, as there is no {module}")
+    return import_module(module)
+
+
+def _forget_imports(engine: SteppedEngine[Any, Any]) -> None:
+    """Let an adapter import its engine again that has kept it."""
+    for each in vars(sys.modules[type(engine).__module__]).values():
+        if hasattr(each, "cache_clear"):
+            each.cache_clear()
+
+
+def _units_told(units: OwnUnits | None) -> str:
+    if units is None:
+        return "Units: m, kg, s, rad and what follows from them."
+    return (
+        f"Units: the length is {units.length!r} m, the mass {units.mass!r} kg; s and rad. So a force is "
+        f"{units.unit('force')!r} N, a torque or a moment of inertia {units.unit('torque')!r} N m or kg m2."
+    )

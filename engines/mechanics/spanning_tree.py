@@ -1,0 +1,181 @@
+"""The joints of a scene as a tree from the ground and the cuts of its loops, for engines in joint coordinates.
+
+Such an engine moves a body by the one joint that joins it to its parent, and holds every further joint, which closes a
+loop, as a constraint. Pins and sliders may be in the tree; slots never are. Sliders go before pins, as a pin is the
+easier one to hold as a constraint: a slider is cut only where sliders alone form a loop.
+"""
+
+from __future__ import annotations
+
+import cmath
+from dataclasses import dataclass, replace
+
+from analytic.description.linkage import GROUND, Vector
+from engines.mechanics.joints import scene_size
+from engines.scene import Body, PinJoint, Scene, SliderJoint, SlotJoint
+
+AT_REST = Body(GROUND, 0.0, None, (0.0, 0.0), 0.0, (0.0, 0.0), 0.0, (0.0, 0.0), 0.0)  # the ground
+
+
+@dataclass(frozen=True)
+class Branch:
+    """A body, its parent and the joint between them; None for one that hangs on no pin or slider.
+
+    ``reverse``: the parent is the joint's first body (the pin's ``first``, the slider's ``body``). ``rigid``: the body
+    is a mass on its pin, without an inertia; as such an engine cannot leave it free to turn, it turns with its parent.
+
+    In the start state ``value`` is the joint's coordinate and ``speed`` its rate: the body's angle against its parent,
+    rad, or how far the body's point is from the parent's along the slider's line, m. ``tilts``, rad, turn the axes of
+    parent and body onto that line, or the parent's onto those of a rigid body.
+    """
+
+    body: Body
+    parent: str
+    joint: PinJoint | SliderJoint | None
+    reverse: bool = False
+    rigid: bool = False
+    value: float = 0.0
+    speed: float = 0.0
+    tilts: tuple[float, float] = (0.0, 0.0)
+
+    @property
+    def name(self) -> str:
+        """The joint's name; empty where there is none."""
+        return self.joint.name if self.joint else ""
+
+    @property
+    def points(self) -> tuple[Vector, Vector]:
+        """The joint's points on the parent and on the body, body frames."""
+        assert self.joint is not None
+        return anchors(self.joint) if self.reverse else anchors(self.joint)[::-1]
+
+
+@dataclass(frozen=True)
+class SpanningTree:
+    """``branches``, every parent before its children, and the joints ``cuts`` that close the loops."""
+
+    branches: tuple[Branch, ...]
+    cuts: tuple[PinJoint | SliderJoint | SlotJoint, ...]
+
+    @property
+    def obstacle(self) -> str | None:
+        """Why an engine cannot hold it that puts every body on a pin or slider and holds only pins and slots else."""
+        loose = next((branch.body.name for branch in self.branches if branch.joint is None), None)
+        if loose is not None:
+            return f"it carries every body by a pin or a slider, and only slots hold '{loose}'"
+        loop = next((cut.name for cut in self.cuts if isinstance(cut, SliderJoint)), None)
+        return None if loop is None else f"it has no constraint for '{loop}', which closes a loop of sliders alone"
+
+    def carrier(self, cut: PinJoint | SliderJoint | SlotJoint) -> str:
+        """The body, or the ground, nearest to both ends of a joint that carries both of them or is one."""
+        first, second = (self._chain(end) for end in _ends(cut))
+        return next(name for name in first if name in second)
+
+    def hinges(self, name: str) -> set[str]:
+        """The bodies from the ground to one, itself included, that turn against what carries them."""
+        chain = self._chain(name)
+        turning = {branch.body.name for branch in self.branches if not isinstance(branch.joint, SliderJoint)}
+        return turning & set(chain)
+
+    def _chain(self, name: str) -> list[str]:
+        """A body and what carries it, down to the ground."""
+        parents = {branch.body.name: branch.parent for branch in self.branches}
+        chain = [name]
+        while chain[-1] != GROUND:
+            chain.append(parents[chain[-1]])
+        return chain
+
+
+def spanning_tree(scene: Scene) -> SpanningTree:
+    """The tree that begins with the crank on the ground; then sliders, and then the pins nearest to the ground."""
+    bodies = {body.name: body for body in scene.bodies}
+    carried = {GROUND: AT_REST}  # as they start, a rigid body with its parent's speed
+    depth = {GROUND: 0}
+    branches: list[Branch] = []
+    left: list[PinJoint | SliderJoint] = [*scene.sliders, *scene.pins]
+
+    def rank(joint: PinJoint | SliderJoint) -> tuple[bool, bool, int]:
+        ends = _ends(joint)
+        nearest = min(depth[end] for end in ends if end in depth)
+        return set(ends) != {scene.crank, GROUND}, isinstance(joint, PinJoint), nearest
+
+    while len(branches) < len(bodies):
+        open_joints = [joint for joint in left if len(depth.keys() & _ends(joint)) == 1]
+        if open_joints:
+            joint = min(open_joints, key=rank)
+            left.remove(joint)
+            first, second = _ends(joint)
+            body, parent = (second, first) if first in depth else (first, second)
+            branch = _branch(bodies[body], carried[parent], joint, reverse=parent == first)
+        else:
+            body, parent = next(name for name in bodies if name not in depth), GROUND
+            branch = Branch(bodies[body], parent, None)
+        branches.append(branch)
+        turns = carried[parent] if branch.rigid else bodies[body]
+        carried[body] = replace(bodies[body], angular_velocity=turns.angular_velocity)
+        depth[body] = depth[parent] + 1
+    return SpanningTree(tuple(branches), (*left, *scene.slots))
+
+
+def slots_as_blocks(scene: Scene, mass: float) -> Scene:
+    """The scene with a block in every slot, for engines that have no constraint between a point and a line.
+
+    A block of the given mass slides in the slot's host and is pinned to its body; the pin has the slot's name.
+    """
+    bodies = {GROUND: AT_REST, **{body.name: body for body in scene.bodies}}
+    pins, sliders = [*scene.pins], [*scene.sliders]
+    for slot in scene.slots:
+        body, host, name = bodies[slot.body], bodies[slot.host], f"block of {slot.name}"
+        place, velocity = _moving(body, slot.anchor)
+        arm = complex(*slot.anchor) * cmath.rect(1.0, body.angle)
+        bend = (1j * body.angular_acceleration - body.angular_velocity**2) * arm
+        acceleration = complex(*body.acceleration) + bend
+        bodies[name] = replace(
+            host,
+            name=name,
+            mass=mass,
+            inertia=mass * scene_size(scene) ** 2,
+            position=(place.real, place.imag),
+            velocity=(velocity.real, velocity.imag),
+            acceleration=(acceleration.real, acceleration.imag),
+        )
+        pins.append(PinJoint(slot.name, slot.body, name, slot.anchor, (0.0, 0.0)))
+        sliders.append(SliderJoint(name, name, (0.0, 0.0), slot.host, slot.through, slot.along))
+    del bodies[GROUND]
+    return replace(scene, bodies=tuple(bodies.values()), pins=tuple(pins), sliders=tuple(sliders), slots=())
+
+
+def _branch(body: Body, parent: Body, joint: PinJoint | SliderJoint, reverse: bool) -> Branch:
+    turn, rate = body.angle - parent.angle, body.angular_velocity - parent.angular_velocity
+    if isinstance(joint, PinJoint):
+        rigid = body.inertia is None
+        return Branch(body, parent.name, joint, reverse, rigid, turn, rate, (turn, 0.0) if rigid else (0.0, 0.0))
+    along = complex(*joint.along) * cmath.rect(1.0, (body if reverse else parent).angle)
+    points = anchors(joint)[::-1] if reverse else anchors(joint)
+    ends = zip(_moving(body, points[0]), _moving(parent, points[1]), strict=True)
+    value, speed = (((own - other) * along.conjugate()).real / abs(along) for own, other in ends)
+    tilts = cmath.phase(along) - parent.angle, cmath.phase(along) - body.angle
+    return Branch(body, parent.name, joint, reverse, False, value, speed, tilts)
+
+
+def _moving(body: Body, anchor: Vector) -> tuple[complex, complex]:
+    """Position and velocity of a point of a body, as complex numbers."""
+    arm = complex(*anchor) * cmath.rect(1.0, body.angle)
+    return complex(*body.position) + arm, complex(*body.velocity) + 1j * body.angular_velocity * arm
+
+
+def ends(joint: PinJoint | SliderJoint | SlotJoint) -> tuple[tuple[str, Vector], tuple[str, Vector]]:
+    """A joint's first and second body, each with the joint's point on it."""
+    (first, second), (on_first, on_second) = _ends(joint), anchors(joint)
+    return (first, on_first), (second, on_second)
+
+
+def anchors(joint: PinJoint | SliderJoint | SlotJoint) -> tuple[Vector, Vector]:
+    """The joint's points on its first and its second body, body frames."""
+    if isinstance(joint, PinJoint):
+        return joint.first_anchor, joint.second_anchor
+    return joint.anchor, joint.through
+
+
+def _ends(joint: PinJoint | SliderJoint | SlotJoint) -> tuple[str, str]:
+    return (joint.first, joint.second) if isinstance(joint, PinJoint) else (joint.body, joint.host)

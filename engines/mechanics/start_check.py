@@ -1,0 +1,183 @@
+"""Can a scene be run at all, and does its start fit the joints? Engines leave this out: most run on as nonsense.
+
+Positions, velocities and accelerations are tried alike, since an acceleration that breaks a joint is enough to make an
+undamped integrator ring for the whole run.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass, fields, is_dataclass
+
+import numpy as np
+
+from analytic.description.law import Law
+from analytic.description.linkage import GROUND
+from engines.contract import Abilities
+from engines.mechanics.joints import JointEquations, scene_size
+from engines.mechanics.states import Reals, pose_of, start_motion
+from engines.scene import Body, Prescribed, Scene
+
+# Numbers beyond these, SI, are taken for slips: their products and quotients are no longer finite.
+LEAST, LARGEST = 1e-60, 1e60
+ENDS = ("body", "host", "first", "second")  # what parts of a scene call the bodies they act on
+
+QUANTITIES = ("position", "velocity", "acceleration")
+UNITS = ("m", "m/s", "m/s²")
+
+
+@dataclass(frozen=True)
+class Misfit:
+    """How far a joint is violated in position, velocity or acceleration (``order`` 0, 1, 2)."""
+
+    joint: str
+    order: int
+    size: float
+
+
+def misfits(scene: Scene, *motion: Reals) -> Iterator[Misfit]:
+    """Every joint's violation in position and, where given, velocity and acceleration, each (1, bodies, 3), SI.
+
+    The ground is the last body. A slider's turning against its host counts from the velocity on, as its angle is
+    whatever it was at the start.
+    """
+    equations = JointEquations(scene, unit=1.0)
+    pose = pose_of(motion[0])
+    arms = equations.arms(pose)
+    for order, values in enumerate(motion):
+        if order == 0:
+            residual = equations.residual(pose, arms)
+        else:
+            residual = (equations.jacobian(arms) @ equations.gather(values)[..., None])[..., 0]
+        if order == 2:
+            residual = residual - equations.bend(arms, motion[1])
+        for joint, size in zip(equations.joints, equations.openings(residual)[0], strict=True):
+            yield Misfit(joint, order, float(size))
+        for slider in scene.sliders if order else ():
+            arm = math.hypot(*slider.anchor) or scene_size(scene)
+            turn = values[0, equations.index[slider.body], 2] - values[0, equations.index[slider.host], 2]
+            yield Misfit(slider.name, order, arm * abs(float(turn)))
+
+
+def start_misfit(scene: Scene, tolerance: float = 1e-6) -> str | None:
+    """One sentence on the joint the start state fits worst, or on a crank that is not where its drive has it."""
+    crank = next(body for body in scene.bodies if body.name == scene.crank)
+    if isinstance(scene.drive, Prescribed):
+        segment = scene.drive.motion.segments[0]
+        driven = [float(segment.value(segment.start, order)) for order in range(3)]
+        actual = [crank.angle, crank.angular_velocity, crank.angular_acceleration]
+        for name, expected, got in zip(QUANTITIES, driven, actual, strict=True):
+            if abs(expected - got) > tolerance * max(1.0, abs(expected)):
+                return f"the crank starts with an angular {name} of {got:g}, its drive with {expected:g}"
+    size = scene_size(scene)
+    fastest = max(math.hypot(*b.velocity) + abs(b.angular_velocity) * size for b in scene.bodies)
+    hardest = max(math.hypot(*b.acceleration) + abs(b.angular_acceleration) * size for b in scene.bodies)
+    scales = (size, fastest or 1.0, (hardest + fastest**2 / size) or 1.0)
+    violated = [
+        miss for miss in misfits(scene, *start_motion(scene)) if not miss.size <= tolerance * scales[miss.order]
+    ]
+    if not violated:
+        return None
+    worst = max(violated, key=lambda miss: miss.size / scales[miss.order])
+    where = f"joint '{worst.joint}' by {worst.size:.3g} {UNITS[worst.order]}"
+    return f"the start state violates {where} in {QUANTITIES[worst.order]}; give one that fits every joint"
+
+
+def ability_obstacle(scene: Scene, abilities: Abilities) -> str | None:
+    """What of a scene goes beyond an engine's abilities, in one sentence; else None."""
+    if type(scene.drive) not in abilities.drives:
+        return f"it takes no {_words(scene.drive)} drive"
+    loads = (*scene.forces, *scene.torques, *scene.springs, *scene.dampers)
+    for part in (*scene.guided, *loads):
+        if type(part) not in abilities.joints | abilities.loads:
+            return f"it has no {_words(part)}, which {_label(part)} asks for"
+    laws: list[tuple[object, Law]] = [(load, load.force) for load in scene.forces]
+    laws += [(load, load.torque) for load in scene.torques]
+    for load, law in laws:
+        if not law.is_constant and not abilities.varying_loads:
+            return f"it takes no load that changes with the crank angle, as {_label(load)} does"
+    return None
+
+
+def data_obstacle(scene: Scene, *, massless: bool) -> str | None:
+    """What of a scene's data an engine must not get, or a start that does not fit, in one sentence; else None.
+
+    ``massless`` bodies, and such without a moment of inertia, are fine for some engines.
+    """
+    return next(_obstacles(scene, 0.0 if massless else LEAST), None) or start_misfit(scene)
+
+
+def _obstacles(scene: Scene, least: float) -> Iterator[str]:
+    names = [body.name for body in scene.bodies]
+    known = {GROUND, *names}
+    if len(known) != len(names) + 1:
+        yield f"the bodies' names are not distinct: {', '.join(names)}"
+    for body in scene.bodies:
+        yield from _weight_obstacles(body, least)
+    if any(body.name == scene.crank and body.inertia is None for body in scene.bodies):
+        yield f"the crank '{scene.crank}' has no inertia, so that it cannot turn"
+    joints = (*scene.pins, *scene.guided)
+    parts = (*scene.bodies, *joints, *scene.forces, *scene.torques, *scene.springs, *scene.dampers, scene.drive)
+    for part in parts:
+        yield from (f"{_label(part)} names a body '{end}' that is not in the scene" for end in _ends(part) - known)
+        if not _bounded(part):
+            yield f"{_label(part)} has a number that is not finite"
+    yield from (f"{_label(joint)} joins a body to itself" for joint in joints if len(_ends(joint)) == 1)
+    yield from (f"{_label(j)} has a line without a direction" for j in scene.guided if j.along == (0.0, 0.0))
+    bodies = {body.name: body for body in scene.bodies}
+    for slider in scene.sliders:
+        if slider.host != GROUND and bodies[slider.body].inertia is None and scene.can_turn(bodies[slider.host]):
+            yield f"body '{slider.body}' turns with its host '{slider.host}' and so needs an inertia"
+    if not any({scene.crank, GROUND} == {pin.first, pin.second} for pin in scene.pins):
+        yield f"the crank '{scene.crank}' is not pinned to the ground"
+    yield from _value_obstacles(scene)
+
+
+def _weight_obstacles(body: Body, least: float) -> Iterator[str]:
+    for name, value, unit in (("mass", body.mass, "kg"), ("inertia", body.inertia, "kg m²")):
+        if value is not None and not least <= value < LARGEST:
+            needed = "positive" if least else "non-negative"
+            yield f"body '{body.name}' has {name} {value:g} {unit}; expected a finite {needed} one"
+
+
+def _value_obstacles(scene: Scene) -> Iterator[str]:
+    """Numbers that are finite and still not to be run with."""
+    if not _bounded(scene.gravity):
+        yield "gravity is not finite"
+    for spring in scene.springs:
+        if min(spring.stiffness, spring.length, spring.damping) < 0.0:
+            yield f"{_label(spring)} has a number that is negative"
+    for damper in scene.dampers:
+        if damper.coefficient < 0.0:
+            yield f"{_label(damper)} has a coefficient of {damper.coefficient:g}"
+    drive = scene.drive
+    if (drive.motion.duration if isinstance(drive, Prescribed) else drive.duration) <= 0.0:
+        yield "the drive has a duration that is not positive"
+
+
+def _bounded(value: object) -> bool:
+    """Whether every number of a part of a scene is finite and of a size that can be reckoned with."""
+    if isinstance(value, float | np.ndarray):
+        return bool(np.all(np.abs(value) < LARGEST))  # false for nan
+    if is_dataclass(value):
+        return all(_bounded(getattr(value, field.name)) for field in fields(value))
+    return not isinstance(value, tuple) or all(map(_bounded, value))
+
+
+def _ends(part: object) -> set[str]:
+    return {getattr(part, name) for name in ENDS if hasattr(part, name)}
+
+
+def _label(part: object) -> str:
+    """A part of a scene in words: "pin joint 'A'", "applied force on 'rod'"."""
+    words = _words(part)
+    if hasattr(part, "name"):
+        return f"{words} '{part.name}'"
+    ends = " and ".join(f"'{end}'" for end in sorted(_ends(part)))
+    return f"{words} on {ends}" if ends else f"{words} drive"
+
+
+def _words(part: object) -> str:
+    """The type of a part in words: "pin joint"."""
+    return "".join(f" {c.lower()}" if c.isupper() else c for c in type(part).__name__).strip()

@@ -1,0 +1,214 @@
+"""An engine that takes time steps, behind the contract: its author writes how a world is built and one pass through it.
+
+Everything else is done here, once: what the engine cannot hold is refused, the scene is put into units of its own, the
+motion is cut into intervals and steps, passes are counted, timed, extrapolated and put back into SI.
+"""
+
+from __future__ import annotations
+
+import math
+from abc import ABC, abstractmethod
+from collections.abc import Mapping, Sequence
+from contextlib import nullcontext
+from dataclasses import dataclass, replace
+from typing import ClassVar, Generic, TypeVar
+
+from analytic.description.law import FULL_TURN
+from analytic.errors import LinkproofError, UnknownNameError
+from engines.contract import Abilities, History, Method, Outcome, Run, Setting
+from engines.installed import installed_version, silenced, why_absent, why_unusable
+from engines.mechanics.start_check import ability_obstacle, data_obstacle
+from engines.scene import Channel, Free, Prescribed, Scene
+from engines.stepping.cost import Cost
+from engines.stepping.driver import check_step, run_stepping
+from engines.stepping.error_estimate import estimated_error
+from engines.stepping.intervals import Interval, Pace, intervals, whole_interval
+from engines.stepping.own_units import OwnUnits, own_units, restored, scaled
+from engines.stepping.richardson import Pass, extrapolate
+
+LARGEST_EFFORT = 2.0**31  # of an iteration count
+
+
+@dataclass(frozen=True, kw_only=True)
+class Recipe(Pace):
+    """How a scene is stepped: the samples' pace, and the runs at fractions of their step.
+
+    ``ratios`` are the steps between two samples, of one run each; several are extrapolated, the error's terms having
+    the ``orders`` as powers of the step. ``effort`` is the constraint solver's, None for the engine's own. ``graded``
+    lets slow parts have longer steps, ``restarted`` begins every segment of a prescribed motion anew: without it the
+    whole motion is one interval. ``in_own_units`` counts lengths and masses in units of the scene, its size being
+    ``size``: where an engine's tolerance is a length, a larger one makes it tighter.
+    """
+
+    ratios: tuple[int, ...] = (1,)
+    orders: tuple[int, ...] = (2, 4, 6, 8)
+    effort: float | None = None
+    graded: bool = False
+    restarted: bool = True
+    in_own_units: bool = True
+    size: float = 1.0
+
+    def parts(self, scene: Scene) -> list[Interval]:
+        """The scene's motion in intervals of equal samples."""
+        drive = scene.drive
+        if isinstance(drive, Free):
+            return [whole_interval(drive.duration, self._longest(drive.pace or _start_pace(scene)), self.least_steps)]
+        motion = drive.motion
+        if not self.restarted:
+            return [whole_interval(motion.duration, self._longest(motion.peak_speed), self.least_steps)]
+        if self.graded:
+            return intervals(motion, self)
+        return intervals(motion, replace(self, step=self._longest(motion.peak_speed), steps_per_turn=0.0))
+
+    def _longest(self, speed: float) -> float:
+        turn = FULL_TURN / (self.steps_per_turn * speed) if self.steps_per_turn and speed else math.inf
+        return min(self.step, turn)
+
+
+def _start_pace(scene: Scene) -> float:
+    """What the start state shows of a free crank's pace, rad/s."""
+    crank = next(body for body in scene.bodies if body.name == scene.crank)
+    return abs(crank.angular_velocity) + math.sqrt(abs(crank.angular_acceleration))
+
+
+World = TypeVar("World")
+R = TypeVar("R", bound=Recipe)
+
+
+@dataclass(frozen=True)
+class Course(Generic[R]):
+    """One pass that is asked for: the ``parts`` of the motion in ``ratio`` steps to a sample, recording ``channels``.
+
+    ``cost`` takes what the constraint solver does (``solver_work``) and steps beside the regular ones.
+    """
+
+    recipe: R
+    parts: Sequence[Interval]
+    ratio: int
+    channels: frozenset[Channel]
+    cost: Cost
+
+
+class SteppedEngine(ABC, Generic[World, R]):
+    """The contract met from ``build`` and ``follow``.
+
+    ``package`` is what is imported and installed, ``extra`` the extra of linkproof that brings it; ``settings`` are
+    the recipes by drive, ``studied`` what each method is in one sentence and its recipe, the newcomer's first.
+    """
+
+    name: ClassVar[str]
+    is_control: ClassVar[bool] = False
+    package: ClassVar[str]
+    oldest: ClassVar[str] = ""
+    work_unit: ClassVar[str] = ""
+    effort_unit: ClassVar[str] = ""
+    abilities: ClassVar[Abilities]
+    settings: Mapping[type, Mapping[Setting, R]]
+    studied: Mapping[str, tuple[str, R]]
+    chatters: ClassVar[bool] = False  # whether the engine writes to the terminal
+
+    @abstractmethod
+    def build(self, scene: Scene, recipe: R) -> World:
+        """The engine's own model of a scene in its start state; raises UnsupportedError for what it cannot hold."""
+
+    @abstractmethod
+    def follow(self, world: World, course: Course[R]) -> History:
+        """One pass through a world just built; raises DivergedError where there is no history to hand back.
+
+        Passes of different ``ratio`` have the same sample times.
+        """
+
+    def refusal(self, scene: Scene) -> str | None:
+        """What of a scene the engine cannot hold, beside what its abilities say, in one sentence."""
+        return None
+
+    def altered(self, scene: Scene) -> Scene:
+        """What a world is built from: the scene itself, but where a test looks whether errors in it are seen."""
+        return scene
+
+    def version(self) -> str | None:
+        """As the contract says, like all that follows."""
+        return installed_version(self.package)
+
+    def why_unavailable(self) -> str | None:
+        """Why the engine cannot be used here, in one sentence with the cure; nothing is imported."""
+        return why_unusable(self.package, self.name, self.oldest)
+
+    def run(self, scene: Scene, setting: Setting) -> Run:
+        """One pass, or several extrapolated, by the setting's recipe."""
+        recipes = self.settings.get(type(scene.drive), {})
+        if setting not in recipes:
+            obstacle = ability_obstacle(scene, self.abilities)
+            return Run(Outcome.UNSUPPORTED, obstacle or f"{self.name} offers no setting '{setting}' for such a drive")
+        return self._run(scene, recipes[setting], {})
+
+    def methods(self, scene: Scene) -> tuple[Method, ...]:
+        """Those of ``studied``, for any drive."""
+        return tuple(
+            Method(name, about, len(recipe.ratios), recipe.effort, self.effort_unit)
+            for name, (about, recipe) in self.studied.items()
+        )
+
+    def run_method(self, scene: Scene, method: Method, step: float) -> Run:
+        """The method's recipe at a step and an effort of the caller's."""
+        check_step(step)
+        if method.name not in self.studied:
+            raise UnknownNameError(f"method of {self.name}", method.name, list(self.studied))
+        if method.effort is not None and not 0.0 < method.effort < LARGEST_EFFORT:
+            raise LinkproofError(
+                f"effort of method '{method.name}': expected a positive {self.effort_unit}, got {method.effort:g}"
+            )
+        return self._run(scene, self.studied_recipe(method, step), {"method": method.name})
+
+    def studied_recipe(self, method: Method, step: float) -> R:
+        """What a method does at a step and its effort."""
+        _, recipe = self.studied[method.name]
+        return replace(recipe, step=step, steps_per_turn=0.0, effort=method.effort)
+
+    def _run(self, scene: Scene, recipe: R, details: dict[str, str | int | float]) -> Run:
+        absent = why_absent(self.package, self.name, self.oldest)
+        if absent is not None:
+            return Run(Outcome.UNAVAILABLE, absent)
+        reason = (
+            ability_obstacle(scene, self.abilities)
+            or data_obstacle(scene, massless=self.abilities.massless)
+            or self.refusal(scene)
+        )
+        if reason is not None:
+            return Run(Outcome.UNSUPPORTED, reason)
+        cost = Cost(details=details)
+        with silenced() if self.chatters else nullcontext():
+            return run_stepping(cost, lambda: self._history(scene, recipe, cost))
+
+    def _history(self, scene: Scene, recipe: R, cost: Cost) -> History:
+        given, units, courses = self.planned(scene, recipe, cost)
+        passes = [self._pass(given, course) for course in courses]
+        parts = courses[0].parts
+        longest = max(part.step for part in parts)
+        cost.passes = tuple(longest * each.step for each in passes)
+        cost.details["steps"] = " ".join(str(ratio * sum(part.samples for part in parts)) for ratio in recipe.ratios)
+        cost.details["longest_step"] = longest / max(recipe.ratios)
+        if len(parts) > 1:
+            cost.details["fresh_starts"] = len(parts) - 1
+        if len(passes) > 1:
+            cost.details["estimated_error"] = estimated_error(passes, recipe.orders)
+        history = extrapolate(passes, recipe.orders)
+        return restored(history, units) if units else history
+
+    def planned(self, scene: Scene, recipe: R, cost: Cost) -> tuple[Scene, OwnUnits | None, list[Course[R]]]:
+        """The scene that worlds are built from, its units if these are its own, and the passes that are asked for."""
+        offered = scene.channels & frozenset(self.abilities.readouts)
+        channels = offered if isinstance(scene.drive, Prescribed) else offered - {Channel.TORQUE}
+        scene = self.altered(scene)
+        units = own_units(scene, recipe.size) if recipe.in_own_units else None
+        given = scaled(scene, units) if units else scene
+        parts = recipe.parts(given)
+        return given, units, [Course(recipe, parts, ratio, channels, cost) for ratio in recipe.ratios]
+
+    def _pass(self, scene: Scene, course: Course[R]) -> Pass:
+        with course.cost.building():
+            world = self.build(scene, course.recipe)
+        with course.cost.stepping():
+            history = self.follow(world, course)
+        course.cost.steps += course.ratio * sum(part.samples for part in course.parts)
+        return Pass(1.0 / course.ratio, history)

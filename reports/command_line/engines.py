@@ -1,0 +1,124 @@
+"""What ``linkproof engines``, ``check-engine`` and ``export`` do: tell of engines, check one, write its run down."""
+
+from __future__ import annotations
+
+import sys
+from collections import Counter
+from collections.abc import Mapping, Sequence
+from dataclasses import asdict
+from pathlib import Path
+from typing import Any
+
+from rich.console import RenderableType
+
+from analytic.errors import LinkproofError
+from comparisons.campaign.campaign import cases
+from comparisons.conformance.conformance import INSTALLED, MUTANT, check_engine
+from comparisons.conformance.findings import Finding, Found
+from comparisons.exported_run import exported, exported_cell
+from comparisons.runs.failures import blamed_on
+from comparisons.runs.files import check_writable, write_text
+from comparisons.stress.cells import find_cell
+from engines.contract import Engine
+from engines.registry import Unusable, engine, engine_names, why_unavailable
+from reports.command_line import FAILED, PASSED
+from reports.command_line.destination import Destination
+from reports.command_line.requests import CampaignChoice, command_line, request
+from reports.facts.readouts import abilities_told, readout_table
+from reports.text.screen import Cell, Printout, line, table, write
+
+UNTESTED = (Finding.NOT_APPLICABLE, Finding.NOT_TESTED)
+STYLES = {Finding.PASSED: "green", Finding.FAILED: "bold red", Finding.EXPECTED: "yellow"}
+
+
+def list_engines(names: Sequence[str], destination: Destination) -> None:
+    """Print or write the abilities and read-outs of these engines, of all by default."""
+    told = [_told(engine(name)) for name in names or engine_names()]
+    destination.print(*(part for one in told for part in _shown(one)))
+    destination.write_json({"records": told})
+
+
+def _told(adapter: Engine) -> dict[str, Any]:
+    """What an engine takes and offers, and why it cannot be used here, where it cannot."""
+    error = adapter.error if isinstance(adapter, Unusable) else None
+    reason = why_unavailable(adapter) if error is None else f"{type(error).__name__}: {error}"
+    return {**abilities_told(adapter), "unusable": reason or ""}
+
+
+def _shown(told: Mapping[str, Any]) -> list[RenderableType]:
+    version = told["unusable"] or told["version"]
+    control = ", the reference's control, no engine" if told["control"] else ""
+    kinds = ("drives", "joints", "loads", "settings")
+    return [
+        line(f"{told['engine']} ({version}{control})", "bold"),
+        *(line(f"  {kind}: {', '.join(told[kind])}") for kind in kinds),
+        readout_table(told["engine"], told["readouts"]),
+        line(""),
+    ]
+
+
+def export(choice: CampaignChoice, cell: str | None, out: Path | None) -> None:
+    """Write the run of one mechanism, or of one cell, in one engine and setting as a script of the engine's own.
+
+    Raises LinkproofError for what does not exist or cannot be exported.
+    """
+    if out is not None:
+        check_writable(out)
+    if (cell is None) != bool(choice.mechanisms):
+        raise LinkproofError("expected a mechanism with --engine, or a --cell, and not both: leave one out")
+    if cell is not None:
+        if choice != CampaignChoice():
+            raise LinkproofError("expected --cell alone, since it says all of a run: leave the other options out")
+        text = exported_cell(find_cell(cell), command_line("export", (), {"cell": [cell]}, {}))
+    else:
+        wanted = request(choice)
+        if len(choice.engines) != 1:
+            raise LinkproofError(f"expected one --engine to export, got {len(choice.engines)}: name one")
+        found = cases(wanted)
+        settings = wanted.settings
+        if len(found) != 1 or len(settings) != 1:
+            raise LinkproofError(
+                f"expected one regime and setting, got {len(found)} and {len(settings)}: name one each"
+            )
+        text = exported(found[0], choice.engines[0], settings[0], choice.written("export"))
+    if out is None:
+        write(text, sys.stdout)
+    else:
+        write_text(out, text)
+
+
+def check(name: str, destination: Destination, processes: int | None = None) -> int:
+    """Make every check of an engine, print a line of each; returns the exit code.
+
+    Raises UnknownNameError for an engine that is not announced, LinkproofError where nothing could be checked,
+    AdapterError for one that cannot be loaded.
+    """
+    adapter = engine(name)
+    if isinstance(adapter, Unusable):
+        if adapter.error is None:
+            raise LinkproofError(adapter.reason)
+        with blamed_on(adapter):
+            raise adapter.error
+    found = check_engine(adapter, processes)
+    counts = Counter(each.finding for each in found)
+    absent = next((each.detail for each in found if each.check == INSTALLED and each.finding in UNTESTED), None)
+    if absent is not None:
+        raise LinkproofError(f"expected an engine to check, got none: {absent}")
+    destination.write_json({"engine": name, "version": adapter.version(), "checks": [asdict(each) for each in found]})
+    closing = f"{name}: " + ", ".join(f"{counts[finding]} {finding}" for finding in Finding if counts[finding])
+    shown = table(("check", "", ""), _rows(found))
+    destination.print_out(Printout([shown], [line(closing)]))
+    return FAILED if counts[Finding.FAILED] else PASSED
+
+
+def _rows(found: Sequence[Found]) -> list[Sequence[Cell]]:
+    """A line of every check; of mutants that say the same, one line."""
+    groups: dict[tuple[str, Finding, str], int] = {}
+    for each in found:
+        alike = each.check.startswith(MUTANT) and each.finding is not Finding.FAILED
+        key = ("mutants" if alike else each.check, each.finding, each.detail)
+        groups[key] = groups.get(key, 0) + 1
+    return [
+        (f"{count} {name}" if name == "mutants" else name, (finding.value, STYLES.get(finding, "dim")), detail)
+        for (name, finding, detail), count in groups.items()
+    ]

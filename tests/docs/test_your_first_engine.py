@@ -1,0 +1,78 @@
+"""The adapter that docs/your-first-engine.md builds, installed as its page says, is found and keeps the contract."""
+
+import os
+import re
+import subprocess
+import sys
+import tomllib
+from pathlib import Path
+
+import pytest
+
+from comparisons.conformance.channels import says_what_is_true
+from comparisons.conformance.conformance import CHECKS, MUTANT
+from comparisons.conformance.misreadings import MISREADINGS
+from comparisons.conformance.mutants import Misread
+from engines.direct_adapter.adapter import DirectEngine
+from engines.scene import Channel
+
+ROOT = Path(__file__).parents[2]
+PAGE = (ROOT / "docs" / "your-first-engine.md").read_text(encoding="utf-8")
+BLOCKS = dict(re.findall(r"^```\w+ (\S+)\n(.*?)^```", PAGE, re.MULTILINE | re.DOTALL))
+MOST_LINES = 100  # of the adapter, blank ones left out
+
+
+@pytest.fixture(scope="module")
+def run(tmp_path_factory):
+    """Run a module's command where the page's files are installed."""
+    folder = tmp_path_factory.mktemp("installed")
+    for name, text in BLOCKS.items():
+        (folder / name).write_text(text, encoding="utf-8")
+    project = tomllib.loads(BLOCKS["pyproject.toml"])["project"]
+    (entries,) = project["entry-points"].items()
+    for name, version in (("barwork", "0.3"), (project["name"], project["version"])):
+        place = folder / f"{name.replace('-', '_')}-{version}.dist-info"
+        place.mkdir()
+        (place / "METADATA").write_text(f"Metadata-Version: 2.1\nName: {name}\nVersion: {version}\n")
+    lines = [f"{name} = {target}" for name, target in entries[1].items()]
+    (place / "entry_points.txt").write_text("\n".join([f"[{entries[0]}]", *lines, ""]))
+
+    def call(*command):
+        path = os.pathsep.join([str(folder), str(ROOT)])
+        return subprocess.run(
+            [sys.executable, "-m", *command],
+            capture_output=True, text=True, cwd=folder, env={**os.environ, "PYTHONPATH": path}, check=False,
+        )  # fmt: skip
+
+    return call
+
+
+@pytest.mark.slow
+def test_its_adapter_passes_the_conformance_test(run):
+    done = run("reports.command_line.main", "check-engine", "barwork")
+    assert done.returncode == 0, done.stdout + done.stderr
+    assert re.search(r"silence +expected failure +barwork's licence wants its line to be seen", done.stdout)
+    assert int(re.search(r"(\d+) mutants +passed", done.stdout).group(1)) >= 35
+    assert " failed" not in done.stdout
+
+
+def test_its_checks_are_cases_for_pytest(run):
+    done = run("pytest", "-q", "-n0", "-p", "no:cacheprovider", "test_barwork.py", "-k", "not mutant or gravity")
+    assert done.returncode == 0, done.stdout
+    assert re.search(r"\b1 xfailed\b", done.stdout.splitlines()[-1]), done.stdout
+
+
+def test_its_adapter_is_short():
+    lines = [line for line in BLOCKS["linkproof_barwork.py"].splitlines() if line.strip()]
+    assert len(lines) <= MOST_LINES
+
+
+def test_the_page_has_every_check():
+    rows = [f"| {check.name} | {check.about} |" for check in CHECKS.values() if not check.name.startswith(MUTANT)]
+    assert "\n".join(rows) in PAGE
+
+
+def test_a_wrong_sign_is_named_as_the_page_has_it():
+    (told,) = re.findall(r"failed  (drive torque, .*), …", PAGE)
+    with pytest.raises(AssertionError, match=re.escape(told)):
+        says_what_is_true(Channel.TORQUE, Misread(DirectEngine(), MISREADINGS["drive torque reversed"]))

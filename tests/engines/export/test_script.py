@@ -1,0 +1,103 @@
+"""A run as a script: it needs the engine alone, and says to rounding what the adapter says."""
+
+import subprocess
+import sys
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from analytic.description.crank_motion import crank_motion
+from comparisons.exported_run import exported, exported_cell
+from comparisons.reference.case import Case, own_case
+from comparisons.stress.cells import find_cell
+from engines.contract import Outcome, Setting
+from engines.registry import engine
+from engines.scene import Channel
+from tests.analytic.linkages import mechanism
+
+# Without its user's environment, and without us wherever we are installed.
+ALONE = """
+import runpy, sys
+sys.modules.update(dict.fromkeys(("analytic", "engines", "comparisons", "reports")))
+import numpy as np
+samples = runpy.run_path("case.py")["samples"]
+np.savez("samples.npz", **{f"{name}/{n}": np.array(v) for name, pair in samples.items() for n, v in enumerate(pair)})
+"""
+
+
+def _case(linkage, regime):
+    found = mechanism(linkage)
+    own = [each for each in found.linkage.regimes if each.name == regime]
+    return (
+        own_case(found, replace(own[0], duration=0.4))
+        if own
+        else Case(found, crank_motion(regime, ramp_time=0.12, hold_time=0.03))
+    )
+
+
+def _run_alone(text, folder):
+    (folder / "case.py").write_text(text, encoding="utf-8")
+    done = subprocess.run(
+        [sys.executable, "-I", "-c", ALONE], cwd=folder, capture_output=True, text=True, check=False, timeout=120
+    )
+    assert done.returncode == 0, done.stderr
+    samples = np.load(folder / "samples.npz")
+    return {name: (samples[f"{name}/0"], samples[f"{name}/1"]) for name in {key[:-2] for key in samples}}, done.stdout
+
+
+@pytest.mark.parametrize(("name", "linkage", "regime", "setting"), [
+    ("exudyn", "rimoldi-164", "run-up", "tuned"),
+    ("exudyn", "slotted-takeup", "run-up-quintic", "tuned"),
+    ("exudyn", "spring-and-damper", "run-up", "naive"),
+    ("exudyn", "slotted-takeup", "free", "tuned"),
+    ("ondsel", "slotted-takeup", "run-up", "tuned"),
+    ("ondsel", "rimoldi-164", "run-up-quintic", "naive"),
+    ("exudyn", "force-over-angle", "run-up", "tuned"),
+    ("mujoco", "slotted-takeup", "run-up", "tuned"),
+    ("mujoco", "force-over-angle", "run-up", "tuned"),
+    ("mujoco", "spring-and-damper", "run-up-quintic", "naive"),
+    ("mujoco", "slotted-takeup", "driven", "tuned"),
+    ("mujoco", "juki-mf7923d", "run-up-quintic", "naive"),
+    ("pymunk", "slotted-takeup", "run-up", "tuned"),
+    ("pymunk", "slotted-takeup", "driven", "tuned"),
+    ("pymunk", "rimoldi-164", "run-up-quintic", "tuned"),
+    ("pymunk", "juki-mf7923d", "run-up-quintic", "naive"),
+    ("pymunk", "spring-and-damper", "run-up", "tuned"),
+    ("pymunk", "force-over-angle", "run-up", "tuned"),
+    ("simbody", "force-over-angle", "run-up", "tuned"),
+    ("simbody", "slotted-takeup", "run-up", "tuned"),
+    ("simbody", "spring-and-damper", "run-up-quintic", "naive"),
+    ("simbody", "slotted-takeup", "driven", "tuned"),
+])  # fmt: skip
+def test_a_script_alone_says_what_the_adapter_says(name, linkage, regime, setting, tmp_path):
+    adapter, case = engine(name), _case(linkage, regime)
+    pytest.importorskip(adapter.package)
+    samples, told = _run_alone(exported(case, name, Setting(setting), "linkproof export"), tmp_path)
+    run = adapter.run(case.scene(frozenset(Channel)), Setting(setting))
+    assert run.outcome is Outcome.FINISHED
+    signals = {channel: getattr(run.history, channel) for channel in ("position", "velocity", "acceleration", "torque")}
+    signals |= {f"force in {joint}": signal for joint, signal in run.history.joint_force.items()}
+    assert samples.keys() == {key for key, signal in signals.items() if signal is not None}
+    # The script's samples are in the engine's units: their unit is one factor for all of them, but for angles.
+    for key, (time, values) in samples.items():
+        right = signals[key].values
+        np.testing.assert_allclose(time, signals[key].time, rtol=0, atol=1e-12)
+        for part in (np.s_[..., :2], np.s_[..., 2:]) if right.ndim > 2 else (np.s_[...],):
+            unit = np.vdot(values[part], right[part]) / (np.vdot(values[part], values[part]) or 1.0)
+            np.testing.assert_allclose(unit * values[part], right[part], rtol=0, atol=1e-9 * np.abs(right[part]).max())
+    figures = [row.split() for row in told.splitlines()[1:]]
+    assert len(figures) >= 6 + (run.history.torque is not None)
+    for *_, read, exported_figure, _true, _difference in figures:
+        assert float(read) == pytest.approx(float(exported_figure), rel=1e-8, abs=1e-10)
+
+
+def test_a_run_that_an_engine_gives_up_is_given_up_by_its_script(tmp_path):
+    pytest.importorskip("pyondsel")
+    cell = find_cell("change-point/rocker longer than crank/0/ondsel/tuned")
+    (tmp_path / "case.py").write_text(exported_cell(cell, "linkproof export"), encoding="utf-8")
+    done = subprocess.run(
+        [sys.executable, "-I", "case.py"], cwd=tmp_path, capture_output=True, text=True, check=False, timeout=120
+    )
+    assert done.returncode == 1
+    assert done.stderr.startswith("Ondsel solved 25 of 101 frames")

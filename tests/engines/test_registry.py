@@ -1,0 +1,158 @@
+"""Plug-ins that cannot be loaded: each costs its own rows, and says in which file and line."""
+
+import json
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from analytic.description.crank_motion import crank_motion
+from analytic.description.loading import load
+from analytic.errors import LinkproofError
+from analytic.kinematics.mechanism import Mechanism
+from comparisons.campaign.campaign import CampaignRequest, compare
+from comparisons.campaign.errata import judge_errata
+from comparisons.reference.case import Case
+from comparisons.runs.failures import AdapterError
+from comparisons.runs.run_engine import run_engine
+from comparisons.stress.campaign import make_cells
+from comparisons.stress.cells import find_cell
+from comparisons.work_precision.points import Extent
+from comparisons.work_precision.study import BenchRequest, bench
+from engines import registry
+from engines.contract import Outcome, Setting
+from engines.ondsel_adapter import OndselEngine
+from engines.scene import Channel
+from reports.command_line import requests
+from tests.comparisons.faults import announce
+
+ADAPTER = """
+class Adapter:
+    name = "{name}"
+    abilities = None
+    is_control = False
+    def version(self):
+        return "1.0"
+    def run(self, scene, setting):
+        raise ZeroDivisionError("ran")
+    def methods(self, scene):
+        raise KeyError("methods")
+    def run_method(self, scene, method, step):
+        raise ZeroDivisionError("ran")
+"""
+MODULES = {
+    "raising": "import math\nraise ValueError('at import')\n",
+    "misspelt": "class Adapter:\n    def (\n",
+    "needing": "import a_package_that_nobody_has\n",
+    "leaving": "import sys\nsys.exit(3)\n",
+    "hanging": "import time\nwhile True:\n    time.sleep(0.01)\n",
+    "partial": "class Adapter:\n    name = 'partial'\n    def version(self):\n        return None\n",
+    "unversioned": ADAPTER.format(name="unversioned").replace('return "1.0"', "return 1 / 0"),
+    "failing": ADAPTER.format(name="failing"),
+}
+SAID = {
+    "raising": "ValueError: at import (FOLDER/raising.py, line 2)",
+    "misspelt": "SyntaxError: invalid syntax (misspelt.py, line 2) (FOLDER/misspelt.py, line 2)",
+    "needing": "ModuleNotFoundError: No module named 'a_package_that_nobody_has' (FOLDER/needing.py, line 1)",
+    "missing": "ModuleNotFoundError: No module named 'missing' (announced in missing)",
+    "hanging": "TimeoutError: loading it took longer than 0.3 s (FOLDER/hanging.py, line 3)",
+    "partial": "PluginError: expected an adapter with name, abilities, is_control, version, run, got one without "
+    "abilities, is_control, run (announced in partial)",
+    "unversioned": "ZeroDivisionError: division by zero (FOLDER/unversioned.py, line 7)",
+    "failing": "ZeroDivisionError: ran (FOLDER/failing.py, line 9)",
+}
+CASE = Case(Mechanism(load("juki-mf7923d")), crank_motion("constant-speed", ramp_time=0.03, hold_time=0.0))
+
+
+@pytest.fixture
+def plugins(tmp_path, monkeypatch):
+    """A folder on the path with a package that announces all these modules, and one that has the name of another's."""
+    for name, text in MODULES.items():
+        (tmp_path / f"{name}.py").write_text(text)
+    names = [*MODULES, "missing"]
+    announce(tmp_path, "some-engines", {name: f"{name}:Adapter" for name in [*names, "twin"]})
+    announce(tmp_path, "other-engines", {"twin": "failing:Adapter"})
+    monkeypatch.syspath_prepend(tmp_path)
+    monkeypatch.setattr(registry, "LOADING", 0.3)
+    monkeypatch.setattr(registry, "_FAILED", {})
+    yield tmp_path
+    for name in names:
+        sys.modules.pop(name, None)
+
+
+def test_what_a_plugin_raises_is_told_with_its_file_and_line_when_it_is_run(plugins):
+    told = {}
+    for name in SAID:
+        for _ in range(2):  # the second time from what is known of the first
+            with pytest.raises(AdapterError) as caught:
+                run_engine(registry.engine(name), CASE.scene([Channel.TORQUE]), Setting.TUNED)
+            told[name] = str(caught.value).replace(str(plugins), "FOLDER")
+    assert told == {name: f"the adapter of {name} raised {words}" for name, words in SAID.items()}
+    with pytest.raises(SystemExit):
+        run_engine(registry.engine("leaving"), CASE.scene([Channel.TORQUE]), Setting.TUNED)
+
+
+def test_two_plugins_of_one_name_are_unavailable_and_both_are_named(plugins):
+    twin = registry.engine("twin")
+    reason = "engine 'twin' is announced by other-engines 1.0 and some-engines 1.0: uninstall all of them but one"
+    assert (twin.version(), registry.why_unavailable(twin)) == (None, reason)
+    request = CampaignRequest((CASE.mechanism.linkage,), (CASE.motion,), "", ("direct", "twin"), quantities=("Mkr",))
+    direct, other = compare(request, processes=0)
+    assert {record.outcome for record in direct.records} == {"passed"}
+    assert {(record.outcome, record.detail) for record in other.records} == {("unavailable", reason)}
+
+
+def test_an_engine_too_old_is_refused_by_name_and_a_row_otherwise(monkeypatch):
+    monkeypatch.setattr(OndselEngine, "package", "numpy")
+    monkeypatch.setattr(OndselEngine, "oldest", "9999")
+    monkeypatch.setattr(requests, "engine", lambda _: OndselEngine())
+    with pytest.raises(LinkproofError, match=r"numpy .* is too old, 9999 is the first that will do: pip install"):
+        requests.named(["ondsel"])
+    run = OndselEngine().run(CASE.scene([Channel.TORQUE]), Setting.TUNED)
+    assert (run.outcome, "is too old" in run.reason) == (Outcome.UNAVAILABLE, True)
+
+
+def test_a_plugin_that_cannot_be_imported_costs_its_own_rows_in_every_study(plugins):
+    names, words = ("raising", "failing"), {"ValueError: at import", "ZeroDivisionError: ran"}
+    request = CampaignRequest((CASE.mechanism.linkage,), (CASE.motion,), "", names, quantities=("Mkr",))
+    compared = [record for result in compare(request, processes=0) for record in result.records]
+    extent = Extent((8.0,), budget=1.0, repeats=1, patience=0.1)
+    benched = bench(BenchRequest((CASE,), names, ("Mkr",), (Setting.TUNED,), extent=extent, processes=0)).records
+    errata = list(judge_errata([load("slotted-takeup")], names, processes=0))
+    cells = make_cells([find_cell(f"start/positions/1e-06/{name}/tuned") for name in names])
+    rows = [
+        *((record.engine, record.outcome, record.detail) for record in (*compared, *benched)),
+        *((record.engine, record.outcome, record.reason) for record in errata),
+        *((cell.cell.engine, cell.outcome, cell.judgement.reason) for cell in cells),
+    ]
+    assert {engine for engine, _, _ in rows} == set(names)
+    assert {outcome for _, outcome, _ in rows} == {"adapter-error"}
+    assert all(any(part in detail for part in words) for _, _, detail in rows), rows
+
+
+def test_commands_run_all_other_engines_and_refuse_a_name_that_two_have(plugins):
+    environment = {**os.environ, "PYTHONPATH": os.pathsep.join([str(plugins), str(Path(__file__).parents[2])])}
+
+    def linkproof(*words):
+        command = [sys.executable, "-m", "reports.command_line.main", *words]
+        return subprocess.run(command, capture_output=True, text=True, env=environment, timeout=60, check=False)
+
+    words = ("compare", "juki-mf7923d", "--quantity", "Jeq", "--json", "-")
+    done = linkproof(*words, "--engine", "direct", "--engine", "raising")
+    assert (done.returncode, done.stderr) == (1, "")
+    rows = {row["engine"]: (row["outcome"], row["detail"]) for row in json.loads(done.stdout)["records"]}
+    assert rows["direct"] == ("passed", "")
+    assert rows["raising"][0] == "adapter-error"
+    assert f"({plugins}/raising.py, line 2)" in rows["raising"][1]
+    listed = linkproof("engines", "raising", "twin")
+    assert (listed.returncode, listed.stderr) == (0, "")
+    assert "raising (ValueError: at import)" in listed.stdout
+    assert "twin (engine 'twin' is announced by" in listed.stdout
+    checked = linkproof("check-engine", "raising")
+    assert (checked.returncode, checked.stderr.count("raising.py, line 2")) == (1, 1)
+    for command in (("compare", "--engine", "twin"), ("stress", "--engine", "twin"), ("check-engine", "twin")):
+        refused = linkproof(*command)
+        assert (refused.returncode, refused.stderr.count("\n")) == (2, 1)
+        assert "engine 'twin' is announced by other-engines 1.0 and some-engines 1.0" in refused.stderr

@@ -1,0 +1,194 @@
+"""Random valid linkages in every engine: how often tuned fails, and whether a wrong motion ever passes unseen.
+
+``python -m tests.targets.random_linkages [COUNT] [ENGINE ...]`` prints the table by engine and by mass ratio.
+Four-bars, offset slider-cranks, quick returns and six-bars; sizes and masses over four decades, each with a
+transmission angle that a designer would accept.
+"""
+
+from __future__ import annotations
+
+import math
+import sys
+from collections import Counter
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from analytic.description.crank_motion import crank_motion
+from analytic.description.loading import parse
+from analytic.errors import LinkproofError
+from analytic.kinematics.mechanism import Mechanism
+from comparisons.reference.case import Case
+from comparisons.runs.failures import Lost
+from comparisons.runs.run_engine import run_engine
+from comparisons.runs.workers import Bounds, run_jobs
+from comparisons.stress.verdict import StressVerdict, judged
+from engines.contract import Setting
+from engines.registry import engine, engine_names
+from engines.scene import Channel
+
+KINDS = ("four-bar", "slider-crank", "quick return", "six-bar")
+SEED = 9
+MODERATE = 30.0  # mass ratio within a linkage up to which every engine is to hold
+STEEPEST = math.radians(25.0)  # least transmission angle
+HEAD = 'title = "{kind}"\nsource = "drawn"\ncrank = "crank"\ngravity = [0.7, -9.7]\n'
+HEAD += 'units = {{ length = "m", mass = "kg", inertia = "kg*m^2", angle = "rad" }}\n'
+SECONDS = 60.0  # that a run may take
+
+
+@dataclass(frozen=True)
+class Drawn:
+    """One linkage, its kind and the ratio of its largest to its least mass."""
+
+    kind: str
+    ratio: float
+    text: str
+
+
+def draw(number: int, largest_ratio: float = MODERATE) -> Drawn:
+    """The linkage of a number: the same on every machine."""
+    for attempt in range(1000):
+        rng = np.random.default_rng([SEED, number, attempt])
+        kind = KINDS[number % len(KINDS)]
+        text, ratio = _text(kind, rng, largest_ratio)
+        try:
+            mechanism = Mechanism(parse(text, f"drawn-{number}", "drawn"))
+            mechanism.check_full_turn()
+        except LinkproofError:
+            continue
+        if _steep(mechanism) >= STEEPEST:
+            return Drawn(kind, ratio, text)
+    raise RuntimeError(f"no valid linkage of number {number}")
+
+
+def _steep(mechanism: Mechanism) -> float:
+    """Least transmission angle of any dyad over a turn, rad, from how its determinant compares with its largest."""
+    sweep = mechanism.turn
+    angles = [np.abs(np.sin(np.asarray(angle))) for angle in _between(sweep, mechanism)]
+    return float(math.asin(min((float(np.min(each)) for each in angles), default=1.0)))
+
+
+def _between(sweep: object, mechanism: Mechanism) -> Iterator[np.ndarray]:
+    """Angles between the two lines along which a dyad's members hold its inner joint."""
+    linkage = mechanism.linkage
+    turn = {name: sweep.angles(name) for name in linkage.links}  # type: ignore[attr-defined]
+    slides = {slider.link: math.atan2(slider.guide.along[1], slider.guide.along[0]) for slider in linkage.sliders}
+    if "rocker" in turn and "coupler" in turn:
+        yield turn["coupler"] - turn["rocker"]
+    if "rod" in turn and "piston" in slides:
+        yield turn["rod"] - slides["piston"] - math.pi / 2.0
+
+
+SLOT = 'point = "A", on = "rocker", through = [0, 0], along = [1, 0]'
+
+
+def _text(kind: str, rng: np.random.Generator, largest_ratio: float) -> tuple[str, float]:
+    """A linkage file and its mass ratio."""
+    size, base = 10.0 ** rng.uniform(-3.0, 1.0), 10.0 ** rng.uniform(-3.0, 1.0)
+    masses = base * 10.0 ** rng.uniform(0.0, math.log10(largest_ratio), 6)
+    crank, links = size * rng.uniform(0.6, 1.0), []
+
+    def link(name: str, points: dict[str, float], slides: str = "") -> None:
+        mass, length = float(masses[len(links)]), max([*points.values(), 0.3 * size])
+        centre = (0.0, 0.0) if rng.random() < 0.15 else (rng.uniform(-0.2, 1.0), rng.uniform(-0.2, 0.2))
+        inertia = mass * length**2 * 10.0 ** rng.uniform(-2.7, -0.7)  # from 0.2 % of m l²
+        places = ", ".join(f"{point} = [{x!r}, 0]" for point, x in points.items())
+        rest = f"centre = [{centre[0] * length!r}, {centre[1] * length!r}]\ninertia = {inertia!r}"
+        if slides:
+            rest = f"slides = {{ {slides} }}" + (f"\ninertia = {inertia!r}" if name == "block" else "")
+        shape = f"points = {{ {places} }}\n" if points else ""
+        links.append(f"[links.{name}]\n{shape}mass = {mass!r}\n{rest}\n")
+
+    def guide(height: float) -> str:
+        return f'point = "D", through = [0, {height!r}], along = [1, 0]'
+
+    ground, sketch, slots = {"O": (0.0, 0.0)}, {}, ""
+    link("crank", {"O": 0.0, "A": crank})
+    frame = crank * rng.uniform(1.8, 4.0)
+    if kind in {"four-bar", "six-bar"}:
+        coupler, rocker = (crank * rng.uniform(2.0, 4.0) for _ in range(2))
+        ground["C"] = (frame, 0.0)
+        link("coupler", {"A": 0.0, "B": coupler})
+        link("rocker", {"C": 0.0, "B": rocker} | ({"E": 0.8 * rocker} if kind == "six-bar" else {}))
+        along = ((frame - crank) ** 2 + coupler**2 - rocker**2) / (2.0 * (frame - crank))
+        sketch["B"] = (crank + along, math.sqrt(max(coupler**2 - along**2, 0.0)))
+    if kind == "six-bar":
+        x, y = frame + 0.8 * (sketch["B"][0] - frame), 0.8 * sketch["B"][1]
+        rod, height = rocker * rng.uniform(2.5, 5.0), rocker * rng.uniform(0.2, 0.6)
+        sketch["D"] = (x + math.sqrt(rod**2 - (height - y) ** 2), height)
+        link("rod", {"E": 0.0, "D": rod})
+        link("piston", {}, guide(height))
+    elif kind == "slider-crank":
+        rod, height = crank * rng.uniform(2.5, 6.0), crank * rng.uniform(-0.8, 0.8)
+        sketch["D"] = (crank + math.sqrt(rod**2 - height**2), height)
+        link("rod", {"A": 0.0, "D": rod})
+        link("piston", {}, guide(height))
+    elif kind == "quick return":
+        ground["C"], sketch["E"] = (-frame, 0.0), (1.2 * crank + 0.2 * frame, 0.0)
+        link("rocker", {"C": 0.0, "E": 1.2 * (crank + frame)})
+        if rng.random() < 0.5:
+            link("block", {}, SLOT)
+        else:
+            slots = f"slots = [{{ {SLOT} }}]\n"
+    text = HEAD.format(kind=kind) + slots + "[ground]\n"
+    text += "".join(f"{name} = [{x!r}, {y!r}]\n" for name, (x, y) in ground.items()) + "".join(links)
+    places = ", ".join(f"{name} = [{x!r}, {y!r}]" for name, (x, y) in sketch.items())
+    return f"{text}[sketch]\nangle = 0\npoints = {{ {places} }}\n", float(
+        math.exp(np.ptp(np.log(masses[: len(links)])))
+    )
+
+
+@dataclass
+class Tally:
+    """What came of the runs of one engine: how many by verdict, and why those that are not within their limits are."""
+
+    verdicts: Counter[StressVerdict] = field(default_factory=Counter)
+    reasons: list[str] = field(default_factory=list)
+
+    @property
+    def failing(self) -> float:
+        """Share of the runs that the engine takes which failed or are over a limit."""
+        taken = sum(self.verdicts.values()) - self.verdicts[StressVerdict.UNSUPPORTED]
+        return 1.0 - self.verdicts[StressVerdict.WITHIN] / taken if taken else math.nan
+
+
+def run(number: int, name: str, largest_ratio: float) -> tuple[str, str, str]:
+    """Kind, verdict and reason of one linkage in one engine."""
+    drawn = draw(number, largest_ratio)
+    motion = crank_motion("run-up-quintic", ramp_time=0.15, hold_time=0.06, start_angle=0.1)
+    case = Case(Mechanism(parse(drawn.text, f"drawn-{number}", "drawn")), motion)
+    model = case.scene(frozenset(Channel))
+    found = judged(case, model, run_engine(engine(name), model, Setting.TUNED), Setting.TUNED)
+    return drawn.kind, found.verdict.value, found.reason
+
+
+def tallies(count: int, engines: Sequence[str], largest_ratio: float = MODERATE) -> dict[str, Tally]:
+    """The runs of linkages 0 … count − 1 in these engines."""
+    jobs = [(number, name, largest_ratio) for number in range(count) for name in engines]
+    found = {name: Tally() for name in engines}
+    for job, outcome in run_jobs(run, jobs, bounds=Bounds(seconds=SECONDS)):
+        number, name, _ = jobs[job]
+        kind, verdict, reason = ("", outcome.outcome.value, outcome.reason) if isinstance(outcome, Lost) else outcome
+        found[name].verdicts[StressVerdict(verdict)] += 1
+        if verdict != StressVerdict.WITHIN:
+            found[name].reasons.append(f"{number} ({kind}): {verdict}: {reason}")
+    return found
+
+
+def main(words: Sequence[str]) -> None:
+    """Print what came of it, by engine and by mass ratio."""
+    count = int(words[0]) if words else 200
+    engines = tuple(words[1:]) or tuple(name for name in engine_names() if engine(name).version())
+    for ratio, share in ((MODERATE, count), (300.0, count // 4), (3000.0, count // 4)):
+        for name, tally in tallies(share, engines, ratio).items():
+            told = ", ".join(f"{number} {verdict}" for verdict, number in tally.verdicts.most_common())
+            print(f"mass ratio up to {ratio:g}, {name}: {tally.failing:.1%} failing ({told})")  # noqa: T201
+            for reason in tally.reasons[:12]:
+                print("   ", reason[:220])  # noqa: T201
+
+
+if __name__ == "__main__":
+    from tests.targets import random_linkages  # workers find its functions by this name
+
+    random_linkages.main(sys.argv[1:])
