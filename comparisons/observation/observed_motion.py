@@ -28,6 +28,8 @@ from engines.scene import Channel, Free, Scene
 
 Array = NDArray[np.float64]
 
+DENSE = 48  # samples of a turn
+
 
 @dataclass(frozen=True)
 class ObservedMotion:
@@ -74,14 +76,17 @@ class ObservedMotion:
 
     @cached_property
     def last_turn(self) -> slice | None:
-        """The position's samples of the crank's last full turn; None where it makes none in one direction."""
+        """The position's samples of the crank's last full turn; None where it makes none in one direction.
+
+        Fewer samples than DENSE do not show what lies between them: reading there would be an error of ours.
+        """
         angle = self.crank(Channel.POSITION, self.signal(Channel.POSITION).time)
         inside = np.flatnonzero(np.abs(angle - angle[-1]) >= FULL_TURN)
         if not len(inside):
             return None
         turn = slice(int(inside[-1]), len(angle))
         ways = np.diff(angle[turn])
-        return turn if np.all(ways > 0.0) or np.all(ways < 0.0) else None
+        return turn if len(ways) >= DENSE and (np.all(ways > 0.0) or np.all(ways < 0.0)) else None
 
     def on_clock(self, channel: Channel, time: Array) -> Array:
         """A channel's values at other times, interpolated to sixth order between its samples."""

@@ -9,12 +9,15 @@ import subprocess
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 
-PACKAGES = ("linkproof", "numpy", "scipy", "exudyn", "pymunk")
+from engines.registry import engine, engine_names
+
+PACKAGES = ("linkproof", "numpy", "scipy")
 
 
 def environment() -> dict[str, str]:
     """Name and value of everything that decides a figure or a time, ready for JSON."""
     facts = {name: _version(name) for name in PACKAGES}
+    facts |= {name: engine(name).version() or "" for name in engine_names() if name not in facts}
     return {
         "date": datetime.datetime.now(datetime.UTC).strftime("%Y-%m-%d %H:%M UTC"),
         "python": platform.python_version(),

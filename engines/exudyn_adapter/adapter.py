@@ -84,9 +84,9 @@ def _start(model: Model, part: Interval, details: dict[str, str | int | float], 
     else:
         reached = end_state(model)
         closed = closed_state(model, part, reached)
-        if closed is None:
-            details["fresh_starts_left_out"] = int(details.get("fresh_starts_left_out", 0)) + 1
-        else:
+        told = "fresh_starts_left_out" if closed is None else "fresh_starts"
+        details[told] = int(details.get(told, 0)) + 1
+        if closed is not None:
             details["fresh_starts_from"] = FROM
         start = closed or reached
     if part.segment is not None:

@@ -62,13 +62,13 @@ NAIVE: Final = PymunkRecipe(step=1e-4, least_steps=1, centred=False, in_own_unit
 #   2000, 5 %: 5.9e-5, 5.8e-5, 6.8e-5, 0.9 s    6000, 20 %: 5.0e-4, 4.2e-6, 9.5e-4, 1.9 s
 #   6000, 5 %: 6.6e-6, 4.2e-6, 7.6e-6, 2.5 s    6000, 1 %: 6.7e-6, 4.2e-6, 7.6e-6, 2.9 s
 #  10800, 5 %: 2.0e-6, 1.3e-6, 2.4e-6, 8.3 s    Some random linkages ask for more than 6000.
-TUNED: Final = PymunkRecipe(steps_per_turn=1200, ratios=(7,), least_steps=100, remaining=0.05, even=100)
+TUNED: Final = PymunkRecipe(steps_per_turn=400, ratios=(21,), least_steps=100, remaining=0.05, even=100)
 BEST: Final = PymunkRecipe(steps_per_turn=240, ratios=(3, 5, 7, 9), least_steps=100, remaining=0.001)
 
 # A free crank adds its error of phase up over all turns. The slotted take-up driven for 160 turns, errors of angle and
 # linkage speed over their peaks: 2700 steps a turn 3.7e-7, 5.0e-4 in 5 s; 6600 4.9e-8, 6.6e-5 in 9 s; the runs of
 # ``best`` 1.4e-11, 1.2e-7 in 15 s. What the solver leaves does not show.
-FREE_TUNED: Final = PymunkRecipe(steps_per_turn=600, ratios=(11,), least_steps=1000, remaining=0.2)
+FREE_TUNED: Final = PymunkRecipe(steps_per_turn=200, ratios=(33,), least_steps=1000, remaining=0.2)
 FREE_BEST: Final = PymunkRecipe(steps_per_turn=240, ratios=(7, 11, 15), least_steps=1000, remaining=0.2)
 
 ABOUT: Final = "second order by unbiased joints, mean crank speeds and centred read-outs"

@@ -92,8 +92,8 @@ class Course(Generic[R]):
 class SteppedEngine(ABC, Generic[World, R]):
     """The contract met from ``build`` and ``follow``.
 
-    ``package`` is what is imported and installed, ``extra`` the extra of linkproof that brings it; ``settings`` are
-    the recipes by drive, ``studied`` what each method is in one sentence and its recipe, the newcomer's first.
+    ``package`` is what is imported and installed, ``oldest`` its first version that will do; ``settings`` are the
+    recipes by drive, ``studied`` what each method is in one sentence and its recipe, the newcomer's first.
     """
 
     name: ClassVar[str]
@@ -189,7 +189,7 @@ class SteppedEngine(ABC, Generic[World, R]):
         cost.details["steps"] = " ".join(str(ratio * sum(part.samples for part in parts)) for ratio in recipe.ratios)
         cost.details["longest_step"] = longest / max(recipe.ratios)
         if len(parts) > 1:
-            cost.details["fresh_starts"] = len(parts) - 1
+            cost.details["parts"] = len(parts)
         if len(passes) > 1:
             cost.details["estimated_error"] = estimated_error(passes, recipe.orders)
         history = extrapolate(passes, recipe.orders)

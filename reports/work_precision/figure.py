@@ -58,8 +58,8 @@ def bench_figure(places: Sequence[PlaceFacts], colours: Mapping[str, str], quant
 
     def draw(drawing: Figure) -> None:
         grid = drawing.subplots(down, across, squeeze=False)
-        sides = {"left": 0.6 / width, "right": 1.0 - 0.5 / width}
-        drawing.subplots_adjust(**sides, top=1.0 - 0.28 / height, bottom=0.46 / height, wspace=0.62, hspace=0.42)
+        sides = {"left": 0.6 / width, "right": 1.0 - 0.75 / width}
+        drawing.subplots_adjust(**sides, top=1.0 - 0.28 / height, bottom=0.46 / height, wspace=0.52, hspace=0.42)
         panels = [axes for row in grid for axes in row]
         for axes, place in zip(panels, places, strict=False):
             draw_place(axes, place, colours, quantity or place.foremost)
@@ -91,7 +91,7 @@ def draw_place(axes: Axes, place: PlaceFacts, colours: Mapping[str, str], quanti
     axes.set_title(f"{place.mechanism}: {quantity.replace('_', ' ')}")
     _scales(axes, [record for one in facts for record in one.records if record.finished])
     lowest = [(min(map(drawn_error, on_front(one.records))), one) for one in facts]
-    label_ends(axes, [(height, one.label, colours[one.engine]) for height, one in lowest])
+    label_ends(axes, [(y, "control" if one.is_control else one.engine, colours[one.engine]) for y, one in lowest])
 
 
 def _draw_engine(axes: Axes, facts: EngineFacts, ink: str) -> None:

@@ -2,6 +2,7 @@
 
 import dataclasses
 
+import numpy as np
 import pytest
 
 from analytic.description.crank_motion import crank_motion
@@ -10,6 +11,7 @@ from analytic.errors import LinkproofError, UnknownNameError
 from analytic.kinematics.mechanism import Mechanism
 from comparisons.judging.deviations import deviation
 from comparisons.judging.quantities import QUANTITIES, all_quantities, chosen_quantities
+from comparisons.observation.observed_motion import ObservedMotion
 from comparisons.reference.case import Case
 from tests.comparisons.perfect_engine import perfect_motion
 
@@ -62,3 +64,22 @@ def test_a_linkage_without_output_says_what_to_add():
     bare = Mechanism(dataclasses.replace(load("juki-mf7923d"), output=None))
     with pytest.raises(LinkproofError, match=r"add output = \{ point"):
         _ = Case(bare, crank_motion()).output
+
+
+@pytest.mark.parametrize("samples", [141, 1401])
+def test_zeros_come_from_the_engines_own_motion_where_its_samples_show_them(samples):
+    """An output moved as a whole is the same to it; read between few samples it would not be."""
+    case = Case(Mechanism(load("slotted-takeup")), crank_motion("run-up-quintic"))
+    motion = perfect_motion(case.mechanism, case.motion, samples)
+    own = motion.last_turn is not None
+    assert own == (samples == 1401)
+    for name in ("S", "thread_feed"):
+        quantity = QUANTITIES[name]
+        assert bool(quantity.shared(motion)) != own
+        assert deviation(case, quantity, motion).error_max < 1e-11
+    moved = dataclasses.replace(
+        motion.history.position, values=motion.history.position.values + np.array([0.0, 1e-3, 0.0])
+    )
+    shifted = ObservedMotion(motion.scene, dataclasses.replace(motion.history, position=moved))
+    error = deviation(case, QUANTITIES["S"], shifted).error_max
+    assert (error < 1e-11) == own

@@ -111,7 +111,8 @@ def test_a_start_that_is_not_found_is_left_out_and_said(monkeypatch):
     motion = crank_motion("run-up-quintic", ramp_time=0.1)
     run = ENGINE.run(scene(mechanism("juki-mf7923d"), Prescribed(motion), ()), Setting.TUNED)
     assert run.outcome is Outcome.FINISHED
-    assert run.details["fresh_starts_left_out"] == run.details["fresh_starts"]
+    assert run.details["fresh_starts_left_out"] == run.details["parts"] - 1
+    assert "fresh_starts" not in run.details
     assert "fresh_starts_from" not in run.details
 
 

@@ -94,7 +94,7 @@ def test_steps_are_those_of_the_peak_speed_and_parts_begin_at_kinks(engine):
     assert [(part.start, part.end) for part in course.parts] == [(0.0, 0.06), (0.06, 0.08)]
     assert max(part.step for part in course.parts) == pytest.approx(turn / 50, rel=0.05)
     assert run.steps == 3 * sum(part.samples for part in course.parts)
-    assert run.details["fresh_starts"] == 1
+    assert run.details["parts"] == 2
 
 
 def test_a_world_has_units_of_its_own_and_its_history_si(engine):

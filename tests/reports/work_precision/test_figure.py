@@ -40,7 +40,7 @@ def test_the_control_is_named_muted_last_and_outside_the_front():
     assert list(colours) == ["beta", "alpha"]
     assert colours == {"beta": INKS["beta"], "alpha": MUTED}
     axes = bench_figure([place], colours, "Mkr").axes[0]
-    assert {text.get_text() for text in axes.texts} == {"alpha (control)", "beta"}
+    assert {text.get_text() for text in axes.texts} == {"control", "beta"}
     broad = [line for line in axes.get_lines() if line.get_color() == REFERENCE]
     assert [line.get_linestyle() for line in broad] == ["-", "--"]
     beta = apart(one for one in place.records if one.engine == "beta" and one.quantity == "Mkr")
