@@ -35,7 +35,7 @@ from engines.mechanics.spanning_tree import AT_REST, Branch, ends, slots_as_bloc
 from engines.scene import GUIDES, LOADS, Channel, Free, Prescribed, Scene, SliderJoint
 from engines.stepping.driver import DivergedError, UnsupportedError
 from engines.stepping.intervals import Interval
-from engines.stepping.recording import recorded
+from engines.stepping.recording import State, recorded
 from engines.stepping.stepped_engine import Course, Recipe, SteppedEngine
 
 HARDER = 1e-7  # of the inverse weights
@@ -224,9 +224,7 @@ class MujocoEngine(SteppedEngine[MujocoWorld, MujocoRecipe]):
             mujoco.set_mju_user_warning(None)
 
 
-def _states(
-    world: MujocoWorld, course: Course[MujocoRecipe], part: Interval, time: Array
-) -> Iterator[dict[Channel, Any]]:
+def _states(world: MujocoWorld, course: Course[MujocoRecipe], part: Interval, time: Array) -> Iterator[State]:
     import mujoco
 
     model, data, settle = world.model, world.data, course.recipe.settle

@@ -25,7 +25,7 @@ from engines.mechanics.spanning_tree import Branch, anchors, spanning_tree
 from engines.scene import GUIDES, LOADS, Body, Channel, Free, PinJoint, Prescribed, Scene, SliderJoint, SlotJoint
 from engines.stepping.driver import DivergedError
 from engines.stepping.intervals import Interval
-from engines.stepping.recording import recorded
+from engines.stepping.recording import State, recorded
 from engines.stepping.stepped_engine import Course, Recipe, SteppedEngine
 
 KINEMATICS = {
@@ -214,9 +214,7 @@ def _functions(law: Law, time: Array, angle: Array) -> list[Any]:
     return functions
 
 
-def _states(
-    world: SimbodyWorld, course: Course[SimbodyRecipe], part: Interval, time: Array
-) -> Iterator[dict[Channel, Any]]:
+def _states(world: SimbodyWorld, course: Course[SimbodyRecipe], part: Interval, time: Array) -> Iterator[State]:
     osim, model, recipe, segment = _opensim(), world.model, course.recipe, part.segment
     clock = time - (segment.start if segment else 0.0)
     if segment:

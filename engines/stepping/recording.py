@@ -13,11 +13,13 @@ from engines.scene import Channel
 from engines.stepping.histories import joined
 from engines.stepping.intervals import Interval
 
+State = Mapping[Channel, Any]  # what a history has at one instant, by channel
+
 
 def recorded(
     parts: Sequence[Interval],
     joints: Iterable[str],
-    states: Callable[[Interval, Array], Iterable[Mapping[Channel, Any]]],
+    states: Callable[[Interval, Array], Iterable[State]],
 ) -> History:
     """What ``states`` gives at equal times over each part, from its start to its end, as one history that was read.
 
@@ -30,7 +32,7 @@ def recorded(
 def _of_part(
     part: Interval,
     joints: Iterable[str],
-    states: Callable[[Interval, Array], Iterable[Mapping[Channel, Any]]],
+    states: Callable[[Interval, Array], Iterable[State]],
     end: int | None,
 ) -> History:
     time = np.linspace(part.start, part.end, part.samples + 1)

@@ -19,6 +19,7 @@ Array = NDArray[np.float64]
 LEAST_ERROR = 1e-16
 # An error that changes sign dips towards zero; this share of the samples may leave the axis below.
 DIPS = 0.1
+MOST_NAMES = 9  # that stand one above the other beside a panel
 # A long curve is drawn by the extremes of so many stretches, so that no peak is hidden.
 BUCKETS = 400
 FULL_TURN = 2.0 * np.pi
@@ -54,9 +55,11 @@ def draw_methods(
 def draw_errors_beneath(axes: Axes, view: View, traces: Sequence[Trace], others: Sequence[Other] = ()) -> None:
     """The upper envelope of |error| over peak of every run, with the limit the view's setting is held to.
 
-    ``others`` are errors of no engine.
+    Of more runs than have room for their names, those at the view's setting. ``others`` are errors of no engine.
     """
     names, ends, seen = engines(view.results), [], []
+    if len(traces) > MOST_NAMES:
+        traces = [trace for trace in traces if trace.record.setting == view.setting]
     for trace in traces:
         time, error = envelope(trace.time, np.maximum(trace.error, LEAST_ERROR))
         ink = colour(trace.record.engine, names)

@@ -134,7 +134,7 @@ class EngineStanding:
 
 
 def standings(results: Results) -> tuple[EngineStanding, ...]:
-    """One standing per engine and setting; the reference's control, which is no engine, comes last."""
+    """One standing per engine and setting; the reference's control comes last."""
     records = sorted(every_record(results), key=_by_engine)
     found = [_standing(list(part)) for _, part in groupby(records, key=_by_engine)]
     return tuple(sorted(found, key=lambda one: one.origin == CONTROL))

@@ -28,7 +28,7 @@ def exceptions(records: Sequence[Record]) -> str:
 
 
 def control_last(runs: Iterable[Sequence[Record]]) -> list[Sequence[Record]]:
-    """Runs in the same order, those of the reference's control, which is no engine, behind all others."""
+    """Runs in the same order, those of the reference's control behind all others."""
     return sorted(runs, key=lambda records: any(record.origin == CONTROL for record in records))
 
 
