@@ -23,19 +23,12 @@ from engines.contract import Abilities, Engine, History, Origin, Outcome, ReadOu
 from engines.installed import flush
 from engines.mechanics.start_check import ability_obstacle
 from engines.scene import (
-    AppliedForce,
-    AppliedTorque,
+    GUIDES,
+    LOADS,
     Channel,
     Drive,
-    PointSpring,
     Scene,
-    SliderJoint,
-    SlotJoint,
-    TurnDamper,
 )
-
-LOADS: Final = frozenset({AppliedForce, AppliedTorque, PointSpring, TurnDamper})
-JOINTS: Final = frozenset({SliderJoint, SlotJoint})
 
 
 def says_what_it_is(engine: Engine) -> None:
@@ -55,7 +48,7 @@ def says_what_it_is(engine: Engine) -> None:
     assert can.readouts, "expected the channels that are offered, got none: say what each is called in the engine"
     for name, known in (
         ("drives", frozenset(get_args(Drive))),
-        ("joints", JOINTS),
+        ("joints", GUIDES),
         ("loads", LOADS),
         ("settings", frozenset(Setting)),
     ):

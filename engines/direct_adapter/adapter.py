@@ -17,18 +17,7 @@ from engines.direct_adapter.motion import motion
 from engines.direct_adapter.precision import METHODS, SETTINGS, Precision, method_precision
 from engines.installed import installed_version
 from engines.mechanics.start_check import data_obstacle
-from engines.scene import (
-    AppliedForce,
-    AppliedTorque,
-    Channel,
-    Free,
-    PointSpring,
-    Prescribed,
-    Scene,
-    SliderJoint,
-    SlotJoint,
-    TurnDamper,
-)
+from engines.scene import GUIDES, LOADS, Channel, Free, Prescribed, Scene
 from engines.stepping.cost import Cost
 from engines.stepping.driver import DivergedError, UnsupportedError, check_step, run_stepping
 
@@ -51,8 +40,8 @@ class DirectEngine:
             Channel.JOINT_FORCE: ReadOut("multipliers of the joint's equations", drive="left out"),
         },
         drives=frozenset({Prescribed, Free}),
-        joints=frozenset({SliderJoint, SlotJoint}),
-        loads=frozenset({AppliedForce, AppliedTorque, PointSpring, TurnDamper}),
+        joints=GUIDES,
+        loads=LOADS,
     )
 
     def version(self) -> str | None:

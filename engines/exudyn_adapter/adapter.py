@@ -24,17 +24,7 @@ from engines.exudyn_adapter.fresh_start import FROM, closed_state, end_state, se
 from engines.exudyn_adapter.model import Foreign, Model
 from engines.exudyn_adapter.readout import READOUTS, Recorder, add_sensors
 from engines.exudyn_adapter.recipes import EFFORT_UNIT, SETTINGS, STUDIED, ExudynRecipe
-from engines.scene import (
-    AppliedForce,
-    AppliedTorque,
-    Free,
-    PointSpring,
-    Prescribed,
-    Scene,
-    SliderJoint,
-    SlotJoint,
-    TurnDamper,
-)
+from engines.scene import GUIDES, LOADS, Free, Prescribed, Scene
 from engines.stepping.driver import DivergedError, UnsupportedError
 from engines.stepping.histories import joined
 from engines.stepping.intervals import Interval
@@ -52,8 +42,8 @@ class ExudynEngine(SteppedEngine[Recorder, ExudynRecipe]):
     abilities: ClassVar[Abilities] = Abilities(
         readouts=READOUTS,
         drives=frozenset({Prescribed, Free}),
-        joints=frozenset({SliderJoint, SlotJoint}),
-        loads=frozenset({AppliedForce, AppliedTorque, PointSpring, TurnDamper}),
+        joints=GUIDES,
+        loads=LOADS,
     )
     settings = SETTINGS
     studied = STUDIED
