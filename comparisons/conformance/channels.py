@@ -15,6 +15,7 @@ from comparisons.conformance.mutants import kept_run
 from comparisons.conformance.samples import PLAIN, SAMPLES, case, truth
 from comparisons.invariants.invariants import MISSING_STEPS
 from comparisons.judging.limits import limit
+from comparisons.observation.observed_motion import DENSE
 from comparisons.reference.case import Case
 from engines.contract import Engine, History, Outcome, Run, Setting, Signal
 from engines.mechanics.start_check import ability_obstacle
@@ -31,7 +32,6 @@ LIKE = {
     Channel.JOINT_FORCE: "joint_force",
 }
 PLACE, ANGLE = slice(0, 2), slice(2, 3)
-DENSE = 48  # samples per turn that interpolation to sixth order needs at the least
 ROUNDED = 1.0 + 1e-6
 
 

@@ -89,7 +89,7 @@ def _beyond_jumps(case: Case, quantity: Quantity, signal: Signal, reference: Arr
     """By how much the largest error of a sample at an acceleration jump is over the size of the jump."""
     worst = 0.0
     for jump in case.motion.jumps if quantity.holds_acceleration else ():
-        near = np.abs(signal.time - jump) <= window(case)
+        near = _at_jump(signal.time, case, jump)
         if near.any():
             before, after = _sides(case, quantity, jump)
             error = _size(signal.values[near] - reference[near])
@@ -108,9 +108,15 @@ def window(case: Case) -> float:
 
 
 def at_jumps(time: Array, case: Case) -> NDArray[np.bool_]:
-    """Samples in the window at an acceleration jump."""
-    jumps = np.asarray(case.motion.jumps)
-    return np.asarray((np.abs(time[:, None] - jumps) <= window(case) * (1.0 + 1e-9)).any(axis=1))
+    """Samples in the window at any acceleration jump."""
+    near = np.zeros(len(time), dtype=bool)
+    for jump in case.motion.jumps:
+        near |= _at_jump(time, case, jump)
+    return near
+
+
+def _at_jump(time: Array, case: Case, jump: float) -> NDArray[np.bool_]:
+    return np.asarray(np.abs(time - jump) <= window(case) * (1.0 + 1e-9))
 
 
 def _sides(case: Case, quantity: Quantity, jump: float) -> tuple[Array, Array]:

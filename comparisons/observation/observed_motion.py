@@ -28,7 +28,7 @@ from engines.scene import Channel, Free, Scene
 
 Array = NDArray[np.float64]
 
-DENSE = 48  # samples of a turn
+DENSE = 48  # samples of a turn that can be read between
 
 
 @dataclass(frozen=True)
