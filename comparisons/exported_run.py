@@ -11,10 +11,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from analytic.errors import LinkproofError
-from comparisons.conformance.samples import truth
 from comparisons.invariants.inspection import FAINT_FORCE
 from comparisons.judging.deviations import at_jumps
 from comparisons.reference.case import Case
+from comparisons.reference.channels import truth
 from comparisons.runs.failures import blamed_on
 from comparisons.stress.axes import axes
 from comparisons.stress.cells import SETTINGS, Cell

@@ -12,11 +12,12 @@ from analytic.description.law import FULL_TURN
 from comparisons.conformance.clues import Part, likeliest
 from comparisons.conformance.findings import Check, NotApplicableError
 from comparisons.conformance.mutants import kept_run
-from comparisons.conformance.samples import PLAIN, SAMPLES, case, truth
+from comparisons.conformance.samples import PLAIN, SAMPLES, case
 from comparisons.invariants.invariants import MISSING_STEPS
 from comparisons.judging.limits import limit
 from comparisons.observation.observed_motion import DENSE
 from comparisons.reference.case import Case
+from comparisons.reference.channels import truth
 from engines.contract import Engine, History, Outcome, Run, Setting, Signal
 from engines.mechanics.start_check import ability_obstacle
 from engines.scene import Channel, Prescribed, Scene

@@ -11,8 +11,8 @@ from numpy.typing import NDArray
 
 from analytic.description.law import FULL_TURN
 from analytic.description.linkage import GROUND
-from comparisons.conformance.samples import truth
 from comparisons.reference.case import Case
+from comparisons.reference.channels import truth
 from engines.contract import Signal
 from engines.scene import Channel, Scene
 

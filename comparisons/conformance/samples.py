@@ -1,4 +1,4 @@
-"""The few linkages and motions that engines are held against, and the closed form of every channel in them."""
+"""The few linkages and motions that engines are held against."""
 
 from __future__ import annotations
 
@@ -10,7 +10,6 @@ from pathlib import Path
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
 from analytic.description.crank_motion import crank_motion
 from analytic.description.law import Law
@@ -18,9 +17,6 @@ from analytic.description.linkage import GROUND, Linkage, LinkTorque, PointForce
 from analytic.description.loading import load
 from analytic.kinematics.mechanism import Mechanism
 from comparisons.reference.case import Case, own_case
-from engines.scene import Channel
-
-Array = NDArray[np.float64]
 
 LINKAGES = Path(__file__).with_name("linkages")
 PLAIN: Final = "four-bar"  # what every engine has to take: pins, gravity and a prescribed crank
@@ -89,20 +85,3 @@ SAMPLES: Final[Mapping[str, Sample]] = {
 def case(name: str) -> Case:
     """The case of a sample, the same for all who ask, so that its closed form is worked out once."""
     return SAMPLES[name].case
-
-
-def truth(of: Case, channel: Channel, part: str, time: Array) -> Array:
-    """The closed form of a channel: of a body (n, 3), of a joint (n, 2), or of the drive (n,)."""
-    at = of.at(time)
-    if channel is Channel.TORQUE:
-        return at.torque
-    if channel is Channel.JOINT_FORCE:
-        return np.asarray(at.joint_forces[part].T)
-    sweep, speed, acceleration = at.sweep, at.speed, at.acceleration
-    if channel is Channel.POSITION:
-        return np.column_stack(np.broadcast_arrays(*sweep.centre(part), sweep.angles(part), speed)[:3])
-    first = np.column_stack(np.broadcast_arrays(*sweep.centre(part, 1), sweep.rates(part)[2], speed)[:3])
-    if channel is Channel.VELOCITY:
-        return np.asarray(first * speed[:, None])
-    second = np.column_stack(np.broadcast_arrays(*sweep.centre(part, 2), sweep.accelerations(part)[2], speed)[:3])
-    return np.asarray(second * speed[:, None] ** 2 + first * acceleration[:, None])

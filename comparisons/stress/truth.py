@@ -12,11 +12,13 @@ from collections.abc import Iterator
 import numpy as np
 from numpy.typing import NDArray
 
+from comparisons.invariants.corrections import LEVELS
 from comparisons.invariants.inspection import FAINT_FORCE
 from comparisons.invariants.invariants import HALF_TURN
 from comparisons.judging.deviations import near_jumps
 from comparisons.observation.observed_motion import ObservedMotion
 from comparisons.reference.case import Case
+from comparisons.reference.channels import truth
 from engines.contract import Signal
 from engines.mechanics.joints import scene_size
 from engines.scene import Channel, Scene
@@ -44,20 +46,20 @@ def _errors(case: Case, motion: ObservedMotion) -> Iterator[tuple[float, str]]:
         yield from _off("torque", case, torque, case.at(torque.time).torque)
     forces = motion.history.joint_force
     truths = {joint: case.at(signal.time).joint_forces[joint].T for joint, signal in forces.items()}
-    sizes = {joint: np.hypot(*truth.T) for joint, truth in truths.items()}
-    truths = {joint: truth if forces[joint].values.ndim > 1 else sizes[joint] for joint, truth in truths.items()}
+    sizes = {joint: np.hypot(*true.T) for joint, true in truths.items()}
+    truths = {joint: true if forces[joint].values.ndim > 1 else sizes[joint] for joint, true in truths.items()}
     faint = FAINT_FORCE * max((float(np.max(size)) for size in sizes.values()), default=0.0)
-    for joint, truth in truths.items():
-        yield from _off(f"force in {joint}", case, forces[joint], truth, faint)
+    for joint, true in truths.items():
+        yield from _off(f"force in {joint}", case, forces[joint], true, faint)
     missing = _missing(case, motion)
     yield missing, f"{missing:.2g} of the duration has no samples"
 
 
-def _off(name: str, case: Case, signal: Signal, truth: Array, least: float = 0.0) -> Iterator[tuple[float, str]]:
+def _off(name: str, case: Case, signal: Signal, true: Array, least: float = 0.0) -> Iterator[tuple[float, str]]:
     """Largest error of a torque or a force over its peak, ``least`` at least, away from jumps of the acceleration."""
     kept = ~near_jumps(signal.time, case.motion.jumps)
     if kept.any():
-        away, size = (np.linalg.norm(v.reshape(len(v), -1)[kept], axis=1) for v in (signal.values - truth, truth))
+        away, size = (np.linalg.norm(v.reshape(len(v), -1)[kept], axis=1) for v in (signal.values - true, true))
         error = away / (max(float(np.max(size)), least) or 1.0)
         worst = int(np.argmax(error))
         yield float(error[worst]), f"{name} off by {error[worst]:.2g} of its peak at {signal.time[kept][worst]:.3g} s"
@@ -75,17 +77,17 @@ def _missing(case: Case, motion: ObservedMotion) -> float:
 
 def _state_error(case: Case, motion: ObservedMotion, order: int) -> tuple[str, float, float]:
     """The body that is furthest off in position (0) or velocity (1), by what share of the scale, and when."""
-    signal = motion.signal((Channel.POSITION, Channel.VELOCITY)[order])
-    truth = true_states(case, motion.scene, signal.time, order)
+    signal = motion.signal(LEVELS[order])
+    true = true_states(case, motion.scene, signal.time, order)
     unit = np.array([scene_size(motion.scene)] * 2 + [1.0])
-    difference = (signal.values - truth) / unit
+    difference = (signal.values - true) / unit
     if order == 0:  # whole turns apart is the same place
         difference[:, :, 2] = np.angle(np.exp(1j * difference[:, :, 2]))
     difference[:, _without_angle(motion.scene), 2] = 0.0
     sizes = np.maximum(np.hypot(difference[..., 0], difference[..., 1]), np.abs(difference[..., 2]))
     scale = 1.0
     if order:
-        peak = truth / unit
+        peak = true / unit
         scale = float(np.max(np.maximum(np.hypot(peak[..., 0], peak[..., 1]), np.abs(peak[..., 2])))) or 1.0
     worst = np.unravel_index(int(np.argmax(sizes)), sizes.shape)
     return motion.scene.bodies[worst[1]].name, float(sizes[worst]) / scale, float(signal.time[worst[0]])
@@ -99,11 +101,4 @@ def _without_angle(scene: Scene) -> list[int]:
 
 def true_states(case: Case, scene: Scene, time: Array, order: int) -> Array:
     """Positions or velocities of a scene's bodies by the closed form, (instants, bodies, 3)."""
-    truth = case.at(time)
-    result = np.empty((len(time), len(scene.bodies), 3))
-    for number, body in enumerate(scene.bodies):
-        x, y = truth.sweep.centre(body.name, order)
-        turn = truth.sweep.rates(body.name)[2] if order else truth.sweep.angles(body.name)
-        for part, value in enumerate((x, y, turn)):
-            result[:, number, part] = value * truth.speed if order else value
-    return result
+    return np.stack([truth(case, LEVELS[order], body.name, time) for body in scene.bodies], axis=1)
