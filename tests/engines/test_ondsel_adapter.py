@@ -8,13 +8,12 @@ import numpy as np
 import pytest
 
 from analytic.description.crank_motion import crank_motion
-from comparisons.judging.deviations import near_jumps
-from comparisons.reference.case import Truth
 from comparisons.reference.start_state import scene
 from engines.contract import Outcome, Setting
 from engines.ondsel_adapter import OndselEngine
 from engines.scene import Channel, Free, PinJoint, Prescribed
 from tests.analytic.linkages import from_text, mechanism
+from tests.engines.closed_form import error_of, errors_of, run_of
 
 pyondsel_solve = pytest.importorskip("pyondsel.solve")
 
@@ -51,33 +50,19 @@ angle = 1.0
 
 
 def _run(linkage, motion, setting=Setting.TUNED, **changes):
-    given = dataclasses.replace(scene(linkage, Prescribed(motion), frozenset(Channel)), **changes)
-    run = ENGINE.run(given, setting)
-    assert run.outcome is Outcome.FINISHED, run.reason
-    return run.history
-
-
-def _error(values, truth, kept=slice(None)):
-    return np.abs(values - truth)[kept].max() / np.abs(truth)[kept].max()
+    return run_of(ENGINE, linkage, motion, setting, **changes)
 
 
 @pytest.mark.parametrize("name", KINDS)
 def test_motion_torque_and_every_joint_force_are_those_of_the_closed_form(name):
     linkage, motion = mechanism(name), crank_motion("run-up", ramp_time=0.12, hold_time=0.03, start_angle=0.3)
     history = _run(linkage, motion)
-    truth = Truth(linkage, motion, history.torque.time)
-    kept = ~near_jumps(truth.time, motion.jumps)
-    errors = {"torque": _error(history.torque.values, truth.torque, kept)}
-    for joint, signal in history.joint_force.items():
-        errors[joint] = _error(signal.values, truth.joint_forces[joint].T, kept)
-    for number, body in enumerate(linkage.linkage.links):
-        place, velocity = (np.stack(np.broadcast_arrays(*truth.sweep.centre(body, order)), axis=-1) for order in (0, 1))
-        errors[f"place of {body}"] = _error(history.position.values[:, number, :2], place)
-        errors[f"velocity of {body}"] = _error(history.velocity.values[:, number, :2], velocity * truth.speed[:, None])
-    assert set(history.joint_force) == set(truth.joint_forces)
+    errors = errors_of(history, linkage, motion)
     assert errors == {key: pytest.approx(0.0, abs=ROUNDING) for key in errors}
     crank = list(linkage.linkage.links).index(linkage.linkage.crank)
-    np.testing.assert_allclose(history.position.values[:, crank, 2], motion.angle(truth.time), rtol=0, atol=1e-12)
+    np.testing.assert_allclose(
+        history.position.values[:, crank, 2], motion.angle(history.torque.time), rtol=0, atol=1e-12
+    )
 
 
 def test_a_joint_force_acts_on_the_body_that_the_scene_names_first():
@@ -119,8 +104,8 @@ def test_the_accelerations_of_a_slot_that_turns_are_wrong_by_a_known_formula_and
     # The pin is height / sine along the slot; an error across the slot moves the block 1 / sine times as far.
     slip = 0.5 * sine * (sine - cosine) * speed**2 * (height / sine) / sine
     block = list(linkage.linkage.links).index("block")
-    assert _error(shown[Setting.TUNED].values[:, block, 0], true) < ROUNDING
-    assert _error(shown[Setting.NAIVE].values[:, block, 0] - true, slip) < 1e-9
+    assert error_of(shown[Setting.TUNED].values[:, block, 0], true) < ROUNDING
+    assert error_of(shown[Setting.NAIVE].values[:, block, 0] - true, slip) < 1e-9
     assert np.abs(slip).max() > 0.05 * np.abs(true).max()
 
 

@@ -10,7 +10,6 @@ import numpy as np
 import pytest
 
 from analytic.description.crank_motion import crank_motion
-from comparisons.judging.deviations import near_jumps
 from comparisons.judging.quantities import chosen_quantities
 from comparisons.reference.case import Truth, own_case
 from comparisons.reference.start_state import scene
@@ -18,6 +17,7 @@ from engines.contract import Outcome, Setting
 from engines.scene import Channel, Free, PinJoint, Prescribed, SlotJoint
 from engines.simbody_adapter import SimbodyEngine
 from tests.analytic.linkages import from_text, mechanism
+from tests.engines.closed_form import error_of, errors_of, run_of
 
 pytest.importorskip("opensim")
 
@@ -80,30 +80,14 @@ def _linkage(name):
 
 
 def _run(linkage, motion, setting=Setting.TUNED, **changes):
-    given = dataclasses.replace(scene(linkage, Prescribed(motion), frozenset(Channel)), **changes)
-    run = ENGINE.run(given, setting)
-    assert run.outcome is Outcome.FINISHED, run.reason
-    return run.history
-
-
-def _error(values, truth, kept=slice(None)):
-    return np.abs(values - truth)[kept].max() / np.abs(truth)[kept].max()
+    return run_of(ENGINE, linkage, motion, setting, **changes)
 
 
 @pytest.mark.parametrize("name", KINDS)
 def test_motion_torque_and_every_joint_force_are_those_of_the_closed_form(name):
     linkage, motion = _linkage(name), crank_motion("run-up", ramp_time=0.12, hold_time=0.03, start_angle=0.3)
     history = _run(linkage, motion)
-    truth = Truth(linkage, motion, history.torque.time)
-    kept = ~near_jumps(truth.time, motion.jumps)
-    errors = {"torque": _error(history.torque.values, truth.torque, kept)}
-    for joint, signal in history.joint_force.items():
-        errors[joint] = _error(signal.values, truth.joint_forces[joint].T, kept)
-    for number, body in enumerate(linkage.linkage.links):
-        place, velocity = (np.stack(np.broadcast_arrays(*truth.sweep.centre(body, order)), axis=-1) for order in (0, 1))
-        errors[f"place of {body}"] = _error(history.position.values[:, number, :2], place)
-        errors[f"velocity of {body}"] = _error(history.velocity.values[:, number, :2], velocity * truth.speed[:, None])
-    assert set(history.joint_force) == set(truth.joint_forces)
+    errors = errors_of(history, linkage, motion)
     assert errors == {key: pytest.approx(0.0, abs=PROJECTED) for key in errors}
 
 
@@ -112,7 +96,7 @@ def test_a_crank_of_any_speed_is_held_to_the_closed_form(setting):
     linkage = mechanism("rimoldi-164")
     motion = crank_motion("run-up-quintic", speed=1e5, ramp_time=6e-4, hold_time=1e-4)
     history = _run(linkage, motion, setting)
-    assert _error(history.torque.values, Truth(linkage, motion, history.torque.time).torque) < 1e-8
+    assert error_of(history.torque.values, Truth(linkage, motion, history.torque.time).torque) < 1e-8
 
 
 def test_a_crank_that_cannot_go_on_is_diverged_with_the_reason_of_the_engine():
