@@ -76,7 +76,7 @@ def linkproof(
 @app.command("list", short_help="List the mechanisms of the catalogue.")
 def list_(json: options.Json = None) -> None:
     """List the mechanisms of the catalogue, their variants and sources."""
-    from reports.command_line import mechanisms
+    from reports.command_line.commands import mechanisms
 
     mechanisms.list_mechanisms(_destination(json))
 
@@ -87,7 +87,7 @@ def show(mechanism: options.Mechanism, variant: options.Variant = None, json: op
 
     MECHANISM is a name in the catalogue or the path of a .toml file.
     """
-    from reports.command_line import mechanisms
+    from reports.command_line.commands import mechanisms
 
     mechanisms.show(mechanism, variant, _destination(json))
 
@@ -103,7 +103,7 @@ def thread(
 
     MECHANISM is a name in the catalogue or the path of a .toml file with a [thread].
     """
-    from reports.command_line import mechanisms
+    from reports.command_line.commands import mechanisms
 
     mechanisms.thread(mechanism, variant, required, _destination(json))
 
@@ -114,7 +114,7 @@ def published(mechanisms: options.Mechanisms = None, json: options.Json = None) 
 
     MECHANISM is a name in the catalogue or the path of a .toml file; default: the whole catalogue.
     """
-    from reports.command_line import compare
+    from reports.command_line.commands import compare
 
     raise typer.Exit(compare.published(mechanisms or [], _destination(json)))
 
@@ -124,7 +124,7 @@ def engines(
     names: Annotated[list[str] | None, typer.Argument(metavar="[ENGINE]...")] = None, json: options.Json = None
 ) -> None:
     """List the engines: what each can hold, what it offers, and what its figures are in the engine itself."""
-    from reports.command_line import engines
+    from reports.command_line.commands import engines
 
     engines.list_engines(_names(names), _destination(json))
 
@@ -167,7 +167,7 @@ def compare(
 
     if jobs != 0:
         start_server(["comparisons.campaign.campaign"])  # its imports run beside ours
-    from reports.command_line import compare
+    from reports.command_line.commands import compare
     from reports.command_line.requests import CampaignChoice, RunLimits
 
     choice = CampaignChoice(
@@ -202,7 +202,7 @@ def bench(
     from comparisons.runs.worker_process import start_server
 
     start_server(["comparisons.work_precision.measure"])  # its imports run beside ours
-    from reports.command_line import bench
+    from reports.command_line.commands import bench
 
     choice = bench.BenchChoice(_names(mechanisms), _names(regime), _names(engine), _names(quantity), quick, costs)
     raise typer.Exit(bench.bench(choice, _destination(json, out, resume, quiet, verbose)))
@@ -233,7 +233,7 @@ def stress(
     from comparisons.runs.worker_process import start_server
 
     start_server(["comparisons.stress.cells"])  # its imports run beside ours
-    from reports.command_line import stress
+    from reports.command_line.commands import stress
 
     choice = stress.StressChoice(_names(words), _names(engine), _names(setting), quick, time_limit)
     raise typer.Exit(stress.run(choice, _destination(json, out, resume, quiet, verbose), jobs))
@@ -255,7 +255,7 @@ def check_engine(
     from comparisons.runs.worker_process import start_server
 
     start_server(["comparisons.conformance.conformance"])  # its imports run beside ours
-    from reports.command_line import engines
+    from reports.command_line.commands import engines
 
     raise typer.Exit(engines.check(engine, _destination(json, None, False, quiet), jobs))
 
@@ -286,7 +286,7 @@ def export(
 
     At its end the script prints what the engine says where it is furthest from the closed form, beside the latter.
     """
-    from reports.command_line import engines
+    from reports.command_line.commands import engines
     from reports.command_line.requests import CampaignChoice
 
     one = [(name,) if name else () for name in (mechanism, regime, engine, setting)]
@@ -306,6 +306,6 @@ def report(
 
     DIR is the folder that compare --out wrote, or the curves.nc in it.
     """
-    from reports.command_line import compare
+    from reports.command_line.commands import compare
 
     compare.report(saved, out)

@@ -9,8 +9,8 @@ from analytic.errors import LinkproofError, UnknownNameError
 from comparisons.work_precision import costs
 from comparisons.work_precision.points import FULL, QUICK, Extent
 from comparisons.work_precision.records import load
-from reports.command_line import bench as bench_command
-from reports.command_line.bench import BenchChoice, bench
+from reports.command_line.commands import bench as bench_command
+from reports.command_line.commands.bench import BenchChoice, bench
 from reports.command_line.destination import Destination
 from reports.command_line.requests import CampaignChoice
 

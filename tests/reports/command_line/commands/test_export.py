@@ -3,7 +3,7 @@
 import pytest
 
 from analytic.errors import LinkproofError, UnknownNameError
-from reports.command_line.engines import export
+from reports.command_line.commands.engines import export
 from reports.command_line.requests import CampaignChoice
 
 

@@ -8,9 +8,9 @@ import pytest
 from analytic.errors import LinkproofError
 from comparisons.stress import campaign
 from comparisons.stress.verdict import Judgement, StressVerdict
-from reports.command_line import stress
+from reports.command_line.commands import stress
+from reports.command_line.commands.stress import StressChoice, run
 from reports.command_line.destination import Destination
-from reports.command_line.stress import StressChoice, run
 
 CELL = "start/positions/1e-08/direct/tuned"
 

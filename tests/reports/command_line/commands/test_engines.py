@@ -5,7 +5,7 @@ import json
 import pytest
 
 from analytic.errors import LinkproofError
-from reports.command_line import engines
+from reports.command_line.commands import engines
 from reports.command_line.destination import Destination
 from tests.comparisons.conformance.wrong_engines import Direct, PrintingEngine
 
