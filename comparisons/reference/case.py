@@ -15,7 +15,7 @@ from numpy.typing import ArrayLike, NDArray
 from analytic.description.crank_motion import CrankMotion
 from analytic.description.linkage import Output, ReleasedRegime, Vector
 from analytic.dynamics import reduced
-from analytic.dynamics.joint_forces import joint_forces
+from analytic.dynamics.joint_forces import joint_forces, shaking_force, shaking_moment
 from analytic.errors import LinkproofError
 from analytic.kinematics.mechanism import FULL_TURN, Mechanism
 from analytic.kinematics.sweep import Sweep
@@ -111,6 +111,13 @@ class Truth:
     def joint_forces(self) -> Mapping[str, Array]:
         """Force of every joint by name, (2, n), N: one analysis of the linkage gives them all."""
         return joint_forces(self.sweep, self.speed, self.acceleration)
+
+    @cached_property
+    def shaking(self) -> Array:
+        """Force on the frame, N, and its moment about the crank's pivot, N m: (3, n)."""
+        moved = (self.sweep, self.speed, self.acceleration)
+        pivot = self.mechanism.structure.pivot.near_local
+        return np.stack([*shaking_force(*moved), shaking_moment(*moved, pivot)])
 
 
 @dataclass(frozen=True)
