@@ -20,6 +20,7 @@ from analytic.description.schema import Document
 from analytic.errors import DescriptionError, UnknownNameError, is_safe, listed, printable
 
 CATALOGUE = Path(__file__).parents[1] / "catalogue"
+LITERATURE = CATALOGUE / "literature"
 
 BYTE_ORDER_MARK: Final = "\ufeff"
 MOST_DIGITS: Final = re.compile(rf"(?:\d_?){{{sys.get_int_max_str_digits() + 1}}}")
@@ -44,18 +45,28 @@ class LinkageFile:
 
 
 def catalogue() -> tuple[str, ...]:
-    """Names of the mechanisms that come with the suite, sorted."""
-    return tuple(sorted(path.stem for path in CATALOGUE.glob("*.toml")))
+    """Names of the sewing mechanisms that come with the suite, sorted: what a command takes where none is named."""
+    return _names(CATALOGUE)
+
+
+def literature() -> tuple[str, ...]:
+    """Names of the linkages of others that come with the suite, sorted: taken where they are named."""
+    return _names(LITERATURE)
+
+
+def _names(shelf: Path) -> tuple[str, ...]:
+    return tuple(sorted(path.stem for path in shelf.glob("*.toml")))
 
 
 def find(name: str) -> Path:
     """Path of a mechanism: a catalogue name, or the path of a user's own ``.toml`` file."""
     path = Path(name)
+    names = (*catalogue(), *literature())
     if not path.suffix and path.parent == Path():
-        if name not in catalogue():
-            raise UnknownNameError("mechanism", name, catalogue())
-        return CATALOGUE / f"{name}.toml"
-    known = f"the path of a linkage file, whose name ends in .toml, or one of the mechanisms {listed(catalogue())}"
+        if name not in names:
+            raise UnknownNameError("mechanism", name, names)
+        return (CATALOGUE if name in catalogue() else LITERATURE) / f"{name}.toml"
+    known = f"the path of a linkage file, whose name ends in .toml, or one of the mechanisms {listed(names)}"
     if path.suffix.lower() != ".toml":
         raise DescriptionError(f"expected {known}, got '{name}'; give one of them")
     fault = _fault(path)
@@ -84,7 +95,7 @@ def read(name: str) -> LinkageFile:
         ) from error
     except OSError as error:
         raise DescriptionError(f"{path}: expected a readable file, got '{error.strerror}'; check it") from error
-    return LinkageFile(printable(path.stem), path.name if path.parent == CATALOGUE else str(path), text)
+    return LinkageFile(printable(path.stem), path.name if path.parent in (CATALOGUE, LITERATURE) else str(path), text)
 
 
 def load(name: str, variant: str | None = None) -> Linkage:

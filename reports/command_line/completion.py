@@ -15,7 +15,7 @@ CATALOGUE = Path(__file__).parents[2] / "analytic" / "catalogue"
 def mechanisms(incomplete: str) -> list[str]:
     """The catalogue, and linkage files that lie where the words point."""
     files = Path().glob(f"{incomplete}*.toml") if incomplete and not Path(incomplete).is_absolute() else []
-    return [*_starting((path.stem for path in CATALOGUE.glob("*.toml")), incomplete), *sorted(map(str, files))]
+    return [*_starting((path.stem for path in CATALOGUE.rglob("*.toml")), incomplete), *sorted(map(str, files))]
 
 
 def variants(incomplete: str) -> list[str]:
@@ -69,7 +69,7 @@ def _tables() -> list[dict[str, Any]]:
     typed = os.environ.get("_TYPER_COMPLETE_ARGS") or os.environ.get("COMP_WORDS", "")
     found = []
     for word in typed.split()[2:]:
-        path = CATALOGUE / f"{word}.toml"
+        shelves = [path for path in CATALOGUE.rglob("*.toml") if path.stem == word]
         with contextlib.suppress(OSError, ValueError):
-            found.append(tomllib.loads((path if path.is_file() else Path(word)).read_text(encoding="utf-8-sig")))
+            found.append(tomllib.loads((shelves or [Path(word)])[0].read_text(encoding="utf-8-sig")))
     return found

@@ -21,8 +21,13 @@ if TYPE_CHECKING:
     from comparisons.reference.published import PublishedRecord
 
 
-def catalogue(linkages: Iterable[Linkage]) -> Table:
-    """Mechanisms with their variants and sources."""
+def catalogue(sewing: Iterable[Linkage], literature: Iterable[Linkage]) -> Group:
+    """Mechanisms with their variants and sources: the sewing mechanisms, then the linkages of others."""
+    heading = line("Linkages of the literature, taken where they are named:", "bold")
+    return Group(_shelf(sewing), line(""), heading, _shelf(literature))
+
+
+def _shelf(linkages: Iterable[Linkage]) -> Table:
     rows = [(one.name, one.title, ", ".join(one.variants), one.source) for one in linkages]
     return table(("mechanism", "what", "variants", "source"), rows)
 

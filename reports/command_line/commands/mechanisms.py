@@ -6,7 +6,8 @@ from pathlib import Path
 
 import numpy as np
 
-from analytic.description.loading import catalogue, load
+from analytic.description.linkage import Linkage
+from analytic.description.loading import catalogue, literature, load
 from analytic.errors import LinkproofError
 from analytic.kinematics.mechanism import Mechanism
 from analytic.turn.required_feed import compare_feed, read_required_feed
@@ -16,11 +17,16 @@ from reports.text import terminal
 
 
 def list_mechanisms(destination: Destination) -> None:
-    """Print or write the catalogue."""
-    linkages = [load(name) for name in catalogue()]
-    rows = [{"mechanism": k.name, "title": k.title, "source": k.source, "variants": list(k.variants)} for k in linkages]
-    destination.print(terminal.catalogue(linkages))
-    destination.write_json({"records": rows})
+    """Print or write the catalogue, the linkages of the literature in a part of their own."""
+    sewing, others = ([load(name) for name in names] for names in (catalogue(), literature()))
+    destination.print(terminal.catalogue(sewing, others))
+    shelves = {"catalogue": sewing, "literature": others}
+    destination.write_json({"records": [_entry(each, shelf) for shelf in shelves for each in shelves[shelf]]})
+
+
+def _entry(linkage: Linkage, shelf: str) -> dict[str, object]:
+    facts = {"title": linkage.title, "source": linkage.source, "variants": list(linkage.variants)}
+    return {"mechanism": linkage.name, "shelf": shelf, **facts}
 
 
 def show(name: str, variant: str | None, destination: Destination) -> None:

@@ -8,7 +8,7 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from pydantic import ValidationError
 
-from analytic.description.loading import catalogue, find, load, parse, read
+from analytic.description.loading import catalogue, find, literature, load, parse, read
 from analytic.description.schema import Document
 from analytic.dynamics import reduced
 from analytic.errors import DescriptionError, LinkproofError, UnknownNameError
@@ -354,6 +354,14 @@ def test_a_variant_lays_its_keys_over_the_file():
 def test_files_are_found_by_path_and_by_name():
     assert load(str(FOLDER / "scotch-yoke.toml")).name == "scotch-yoke"
     assert "juki-mf7923d" in catalogue()
+
+
+def test_the_literature_is_found_by_name_and_kept_apart_from_the_catalogue():
+    assert "andrews-squeezer" in literature()
+    assert not set(literature()) & set(catalogue())
+    assert read("andrews-squeezer").origin == "andrews-squeezer.toml"
+    with pytest.raises(UnknownNameError, match="did you mean 'andrews-squeezer'"):
+        find("andrew-squeezer")
 
 
 @settings(max_examples=250, deadline=None, suppress_health_check=[HealthCheck.too_slow])

@@ -11,6 +11,7 @@ from pathlib import Path
 
 import pytest
 
+from analytic.description.loading import catalogue, literature
 from comparisons.runs.journal import FOLDER
 from tests.comparisons.faults import announce_engines
 
@@ -49,6 +50,8 @@ def test_list_names_the_catalogue():
     rows = json.loads(linkproof("list", "--json", "-").stdout)["records"]
     assert {"juki-mf7923d", "rimoldi-164"} <= {row["mechanism"] for row in rows}
     assert all(row["source"] and row["variants"] for row in rows)
+    assert {row["shelf"] for row in rows if row["mechanism"] in catalogue()} == {"catalogue"}
+    assert {row["mechanism"] for row in rows if row["shelf"] == "literature"} == set(literature())
     assert "juki-mf7923d" in linkproof("list").stdout
 
 
