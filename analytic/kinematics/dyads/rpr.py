@@ -107,6 +107,11 @@ def missing(k: RPRConstants, near: Poses, closure: Closure) -> tuple[Scalar, Sca
     return np.sqrt(frames.dot(closure.v, closure.v)) - needed, pins + offset
 
 
+def toggle(dyad: Dyad, closure: Closure) -> str:
+    """A is at the foot of the perpendicular from B to the line."""
+    return f"the slide square to the line of '{dyad.first_joint.name}' and '{dyad.second_joint.name}'"
+
+
 def shortfall(dyad: Dyad, k: RPRConstants, near: Poses, at: At, written: Written) -> Shortfall:
     """The offset is too large, or A is on B."""
     assert isinstance(dyad.first_joint, Revolute)

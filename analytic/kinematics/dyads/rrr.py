@@ -108,6 +108,11 @@ def missing(k: RRRConstants, near: Poses, closure: Closure) -> tuple[Scalar, Sca
     return np.minimum(one + two - gap, gap - abs(one - two)), size(a, b) + one + two
 
 
+def toggle(dyad: Dyad, closure: Closure) -> str:
+    """A, B and C are in one line."""
+    return "stretched in one line" if np.all(frames.dot(closure.u, closure.v) < 0.0) else "folded in one line"
+
+
 def shortfall(dyad: Dyad, k: RRRConstants, near: Poses, at: At, written: Written) -> Shortfall:
     """Arms too short for the gap, or one too long."""
     gap = at(np.hypot(*frames.minus(frames.point(near[1], k.b), frames.point(near[0], k.a))))

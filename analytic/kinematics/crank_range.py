@@ -1,0 +1,192 @@
+"""The range of the crank angle in which a linkage can be assembled in its assembly mode, and what limits it."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from analytic.description.linkage import GROUND
+from analytic.errors import AssemblyError
+from analytic.kinematics.dyad_solver import DyadSolver
+from analytic.kinematics.dyads.arms import ROUNDING
+from analytic.kinematics.frames import Pose
+from analytic.kinematics.mechanism import FULL_TURN, Mechanism
+from analytic.kinematics.structure import Dyad
+from analytic.kinematics.sweep import crank_pose
+from analytic.numerics.roots import root
+
+Array = NDArray[np.float64]
+
+# The margin is looked at in steps of half a degree, and in ever finer ones towards the start, for ranges narrower than
+# that; each of its minima is then closed in on, for gaps between two steps.
+STEP: Final = FULL_TURN / 720
+NEAREST, NEAR_STEPS = 1e-13, 80
+LOOK, LOOKS = 33, 12  # each look at a minimum shrinks its bracket 16-fold
+
+
+@dataclass(frozen=True)
+class Toggle:
+    """A crank angle, rad, at which a dyad comes to the end of its assembly mode, and how its links stand there."""
+
+    angle: float
+    dyad: Dyad
+    reason: str
+
+    @property
+    def sentence(self) -> str:
+        """Which links, and how they stand."""
+        return f"{self.dyad.name}: {self.reason}"
+
+
+@dataclass(frozen=True)
+class CrankRange:
+    """The crank angles from ``low`` to ``high`` around ``start``, rad; both are None where the crank turns fully.
+
+    ``change_points`` are the angles within it at which two assembly modes meet and neither ends: the crank passes them,
+    but which mode follows is not a matter of geometry.
+    """
+
+    start: float
+    low: Toggle | None
+    high: Toggle | None
+    change_points: tuple[Toggle, ...]
+
+    @property
+    def is_full_turn(self) -> bool:
+        """Whether nothing limits the crank."""
+        return self.low is None
+
+    @property
+    def limits(self) -> tuple[float, float]:
+        """The lowest and the highest crank angle, rad; of a full turn, the turn that begins at ``start``."""
+        if self.low is None or self.high is None:
+            return self.start, self.start + FULL_TURN
+        return self.low.angle, self.high.angle
+
+    def check(self, first: float, last: float, linkage: str) -> None:
+        """Raise AssemblyError where a motion from one crank angle to another, rad, leaves the range."""
+        if self.low is None or self.high is None:
+            return
+        low, high = self.limits
+        if min(first, last) < low or max(first, last) > high:
+            limit = self.low if min(first, last) < low else self.high
+            raise AssemblyError(
+                f"'{linkage}' cannot be moved from {_written(first)} to {_written(last)}: its crank reaches "
+                f"{_written(low)} to {_written(high)} (at {_written(limit.angle)} {limit.sentence}); stay within"
+            )
+
+
+def crank_range(mechanism: Mechanism, start: float | None = None) -> CrankRange:
+    """The range around a crank angle, rad, the sketch's if None.
+
+    The limits are roots of the length by which a dyad's links reach each other, to rounding; a change point, where that
+    length touches zero, is known to the root of rounding. Raises AssemblyError where the linkage cannot be assembled at
+    the start.
+    """
+    search = _Search(mechanism, mechanism.linkage.sketch_angle if start is None else start)
+    low, high = search.first_fault(-1.0), search.first_fault(1.0)
+    return CrankRange(search.start, low, high, search.change_points(low, high))
+
+
+def _written(angle: float) -> str:
+    """A crank angle, rad, for a reader, of any turn."""
+    return f"{math.degrees(angle):.6g}°"
+
+
+class _Search:
+    """The margin of a linkage over the crank angle: what its worst dyad has left before its links fail to meet."""
+
+    def __init__(self, mechanism: Mechanism, start: float) -> None:
+        self.mechanism = mechanism
+        self.start = start
+        for body in mechanism.structure.bodies:
+            mechanism.sweep(np.array([start])).poses(body)  # raises where it is not assembled
+        self.signs = [np.sign(solver.closure.determinant) for solver in self.solvers(np.array([start]))]
+        self.offsets = np.concatenate([[0.0], np.geomspace(NEAREST, STEP, NEAR_STEPS)[:-1], np.arange(1, 721) * STEP])
+
+    def solvers(self, angle: Array) -> list[DyadSolver]:
+        """Every dyad placed at crank angles, assembled or not."""
+        structure = self.mechanism.structure
+        poses: dict[str, Pose] = {
+            GROUND: (0.0, 0.0, 1.0, 0.0),
+            self.mechanism.linkage.crank: crank_pose(structure.pivot, angle),
+        }
+        solvers = [DyadSolver(dyad) for dyad in structure.dyads]
+        for solver in solvers:
+            poses[solver.dyad.first], poses[solver.dyad.second] = solver.poses(poses)
+        return solvers
+
+    def margins(self, offset: Array) -> Array:
+        """Of each dyad the length it has left over the lengths it comes from, negative where it fails; (dyads, n).
+
+        Two crossing lines have the sine of their angle left. Behind a dyad that fails the others have nothing to say.
+        """
+        rows = [np.full(offset.shape, np.inf)]
+        fails = np.zeros(offset.shape, dtype=bool)
+        with np.errstate(invalid="ignore", divide="ignore"):
+            for solver, sign in zip(self.solvers(self.start + offset), self.signs, strict=True):
+                missing, lengths = solver.missing() if solver.dyad.has_two_modes else (solver.closure.determinant, sign)
+                row = np.where(fails, np.inf, missing / lengths)
+                rows.append(np.where(np.isnan(row), -1.0, row))
+                fails |= rows[-1] < -ROUNDING
+        return np.array(rows)[1:]
+
+    def margin(self, offset: Array) -> Array:
+        """The least margin, (n,)."""
+        return np.asarray(np.min(self.margins(offset), axis=0, initial=np.inf))
+
+    def toggle(self, offset: float, row: int) -> Toggle:
+        """How a dyad stands at an angle."""
+        solver = self.solvers(np.array([self.start + offset]))[row]
+        return Toggle(self.start + offset, solver.dyad, solver.formulas.toggle(solver.dyad, solver.closure))
+
+    def worst(self, offset: float) -> int:
+        """The dyad with the least margin at an angle."""
+        return int(np.argmin(self.margins(np.array([offset]))[:, 0]))
+
+    def minima(self, offsets: Array) -> tuple[Array, Array]:
+        """Where the margin has its local minima among ordered offsets, each closed in on, and its values there."""
+        values = self.margin(offsets)
+        inner = np.flatnonzero((values[1:-1] < values[:-2]) & (values[1:-1] <= values[2:])) + 1
+        spot, height, rows = offsets[inner], values[inner], np.arange(len(inner))
+        left, right = offsets[inner - 1], offsets[inner + 1]
+        for _ in range(LOOKS if len(inner) else 0):
+            near = left[:, None] + (right - left)[:, None] * np.linspace(0.0, 1.0, LOOK)
+            seen = self.margin(near.ravel()).reshape(near.shape)
+            best = np.argmin(seen, axis=1)
+            lower = seen[rows, best] < height
+            spot, height = np.where(lower, near[rows, best], spot), np.where(lower, seen[rows, best], height)
+            step = (right - left) / (LOOK - 1)
+            left, right = spot - step, spot + step
+        return spot, height
+
+    def first_fault(self, direction: float) -> Toggle | None:
+        """The nearest end of the range in a direction; None after a whole turn."""
+        offsets = direction * self.offsets
+        spots, heights = self.minima(offsets)
+        bad = np.concatenate([offsets[self.margin(offsets) < -ROUNDING], spots[heights < -ROUNDING]])
+        if not len(bad):
+            return None
+        end = float(bad[np.argmin(np.abs(bad))])
+        good = float(offsets[np.abs(offsets) < abs(end)][-1])
+        row = self.worst(end)
+
+        def margin(offset: float) -> float:
+            return float(self.margins(np.array([offset]))[row, 0])
+
+        return self.toggle(root(margin, good, end) if margin(good) > 0.0 else good, row)
+
+    def change_points(self, low: Toggle | None, high: Toggle | None) -> tuple[Toggle, ...]:
+        """Where the margin touches zero within the range."""
+        if low is None or high is None:  # a touch at the very start is seen at one of the two ends
+            offsets = np.arange(-2, len(self.offsets) + 2) * STEP
+        else:
+            offsets = np.linspace(low.angle - self.start, high.angle - self.start, len(self.offsets))
+        spots, heights = self.minima(offsets)
+        touching = spots[np.abs(heights) <= 2.0 * ROUNDING]
+        once = [spot for spot in touching if not np.any(np.abs(spot - FULL_TURN - touching) < STEP)]
+        return tuple(self.toggle(spot, self.worst(spot)) for spot in map(float, once))
