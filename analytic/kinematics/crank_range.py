@@ -183,7 +183,7 @@ class _Search:
     def change_points(self, low: Toggle | None, high: Toggle | None) -> tuple[Toggle, ...]:
         """Where the margin touches zero within the range."""
         if low is None or high is None:  # a touch at the very start is seen at one of the two ends
-            offsets = np.arange(-2, len(self.offsets) + 2) * STEP
+            offsets = np.linspace(-2.0 * STEP, FULL_TURN + 2.0 * STEP, len(self.offsets))
         else:
             offsets = np.linspace(low.angle - self.start, high.angle - self.start, len(self.offsets))
         spots, heights = self.minima(offsets)
