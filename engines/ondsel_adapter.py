@@ -74,7 +74,7 @@ class OndselWorld:
         """A part at a body's mass centre; what its inertia is out of the plane does not matter."""
         from pyondsel.model.part import Part
 
-        inertia = float(body.inertia or body.mass)
+        inertia = float(body.mass if body.inertia is None else body.inertia)
         part = Part(f"part{len(self.parts)}", mass=float(body.mass), moments_of_inertia=(inertia, inertia, inertia))
         self.parts[body.name] = self.model.add_part(part)
         _place(part, *body.position, body.angle)

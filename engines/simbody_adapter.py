@@ -21,7 +21,7 @@ import numpy as np
 from analytic.description.law import Law
 from analytic.description.linkage import GROUND, Vector
 from engines.contract import Abilities, Array, History, ReadOut, Setting
-from engines.mechanics.spanning_tree import Branch, anchors, spanning_tree
+from engines.mechanics.spanning_tree import Branch, SpanningTree, anchors, ends, spanning_tree
 from engines.scene import GUIDES, LOADS, Body, Channel, Free, PinJoint, Prescribed, Scene, SliderJoint, SlotJoint
 from engines.stepping.driver import DivergedError
 from engines.stepping.intervals import Interval
@@ -136,7 +136,7 @@ class SimbodyEngine(SteppedEngine[SimbodyWorld, SimbodyRecipe]):
     package = "opensim"
     oldest = "4.6"
     effort_unit = "tolerance of the joints"
-    abilities = Abilities(READOUTS, frozenset({Prescribed, Free}), GUIDES, LOADS, massless=False)
+    abilities = Abilities(READOUTS, frozenset({Prescribed, Free}), GUIDES, LOADS)
     settings: Mapping[type, Mapping[Setting, SimbodyRecipe]] = {
         Prescribed: dict(zip(Setting, (NAIVE, DRIVEN, replace(DRIVEN, effort=1e-13)), strict=True)),
         Free: dict(zip(Setting, (NAIVE, FREE, replace(FREE, ratios=(4,))), strict=True)),
@@ -151,7 +151,8 @@ class SimbodyEngine(SteppedEngine[SimbodyWorld, SimbodyRecipe]):
         laws = [load.force for load in scene.forces] + [load.torque for load in scene.torques]
         if isinstance(scene.drive, Free) and not all(law.is_constant for law in laws):
             return "its forces follow time, so that a free crank can have none that changes with its angle"
-        return spanning_tree(scene).obstacle
+        tree = spanning_tree(scene)
+        return tree.obstacle or _weightless_end(tree)
 
     def build(self, scene: Scene, recipe: SimbodyRecipe) -> SimbodyWorld:
         """Loads and drive have no functions yet: those of each part of the motion are given to them in turn."""
@@ -185,6 +186,23 @@ class SimbodyEngine(SteppedEngine[SimbodyWorld, SimbodyRecipe]):
     def follow(self, world: SimbodyWorld, course: Course[SimbodyRecipe]) -> History:
         """Part by part, each from where the one before ends."""
         return recorded(course.parts, world.forces, partial(_states, world, course))
+
+
+def _weightless_end(tree: SpanningTree) -> str | None:
+    """Simbody solves its tree from the ends inwards: what moves there has to have a mass of its own."""
+    parents = {branch.parent for branch in tree.branches}
+    for branch in tree.branches:
+        body, joint = branch.body, branch.joint
+        if body.name in parents or joint is None:
+            continue
+        arm = dict(ends(joint))[body.name]
+        turning = (body.inertia or 0.0) + body.mass * (arm[0] ** 2 + arm[1] ** 2)
+        if not body.mass or (isinstance(joint, PinJoint) and not branch.rigid and not turning):
+            return (
+                f"it holds a body without mass or inertia only between the ground and one that has both, and "
+                f"'{body.name}' is at an end of its tree of joints"
+            )
+    return None
 
 
 @cache

@@ -117,10 +117,12 @@ def _link(reader: Reader, name: str) -> lk.Link:
     where = f"links.{name}"
     table = reader.document.links[name]
     points = {key: reader.vector(place, f"{where}.points.{key}") for key, place in sorted(reader.points(name).items())}
-    inertia = None if table.inertia is None else reader.positive(table.inertia, "inertia", f"{where}.inertia")
+    mass = reader.weight(table.mass, "mass", f"{where}.mass")
+    inertia = None if table.inertia is None else reader.weight(table.inertia, "inertia", f"{where}.inertia")
     if inertia is None and _turns(reader, name):
-        raise reader.fail(f"{where}.inertia is missing: expected {EXPECTED['inertia']}, for the link turns; add it")
-    mass = reader.positive(table.mass, "mass", f"{where}.mass")
+        if mass:
+            raise reader.fail(f"{where}.inertia is missing: expected {EXPECTED['inertia']}, for the link turns; add it")
+        inertia = 0.0
     return lk.Link(name, points, mass, reader.vector(table.centre, f"{where}.centre"), inertia)
 
 

@@ -48,7 +48,7 @@ class Guide:
 class Link:
     """A moving rigid body.
 
-    ``inertia`` is about the mass centre; ``None`` is allowed for a link that cannot turn.
+    ``inertia`` is about the mass centre; ``None`` is allowed for a link that cannot turn. Both may be zero.
     """
 
     name: str
@@ -205,6 +205,16 @@ class Linkage:
         """Names of all joints that carry a force, pins first, then sliders, then slots; nothing is solved for them."""
         pins = itertools.chain.from_iterable(pin.joints for pin in self.pins)
         return (*pins, *(slider.name for slider in self.sliders), *(slot.name for slot in self.slots))
+
+    @property
+    def is_massless(self) -> bool:
+        """Whether no link has a mass or an inertia."""
+        return not any(link.mass or link.inertia for link in self.links.values())
+
+    @property
+    def is_idle(self) -> bool:
+        """Whether it takes no torque to move it: no masses and no loads."""
+        return self.is_massless and not (self.forces or self.torques or self.springs or self.dampers)
 
     def written(self, length: float) -> str:
         """A length, m, for a reader: in the unit of the linkage's file."""

@@ -34,10 +34,10 @@ class Reader:
         """A number of a kind of unit in SI."""
         return self.magnitude(value * self.scale[kind], where, f"{value:g} {getattr(self.document.units, kind)}")
 
-    def positive(self, value: float, kind: str, where: str) -> float:
-        """A number of a kind of unit in SI that must not vanish."""
+    def weight(self, value: float, kind: str, where: str) -> float:
+        """A mass or an inertia in SI: zero only where it is written as zero."""
         si = self.number(value, kind, where)
-        if si <= 0.0:
+        if value and not si:
             raise self._out_of_range(where, f"{value:g} {getattr(self.document.units, kind)}")
         return si
 

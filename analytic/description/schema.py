@@ -59,9 +59,9 @@ class LinkTable(TomlTable):
     """A moving link."""
 
     points: dict[str, Place] = Field(default_factory=dict)
-    mass: Positive
+    mass: NotNegative = 0.0
     centre: Place = (0.0, 0.0)
-    inertia: Positive | None = None
+    inertia: NotNegative | None = None
     slides: SlidesTable | None = None
 
 

@@ -15,16 +15,18 @@ from typing import Final
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from analytic.description.crank_motion import degrees
 from analytic.description.law import Law
 from analytic.dynamics import reduced
 from analytic.errors import AssemblyError, LinkproofError, UnknownNameError
 from analytic.kinematics.mechanism import Mechanism
 from analytic.kinematics.sweep import Sweep
-from analytic.numerics.extremes import grid
+from analytic.numerics.extremes import extremes, grid
 from analytic.numerics.periodic_table import DEGREE, PeriodicTable, tabulate
 from analytic.numerics.where_assembled import where_assembled
 
 Array = NDArray[np.float64]
+NO_INERTIA: Final = 1e-12  # of the peak of Jeq: a smooth minimum this deep is a zero to rounding
 
 
 def moduli_half_derivative(sweep: Sweep) -> Array:
@@ -87,7 +89,27 @@ def equation_of_motion(mechanism: Mechanism, torque: float | Law = 0.0, half_slo
     """The equation under a crank torque M1, N m, constant or a law of φ; ``half_slope`` names the model of ½ Jeq'."""
     if half_slope not in HALF_DERIVATIVES:
         raise UnknownNameError("model of the inertia's slope", half_slope, HALF_DERIVATIVES)
+    _check_inertia(mechanism)
     return EquationOfMotion(mechanism, crank_torque(torque), half_slope)
+
+
+def _check_inertia(mechanism: Mechanism) -> None:
+    """Raise LinkproofError where Jeq vanishes at a crank angle, so that no acceleration follows from the loads."""
+
+    def inertia(angle: Array) -> Array:
+        return where_assembled(lambda at: reduced.reduced_inertia(mechanism.sweep(at)), angle.ravel()).reshape(
+            angle.shape
+        )
+
+    if np.any(reduced.link_inertia(mechanism.sweep(0.0), mechanism.linkage.crank)):
+        return  # a crank with an inertia about its pivot has it at every angle
+    least = extremes(lambda angle: np.nan_to_num(inertia(angle), nan=np.inf))
+    if least.minimum <= NO_INERTIA * np.nanmax(inertia(grid()), initial=0.0):
+        raise LinkproofError(
+            f"'{mechanism.linkage.name}': expected a linkage that resists being moved, got none at crank angle "
+            f"{degrees(least.minimum_angle)}, where its reduced inertia Jeq is 0 and a released crank has no "
+            "acceleration; give the crank a mass or an inertia"
+        )
 
 
 def crank_torque(torque: float | Law) -> Law:

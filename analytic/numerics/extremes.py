@@ -32,7 +32,9 @@ class Extremes:
 
     @property
     def relative_pulsation(self) -> float:
-        """(max − min) / (2 mean), as in article 003."""
+        """(max − min) / (2 mean), as in article 003; 0 of a constant, though it be zero."""
+        if self.maximum == self.minimum:
+            return 0.0
         return (self.maximum - self.minimum) / (2.0 * self.mean)
 
 

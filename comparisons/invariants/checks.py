@@ -34,6 +34,7 @@ SHARES: Mapping[str, Callable[[Inspection], Signal]] = {
     "assembly_mode": Inspection.assembly_mode,
     "crank_phase": invariants.crank_phase,
 }
+BALANCES = frozenset(("energy_balance", "torque_two_routes", "force_balance"))
 LARGEST = 1e150  # however far off a motion is, its square is a number
 
 
@@ -63,6 +64,8 @@ def _checks(case: Case, motion: ObservedMotion, blank: Record) -> Iterator[Recor
         record = replace(blank, quantity=name, unit=UNITS[name])
         if lacking:
             yield replace(record, outcome=Verdict.NOT_PROVIDED.value, detail=f"{blank.engine} tells no {lacking}")
+        elif name in BALANCES and case.mechanism.linkage.is_idle:
+            yield _undefined(record, "no link has a mass and nothing loads one: there is nothing to balance")
         else:
             yield _checked(case, seen, replace(record, origin=blank.origin or motion.origin(needed).value))
 

@@ -135,6 +135,8 @@ class Inspection:
             return power
         kinetic = self.motion.kinetic_energy(time)
         moving = kinetic > STANDSTILL * np.max(kinetic)
+        if not moving.any():  # nothing has a mass, nor then a speed to lose
+            return np.zeros(len(time))
         return np.asarray(np.interp(time, time[moving], 0.5 * power[moving] / kinetic[moving]))
 
     def _sharp_passages(self, time: Array) -> Iterator[tuple[float, float]]:

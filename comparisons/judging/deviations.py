@@ -68,6 +68,8 @@ def deviation(case: Case, quantity: Quantity, motion: ObservedMotion) -> Deviati
         reference = _size(reference)
     difference = _size(signal.values - reference)[kept]
     peak = float(np.max(_size(reference)[kept]))
+    if peak == 0.0 and case.mechanism.linkage.is_massless:
+        raise NoSampleError(f"{quantity.name} is zero throughout, as no link has a mass: its error has no scale")
     scale = peak or 1.0
     worst = int(np.argmax(difference))
     return Deviation(

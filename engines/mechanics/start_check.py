@@ -137,6 +137,8 @@ def _obstacles(scene: Scene, least: float) -> Iterator[str]:
 def _weight_obstacles(body: Body, least: float) -> Iterator[str]:
     for name, value, unit in (("mass", body.mass, "kg"), ("inertia", body.inertia, "kg m²")):
         if value is not None and not least <= value < LARGEST:
+            if value == 0.0:
+                yield f"it holds no body without a mass and an inertia, and '{body.name}' has {name} 0 {unit}"
             needed = "positive" if least else "non-negative"
             yield f"body '{body.name}' has {name} {value:g} {unit}; expected a finite {needed} one"
 

@@ -49,7 +49,7 @@ class OwnUnits:
 
 def own_units(scene: Scene, size: float = 1.0) -> OwnUnits:
     """The units in which the scene's size is ``size`` and its largest mass is LARGEST_MASS."""
-    largest = max(body.mass for body in scene.bodies)
+    largest = max(body.mass for body in scene.bodies) or 1.0
     return OwnUnits(scene_size(scene) / size, largest / LARGEST_MASS if largest > 0.0 else 1.0)
 
 

@@ -75,7 +75,7 @@ def _links(view: View) -> ReportTable:
     except LinkproofError:
         return ReportTable(f"{caption}.", head, tuple(_link_row(link) for link in links.values()), note=note)
     means = {name: float(np.mean(values)) for name, values in parts.items()}
-    whole = sum(means.values())
+    whole = sum(means.values()) or 1.0  # no link has a mass
     rows = tuple((*_link_row(links[name]), f"{100.0 * mean / whole:.1f}") for name, mean in means.items())
     return ReportTable(f"{caption}, and what each gives to the mean Jeq.", (*head, "Jeq, %"), rows, note=note)
 

@@ -2,6 +2,7 @@
 
 import dataclasses
 import math
+import re
 
 import numpy as np
 import pytest
@@ -17,7 +18,7 @@ from analytic.motion.energy import energy_imbalance
 from analytic.motion.released import free_motion
 from analytic.motion.rkfixed import fixed_step
 from tests.analytic import article_000
-from tests.analytic.linkages import from_text, mechanism
+from tests.analytic.linkages import from_text, mechanism, text_of
 from tests.analytic.textbook import (
     DOUBLE_ROCKER,
     PENDULUM,
@@ -266,3 +267,15 @@ def test_bad_input_is_told_in_one_sentence():
         fixed_step(_undamped(mechanism("two-crank-takeup")), duration=100.0, steps=400, torque=500.0)
     with pytest.raises(AssemblyError):
         free_motion(from_text(DOUBLE_ROCKER), start_angle=math.pi, duration=1.0)
+
+
+def test_a_crank_that_nothing_resists_is_not_released():
+    text = text_of("centric-slider-crank")
+    bare = re.sub(r"(?m)^(mass|centre|inertia) .*\n", "", text)
+    tipped = bare.replace("[links.piston]", "[links.piston]\nmass = 0.2")  # it has no speed at its dead centres
+    for sample in (from_text(bare), from_text(tipped)):
+        with pytest.raises(LinkproofError, match="where its reduced inertia Jeq is 0"):
+            free_motion(sample, start_angle=1.0, duration=0.1)
+    weightless = re.sub(r"(?m)^(mass|inertia) .*\n", "", text.partition("[links.rod]")[0])
+    motion = free_motion(from_text(weightless + text[text.index("[links.rod]") :]), start_speed=5.0, duration=0.1)
+    assert energy_imbalance(motion) < BALANCE

@@ -149,10 +149,7 @@ def test_misuse_is_one_sentence_and_exit_code_2(words, sentence):
     ("old", "new", "sentence"),
     [
         ("mass    = 0.03", "mass    = -0.03", "got -0.03"),
-        ("mass    = 0.03", "mass    = 0", "got 0"),
         ("mass    = 0.03", "mass    = nan", "got nan"),
-        ("mass    = 0.03\n", "", "mass is missing"),
-        ("inertia = 0.19e-4", "inertia = 0", "links.coupler.inertia"),
         ("inertia = 0.19e-4\n", "", "links.coupler.inertia is missing"),
         ("D = [54.5, 0]", "D = [0, 0]", "got 0; move one of them"),
         ("D = [54.5, 0]", "D = [10.0, 0]", "cannot be assembled at"),
