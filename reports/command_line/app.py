@@ -141,6 +141,8 @@ def compare(
     ramp_time: options.RampTime = 0.6,
     hold_time: options.HoldTime = 0.1,
     start_angle: options.StartAngle = 0.0,
+    from_angle: options.FromAngle = None,
+    to_angle: options.ToAngle = None,
     clockwise: options.Clockwise = False,
     no_gravity: options.NoGravity = False,
     full: Annotated[bool, flag("Run the files' own regimes in every setting, not tuned alone.", "--full")] = False,
@@ -171,8 +173,9 @@ def compare(
     from reports.command_line.requests import CampaignChoice, RunLimits
 
     choice = CampaignChoice(
-        _names(mechanisms), variant, _names(regime), _names(engine), _names(setting), _names(quantity),
-        speed, ramp_time, hold_time, start_angle, clockwise, not no_gravity, full,
+        _names(mechanisms), _names(engine), _names(setting), _names(quantity), not no_gravity, full,
+        variant=variant, regimes=_names(regime), speed=speed, ramp_time=ramp_time, hold_time=hold_time,
+        start_angle=start_angle, clockwise=clockwise, from_angle=from_angle, to_angle=to_angle,
     )  # fmt: skip
     destination = _destination(json, out, resume, quiet, verbose)
     limits = RunLimits(time_limit, memory_limit, jobs)
@@ -182,9 +185,17 @@ def compare(
 @app.command(short_help="Measure error against run time, over a sweep of steps.")
 def bench(
     mechanisms: options.Mechanisms = None,
+    variant: options.Variant = None,
     regime: options.Regimes = None,
     engine: options.Engines = None,
     quantity: options.Quantities = None,
+    speed: options.Speed = 1000.0,
+    ramp_time: options.RampTime = 0.6,
+    hold_time: options.HoldTime = 0.1,
+    start_angle: options.StartAngle = 0.0,
+    from_angle: options.FromAngle = None,
+    to_angle: options.ToAngle = None,
+    clockwise: options.Clockwise = False,
     quick: Annotated[bool, flag("A coarser sweep of one regime: under a minute.", "--quick")] = False,
     costs: Annotated[bool, flag("Measure what each output and load costs too.", "--costs")] = False,
     out: options.Out = None,
@@ -204,7 +215,11 @@ def bench(
     start_server(["comparisons.work_precision.measure"])  # its imports run beside ours
     from reports.command_line.commands import bench
 
-    choice = bench.BenchChoice(_names(mechanisms), _names(regime), _names(engine), _names(quantity), quick, costs)
+    choice = bench.BenchChoice(
+        _names(mechanisms), _names(engine), quantities=_names(quantity), quick=quick, costs=costs,
+        variant=variant, regimes=_names(regime), speed=speed, ramp_time=ramp_time, hold_time=hold_time,
+        start_angle=start_angle, clockwise=clockwise, from_angle=from_angle, to_angle=to_angle,
+    )  # fmt: skip
     raise typer.Exit(bench.bench(choice, _destination(json, out, resume, quiet, verbose)))
 
 
@@ -276,6 +291,8 @@ def export(
     ramp_time: options.RampTime = 0.6,
     hold_time: options.HoldTime = 0.1,
     start_angle: options.StartAngle = 0.0,
+    from_angle: options.FromAngle = None,
+    to_angle: options.ToAngle = None,
     clockwise: options.Clockwise = False,
     no_gravity: options.NoGravity = False,
     out: Annotated[Path | None, valued("FILE", "Where to write it; default: stdout.")] = None,
@@ -289,10 +306,11 @@ def export(
     from reports.command_line.commands import engines
     from reports.command_line.requests import CampaignChoice
 
-    one = [(name,) if name else () for name in (mechanism, regime, engine, setting)]
+    one = [(name,) if name else () for name in (mechanism, engine, setting, regime)]
     choice = CampaignChoice(
-        one[0], variant, one[1], one[2], one[3], (),
-        speed, ramp_time, hold_time, start_angle, clockwise, not no_gravity,
+        one[0], one[1], one[2], (), not no_gravity,
+        variant=variant, regimes=one[3], speed=speed, ramp_time=ramp_time, hold_time=hold_time,
+        start_angle=start_angle, clockwise=clockwise, from_angle=from_angle, to_angle=to_angle,
     )  # fmt: skip
     engines.export(choice, cell, out)
 

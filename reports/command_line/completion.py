@@ -26,10 +26,10 @@ def variants(incomplete: str) -> list[str]:
 
 def regimes(incomplete: str) -> list[str]:
     """The motions that every linkage can be given, and those of the files on the command line."""
-    from analytic.description.crank_motion import REGIMES
+    from analytic.description.crank_motion import LAWS, REGIMES
 
     own = [name for table in _tables() for name in table.get("regimes", {})]
-    return _starting([*REGIMES, *own, "own", "all"], incomplete)
+    return _starting([*REGIMES, *LAWS, *own, "own", "all"], incomplete)
 
 
 def engines(incomplete: str) -> list[str]:

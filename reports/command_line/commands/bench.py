@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from typing import Any
 
 from analytic.description.linkage import Linkage
@@ -23,28 +23,24 @@ from comparisons.work_precision.study import bench as measure_all
 from reports.command_line.destination import Destination
 from reports.command_line.exit_codes import bench_exit_code
 from reports.command_line.interruption import interruptible, journal
-from reports.command_line.requests import CampaignChoice, command_line, installed, request
+from reports.command_line.requests import CampaignChoice, installed, request
 from reports.work_precision.terminal import printout
 
 REGIMES, QUICK_REGIMES = ("run-up-quintic", "run-up"), ("run-up-quintic",)
 
 
 @dataclass(frozen=True)
-class BenchChoice:
+class BenchChoice(CampaignChoice):
     """What was asked for, in the user's words; empty means the default."""
 
-    mechanisms: tuple[str, ...] = ()
-    regimes: tuple[str, ...] = ()
-    engines: tuple[str, ...] = ()
-    quantities: tuple[str, ...] = ()
     quick: bool = False
     costs: bool = False
 
     @property
     def campaign(self) -> CampaignChoice:
         """The same as a campaign's choice."""
-        regimes = self.regimes or (QUICK_REGIMES if self.quick else REGIMES)
-        return CampaignChoice(mechanisms=self.mechanisms, regimes=regimes, engines=self.engines)
+        usual = () if self.swings else QUICK_REGIMES if self.quick else REGIMES
+        return replace(self, regimes=self.regimes or usual, quantities=())
 
     @property
     def extent(self) -> Extent:
@@ -54,8 +50,12 @@ class BenchChoice:
     @property
     def command(self) -> str:
         """The command that asks for the same."""
-        options = {"regime": self.regimes, "engine": self.engines, "quantity": self.quantities}
-        return command_line("bench", self.mechanisms, options, {"quick": self.quick, "costs": self.costs})
+        return self.written("bench")
+
+    @property
+    def flags(self) -> dict[str, bool]:
+        """Options without a value."""
+        return {**super().flags, "quick": self.quick, "costs": self.costs}
 
 
 def bench(choice: BenchChoice, destination: Destination) -> int:

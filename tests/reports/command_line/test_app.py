@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from analytic.description.crank_motion import REGIMES
+from analytic.description.crank_motion import LAWS, REGIMES
 from comparisons.judging.quantities import QUANTITIES
 from comparisons.stress.axes import axes
 from engines.contract import Setting
@@ -69,7 +69,7 @@ def test_names_are_completed():
     assert completed("compare", "--engine", "") == list(engine_names())
     assert completed("compare", "--setting", "") == sorted([*Setting, "all"])
     assert completed("bench", "--quantity", "") == sorted(QUANTITIES)
-    assert set(completed("compare", "--regime", "")) == {*REGIMES, "own", "all"}
+    assert set(completed("compare", "--regime", "")) == {*REGIMES, *LAWS, "own", "all"}
     assert set(completed("stress", "")) == set(axes())
 
 

@@ -67,7 +67,12 @@ def test_a_quantity_leaves_the_invariants_out():
     [
         CampaignChoice(),
         CampaignChoice(
-            ("juki-mf7923d",), "as-printed", ("run-up", "constant-speed"), ("direct",), ("naive", "best"), ("Mkr",)
+            ("juki-mf7923d",),
+            ("direct",),
+            ("naive", "best"),
+            ("Mkr",),
+            variant="as-printed",
+            regimes=("run-up", "constant-speed"),
         ),
         CampaignChoice(speed=50.0, ramp_time=1.5, hold_time=0.0, start_angle=-30.0, clockwise=True, gravity=False),
         CampaignChoice(("path with spaces/mine.toml",)),
@@ -127,8 +132,11 @@ def test_impossible_limits_are_refused(limits, words):
 @pytest.mark.parametrize(
     ("choice", "words"),
     [
-        (CampaignChoice(speed=-5.0), "--speed: expected a positive finite number of rpm, got -5"),
-        (CampaignChoice(speed=1e14), "--speed: expected a positive finite number of rpm up to 9.55e\\+12, got 1e\\+14"),
+        (CampaignChoice(speed=0.0), "--speed: expected a finite number of rpm other than 0, got 0"),
+        (
+            CampaignChoice(speed=1e14),
+            "--speed: expected a finite number of rpm other than 0 up to 9.55e\\+12, got 1e\\+14",
+        ),
         (CampaignChoice(ramp_time=0.0), "--ramp-time: expected a positive finite number of s, got 0"),
         (CampaignChoice(hold_time=-1.0), "--hold-time: expected a finite, not negative number of s, got -1"),
         (CampaignChoice(start_angle=math.inf), "--start-angle: expected a finite number of degrees, got inf"),

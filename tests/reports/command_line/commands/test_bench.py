@@ -15,7 +15,7 @@ from reports.command_line.destination import Destination
 from reports.command_line.requests import CampaignChoice
 
 SHORT = Extent((12.0, 24.0, 48.0), budget=0.1, repeats=2, patience=0.1, deadline=30.0)
-CHOICE = BenchChoice(("juki-mf7923d",), ("run-up-quintic",), ("direct",), ("Mkr",), quick=True)
+CHOICE = BenchChoice(("juki-mf7923d",), ("direct",), regimes=("run-up-quintic",), quantities=("Mkr",), quick=True)
 
 
 @pytest.fixture
@@ -79,7 +79,11 @@ def test_json_to_stdout_is_json_and_nothing_else(short, capsys):
         (BenchChoice(engines=("exudin",)), UnknownNameError, "exudyn"),
         (BenchChoice(regimes=("runup",)), UnknownNameError, "run-up"),
         (BenchChoice(quantities=("torque",)), UnknownNameError, "Mkr"),
-        (BenchChoice(("slotted-takeup",), ("own",), quantities=("Mkr",)), LinkproofError, "none of Mkr is a result"),
+        (
+            BenchChoice(("slotted-takeup",), regimes=("own",), quantities=("Mkr",)),
+            LinkproofError,
+            "none of Mkr is a result",
+        ),
     ],
 )
 def test_what_cannot_be_is_refused_before_any_run(choice, kind, words, monkeypatch):

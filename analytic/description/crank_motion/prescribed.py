@@ -1,4 +1,4 @@
-"""Crank motions: the run-up of the source's validation and its smooth relatives, as exact polynomials of time."""
+"""A prescribed crank motion: polynomials of time, piece by piece, whatever law it follows."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from functools import cached_property, lru_cache
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from analytic.errors import LinkproofError, UnknownNameError
+from analytic.errors import LinkproofError
 
 RPM = np.pi / 30.0
 
@@ -19,14 +19,10 @@ def degrees(angle: float) -> str:
     return f"{float(f'{math.degrees(angle) % 360.0:.4g}') % 360.0:g}°"
 
 
-# ω over its final value as a polynomial of x = t / ramp time, lowest power first.
-RAMPS: dict[str, tuple[float, ...]] = {
-    "run-up": (0.0, 1.0),
-    "run-up-cubic": (0.0, 0.0, 3.0, -2.0),
-    "run-up-quintic": (0.0, 0.0, 0.0, 10.0, -15.0, 6.0),
-}
+ROUNDING = 1e-9  # of the accelerations: what two pieces may differ by at a join without a jump
+NEGLIGIBLE = 1e-14  # share of the largest term of a polynomial below which its highest terms move no root
+NEAR_REAL = 1e-6  # imaginary part of a double root that rounding has split
 LARGEST = 1e12  # rad/s, s or rad: beyond it the polynomials of time keep no digit of the crank angle
-REGIMES = (*RAMPS, "constant-speed")
 
 
 @dataclass(frozen=True)
@@ -46,6 +42,27 @@ class Segment:
             total *= x
             total += coefficient
         return np.asarray(total)
+
+    @property
+    def turning_times(self) -> tuple[float, ...]:
+        """Start, end, and the times between at which the speed may be largest, s."""
+        return (self.start, self.end, *self._zeros(2))
+
+    @property
+    def standing_times(self) -> tuple[float, ...]:
+        """Start, end, and the times between at which the angle may be largest or smallest, s."""
+        return (self.start, self.end, *self._zeros(1))
+
+    def _zeros(self, order: int) -> list[float]:
+        """Times inside at which a derivative of φ is zero, s."""
+        length = self.end - self.start
+        terms = np.array(derivative(self.coefficients, order), dtype=float)
+        terms *= np.float_power(length, np.arange(len(terms) - 1, -1, -1))
+        kept = np.flatnonzero(np.abs(terms) > NEGLIGIBLE * np.max(np.abs(terms)))
+        if not kept.size or kept[0] == len(terms) - 1:
+            return []
+        roots = np.roots(terms[kept[0] :])
+        return [self.start + length * float(x.real) for x in roots if abs(x.imag) < NEAR_REAL and 0.0 < x.real < 1.0]
 
 
 @lru_cache(maxsize=256)
@@ -71,19 +88,25 @@ class CrankMotion:
         """Time at which the motion ends, s; it starts at 0."""
         return self.segments[-1].end
 
-    @property
+    @cached_property
     def peak_speed(self) -> float:
-        """Largest |ω| at the segments' ends, rad/s; the ramps are monotonic."""
-        return max(abs(float(s.value(t, 1))) for s in self.segments for t in (s.start, s.end))
+        """Largest |ω|, rad/s."""
+        return max(abs(float(s.value(t, 1))) for s in self.segments for t in s.turning_times)
+
+    @property
+    def reach(self) -> tuple[float, float]:
+        """Smallest and largest φ, rad."""
+        ends = [float(s.value(t)) for s in self.segments for t in s.standing_times]
+        return min(ends), max(ends)
 
     @cached_property
     def jumps(self) -> tuple[float, ...]:
-        """Times at which the acceleration jumps, s, the start from rest included."""
+        """Times at which the acceleration jumps, s, the start from rest included; a rounding at a join is none."""
         before = [0.0] + [float(s.value(s.end, 2)) for s in self.segments[:-1]]
         after = [float(s.value(s.start, 2)) for s in self.segments]
-        scale = self.peak_speed / self.duration
+        scale = max(self.peak_speed / self.duration, *map(abs, before), *map(abs, after))
         pairs = zip(self.segments, before, after, strict=True)
-        return tuple(s.start for s, left, right in pairs if abs(left - right) > 1e-9 * scale)
+        return tuple(s.start for s, left, right in pairs if abs(left - right) > ROUNDING * scale)
 
     def _evaluate(self, time: ArrayLike, order: int) -> NDArray[np.float64]:
         time = np.asarray(time, dtype=float)
@@ -108,41 +131,8 @@ class CrankMotion:
         return self._evaluate(time, 2)
 
 
-def _check(name: str, value: float, unit: str, least: float) -> None:
+def check_number(name: str, value: float, unit: str, least: float) -> None:
+    """Raise LinkproofError for a number of a motion that is not finite, below ``least`` or beyond LARGEST."""
     if not least <= value <= LARGEST:  # written so that nan fails too
         kind = "finite" if least < 0.0 else "positive finite" if least else "finite, not negative"
         raise LinkproofError(f"{name}: expected a {kind} number of {unit}, got {value:g}; correct it")
-
-
-def crank_motion(
-    regime: str = "run-up",
-    *,
-    speed: float = 1000.0 * RPM,
-    ramp_time: float = 0.6,
-    hold_time: float = 0.1,
-    clockwise: bool = False,
-    start_angle: float = 0.0,
-) -> CrankMotion:
-    """Build a regime by name.
-
-    ``run-up`` brings the crank from rest to ``speed`` (rad/s) linearly in ``ramp_time`` (s) and holds it for
-    ``hold_time``; ``run-up-cubic`` and ``run-up-quintic`` do it with continuous acceleration; ``constant-speed``
-    turns at ``speed`` for ``ramp_time + hold_time``. ``start_angle`` is φ at t = 0, rad.
-    """
-    if regime not in REGIMES:
-        raise UnknownNameError("regime", regime, REGIMES)
-    _check("speed", speed, "rad/s", 1.0 / LARGEST)
-    steady = regime == "constant-speed"
-    _check("ramp time", ramp_time, "s", 0.0 if steady else 1.0 / LARGEST)
-    _check("hold time", hold_time, "s", 0.0)
-    _check("ramp and hold time together", ramp_time + hold_time, "s", 1.0 / LARGEST)
-    _check("start angle", start_angle, "rad", -LARGEST)
-    signed = -speed if clockwise else speed
-    if steady:
-        return CrankMotion(regime, (Segment(0.0, ramp_time + hold_time, (start_angle, signed)),))
-    scaled = [signed * c / ramp_time**k for k, c in enumerate(RAMPS[regime])]
-    ramp = Segment(0.0, ramp_time, (start_angle, *(float(c) / (k + 1) for k, c in enumerate(scaled))))
-    if hold_time <= 0.0:
-        return CrankMotion(regime, (ramp,))
-    hold = Segment(ramp_time, ramp_time + hold_time, (float(ramp.value(ramp_time)), signed))
-    return CrankMotion(regime, (ramp, hold))
