@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from analytic.compiled.choice import kernels
-from analytic.compiled.flat_linkage import FlatLinkage, flatten
+from analytic.compiled.flat_linkage import FlatLinkage, flatten, has_kernels
 from analytic.description.linkage import LinkTorque
 from analytic.dynamics.equation_of_motion import EquationOfMotion
 from analytic.errors import LinkproofError
@@ -34,15 +34,16 @@ NODES: Final = 24
 
 def is_able(equation: EquationOfMotion) -> bool:
     """Whether the kernels know an equation."""
-    return equation.half_slope == "exact"
+    return equation.half_slope == "exact" and has_kernels(equation.mechanism.structure)
 
 
 def check_able(equation: EquationOfMotion) -> None:
     """Raise LinkproofError where this path is asked for and cannot be taken."""
     if not is_able(equation):
         raise LinkproofError(
-            f"path: expected 'numpy' or 'auto' with the half slope '{equation.half_slope}', got 'compiled', whose "
-            "kernels know the exact one only; leave the path out"
+            f"path: expected 'numpy' or 'auto' with the half slope '{equation.half_slope}' of a linkage "
+            f"{equation.mechanism.structure.formula}, got 'compiled', whose kernels know the exact one only, of cranks "
+            "that turn and groups of class II; leave the path out"
         )
     kernels("integration")
 

@@ -176,7 +176,7 @@ class _Walk:
         names = [f"{row}{end}" for row in rows for end in ends]
         flat = [self.number(one, kind, float(value)) for one, value in zip(names, law.values.flat, strict=True)]
         values = np.reshape(flat, law.values.shape)
-        return law if np.array_equal(values, law.values) else Law(values, law.angles)
+        return law if np.array_equal(values, law.values) else replace(law, values=values)
 
     def spring(self, spring: Spring) -> Spring:
         name = f"springs.{'.'.join(spring.points)}"

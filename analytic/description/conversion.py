@@ -42,7 +42,7 @@ def interpret(document: doc.Document, name: str, variants: tuple[str, ...], sour
         sliders=_sliders(reader),
         slots=_slots(reader),
         sketch=_sketch(reader),
-        sketch_angle=document.sketch.angle * reader.scale["angle"],
+        sketch_angle=document.sketch.angle * reader.scale[reader.coordinate],
         gravity=_gravity(reader),
         forces=load_tables.forces(reader),
         torques=load_tables.torques(reader),
@@ -66,9 +66,10 @@ def _regime(reader: Reader, name: str) -> lk.ReleasedRegime:
     table, where = reader.document.regimes[name], f"regimes.{name}"
     if name in REGIMES:
         raise reader.fail(f"{where}: expected a name of its own, got that of a prescribed regime; choose another")
-    torque = reader.number(table.torque, "torque", f"{where}.torque")
-    start = reader.number(table.start_angle, "angle", f"{where}.start_angle")
-    return lk.ReleasedRegime(name, torque, start, table.start_speed, table.duration)
+    torque = reader.number(table.torque, reader.drive, f"{where}.torque")
+    start = reader.number(table.start_angle, reader.coordinate, f"{where}.start_angle")
+    speed = table.start_speed * (reader.scale["length"] if reader.is_linear else 1.0)
+    return lk.ReleasedRegime(name, torque, start, speed, table.duration)
 
 
 def _thread(reader: Reader) -> ThreadPath | None:

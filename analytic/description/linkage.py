@@ -2,8 +2,11 @@
 
 All lengths are in m, masses in kg, inertias in kg m² about the mass centre, forces in N, torques in
 N m, angles in rad counter-clockwise. A link's *frame* is any right-handed frame fixed in it; its points, mass
-centre, guides and slots are given in that frame. The ground frame is the drawing's. The crank angle φ is the
-angle of the crank's x axis against the ground's x axis.
+centre, guides and slots are given in that frame. The ground frame is the drawing's.
+
+The one coordinate φ is that of the driver. Of a crank it is the angle of its x axis against the ground's x axis, rad;
+of a slider of the ground its travel along the guide, m. Quantities of the drive change their units with it: see
+``analytic.request.unit_of``.
 """
 
 from __future__ import annotations
@@ -12,8 +15,10 @@ import itertools
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from enum import StrEnum
 from typing import Final
 
+from analytic.description.crank_motion import degrees
 from analytic.description.law import Law
 from analytic.description.schema import Erratum, Published
 from analytic.description.thread_path import ThreadPath
@@ -33,6 +38,14 @@ def unit(vector: Vector) -> Vector:
     """The unit vector along a non-zero vector."""
     length = math.hypot(*vector)
     return (vector[0] / length, vector[1] / length)
+
+
+class DriverKind(StrEnum):
+    """What drives a linkage: a crank is turned (φ in rad); a slider of the ground or a cylinder is pushed (φ in m)."""
+
+    CRANK = "crank"
+    SLIDER = "slider"
+    CYLINDER = "cylinder"
 
 
 @dataclass(frozen=True)
@@ -199,6 +212,25 @@ class Linkage:
     notes: tuple[str, ...] = field(default=())
     length_unit: str = "m"
     text: str = field(default="", repr=False)
+
+    @property
+    def driver(self) -> DriverKind:
+        """What the linkage is driven by."""
+        rides = any(slider.link == self.crank and slider.guide.host == GROUND for slider in self.sliders)
+        return DriverKind.SLIDER if rides else DriverKind.CRANK
+
+    @property
+    def is_linear(self) -> bool:
+        """Whether φ is a length, m, and the drive a force."""
+        return self.driver is not DriverKind.CRANK
+
+    def place(self, coordinate: float) -> str:
+        """A value of φ for a reader: an angle in degrees, a length in the unit of the linkage's file."""
+        return self.written(coordinate) if self.is_linear else degrees(coordinate)
+
+    def coordinate(self, value: float) -> str:
+        """A value of φ with its name."""
+        return f"{'crank angle' if not self.is_linear else f'a {self.driver} at'} {self.place(value)}"
 
     @property
     def joint_names(self) -> tuple[str, ...]:

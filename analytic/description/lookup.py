@@ -28,7 +28,7 @@ class Reader:
 
     def fail(self, message: str) -> DescriptionError:
         """The error to raise about this file; the message begins with the key at fault."""
-        return self.source.fault(message)
+        return DescriptionError(self.source.place(message))
 
     def number(self, value: float, kind: str, where: str) -> float:
         """A number of a kind of unit in SI."""
@@ -52,6 +52,22 @@ class Reader:
             f"{where}: expected a magnitude between {1.0 / LARGEST:g} and {LARGEST:g} in SI units, got {written}; "
             "correct the number or the unit"
         )
+
+    @property
+    def is_linear(self) -> bool:
+        """Whether the driver is pushed along a line, so that its coordinate φ is a length and its drive a force."""
+        driver = self.document.links.get(self.document.crank)
+        return driver is not None and driver.slides is not None and driver.slides.on == GROUND
+
+    @property
+    def coordinate(self) -> str:
+        """The kind of unit of φ."""
+        return "length" if self.is_linear else "angle"
+
+    @property
+    def drive(self) -> str:
+        """The kind of unit of what drives it."""
+        return "force" if self.is_linear else "torque"
 
     def vector(self, place: doc.Place, where: str) -> Vector:
         """A point in m."""

@@ -69,7 +69,8 @@ class EquationOfMotion:
     @cached_property
     def peak_moment(self) -> float:
         """Largest |Q + M1|/Jeq over the angles that the crank can reach, rad/s²."""
-        return float(np.nanmax(np.abs(where_assembled(lambda angle: self.terms(angle)[0], grid())), initial=0.0))
+        seen = self.mechanism.turn.angle if self.mechanism.linkage.is_linear else grid()
+        return float(np.nanmax(np.abs(where_assembled(lambda angle: self.terms(angle)[0], seen)), initial=0.0))
 
     def acceleration(self, angle: ArrayLike, speed: ArrayLike) -> Array:
         """φ̈, rad/s², at crank angles φ, rad, and speeds φ̇, rad/s, of one shape."""
@@ -78,7 +79,9 @@ class EquationOfMotion:
         return np.asarray(moment - speed * (damping + slope * speed))
 
     def tabulated(self, degree: int = DEGREE) -> EquationOfMotion:
-        """The same equation read from a table over one turn; unchanged if the crank cannot make a full turn."""
+        """The same equation read from a table over one turn; unchanged if the driver cannot make a full turn."""
+        if self.mechanism.linkage.is_linear:
+            return self
         try:
             return replace(self, table=tabulate(self.closed_form, degree))
         except AssemblyError:

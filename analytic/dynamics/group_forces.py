@@ -27,7 +27,9 @@ def references(structure: Structure) -> dict[str, Vector]:
 
     With moments taken about pins, lengths are differences of points of one link, however far its frame's origin lies.
     """
-    found = {GROUND: (0.0, 0.0), structure.pivot.far: structure.pivot.far_local}
+    pivot = structure.pivot
+    driver = pivot.far_local if isinstance(pivot, Revolute) else structure.bodies[pivot.far].centre
+    found = {GROUND: (0.0, 0.0), pivot.far: driver}
     for dyad in structure.dyads:
         inner = dyad.inner_joint
         shared = (inner.far_local, inner.near_local) if isinstance(inner, Revolute) else (None, None)

@@ -26,7 +26,9 @@ from analytic.description.linkage import Vector
 from analytic.dynamics.group_forces import Wrench, joint_wrenches
 from analytic.dynamics.link_balance import LinkBalance
 from analytic.dynamics.link_loads import LoadedSweep, resultant
+from analytic.kinematics import frames
 from analytic.kinematics.frames import Pair, Scalar
+from analytic.kinematics.structure import Revolute
 from analytic.kinematics.sweep import Sweep
 
 Array = NDArray[np.float64]
@@ -37,7 +39,8 @@ class Reactions:
     """What the joints and the drive exert, by joint name; arrays end in the shape of the sweep's angles.
 
     ``forces`` (2, ...), N; ``moments`` (...), N m, of guides on sliders about their ``Slider.point``; ``torque`` (...),
-    N m, of the drive on the crank, which equals ``dynamics.drive_torque``, found there from virtual work.
+    N m, of the drive on the crank, or its force, N, along the guide of a slider; it equals ``dynamics.drive_torque``,
+    found there from virtual work.
     """
 
     forces: Mapping[str, Array]
@@ -58,8 +61,7 @@ def reactions(sweep: Sweep, speed: ArrayLike, acceleration: ArrayLike) -> Reacti
         balance.book_outer(dyad.first_joint, first)
         balance.book(dyad.inner_joint, inner)
         balance.book_outer(dyad.second_joint, second)
-    x, y, torque = balance.needs[linkage.crank]
-    balance.book(structure.pivot, (x, y, 0.0))
+    torque = _book_driver(balance)
     forces = {joint: balance.at_pins[pin.point, link] for pin in linkage.pins for joint, link in pin.joints.items()}
     moments = {}
     for slider in linkage.sliders:
@@ -72,6 +74,18 @@ def reactions(sweep: Sweep, speed: ArrayLike, acceleration: ArrayLike) -> Reacti
         {name: _full(sweep, moment) for name, moment in moments.items()},
         _full(sweep, torque),
     )
+
+
+def _book_driver(balance: LinkBalance) -> Scalar:
+    """Enter what the driver's joint to the ground exerts on it; what is left is the drive's: a torque, or a force."""
+    pivot = balance.structure.pivot
+    x, y, moment = balance.needs[pivot.far]
+    if isinstance(pivot, Revolute):
+        balance.book(pivot, (x, y, 0.0))
+        return moment
+    push = frames.dot(pivot.along, (x, y))
+    balance.book(pivot, (x - push * pivot.along[0], y - push * pivot.along[1], moment))
+    return push
 
 
 def joint_forces(sweep: Sweep, speed: ArrayLike, acceleration: ArrayLike) -> dict[str, Array]:

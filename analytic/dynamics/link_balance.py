@@ -20,6 +20,7 @@ class LinkBalance:
 
     def __init__(self, loaded: LoadedSweep) -> None:
         sweep, structure = loaded.sweep, loaded.sweep.structure
+        self.structure = structure
         for dyad in structure.dyads:
             sweep.rates(dyad.first)  # refuses dead positions, in which the joints cannot hold the links
         self.poses = {body: sweep.poses(body) for body in (GROUND, *structure.bodies)}

@@ -5,7 +5,6 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from analytic.description.crank_motion import degrees
 from analytic.description.linkage import Linkage
 from analytic.errors import AssemblyError, LinkproofError
 from analytic.kinematics.dyad_solver import DyadSolver
@@ -29,7 +28,7 @@ def check_assembly(linkage: Linkage, solver: DyadSolver, angle: Array) -> None:
     if np.any(severity < 0.0):
         worst = int(np.argmin(np.broadcast_to(severity, angle.shape)))
         fault, detail = solver.shortfall(lambda value: _at(value, angle, worst), linkage.written)
-        raise AssemblyError(f"'{linkage.name}' {fault} at {degrees(_at(angle, angle, worst))}: {detail}")
+        raise AssemblyError(f"'{linkage.name}' {fault} at {linkage.place(_at(angle, angle, worst))}: {detail}")
 
 
 def check_motion(linkage: Linkage, solver: DyadSolver, angle: Array) -> None:
@@ -37,7 +36,7 @@ def check_motion(linkage: Linkage, solver: DyadSolver, angle: Array) -> None:
     if np.all(solver.moves):
         return
     first = int(np.argmin(np.broadcast_to(solver.moves, angle.shape)))
-    dyad, where = solver.dyad, degrees(_at(angle, angle, first))
+    dyad, where = solver.dyad, linkage.place(_at(angle, angle, first))
     raise AssemblyError(
         f"'{linkage.name}': '{dyad.first}' and '{dyad.second}' stand in a dead position at {where}, "
         "where their velocities are undefined; choose other crank angles, or lengths that keep the transmission angle "

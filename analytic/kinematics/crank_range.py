@@ -1,8 +1,9 @@
-"""The range of the crank angle in which a linkage can be assembled in its assembly mode, and what limits it."""
+"""The range of φ, a crank angle or a travel, in which a linkage keeps its assembly mode, and what limits it."""
 
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Final
 
@@ -25,12 +26,13 @@ Array = NDArray[np.float64]
 # that; each of its minima is then closed in on, for gaps between two steps.
 STEP: Final = FULL_TURN / 720
 NEAREST, NEAR_STEPS = 1e-13, 80
+SPAN: Final = 8.0  # of the drawing's size: how far a driver that does not turn is followed to either side
 LOOK, LOOKS = 33, 12  # each look at a minimum shrinks its bracket 16-fold
 
 
 @dataclass(frozen=True)
 class Toggle:
-    """A crank angle, rad, at which a dyad comes to the end of its assembly mode, and how its links stand there."""
+    """A crank angle, rad, or a travel, m, at which a dyad comes to the end of its assembly mode, and how it stands."""
 
     angle: float
     dyad: Dyad
@@ -46,6 +48,8 @@ class Toggle:
 class CrankRange:
     """The crank angles from ``low`` to ``high`` around ``start``, rad; both are None where the crank turns fully.
 
+    Of a driver that is pushed they are travels or lengths, m, and an end is None where nothing limits it within
+    ``reach`` of the start. ``place`` writes a value for a reader.
     ``change_points`` are the angles within it at which two assembly modes meet and neither ends: the crank passes them,
     but which mode follows is not a matter of geometry.
     """
@@ -54,29 +58,37 @@ class CrankRange:
     low: Toggle | None
     high: Toggle | None
     change_points: tuple[Toggle, ...]
+    reach: float = FULL_TURN
+    place: Callable[[float], str] = lambda angle: f"{math.degrees(angle):.6g}°"
+    is_linear: bool = False
 
     @property
     def is_full_turn(self) -> bool:
-        """Whether nothing limits the crank."""
-        return self.low is None
+        """Whether the driver is a crank that nothing limits."""
+        return self.low is None and not self.is_linear
 
     @property
     def limits(self) -> tuple[float, float]:
         """The lowest and the highest crank angle, rad; of a full turn, the turn that begins at ``start``."""
+        if self.is_linear:
+            low = self.start - self.reach if self.low is None else self.low.angle
+            return low, self.start + self.reach if self.high is None else self.high.angle
         if self.low is None or self.high is None:
             return self.start, self.start + FULL_TURN
         return self.low.angle, self.high.angle
 
     def check(self, first: float, last: float, linkage: str) -> None:
         """Raise AssemblyError where a motion from one crank angle to another, rad, leaves the range."""
-        if self.low is None or self.high is None:
+        if self.is_full_turn:
             return
         low, high = self.limits
         if min(first, last) < low or max(first, last) > high:
             limit = self.low if min(first, last) < low else self.high
+            cause = f"at {self.place(limit.angle)} {limit.sentence}" if limit else "farther it is not followed"
+            driver = "drive" if self.is_linear else "crank"
             raise AssemblyError(
-                f"'{linkage}' cannot be moved from {_written(first)} to {_written(last)}: its crank reaches "
-                f"{_written(low)} to {_written(high)} (at {_written(limit.angle)} {limit.sentence}); stay within"
+                f"'{linkage}' cannot be moved from {self.place(first)} to {self.place(last)}: its {driver} reaches "
+                f"{self.place(low)} to {self.place(high)} ({cause}); stay within"
             )
 
 
@@ -89,12 +101,10 @@ def crank_range(mechanism: Mechanism, start: float | None = None) -> CrankRange:
     """
     search = _Search(mechanism, mechanism.linkage.sketch_angle if start is None else start)
     low, high = search.first_fault(-1.0), search.first_fault(1.0)
-    return CrankRange(search.start, low, high, search.change_points(low, high))
-
-
-def _written(angle: float) -> str:
-    """A crank angle, rad, for a reader, of any turn."""
-    return f"{math.degrees(angle):.6g}°"
+    linkage, changes = mechanism.linkage, search.change_points(low, high)
+    if linkage.is_linear:
+        return CrankRange(search.start, low, high, changes, FULL_TURN * search.radian, linkage.written, is_linear=True)
+    return CrankRange(search.start, low, high, changes)
 
 
 class _Search:
@@ -106,7 +116,10 @@ class _Search:
         for body in mechanism.structure.bodies:
             mechanism.sweep(np.array([start])).poses(body)  # raises where it is not assembled
         self.signs = [np.sign(solver.closure.determinant) for solver in self.solvers(np.array([start]))]
-        self.offsets = np.concatenate([[0.0], np.geomspace(NEAREST, STEP, NEAR_STEPS)[:-1], np.arange(1, 721) * STEP])
+        linkage = mechanism.linkage
+        self.radian = SPAN * linkage.extent() / FULL_TURN if linkage.is_linear else 1.0  # what angles are counted in
+        steps = [np.zeros(1), np.geomspace(NEAREST, STEP, NEAR_STEPS)[:-1], np.arange(1, 721) * STEP]
+        self.offsets = self.radian * np.concatenate(steps)
 
     def solvers(self, angle: Array) -> list[DyadSolver]:
         """Every dyad placed at crank angles, assembled or not."""
@@ -182,11 +195,15 @@ class _Search:
 
     def change_points(self, low: Toggle | None, high: Toggle | None) -> tuple[Toggle, ...]:
         """Where the margin touches zero within the range."""
-        if low is None or high is None:  # a touch at the very start is seen at one of the two ends
+        step = self.radian * STEP
+        if self.mechanism.linkage.is_linear:
+            ends = [end.angle - self.start if end else side * self.offsets[-1] for end, side in ((low, -1), (high, 1))]
+            offsets = np.linspace(ends[0], ends[1], len(self.offsets))
+        elif low is None or high is None:  # a touch at the very start is seen at one of the two ends
             offsets = np.linspace(-2.0 * STEP, FULL_TURN + 2.0 * STEP, len(self.offsets))
         else:
             offsets = np.linspace(low.angle - self.start, high.angle - self.start, len(self.offsets))
         spots, heights = self.minima(offsets)
         touching = spots[np.abs(heights) <= 2.0 * ROUNDING]
-        once = [spot for spot in touching if not np.any(np.abs(spot - FULL_TURN - touching) < STEP)]
+        once = [spot for spot in touching if not np.any(np.abs(spot - FULL_TURN - touching) < step)]
         return tuple(self.toggle(spot, self.worst(spot)) for spot in map(float, once))

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from analytic.description.linkage import GROUND, Vector
 from analytic.kinematics.frames import arm
-from analytic.kinematics.structure import Dyad, Revolute
+from analytic.kinematics.structure import Dyad, Prismatic, Revolute
 from analytic.kinematics.sweep import Sweep
 
 Array = NDArray[np.float64]
@@ -87,6 +87,12 @@ class ErrorBounds:
 
     def _place_crank(self) -> None:
         pivot = self.sweep.structure.pivot
+        if isinstance(pivot, Prismatic):
+            travel = np.hypot(*pivot.origin) + np.abs(self._full(self.sweep.angle))
+            origin = ROUNDINGS * np.stack([travel, np.ones(self.shape), np.zeros(self.shape)])
+            turn = np.array([ROUNDINGS, 0.0, 0.0])[:, None] * np.ones(self.shape)
+            self.errors[self.sweep.linkage.crank] = BodyError(origin, turn)
+            return
         reach, out = float(np.hypot(*pivot.far_local)), float(np.hypot(*pivot.near_local))
         origin = np.array([reach + out, reach, reach])[:, None] * np.full(self.shape, ROUNDINGS)
         turn = np.array([1.0, 0.0, 0.0])[:, None] * np.full(self.shape, ROUNDINGS)

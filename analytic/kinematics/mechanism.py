@@ -42,7 +42,12 @@ class Mechanism:
 
     @cached_property
     def turn(self) -> Sweep:
-        """One full turn in half-degree steps: extremes are refined from here."""
+        """One full turn in half-degree steps: extremes are refined from here; of a driver that is pushed its range."""
+        if self.linkage.is_linear:
+            from analytic.kinematics.crank_range import crank_range  # noqa: PLC0415 - it is made of mechanisms
+
+            low, high = crank_range(self).limits
+            return self.sweep(np.linspace(low, high, 724)[2:-2])  # at its limits it stands in dead positions
         return self.sweep(np.linspace(0.0, FULL_TURN, 720, endpoint=False))
 
     def error_bound(self) -> tuple[float, float, float]:

@@ -1,4 +1,4 @@
-"""Taking a linkage apart: a class I crank, then Assur groups of two links, found from the description alone.
+"""Taking a linkage apart: a class I driver, then Assur groups of two links, found from the description alone.
 
 Every joint is one of two kinds. A *revolute* joint (R) joins all bodies that carry a point of one name. A *prismatic*
 joint (P) lets a body translate along a line of its host without turning against it; a pin in a slot is a massless
@@ -99,10 +99,10 @@ class Dyad:
 
 @dataclass(frozen=True)
 class Structure:
-    """The linkage's bodies, the crank's pivot and the dyads in an order in which they can be solved."""
+    """The linkage's bodies, the driver's joint to the ground and the dyads in an order in which they can be solved."""
 
     bodies: Mapping[str, Link]
-    pivot: Revolute
+    pivot: Revolute | Prismatic
     dyads: tuple[Dyad, ...]
 
     def with_signs(self, signs: tuple[int, ...]) -> Structure:
@@ -112,8 +112,9 @@ class Structure:
 
     @property
     def formula(self) -> str:
-        """The structural formula, class I crank first."""
-        return " -> ".join(["I (crank)", *(dyad.name for dyad in self.dyads)])
+        """The structural formula, class I driver first."""
+        driver = "crank" if isinstance(self.pivot, Revolute) else "slider"
+        return " -> ".join([f"I ({driver})", *(dyad.name for dyad in self.dyads)])
 
 
 def prismatic_joint(slider: Slider, anchor: Vector, near: str) -> Prismatic:
@@ -287,10 +288,11 @@ def find_structure(linkage: Linkage) -> Structure:
     """
     search = _Search(linkage)
     pivots = list(search.joints(GROUND, linkage.crank))
-    if len(pivots) != 1 or not isinstance(pivots[0], Revolute):
+    if len(pivots) != 1:
         raise StructureError(
-            f"crank '{linkage.crank}' of '{linkage.name}': expected one pin to the ground and no other joint to it, "
-            f"got {listed(joint.name for joint in pivots)}; give it just one point that [ground] has too"
+            f"crank '{linkage.crank}' of '{linkage.name}': expected one pin to the ground, or one slide on it, and no "
+            f"other joint to it, got {listed(joint.name for joint in pivots)}; give it just one point that [ground] "
+            "has too"
         )
     search.place(GROUND, linkage.crank)
     dyads = []

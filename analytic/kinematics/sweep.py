@@ -12,15 +12,29 @@ from analytic.errors import LinkproofError, UnknownNameError
 from analytic.kinematics import frames
 from analytic.kinematics.assembly import check_assembly, check_motion
 from analytic.kinematics.dyad_solver import DyadSolver
-from analytic.kinematics.frames import Pair, Pose, Rate, Scalar
-from analytic.kinematics.structure import Revolute, Structure
+from analytic.kinematics.frames import STILL, Pair, Pose, Rate, Scalar
+from analytic.kinematics.structure import Prismatic, Revolute, Structure
 
 Array = NDArray[np.float64]
 
 
-def crank_pose(pivot: Revolute, angle: Scalar) -> Pose:
-    """Pose of the crank at φ."""
+def crank_pose(pivot: Revolute | Prismatic, angle: Scalar) -> Pose:
+    """Pose of the driver at φ: turned about its pin, or shifted along its guide."""
+    if isinstance(pivot, Prismatic):
+        x, y = frames.ahead(pivot.origin, angle, pivot.along)
+        return (x, y, *pivot.turn)
     return frames.pose_through(pivot.near_local, (np.cos(angle), np.sin(angle)), pivot.far_local)
+
+
+def _crank_rates(pivot: Revolute | Prismatic, crank: Pose) -> tuple[Rate, Rate]:
+    """First and second derivative of the driver's frame over φ."""
+    if isinstance(pivot, Prismatic):
+        return (*pivot.along, 0.0), STILL
+    local = pivot.far_local
+    return (
+        frames.rate_through(crank, (0.0, 0.0), 1.0, local),
+        frames.acceleration_through(crank, (0.0, 0.0), 1.0, 0.0, local),
+    )
 
 
 def output_of(linkage: Linkage) -> Output:
@@ -49,13 +63,11 @@ class Sweep:
         self._centres: dict[tuple[str, int], Pair] = {}
         self._needs = {name: dyad for dyad in structure.dyads for name in (dyad.first, dyad.second)}
         crank = crank_pose(structure.pivot, angle)
-        local = structure.pivot.far_local
-        rate = frames.rate_through(crank, (0.0, 0.0), 1.0, local)
-        second = frames.acceleration_through(crank, (0.0, 0.0), 1.0, 0.0, local)
+        rate, second = _crank_rates(structure.pivot, crank)
         self._known: list[dict[str, Any]] = [  # poses, rates and accelerations
             {GROUND: (0.0, 0.0, 1.0, 0.0), linkage.crank: crank},
-            {GROUND: frames.STILL, linkage.crank: rate},
-            {GROUND: frames.STILL, linkage.crank: second},
+            {GROUND: STILL, linkage.crank: rate},
+            {GROUND: STILL, linkage.crank: second},
         ]
 
     def poses(self, body: str) -> Pose:
@@ -119,8 +131,8 @@ class Sweep:
         raise UnknownNameError("point", name, points)
 
     def angles(self, body: str) -> Array:
-        """Angle of a link's frame, rad, unwrapped along the last axis of the crank angles; the crank's is φ."""
-        if body == self.linkage.crank:
+        """Angle of a link's frame, rad, unwrapped along the last axis of the crank angles; a turning crank's is φ."""
+        if body == self.linkage.crank and not self.linkage.is_linear:
             return self.angle
         _, _, c, s = self.poses(body)
         return np.unwrap(np.broadcast_to(np.arctan2(s, c), self.angle.shape)) if self.angle.ndim else np.arctan2(s, c)

@@ -122,7 +122,13 @@ class FreeMotion:
             return np.asarray(moment + push - speed * (less * damping + more * slope * speed))
 
         moved = integrate(
-            disturbed, self.start, self.duration, gauss_scheme(NODES), tolerance=LOOSE, rounding=DISTURBANCE * push
+            disturbed,
+            self.start,
+            self.duration,
+            gauss_scheme(NODES),
+            tolerance=LOOSE,
+            rounding=DISTURBANCE * push,
+            repeats=not self.equation.mechanism.linkage.is_linear,
         )
         response = float(np.max(np.abs(angle - moved.angle_at(time)))) / DISTURBANCE
         return response * (3.0 * first + second)
@@ -200,6 +206,14 @@ def _integrated(
 ) -> Windows:
     """The windows of a motion; near an equilibrium the moment is a small difference, with the rounding of its peak."""
     rounding = ROUNDINGS * EPS * equation.peak_moment
+    linkage = equation.mechanism.linkage
     return integrate(
-        equation.acceleration, start, duration, gauss_scheme(nodes), tolerance=tolerance, rounding=rounding
+        equation.acceleration,
+        start,
+        duration,
+        gauss_scheme(nodes),
+        tolerance=tolerance,
+        rounding=rounding,
+        place=linkage.coordinate,
+        repeats=not linkage.is_linear,
     )

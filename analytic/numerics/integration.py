@@ -30,8 +30,9 @@ LEAST_TOLERANCE: Final = 64.0 * step_control.EPS  # the last coefficients of a s
 class _Path:
     """The windows done so far and the state at their end."""
 
-    def __init__(self, scheme: GaussScheme, angle: float, speed: float) -> None:
+    def __init__(self, scheme: GaussScheme, angle: float, speed: float, *, repeats: bool) -> None:
         self.scheme = scheme
+        self.repeats = repeats
         self.state: State = (angle, 0.0, speed, 0.0, 0.0)
         self.starts = [0.0]
         self.base: list[float] = []
@@ -60,6 +61,9 @@ class _Path:
         self.state = step_control.at_end(
             self.state, length, float(self.scheme.end_once @ found), float(self.scheme.end_twice @ found)
         )
+        if not self.repeats:  # a travel: nothing comes again after 2π
+            travel, *others, turns = self.state
+            self.state = (travel + turns * FULL_TURN, others[0], others[1], others[2], 0.0)
 
     def windows(self) -> Windows:
         return Windows(
@@ -75,14 +79,17 @@ def integrate(
     *,
     tolerance: float,
     rounding: float,
+    place: Callable[[float], str] = lambda angle: f"crank angle {degrees(angle)}",
+    repeats: bool = True,
 ) -> Windows:
     """Integrate from ``start``, (φ, ω), for ``duration`` seconds; ``tolerance`` is of the speed within a window.
 
-    ``rounding`` is what of an acceleration is noise, rad/s²: no window is made smaller to follow it. Raises
-    LinkproofError where the motion cannot be followed.
+    ``rounding`` is what of an acceleration is noise, rad/s²: no window is made smaller to follow it. ``place`` writes a
+    φ for a reader, ``repeats`` says whether the acceleration has period 2π in φ. Raises LinkproofError where the
+    motion cannot be followed.
     """
     tolerance, count = max(tolerance, LEAST_TOLERANCE), len(scheme.nodes)
-    path = _Path(scheme, *start)
+    path = _Path(scheme, *start, repeats=repeats)
     guess = _constant(acceleration, path)
     length = longest = step_control.first_window(start[1], float(guess[0]), duration)
     while path.starts[-1] < duration:
@@ -100,7 +107,7 @@ def integrate(
             factor = min(factor, step_control.MOST_RETRY)
             guess = _constant(acceleration, path)
         length *= factor
-        _check(path, length, longest, duration)
+        _check(path, length, longest, duration, place)
     return path.windows()
 
 
@@ -144,12 +151,12 @@ def _continued(scheme: GaussScheme, found: Array, growth: float) -> Array:
     return np.asarray(legendre.legval(1.0 + 2.0 * growth * scheme.nodes, (scheme.series @ found)[:kept]))
 
 
-def _check(path: _Path, length: float, longest: float, duration: float) -> None:
+def _check(path: _Path, length: float, longest: float, duration: float, place: Callable[[float], str]) -> None:
     time, done = path.starts[-1], len(path.base)
     if step_control.is_lost(path.starts, done, length, longest):
         raise LinkproofError(
-            f"motion: expected one that is smooth, got one that cannot be followed beyond t = {time:.6g} s at crank "
-            f"angle {degrees(float(path.angle))}, a dead position or an unbounded speed; shorten the "
+            f"motion: expected one that is smooth, got one that cannot be followed beyond t = {time:.6g} s at "
+            f"{place(float(path.angle))}, a dead position or an unbounded speed; shorten the "
             "duration or change the loads"
         )
     if done > MOST_WINDOWS:

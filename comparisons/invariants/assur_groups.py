@@ -23,7 +23,7 @@ class AssurGroups:
         self.equations = equations
         self._pins = self._pin_points()
         self.blocks: list[tuple[Numbers, Numbers]] = []
-        placed = {GROUND, equations.scene.crank}
+        placed = {GROUND, equations.scene.crank} if equations.scene.crank else {GROUND}
         left = [name for name in equations.index if name not in placed]
         while left:
             sets = (bodies for k in range(1, len(left) + 1) for bodies in itertools.combinations(left, k))

@@ -29,6 +29,7 @@ UNITS: Mapping[str, str] = {
     "energy_balance": "J",
     "torque_two_routes": "N m",
 }
+LINEAR_UNITS: Mapping[str, str] = {"crank_phase": "m", "torque_two_routes": "N"}  # of a driver that is pushed
 # Those that are shares of something, or angles, at every sample of the position.
 SHARES: Mapping[str, Callable[[Inspection], Signal]] = {
     "assembly_mode": Inspection.assembly_mode,
@@ -61,7 +62,8 @@ def _checks(case: Case, motion: ObservedMotion, blank: Record) -> Iterator[Recor
         if name == "force_balance" and Channel.JOINT_FORCE not in motion.scene.channels:
             continue
         lacking = _lacking(motion, name, needed)
-        record = replace(blank, quantity=name, unit=UNITS[name])
+        unit = UNITS[name] if not motion.is_linear else LINEAR_UNITS.get(name, UNITS[name])
+        record = replace(blank, quantity=name, unit=unit)
         if lacking:
             yield replace(record, outcome=Verdict.NOT_PROVIDED.value, detail=f"{blank.engine} tells no {lacking}")
         elif name in BALANCES and case.mechanism.linkage.is_idle:
@@ -90,7 +92,8 @@ def _checked(case: Case, seen: Inspection, record: Record) -> Record:
     if record.quantity == "joint_gap":
         return _check(record, invariants.joint_gaps(motion), case.mechanism.linkage.shortest_length(), samples)
     if record.quantity in SHARES:
-        return _check(record, SHARES[record.quantity](seen), 1.0, samples)
+        scale = seen.radian if record.quantity == "crank_phase" else 1.0
+        return _check(record, SHARES[record.quantity](seen), scale, samples)
     samples = len(motion.signal(Channel.ACCELERATION).time)
     if record.quantity == "force_balance":
         return _check(record, _away_from_jumps(case, seen.force_balance()), 1.0, samples)

@@ -15,8 +15,10 @@ from comparisons.invariants.corrections import LEVELS, Findings, findings
 from comparisons.observation.interpolation import POINTS, resample
 from comparisons.observation.observed_motion import ObservedMotion
 from engines.contract import Signal
+from engines.mechanics.driver import driven
 from engines.mechanics.joints import JointEquations, scene_size
-from engines.scene import Body, Channel, Free, Prescribed
+from engines.mechanics.states import start_motion
+from engines.scene import Channel, Free, Prescribed
 
 Array = NDArray[np.float64]
 
@@ -43,10 +45,17 @@ class Inspection:
         """The scene's, their equations' lengths counted in its size."""
         return AssurGroups(JointEquations(self.motion.scene, scene_size(self.motion.scene)))
 
-    @property
-    def crank(self) -> Body:
-        """The crank in its start state."""
-        return self.motion.scene.bodies[self.groups.equations.crank]
+    @cached_property
+    def start(self) -> tuple[float, float, float]:
+        """φ in the start state, rad or m, its speed and its acceleration."""
+        scene = self.motion.scene
+        angle, speed, acceleration = (float(value[0]) for value in driven(scene, *start_motion(scene)))
+        return angle, speed, acceleration
+
+    @cached_property
+    def radian(self) -> float:
+        """What φ is measured against: 1 rad, or the scene's size, m."""
+        return scene_size(self.motion.scene) if self.motion.is_linear else 1.0
 
     @property
     def duration(self) -> float:
@@ -122,7 +131,7 @@ class Inspection:
         prescribed motion may be over within a few samples; a turn may have no more than a few; and dampers may take a
         good part of a speed between two.
         """
-        result = np.abs(np.diff(self.motion.crank(Channel.POSITION, time))) > COARSE
+        result = np.abs(np.diff(self.motion.crank(Channel.POSITION, time))) > COARSE * self.radian
         result |= np.diff(time) * self.relaxation_rate(time)[1:] > SUDDEN
         for start, end in self._sharp_passages(time):
             result |= (time[:-1] <= end) & (time[1:] >= start)

@@ -10,7 +10,7 @@ from __future__ import annotations
 import math
 import tomllib
 from collections.abc import Callable, Iterable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -21,6 +21,7 @@ from numpy.typing import NDArray
 from analytic.description.law import FULL_TURN
 from analytic.description.thread_path import ThreadEye, ThreadPath
 from analytic.errors import LinkproofError, UnknownNameError
+from analytic.request import unit_of
 from analytic.turn.thread_feed import feed, feed_of_length, reference_angle, reference_length
 from analytic.turn.unit_functions import top_dead_centre
 from comparisons.observation.interpolation import SHARP, peak, resample
@@ -32,6 +33,13 @@ from engines.scene import Channel
 Array = NDArray[np.float64]
 
 JOINT_FORCE = "joint_force:"
+LINEAR_TITLES: Mapping[str, str] = {
+    "phi": "travel of the drive",
+    "omega": "speed of the drive",
+    "epsilon": "acceleration of the drive",
+    "Jeq": "reduced mass",
+    "Mkr": "force of the drive",
+}
 TABLE = Path(__file__).with_name("quantities.toml")
 
 Reference = Callable[[Case, Array], Array]
@@ -210,7 +218,16 @@ QUANTITIES: Mapping[str, Quantity] = {
 def all_quantities(case: Case) -> dict[str, Quantity]:
     """Every quantity that is a result of a case, those of its joints among them."""
     joints = [_joint_force(joint) for joint in case.joint_names()]
-    return {q.name: q for q in (*QUANTITIES.values(), *joints) if q.fits(case)}
+    return {q.name: _of_driver(q, case) for q in (*QUANTITIES.values(), *joints) if q.fits(case)}
+
+
+def _of_driver(quantity: Quantity, case: Case) -> Quantity:
+    """The quantity in the unit and words of what drives the linkage."""
+    linkage = case.mechanism.linkage
+    if not linkage.is_linear:
+        return quantity
+    title = LINEAR_TITLES.get(quantity.name, quantity.title)
+    return replace(quantity, unit=unit_of(quantity.name, quantity.unit, is_linear=True), title=title)
 
 
 def chosen_quantities(case: Case, names: Iterable[str]) -> list[Quantity]:

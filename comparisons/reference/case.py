@@ -18,6 +18,7 @@ from analytic.dynamics import reduced
 from analytic.dynamics.joint_forces import joint_forces, shaking_force, shaking_moment
 from analytic.errors import LinkproofError
 from analytic.kinematics.mechanism import FULL_TURN, Mechanism
+from analytic.kinematics.structure import Revolute
 from analytic.kinematics.sweep import Sweep
 from analytic.motion.released import FreeMotion, free_motion
 from comparisons.reference.start_state import scene
@@ -114,10 +115,11 @@ class Truth:
 
     @cached_property
     def shaking(self) -> Array:
-        """Force on the frame, N, and its moment about the crank's pivot, N m: (3, n)."""
+        """Force on the frame, N, and its moment about the crank's pivot, or the origin, N m: (3, n)."""
         moved = (self.sweep, self.speed, self.acceleration)
-        pivot = self.mechanism.structure.pivot.near_local
-        return np.stack([*shaking_force(*moved), shaking_moment(*moved, pivot)])
+        pivot = self.mechanism.structure.pivot
+        about = pivot.near_local if isinstance(pivot, Revolute) else (0.0, 0.0)
+        return np.stack([*shaking_force(*moved), shaking_moment(*moved, about)])
 
 
 @dataclass(frozen=True)
@@ -159,8 +161,11 @@ class Case:
         """Raise AssemblyError where the linkage cannot be assembled, or cannot move, at an angle the crank passes."""
         angle = self.motion.angle(np.linspace(0.0, self.motion.duration, INSTANTS))
         low, high = float(np.min(angle)), float(np.max(angle))
-        passed = np.linspace(low, high, math.ceil((high - low) / LOOK) + 2)
-        for sweep in (self.mechanism.turn if high - low >= FULL_TURN else self.mechanism.sweep(passed), self.start()):
+        turns = not self.mechanism.linkage.is_linear
+        look = LOOK * (1.0 if turns else self.mechanism.linkage.extent())
+        passed = np.linspace(low, high, math.ceil((high - low) / look) + 2)
+        whole = turns and high - low >= FULL_TURN
+        for sweep in (self.mechanism.turn if whole else self.mechanism.sweep(passed), self.start()):
             for body in self.mechanism.structure.bodies:
                 sweep.rates(body)
 

@@ -25,11 +25,12 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from analytic.description.linkage import GROUND, Linkage
+from analytic.description.linkage import Linkage
 from analytic.errors import LinkproofError, UnknownNameError
 from analytic.kinematics.mechanism import Mechanism
 from analytic.kinematics.structure import Dyad
 from analytic.kinematics.transmission import transmission_angle
+from analytic.request import unit_of
 from analytic.turn.unit_functions import top_dead_centre
 from comparisons.reference.case import INSTANTS, Case, Motion, Truth
 
@@ -56,7 +57,6 @@ UNITS: Final[Mapping[str, str]] = {
     **{"phi": "rad", "omega": "rad/s", "epsilon": "rad/s²", "Mkr": "N m", "Peq": "W", "Teq": "J", "Jeq": "kg m²"},
     **{"S": "m", "v": "m/s", "a": "m/s²", "shaking_moment": "N m"},
 }
-ALONG_A_LINE: Final = {"phi": "m", "omega": "m/s", "epsilon": "m/s²", "Mkr": "N", "Jeq": "kg"}
 # Of a kind its components, each with its unit.
 COMPONENTS: Final[Mapping[str, Mapping[str, str]]] = {
     "point": {"x": "m", "y": "m", "vx": "m/s", "vy": "m/s", "ax": "m/s²", "ay": "m/s²"},
@@ -76,7 +76,7 @@ def names(case: Case) -> tuple[str, ...]:
 def unit(name: str, linkage: Linkage) -> str:
     """SI unit of the signal of a linkage."""
     if name in UNITS:
-        return ALONG_A_LINE.get(name, UNITS[name]) if is_driven_along_a_line(linkage) else UNITS[name]
+        return unit_of(name, UNITS[name], is_linear=linkage.is_linear)
     kind, part = name.split(":", 1)
     return COMPONENTS[kind][part.rpartition(":")[2] if kind != "transmission_angle" else ""]
 
@@ -87,11 +87,6 @@ def signal(truth: Truth, name: str) -> Array:
     if name not in known:
         raise UnknownNameError("signal", name, known)
     return np.array(np.broadcast_to(known[name](truth), truth.time.shape), dtype=float)
-
-
-def is_driven_along_a_line(linkage: Linkage) -> bool:
-    """Whether the drive is a slider of the ground or a cylinder, so that φ is a length."""
-    return not linkage.crank or any(s.link == linkage.crank and s.guide.host == GROUND for s in linkage.sliders)
 
 
 def is_loaded(linkage: Linkage) -> bool:

@@ -38,7 +38,7 @@ class Node:
 
 @dataclass(frozen=True)
 class Path:
-    """Poses over crank angles ``angle`` (m,), increasing; ``state`` (m, 3, bodies, 3) as of the nodes.
+    """Poses over φ, ``angle`` (m,), rad or units, increasing; ``state`` (m, 3, bodies, 3) as of the nodes.
 
     ``turns`` (bodies,) is each body's turn in rad per full turn of the crank where the path is one full turn that
     shuts, so that it repeats; None where the path has two ends.
@@ -64,7 +64,7 @@ class Path:
 
     def closed(self, crank: Reals, dtype: type[np.floating[Any]] = np.float64) -> Closed:
         """The poses at crank angles (n,); raises UnsolvableError where the path is too coarse to find them."""
-        closed = close(self.equations, self.guess(crank, dtype))
+        closed = close(self.equations, self.guess(crank, dtype), crank)
         if float(np.max(closed.first)) <= NEAR:
             return closed
         matrix = self.equations.jacobian(closed.arms).astype(float)
@@ -79,9 +79,12 @@ class Path:
             number = np.floor((crank - start) / FULL_TURN)
         coordinates = self._quintic(crank - FULL_TURN * number)
         place, reduced = coordinates[..., :2].astype(dtype), coordinates[..., 2].astype(dtype)
-        reduced[:, self.equations.crank] = crank
+        driver = self.equations.driver
+        if driver.turns:
+            reduced[:, driver.crank] = crank
         angle = reduced if self.turns is None else reduced + number[:, None] * self.turns
-        angle[:, self.equations.crank] = crank
+        if driver.turns:
+            angle[:, driver.crank] = crank
         return Pose(place, angle, np.cos(reduced), np.sin(reduced))
 
     def _quintic(self, crank: Reals) -> Reals:
@@ -105,9 +108,9 @@ class Path:
         return result
 
 
-def node(equations: Equations, pose: Pose) -> Node:
-    """The pose nearest to ``pose`` (one instant) that closes the joints; raises UnsolvableError."""
-    closed = close(equations, pose)
+def node(equations: Equations, pose: Pose, coordinate: float) -> Node:
+    """The pose nearest to ``pose`` (one instant) that closes the joints at φ; raises UnsolvableError."""
+    closed = close(equations, pose, np.array([coordinate]))
     if not float(closed.first[0]) <= FARTHEST:
         raise UnsolvableError("the pose is too far from the one before")
     matrix = equations.jacobian(closed.arms)
@@ -116,8 +119,7 @@ def node(equations: Equations, pose: Pose) -> Node:
     second = equations.spread((inverse @ equations.bend(closed.arms, first)[..., None])[..., 0])
     equations.solves += 2
     position = closed.pose.coordinates()
-    angle = float(closed.pose.angle[0, equations.crank])
-    return Node(angle, np.stack([position[0], first[0], second[0]]), float(np.linalg.slogdet(matrix[0])[0]))
+    return Node(coordinate, np.stack([position[0], first[0], second[0]]), float(np.linalg.slogdet(matrix[0])[0]))
 
 
 def follow(equations: Equations, start: Node, end: float, largest: float) -> tuple[list[Node], bool]:
@@ -142,7 +144,7 @@ def follow(equations: Equations, start: Node, end: float, largest: float) -> tup
 
 def _next(equations: Equations, nodes: list[Node], crank: float) -> Node:
     """The node at a crank angle in the mode of the nodes before; raises UnsolvableError."""
-    following = node(equations, _predicted(equations, nodes, crank))
+    following = node(equations, _predicted(equations, nodes, crank), crank)
     if following.side != nodes[-1].side:
         raise UnsolvableError("the pose is in another assembly mode")
     return following
@@ -154,7 +156,8 @@ def _predicted(equations: Equations, nodes: list[Node], crank: float) -> Pose:
     step = crank - here.angle
     third = 0.0 if len(nodes) == 1 else (here.state[2] - nodes[-2].state[2]) / (here.angle - nodes[-2].angle)
     state = here.state[0] + step * (here.state[1] + step / 2.0 * (here.state[2] + step / 3.0 * third))
-    state[equations.crank, 2] = crank
+    if equations.driver.turns:
+        state[equations.driver.crank, 2] = crank
     return pose_of(state[None])
 
 
@@ -176,8 +179,9 @@ def reach(equations: Equations, low: float, high: float) -> Path:
 
 
 def _followed(equations: Equations, low: float, high: float, largest: float) -> Path:
-    start = node(equations, equations.start())
-    if high - low >= FULL_TURN:
+    at_start = equations.start()
+    start = node(equations, at_start, float(equations.driven(at_start, equations.arms(at_start))[0]))
+    if equations.driver.turns and high - low >= FULL_TURN:
         nodes, whole = follow(equations, start, start.angle + FULL_TURN, largest)
         turns = _turns(nodes) if whole else None
         if turns is not None:

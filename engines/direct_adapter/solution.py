@@ -22,7 +22,10 @@ KINETIC = FORCES | {Channel.ACCELERATION}
 
 @dataclass(frozen=True)
 class Crank:
-    """The crank's motion at n instants, rad and s; ``acceleration`` is None where ``torque``, N m, sets it."""
+    """The driver's motion at n instants, rad or units, and s; ``acceleration`` is None where ``torque`` sets it.
+
+    That is in N m, of a linear driver its force in N times the unit.
+    """
 
     angle: Reals
     speed: Reals
@@ -65,16 +68,19 @@ def solve(equations: Equations, closed: Closed, crank: Crank, channels: frozense
     second = crank.acceleration
     if second is None or channels & FORCES:  # a prescribed crank moves as it does whatever pulls at the links
         loads = applied_loads(equations.scene, pose, velocity)
-        loads[:, equations.crank, 2] += crank.torque
+        if crank.torque:
+            push = equations.driver.gradient(closed.arms.driver, len(loads)) / equations.metres
+            loads = loads + crank.torque * push
     if second is None:
         second = _free_acceleration(equations, lever, bend, loads)
     acceleration = equations.spread(bend + lever * second[:, None]) * equations.metres
     if not channels & FORCES:
         return Solution(pose.coordinates(), velocity, acceleration)
     multipliers = solver.solve_transposed(equations.generalised(equations.mass * acceleration - loads))
-    torque = multipliers[:, equations.crank_row] * equations.unit
+    scale = equations.driver.scale
+    torque = multipliers[:, equations.crank_row] * (equations.unit / scale)
     if crank.acceleration is None:
-        torque = np.full_like(crank.speed, crank.torque)  # the row of the crank takes nothing: rounding, no torque
+        torque = np.full_like(crank.speed, crank.torque / scale)  # the driver's row takes nothing: rounding, no torque
     forces = equations.joint_forces(closed.arms, multipliers) if Channel.JOINT_FORCE in channels else None
     return Solution(pose.coordinates(), velocity, acceleration, torque, forces)
 

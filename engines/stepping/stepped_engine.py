@@ -193,7 +193,7 @@ class SteppedEngine(ABC, Generic[World, R]):
         if len(passes) > 1:
             cost.details["estimated_error"] = estimated_error(passes, recipe.orders)
         history = extrapolate(passes, recipe.orders)
-        return restored(history, units) if units else history
+        return restored(history, units, scene.driver_kind) if units else history
 
     def planned(self, scene: Scene, recipe: R, cost: Cost) -> tuple[Scene, OwnUnits | None, list[Course[R]]]:
         """The scene that worlds are built from, its units if these are its own, and the passes that are asked for."""

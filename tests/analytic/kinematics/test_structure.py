@@ -85,15 +85,15 @@ def test_names_and_order_do_not_decide_what_is_found():
 FAULTS = {
     "no pivot": (
         HEAD + _links(crank={"A": (1, 0)}, rod={"A": (0, 0), "P": (3, 0)}),
-        r"crank 'crank' of 'sample': expected one pin to the ground and no other joint to it, got none; give it just",
+        r"crank 'crank' of 'sample': expected one pin to the ground, or .* joint to it, got none; give it just",
     ),
     "two pivots": (
         HEAD + _links(crank={"O": (0, 0), "P": (3, 0)}),
-        r"expected one pin to the ground and no other joint to it, got pin 'O', pin 'P'",
+        r"expected one pin to the ground, or one slide on it, and no other joint to it, got pin 'O', pin 'P'",
     ),
     "sliding crank": (
         HEAD + _links(crank=CRANK) + 'slides = { point = "O", through = [0, 0], along = [1, 0] }\n',
-        r"expected one pin to the ground and no other joint to it, got pin 'O', slide of 'ground' and 'crank'",
+        r"expected one pin to the ground, or .* joint to it, got pin 'O', slide of 'ground' and 'crank'",
     ),
     "mobility 2": (
         HEAD
