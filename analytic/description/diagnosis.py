@@ -6,7 +6,7 @@ import re
 import tomllib
 from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from pathlib import Path
 from typing import Any, Final
@@ -16,7 +16,7 @@ from pydantic_core import ErrorDetails
 
 from analytic.description.schema import Document
 from analytic.description.units import UNITS
-from analytic.errors import UnknownNameError, shortened
+from analytic.errors import DescriptionError, UnknownNameError, shortened
 
 _PHRASES: Final = tomllib.loads(Path(__file__).with_name("expected.toml").read_text(encoding="utf-8"))
 EXPECTED: Final[Mapping[str, str]] = _PHRASES["by_key"] | {
@@ -29,15 +29,28 @@ WITHOUT = " is missing"
 
 @dataclass(frozen=True)
 class Source:
-    """A linkage file as it was read: its name for messages, its text, and the variant laid over it, if any."""
+    """A linkage file as it was read: its name for messages, its text, and the variant laid over it, if any.
+
+    ``copies`` has the path that stands in the file for each path that is a copy of it.
+    """
 
     name: str
     text: str = ""
     variant: str | None = None
+    copies: Mapping[str, str] = field(default_factory=dict)
 
     @cached_property
     def _lines(self) -> dict[str, int]:
-        return key_lines(self.text)
+        lines = key_lines(self.text)
+        return {copy: lines[path] for copy, path in self.copies.items() if path in lines} | lines
+
+    def with_copies(self, copies: Mapping[str, str]) -> Source:
+        """The same file with copies of some of its parts."""
+        return replace(self, copies=copies)
+
+    def fault(self, message: str) -> DescriptionError:
+        """The error to raise about this file; the message begins with the key at fault."""
+        return DescriptionError(self.place(message))
 
     def line(self, keys: Sequence[str]) -> int:
         """The line of a key, the variant's before the file's own, or of the innermost table or list it belongs to."""
@@ -119,7 +132,8 @@ def _known_keys(parents: Sequence[str]) -> list[str]:
     for key in parents:
         if model is not None and key in model.model_fields:
             model = next(_tables_in(model.model_fields[key].annotation), None)
-    return sorted(model.model_fields) if model is not None else []
+    outside = () if parents else ("variants", "repeat")  # which are gone before the model is asked
+    return sorted((*model.model_fields, *outside)) if model is not None else []
 
 
 def _tables_in(annotation: Any) -> Iterator[type[BaseModel]]:  # noqa: ANN401 - an annotation may be anything

@@ -15,6 +15,7 @@ from pydantic import ValidationError
 
 from analytic.description.conversion import interpret
 from analytic.description.diagnosis import Source, sentence, shown
+from analytic.description.format.repetition import expanded
 from analytic.description.linkage import Linkage
 from analytic.description.schema import Document
 from analytic.errors import DescriptionError, UnknownNameError, is_safe, listed, printable
@@ -133,11 +134,13 @@ def parse(text: str, name: str, origin: str, variant: str | None = None) -> Link
     chosen = base_name if variant is None else variant
     if chosen not in names:
         raise UnknownNameError(f"variant of '{name}'", chosen, names)
+    overlay = {} if chosen == base_name else dict(overlays[chosen])
+    raw, source = expanded(_merged(raw, {"repeat": overlay.pop("repeat")}) if "repeat" in overlay else raw, source)
     if chosen != base_name:
-        _check_links(raw.get("links"), overlays[chosen].get("links"), source, chosen)
-        raw = _merged(raw, overlays[chosen])
+        _check_links(raw.get("links"), overlay.get("links"), source, chosen)
+        raw = _merged(raw, overlay)
         raw["variant"] = chosen
-        source = Source(origin, text, chosen)
+        source = replace(source, variant=chosen)
     return interpret(_validated(raw, source), name, names, source)
 
 

@@ -28,7 +28,7 @@ class Reader:
 
     def fail(self, message: str) -> DescriptionError:
         """The error to raise about this file; the message begins with the key at fault."""
-        return DescriptionError(self.source.place(message))
+        return self.source.fault(message)
 
     def number(self, value: float, kind: str, where: str) -> float:
         """A number of a kind of unit in SI."""

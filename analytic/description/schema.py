@@ -188,7 +188,7 @@ class Document(TomlTable):
     """A whole linkage file with one variant already laid over it."""
 
     title: str
-    source: str
+    source: str = ""
     units: UnitsTable
     crank: str
     gravity: Pair = (0.0, 0.0)
