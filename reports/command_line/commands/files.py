@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Final
 
 from analytic.description.format.json_schema import TITLE, json_schema
-from analytic.errors import LinkproofError, is_safe, printable
+from analytic.errors import LinkproofError, is_safe
 from comparisons.runs.files import check_writable, write_text
 from reports.command_line.destination import Destination
 from reports.text.screen import line
