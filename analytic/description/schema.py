@@ -173,12 +173,19 @@ class Erratum(TomlTable):
 
 
 class Published(TomlTable):
-    """A figure printed in a source: SI units, or a plain ratio; ``half_digit`` is half a unit of its last digit."""
+    """A figure printed in a source, in ``unit``, by default SI or a plain ratio.
+
+    ``half_digit`` is half a unit of its last digit, ``accuracy`` what the source's own error is known to be where that
+    is more. A figure at a crank angle is that of a crank that turns with ``speed``, rpm, by default with 1 rad/s.
+    """
 
     quantity: str
     value: Finite
     place: str
+    unit: str | None = None
     half_digit: NotNegative = 0.0
+    accuracy: NotNegative = 0.0
+    speed: Finite | None = None
     variant: str | None = None
     relative_to: str | None = None
     note: str = ""

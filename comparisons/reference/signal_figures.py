@@ -2,7 +2,7 @@
 
 ``point:D:x@30``               at a crank angle, degrees, or ``@0.5rad``; the crank turns at the figure's own speed
 ``omega@0.03s:squeezing``      at a time of one of the linkage's own regimes
-``point:D:y.max`` ``.min`` ``.range``  over a turn of the crank, or over what of it the linkage can be assembled in
+``point:D:y.max`` ``.min`` ``.range``  over a turn of the crank
 ``link:K2:angle - phi@30``     of a difference of signals
 
 The signals are those of ``comparisons.reference.signals``.
