@@ -24,7 +24,7 @@ from analytic.numerics.extremes import Array, Extremes, extremes
 from comparisons.reference.case import Truth, own_motion
 from comparisons.reference.signals import signal, unit
 
-PLACE: Final = re.compile(r"(?P<number>[-+0-9.e]+)(?:(?P<angle>deg|rad)?|s:(?P<regime>.+))")
+PLACE: Final = re.compile(r"(?P<number>[-+]?\d+\.?\d*(?:e[-+]?\d+)?)(?:(?P<angle>deg|rad)?|s:(?P<regime>.+))")
 REDUCTIONS: Final[Mapping[str, Callable[[Extremes], float]]] = {
     ".max": lambda found: found.maximum,
     ".min": lambda found: found.minimum,
