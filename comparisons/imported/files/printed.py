@@ -1,0 +1,69 @@
+"""Printed numbers: their values, and half a unit of the last digit that is printed of each."""
+
+from __future__ import annotations
+
+import re
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+Integers = NDArray[np.int64]
+
+NUMBER: Final = re.compile(r"[+-]?(?:\d+\.?\d*|\.\d+)(?:[eEdD][+-]?\d{1,3})?")
+MOST_DIGITS: Final = 17  # of a double: more say nothing
+SMALLEST: Final = 400  # decimals of the smallest double, and more
+
+
+def parse(words: list[str]) -> tuple[Array, Array] | None:
+    """Values (n,) and decimals (n,) of numbers with a decimal point; None if any is no finite number.
+
+    Decimals count from the point to the last printed digit, less the exponent: 3 for 0.125 and for 12.5e-2.
+    """
+    try:
+        values = np.array(words, dtype=np.float64)
+    except ValueError:
+        return _slowly(words)
+    if not np.isfinite(values).all():
+        return None
+    text = np.array(words, dtype=np.bytes_)
+    return values, _decimals(text)
+
+
+def _slowly(words: list[str]) -> tuple[Array, Array] | None:
+    """Numbers with an exponent written as in Fortran."""
+    if not all(map(NUMBER.fullmatch, words)):
+        return None
+    plain = [word.replace("d", "e").replace("D", "e") for word in words]
+    values = np.array(plain, dtype=np.float64)
+    return (values, _decimals(np.array(plain, dtype=np.bytes_))) if np.isfinite(values).all() else None
+
+
+def _decimals(text: NDArray[np.bytes_]) -> Array:
+    """Decimals of every number of ``text`` (n,)."""
+    width = text.dtype.itemsize
+    characters = text.view(np.uint8).reshape(len(text), width)
+    is_exponent = (characters == ord("e")) | (characters == ord("E"))
+    point = characters == ord(".")
+    end = np.where(is_exponent.any(axis=1), is_exponent.argmax(axis=1), (characters != 0).sum(axis=1))
+    fraction = np.where(point.any(axis=1), end - point.argmax(axis=1) - 1, 0)
+    exponent = np.zeros(len(text))
+    rows = np.flatnonzero(is_exponent.any(axis=1))
+    if len(rows):
+        exponent[rows] = [int(word.lower().partition(b"e")[2]) for word in text[rows].tolist()]
+    return np.asarray(fraction - exponent, dtype=np.float64)
+
+
+def resolution(values: Array, decimals: Array) -> Array:
+    """Half a unit of the last digit of each number of a column (n,).
+
+    Where trailing zeros are left out, as by ``%g``, a short number is as sharp as the column's other numbers: it has
+    their decimals or their number of digits, whichever is coarser.
+    """
+    with np.errstate(divide="ignore"):
+        magnitude = np.where(values == 0.0, -SMALLEST, np.floor(np.log10(np.abs(values))))
+    digits = min(float(np.max(np.where(values == 0.0, 1.0, magnitude + 1.0 + decimals))), MOST_DIGITS)
+    sharpest = float(np.max(decimals))
+    hidden = np.minimum(sharpest, digits - magnitude - 1.0)
+    return np.asarray(0.5 * 10.0 ** -np.clip(np.maximum(decimals, hidden), -300, 300))

@@ -1,0 +1,83 @@
+"""Result files of other tools as tables of columns, whatever their layout."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
+from pathlib import Path
+from typing import Final
+
+import numpy as np
+
+from comparisons.imported.columns import Column, ResultTable
+from comparisons.imported.files import adams_results
+from comparisons.imported.files.delimited import tables
+from comparisons.imported.files.text import ResultText, read_text
+
+ADAMS: Final = "Adams"
+SOLIDWORKS: Final = "SolidWorks Motion"
+ROBOTRAN: Final = "Robotran"
+MODELICA: Final = "Modelica"
+# Tools whose numbers are in SI units where a header says nothing else.
+SI_TOOLS: Final = (MODELICA, ROBOTRAN)
+
+
+def result_tables(path: Path) -> list[ResultTable]:
+    """Every table of a file in its order; raises LinkproofError with file and line for what cannot be read."""
+    file = read_text(path)
+    if adams_results.is_adams(file.text):
+        line, columns = adams_results.columns(file)
+        return [ResultTable(file.name, line, ADAMS, tuple(columns))]
+    is_robotran = path.suffix.lower() == ".res"
+    found = []
+    for line, columns in tables(file, headless=path.stem if is_robotran else ""):
+        if is_robotran and not line.text:
+            columns[0] = replace(columns[0], header="time")
+        tool = ROBOTRAN if is_robotran else _tool(path, line.text, columns)
+        found += [ResultTable(file.name, line.number, tool, part) for part in _by_axis(columns) if len(part) > 1]
+    if not found:
+        raise _one_column(file)
+    return found
+
+
+def _one_column(file: ResultText) -> Exception:
+    return file.fail(1, "expected a column of time or crank angle and others beside it, got one column; export both")
+
+
+def _tool(path: Path, header: str, columns: Sequence[Column]) -> str:
+    """What wrote a table, by the marks of its header; "" for any table."""
+    if path.suffix.lower() == ".tab":
+        return ADAMS
+    if header.lstrip().startswith('"Time (sec)"'):
+        return SOLIDWORKS
+    # Modelica tools, FMU and Simscape exports name the column of time so and print no units.
+    is_bare = not any(column.unit or set(column.header) & set("()[]/ ") - _indices(column) for column in columns)
+    return MODELICA if columns and columns[0].header == "time" and is_bare else ""
+
+
+def _indices(column: Column) -> set[str]:
+    """The brackets of a Modelica array such as ``body.r_0[1]``, which are not those of a unit."""
+    return set("[]") if column.header.rpartition("[")[2].rstrip("]").replace(",", "").isdigit() else set()
+
+
+def _by_axis(columns: Sequence[Column]) -> Iterator[tuple[Column, ...]]:
+    """Columns parted where the first of them, the axis, is written again; equally long ones together."""
+    part: list[Column] = []
+    for column in columns:
+        if part and _is_again(column, columns[0]):
+            yield _cut(part)
+            part = []
+        part.append(column)
+    yield _cut(part)
+
+
+def _is_again(column: Column, first: Column) -> bool:
+    if column.header == first.header:
+        return True
+    same = len(column.values) == len(first.values) and np.array_equal(column.values, first.values)
+    return column.header.startswith("column ") and bool(same)
+
+
+def _cut(part: Sequence[Column]) -> tuple[Column, ...]:
+    """Columns cut to the length of the first, its header kept where a block's axis has none."""
+    return tuple(part)
