@@ -78,12 +78,12 @@ def readable(keys: Sequence[str]) -> str:
     return ".".join(f"#{int(key) + 1}" if key.isdigit() else shortened(key) for key in keys).replace(".#", " #")
 
 
-def sentence(error: ValidationError, source: Source) -> str:
-    """The first fault of a document."""
+def sentence(error: ValidationError, source: Source, model: type[BaseModel] = Document) -> str:
+    """The first fault of a document, which the ``model`` describes."""
     fault = _telling(error.errors(include_url=False, include_context=False))
     keys = _keys(fault)
     if fault["type"] == "extra_forbidden":
-        return f"{source.at(keys)}: {UnknownNameError('key', keys[-1], _known_keys(keys[:-1]))}"
+        return f"{source.at(keys)}: {UnknownNameError('key', keys[-1], _known_keys(keys[:-1], model))}"
     if fault["type"] == "missing" and not keys[-1].isdigit():
         return f"{source.at(keys)}{WITHOUT}: expected {_expected(fault, keys)}; add it"
     return f"{source.at(keys)}: expected {_expected(fault, keys)}, got {shown(fault['input'])}; correct it"
@@ -126,13 +126,15 @@ def shown(value: object) -> str:
     )
 
 
-def _known_keys(parents: Sequence[str]) -> list[str]:
+def _known_keys(parents: Sequence[str], root: type[BaseModel]) -> list[str]:
     """Keys that are allowed where an unknown one was found."""
-    model: type[BaseModel] | None = Document
+    model: type[BaseModel] | None = root
     for key in parents:
         if model is not None and key in model.model_fields:
             model = next(_tables_in(model.model_fields[key].annotation), None)
-    outside = () if parents else ("variants", "repeat")  # which are gone before the model is asked
+    outside = (
+        () if parents or root is not Document else ("variants", "repeat")
+    )  # which are gone before the model is asked
     return sorted((*model.model_fields, *outside)) if model is not None else []
 
 

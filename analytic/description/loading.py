@@ -116,9 +116,9 @@ def in_variant(linkage: Linkage, variant: str) -> Linkage:
 def parse(text: str, name: str, origin: str, variant: str | None = None) -> Linkage:
     """Turn a file's text into a Linkage; ``origin`` names the file in messages."""
     text = text.removeprefix(BYTE_ORDER_MARK)
-    raw = _tables(text, origin)
+    raw = tables(text, origin)
     source = Source(origin, text)
-    _check_characters(raw, source)
+    check_characters(raw, source)
     overlays = raw.pop("variants", {})
     base_name = str(raw.get("variant", "base"))
     if not isinstance(overlays, dict) or not all(isinstance(part, dict) for part in overlays.values()):
@@ -144,8 +144,8 @@ def parse(text: str, name: str, origin: str, variant: str | None = None) -> Link
     return interpret(_validated(raw, source), name, names, source)
 
 
-def _tables(text: str, origin: str) -> dict[str, Any]:
-    """The file as nested dictionaries."""
+def tables(text: str, origin: str) -> dict[str, Any]:
+    """The file as nested dictionaries; raises DescriptionError with file and line."""
     if not text.strip():
         raise DescriptionError(
             f"{origin}:1: expected a linkage description, got an empty file; start from a catalogue file"
@@ -181,7 +181,7 @@ def _syntax(fault: str, text: str, origin: str) -> str:
     return f"{origin}:{line}: not valid TOML: {PLACE.sub('', fault)}{where}; correct it"
 
 
-def _check_characters(raw: Mapping[str, Any], source: Source) -> None:
+def check_characters(raw: Mapping[str, Any], source: Source) -> None:
     """Refuse control characters, which would reach terminals and pages from names and titles; texts may have lines."""
     for keys, text in _texts(raw, []):
         name = keys[-1]

@@ -6,7 +6,6 @@ file has their other names, and the units that a linkage file does not need.
 
 from __future__ import annotations
 
-import math
 import re
 import tomllib
 from collections.abc import Mapping
@@ -52,7 +51,7 @@ def _dimension(parts: Any) -> Dimension:  # noqa: ANN401 - any iterable of four 
 
 def _named() -> dict[str, Unit]:
     """Every unit by every name it has."""
-    units = {}
+    units: dict[str, Unit] = {}
     for kind, dimension in KINDS.items():
         plain = {name: value for name, value in UNITS.get(kind, {}).items() if name.isalpha()} | _FILE.get(kind, {})
         units |= {name: Unit(value, dimension) for name, value in plain.items()}
@@ -60,7 +59,7 @@ def _named() -> dict[str, Unit]:
 
 
 NAMED: Final[Mapping[str, Unit]] = _named()
-_LOWER: Final = {name.lower(): unit for name, unit in reversed(NAMED.items()) if len(name) > 1}
+_LOWER: Final = {name.lower(): unit for name, unit in reversed(tuple(NAMED.items())) if len(name) > 1}
 ONE: Final = Unit(1.0, PLAIN)
 SUPERSCRIPTS: Final = str.maketrans("²³⁻¹", "23-1")
 EXPONENT: Final = re.compile(r"(?:\*\*|\^)?\s*\(?(-?[1-4])\)?$")
@@ -117,8 +116,3 @@ def _run_together(name: str) -> Unit | None:
         if force and length and force.dimension == KINDS["force"] and length.dimension == KINDS["length"]:
             return force * length
     return None
-
-
-def is_finite(unit: Unit) -> bool:
-    """Whether numbers in the unit can be converted."""
-    return 0.0 < unit.factor < math.inf

@@ -70,7 +70,12 @@ ORDERS: Final = ("x", "y", "vx", "vy", "ax", "ay")  # of a point: two components
 
 def names(case: Case) -> tuple[str, ...]:
     """Names of all signals that a case has, always in the same order."""
-    return tuple(_formulas(case.mechanism))
+    return names_of(case.mechanism)
+
+
+def names_of(mechanism: Mechanism) -> tuple[str, ...]:
+    """Names of all signals that a mechanism has under any motion."""
+    return tuple(_formulas(mechanism))
 
 
 def unit(name: str, linkage: Linkage) -> str:

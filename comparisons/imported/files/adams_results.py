@@ -52,7 +52,8 @@ def columns(file: ResultText) -> tuple[int, list[Column]]:
     for line, step in zip(results.lines, results.steps, strict=True):
         if len(step) != len(names):
             raise file.fail(
-                line, f"expected {len(names)} numbers in the step, one for each component, got {len(step)}; export again"
+                line,
+                f"expected {len(names)} numbers in the step, one for each component, got {len(step)}; export again",
             )
     return names[0][2], [
         _column(results, number, name, [step[number] for step in results.steps]) for number, name in enumerate(names)

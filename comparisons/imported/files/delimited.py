@@ -12,7 +12,7 @@ import numpy as np
 from analytic.errors import LinkproofError, shortened
 from comparisons.imported.columns import Array, Column
 from comparisons.imported.files.layout import BLANK, Layout, header_cells, is_number, layout_of
-from comparisons.imported.files.printed import NUMBER, parse, resolution
+from comparisons.imported.files.printed import parse, resolution
 from comparisons.imported.files.text import ResultText
 from comparisons.imported.units import parsed
 
@@ -22,7 +22,6 @@ COMMENT: Final = re.compile(r"\s*(?:[#%!*]|//)")
 NOT_FINITE: Final = re.compile(r"[+-]?(?:nan|n/?a|null|none|inf|infinity|∞|1\.#\w+|#\w+[!/?]?\w*[!?]?)", re.IGNORECASE)
 CHUNK: Final = 1 << 22  # characters parsed at a time
 LONGEST_NUMBER: Final = 60  # characters
-FEWEST: Final = 4  # rows of a curve
 
 
 @dataclass(frozen=True)
@@ -102,10 +101,10 @@ def _no_numbers(file: ResultText, lines: Sequence[Line]) -> LinkproofError:
         for cells in header_cells(line.text, layout):
             if len(cells) > 1 and any(is_number(cell, layout) for cell in cells):
                 return _bad_cell(file, line.number, cells, layout)
-    line = lines[-1] if lines else Line(1, "")
+    last = lines[-1] if lines else Line(1, "")
     return file.fail(
-        line.number,
-        f"expected rows of numbers below a header, got '{shortened(line.text.strip())}' and none; export the results "
+        last.number,
+        f"expected rows of numbers below a header, got '{shortened(last.text.strip())}' and none; export the results "
         "with their values",
     )
 
@@ -137,20 +136,19 @@ def _begin(file: ResultText, block: Block, current: RawTable | None, headless: s
         if all(COMMENT.match(line.text) for line in block.above):
             return current
     if headless and not block.above:
-        line = Line(block.line, "")
-        return RawTable(line, [f"{headless} {n}" for n in range(len(cells))], [""] * len(cells), layout)
-    line = block.line + next(n for n, row in enumerate(rows) if row.strip())
+        return RawTable(Line(block.line, ""), [f"{headless} {n}" for n in range(len(cells))], [""] * len(cells), layout)
+    at = block.line + next(n for n, row in enumerate(rows) if row.strip())
     bad = next((cell for cell in cells if cell and not is_number(cell, layout)), None)
     if bad is not None:
-        raise _bad_cell(file, line, cells, layout)
+        raise _bad_cell(file, at, cells, layout)
     if not block.above:
         raise file.fail(
-            line, "expected a header above the numbers, got none; write a line with a name and a unit for each column"
+            at, "expected a header above the numbers, got none; write a line with a name and a unit for each column"
         )
     header_line = block.above[-1]
     widths = [len(cells) for cells in header_cells(header_line.text, layout)] or [1]
     raise file.fail(
-        line,
+        at,
         f"expected as many numbers as headers, got {len(cells)} below the {widths[0]} of line {header_line.number}; "
         "check delimiters and decimal signs: with decimal commas columns are parted by semicolons or tabs",
     )
@@ -250,8 +248,8 @@ def _refuse_first(file: ResultText, text: str, line: int, table: RawTable) -> No
         if len(cells) != width:
             raise file.fail(
                 number,
-                f"expected {width} columns, as the header of line {table.header.number} has, got {len(cells)}; complete "
-                "the row, or give every table a header of its own",
+                f"expected {width} columns, as the header of line {table.header.number} has, got {len(cells)}; "
+                "complete the row, or give every table a header of its own",
             )
         if any(not is_number(cell, Layout(layout.delimiter, ".")) or len(cell) > LONGEST_NUMBER for cell in cells):
             raise _bad_cell(file, number, cells, Layout(layout.delimiter, "."))
@@ -268,6 +266,3 @@ def _columns(file: ResultText, table: RawTable) -> list[Column]:
             header = name or f"column {number + 1}"
             columns.append(Column(header, unit, values, resolution(values, decimals), place))
     return columns
-
-
-__all__ = ["FEWEST", "NUMBER", "Line", "tables"]

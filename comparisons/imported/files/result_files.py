@@ -25,9 +25,11 @@ SI_TOOLS: Final = (MODELICA, ROBOTRAN)
 def result_tables(path: Path) -> list[ResultTable]:
     """Every table of a file in its order; raises LinkproofError with file and line for what cannot be read."""
     file = read_text(path)
+    if not file.text.strip():
+        raise file.fail(1, "expected a table of results, got an empty file; export it again")
     if adams_results.is_adams(file.text):
-        line, columns = adams_results.columns(file)
-        return [ResultTable(file.name, line, ADAMS, tuple(columns))]
+        number, columns = adams_results.columns(file)
+        return [ResultTable(file.name, number, ADAMS, tuple(columns))]
     is_robotran = path.suffix.lower() == ".res"
     found = []
     for line, columns in tables(file, headless=path.stem if is_robotran else ""):
@@ -61,23 +63,18 @@ def _indices(column: Column) -> set[str]:
 
 
 def _by_axis(columns: Sequence[Column]) -> Iterator[tuple[Column, ...]]:
-    """Columns parted where the first of them, the axis, is written again; equally long ones together."""
+    """Columns parted where the first of them, the axis, is written again, be it without a header."""
     part: list[Column] = []
     for column in columns:
         if part and _is_again(column, columns[0]):
-            yield _cut(part)
-            part = []
-        part.append(column)
-    yield _cut(part)
+            yield tuple(part)
+            part = [replace(column, header=columns[0].header)]
+        else:
+            part.append(column)
+    yield tuple(part)
 
 
 def _is_again(column: Column, first: Column) -> bool:
     if column.header == first.header:
         return True
-    same = len(column.values) == len(first.values) and np.array_equal(column.values, first.values)
-    return column.header.startswith("column ") and bool(same)
-
-
-def _cut(part: Sequence[Column]) -> tuple[Column, ...]:
-    """Columns cut to the length of the first, its header kept where a block's axis has none."""
-    return tuple(part)
+    return column.header.startswith("column ") and np.array_equal(column.values, first.values)

@@ -49,18 +49,17 @@ class ResultText:
         return LinkproofError(f"{self.name}:{line}: {message}")
 
 
-def read_text(path: Path) -> ResultText:
+def read_text(path: Path, wanted: str = "a text file of results, such as a CSV") -> ResultText:
     """The text of a file; raises LinkproofError for what is no readable text."""
-    content = _bytes(path)
+    content = _bytes(path, f"expected {wanted}")
     name = printable(str(path))
     return ResultText(name, decoded(content, name).replace("\r\n", "\n").replace("\r", "\n").translate(PLAIN))
 
 
-def _bytes(path: Path) -> bytes:
-    wanted = "expected a text file of results, such as a CSV"
+def _bytes(path: Path, wanted: str) -> bytes:
     try:
         if path.is_dir():
-            raise LinkproofError(f"{wanted}, got the folder '{path}'; give the files in it")
+            raise LinkproofError(f"{wanted}, got the folder '{path}'; give a file")
         size = path.stat().st_size
         if size > LARGEST:
             raise LinkproofError(
@@ -78,8 +77,6 @@ def decoded(content: bytes, name: str) -> str:
     kind = next((kind for magic, kind in BINARY.items() if content.startswith(magic)), None)
     if kind:
         raise _not_text(name, kind)
-    if not content.strip():
-        raise LinkproofError(f"{name}:1: expected a table of results, got an empty file; export it again")
     encoding = next((encoding for mark, encoding in MARKS if content.startswith(mark)), None)
     encoding = encoding or _without_mark(content, name)
     try:
@@ -87,7 +84,8 @@ def decoded(content: bytes, name: str) -> str:
     except UnicodeDecodeError as error:
         line = content.count(b"\n", 0, error.start) + 1
         raise LinkproofError(
-            f"{name}:{line}: expected text in {encoding.removesuffix('-sig').upper()}, got other bytes; save it as UTF-8"
+            f"{name}:{line}: expected text in {encoding.removesuffix('-sig').upper()}, got other bytes; save it as "
+            "UTF-8"
         ) from error
     control = CONTROL.search(text)
     if control:

@@ -35,13 +35,13 @@ def splits(header: str, unit: str) -> Iterator[SplitHeader]:
     """The ways to part a header, the likeliest first; ``unit`` is the one that the file states apart from it."""
     if unit:
         yield SplitHeader(header, unit, True)
-        header = header.strip()
     bracket = BRACKETS.match(header)
     if bracket and not bracket[2].replace(",", "").replace(" ", "").isdigit():
         yield SplitHeader(bracket[1], "" if bracket[2].lower() in NO_UNIT else bracket[2], True)
-    if not unit:
-        yield SplitHeader(header, "", False)
-        for sign in SIGNS:
-            match = sign.match(header)
-            if match and parsed(match[2].strip("()[]")):
-                yield SplitHeader(match[1], match[2].strip("()[]"), False)
+    if unit:
+        return
+    for sign in SIGNS:
+        match = sign.match(header)
+        if match and parsed(match[2].strip("()[]")):
+            yield SplitHeader(match[1], match[2].strip("()[]"), False)
+    yield SplitHeader(header, "", False)

@@ -95,25 +95,40 @@ class Recognition:
     def signals(self) -> tuple[str, ...]:
         """Names of all signals, with the sizes of joint forces."""
         known = signals.names_of(Mechanism(self.linkage))
-        sizes = [f"{name[:-2]}:{MAGNITUDE}" for name in known if name.startswith("joint_force:") and name.endswith(":x")]
+        sizes = [
+            f"{name[:-2]}:{MAGNITUDE}" for name in known if name.startswith("joint_force:") and name.endswith(":x")
+        ]
         return (*known, *sizes)
 
     def unit(self, name: str) -> Unit:
         """SI unit of a signal or of time."""
-        text = "s" if name == TIME else "N" if name.endswith(f":{MAGNITUDE}") else signals.unit(name, self.linkage)
+        text = self.si(name)
         unit = parsed(text)
         assert unit is not None, text
         return unit
 
+    def si(self, name: str) -> str:
+        """The name of the SI unit of a signal or of time."""
+        return "s" if name == TIME else "N" if name.endswith(f":{MAGNITUDE}") else signals.unit(name, self.linkage)
+
+    def printed_unit(self, column: Column, signal: str) -> tuple[Unit | None, str]:
+        """The unit that a header states where it measures a signal; None and "" if it states none."""
+        dimension = self.unit(signal).dimension
+        for split in splits(column.header, column.unit):
+            unit = parsed(split.unit)
+            if unit is not None and unit.measures(dimension):
+                return unit, split.unit
+        return None, ""
+
     def meaning(self, column: Column) -> Meaning:
         """What a column means; raises NotJudgedError with the reason, UnknownNameError for a unit that is none."""
-        reasons: list[NotJudgedError] = []
+        tried = []
         for split in splits(column.header, column.unit):
             try:
                 return self._meaning(split, column)
             except NotJudgedError as reason:
-                reasons.append(reason)
-        raise reasons[0]
+                tried.append((split, reason))
+        raise tried[0][1] if tried[0][0].is_certain else tried[-1][1]
 
     def _meaning(self, split: SplitHeader, column: Column) -> Meaning:
         name = split.name.strip()
@@ -131,12 +146,21 @@ class Recognition:
         if not split.unit:
             return meaning
         if meaning.unit is None:
-            if split.is_certain:
-                raise UnknownNameError(f"unit of '{shortened(split.name)}'", split.unit, NAMED)
+            if split.is_certain and not self._is_name(split.unit):
+                raise UnknownNameError(f"unit of '{shortened(split.name)}'", split.unit, self._units(meaning.signal))
             raise NotJudgedError(f"'{split.unit}' is no unit")
         if not meaning.unit.measures(self.unit(meaning.signal).dimension):
             raise NotJudgedError(f"'{split.unit}' is no unit of {meaning.signal}")
         return meaning
+
+    def _units(self, signal: str) -> list[str]:
+        """Some names of units that a signal may be in."""
+        dimension = self.unit(signal).dimension
+        return [name for name, unit in NAMED.items() if unit.dimension == dimension] or [self.si(signal)]
+
+    def _is_name(self, text: str) -> bool:
+        """Whether what stands in brackets is more of the name: ``Torque (Motor1)``."""
+        return all(word.meanings or word.kind for word in words(text, self.names))
 
     def _said(self, found: list[Word], unit: Unit | None) -> _Said:
         meanings = frozenset(m for word in found if not (word.kind and len(word.text) == 1) for m in word.meanings)
@@ -241,7 +265,9 @@ class Recognition:
         if component in ("x", "y"):
             return f"joint_force:{joints[0]}:{component}", ""
         if np.any(column.values < 0.0):
-            raise NotJudgedError("its name has no component, and it changes its sign, which the size of a force does not")
+            raise NotJudgedError(
+                "its name has no component, and it changes its sign, which the size of a force does not"
+            )
         taken = "" if component else "its name has no component: taken as the size of the force"
         return f"joint_force:{joints[0]}:{MAGNITUDE}", taken
 
@@ -269,12 +295,12 @@ def _by_owner(said: _Said) -> frozenset[str]:
 def _quantities(meanings: Iterable[str]) -> tuple[frozenset[str], frozenset[str]]:
     """The quantities and components that meanings allow; a unit may leave one of several."""
     meanings = set(meanings)
-    components = {part for part in COMPONENTS if part in meanings}
+    components: set[str] = {part for part in COMPONENTS if part in meanings}
     for meaning in list(meanings):
         quantity, _, part = meaning.rpartition("_")
         if part in COMPONENTS and quantity in DIMENSIONS:
             meanings.add(quantity)
-            components.add(part)
+            components |= {part}
     if "angle_or_angular_acceleration" in meanings:
         meanings |= {"angle", "angular_acceleration"}
     if "path" in meanings:
