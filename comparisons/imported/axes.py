@@ -27,13 +27,14 @@ def instants(column: Column, name: Axis) -> tuple[NDArray[np.intp], str]:
         cure = "export one run a file, its rows in order" if name == "time" else "export the time beside it"
         wanted = "a time that grows" if name == "time" else "a crank angle that runs one way"
         raise LinkproofError(
-            f"{column.place}: expected {wanted} in '{shortened(column.header)}', got {after:g} after {before:g} (row {row + 2} of the table); {cure}"
+            f"{column.place}: expected {wanted} in '{shortened(column.header)}', got {after:g} after {before:g} "
+            f"(row {row + 2} of the table); {cure}"
         )
     kept = np.flatnonzero(np.append(steps != 0.0, True))
     if len(kept) < FEWEST:
         raise LinkproofError(
-            f"{column.place}: expected a curve of at least {FEWEST} instants, got {len(kept)}; export more steps of the "
-            "run"
+            f"{column.place}: expected a curve of at least {FEWEST} instants, got {len(kept)}; export more "
+            "steps of the run"
         )
     left_out = len(column.values) - len(kept)
     return kept, f"of instants written more than once the last is taken ({left_out} left out)" if left_out else ""

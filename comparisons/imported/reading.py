@@ -103,7 +103,7 @@ def _judged(agreement: Agreement, table: ResultTable, number: int, column: Colum
         raise LinkproofError(f"{column.place}: {error}") from error
     if meaning.unit is None and table.tool in SI_TOOLS:
         unit = agreement.recognition.unit(meaning.signal)
-        taken = "; ".join(filter(None, (f"no unit: in SI units, as {table.tool} writes", meaning.taken)))
+        taken = "; ".join(filter(None, (f"no unit: in SI units, as {table.tool} writes it", meaning.taken)))
         meaning = Meaning(meaning.signal, unit, agreement.recognition.si(meaning.signal), taken)
     return _Judged(table, number, column, meaning, correction)
 
@@ -213,9 +213,8 @@ def _signals(reading: _Reading, table: ResultTable, axis: _Judged | None) -> Ite
             continue
         check_curve(column, axis.column)
         rows = kept[kept < len(column.values)]
-        taken = "; ".join(
-            filter(None, (meaning.taken, axis.meaning.taken and f"{name}: {axis.meaning.taken}", repeated))
-        )
+        axis_taken = "" if axis.meaning.taken in ("", meaning.taken) else f"{name}: {axis.meaning.taken}"
+        taken = "; ".join(filter(None, (meaning.taken, axis_taken, repeated)))
         values, resolution = _in_si(column, meaning.unit, judged.correction)
         yield ImportedSignal(
             meaning.signal, name, at[rows] + judged.correction.time_shift, values[rows], resolution[rows], column,

@@ -63,6 +63,13 @@ _LOWER: Final = {name.lower(): unit for name, unit in reversed(tuple(NAMED.items
 ONE: Final = Unit(1.0, PLAIN)
 SUPERSCRIPTS: Final = str.maketrans("²³⁻¹", "23-1")
 EXPONENT: Final = re.compile(r"(?:\*\*|\^)?\s*\(?(-?[1-4])\)?$")
+# Names to offer, by dimension: those of linkage files, and the plain ones here.
+OFFERED: Final[Mapping[Dimension, list[str]]] = {
+    dimension: [
+        name for kind in KINDS if KINDS[kind] == dimension for table in (UNITS, _FILE) for name in table.get(kind, {})
+    ]
+    for dimension in KINDS.values()
+}
 LONGEST: Final = 40  # characters of a unit
 
 

@@ -16,7 +16,7 @@ from analytic.kinematics.mechanism import Mechanism
 from comparisons.imported.columns import MAGNITUDE, TIME, Column
 from comparisons.imported.headers.header import SplitHeader, splits
 from comparisons.imported.headers.words import MEANINGS, Names, Word, bodies, names_of, words
-from comparisons.imported.units import NAMED, Dimension, Unit, parsed
+from comparisons.imported.units import OFFERED, Dimension, Unit, parsed
 from comparisons.reference import signals
 
 # Exponents of m, kg, s and rad.
@@ -147,16 +147,17 @@ class Recognition:
             return meaning
         if meaning.unit is None:
             if split.is_certain and not self._is_name(split.unit):
-                raise UnknownNameError(f"unit of '{shortened(split.name)}'", split.unit, self._units(meaning.signal))
+                raise UnknownNameError(
+                    f"unit of '{shortened(split.name)}'", split.unit, self.offered_units(meaning.signal)
+                )
             raise NotJudgedError(f"'{split.unit}' is no unit")
         if not meaning.unit.measures(self.unit(meaning.signal).dimension):
             raise NotJudgedError(f"'{split.unit}' is no unit of {meaning.signal}")
         return meaning
 
-    def _units(self, signal: str) -> list[str]:
+    def offered_units(self, signal: str) -> list[str]:
         """Some names of units that a signal may be in."""
-        dimension = self.unit(signal).dimension
-        return [name for name, unit in NAMED.items() if unit.dimension == dimension] or [self.si(signal)]
+        return OFFERED.get(self.unit(signal).dimension) or [self.si(signal)]
 
     def _is_name(self, text: str) -> bool:
         """Whether what stands in brackets is more of the name: ``Torque (Motor1)``."""

@@ -10,7 +10,7 @@ from comparisons.imported.columns import NO_CORRECTION, TIME, Column, Correction
 from comparisons.imported.headers.meaning import Meaning, NotJudgedError, Recognition
 from comparisons.imported.mapping.mapping_file import Mapping
 from comparisons.imported.mapping.schema import MappedColumn
-from comparisons.imported.units import NAMED, parsed
+from comparisons.imported.units import parsed
 
 
 @dataclass(frozen=True)
@@ -58,8 +58,7 @@ class Agreement:
     def _with_unit(self, at: int, text: str, meaning: Meaning) -> Meaning:
         unit, si = parsed(text), self.recognition.unit(meaning.signal)
         if unit is None:
-            known = [name for name, known in NAMED.items() if known.dimension == si.dimension]
-            fault = UnknownNameError("unit", text, known or [self.recognition.si(meaning.signal)])
+            fault = UnknownNameError("unit", text, self.recognition.offered_units(meaning.signal))
             raise self.mapping.fail(at, "unit", str(fault))
         if not unit.measures(si.dimension):
             raise self.mapping.fail(

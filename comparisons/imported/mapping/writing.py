@@ -29,9 +29,9 @@ class MappingLine:
 def mapping_text(linkage: str, axis: str, lines: Iterable[MappingLine], ignored: Iterable[str]) -> str:
     """The text of a mapping; a unit that is not known is left to be filled in, what is not judged is a comment."""
     head = [
-        f"# Columns of result files as signals of {printable(linkage)}: correct what is wrong, and give this file to judge",
-        "# with --mapping. Corrections of a [[column]] are applied as they stand here: sign * factor * value + angle_offset",
-        "# (deg) at time + time_shift (s).",
+        f"# Columns of result files as signals of {printable(linkage)}: correct what is wrong, and give this file",
+        "# to judge with --mapping. Corrections of a [[column]] are applied as they stand here:",
+        "# sign * factor * value + angle_offset (deg), at time + time_shift (s).",
     ]
     head += [f'axis = "{axis}"'] if axis else []
     ignored = list(ignored)
