@@ -48,7 +48,7 @@ def _draw(figure: Figure, view: View) -> None:
     middle, half = 0.5 * (low + high), 0.5 * box / scale
     left.set_xlim(middle[0] - half[0], middle[0] + half[0])
     left.set_ylim(middle[1] - half[1], middle[1] + half[1])
-    draw_scheme(left, view, 0.042 / scale)
+    draw_scheme(left, scheme, 0.042 / scale)
     regime = view.regimes[0]
     inertia = _panels(figure, 0.325, 0.545, "Reduced moment of inertia")
     torque = _panels(figure, 0.715, 0.895, f"Crank torque, {regime.name}")

@@ -54,7 +54,7 @@ def interpret(document: doc.Document, name: str, variants: tuple[str, ...], sour
         errata=_errata(reader, variants),
         published=tuple(document.published),
         notes=tuple(document.notes),
-        length_unit=document.units.length,
+        units=document.units.model_dump(),
         text=source.text,
     )
     _check_lengths(reader, linkage)

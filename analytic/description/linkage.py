@@ -183,7 +183,7 @@ class ReleasedRegime:
 class Linkage:
     """A planar linkage of one degree of freedom with its loads; every mapping is sorted by name.
 
-    ``length_unit`` is that of its file, whose ``text`` it keeps; lengths are in m all the same.
+    ``units`` are those of its file by what they measure, and ``text`` is the file's; all values are in SI all the same.
     """
 
     name: str
@@ -210,7 +210,7 @@ class Linkage:
     errata: tuple[Erratum, ...] = ()
     published: tuple[Published, ...] = ()
     notes: tuple[str, ...] = field(default=())
-    length_unit: str = "m"
+    units: Mapping[str, str] = field(default_factory=dict, repr=False)
     text: str = field(default="", repr=False)
 
     @property
@@ -250,7 +250,8 @@ class Linkage:
 
     def written(self, length: float) -> str:
         """A length, m, for a reader: in the unit of the linkage's file."""
-        return f"{length / factor('length', self.length_unit):.4g} {self.length_unit}"
+        unit = self.units.get("length", "m")
+        return f"{length / factor('length', unit):.4g} {unit}"
 
     def local(self, point: str, body: str) -> Vector:
         """Coordinates of a point in the frame of a body (a link's name or ``ground``)."""

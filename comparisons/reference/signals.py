@@ -30,6 +30,7 @@ from analytic.errors import LinkproofError, UnknownNameError
 from analytic.kinematics.mechanism import Mechanism
 from analytic.kinematics.structure import Dyad
 from analytic.kinematics.transmission import transmission_angle
+from analytic.numerics.peaks import highest
 from analytic.request import unit_of
 from analytic.turn.unit_functions import top_dead_centre
 from comparisons.reference.case import INSTANTS, Case, Motion, Truth
@@ -94,12 +95,6 @@ def signal(truth: Truth, name: str) -> Array:
     return np.array(np.broadcast_to(known[name](truth), truth.time.shape), dtype=float)
 
 
-def is_loaded(linkage: Linkage) -> bool:
-    """Whether anything has mass or carries a load, so that there are torques and forces."""
-    heavy = any(link.mass or link.inertia for link in linkage.links.values())
-    return bool(heavy or linkage.forces or linkage.torques or linkage.springs or linkage.dampers)
-
-
 def moving_points(linkage: Linkage) -> tuple[str, ...]:
     """Names of the points of the moving links that are not fixed to the ground, sorted."""
     return tuple(sorted({point for link in linkage.links.values() for point in link.points} - {*linkage.ground}))
@@ -111,9 +106,14 @@ def farthest(mechanism: Mechanism, motion: Motion) -> float:
     It is that of the top dead centre where the crank can turn fully, else of the farthest point the motion reaches.
     """
     top = _top(mechanism)
-    if top is None:
-        top = float(np.max(mechanism.sweep(motion.angle(np.linspace(0.0, motion.duration, INSTANTS))).output()))
-    return top
+    if top is not None:
+        return top
+    time = np.linspace(0.0, motion.duration, INSTANTS)
+
+    def coordinate(instants: Array) -> Array:
+        return mechanism.sweep(motion.angle(instants)).output()[None]
+
+    return float(highest(coordinate, time, coordinate(time))[0][0])
 
 
 @lru_cache(maxsize=64)
@@ -128,7 +128,7 @@ def _top(mechanism: Mechanism) -> float | None:
 def _formulas(mechanism: Mechanism) -> Mapping[str, Formula]:
     """Every signal of a mechanism by name."""
     linkage, found = mechanism.linkage, dict(DRIVE)
-    loaded = is_loaded(linkage)
+    loaded = not linkage.is_idle
     if loaded:
         found |= LOADS
     if linkage.output is not None:

@@ -119,6 +119,51 @@ def published(mechanisms: options.Mechanisms = None, json: options.Json = None) 
     raise typer.Exit(compare.published(mechanisms or [], _destination(json)))
 
 
+@app.command(short_help="Peaks, bearing forces and every signal of one linkage, without an engine.")
+def results(
+    mechanism: options.Mechanism,
+    variant: options.Variant = None,
+    regime: Annotated[
+        str | None,
+        valued(
+            "NAME",
+            "Motion of the crank, as for compare, or one of the file's own; default: one turn at constant speed, or "
+            "the range of a crank that makes none.",
+            names=completion.regimes,
+        ),
+    ] = None,
+    speed: options.Speed = 1000.0,
+    ramp_time: options.RampTime = 0.6,
+    hold_time: options.HoldTime = 0.1,
+    start_angle: options.StartAngle = 0.0,
+    from_angle: options.FromAngle = None,
+    to_angle: options.ToAngle = None,
+    clockwise: options.Clockwise = False,
+    no_gravity: options.NoGravity = False,
+    at: Annotated[str | None, valued("DEGREES", "Every signal at these crank angles: 0,30,60.")] = None,
+    time: Annotated[str | None, valued("SECONDS", "Every signal at these times: 0.1,0.2.")] = None,
+    csv: Annotated[str | None, valued("FILE|-", "Write every signal as a table, in the file's units.")] = None,
+    json: options.Json = None,
+    svg: Annotated[str | None, valued("FILE|-", "Draw scheme, coupler curves, torque, bearing forces.")] = None,
+    quiet: options.Quiet = False,
+) -> None:
+    """Work out what a designer needs of one linkage: torque, power, bearing forces, positions; needs no engine.
+
+    MECHANISM is a name in the catalogue or the path of a .toml file.
+
+    Tables, CSV and SVG are in the units of the file, JSON is in SI with angles in rad.
+    """
+    from reports.command_line.commands import results
+    from reports.command_line.commands.results import ResultsChoice
+
+    choice = ResultsChoice(
+        mechanism=mechanism, variant=variant, regimes=(regime,) if regime else (), speed=speed, ramp_time=ramp_time,
+        hold_time=hold_time, start_angle=start_angle, clockwise=clockwise, from_angle=from_angle, to_angle=to_angle,
+        gravity=not no_gravity, at=at, time=time, csv=csv, json=json, svg=svg,
+    )  # fmt: skip
+    results.results(choice, quiet=quiet)
+
+
 @app.command(short_help="List the engines, what they can do and where their figures come from.")
 def engines(
     names: Annotated[list[str] | None, typer.Argument(metavar="[ENGINE]...")] = None, json: options.Json = None

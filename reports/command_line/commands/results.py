@@ -1,0 +1,194 @@
+"""What ``linkproof results`` does: the closed form of one linkage over one motion, for its designer."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from analytic.description.changes import without
+from analytic.description.crank_motion import LAWS, RPM, CrankMotion, Segment, swing
+from analytic.description.law import FULL_TURN
+from analytic.description.loading import load
+from analytic.errors import LinkproofError
+from analytic.kinematics.crank_range import CrankRange, crank_range
+from analytic.kinematics.mechanism import Mechanism
+from comparisons.reference.case import Case, own_case
+from comparisons.runs.files import check_writable, write_text
+from reports.command_line.destination import STDOUT, write_out
+from reports.command_line.motion_choice import EVERYTHING, OWN, MotionChoice, motions, own_regimes
+from reports.results.designer_results import DesignerResults
+from reports.results.files import csv_table, json_text
+from reports.results.instants import Instants
+from reports.results.units import file_unit
+from reports.text.screen import show
+
+Array = NDArray[np.float64]
+
+STEADY = "constant-speed"
+MARGIN = 0.02  # share of a range of the crank left out at either end, where forces grow beyond all bounds
+
+
+@dataclass(frozen=True, kw_only=True)
+class ResultsChoice(MotionChoice):
+    """What was asked for, in the user's words; ``at`` are degrees and ``time`` seconds, with commas between them.
+
+    ``csv``, ``json`` and ``svg`` are files, or "-" for stdout, which then holds nothing else.
+    """
+
+    mechanism: str
+    gravity: bool = True
+    at: str | None = None
+    time: str | None = None
+    csv: str | None = None
+    json: str | None = None
+    svg: str | None = None
+
+    @property
+    def files(self) -> dict[str, str]:
+        """Files to be written, by option."""
+        named = {"--csv": self.csv, "--json": self.json, "--svg": self.svg}
+        return {option: file for option, file in named.items() if file is not None}
+
+    def check(self) -> None:
+        """Raise LinkproofError for what cannot be, before anything is worked out."""
+        super().check()
+        if self.at is not None and self.time is not None:
+            raise LinkproofError("--at and --time both choose the instants of the table: leave one of the two out")
+        seen: dict[str, str] = {}
+        for option, file in self.files.items():
+            if file in seen:
+                place = "stdout" if file == STDOUT else f"'{file}'"
+                raise LinkproofError(f"{seen[file]} and {option} cannot both go to {place}: give one of them a file")
+            seen[file] = option
+            if file != STDOUT:
+                check_writable(Path(file))
+
+
+def results(choice: ResultsChoice, *, quiet: bool = False) -> None:
+    """Print the key figures of a linkage, or its signals at chosen instants, and write the files asked for."""
+    choice.check()
+    linkage = load(choice.mechanism, choice.variant)
+    mechanism = Mechanism(linkage if choice.gravity else without(linkage, "gravity"))
+    case = chosen_case(mechanism, choice)
+    case.check_motion()
+    found = DesignerResults(case, _instants(case, choice))
+    texts = {file: _text(option, found) for option, file in choice.files.items()}
+    for file, text in texts.items():
+        if file != STDOUT:
+            write_text(Path(file), text)
+    if STDOUT in texts:
+        write_out(texts[STDOUT])
+    elif not quiet:
+        from reports.results import terminal  # noqa: PLC0415 - JSON and CSV need no tables
+
+        show(terminal.key_figures(found) if found.instants.chosen is None else terminal.at_instants(found))
+
+
+def _text(option: str, found: DesignerResults) -> str:
+    if option == "--svg":
+        from reports.results.drawing import svg_text  # noqa: PLC0415 - half a second that nothing else pays for
+
+        return svg_text(found)
+    return csv_table(found) if option == "--csv" else json_text(found)
+
+
+def chosen_case(mechanism: Mechanism, choice: MotionChoice) -> Case:
+    """The linkage under the one motion asked for: by default a turn at constant speed, or the range of the crank."""
+    linkage = mechanism.linkage
+    own = own_regimes(choice, [linkage])
+    if len(choice.regimes) > 1 or {EVERYTHING, OWN} & {*choice.regimes}:
+        raise LinkproofError(f"expected one motion, got --regime {', '.join(choice.regimes)}: choose one of them")
+    if own:
+        return own_case(mechanism, next(regime for regime in linkage.regimes if regime.name == own[0]))
+    if linkage.is_linear:
+        return _linear_case(mechanism, choice)
+    if choice.swings or choice.regimes not in ((), (STEADY,)) or _is_timed(choice):
+        (motion,) = motions(choice)
+        return Case(mechanism, motion)
+    return _usual_case(mechanism, choice)
+
+
+def _is_timed(choice: MotionChoice) -> bool:
+    """Whether the time of a motion was given."""
+    default = MotionChoice()
+    times = (choice.ramp_time, choice.hold_time) != (default.ramp_time, default.hold_time)
+    if times and not choice.regimes:
+        raise LinkproofError(
+            "--ramp-time and --hold-time belong to a motion over time, and none is asked for: add --regime run-up, or "
+            "leave them out for a turn at constant speed"
+        )
+    return times
+
+
+def _usual_case(mechanism: Mechanism, choice: MotionChoice) -> Case:
+    """Constant speed over a full turn, or over the range of a crank that makes none, short of its limits."""
+    start = math.radians(choice.start_angle)
+    speed = abs(choice.speed) * RPM
+    backwards = choice.clockwise or choice.speed < 0.0
+    reach = crank_range(mechanism, start if choice.start_angle else None)
+    if reach.is_full_turn:
+        motion = CrankMotion(STEADY, (Segment(0.0, FULL_TURN / speed, (start, -speed if backwards else speed)),))
+        return Case(mechanism, motion)
+    return Case(mechanism, _over_range(reach, backwards, speed))
+
+
+def _over_range(reach: CrankRange, backwards: bool, speed: float) -> CrankMotion:
+    low, high = reach.limits
+    margin = MARGIN * (high - low)
+    ends = (high - margin, low + margin) if backwards else (low + margin, high - margin)
+    return replace(swing(STEADY, *ends, speed=speed), regime=f"{STEADY} over the range of the crank")
+
+
+def _linear_case(mechanism: Mechanism, choice: MotionChoice) -> Case:
+    """A drive along a line: travels and speeds are in the file's unit of length; by default its range in a second."""
+    if choice.regimes and choice.regimes[0] not in LAWS:
+        raise LinkproofError(
+            f"--regime {choice.regimes[0]} turns a crank, and '{mechanism.linkage.name}' is driven along a line: "
+            f"choose one of {', '.join(LAWS)} with --from and --to"
+        )
+    length = file_unit("m", mechanism.linkage)
+    usual = choice.speed == MotionChoice().speed
+    if choice.from_angle is not None and choice.to_angle is not None:
+        ends = choice.from_angle * length.size, choice.to_angle * length.size
+        speed = abs(ends[1] - ends[0]) if usual else abs(choice.speed) * length.size
+        return Case(mechanism, swing(choice.regimes[0] if choice.regimes else STEADY, *ends, speed=speed))
+    reach = crank_range(mechanism)
+    low, high = reach.limits
+    speed = high - low if usual else abs(choice.speed) * length.size
+    return Case(mechanism, _over_range(reach, choice.clockwise or choice.speed < 0.0, speed))
+
+
+def _instants(case: Case, choice: ResultsChoice) -> Instants:
+    """All of the motion, or the instants asked for."""
+    linkage = case.mechanism.linkage
+    instants = Instants(case.motion, turns=not linkage.is_linear)
+    if choice.at is not None:
+        length = file_unit("m", linkage)
+        unit, size = (f" {length.name}", length.size) if linkage.is_linear else ("°", math.radians(1.0))
+        return instants.at_angles(
+            _numbers("--at", choice.at, length.name if linkage.is_linear else "degrees"), unit, size
+        )
+    if choice.time is not None:
+        return instants.at_times(_numbers("--time", choice.time, "seconds"))
+    return instants
+
+
+def _numbers(option: str, text: str, unit: str) -> Array:
+    """Numbers with commas between them."""
+    numbers = []
+    for word in text.split(","):
+        try:
+            number = float(word)
+        except ValueError:
+            number = math.nan
+        if not math.isfinite(number):
+            raise LinkproofError(
+                f"{option}: expected finite numbers of {unit} with commas between them, such as 0,30,60, got "
+                f"'{word.strip()}'; correct it"
+            )
+        numbers.append(number)
+    return np.array(numbers)

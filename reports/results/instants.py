@@ -1,0 +1,120 @@
+"""The instants at which a motion is looked at, and the axis they are shown over."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from analytic.description.law import FULL_TURN
+from analytic.errors import LinkproofError
+from comparisons.reference.case import Motion
+
+Array = NDArray[np.float64]
+
+STEP: Final = math.radians(0.5)  # of the crank, between two instants
+LINEAR_STEPS: Final = 720  # over the travel of a drive along a line
+FEWEST, MOST = 180, 20_000  # intervals of the whole motion
+ROUNDING: Final = 1e-9  # of the motion's length: an angle or time that exceeds it by less is its end
+
+
+@dataclass(frozen=True)
+class Instants:
+    """A motion seen over time, or over φ where the crank turns at constant speed.
+
+    ``turns`` tells an angle, of which whole turns do not count, from a travel. ``chosen`` are the instants asked for,
+    s; all of the grid if None.
+    """
+
+    motion: Motion
+    turns: bool = True
+    chosen: Array | None = field(default=None, compare=False)
+
+    @cached_property
+    def is_steady(self) -> bool:
+        """Whether the crank turns at one speed all the time, so that φ is the axis."""
+        time = np.linspace(0.0, self.motion.duration, FEWEST)
+        speed = self.motion.speed(time)
+        return bool(speed[0] and not np.any(self.motion.acceleration(time)) and np.all(speed == speed[0]))
+
+    @property
+    def axis(self) -> str:
+        """Name of the axis: "phi" or "time"."""
+        return "phi" if self.is_steady else "time"
+
+    @cached_property
+    def grid(self) -> Array:
+        """Instants over the whole motion, s, ascending; both sides of a jump of the acceleration, a rounding apart."""
+        duration = self.motion.duration
+        jumps = [jump for jump in self.motion.jumps if 0.0 < jump < duration]
+        even = np.linspace(0.0, duration, self._intervals() + 1)
+        return np.unique(np.concatenate([even, jumps, np.nextafter(jumps, 0.0)]))
+
+    def _intervals(self) -> int:
+        """As many as the way of the crank has steps."""
+        angle = self.motion.angle(np.linspace(0.0, self.motion.duration, FEWEST * 10 + 1))
+        step = STEP if self.turns else float(np.ptp(angle)) / LINEAR_STEPS
+        way = float(np.sum(np.abs(np.diff(angle)))) / step if step else 0.0
+        return min(max(math.ceil(way * (1.0 - ROUNDING)), FEWEST), MOST)
+
+    @property
+    def shown(self) -> Array:
+        """The instants of tables and files, s: those chosen, else the grid."""
+        return self.grid if self.chosen is None else self.chosen
+
+    def at_times(self, times: Array) -> Instants:
+        """The same with these instants chosen; raises LinkproofError for one that the motion does not have."""
+        duration = self.motion.duration
+        for time in times:
+            if not -ROUNDING * duration <= time <= duration * (1.0 + ROUNDING):
+                raise LinkproofError(
+                    f"--time: expected instants from 0 to {duration:g} s, the motion's, got {time:g}; choose others"
+                )
+        return Instants(self.motion, self.turns, np.clip(times, 0.0, duration))
+
+    def at_angles(self, angles: Array, unit: str, size: float) -> Instants:
+        """The same with the instants chosen at which the crank first passes these angles, in ``unit`` of ``size``.
+
+        Raises LinkproofError for an angle that it does not pass.
+        """
+        return Instants(self.motion, self.turns, np.array([self._passing(float(a), unit, size) for a in angles]))
+
+    def _passing(self, angle: float, unit: str, size: float) -> float:
+        """The first instant at which the crank is at an angle, whole turns aside."""
+        time = self.grid
+        away = self._away(time, angle * size)
+        hits = np.flatnonzero(np.abs(away - np.round(away)) <= ROUNDING) if self.turns else np.flatnonzero(away == 0.0)
+        passed = np.flatnonzero(np.floor(away[1:]) != np.floor(away[:-1]))
+        first = float(time[hits[0]]) if len(hits) else math.inf
+        if len(passed) and time[passed[0]] < first:
+            return self._between(angle * size, float(time[passed[0]]), float(time[passed[0] + 1]))
+        if math.isfinite(first):
+            return first
+        low, high = (float(end(self.motion.angle(time))) / size for end in (np.min, np.max))
+        turns = " and whole turns more or less" if self.turns else ""
+        raise LinkproofError(
+            f"--at: expected what the motion passes, from {low:.6g}{unit} to {high:.6g}{unit}{turns}, got "
+            f"{angle:.6g}{unit}; choose others, or another motion"
+        )
+
+    def _away(self, time: Array, target: float) -> Array:
+        """How far the crank is from an angle, in turns; the travel from its own, which has no period: -1 or 0, or 0."""
+        away = self.motion.angle(time) - target
+        if self.turns:
+            return np.asarray(away / FULL_TURN)
+        slack = ROUNDING * float(np.ptp(self.motion.angle(self.grid)))
+        return np.where(np.abs(away) <= slack, 0.0, 0.5 * np.sign(away))
+
+    def _between(self, target: float, low: float, high: float) -> float:
+        """The instant between two neighbours of the grid at which the crank is at an angle: by bisection."""
+        start = math.floor(float(self._away(np.array([low]), target)[0]))
+        while True:
+            middle = 0.5 * (low + high)
+            if not low < middle < high:
+                return high
+            same = math.floor(float(self._away(np.array([middle]), target)[0])) == start
+            low, high = (middle, high) if same else (low, middle)
