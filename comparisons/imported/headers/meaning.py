@@ -209,7 +209,7 @@ class Recognition:
             raise NotJudgedError(f"its name has the links {listed(said.links)}")
         if not self._is_crank(said):
             return f"link:{said.links[0]}:{of_link}", ""
-        if signals.is_driven_along_a_line(self.linkage):
+        if self.linkage.is_linear:
             raise NotJudgedError("its name has no link, and the drive does not turn")
         owned = said.links or "drive" in said.meanings
         return of_crank, "" if owned else "its name has no link: taken as the crank's"
@@ -240,7 +240,7 @@ class Recognition:
             raise NotJudgedError(f"its name has more than one point: {listed((*points, *said.joints))}")
         if points and component in ("x", "y"):
             return f"point:{next(iter(points))}:{of_point}{component}", ""
-        along = signals.is_driven_along_a_line(self.linkage)
+        along = self.linkage.is_linear
         if along and not points and ("drive" in said.meanings or self.linkage.crank in said.links):
             return of_drive, ""
         output = self.linkage.output
@@ -257,7 +257,7 @@ class Recognition:
             raise NotJudgedError("it acts out of the plane of the linkage")
         if "shaking" in said.meanings and component in ("x", "y"):
             return f"shaking_force:{component}", ""
-        if "drive" in said.meanings and signals.is_driven_along_a_line(self.linkage):
+        if "drive" in said.meanings and self.linkage.is_linear:
             return "Mkr", ""
         joints = self._joints(said)
         if len(joints) != 1:
