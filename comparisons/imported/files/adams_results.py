@@ -12,16 +12,13 @@ from dataclasses import dataclass, field
 from typing import Final
 from xml.parsers import expat
 
-import numpy as np
-
 from analytic.errors import LinkproofError, printable, shortened
 from comparisons.imported.columns import Column
-from comparisons.imported.files.printed import NUMBER, parse, resolution
+from comparisons.imported.files.printed import LONGEST, is_number, parse, resolution
 from comparisons.imported.files.text import ResultText
 
 # Steps that are no instants of the motion.
 NOT_INSTANTS: Final = ("input", "output")
-LONGEST_NUMBER: Final = 60
 
 
 @dataclass
@@ -104,7 +101,7 @@ def _add(results: _Results, attributes: Mapping[str, str], line: int) -> None:
 
 def _column(results: _Results, number: int, name: tuple[str, str, int], words: list[str]) -> Column:
     header, unit, line = name
-    numbers = parse(words) if max(map(len, words)) <= LONGEST_NUMBER else None
+    numbers = parse(words) if max(map(len, words)) <= LONGEST else None
     if numbers is None:
         raise _bad_word(results, header, words)
     values, decimals = numbers
@@ -113,7 +110,7 @@ def _column(results: _Results, number: int, name: tuple[str, str, int], words: l
 
 def _bad_word(results: _Results, header: str, words: list[str]) -> LinkproofError:
     for line, word in zip(results.lines, words, strict=True):
-        if not NUMBER.fullmatch(word) or len(word) > LONGEST_NUMBER or not np.isfinite(float(word)):
+        if not is_number(word):
             return results.file.fail(
                 line, f"expected finite numbers of {header}, got '{shortened(word)}'; export that stretch again"
             )

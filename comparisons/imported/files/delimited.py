@@ -12,7 +12,7 @@ import numpy as np
 from analytic.errors import LinkproofError, shortened
 from comparisons.imported.columns import Array, Column
 from comparisons.imported.files.layout import BLANK, Layout, header_cells, is_number, layout_of
-from comparisons.imported.files.printed import parse, resolution
+from comparisons.imported.files.printed import LONGEST, parse, resolution
 from comparisons.imported.files.text import ResultText
 from comparisons.imported.units import parsed
 
@@ -21,7 +21,6 @@ WORDS: Final = re.compile(r"^[0-9eEdD+\-.,;|\t \"]*+[^0-9eEdD+\-.,;|\t \"\n].*$"
 COMMENT: Final = re.compile(r"\s*(?:[#%!*]|//)")
 NOT_FINITE: Final = re.compile(r"[+-]?(?:nan|n/?a|null|none|inf|infinity|∞|1\.#\w+|#\w+[!/?]?\w*[!?]?)", re.IGNORECASE)
 CHUNK: Final = 1 << 22  # characters parsed at a time
-LONGEST_NUMBER: Final = 60  # characters
 
 
 @dataclass(frozen=True)
@@ -235,7 +234,7 @@ def _parsed(words: Sequence[str]) -> tuple[Array, Array] | None:
             return None
     if not count:
         return np.zeros(0), np.zeros(0)
-    return None if max(map(len, words)) > LONGEST_NUMBER else parse(list(words[:count]))
+    return None if max(map(len, words)) > LONGEST else parse(list(words[:count]))
 
 
 def _refuse_first(file: ResultText, text: str, line: int, table: RawTable) -> None:
@@ -251,7 +250,7 @@ def _refuse_first(file: ResultText, text: str, line: int, table: RawTable) -> No
                 f"expected {width} columns, as the header of line {table.header.number} has, got {len(cells)}; "
                 "complete the row, or give every table a header of its own",
             )
-        if any(not is_number(cell, Layout(layout.delimiter, ".")) or len(cell) > LONGEST_NUMBER for cell in cells):
+        if any(not is_number(cell, Layout(layout.delimiter, ".")) for cell in cells):
             raise _bad_cell(file, number, cells, Layout(layout.delimiter, "."))
     raise file.fail(line, "expected rows of numbers, got columns that end before others go on; export them again")
 

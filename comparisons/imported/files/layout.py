@@ -8,7 +8,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import Final
 
-from comparisons.imported.files.printed import NUMBER
+from comparisons.imported.files import printed
 
 BLANK: Final = " "
 # As they are tried: a delimiter and a decimal sign.
@@ -40,8 +40,8 @@ class Layout:
     def are_numbers(self, row: str) -> int:
         """How many cells a row of numbers has, some of which may be empty; 0 for another row."""
         cells = self.cells(self.plain(row))
-        numbers = sum(NUMBER.fullmatch(cell) is not None for cell in cells)
-        return len(cells) if numbers > 1 and all(not cell or NUMBER.fullmatch(cell) for cell in cells) else 0
+        numbers = sum(printed.NUMBER.fullmatch(cell) is not None for cell in cells)
+        return len(cells) if numbers > 1 and all(not cell or printed.NUMBER.fullmatch(cell) for cell in cells) else 0
 
 
 def layout_of(rows: Sequence[str]) -> Layout:
@@ -76,4 +76,4 @@ def _quoted_cells(line: str, delimiter: str) -> list[str]:
 
 def is_number(cell: str, layout: Layout) -> bool:
     """Whether a cell of a line is a finite number."""
-    return NUMBER.fullmatch(layout.plain(cell).strip()) is not None
+    return printed.is_number(layout.plain(cell).strip())

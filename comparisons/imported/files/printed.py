@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import re
 from typing import Final
 
@@ -12,8 +13,15 @@ Array = NDArray[np.float64]
 Integers = NDArray[np.int64]
 
 NUMBER: Final = re.compile(r"[+-]?(?:\d+\.?\d*|\.\d+)(?:[eEdD][+-]?\d{1,3})?")
+LONGEST: Final = 60  # characters of a number
 MOST_DIGITS: Final = 17  # of a double: more say nothing
 SMALLEST: Final = 400  # decimals of the smallest double, and more
+
+
+def is_number(word: str) -> bool:
+    """Whether a word is a finite number with a decimal point."""
+    plain = word.replace("d", "e").replace("D", "e")
+    return len(word) <= LONGEST and NUMBER.fullmatch(word) is not None and math.isfinite(float(plain))
 
 
 def parse(words: list[str]) -> tuple[Array, Array] | None:

@@ -30,8 +30,8 @@ def mapping_text(linkage: str, axis: str, lines: Iterable[MappingLine], ignored:
     """The text of a mapping; a unit that is not known is left to be filled in, what is not judged is a comment."""
     head = [
         f"# Columns of result files as signals of {printable(linkage)}: correct what is wrong, and give this file",
-        "# to judge with --mapping. Corrections of a [[column]] are applied as they stand here:",
-        "# sign * factor * value + angle_offset (deg), at time + time_shift (s).",
+        "# to judge with --mapping. Corrections that a [[column]] has are applied as they stand here, as",
+        "# the value sign * factor * value + angle_offset (deg) at the time time + time_shift (s).",
     ]
     head += [f'axis = "{axis}"'] if axis else []
     ignored = list(ignored)
