@@ -119,7 +119,7 @@ def test_an_angle_may_be_offset_and_mirrored(tmp_path):
         ("Time [s],Torque [Nm],Moment [Nmm]\n" + "0,1,2\n1,2,3\n2,3,4\n3,4,5\n", "expected one column for Mkr, got"),
         (f"foo,Torque [Nm]\n{ROWS}", "run.csv:1: expected a column of time or phi, got foo, Torque [Nm]; name"),
         (f"Time [s],foo\n{ROWS}", "run.csv:1: expected a column that is a signal of juki-mf7923d, got none: 'foo'"),
-        ("Time [s],Torque [Nm]\n0,1\n1,2\n0.5,3\n2,3\n", "(column 1): expected a time that grows in 'Time [s]', got 0.5"),
+        ("Time [s],Torque [Nm]\n0,1\n1,2\n0.5,3\n2,3\n", "(column 1): expected a time that grows in 'Time [s]'"),
         ("Winkel [deg],Torque [Nm]\n0,1\n1,2\n0.5,3\n2,3\n", "expected a crank angle that runs one way"),
         ("Time [s],Torque [Nm]\n0,1\n1,2\n", "expected a curve of at least 4 instants, got 2"),
         (f"Time [s],Torque [furlong]\n{ROWS}", "run.csv:1 (column 2): unknown unit of 'Torque' 'furlong'"),
