@@ -13,7 +13,6 @@ from pathlib import Path
 
 from analytic.description.linkage import Linkage
 from analytic.errors import LinkproofError, UnknownNameError, listed, printable, shortened
-from comparisons.imported.axes import check_curve, instants
 from comparisons.imported.columns import (
     NO_CORRECTION,
     TIME,
@@ -26,12 +25,13 @@ from comparisons.imported.columns import (
     MappingNeededError,
     ResultTable,
 )  # fmt: skip
+from comparisons.imported.files.axes import check_curve, instants
 from comparisons.imported.files.result_files import SI_TOOLS, result_tables
 from comparisons.imported.headers.meaning import Meaning, NotJudgedError, Recognition
+from comparisons.imported.headers.units import Unit
 from comparisons.imported.mapping.agreement import Agreement
 from comparisons.imported.mapping.mapping_file import Mapping, read_mapping
 from comparisons.imported.mapping.writing import MappingLine, mapping_text
-from comparisons.imported.units import Unit
 
 
 @dataclass

@@ -14,7 +14,7 @@ from comparisons.imported.columns import Array, Column
 from comparisons.imported.files.layout import BLANK, Layout, header_cells, is_number, layout_of
 from comparisons.imported.files.printed import LONGEST, parse, resolution
 from comparisons.imported.files.text import ResultText
-from comparisons.imported.units import parsed
+from comparisons.imported.headers.units import parsed
 
 # A line that holds anything but numbers; its first part cannot give back what it took, so a search is linear.
 WORDS: Final = re.compile(r"^[0-9eEdD+\-.,;|\t \"]*+[^0-9eEdD+\-.,;|\t \"\n].*$", re.MULTILINE)

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Final
 
-from comparisons.imported.units import parsed
+from comparisons.imported.headers.units import parsed
 
 # "Torque (N*m)", "Torque [Nm]", "M{Nm}"; the index of an array, "r_0[1]", is part of the name.
 BRACKETS: Final = re.compile(r"^(.*?)\s*[(\[{<]\s*([^()\[\]{}<>]*(?:\([^()]*\)[^()\[\]{}<>]*)?)\s*[)\]}>]\s*$")

@@ -15,8 +15,8 @@ from analytic.errors import LinkproofError, UnknownNameError, listed, shortened
 from analytic.kinematics.mechanism import Mechanism
 from comparisons.imported.columns import MAGNITUDE, TIME, Column
 from comparisons.imported.headers.header import SplitHeader, splits
+from comparisons.imported.headers.units import OFFERED, Dimension, Unit, parsed
 from comparisons.imported.headers.words import MEANINGS, Names, Word, bodies, names_of, words
-from comparisons.imported.units import OFFERED, Dimension, Unit, parsed
 from comparisons.reference import signals
 
 # Exponents of m, kg, s and rad.

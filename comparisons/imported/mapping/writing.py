@@ -8,7 +8,7 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 
 from analytic.errors import printable
-from comparisons.imported.columns import NO_CORRECTION, Correction
+from comparisons.imported.columns import NO_CORRECTION, TIME, Correction
 
 TO_FILL_IN = '""  # fill in'
 
@@ -69,8 +69,11 @@ def _quoted(text: str) -> str:
 
 
 def with_proposals(text: str, proposals: Mapping[str, Correction]) -> str:
-    """A mapping with corrections that are not agreed to yet, by the names of signals, as comments to take away."""
-    for signal, correction in proposals.items():
+    """A mapping with corrections that are not agreed to yet, by the names of signals, as comments to take away.
+
+    Those of "*" are for all signals, and stand with the time.
+    """
+    for signal, correction in ((TIME if name == "*" else name, own) for name, own in proposals.items()):
         lines = "".join(f"\n# {line}  # estimated: take the first # away to agree" for line in _agreed(correction))
         pattern = rf"(?m)^(signal = {re.escape(_quoted(signal))}\nunit = .*)$"
         text = re.sub(pattern, lambda entry, added=lines: entry[1] + added, text)  # type: ignore[misc]
