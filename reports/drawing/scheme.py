@@ -155,7 +155,9 @@ def _paths(axes: Axes, scheme: KinematicScheme) -> None:
 def _crank_numbers(axes: Axes, scheme: KinematicScheme, size: float, taken: Array) -> None:
     """0 to 11 around the crank pin's circle, but for the position drawn out and where a name is in the way."""
     link = scheme.linkage.links[scheme.linkage.crank]
-    pivot = next(p.point for p in scheme.linkage.pins if {GROUND, link.name} <= set(p.links))
+    pivot = next((p.point for p in scheme.linkage.pins if {GROUND, link.name} <= set(p.links)), None)
+    if pivot is None:  # the drive is along a line
+        return
     far = max(link.points, key=lambda name: float(np.hypot(*np.subtract(link.points[name], link.points[pivot]))))
     if far == pivot:  # a crank that is nothing but a slot has no pin to number
         return

@@ -13,6 +13,7 @@ from matplotlib.ticker import MaxNLocator
 from numpy.typing import NDArray
 
 from analytic.description.law import FULL_TURN
+from analytic.description.linkage import Linkage
 from analytic.errors import printable
 from reports.drawing.forces import draw_tips
 from reports.drawing.scheme import POSITIONS, KinematicScheme, draw_scheme
@@ -80,8 +81,19 @@ def _draw_scheme(figure: Figure, results: DesignerResults, height: float) -> Non
     axes.set_xlim(middle[0] - half[0], middle[0] + half[0])
     axes.set_ylim(middle[1] - half[1], middle[1] + half[1])
     draw_scheme(axes, scheme, PIN_INCHES / scale)
+    for number, point in enumerate(_coupler_points(results.linkage)):
+        axes.plot(
+            *(scheme.scale * scheme.turn.point(point)), color=PALETTE[1 + number % (len(PALETTE) - 1)], zorder=3.0
+        )
     axes.set_xlabel(f"x, {length.name}")
     axes.set_ylabel(f"y, {length.name}")
+
+
+def _coupler_points(linkage: Linkage) -> list[str]:
+    """Points of one link alone, whose curves are what the linkage is for; the output's is drawn with the scheme."""
+    held = {*linkage.ground} | ({linkage.output.point} if linkage.output else set())
+    held |= {pin.point for pin in linkage.pins} | {s.point for s in linkage.sliders} | {s.point for s in linkage.slots}
+    return sorted({point for link in linkage.links.values() for point in link.points} - held)
 
 
 def _draw_curves(figure: Figure, results: DesignerResults, height: float) -> None:
@@ -107,7 +119,8 @@ def _draw_curve(axes: Axes, results: DesignerResults, name: str, ink: str) -> No
     peak = curves.peaks([name])[name]
     place = float(curves.values([results.axis], peak.time)[0]) / axis.size
     axes.plot([place], [peak.value / unit.size], marker="o", markersize=3.5, color=ink)
-    axes.set_title(f"{CURVES[name]}: peak {digits(peak.value / unit.size)} {unit.name} at {place:.4g} {axis.name}")
+    title = "force" if name == "Mkr" and results.is_linear else CURVES[name]
+    axes.set_title(f"{title}: peak {digits(peak.value / unit.size)} {unit.name} at {place:.4g} {axis.name}")
     axes.set_xlim(float(np.min(along)), float(np.max(along)))
     if results.axis == "phi" and axis.name == "deg":
         axes.xaxis.set_major_locator(MaxNLocator(7, steps=[1, 2, 3, 4.5, 6, 9, 10]))

@@ -19,7 +19,7 @@ Array = NDArray[np.float64]
 STEP: Final = math.radians(0.5)  # of the crank, between two instants
 LINEAR_STEPS: Final = 720  # over the travel of a drive along a line
 FEWEST, MOST = 180, 20_000  # intervals of the whole motion
-ROUNDING: Final = 1e-9  # of the motion's length: an angle or time that exceeds it by less is its end
+ROUNDING: Final = 1e-12  # of a turn, or of the motion's length: what is nearer than this to an instant is there
 
 
 @dataclass(frozen=True)
@@ -85,29 +85,35 @@ class Instants:
 
     def _passing(self, angle: float, unit: str, size: float) -> float:
         """The first instant at which the crank is at an angle, whole turns aside."""
-        time = self.grid
-        away = self._away(time, angle * size)
-        hits = np.flatnonzero(np.abs(away - np.round(away)) <= ROUNDING) if self.turns else np.flatnonzero(away == 0.0)
+        time, target = self.grid, angle * size
+        away = self._away(time, target)
+        hits = np.flatnonzero(np.abs(away - np.round(away)) <= ROUNDING)
         passed = np.flatnonzero(np.floor(away[1:]) != np.floor(away[:-1]))
+        low, high = (float(end(self.motion.angle(time))) for end in (np.min, np.max))
+        beyond = not self.turns and not low - self._slack <= target <= high + self._slack
+        if beyond or not (len(hits) or len(passed)):
+            turns = " and whole turns more or less" if self.turns else ""
+            raise LinkproofError(
+                f"--at: expected what the motion passes, from {low / size:.6g}{unit} to {high / size:.6g}{unit}{turns}"
+                f", got {angle:.6g}{unit}; choose others, or another motion"
+            )
         first = float(time[hits[0]]) if len(hits) else math.inf
         if len(passed) and time[passed[0]] < first:
-            return self._between(angle * size, float(time[passed[0]]), float(time[passed[0] + 1]))
-        if math.isfinite(first):
-            return first
-        low, high = (float(end(self.motion.angle(time))) / size for end in (np.min, np.max))
-        turns = " and whole turns more or less" if self.turns else ""
-        raise LinkproofError(
-            f"--at: expected what the motion passes, from {low:.6g}{unit} to {high:.6g}{unit}{turns}, got "
-            f"{angle:.6g}{unit}; choose others, or another motion"
-        )
+            return self._between(target, float(time[passed[0]]), float(time[passed[0] + 1]))
+        return first
+
+    @property
+    def _slack(self) -> float:
+        return ROUNDING * self._period
+
+    @cached_property
+    def _period(self) -> float:
+        """A turn; of a travel, which has none, more than it can be away from any place on its way."""
+        return FULL_TURN if self.turns else 4.0 * (float(np.ptp(self.motion.angle(self.grid))) or 1.0)
 
     def _away(self, time: Array, target: float) -> Array:
-        """How far the crank is from an angle, in turns; the travel from its own, which has no period: -1 or 0, or 0."""
-        away = self.motion.angle(time) - target
-        if self.turns:
-            return np.asarray(away / FULL_TURN)
-        slack = ROUNDING * float(np.ptp(self.motion.angle(self.grid)))
-        return np.where(np.abs(away) <= slack, 0.0, 0.5 * np.sign(away))
+        """How far the crank is from an angle, in periods."""
+        return np.asarray((self.motion.angle(time) - target) / self._period)
 
     def _between(self, target: float, low: float, high: float) -> float:
         """The instant between two neighbours of the grid at which the crank is at an angle: by bisection."""

@@ -11,7 +11,7 @@ from comparisons.reference.signals import COMPONENTS
 from reports.results.curves import MAGNITUDE
 from reports.results.designer_results import NEGLIGIBLE, DesignerResults
 from reports.results.figures import stroke
-from reports.results.units import file_unit
+from reports.results.units import FileUnit, file_unit
 from reports.text.numbers import ABSENT, figure
 from reports.text.screen import Cell, line, table
 
@@ -35,8 +35,13 @@ def _where(results: DesignerResults) -> tuple[str, ...]:
 def _place(results: DesignerResults, time: float | None) -> tuple[str, ...]:
     if time is None:
         return (ABSENT,) * len(_where(results))
-    angle = f"{results.shown_angle(time):.2f}"
+    angle = _angle(results.shown_angle(time), results.unit("phi"))
     return (angle,) if results.axis == "phi" else (f"{time:#.6g}", angle)
+
+
+def _angle(value: float, unit: FileUnit) -> str:
+    """Degrees to two decimals, radians and lengths to five digits."""
+    return f"{value:.2f}" if unit.name == "deg" else figure(value, 5)
 
 
 def _drive(results: DesignerResults) -> list[RenderableType]:
@@ -60,7 +65,13 @@ def _forces(results: DesignerResults) -> list[RenderableType]:
     force, angle = file_unit("N", results.linkage), file_unit("rad", results.linkage)
     head = ("joint", "on", f"force {force.name}", f"direction {angle.name}", *_where(results))
     rows = [
-        (p.joint, p.link, figure(p.force / force.size), f"{p.direction / angle.size:.2f}", *_place(results, p.time))
+        (
+            p.joint,
+            p.link,
+            figure(p.force / force.size),
+            _angle(p.direction / angle.size, angle),
+            *_place(results, p.time),
+        )
         for p in results.forces
     ]
     value, time = results.curves.peaks(["shaking_moment"])["shaking_moment"]
@@ -76,7 +87,9 @@ def _transmission(results: DesignerResults) -> list[RenderableType]:
         return []
     angle = file_unit("rad", results.linkage)
     head = ("group", f"least transmission angle {angle.name}", *_where(results))
-    rows = [(one.what, f"{one.value / angle.size:.2f}", *_place(results, one.time)) for one in results.transmission]
+    rows = [
+        (one.what, _angle(one.value / angle.size, angle), *_place(results, one.time)) for one in results.transmission
+    ]
     return [table(head, rows, "lr")]
 
 
@@ -153,7 +166,7 @@ def _instant_head(results: DesignerResults) -> tuple[str, ...]:
 
 
 def _instants(results: DesignerResults) -> list[tuple[str, ...]]:
-    angles = [f"{results.shown_angle(float(time)):.6g}" for time in results.instants.shown]
+    angles = [f"{round(results.shown_angle(float(time)), 9) + 0.0:.6g}" for time in results.instants.shown]
     if results.axis == "phi":
         return [(angle,) for angle in angles]
     return [(f"{time:.6g}", angle) for time, angle in zip(results.instants.shown, angles, strict=True)]

@@ -140,7 +140,7 @@ def _over_range(reach: CrankRange, backwards: bool, speed: float) -> CrankMotion
     low, high = reach.limits
     margin = MARGIN * (high - low)
     ends = (high - margin, low + margin) if backwards else (low + margin, high - margin)
-    return replace(swing(STEADY, *ends, speed=speed), regime=f"{STEADY} over the range of the crank")
+    return replace(swing(STEADY, *ends, speed=speed), regime=f"{STEADY} over its range")
 
 
 def _linear_case(mechanism: Mechanism, choice: MotionChoice) -> Case:

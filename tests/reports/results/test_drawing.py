@@ -7,6 +7,7 @@ import pytest
 
 from analytic.description.crank_motion import swing
 from reports.results.drawing import svg_text
+from tests.analytic.drives import driven
 from tests.analytic.linkages import from_text, mechanism
 from tests.analytic.textbook import DOUBLE_ROCKER
 from tests.reports.results.samples import piston, results
@@ -32,3 +33,8 @@ def test_a_swing_is_drawn_within_its_range_and_without_an_output():
     found = words(results(from_text(DOUBLE_ROCKER), swing("cycloidal", *np.radians([50, 90]), speed=2.0)))
     assert "time, s" in found
     assert "S," not in found
+
+
+def test_a_drive_along_a_line_is_drawn():
+    motor = driven("linear-motor")
+    assert "Mkr, N" in words(results(motor, swing("cycloidal", 0.0, 0.1, speed=0.1)))

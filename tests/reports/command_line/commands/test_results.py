@@ -60,7 +60,7 @@ def test_clockwise_and_a_negative_speed_are_the_same(engine):
 def test_a_crank_that_makes_no_turn_is_shown_over_its_range(tmp_path):
     (tmp_path / "rocker.toml").write_text(DOUBLE_ROCKER, encoding="utf-8")
     done = linkproof("results", tmp_path / "rocker.toml")
-    assert "over the range of the crank" in done.stdout
+    assert "constant-speed over its range, 1000 rpm" in done.stdout
     assert "No S, v and a: the file names no output." in done.stdout
     swing = linkproof("results", tmp_path / "rocker.toml", "--from", 50, "--to", 90, "--regime", "cycloidal").stdout
     assert "cycloidal, up to 1000 rpm counter-clockwise, φ from 50° to 90°" in swing
