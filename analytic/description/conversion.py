@@ -8,7 +8,7 @@ import math
 from analytic.description import linkage as lk
 from analytic.description import load_tables
 from analytic.description import schema as doc
-from analytic.description.crank_motion import REGIMES
+from analytic.description.crank_motion import own_regimes
 from analytic.description.diagnosis import EXPECTED, Source
 from analytic.description.linkage import GROUND, Linkage, Vector
 from analytic.description.lookup import Reader, reader_of
@@ -50,7 +50,7 @@ def interpret(document: doc.Document, name: str, variants: tuple[str, ...], sour
         dampers=load_tables.dampers(reader),
         output=_output(reader),
         thread=_thread(reader),
-        regimes=tuple(_regime(reader, name) for name in sorted(document.regimes)),
+        regimes=tuple(own_regimes.regime(reader, name) for name in sorted(document.regimes)),
         errata=_errata(reader, variants),
         published=tuple(document.published),
         notes=tuple(document.notes),
@@ -59,17 +59,6 @@ def interpret(document: doc.Document, name: str, variants: tuple[str, ...], sour
     )
     _check_lengths(reader, linkage)
     return linkage
-
-
-def _regime(reader: Reader, name: str) -> lk.ReleasedRegime:
-    """A regime of the linkage's own, which may not bear the name of a prescribed one."""
-    table, where = reader.document.regimes[name], f"regimes.{name}"
-    if name in REGIMES:
-        raise reader.fail(f"{where}: expected a name of its own, got that of a prescribed regime; choose another")
-    torque = reader.number(table.torque, reader.drive, f"{where}.torque")
-    start = reader.number(table.start_angle, reader.coordinate, f"{where}.start_angle")
-    speed = table.start_speed * (reader.scale["length"] if reader.is_linear else 1.0)
-    return lk.ReleasedRegime(name, torque, start, speed, table.duration)
 
 
 def _thread(reader: Reader) -> ThreadPath | None:
@@ -109,6 +98,11 @@ def _errata(reader: Reader, variants: tuple[str, ...]) -> tuple[doc.Erratum, ...
         where = f"errata.{number}"
         if table.regime not in regimes:
             raise reader.fail(f"{where}: {UnknownNameError('regime of its own', table.regime, regimes)}")
+        if not own_regimes.is_released(regimes[table.regime]):
+            raise reader.fail(
+                f"{where}.regime: expected a regime in which the crank is released, got '{table.regime}', which "
+                "prescribes its motion; name another"
+            )
         if table.variant is not None and table.variant not in variants:
             raise reader.fail(f"{where}: {UnknownNameError('variant', table.variant, variants)}")
     return tuple(reader.document.errata)

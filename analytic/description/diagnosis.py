@@ -132,10 +132,11 @@ def _known_keys(parents: Sequence[str], root: type[BaseModel]) -> list[str]:
     for key in parents:
         if model is not None and key in model.model_fields:
             model = next(_tables_in(model.model_fields[key].annotation), None)
-    outside = (
-        () if parents or root is not Document else ("variants", "repeat")
-    )  # which are gone before the model is asked
-    return sorted((*model.model_fields, *outside)) if model is not None else []
+    if model is None:
+        return []
+    # Some are gone before the model is asked.
+    outside = () if parents or root is not Document else ("variants", "repeat")
+    return sorted((*(field.alias or name for name, field in model.model_fields.items()), *outside))
 
 
 def _tables_in(annotation: Any) -> Iterator[type[BaseModel]]:  # noqa: ANN401 - an annotation may be anything

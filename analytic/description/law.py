@@ -21,6 +21,31 @@ if TYPE_CHECKING:
 FULL_TURN = 2.0 * np.pi
 
 
+@dataclass(frozen=True)
+class TimeLaw:
+    """A number that depends on time alone: straight lines between its values, the first and last of them outside.
+
+    Lines follow what a drive is switched to and overshoot nothing. ``times``, s, increase; ``torque`` has the values,
+    N m, as many.
+    """
+
+    times: tuple[float, ...]
+    torque: tuple[float, ...]
+
+    def __call__(self, time: ArrayLike) -> NDArray[np.float64]:
+        """The value at each time; shape of ``time``."""
+        return np.asarray(np.interp(np.asarray(time, dtype=float), self.times, self.torque))
+
+    def at(self, time: float) -> float:
+        """The value at one time, for engines that ask in every step."""
+        piece = bisect_right(self.times, time)
+        if piece in (0, len(self.times)):
+            return self.torque[min(piece, len(self.times) - 1)]
+        start, end = self.times[piece - 1 : piece + 1]
+        low, high = self.torque[piece - 1 : piece + 1]
+        return low + (high - low) * (time - start) / (end - start)
+
+
 @dataclass(frozen=True, eq=False)
 class Law:
     """A scalar or a vector that depends on the crank angle alone.

@@ -19,7 +19,8 @@ from enum import StrEnum
 from typing import Final
 
 from analytic.description.crank_motion import degrees
-from analytic.description.law import Law
+from analytic.description.crank_motion.prescribed import CrankMotion
+from analytic.description.law import Law, TimeLaw
 from analytic.description.schema import Erratum, Published
 from analytic.description.thread_path import ThreadPath
 from analytic.description.units import factor
@@ -167,9 +168,10 @@ class Output:
 
 @dataclass(frozen=True)
 class ReleasedRegime:
-    """A regime of the linkage's own: the crank is released and moved by a constant torque, N m, and the loads.
+    """A regime of the linkage's own: the crank is released and moved by a torque, N m, and the loads.
 
-    Starts at crank angle ``start_angle``, rad, with crank speed ``start_speed``, rad/s; lasts ``duration``, s.
+    Starts at crank angle ``start_angle``, rad, with crank speed ``start_speed``, rad/s; lasts ``duration``, s. Of the
+    torque, ``torque`` is what is constant; ``over_angle`` and ``over_time`` act besides, where there are any.
     """
 
     name: str
@@ -177,6 +179,20 @@ class ReleasedRegime:
     start_angle: float
     start_speed: float
     duration: float
+    over_angle: Law | None = None
+    over_time: TimeLaw | None = None
+
+
+@dataclass(frozen=True)
+class PrescribedRegime:
+    """A regime of the linkage's own in which the crank follows a motion; ``conditions`` says in words which."""
+
+    name: str
+    motion: CrankMotion
+    conditions: str
+
+
+OwnRegime = ReleasedRegime | PrescribedRegime
 
 
 @dataclass(frozen=True)
@@ -206,7 +222,7 @@ class Linkage:
     dampers: tuple[RotaryDamper, ...] = ()
     output: Output | None = None
     thread: ThreadPath | None = None
-    regimes: tuple[ReleasedRegime, ...] = ()
+    regimes: tuple[OwnRegime, ...] = ()
     errata: tuple[Erratum, ...] = ()
     published: tuple[Published, ...] = ()
     notes: tuple[str, ...] = field(default=())
@@ -231,6 +247,11 @@ class Linkage:
     def coordinate(self, value: float) -> str:
         """A value of φ with its name."""
         return f"{'crank angle' if not self.is_linear else f'a {self.driver} at'} {self.place(value)}"
+
+    @property
+    def released(self) -> dict[str, ReleasedRegime]:
+        """Its own regimes in which the crank is released, by name."""
+        return {own.name: own for own in self.regimes if isinstance(own, ReleasedRegime)}
 
     @property
     def joint_names(self) -> tuple[str, ...]:

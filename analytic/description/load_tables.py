@@ -42,6 +42,11 @@ def _torque(reader: Reader, table: doc.TorqueTable, where: str) -> LinkTorque:
     return LinkTorque(reader.body(table.link, where), law)
 
 
+def law_over_angle(reader: Reader, values: list[float], angles: list[float], kind: str, where: str) -> Law:
+    """The law of one component through values at angles, both in the file's units."""
+    return _law(reader, [(value,) for value in values], angles, kind, where)
+
+
 def _key(law: Law) -> tuple[bytes, bytes]:
     return law.values.tobytes(), b"" if law.angles is None else law.angles.tobytes()
 

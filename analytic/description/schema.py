@@ -122,13 +122,37 @@ class SketchTable(TomlTable):
     points: dict[str, Pair] = Field(default_factory=dict)
 
 
-class RegimeTable(TomlTable):
-    """A regime of the linkage's own: released at an angle, moved by a constant crank torque and the loads."""
+class SegmentTable(TomlTable):
+    """A part of a crank's motion: ``to`` an angle by a ``law`` in a ``time`` or at a ``speed``, or a ``dwell``."""
 
-    torque: Finite = 0.0
-    start_angle: Finite
-    start_speed: Finite = 0.0
-    duration: Positive
+    to: Finite | None = None
+    time: Positive | None = None
+    speed: Positive | None = None
+    law: str | None = None
+    dwell: Positive | None = None
+
+
+class RegimeTable(TomlTable):
+    """A regime of the linkage's own.
+
+    Either the crank is released (``torque``, a number or a list over ``angle`` or ``time``; ``start_angle``,
+    ``start_speed``, ``duration``), or it follows a motion: ``from`` one angle ``to`` another, ``segments`` one after
+    the other, or a table of ``angle`` over ``time``. Which keys belong together is checked on conversion.
+    """
+
+    torque: Finite | list[Finite] | None = None
+    start_angle: Finite | None = None
+    start_speed: Finite | None = None
+    duration: Positive | None = None
+    begin: Finite | None = Field(default=None, alias="from")
+    to: Finite | None = None
+    speed: Positive | None = None
+    time: Positive | list[Finite] | None = None
+    law: str | None = None
+    dwell: NotNegative | None = None
+    back: Annotated[bool, Field(strict=True)] | None = None
+    segments: list[SegmentTable] | None = None
+    angle: list[Finite] | None = None
 
 
 class StopTable(TomlTable):

@@ -101,9 +101,10 @@ class Sweep:
                 self._solved(host, order)
             if order == 1:
                 check_motion(self.linkage, solver, self.angle)
-            known[dyad.first], known[dyad.second] = (solver.poses, solver.rates, solver.accelerations)[order](known)
+            solved = (solver.poses, solver.rates, solver.accelerations)[order](known)
             if order == 0:
-                check_assembly(self.linkage, solver, self.angle)
+                check_assembly(self.linkage, solver, self.angle)  # before it counts as known: it fails every time
+            known[dyad.first], known[dyad.second] = solved
         return known[body]
 
     def local_point(self, body: str, local: Vector, order: int = 0) -> Pair:

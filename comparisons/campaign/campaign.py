@@ -180,7 +180,7 @@ def _compared(
         detail = f"its adapter offers {lacking} and has recorded none"
         return replace(blank, outcome=Verdict.ADAPTER_ERROR.value, detail=detail), None
     origin = CONTROL if adapter.is_control else quantity.origin(motion).value
-    blank = replace(blank, origin=origin, shared=quantity.shared(motion))
+    blank = replace(blank, origin=origin, shared=quantity.shared(case, motion))
     try:
         found = deviation(case, quantity, motion)
     except NoSampleError as error:

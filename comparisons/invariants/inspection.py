@@ -10,6 +10,7 @@ from itertools import takewhile
 import numpy as np
 from numpy.typing import NDArray
 
+from analytic.description.crank_motion import CrankMotion
 from comparisons.invariants.assur_groups import AssurGroups
 from comparisons.invariants.corrections import LEVELS, Findings, findings
 from comparisons.observation.interpolation import POINTS, resample
@@ -32,6 +33,7 @@ STANDSTILL = 1e-12  # of the peak kinetic energy: of less, no rate of damping ca
 COARSE = 0.5  # rad of crank between samples: a dozen of a turn show its energy, not the work done between them
 NOWHERE = 1e-12  # a determinant below it has no sign
 TINY = float(np.finfo(float).tiny)
+ALIKE = 4.0  # times as long as its neighbour a piece of a law may be
 
 
 @dataclass(frozen=True)
@@ -156,6 +158,22 @@ class Inspection:
             reach = REACH * (found.time[step + 1] - found.time[step])
             yield found.time[step] - reach, found.time[step + 1] + reach
         drive = self.motion.scene.drive
-        for segment in drive.motion.segments if isinstance(drive, Prescribed) else ():
-            if np.count_nonzero((time >= segment.start) & (time <= segment.end)) < 2 * POINTS:
-                yield segment.start, segment.end
+        for start, end in _stretches(drive.motion) if isinstance(drive, Prescribed) else ():
+            if np.count_nonzero((time >= start) & (time <= end)) < 2 * POINTS:
+                yield start, end
+
+
+def _stretches(motion: CrankMotion) -> Iterator[tuple[float, float]]:
+    """Start and end, s, of the pieces of a motion; pieces about as long that meet without a jump are one.
+
+    A law or a spline is made of many such, and samples tell it from all of them.
+    """
+    first, *others = motion.segments
+    start, end, length = first.start, first.end, first.end - first.start
+    for segment in others:
+        before, length = length, segment.end - segment.start
+        if segment.start in motion.jumps or max(before, length) > ALIKE * min(before, length):
+            yield start, end
+            start = segment.start
+        end = segment.end
+    yield start, end

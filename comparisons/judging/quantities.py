@@ -1,7 +1,8 @@
 """The quantities that are compared: what each is in the closed form, and how it is read from an engine's motion.
 
 A quantity is a row of ``quantities.toml`` and its two formulas here; adding one adds nothing elsewhere. S is the
-output's displacement from its top dead centre (positive away from it), v and a its time derivatives, as in article 003.
+output's displacement from its top dead centre (positive away from it), v and a its time derivatives, as in article 003;
+where the crank cannot turn fully it counts from the farthest point that the motion reaches.
 Every joint of the linkage at hand has its force, ``joint_force:JOINT``.
 """
 
@@ -23,10 +24,10 @@ from analytic.description.thread_path import ThreadEye, ThreadPath
 from analytic.errors import LinkproofError, UnknownNameError
 from analytic.request import unit_of
 from analytic.turn.thread_feed import feed, feed_of_length, reference_angle, reference_length
-from analytic.turn.unit_functions import top_dead_centre
 from comparisons.observation.interpolation import SHARP, peak, resample
 from comparisons.observation.observed_motion import ObservedMotion
 from comparisons.reference.case import Case
+from comparisons.reference.farthest import farthest, top_of_turn
 from engines.contract import Origin, Signal
 from engines.scene import Channel
 
@@ -52,7 +53,7 @@ class Quantity:
 
     Values are (n,), or (n, 2) for a vector. ``prescribed`` and ``free`` say under which drive it is a result rather
     than given; ``clock`` is the channel whose samples it has; ``zero`` is where it is counted from, which the engine's
-    own motion shows only if its crank turns fully.
+    own motion shows only if its crank turns fully, or cannot.
     """
 
     name: str
@@ -82,9 +83,11 @@ class Quantity:
             return "" if joint in motion.history.joint_force else f"force in joint '{joint}'"
         return ", ".join(sorted(channel.value for channel in self.channels if not motion.has(channel)))
 
-    def shared(self, motion: ObservedMotion) -> str:
+    def shared(self, case: Case, motion: ObservedMotion) -> str:
         """What of it the reference and the engine have in common."""
-        return self.zero if self.zero and motion.last_turn is None else ""
+        if not self.zero or (self.needs_output and top_of_turn(case.mechanism) is None):
+            return ""
+        return self.zero if motion.last_turn is None else ""
 
     @property
     def channels(self) -> frozenset[Channel]:
@@ -117,10 +120,13 @@ def _power(case: Case, motion: ObservedMotion) -> Signal:
 
 
 def _displacement(case: Case, motion: ObservedMotion) -> Signal:
-    """From the engine's own top dead centre where its crank turns fully, else from the closed form's."""
+    """From the engine's own farthest place where its motion shows that, else from the closed form's.
+
+    A motion shows it in a full turn; where the crank cannot make one, it is the farthest place of the motion.
+    """
     place = _output(Channel.POSITION, 0, case, motion)
-    turn = motion.last_turn
-    top = _top(case) if turn is None else peak(Signal(place.time[turn], -place.values[turn]))
+    turn = slice(None) if top_of_turn(case.mechanism) is None else motion.last_turn
+    top = _top(case) if turn is None else peak(Signal(place.time[turn], -place.values[turn]), case.motion.jumps)
     return Signal(place.time, top + place.values)
 
 
@@ -131,7 +137,7 @@ def _output(channel: Channel, order: int, case: Case, motion: ObservedMotion) ->
 
 
 def _top(case: Case) -> float:
-    return top_dead_centre(case.mechanism).coordinate
+    return farthest(case.mechanism, case.motion)
 
 
 def _crank(channel: Channel, case: Case, motion: ObservedMotion) -> Signal:

@@ -56,14 +56,20 @@ def resample_piecewise(signal: Signal, time: Array, breaks: Sequence[float]) -> 
     return result
 
 
-def peak(signal: Signal) -> float:
-    """The largest value of a smooth signal (n,), between its samples too."""
+def _between(signal: Signal, time: Array, breaks: Sequence[float]) -> Array:
+    if any(signal.time[0] < each < signal.time[-1] for each in breaks):
+        return resample_piecewise(signal, time, breaks)
+    return resample(signal, time, min(SHARP, len(signal.time)))
+
+
+def peak(signal: Signal, breaks: Sequence[float] = ()) -> float:
+    """The largest value of a signal (n,) that is smooth but for its ``breaks``, between its samples too."""
     time = signal.time
     at = int(np.argmax(signal.values))
     low, high = time[max(at - 1, 0)], time[min(at + 1, len(time) - 1)]
     for _ in range(CLOSER):
         places = np.linspace(low, high, BETWEEN)
-        values = resample(signal, places, min(SHARP, len(time)))
+        values = _between(signal, places, breaks)
         at = int(np.argmax(values))
         low, high = places[max(at - 1, 0)], places[min(at + 1, BETWEEN - 1)]
     return float(values[at])

@@ -13,10 +13,11 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from analytic.description.crank_motion import CrankMotion
-from analytic.description.linkage import Output, ReleasedRegime, Vector
+from analytic.description.linkage import LinkTorque, Output, OwnRegime, PrescribedRegime, ReleasedRegime, Vector
 from analytic.dynamics import reduced
 from analytic.dynamics.joint_forces import joint_forces, shaking_force, shaking_moment
-from analytic.errors import LinkproofError
+from analytic.errors import AssemblyError, LinkproofError
+from analytic.kinematics.crank_range import crank_range
 from analytic.kinematics.mechanism import FULL_TURN, Mechanism
 from analytic.kinematics.structure import Revolute
 from analytic.kinematics.sweep import Sweep
@@ -164,10 +165,15 @@ class Case:
         turns = not self.mechanism.linkage.is_linear
         look = LOOK * (1.0 if turns else self.mechanism.linkage.extent())
         passed = np.linspace(low, high, math.ceil((high - low) / look) + 2)
-        whole = turns and high - low >= FULL_TURN
-        for sweep in (self.mechanism.turn if whole else self.mechanism.sweep(passed), self.start()):
-            for body in self.mechanism.structure.bodies:
-                sweep.rates(body)
+        reached = self.mechanism.turn if turns and high - low >= FULL_TURN else self.mechanism.sweep(passed)
+        try:
+            for sweep in (reached, self.start()):
+                for body in self.mechanism.structure.bodies:
+                    sweep.rates(body)
+        except AssemblyError:
+            if turns:
+                crank_range(self.mechanism, float(angle[0])).check(low, high, self.mechanism.linkage.name)
+            raise
 
     def start(self) -> Sweep:
         """The linkage in its first instant."""
@@ -235,14 +241,32 @@ def own_motion(mechanism: Mechanism, own: ReleasedRegime, half_slope: str = "exa
     return replace(motion, regime=own.name)
 
 
-def own_case(mechanism: Mechanism, own: ReleasedRegime) -> Case:
-    """The case of a regime of the linkage's own: a released crank, its motion by the equation of motion."""
+def own_case(mechanism: Mechanism, own: OwnRegime) -> Case:
+    """The case of a regime of the linkage's own: its motion, or a released crank's by the equation of motion.
+
+    A crank torque over the angle is a load like any other: it is put among the linkage's.
+    """
+    gravity = "gravity on" if any(mechanism.linkage.gravity) else "gravity off"
+    if isinstance(own, PrescribedRegime):
+        return Case(mechanism, own.motion, conditions=f"{own.conditions}, {gravity}")
+    if own.over_angle is not None:
+        linkage = mechanism.linkage
+        loads = (*linkage.torques, LinkTorque(linkage.crank, own.over_angle))
+        mechanism = Mechanism(replace(linkage, torques=loads))
     motion = own_motion(mechanism, own)
     conditions = (
-        f"released at {math.degrees(own.start_angle):g}° with {own.start_speed:g} rad/s, crank torque {own.torque:g} "
-        f"N m, {own.duration:g} s, {'gravity on' if any(mechanism.linkage.gravity) else 'gravity off'}"
+        f"released at {math.degrees(own.start_angle):g}° with {own.start_speed:g} rad/s, crank torque {_torque(own)}, "
+        f"{own.duration:g} s, {gravity}"
     )
     return Case(mechanism, motion, free_drive(motion, own), conditions)
+
+
+def _torque(own: ReleasedRegime) -> str:
+    if own.over_angle is not None:
+        return f"{len(own.over_angle.values)} values over the angle"
+    if own.over_time is not None:
+        return f"{len(own.over_time.times)} values over time"
+    return f"{own.torque:g} N m"
 
 
 def free_drive(motion: Motion, own: ReleasedRegime) -> Free:

@@ -74,7 +74,7 @@ def _resting_angle(mechanism: Mechanism) -> float:
 
 def _start_acceleration(mechanism: Mechanism, regime: str) -> float:
     """Crank acceleration at the start of a regime of the linkage's own, rad/s²."""
-    own = next(own for own in mechanism.linkage.regimes if own.name == regime)
+    own = mechanism.linkage.released[regime]
     return float(own_motion(mechanism, replace(own, duration=SHORT)).acceleration(np.zeros(())))
 
 
@@ -130,7 +130,7 @@ def figure(mechanism: Mechanism, name: str, speed: float = 1.0) -> tuple[str, fl
     link = name.removeprefix(LINK_PREFIX).removesuffix(LINK_SUFFIX)
     if name == f"{LINK_PREFIX}{link}{LINK_SUFFIX}" and link in mechanism.linkage.links:
         return "kg m²", _inertia(mechanism, link).mean
-    regimes = [f"{START_PREFIX}{own.name}" for own in mechanism.linkage.regimes]
+    regimes = [f"{START_PREFIX}{own.name}" for own in mechanism.linkage.released.values()]
     if name in regimes:
         return "rad/s²", _start_acceleration(mechanism, name.removeprefix(START_PREFIX))
     links = [f"{LINK_PREFIX}{link}{LINK_SUFFIX}" for link in mechanism.linkage.links]

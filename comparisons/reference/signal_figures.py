@@ -21,7 +21,7 @@ from analytic.description.crank_motion import crank_motion
 from analytic.errors import LinkproofError, UnknownNameError
 from analytic.kinematics.mechanism import Mechanism
 from analytic.numerics.extremes import Array, Extremes, extremes
-from comparisons.reference.case import Truth, own_motion
+from comparisons.reference.case import Truth, own_case
 from comparisons.reference.signals import signal, unit
 
 PLACE: Final = re.compile(r"(?P<number>[-+]?\d+\.?\d*(?:e[-+]?\d+)?)(?:(?P<angle>deg|rad)?|s:(?P<regime>.+))")
@@ -72,7 +72,8 @@ def _at(mechanism: Mechanism, place: str, speed: float) -> Truth:
     own = {regime.name: regime for regime in mechanism.linkage.regimes}
     if read["regime"] not in own:
         raise UnknownNameError(f"regime of '{mechanism.linkage.name}'", read["regime"], own)
-    return Truth(mechanism, own_motion(mechanism, own[read["regime"]]), np.array([number]))
+    case = own_case(mechanism, own[read["regime"]])
+    return Truth(case.mechanism, case.motion, np.array([number]))
 
 
 def _turning(mechanism: Mechanism, time: Array, speed: float, angle: float = 0.0) -> Truth:

@@ -26,14 +26,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from analytic.description.linkage import Linkage
-from analytic.errors import LinkproofError, UnknownNameError
+from analytic.errors import UnknownNameError
 from analytic.kinematics.mechanism import Mechanism
 from analytic.kinematics.structure import Dyad
 from analytic.kinematics.transmission import transmission_angle
-from analytic.numerics.peaks import highest
 from analytic.request import unit_of
-from analytic.turn.unit_functions import top_dead_centre
-from comparisons.reference.case import INSTANTS, Case, Motion, Truth
+from comparisons.reference.case import Case, Truth
+from comparisons.reference.farthest import farthest
 
 Array = NDArray[np.float64]
 Formula = Callable[[Truth], Array]
@@ -98,30 +97,6 @@ def signal(truth: Truth, name: str) -> Array:
 def moving_points(linkage: Linkage) -> tuple[str, ...]:
     """Names of the points of the moving links that are not fixed to the ground, sorted."""
     return tuple(sorted({point for link in linkage.links.values() for point in link.points} - {*linkage.ground}))
-
-
-def farthest(mechanism: Mechanism, motion: Motion) -> float:
-    """The output's coordinate at which S is 0, m.
-
-    It is that of the top dead centre where the crank can turn fully, else of the farthest point the motion reaches.
-    """
-    top = _top(mechanism)
-    if top is not None:
-        return top
-    time = np.linspace(0.0, motion.duration, INSTANTS)
-
-    def coordinate(instants: Array) -> Array:
-        return mechanism.sweep(motion.angle(instants)).output()[None]
-
-    return float(highest(coordinate, time, coordinate(time))[0][0])
-
-
-@lru_cache(maxsize=64)
-def _top(mechanism: Mechanism) -> float | None:
-    try:
-        return top_dead_centre(mechanism).coordinate
-    except LinkproofError:
-        return None
 
 
 @lru_cache(maxsize=64)

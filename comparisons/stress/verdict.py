@@ -89,7 +89,7 @@ def judged(case: Case, scene: Scene, run: Run, setting: str) -> Judgement:
         said = "; ".join(_said(record, motion) for record in failed)
         try:
             if case.is_prescribed:
-                case.mechanism.check_full_turn()
+                case.check_motion()
             nearest, wrong = _deviations(case, motion, blank), wrongs(case, motion)
         except LinkproofError as error:
             nearest, wrong = None, [f"there is no one motion to find ({error})"]

@@ -94,7 +94,7 @@ class Released:
 
 def released(view: View, regime: Regime) -> Released | None:
     """The released crank of a regime; None where the motion is prescribed or the linkage has no such regime."""
-    if regime.motion is not None or all(own.name != regime.name for own in view.linkage.regimes):
+    if regime.motion is not None or regime.name not in view.linkage.released:
         return None
     linkage = view.linkage
     return _released(linkage.text, linkage.name, linkage.variant, linkage.gravity, regime.name)
@@ -104,7 +104,7 @@ def released(view: View, regime: Regime) -> Released | None:
 def _released(text: str, name: str, variant: str, gravity: tuple[float, float], regime: str) -> Released:
     """Kept by what decides it, since the page and the summary both tell of the same seconds of integration."""
     linkage = replace(parse(text, name, name, variant), gravity=gravity)
-    own = next(own for own in linkage.regimes if own.name == regime)
+    own = linkage.released[regime]
     return Released(Mechanism(linkage), own)
 
 

@@ -6,6 +6,7 @@ from hypothesis import given, settings
 from mpmath import mp
 
 from analytic.errors import AssemblyError, LinkproofError, UnknownNameError
+from analytic.kinematics.mechanism import Mechanism
 from tests.analytic.fifty_digits import Exact, exact
 from tests.analytic.linkages import (
     EVERY,
@@ -18,6 +19,7 @@ from tests.analytic.linkages import (
     slider_cranks,
     text_of,
 )
+from tests.analytic.swinging import double_rocker
 from tests.analytic.tolerances import CLOSURE, EPS, FEW_ROUNDINGS, FIFTY_DIGITS
 
 
@@ -173,3 +175,10 @@ def test_an_output_that_the_file_does_not_name():
     text = text_of("scotch-yoke").replace('output  = { point = "Y" }', "")
     with pytest.raises(LinkproofError, match=r"names no output.*add output"):
         from_text(text).sweep(0.0).output()
+
+
+def test_what_cannot_be_assembled_fails_every_time_it_is_asked_for():
+    sweep = Mechanism(double_rocker()).sweep(np.array([0.0, np.pi]))
+    for _ in range(2):
+        with pytest.raises(AssemblyError, match="cannot be assembled at 180°"):
+            sweep.poses("coupler")

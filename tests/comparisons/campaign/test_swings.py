@@ -1,0 +1,59 @@
+"""Cranks that swing: every installed engine within its limits, S counted from the farthest point, and the way there."""
+
+import pytest
+
+from analytic.errors import AssemblyError
+from comparisons.campaign.campaign import compare
+from comparisons.judging.records import Verdict
+from engines.contract import Outcome
+from engines.registry import engine, engine_names, why_unavailable
+from reports.command_line.requests import CampaignChoice, request
+from tests.analytic.swinging import double_rocker_text
+
+REGIMES = """
+[regimes.rocking]
+from = 65
+to = -10
+time = 0.3
+law = "cycloidal"
+back = true
+dwell = 0.1
+
+[regimes.servo]
+time  = [0, 0.05, 0.1, 0.15, 0.2, 0.25, 0.3]
+angle = [40, 41, 45, 52, 59, 63, 64]
+"""
+INSTALLED = [name for name in engine_names() if why_unavailable(engine(name)) is None]
+
+
+@pytest.fixture
+def rocker(tmp_path):
+    path = tmp_path / "rocker.toml"
+    path.write_text(double_rocker_text(regimes=REGIMES))
+    return str(path)
+
+
+@pytest.mark.parametrize("name", INSTALLED)
+def test_a_rocker_that_cannot_turn_swings_within_the_limits(rocker, name):
+    choice = CampaignChoice((rocker,), engines=(name,), regimes=("rocking", "servo"))
+    results = list(compare(request(choice), processes=0))
+    assert [result.records[0].regime for result in results] == ["rocking", "servo"]
+    for result in results:
+        verdicts = {record.quantity: record.outcome for record in (*result.records, *result.invariants)}
+        assert {verdicts[quantity] for quantity in ("S", "v", "a", "Mkr", "Jeq")} == {Verdict.PASSED}
+        assert not set(verdicts.values()) & {Outcome.DIVERGED, Verdict.OVER_LIMIT}
+        shared = {record.quantity: record.shared for record in result.records}
+        assert shared["S"] == ""
+
+
+@pytest.mark.parametrize(("start", "end"), [(30.0, -60.0), (-60.0, 30.0)])
+def test_constant_speed_both_ways_from_the_command_line(rocker, start, end):
+    choice = CampaignChoice((rocker,), engines=("direct",), from_angle=start, to_angle=end, speed=120.0)
+    (result,) = compare(request(choice), processes=0)
+    assert {record.outcome for record in (*result.records, *result.invariants)} == {Verdict.PASSED}
+
+
+def test_a_swing_beyond_a_toggle_says_where_it_ends_and_what_to_do(rocker):
+    choice = CampaignChoice((rocker,), engines=("direct",), from_angle=0.0, to_angle=80.0)
+    with pytest.raises(AssemblyError, match=r"reaches -74.41.* to 74.41.*stretched in one line.; stay within"):
+        list(compare(request(choice), processes=0))
