@@ -60,7 +60,7 @@ def _attempt(heading: str, build: Callable[[], ReportPart]) -> ReportPart:
 
 
 def _scheme(view: View) -> ReportFigure:
-    number = scheme.scheme_of(view).shown
+    number = scheme.scheme_of(view.mechanism).shown
     return shown(view, "scheme", scheme.scheme_figure(view), positions=scheme.POSITIONS, shown=number)
 
 

@@ -92,6 +92,46 @@ def show(mechanism: options.Mechanism, variant: options.Variant = None, json: op
     mechanisms.show(mechanism, variant, _destination(json))
 
 
+@app.command(short_help="Write a linkage file to fill in.")
+def new(name: Annotated[str, typer.Argument(metavar="NAME", hidden=True)]) -> None:
+    """Write NAME.toml, a small linkage with every key explained, to change into one of your own; overwrites nothing.
+
+    Beside it stands linkproof.schema.json, by which editors complete and check it (VS Code: Even Better TOML).
+    """
+    from reports.command_line.commands import files
+
+    files.new(name, _destination(None))
+
+
+@app.command(short_help="Look a linkage over: mobility, groups, range, toggles.")
+def check(
+    mechanism: options.Mechanism,
+    variant: options.Variant = None,
+    svg: Annotated[Path | None, valued("FILE", "Draw the scheme into this file.")] = None,
+    json: options.Json = None,
+) -> None:
+    """Look a linkage over: mobility, groups, range of the crank, transmission angles, toggles, masses, slips.
+
+    MECHANISM is the path of a .toml file or a name in the catalogue.
+
+    What is right is told up to the first fault, which is told in a sentence; exit code 2.
+    """
+    from reports.command_line.commands import files
+
+    files.check(mechanism, variant, svg, _destination(json))
+
+
+@app.command(short_help="Write the JSON schema of linkage files.")
+def schema() -> None:
+    """Write the JSON schema of linkage files to stdout: editors complete and check files by it.
+
+    A file names it in its first line: #:schema ./linkproof.schema.json (taplo, Even Better TOML).
+    """
+    from reports.command_line.commands import files
+
+    typer.echo(files.schema_text(), nl=False)
+
+
 @app.command(short_help="Show a mechanism's thread feed.")
 def thread(
     mechanism: options.Mechanism,

@@ -14,6 +14,8 @@ from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
 from analytic.description.linkage import GROUND, Guide, Linkage, Vector
+from analytic.kinematics.crank_range import crank_range
+from analytic.kinematics.mechanism import Mechanism
 from analytic.kinematics.sweep import Sweep
 from reports.drawing import symbols
 from reports.drawing.style import INK, MUTED, plane, scaled_figure
@@ -23,6 +25,7 @@ Array = NDArray[np.float64]
 
 POSITIONS = 12
 TURN_POINTS = 361
+INSET = 1e-9  # of a range that ends in dead positions, so that its ends are assembled
 MILLIMETRE = 1e3
 GHOST, PATH = "#a8b8c8", "#0072b2"
 LARGEST_WIDTH, LARGEST_HEIGHT, SMALLEST_WIDTH = 6.2, 5.6, 2.4
@@ -99,16 +102,26 @@ class KinematicScheme:
         return spots.min(axis=0), spots.max(axis=0)
 
 
-def scheme_of(view: View) -> KinematicScheme:
-    """The scheme of a mechanism at every 30° from φ = 0."""
-    few = view.mechanism.sweep(np.linspace(0.0, 2.0 * np.pi, POSITIONS, endpoint=False))
-    return KinematicScheme(view.linkage, few, view.mechanism.sweep(np.linspace(0.0, 2.0 * np.pi, TURN_POINTS)))
+def scheme_of(mechanism: Mechanism) -> KinematicScheme:
+    """The scheme of a mechanism at every 30° from φ = 0, or in twelve positions of the range it reaches."""
+    reach = crank_range(mechanism)
+    low, high = (0.0, 2.0 * np.pi) if reach.is_full_turn else reach.limits
+    inset = 0.0 if reach.is_full_turn else INSET * (high - low)
+    few = np.linspace(low + inset, high - inset, POSITIONS, endpoint=not reach.is_full_turn)
+    many = np.linspace(low + inset, high - inset, TURN_POINTS)
+    return KinematicScheme(mechanism.linkage, mechanism.sweep(few), mechanism.sweep(many))
 
 
 def scheme_figure(view: View) -> Figure:
     """The scheme on a page of its own, to scale in both directions."""
-    scheme, largest = scheme_of(view), (LARGEST_WIDTH, LARGEST_HEIGHT)
-    return scaled_figure(scheme.extent, 0.42, largest, SMALLEST_WIDTH, partial(draw_scheme, scheme=scheme))
+    return mechanism_figure(view.mechanism)
+
+
+def mechanism_figure(mechanism: Mechanism) -> Figure:
+    """The scheme of a mechanism, to scale in both directions."""
+    scheme = scheme_of(mechanism)
+    largest, draw = (LARGEST_WIDTH, LARGEST_HEIGHT), partial(draw_scheme, scheme=scheme)
+    return scaled_figure(scheme.extent, 0.42, largest, SMALLEST_WIDTH, draw)
 
 
 def draw_scheme(axes: Axes, scheme: KinematicScheme, size: float) -> None:
@@ -154,6 +167,8 @@ def _paths(axes: Axes, scheme: KinematicScheme) -> None:
 
 def _crank_numbers(axes: Axes, scheme: KinematicScheme, size: float, taken: Array) -> None:
     """0 to 11 around the crank pin's circle, but for the position drawn out and where a name is in the way."""
+    if scheme.linkage.is_linear:
+        return
     link = scheme.linkage.links[scheme.linkage.crank]
     pivot = next((p.point for p in scheme.linkage.pins if {GROUND, link.name} <= set(p.links)), None)
     if pivot is None:  # the drive is along a line

@@ -145,6 +145,14 @@ def picture(figure: Figure, key: str, description: str) -> Markup:
     return Markup(f'<img width="{width:.0f}" alt="{escape(description)}" src="data:image/png;base64,{data}">')
 
 
+def svg_text(figure: Figure) -> str:
+    """The figure as an SVG file of its own, the same for the same figure."""
+    buffer = io.StringIO()
+    with matplotlib.rc_context(_style()):
+        figure.savefig(buffer, format="svg", metadata={"Date": None, "Creator": None})
+    return buffer.getvalue()
+
+
 def _drawing(figure: Figure, key: str, description: str) -> str:
     """SVG fit to stand inside a page: no prologue, ids of its own, short numbers, the page's fonts."""
     buffer = io.StringIO()

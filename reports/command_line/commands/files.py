@@ -3,13 +3,19 @@
 from __future__ import annotations
 
 import json
+import shlex
 from pathlib import Path
 from typing import Final
 
 from analytic.description.format.json_schema import TITLE, json_schema
+from analytic.description.linkage import Linkage
+from analytic.description.loading import load
 from analytic.errors import LinkproofError, is_safe
+from analytic.kinematics.mechanism import Mechanism
 from comparisons.runs.files import check_writable, write_text
 from reports.command_line.destination import Destination
+from reports.facts import linkage_check
+from reports.text.linkage_check import printed
 from reports.text.screen import line
 
 TEMPLATE: Final = Path(json_schema.__code__.co_filename).with_name("new.toml")
@@ -42,6 +48,30 @@ def _is_ours(path: Path) -> bool:
         return True
     except (OSError, ValueError, AttributeError):
         return False
+
+
+def check(name: str, variant: str | None, svg: Path | None, destination: Destination) -> None:
+    """Print or write all that is right with a linkage, draw it, and raise the fault that is left."""
+    linkage = load(name, variant)
+    facts, fault = linkage_check.check(linkage)
+    destination.print(printed(facts, linkage.written))
+    destination.write_json(facts)
+    if fault is not None:
+        raise fault
+    if svg is not None:
+        check_writable(svg)
+        write_text(svg, drawing(linkage))
+        destination.print(line(f"wrote {svg}"))
+    else:
+        destination.print(line(f"scheme       linkproof check {shlex.quote(name)} --svg scheme.svg draws it"))
+
+
+def drawing(linkage: Linkage) -> str:
+    """The scheme of a linkage as SVG, in twelve positions of its range."""
+    from reports.drawing.scheme import mechanism_figure  # noqa: PLC0415 - matplotlib takes a second to import
+    from reports.drawing.style import svg_text  # noqa: PLC0415
+
+    return svg_text(mechanism_figure(Mechanism(linkage)))
 
 
 def schema_text() -> str:
