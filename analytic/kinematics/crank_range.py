@@ -113,8 +113,9 @@ class _Search:
     def __init__(self, mechanism: Mechanism, start: float) -> None:
         self.mechanism = mechanism
         self.start = start
+        sweep = mechanism.sweep(np.array([start]))
         for body in mechanism.structure.bodies:
-            mechanism.sweep(np.array([start])).poses(body)  # raises where it is not assembled
+            sweep.poses(body)  # raises where it is not assembled
         self.signs = [np.sign(solver.closure.determinant) for solver in self.solvers(np.array([start]))]
         linkage = mechanism.linkage
         self.radian = SPAN * linkage.extent() / FULL_TURN if linkage.is_linear else 1.0  # what angles are counted in

@@ -35,7 +35,7 @@ def _lines(facts: Facts, written: Written) -> Iterator[tuple[str, str]]:
     if facts.get("four_bar"):
         yield "four-bar", facts["four_bar"]
     if "range" in facts:
-        yield from _range(facts["range"])
+        yield from range_lines(facts["range"])
     yield from _transmission(facts.get("transmission", {}))
     yield "masses", _masses(facts["loads"])
     yield "loads", _loads(facts["loads"])
@@ -46,16 +46,13 @@ def _lines(facts: Facts, written: Written) -> Iterator[tuple[str, str]]:
     if "error_bound" in facts:
         bound = facts["error_bound"]
         yield "closure", f"joints closed to {facts['closure_error']:.1e} m over the whole turn"
-        yield (
-            "accuracy",
-            (
-                f"closed form within {bound['position']:.0e} of peak, its first derivative within {bound['first']:.0e}, "
-                f"its second within {bound['second']:.0e}"
-            ),
-        )
+        within = [f"{bound[order]:.0e}" for order in ("position", "first", "second") if math.isfinite(bound[order])]
+        told = "closed form within {} of peak, its first derivative within {}, its second within {}"
+        yield "accuracy", told.format(*within) if len(within) == len(bound) else "no error bound can be given"
 
 
-def _range(found: Facts) -> Iterator[tuple[str, str]]:
+def range_lines(found: Facts) -> Iterator[tuple[str, str]]:
+    """How far the crank, or the drive along a line, can be moved, and which change points it passes."""
     low, high = found["words"]
     if found["is_full_turn"]:
         yield "crank", "turns fully"
@@ -64,7 +61,7 @@ def _range(found: Facts) -> Iterator[tuple[str, str]]:
         causes = [f"at {place} {cause}" if cause else f"followed to {place}" for place, cause in limits]
         yield ("drive" if found["is_linear"] else "crank"), f"from {low} to {high}; {'; '.join(causes)}"
     for point in found["change_points"]:
-        yield "change point", f"at {point['where']} {point['how']}"
+        yield "passes", f"a change point at {point['where']}: {point['how']}"
 
 
 def _transmission(found: Facts) -> Iterator[tuple[str, str]]:

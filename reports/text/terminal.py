@@ -11,6 +11,7 @@ import numpy as np
 from rich.console import Group, RenderableType
 from rich.table import Table
 
+from reports.text.linkage_check import range_lines
 from reports.text.screen import Cell, line, table
 from reports.text.signs import PUBLISHED
 from reports.text.templates import lines
@@ -36,11 +37,15 @@ def _shelf(linkages: Iterable[Linkage]) -> Table:
 
 
 def portrait(facts: Mapping[str, Any]) -> Group:
-    """A mechanism's structure and figures."""
-    given = {"source": facts["source"], "variants": ", ".join(facts["variants"]), "structure": facts["structure"]}
+    """A mechanism's source, variants and figures; what it is made of is ``linkproof check``'s to say."""
+    given = {"source": facts["source"], "variants": ", ".join(facts["variants"])}
+    if not facts["source"]:
+        del given["source"]
+    reach = range_lines(facts["range"]) if "range" in facts else []
     return Group(
         line(f"{facts['mechanism']} ({facts['variant']}): {facts['title']}", "bold"),
         *map(_labelled, given, given.values()),
+        *(_labelled(*told) for told in reach),
         *_facts("mechanism", facts=facts),
         line(""),
         table(("link", "mass kg", "inertia kg m²", "mean Jeq kg m²", "points"), list(_links(facts["links"]))),
@@ -60,7 +65,8 @@ def _labelled(name: str, fact: str) -> RenderableType:
 def _links(links: Mapping[str, Mapping[str, Any]]) -> Iterator[tuple[str, ...]]:
     for name, link in links.items():
         inertia = "-" if link["inertia"] is None else f"{link['inertia']:.4g}"
-        yield name, f"{link['mass']:.4g}", inertia, f"{link['Jeq_mean']:.4g}", ", ".join(link["points"])
+        mean = f"{link['Jeq_mean']:.4g}" if "Jeq_mean" in link else "-"
+        yield name, f"{link['mass']:.4g}", inertia, mean, ", ".join(link["points"])
 
 
 def thread(facts: Mapping[str, Any], held: FeedComparison | None) -> Group:

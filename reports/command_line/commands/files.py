@@ -25,8 +25,8 @@ SCHEMA_FILE: Final = "linkproof.schema.json"
 def new(name: str, destination: Destination) -> None:
     """Write a linkage file to fill in, and beside it the schema by which an editor completes and checks it."""
     path = Path(name if name.lower().endswith(".toml") else f"{name}.toml")
-    if not path.stem or not all(map(is_safe, name)):
-        raise LinkproofError(f"expected a name for the new file, got '{name}': give one without control characters")
+    if path.suffix.lower() != ".toml" or not all(map(is_safe, name)):
+        raise LinkproofError(f"expected a name for the new file, got '{name}': give one of letters and digits")
     if path.exists() or path.is_symlink():
         raise LinkproofError(f"'{path}' is there already: give another name, for new files overwrite nothing")
     check_writable(path)

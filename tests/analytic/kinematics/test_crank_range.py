@@ -11,7 +11,7 @@ from mpmath import mp, mpf
 from analytic.errors import AssemblyError
 from analytic.kinematics.crank_range import crank_range
 from tests.analytic.linkages import FULL_TURN, from_text, mechanism, text_of
-from tests.analytic.textbook import DOUBLE_ROCKER
+from tests.analytic.textbook import DOUBLE_ROCKER, four_bar
 from tests.analytic.tolerances import EPS
 
 LENGTHS = st.floats(0.1, 10.0)
@@ -19,19 +19,9 @@ LENGTHS = st.floats(0.1, 10.0)
 ROUNDINGS = 32 * EPS
 
 
-def four_bar(ground, crank, coupler, rocker, start):
-    """A four-bar in m that is sketched at a crank angle, rad, with C left of A→B."""
-    x, y = crank * math.cos(start), crank * math.sin(start)
-    gap = math.hypot(ground - x, y)
-    along = (gap**2 + coupler**2 - rocker**2) / (2 * gap)
-    across = math.sqrt(max(coupler**2 - along**2, 0.0))
-    c = (x + (along * (ground - x) + across * y) / gap, y + (-along * y + across * (ground - x)) / gap)
-    text = DOUBLE_ROCKER.replace('"mm"', '"m"').replace('angle = "deg"', 'angle = "rad"')
-    numbers = {"B = [100": ground, "A = [80": crank, "C = [60": coupler, "C = [90": rocker}
-    for old, new in numbers.items():
-        text = text.replace(f"{old}, 0]", f"{old.split('[')[0]}[{new!r}, 0]")
-    text = text.replace("angle = 70", f"angle = {start!r}").replace("[86, 90]", repr(list(c)))
-    return from_text(text)
+def sample(*numbers):
+    """A four-bar of the textbook."""
+    return from_text(four_bar(*numbers))
 
 
 def cosine_law(ground, crank, reach):
@@ -74,23 +64,21 @@ def test_four_bars(ground, crank, coupler, rocker, share):
     assume(start is not None)
     for limit in (cosine_law(ground, crank, coupler - rocker), cosine_law(ground, crank, coupler + rocker)):
         assume(limit is None or limit[1] < 1e6)
-    hold(
-        crank_range(four_bar(ground, crank, coupler, rocker, start[0])), expected_range(ground, crank, coupler, rocker)
-    )
+    hold(crank_range(sample(ground, crank, coupler, rocker, start[0])), expected_range(ground, crank, coupler, rocker))
 
 
 @pytest.mark.parametrize("rocker", [1e-2, 1e-4, 1e-5])
 def test_a_range_narrower_than_any_step(rocker):
     start = cosine_law(1.0, 0.8, 0.9)[0]
-    found = crank_range(four_bar(1.0, 0.8, 0.9, rocker, start))
+    found = crank_range(sample(1.0, 0.8, 0.9, rocker, start))
     hold(found, expected_range(1.0, 0.8, 0.9, rocker))
     assert found.limits[1] - found.limits[0] < 4 * rocker
 
 
 @pytest.mark.parametrize("short", [1e-4, 1e-8, 1e-12])
 def test_a_gap_narrower_than_any_step(short):
-    hold(crank_range(four_bar(1.0, 0.4, 0.9, 0.5 - short, 1.0)), expected_range(1.0, 0.4, 0.9, 0.5 - short))
-    assert crank_range(four_bar(1.0, 0.4, 0.9, 0.5 + short, 1.0)).is_full_turn
+    hold(crank_range(sample(1.0, 0.4, 0.9, 0.5 - short, 1.0)), expected_range(1.0, 0.4, 0.9, 0.5 - short))
+    assert crank_range(sample(1.0, 0.4, 0.9, 0.5 + short, 1.0)).is_full_turn
 
 
 def test_limits_name_their_dyad_and_how_it_stands():
@@ -131,7 +119,7 @@ inertia = 1e-4
 
 def test_a_second_group_may_limit_the_crank():
     """The crank of the four-bar turns fully; C then comes too far from E for the two links between them."""
-    four = four_bar(1.0, 0.3, 0.9, 0.7, 1.0).linkage.text.replace("O = [0, 0],", "O = [0, 0], E = [1.5, 0.8],", 1)
+    four = four_bar(1.0, 0.3, 0.9, 0.7, 1.0).replace("O = [0, 0],", "O = [0, 0], E = [1.5, 0.8],", 1)
     found = crank_range(from_text(four.replace("points = { C =", "points = { D = [1, 1], C =") + SECOND_DYAD))
 
     def missing(angle):

@@ -15,7 +15,7 @@ from engines.contract import Setting
 from engines.registry import engine_names
 from reports.command_line.app import GLOSSARY
 
-COMMANDS = ("list", "show", "thread", "published", "compare", "bench", "stress", "export", "report")
+COMMANDS = ("list", "new", "check", "schema", "show", "thread", "published", "compare", "bench", "stress", "export", "report")
 
 
 def linkproof(*words, **environment):
