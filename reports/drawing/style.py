@@ -146,10 +146,10 @@ def picture(figure: Figure, key: str, description: str) -> Markup:
 
 
 def svg_text(figure: Figure) -> str:
-    """The figure as an SVG file of its own, the same for the same figure."""
+    """The figure as an SVG file of its own, on white, the same for the same figure."""
     buffer = io.StringIO()
-    with matplotlib.rc_context(_style()):
-        figure.savefig(buffer, format="svg", metadata={"Date": None, "Creator": None})
+    with matplotlib.rc_context(house_style()):
+        figure.savefig(buffer, format="svg", facecolor="white", metadata={"Date": None, "Creator": None})
     return buffer.getvalue()
 
 

@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-import io
 from typing import Final
 
-import matplotlib
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
@@ -15,9 +13,10 @@ from numpy.typing import NDArray
 from analytic.description.law import FULL_TURN
 from analytic.description.linkage import Linkage
 from analytic.errors import printable
+from reports.drawing import style
 from reports.drawing.forces import draw_tips
 from reports.drawing.scheme import POSITIONS, KinematicScheme, draw_scheme
-from reports.drawing.style import FULL_WIDTH, INK, MUTED, PALETTE, PIN_INCHES, drawn, house_style, label_values
+from reports.drawing.style import FULL_WIDTH, INK, MUTED, PALETTE, PIN_INCHES, drawn, label_values
 from reports.results.designer_results import DesignerResults
 from reports.results.units import file_unit
 from reports.text.numbers import figure as digits
@@ -33,10 +32,7 @@ CURVES: Final = {"Mkr": "torque", "Peq": "power", "S": "S"}
 
 def svg_text(results: DesignerResults) -> str:
     """The drawing as an SVG file of its own, on white."""
-    with matplotlib.rc_context(house_style()):
-        buffer = io.StringIO()
-        results_figure(results).savefig(buffer, format="svg", facecolor="white", metadata={"Date": None})
-    return buffer.getvalue()
+    return style.svg_text(results_figure(results))
 
 
 def results_figure(results: DesignerResults) -> Figure:

@@ -15,7 +15,23 @@ from engines.contract import Setting
 from engines.registry import engine_names
 from reports.command_line.app import GLOSSARY
 
-COMMANDS = ("list", "new", "check", "schema", "show", "thread", "published", "compare", "bench", "stress", "export", "report")
+COMMANDS = tuple(
+    [
+        "list",
+        "show",
+        "new",
+        "check",
+        "schema",
+        "results",
+        "thread",
+        "published",
+        "compare",
+        "bench",
+        "stress",
+        "export",
+        "report",
+    ]
+)
 
 
 def linkproof(*words, **environment):
