@@ -15,23 +15,8 @@ from engines.contract import Setting
 from engines.registry import engine_names
 from reports.command_line.app import GLOSSARY
 
-COMMANDS = tuple(
-    [
-        "list",
-        "show",
-        "new",
-        "check",
-        "schema",
-        "results",
-        "thread",
-        "published",
-        "compare",
-        "bench",
-        "stress",
-        "export",
-        "report",
-    ]
-)
+COMMANDS = ("list", "new", "check", "schema", "show", "results", "thread", "published", "compare", "bench", "stress")
+COMMANDS += ("export", "report")
 
 
 def linkproof(*words, **environment):
