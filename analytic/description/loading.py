@@ -64,6 +64,10 @@ def find(name: str) -> Path:
     path = Path(name)
     names = (*catalogue(), *literature())
     if not path.suffix and path.parent == Path():
+        if name not in names and _fault(path.with_suffix(".toml")) is None:
+            raise DescriptionError(
+                f"unknown mechanism '{name}': did you mean the file '{name}.toml'? give its whole name"
+            )
         if name not in names:
             raise UnknownNameError("mechanism", name, names)
         return (CATALOGUE if name in catalogue() else LITERATURE) / f"{name}.toml"

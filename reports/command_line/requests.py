@@ -4,14 +4,16 @@ from __future__ import annotations
 
 import math
 import shlex
+from collections import Counter
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from pathlib import Path
 
 from analytic.compiled.choice import cores
 from analytic.description.changes import without
 from analytic.description.linkage import Linkage
-from analytic.description.loading import catalogue, read
-from analytic.errors import LinkproofError, UnknownNameError
+from analytic.description.loading import LinkageFile, catalogue, read
+from analytic.errors import LinkproofError, UnknownNameError, printable
 from comparisons.campaign.campaign import CampaignRequest
 from comparisons.runs.failures import GIB
 from comparisons.runs.workers import DEFAULT_BOUNDS, Bounds
@@ -107,12 +109,23 @@ class RunLimits:
 def linkages(choice: CampaignChoice) -> tuple[Linkage, ...]:
     """The linkages asked for; all of the catalogue that have the variant, where none is named."""
     names = tuple(dict.fromkeys(choice.mechanisms or catalogue()))
-    files = [read(name) for name in names]
+    files = _told_apart(names, [read(name) for name in names])
     if choice.variant is not None and not choice.mechanisms:
         files = [file for file in files if choice.variant in file.linkage().variants] or files
     chosen = [file.linkage(choice.variant) for file in files]
     _check_names_differ(chosen)
     return tuple(chosen if choice.gravity else [without(linkage, "gravity") for linkage in chosen])
+
+
+def _told_apart(names: Sequence[str], files: list[LinkageFile]) -> list[LinkageFile]:
+    """Files of one name from different folders, each with its folder's name before its own."""
+    counts = Counter(file.name for file in files)
+    return [
+        replace(file, name=printable(f"{Path(name).resolve().parent.name}-{file.name}"))
+        if counts[file.name] > 1 and Path(name).suffix
+        else file
+        for name, file in zip(names, files, strict=True)
+    ]
 
 
 def _check_names_differ(chosen: list[Linkage]) -> None:

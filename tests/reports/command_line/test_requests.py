@@ -51,11 +51,21 @@ def test_gravity_can_be_left_out():
     assert all(linkage.gravity == (0.0, 0.0) for linkage in request(CampaignChoice(gravity=False)).linkages)
 
 
-def test_two_files_of_one_name_are_refused(tmp_path):
-    copy = tmp_path / "juki-mf7923d.toml"
-    copy.write_text(find("juki-mf7923d").read_text())
-    with pytest.raises(LinkproofError, match="both called 'juki-mf7923d'"):
-        request(CampaignChoice(("juki-mf7923d", str(copy))))
+def test_two_files_of_one_name_bear_the_names_of_their_folders(tmp_path):
+    paths = [tmp_path / folder / "juki-mf7923d.toml" for folder in ("old", "new")]
+    for path in paths:
+        path.parent.mkdir()
+        path.write_text(find("juki-mf7923d").read_text())
+    names = [linkage.name for linkage in request(CampaignChoice(("juki-mf7923d", *map(str, paths)))).linkages]
+    assert names == ["juki-mf7923d", "old-juki-mf7923d", "new-juki-mf7923d"]
+
+
+def test_a_file_that_is_named_twice_is_refused(tmp_path, monkeypatch):
+    path = tmp_path / "mine.toml"
+    path.write_text(find("juki-mf7923d").read_text())
+    monkeypatch.chdir(tmp_path)
+    with pytest.raises(LinkproofError, match="both called '.*-mine'"):
+        request(CampaignChoice(("mine.toml", str(path))))
 
 
 def test_a_quantity_leaves_the_invariants_out():

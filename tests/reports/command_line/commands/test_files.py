@@ -116,3 +116,9 @@ def test_what_is_right_is_told_before_the_fault(capsys):
 def test_json_holds_the_same(capsys):
     said, fault = checked(capsys, DOUBLE_ROCKER.replace("C = [60, 0]", "c = [60, 0]"), json="-")
     assert json.load(io.StringIO(said))["fault"] == str(fault)
+
+
+def test_a_file_named_without_its_ending_is_recognised():
+    files.new("mine", Destination())
+    with pytest.raises(DescriptionError, match=r"unknown mechanism 'mine': did you mean the file 'mine\.toml'\?"):
+        load("mine")
