@@ -64,7 +64,7 @@ def test_a_file_that_is_named_twice_is_refused(tmp_path, monkeypatch):
     path = tmp_path / "mine.toml"
     path.write_text(find("juki-mf7923d").read_text())
     monkeypatch.chdir(tmp_path)
-    with pytest.raises(LinkproofError, match="both called '.*-mine'"):
+    with pytest.raises(LinkproofError, match=r"both called '.*-mine'"):
         request(CampaignChoice(("mine.toml", str(path))))
 
 
