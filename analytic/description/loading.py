@@ -64,7 +64,7 @@ def find(name: str) -> Path:
     path = Path(name)
     names = (*catalogue(), *literature())
     if not path.suffix and path.parent == Path():
-        if name not in names and _fault(path.with_suffix(".toml")) is None:
+        if name not in names and _fault(Path(f"{name}.toml")) is None:
             raise DescriptionError(
                 f"unknown mechanism '{name}': did you mean the file '{name}.toml'? give its whole name"
             )
