@@ -31,7 +31,7 @@ def _lines(facts: Facts, written: Written) -> Iterator[tuple[str, str]]:
     if facts["loose_points"]:
         yield "free points", f"{', '.join(facts['loose_points'])} (on one link only: no joint)"
     if "structure" in facts:
-        yield "groups", facts["structure"]
+        yield "groups", _formula(facts["structure"])
     if facts.get("four_bar"):
         yield "four-bar", facts["four_bar"]
     if "range" in facts:
@@ -49,6 +49,14 @@ def _lines(facts: Facts, written: Written) -> Iterator[tuple[str, str]]:
         within = [f"{bound[order]:.0e}" for order in ("position", "first", "second") if math.isfinite(bound[order])]
         told = "closed form within {} of peak, its first derivative within {}, its second within {}"
         yield "accuracy", told.format(*within) if len(within) == len(bound) else "no error bound can be given"
+
+
+def _formula(structure: str) -> str:
+    """The structural formula, of a long chain its beginning and its end."""
+    parts = structure.split(" -> ")
+    if len(parts) <= MOST_GROUPS + 2:
+        return structure
+    return " -> ".join([*parts[:3], "...", parts[-1]]) + f": {len(parts) - 1} groups"
 
 
 def range_lines(found: Facts) -> Iterator[tuple[str, str]]:

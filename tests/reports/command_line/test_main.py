@@ -55,6 +55,26 @@ def test_list_names_the_catalogue():
     assert "juki-mf7923d" in linkproof("list").stdout
 
 
+def test_a_new_file_is_checked_and_a_fault_in_it_told_behind_what_is_right(tmp_path):
+    assert linkproof("new", "mine", cwd=tmp_path).returncode == 0
+    done = linkproof("check", "mine.toml", "--svg", "scheme.svg", cwd=tmp_path)
+    assert (done.returncode, done.stderr) == (0, "")
+    assert "crank        turns fully" in done.stdout
+    assert "</svg>" in (tmp_path / "scheme.svg").read_text(encoding="utf-8")
+    mine = tmp_path / "mine.toml"
+    mine.write_text(mine.read_text(encoding="utf-8").replace("O2 = [0, 0]", "o2 = [0, 0]"), encoding="utf-8")
+    done = linkproof("check", "mine.toml", cwd=tmp_path)
+    assert done.returncode == 2
+    assert "mobility     3 = 3·3 links - 2·3 pins and slides" in done.stdout
+    assert done.stderr.startswith("linkproof: 'mine': expected mobility 1, got 3")
+    assert done.stderr.count("\n") == 1
+    refused("new", "mine", cwd=tmp_path)
+
+
+def test_the_schema_is_json():
+    assert json.loads(linkproof("schema").stdout)["title"] == "linkproof linkage file"
+
+
 def test_show_gives_the_reduced_inertia_of_a_variant():
     facts = json.loads(linkproof("show", "juki-mf7923d", "--variant", "as-printed", "--json", "-").stdout)
     assert facts["Jeq"]["mean"] == pytest.approx(8.339e-5, rel=1e-4)
