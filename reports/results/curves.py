@@ -16,6 +16,7 @@ from analytic.numerics.peaks import highest
 from comparisons.reference import signals
 from comparisons.reference.case import Case, Truth
 from reports.results.instants import Instants
+from reports.results.toggles import with_near_toggles
 
 Array = NDArray[np.float64]
 Measure = Callable[[Truth], Array]
@@ -70,9 +71,14 @@ class Curves:
         return "s" if name == TIME else signals.unit(name.replace(MAGNITUDE, ":x"), self.linkage)
 
     @cached_property
+    def grid(self) -> Array:
+        """Instants over the whole motion, s, closer to each other near dead positions."""
+        return with_near_toggles(self.case, self.instants.grid)
+
+    @cached_property
     def on_grid(self) -> Truth:
         """The closed form over the whole motion."""
-        return self.at(self.instants.grid)
+        return self.at(self.grid)
 
     def at(self, time: Array) -> Truth:
         """The closed form at instants (n,), s."""
@@ -95,7 +101,7 @@ class Curves:
 
     def _unwrapped(self, name: str, truth: Truth, angle: Array) -> Array:
         """The angle of a link on the branch that it has along the whole motion, whatever the order of the instants."""
-        near = np.interp(truth.time, self.instants.grid, signals.signal(self.on_grid, name))
+        near = np.interp(truth.time, self.grid, signals.signal(self.on_grid, name))
         return np.asarray(angle + FULL_TURN * np.round((near - angle) / FULL_TURN))
 
     def peaks(self, names: Iterable[str]) -> dict[str, Peak]:
@@ -121,13 +127,13 @@ class Curves:
                 return np.stack([measure(truth) for measure in chosen])
 
             sampled = np.stack([measure(self.on_grid) for measure in chosen])
-            _, places = highest(curves, self.instants.grid, sampled)
+            _, places = highest(curves, self.grid, sampled)
             found |= dict(zip(keys, places.tolist(), strict=True))
         return found
 
     def mean(self, measure: Measure) -> float:
         """Mean over time of a measure of the closed form."""
-        edges = self.instants.grid
+        edges = self.grid
         steps = np.diff(edges)
         time = np.clip((edges[:-1, None] + steps[:, None] * NODES).ravel(), edges[0], edges[-1])
         values = measure(self.at(time)).reshape(-1, len(NODES))

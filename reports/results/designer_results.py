@@ -12,6 +12,7 @@ from analytic.description.crank_motion import RPM
 from analytic.description.law import FULL_TURN
 from analytic.description.linkage import Linkage
 from analytic.kinematics.structure import Revolute
+from analytic.numerics.extremes import in_turn
 from comparisons.reference.case import Case, Truth
 from reports.results.curves import Curves
 from reports.results.figures import (
@@ -89,10 +90,10 @@ class DesignerResults:
         return file_unit(self.curves.unit(name), self.linkage)
 
     def shown_angle(self, time: float) -> float:
-        """φ at an instant in the file's unit, within a turn where the motion is longer than one."""
+        """φ at an instant in the file's unit, within a turn where the motion is that long."""
         angle = float(self.case.motion.angle(np.array([time]))[0])
-        if not self.is_linear and self.way > FULL_TURN * (1.0 + 1e-9):
-            angle %= FULL_TURN
+        if not self.is_linear and self.way >= FULL_TURN * (1.0 - NEGLIGIBLE):
+            angle = float(in_turn(angle))
         return angle / self.unit("phi").size
 
     @property

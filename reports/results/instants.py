@@ -5,11 +5,13 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, field
 from functools import cached_property
+from itertools import pairwise
 from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
 
+from analytic.description.crank_motion import CrankMotion
 from analytic.description.law import FULL_TURN
 from analytic.errors import LinkproofError
 from comparisons.reference.case import Motion
@@ -19,6 +21,8 @@ Array = NDArray[np.float64]
 STEP: Final = math.radians(0.5)  # of the crank, between two instants
 LINEAR_STEPS: Final = 720  # over the travel of a drive along a line
 FEWEST, MOST = 180, 20_000  # intervals of the whole motion
+FEWEST_OF_PIECE: Final = 24
+LOOKS, FEWEST_LOOKS = 1801, 65  # instants at which the way of the crank is measured: of a motion, and of a piece of it
 ROUNDING: Final = 1e-12  # of a turn, or of the motion's length: what is nearer than this to an instant is there
 
 
@@ -48,18 +52,32 @@ class Instants:
 
     @cached_property
     def grid(self) -> Array:
-        """Instants over the whole motion, s, ascending; both sides of a jump of the acceleration, a rounding apart."""
-        duration = self.motion.duration
-        jumps = [jump for jump in self.motion.jumps if 0.0 < jump < duration]
-        even = np.linspace(0.0, duration, self._intervals() + 1)
-        return np.unique(np.concatenate([even, jumps, np.nextafter(jumps, 0.0)]))
+        """Instants over the whole motion, s, ascending; both sides of a jump of the acceleration, a rounding apart.
 
-    def _intervals(self) -> int:
-        """As many as the way of the crank has steps."""
-        angle = self.motion.angle(np.linspace(0.0, self.motion.duration, FEWEST * 10 + 1))
-        step = STEP if self.turns else float(np.ptp(angle)) / LINEAR_STEPS
-        way = float(np.sum(np.abs(np.diff(angle)))) / step if step else 0.0
-        return min(max(math.ceil(way * (1.0 - ROUNDING)), FEWEST), MOST)
+        Every piece of the motion has its own, evenly spaced: a short stroke after a long dwell is seen as well.
+        """
+        jumps = [jump for jump in self.motion.jumps if 0.0 < jump < self.motion.duration]
+        edges = self._edges(jumps)
+        counts = self._intervals(edges)
+        ends = zip(pairwise(edges), counts, strict=True)
+        pieces = [np.linspace(start, end, count + 1) for (start, end), count in ends]
+        return np.unique(np.concatenate([*pieces, np.nextafter(jumps, 0.0)]))
+
+    def _edges(self, jumps: list[float]) -> list[float]:
+        """The ends of the pieces of the motion, s."""
+        segments = self.motion.segments if isinstance(self.motion, CrankMotion) else ()
+        return sorted({0.0, self.motion.duration, *jumps, *(segment.start for segment in segments)})
+
+    def _intervals(self, edges: list[float]) -> list[int]:
+        """Of each piece as many as the way of the crank in it has steps; of all neither too few nor too many."""
+        looks = max(LOOKS // len(edges), FEWEST_LOOKS)
+        angles = [self.motion.angle(np.linspace(start, end, looks)) for start, end in pairwise(edges)]
+        step = STEP if self.turns else float(np.ptp(np.concatenate(angles))) / LINEAR_STEPS or 1.0
+        ways = [float(np.sum(np.abs(np.diff(angle)))) / step for angle in angles]
+        counts = [max(math.ceil(way * (1.0 - ROUNDING)), FEWEST_OF_PIECE) if way else 2 for way in ways]
+        total = sum(counts)
+        scale = max(1.0, FEWEST / total) * min(1.0, MOST / total)
+        return [max(math.ceil(count * scale * (1.0 - ROUNDING)), 2) for count in counts]
 
     @property
     def shown(self) -> Array:

@@ -103,7 +103,8 @@ def chosen_case(mechanism: Mechanism, choice: MotionChoice) -> Case:
     if len(choice.regimes) > 1 or {EVERYTHING, OWN} & {*choice.regimes}:
         raise LinkproofError(f"expected one motion, got --regime {', '.join(choice.regimes)}: choose one of them")
     if own:
-        return own_case(mechanism, next(regime for regime in linkage.regimes if regime.name == own[0]))
+        case = own_case(mechanism, next(regime for regime in linkage.regimes if regime.name == own[0]))
+        return replace(case, mechanism=mechanism)  # a torque over the angle is the drive's, not a load
     if linkage.is_linear:
         return _linear_case(mechanism, choice)
     if choice.swings or choice.regimes not in ((), (STEADY,)) or _is_timed(choice):

@@ -111,4 +111,4 @@ def test_the_angle_of_a_link_is_unwrapped_along_the_motion_whatever_instants_are
     link = next(name for name in curves.names if name.endswith("angle") and "crank" not in name.partition(":")[2][:5])
     whole = curves.of(curves.on_grid, link)
     places = [len(whole) - 1, 3, len(whole) // 2]
-    assert curves.of(curves.at(curves.instants.grid[places]), link) == pytest.approx(whole[places], abs=1e-12)
+    assert curves.of(curves.at(curves.grid[places]), link) == pytest.approx(whole[places], abs=1e-12)

@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from analytic.description.crank_motion import RPM, crank_motion, swing
+from analytic.description.crank_motion import RPM, CrankMotion, Segment, crank_motion, swing
 from analytic.errors import LinkproofError
 from reports.results.instants import Instants
 from tests.reports.results.samples import SPEED, TURN
@@ -61,3 +61,10 @@ def test_a_travel_has_no_period():
     assert there.at_angles(np.array([0.0, 5.0, 10.0]), " mm", 1e-3).shown == pytest.approx([0.0, 0.25, 0.5])
     with pytest.raises(LinkproofError, match=r"from 0 mm to 10 mm, got 11 mm"):
         there.at_angles(np.array([11.0]), " mm", 1e-3)
+
+
+def test_a_short_stroke_between_long_dwells_is_seen():
+    pieces = [(0.0, 5.0, (0.0,)), (5.0, 5.01, (0.0, 0.0, 3e4, -2e6)), (5.01, 20.0, (1.0,))]
+    grid = Instants(CrankMotion("index", tuple(Segment(*piece) for piece in pieces))).grid
+    assert np.count_nonzero((grid > 5.0) & (grid < 5.01)) > 100
+    assert len(grid) < 400

@@ -3,8 +3,11 @@
 import json
 import xml.etree.ElementTree as ET
 
+import numpy as np
 import pytest
 
+from analytic.errors import LinkproofError
+from reports.command_line.commands.results import ResultsChoice, results
 from tests.analytic.textbook import DOUBLE_ROCKER
 from tests.reports.command_line.test_main import linkproof, refused
 from tests.reports.results.samples import piston_text
@@ -66,6 +69,24 @@ def test_a_crank_that_makes_no_turn_is_shown_over_its_range(tmp_path):
     assert "cycloidal, up to 1000 rpm counter-clockwise, φ from 50° to 90°" in swing
 
 
+def test_a_torque_over_the_angle_is_the_drives(tmp_path):
+    released = """
+[regimes.push]
+start_angle = 70
+duration = 0.05
+angle = [0, 90, 180, 270]
+torque = [0.4, 0.5, 0.4, 0.3]
+"""
+    (tmp_path / "rocker.toml").write_text(DOUBLE_ROCKER + released, encoding="utf-8")
+    results(ResultsChoice(mechanism=str(tmp_path / "rocker.toml"), regimes=("push",), json=str(tmp_path / "r.json")))
+    document = json.loads((tmp_path / "r.json").read_text())
+    assert document["axis"] == "time"
+    assert document["conditions"].startswith("rocker (base): released at 70°")
+    crank = dict(zip(np.degrees(document["values"]["phi"]), document["values"]["Mkr"], strict=True))
+    assert crank[min(crank)] == pytest.approx(0.4931412894, rel=1e-8)  # the periodic spline through the four values
+    assert document["peaks"]["Mkr"]["value"] == pytest.approx(0.5, rel=1e-6)
+
+
 def test_without_masses_there_are_no_torques_and_a_line_says_so(tmp_path, engine):
     text = "\n".join(line for line in engine.read_text().splitlines() if not line.startswith(("mass", "inertia")))
     (tmp_path / "light.toml").write_text(text)
@@ -75,29 +96,38 @@ def test_without_masses_there_are_no_torques_and_a_line_says_so(tmp_path, engine
     assert "torque N" not in done.stdout
 
 
-@pytest.mark.parametrize(
-    ("words", "said"),
-    [
-        (("--at", "0,x"), "--at: expected finite numbers of degrees"),
-        (("--at", ""), "--at: expected finite numbers of degrees"),
-        (("--at", "nan"), "--at: expected finite numbers"),
-        (("--time", "0.01,inf"), "--time: expected finite numbers of seconds"),
-        (("--time", "0.07"), "--time: expected instants from 0 to 0.06 s"),
-        (("--time", "-1"), "--time: expected instants from 0"),
-        (("--at", "5", "--from", "30", "--to", "60"), "--at: expected what the motion passes, from 30° to 60°"),
-        (("--at", "0", "--time", "0"), "--at and --time both choose"),
-        (("--csv", "."), "cannot write '.'"),
-        (("--csv", "-", "--json", "-"), "--csv and --json cannot both go to stdout"),
-        (("--csv", "a", "--svg", "a"), "--csv and --svg cannot both go to 'a'"),
-        (("--regime", "all"), "expected one motion"),
-        (("--regime", "nothing"), "unknown regime 'nothing'"),
-        (("--ramp-time", "0.1"), "add --regime run-up"),
-        (("--speed", "0"), "--speed: expected a finite number of rpm other than 0"),
-        (("--variant", "none"), "unknown variant"),
-        (("--from", "10"), "add --to"),
-    ],
-    ids=lambda words: " ".join(words) if isinstance(words, tuple) else "",
-)
-def test_what_cannot_be_is_one_sentence_and_nothing_is_written(engine, tmp_path, words, said):
-    assert said in refused("results", engine, *words, cwd=tmp_path)
+FAULTS = [
+    ({"at": "0,x"}, "--at: expected finite numbers of degrees"),
+    ({"at": ""}, "--at: expected finite numbers of degrees"),
+    ({"at": "nan"}, "--at: expected finite numbers"),
+    ({"time": "0.01,inf"}, "--time: expected finite numbers of seconds"),
+    ({"time": "0.07"}, "--time: expected instants from 0 to 0.06 s"),
+    ({"time": "-1"}, "--time: expected instants from 0"),
+    ({"at": "5", "from_angle": 30.0, "to_angle": 60.0}, "--at: expected what the motion passes, from 30° to 60°"),
+    ({"at": "0", "time": "0"}, "--at and --time both choose"),
+    ({"csv": "."}, "cannot write '.'"),
+    ({"csv": "engine.toml/t.csv"}, "cannot write 'engine.toml/t.csv'"),
+    ({"csv": "-", "json": "-"}, "--csv and --json cannot both go to stdout"),
+    ({"csv": "a", "svg": "a"}, "--csv and --svg cannot both go to 'a'"),
+    ({"regimes": ("all",)}, "expected one motion"),
+    ({"regimes": ("nothing",)}, "unknown regime 'nothing'"),
+    ({"ramp_time": 0.1}, "add --regime run-up"),
+    ({"speed": 0.0}, "--speed: expected a finite number of rpm other than 0"),
+    ({"variant": "none"}, "unknown variant"),
+    ({"from_angle": 10.0}, "add --to"),
+]
+
+
+@pytest.mark.parametrize(("choice", "said"), FAULTS, ids=lambda part: "" if isinstance(part, str) else str(part))
+def test_what_cannot_be_is_said_and_nothing_is_written(engine, tmp_path, monkeypatch, choice, said):
+    monkeypatch.chdir(tmp_path)
+    with pytest.raises(LinkproofError) as error:
+        results(ResultsChoice(mechanism=str(engine), **choice))
+    assert said in str(error.value)
+    assert {path.name for path in tmp_path.iterdir()} == {"engine.toml"}
+
+
+def test_a_fault_is_one_sentence_and_exit_code_2(engine, tmp_path):
+    said = refused("results", engine, "--at", "0,x", "--csv", "t.csv", cwd=tmp_path)
+    assert said.startswith("linkproof: --at: expected finite numbers")
     assert {path.name for path in tmp_path.iterdir()} == {"engine.toml"}
