@@ -20,6 +20,8 @@ from comparisons.imported.headers.units import parsed
 WORDS: Final = re.compile(r"^[0-9eEdD+\-.,;|\t \"]*+[^0-9eEdD+\-.,;|\t \"\n].*$", re.MULTILINE)
 COMMENT: Final = re.compile(r"\s*(?:[#%!*]|//)")
 NOT_FINITE: Final = re.compile(r"[+-]?(?:nan|n/?a|null|none|inf|infinity|∞|1\.#\w+|#\w+[!/?]?\w*[!?]?)", re.IGNORECASE)
+PADDING: Final = re.compile(r"[ \t]")
+MOST_LINES: Final = 1000  # of a text without numbers that are looked at
 CHUNK: Final = 1 << 22  # characters parsed at a time
 
 
@@ -96,7 +98,7 @@ def _blocks(text: str) -> tuple[list[Block], list[Line]]:
 def _no_numbers(file: ResultText, lines: Sequence[Line]) -> LinkproofError:
     """What is wrong with a text without rows of numbers."""
     layout = Layout(",", ".")
-    for line in lines:
+    for line in lines[:MOST_LINES]:
         for cells in header_cells(line.text, layout):
             if len(cells) > 1 and any(is_number(cell, layout) for cell in cells):
                 return _bad_cell(file, line.number, cells, layout)
@@ -124,8 +126,9 @@ def _bad_cell(file: ResultText, line: int, cells: Sequence[str], layout: Layout)
 def _begin(file: ResultText, block: Block, current: RawTable | None, headless: str) -> RawTable:
     """The table that a block belongs to: one with a header above it, or the current one, which a comment interrupts."""
     rows = block.rows[:CHUNK].split("\n")
-    layout = current.layout if current and not block.above else layout_of(rows)
     first = next(row for row in rows if row.strip())
+    same = current is not None and current.layout.are_numbers(first) == len(current.names)
+    layout = current.layout if same and current else layout_of(rows)
     cells = layout.cells(layout.plain(first))
     header = _header(block.above, layout, cells)
     if header is not None:
@@ -218,7 +221,8 @@ def _read_rows(file: ResultText, text: str, line: int, table: RawTable) -> None:
         return
     if len(rows[0]) != len(table.names) or len(set(map(len, rows))) > 1:
         _refuse_first(file, text, line, table)
-    parts = [_parsed(words if blanks else tuple(map(str.strip, words))) for words in zip(*rows, strict=True)]
+    bare = blanks or not PADDING.search(text)
+    parts = [_parsed(words if bare else tuple(map(str.strip, words))) for words in zip(*rows, strict=True)]
     ended = [bool(table.parts and len(table.parts[-1][n][0]) < len(table.parts[-1][0][0])) for n in range(len(parts))]
     if any(part is None or (over and len(part[0])) for part, over in zip(parts, ended, strict=True)):
         _refuse_first(file, text, line, table)
@@ -257,6 +261,8 @@ def _refuse_first(file: ResultText, text: str, line: int, table: RawTable) -> No
 
 def _columns(file: ResultText, table: RawTable) -> list[Column]:
     """The columns of a table that hold numbers."""
+    if not table.parts:
+        raise _no_numbers(file, [table.header])
     columns = []
     for number, (name, unit) in enumerate(zip(table.names, table.units, strict=True)):
         values, decimals = (np.concatenate([part[number][k] for part in table.parts]) for k in (0, 1))

@@ -49,18 +49,32 @@ def _slowly(words: list[str]) -> tuple[Array, Array] | None:
 
 
 def _decimals(text: NDArray[np.bytes_]) -> Array:
-    """Decimals of every number of ``text`` (n,)."""
+    """Decimals of every number of ``text`` (n,), each of which has at most one point and one exponent."""
     width = text.dtype.itemsize
-    characters = text.view(np.uint8).reshape(len(text), width)
-    is_exponent = (characters == ord("e")) | (characters == ord("E"))
-    point = characters == ord(".")
-    end = np.where(is_exponent.any(axis=1), is_exponent.argmax(axis=1), (characters != 0).sum(axis=1))
-    fraction = np.where(point.any(axis=1), end - point.argmax(axis=1) - 1, 0)
-    exponent = np.zeros(len(text))
-    rows = np.flatnonzero(is_exponent.any(axis=1))
+    flat = text.view(np.uint8)
+    end = np.char.str_len(text).astype(np.int64)
+    exponent = np.zeros(len(text), dtype=np.int64)
+    rows, columns = np.divmod(np.flatnonzero((flat == ord("e")) | (flat == ord("E"))), width)
     if len(rows):
-        exponent[rows] = [int(word.lower().partition(b"e")[2]) for word in text[rows].tolist()]
+        exponent[rows] = _exponents(flat.reshape(-1, width)[rows], columns)
+        end[rows] = columns
+    fraction = np.zeros(len(text), dtype=np.int64)
+    rows, columns = np.divmod(np.flatnonzero(flat == ord(".")), width)
+    fraction[rows] = end[rows] - columns - 1
     return np.asarray(fraction - exponent, dtype=np.float64)
+
+
+def _exponents(characters: NDArray[np.uint8], at: Integers) -> Integers:
+    """The integers behind the letters at the columns ``at`` (n,) of the rows of ``characters`` (n, width)."""
+    value, sign = np.zeros(len(at), dtype=np.int64), np.ones(len(at), dtype=np.int64)
+    rows = np.arange(len(at))
+    padded = np.pad(characters, ((0, 0), (0, 6)))
+    for behind in range(1, 6):  # a sign and at most three digits
+        character = padded[rows, at + behind].astype(np.int64)
+        digit = character - ord("0")
+        value = np.where((digit >= 0) & (digit <= 9), 10 * value + digit, value)
+        sign = np.where(character == ord("-"), -1, sign)
+    return sign * value
 
 
 def resolution(values: Array, decimals: Array) -> Array:
