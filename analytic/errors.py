@@ -44,7 +44,7 @@ class DescriptionError(LinkproofError):
 
 
 class StructureError(LinkproofError):
-    """A linkage that is not a class I crank followed by Assur groups of class II."""
+    """A linkage that is not a class I driver followed by Assur groups."""
 
 
 class AssemblyError(LinkproofError):

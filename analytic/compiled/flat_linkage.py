@@ -82,8 +82,8 @@ class FlatLinkage:
 
 
 def has_kernels(structure: Structure) -> bool:
-    """Whether the kernels can solve a linkage: one with a turning crank; NumPy solves all."""
-    return isinstance(structure.pivot, Revolute)
+    """Whether the kernels can solve a linkage: one with a turning crank and groups of class II; NumPy solves all."""
+    return isinstance(structure.pivot, Revolute) and not structure.is_numerical
 
 
 @lru_cache(maxsize=16)

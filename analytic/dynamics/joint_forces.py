@@ -24,11 +24,12 @@ from numpy.typing import ArrayLike, NDArray
 
 from analytic.description.linkage import Vector
 from analytic.dynamics.group_forces import Wrench, joint_wrenches
+from analytic.dynamics.higher_groups import higher_wrenches
 from analytic.dynamics.link_balance import LinkBalance
 from analytic.dynamics.link_loads import LoadedSweep, resultant
 from analytic.kinematics import frames
 from analytic.kinematics.frames import Pair, Scalar
-from analytic.kinematics.structure import Revolute
+from analytic.kinematics.structure import AnyGroup, Dyad, GroupJoint, Revolute
 from analytic.kinematics.sweep import Sweep
 
 Array = NDArray[np.float64]
@@ -56,11 +57,8 @@ def reactions(sweep: Sweep, speed: ArrayLike, acceleration: ArrayLike) -> Reacti
     """
     structure, linkage = sweep.structure, sweep.linkage
     balance = LinkBalance(LoadedSweep(sweep, speed, acceleration))
-    for dyad in reversed(structure.dyads):
-        first, inner, second = joint_wrenches(balance.statics(dyad))
-        balance.book_outer(dyad.first_joint, first)
-        balance.book(dyad.inner_joint, inner)
-        balance.book_outer(dyad.second_joint, second)
+    for group in reversed(structure.groups):
+        _book_group(balance, group)
     torque = _book_driver(balance)
     forces = {joint: balance.at_pins[pin.point, link] for pin in linkage.pins for joint, link in pin.joints.items()}
     moments = {}
@@ -74,6 +72,20 @@ def reactions(sweep: Sweep, speed: ArrayLike, acceleration: ArrayLike) -> Reacti
         {name: _full(sweep, moment) for name, moment in moments.items()},
         _full(sweep, torque),
     )
+
+
+def _book_group(balance: LinkBalance, group: AnyGroup) -> None:
+    """Enter the forces of a group's joints."""
+    wrenches: list[tuple[GroupJoint, Wrench]]
+    if isinstance(group, Dyad):
+        wrenches = list(zip(group.joints, joint_wrenches(balance.statics(group)), strict=True))
+    else:
+        wrenches = higher_wrenches(balance, group)
+    for joint, wrench in wrenches:
+        if joint.near in group.links and joint.far in group.links:
+            balance.book(joint, wrench)
+        else:
+            balance.book_outer(joint, wrench)
 
 
 def _book_driver(balance: LinkBalance) -> Scalar:

@@ -65,8 +65,8 @@ def group_inertia(sweep: Sweep) -> dict[str, Array]:
     """Jeq of the crank and of every Assur group, by the group's name."""
     linkage = sweep.linkage
     parts = {f"{linkage.crank} (class I)": link_inertia(sweep, linkage.crank)}
-    for dyad in sweep.structure.dyads:
-        parts[dyad.name] = reduced_inertia(sweep, [n for n in (dyad.first, dyad.second) if n in linkage.links])
+    for group in sweep.structure.groups:
+        parts[group.name] = reduced_inertia(sweep, [name for name in group.links if name in linkage.links])
     return parts
 
 

@@ -15,9 +15,10 @@ from analytic.errors import AssemblyError
 from analytic.kinematics.dyad_solver import DyadSolver
 from analytic.kinematics.dyads.arms import ROUNDING
 from analytic.kinematics.frames import Pose
+from analytic.kinematics.groups.solver import DEAD, GroupSolver
 from analytic.kinematics.mechanism import FULL_TURN, Mechanism
-from analytic.kinematics.structure import Dyad
-from analytic.kinematics.sweep import crank_pose
+from analytic.kinematics.structure import AnyGroup
+from analytic.kinematics.sweep import crank_pose, solver_of
 from analytic.numerics.roots import root
 
 Array = NDArray[np.float64]
@@ -35,7 +36,7 @@ class Toggle:
     """A crank angle, rad, or a travel, m, at which a dyad comes to the end of its assembly mode, and how it stands."""
 
     angle: float
-    dyad: Dyad
+    dyad: AnyGroup
     reason: str
 
     @property
@@ -116,22 +117,25 @@ class _Search:
         sweep = mechanism.sweep(np.array([start]))
         for body in mechanism.structure.bodies:
             sweep.poses(body)  # raises where it is not assembled
-        self.signs = [np.sign(solver.closure.determinant) for solver in self.solvers(np.array([start]))]
+        self.signs = [
+            1.0 if isinstance(solver, GroupSolver) else np.sign(solver.closure.determinant)
+            for solver in self.solvers(np.array([start]))
+        ]
         linkage = mechanism.linkage
         self.radian = SPAN * linkage.extent() / FULL_TURN if linkage.is_linear else 1.0  # what angles are counted in
         steps = [np.zeros(1), np.geomspace(NEAREST, STEP, NEAR_STEPS)[:-1], np.arange(1, 721) * STEP]
         self.offsets = self.radian * np.concatenate(steps)
 
-    def solvers(self, angle: Array) -> list[DyadSolver]:
-        """Every dyad placed at crank angles, assembled or not."""
+    def solvers(self, angle: Array) -> list[DyadSolver | GroupSolver]:
+        """Every group placed at crank angles, assembled or not."""
         structure = self.mechanism.structure
         poses: dict[str, Pose] = {
             GROUND: (0.0, 0.0, 1.0, 0.0),
             self.mechanism.linkage.crank: crank_pose(structure.pivot, angle),
         }
-        solvers = [DyadSolver(dyad) for dyad in structure.dyads]
+        solvers = [solver_of(group, angle) for group in structure.groups]
         for solver in solvers:
-            poses[solver.dyad.first], poses[solver.dyad.second] = solver.poses(poses)
+            poses.update(zip(solver.dyad.links, solver.poses(poses), strict=True))
         return solvers
 
     def margins(self, offset: Array) -> Array:
@@ -143,7 +147,11 @@ class _Search:
         fails = np.zeros(offset.shape, dtype=bool)
         with np.errstate(invalid="ignore", divide="ignore"):
             for solver, sign in zip(self.solvers(self.start + offset), self.signs, strict=True):
-                missing, lengths = solver.missing() if solver.dyad.has_two_modes else (solver.closure.determinant, sign)
+                if isinstance(solver, GroupSolver):
+                    missing, lengths = solver.margin(), 1.0
+                else:
+                    parallel = (solver.closure.determinant, sign)
+                    missing, lengths = solver.missing() if solver.dyad.has_two_modes else parallel
                 row = np.where(fails, np.inf, missing / lengths)
                 rows.append(np.where(np.isnan(row), -1.0, row))
                 fails |= rows[-1] < -ROUNDING
@@ -156,6 +164,8 @@ class _Search:
     def toggle(self, offset: float, row: int) -> Toggle:
         """How a dyad stands at an angle."""
         solver = self.solvers(np.array([self.start + offset]))[row]
+        if isinstance(solver, GroupSolver):
+            return Toggle(self.start + offset, solver.dyad, f"its links stand {DEAD}")
         return Toggle(self.start + offset, solver.dyad, solver.formulas.toggle(solver.dyad, solver.closure))
 
     def worst(self, offset: float) -> int:

@@ -16,8 +16,12 @@ from analytic.kinematics.assembly import check_assembly
 from analytic.kinematics.dyad_solver import DyadSolver
 from analytic.kinematics.error_bounds import relative_bounds
 from analytic.kinematics.frames import Pose
-from analytic.kinematics.structure import Dyad, Structure, find_structure
-from analytic.kinematics.sweep import Sweep, crank_pose
+from analytic.kinematics.groups.branch import followed
+from analytic.kinematics.groups.equations import Motions
+from analytic.kinematics.groups.solver import problem_of
+from analytic.kinematics.groups.start import nearest
+from analytic.kinematics.structure import AnyGroup, Dyad, Group, Structure, find_structure
+from analytic.kinematics.sweep import Array, Sweep, crank_pose, solver_of
 
 # Two assembly modes closer to the sketch than this ratio of each other are not told apart by it.
 AMBIGUITY = 0.9
@@ -39,6 +43,11 @@ class Mechanism:
     def sweep(self, angle: ArrayLike) -> Sweep:
         """The linkage at every crank angle (rad, any shape); nothing is computed until it is asked for."""
         return Sweep(self.linkage, self.structure, np.asarray(angle, dtype=float))
+
+    @property
+    def is_numerical(self) -> bool:
+        """Whether a group is of class III or higher, so that the reference is numerical: solved by Newton's method."""
+        return self.structure.is_numerical
 
     @cached_property
     def turn(self) -> Sweep:
@@ -65,17 +74,34 @@ class Mechanism:
 
 
 def _signed(linkage: Linkage, structure: Structure) -> Structure:
-    """Choose each dyad's sign as the mode that lies nearer to the sketch, one dyad after the other."""
+    """Choose each group's assembly mode as the one that lies nearest to the sketch, one group after the other."""
     poses: dict[str, Pose] = {
         GROUND: (0.0, 0.0, 1.0, 0.0),
         linkage.crank: crank_pose(structure.pivot, linkage.sketch_angle),
     }
-    signs = []
-    for open_dyad in structure.dyads:
-        dyad = _nearest_mode(linkage, structure, open_dyad, poses)
-        signs.append(dyad.sign)
-        poses[dyad.first], poses[dyad.second] = DyadSolver(dyad).poses(poses)
-    return structure.with_signs(tuple(signs))
+    done: list[AnyGroup] = []
+    for group in structure.groups:
+        if isinstance(group, Dyad):
+            done.append(_nearest_mode(linkage, structure, group, poses))
+        else:
+            done.append(_on_branch(linkage, replace(structure, groups=tuple(done)), group))
+        solver = solver_of(done[-1], np.asarray(linkage.sketch_angle))
+        poses.update(zip(group.links, solver.poses(poses), strict=True))
+    return replace(structure, groups=tuple(done))
+
+
+def _on_branch(linkage: Linkage, before: Structure, group: Group) -> Group:
+    """A group of a higher class with the configuration that the sketch means, followed over φ."""
+
+    def hosts(angle: Array) -> Motions:
+        sweep = Sweep(linkage, before, angle)
+        motion = {body: (sweep.poses(body), sweep.rates(body), sweep.accelerations(body)) for body in group.hosts}
+        full = np.ones(angle.shape)
+        return {body: tuple(tuple(p * full for p in part) for part in parts) for body, parts in motion.items()}  # type: ignore[misc]
+
+    problem = problem_of(group, linkage, hosts)
+    start = nearest(linkage, before, group, problem)
+    return replace(group, branch=followed(problem, start, linkage.sketch_angle))
 
 
 def _nearest_mode(linkage: Linkage, structure: Structure, dyad: Dyad, poses: dict[str, Pose]) -> Dyad:

@@ -11,13 +11,18 @@ from __future__ import annotations
 import heapq
 from collections import defaultdict
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
+from typing import TYPE_CHECKING
 
 from analytic.description.linkage import GROUND, Link, Linkage, Pin, Slider, Vector, rotate
 from analytic.errors import StructureError, listed
 
+if TYPE_CHECKING:
+    from analytic.kinematics.groups.branch import Branch
+
 # Kinds of class II groups whose two links can be placed; PPP cannot turn and is no group.
 KINDS = ("RRR", "RRP", "RPR", "RPP", "PRP")
+ROMAN = {1: "I", 2: "II", 3: "III", 4: "IV", 5: "V", 6: "VI"}
 
 
 @dataclass(frozen=True)
@@ -56,7 +61,18 @@ class Prismatic:
         return f"slide of '{self.near}' and '{self.far}'"
 
 
+@dataclass(frozen=True)
+class Cylinder:
+    """The distance between a point of ``near`` and a point of ``far``, which is φ: the driver of a linkage."""
+
+    near: str
+    far: str
+    near_local: Vector
+    far_local: Vector
+
+
 Joint = Revolute | Prismatic
+GroupJoint = Joint | Cylinder
 
 
 @dataclass(frozen=True)
@@ -98,23 +114,79 @@ class Dyad:
 
 
 @dataclass(frozen=True)
+class Group:
+    """An Assur group that is no dyad, or one that a cylinder is part of: solved by Newton's method.
+
+    ``joints`` are outer ones, seen from a placed body, and inner ones. ``grade`` is its class by Artobolevskii: the
+    sides of its largest closed contour, three of a rigid one. ``branch`` is the configuration that the sketch means,
+    followed over φ; None until it is.
+    """
+
+    links: tuple[str, ...]
+    joints: tuple[GroupJoint, ...]
+    grade: int
+    branch: Branch | None = field(default=None, compare=False, repr=False)
+
+    @property
+    def first(self) -> str:
+        """The first link by name, by which the group is known."""
+        return self.links[0]
+
+    @property
+    def hosts(self) -> tuple[str, ...]:
+        """The placed bodies that it hangs on."""
+        return tuple(dict.fromkeys(body for j in self.joints for body in (j.near, j.far) if body not in self.links))
+
+    @property
+    def kind(self) -> str:
+        """Its class, and that it is solved by numbers."""
+        return f"{ROMAN.get(self.grade, str(self.grade))}, numerical"
+
+    @property
+    def name(self) -> str:
+        """Links and kind, for a reader."""
+        return f"{' + '.join(self.links)} ({self.kind})"
+
+
+AnyGroup = Dyad | Group
+
+
+@dataclass(frozen=True)
 class Structure:
-    """The linkage's bodies, the driver's joint to the ground and the dyads in an order in which they can be solved."""
+    """The linkage's bodies, the driver's joint to the ground and the groups in an order in which they can be solved."""
 
     bodies: Mapping[str, Link]
     pivot: Revolute | Prismatic
-    dyads: tuple[Dyad, ...]
+    groups: tuple[AnyGroup, ...]
+
+    @property
+    def dyads(self) -> tuple[Dyad, ...]:
+        """The groups of class II, solved in closed form."""
+        return tuple(group for group in self.groups if isinstance(group, Dyad))
+
+    @property
+    def is_numerical(self) -> bool:
+        """Whether a group is solved by Newton's method, so that the reference is a numerical one."""
+        return len(self.dyads) < len(self.groups)
 
     def with_signs(self, signs: tuple[int, ...]) -> Structure:
-        """The same structure with the assembly signs filled in."""
-        dyads = tuple(replace(d, sign=s) for d, s in zip(self.dyads, signs, strict=True))
-        return replace(self, dyads=dyads)
+        """The same structure with the dyads' assembly signs filled in."""
+        left = iter(signs)
+        groups = tuple(replace(g, sign=next(left)) if isinstance(g, Dyad) else g for g in self.groups)
+        if len(signs) != len(self.dyads):
+            raise ValueError(f"expected {len(self.dyads)} signs, got {len(signs)}")
+        return replace(self, groups=groups)
 
     @property
     def formula(self) -> str:
         """The structural formula, class I driver first."""
         driver = "crank" if isinstance(self.pivot, Revolute) else "slider"
-        return " -> ".join([f"I ({driver})", *(dyad.name for dyad in self.dyads)])
+        return " -> ".join([f"I ({driver})", *(group.name for group in self.groups)])
+
+
+def revolute_joint(linkage: Linkage, point: str, near: str, far: str) -> Revolute:
+    """The R joint of two bodies that carry a point."""
+    return Revolute(point, near, far, linkage.local(point, near), linkage.local(point, far))
 
 
 def prismatic_joint(slider: Slider, anchor: Vector, near: str) -> Prismatic:
@@ -181,7 +253,7 @@ class _Search:
         self.pairs: list[tuple[str, str]] = []  # heap of reachable pairs with a joint between them
 
     def revolute(self, point: str, near: str, far: str) -> Revolute:
-        return Revolute(point, near, far, self.linkage.local(point, near), self.linkage.local(point, far))
+        return revolute_joint(self.linkage, point, near, far)
 
     def prismatic(self, slider: Slider, near: str) -> Prismatic:
         return prismatic_joint(slider, self.linkage.local(slider.point, slider.link), near)
@@ -252,6 +324,12 @@ class _Search:
                 return self._dyad(first, second, inner[0])
         return None
 
+    def next_group(self) -> Group | None:
+        """The first group of a higher class, where no dyad fits."""
+        from analytic.kinematics.groups.finding import find_group  # noqa: PLC0415 - SciPy is for the linkages that need it
+
+        return find_group(self.linkage, self.placed, self.holders, None)
+
     def _dyad(self, first: str, second: str, inner: Joint) -> Dyad:
         joints = (self.outer_joints(first)[0], inner, self.outer_joints(second)[0])
         kind = "".join("R" if isinstance(joint, Revolute) else "P" for joint in joints)
@@ -284,7 +362,7 @@ def _other_end(slider: Slider, body: str) -> str:
 def find_structure(linkage: Linkage) -> Structure:
     """Take the linkage apart; signs are left 0.
 
-    Raises StructureError where the crank has not exactly one joint, its pivot, or where no further dyad can be found.
+    Raises StructureError where the crank has not exactly one joint, its pivot, or where no further group can be found.
     """
     search = _Search(linkage)
     pivots = list(search.joints(GROUND, linkage.crank))
@@ -295,18 +373,18 @@ def find_structure(linkage: Linkage) -> Structure:
             "has too"
         )
     search.place(GROUND, linkage.crank)
-    dyads = []
+    groups: list[AnyGroup] = []
     while len(search.placed) <= len(search.bodies):
-        dyad = search.next_dyad()
-        if dyad is None:
+        group = search.next_dyad() or search.next_group()
+        if group is None:
             raise StructureError(_leftover(search))
-        dyads.append(dyad)
-        search.place(*dyad.links)
-    return Structure(dict(sorted(search.bodies.items())), pivots[0], tuple(dyads))
+        groups.append(group)
+        search.place(*group.links)
+    return Structure(dict(sorted(search.bodies.items())), pivots[0], tuple(groups))
 
 
 def _leftover(search: _Search) -> str:
-    """Why the bodies that are left form no dyad: too many or too few joints, or a group of a higher class."""
+    """Why the bodies that are left form no group: too many or too few joints, in all or in a part of the linkage."""
     left = sorted(set(search.bodies) - search.placed)
     moving = len(search.bodies)
     lower_pairs = sum(len(pin.links) - 1 for pin in search.linkage.pins) + len(search.linkage.sliders)
@@ -322,6 +400,6 @@ def _leftover(search: _Search) -> str:
             f"; {cure} {names} (a point of one name on two links is a joint{loose})"
         )
     return (
-        f"{names} of '{search.linkage.name}' form no group of two links (class II), and groups of a higher class "
-        "are not supported; check for a missing or misspelt point, or drive the linkage by another crank"
+        f"{names} of '{search.linkage.name}' form no group: a part of them is locked by its joints and another is "
+        "loose; check for a missing or misspelt point"
     )

@@ -13,7 +13,8 @@ from analytic.kinematics import frames
 from analytic.kinematics.assembly import check_assembly, check_motion
 from analytic.kinematics.dyad_solver import DyadSolver
 from analytic.kinematics.frames import STILL, Pair, Pose, Rate, Scalar
-from analytic.kinematics.structure import Prismatic, Revolute, Structure
+from analytic.kinematics.groups.solver import GroupSolver
+from analytic.kinematics.structure import AnyGroup, Cylinder, Dyad, Prismatic, Revolute, Structure
 
 Array = NDArray[np.float64]
 
@@ -47,6 +48,11 @@ def output_of(linkage: Linkage) -> Output:
     return linkage.output
 
 
+def solver_of(group: AnyGroup, angle: Array) -> DyadSolver | GroupSolver:
+    """What solves a group at values of φ: formulas of a dyad, Newton's method for a higher class."""
+    return DyadSolver(group) if isinstance(group, Dyad) else GroupSolver(group, angle)
+
+
 class Sweep:
     """The linkage at the crank angles ``angle`` (rad, any shape).
 
@@ -59,9 +65,9 @@ class Sweep:
         self.linkage = linkage
         self.structure = structure
         self.angle = angle
-        self._solvers: dict[str, DyadSolver] = {}
+        self._solvers: dict[str, DyadSolver | GroupSolver] = {}
         self._centres: dict[tuple[str, int], Pair] = {}
-        self._needs = {name: dyad for dyad in structure.dyads for name in (dyad.first, dyad.second)}
+        self._needs = {name: group for group in structure.groups for name in group.links}
         crank = crank_pose(structure.pivot, angle)
         rate, second = _crank_rates(structure.pivot, crank)
         self._known: list[dict[str, Any]] = [  # poses, rates and accelerations
@@ -91,12 +97,12 @@ class Sweep:
         if body not in known:
             if body not in self._needs:
                 raise UnknownNameError("link", body, self.linkage.links)
-            dyad = self._needs[body]
+            group = self._needs[body]
             if order == 0:
-                solver = self._solvers[dyad.first] = DyadSolver(dyad)
+                solver = self._solvers[group.first] = solver_of(group, self.angle)
             else:
                 self._solved(body, order - 1)
-                solver = self._solvers[dyad.first]
+                solver = self._solvers[group.first]
             for host in solver.hosts:
                 self._solved(host, order)
             if order == 1:
@@ -104,7 +110,7 @@ class Sweep:
             solved = (solver.poses, solver.rates, solver.accelerations)[order](known)
             if order == 0:
                 check_assembly(self.linkage, solver, self.angle)  # before it counts as known: it fails every time
-            known[dyad.first], known[dyad.second] = solved
+            known.update(zip(group.links, solved, strict=True))
         return known[body]
 
     def local_point(self, body: str, local: Vector, order: int = 0) -> Pair:
@@ -124,7 +130,7 @@ class Sweep:
         """The body through which a named point is cheapest to reach: the ground, the crank, then the first dyad's."""
         if name in self.linkage.ground:
             return GROUND
-        order = [self.linkage.crank, *(n for d in self.structure.dyads for n in (d.first, d.second))]
+        order = [self.linkage.crank, *(name for group in self.structure.groups for name in group.links)]
         for body in order:
             if body in self.linkage.links and name in self.linkage.links[body].points:
                 return body
@@ -157,10 +163,16 @@ class Sweep:
     def closure_error(self) -> Array:
         """Largest distance between the two ends of any joint, m, per crank angle: loop closure on trial."""
         worst = np.zeros(self.angle.shape)
-        for dyad in self.structure.dyads:
-            self.poses(dyad.first)
-            for joint in (dyad.first_joint, dyad.inner_joint, dyad.second_joint):
-                if isinstance(joint, Revolute):
+        for group in self.structure.groups:
+            self.poses(group.first)
+            for joint in group.joints:
+                if isinstance(joint, Cylinder):
+                    ends = (
+                        self.local_point(joint.near, joint.near_local),
+                        self.local_point(joint.far, joint.far_local),
+                    )
+                    worst = np.maximum(worst, np.abs(np.hypot(*frames.minus(*ends)) - self.angle))
+                elif isinstance(joint, Revolute):
                     gap = frames.minus(
                         self.local_point(joint.near, joint.near_local), self.local_point(joint.far, joint.far_local)
                     )

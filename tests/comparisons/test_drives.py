@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from analytic.description.crank_motion import CrankMotion, Segment
+from analytic.description.crank_motion import CrankMotion, Segment, crank_motion
 from analytic.designs import evaluate_designs
 from analytic.dynamics.equation_of_motion import equation_of_motion
 from analytic.dynamics.joint_forces import reactions
@@ -30,9 +30,14 @@ from engines.stepping.own_units import own_units, restored, scaled
 from tests.analytic.drives import driven
 
 MOTIONS = {
+    "ternary-on-rods": crank_motion("run-up", start_angle=0.3),
     "linear-motor": CrankMotion("there", (Segment(0.0, 0.3, (0.0, 0.1, 1.5, -3.0)),)),
 }
-RELEASED = {"linear-motor": (0.02, 0.0, 4.0, 0.12)}  # start, speed, force, duration
+LINEAR = [name for name in MOTIONS if driven(name).linkage.is_linear]
+RELEASED = {
+    "ternary-on-rods": (0.3, 1.0, 0.05, 0.5),
+    "linear-motor": (0.02, 0.0, 4.0, 0.12),
+}  # start, speed, force, duration
 LEVELS = (Channel.POSITION, Channel.VELOCITY, Channel.ACCELERATION)
 BLANK = Record("sample", "base", "there", "", "direct", "", "tuned", "")
 
@@ -79,7 +84,7 @@ def test_direct_agrees_with_a_released_travel(name):
     assert energy_imbalance(motion) < 1e-11
 
 
-@pytest.mark.parametrize("name", MOTIONS)
+@pytest.mark.parametrize("name", LINEAR)
 def test_every_check_of_the_motion_passes_and_is_in_the_units_of_a_push(name):
     case = Case(driven(name), MOTIONS[name])
     records = {r.quantity: r for r in checks(case, ObservedMotion(*ran(case)), BLANK)}
@@ -112,7 +117,7 @@ def test_the_force_of_the_drive_is_found_from_virtual_work_and_from_the_balance_
     assert by_name["Mkr"] == pytest.approx(virtual, rel=1e-13)
 
 
-@pytest.mark.parametrize("name", MOTIONS)
+@pytest.mark.parametrize("name", LINEAR)
 def test_the_range_is_said_in_the_length_unit_of_the_file(name):
     mechanism = driven(name)
     limits = crank_range(mechanism)
@@ -127,7 +132,7 @@ def test_the_range_is_said_in_the_length_unit_of_the_file(name):
     assert equation.tabulated() is equation
 
 
-@pytest.mark.parametrize("name", MOTIONS)
+@pytest.mark.parametrize("name", LINEAR)
 def test_engines_that_turn_cranks_only_say_so(name):
     scene = Case(driven(name), MOTIONS[name]).scene(Channel)
     reason = ability_obstacle(scene, PymunkEngine.abilities)

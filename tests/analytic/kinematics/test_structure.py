@@ -116,17 +116,6 @@ FAULTS = {
         ),
         r"'rocker' of 'sample' is held by too many joints \(pin 'P', pin 'B', pin 'C'\)",
     ),
-    "higher class": (
-        HEAD
-        + _links(
-            crank=CRANK,
-            plate={"B": (0, 0), "C": (2, 0), "D": (1, 1)},
-            rod={"A": (0, 0), "B": (1, 2)},
-            left={"P": (0, 0), "C": (2, 0)},
-            right={"R": (0, 0), "D": (2, 0)},
-        ),
-        r"'left', 'plate', 'right', 'rod' of 'sample' form no group of two links \(class II\), and groups of",
-    ),
 }
 
 

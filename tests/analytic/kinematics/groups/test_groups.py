@@ -1,0 +1,191 @@
+"""Groups of class III and higher: found, followed, solved; against 50 digits, class II routes, and their own bounds."""
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from mpmath import mp, mpf
+
+from analytic.description.loading import parse
+from analytic.dynamics.reduced import drive_torque
+from analytic.errors import AssemblyError, StructureError
+from analytic.kinematics import frames
+from analytic.kinematics.crank_range import crank_range
+from analytic.kinematics.error_bounds import ErrorBounds
+from analytic.kinematics.groups.branch import followed
+from analytic.kinematics.groups.solver import problem_of
+from analytic.kinematics.mechanism import Mechanism
+from analytic.kinematics.structure import Dyad, Group, find_structure
+from analytic.kinematics.sweep import Sweep
+from tests.analytic.drives import driven, path_of
+from tests.analytic.fifty_digits import exact
+from tests.analytic.linkages import EVERY, mechanism
+from tests.analytic.tolerances import FIFTY_DIGITS
+
+NUMERICAL = ("ternary-on-rods",)
+TEXT = Path(path_of("ternary-on-rods")).read_text(encoding="utf-8")
+
+
+def from_text(text: str) -> Mechanism:
+    return Mechanism(parse(text, "sample", "sample.toml"))
+
+
+@pytest.mark.parametrize("name", NUMERICAL)
+def test_positions_derivatives_and_torque_are_those_of_50_digits_within_their_bound(name):
+    model = driven(name)
+    low, high = crank_range(model).limits
+    for value in low + (high - low) * np.array([0.07, 0.41, 0.93]):
+        truth, sweep = exact(model, float(value)), model.sweep(float(value))
+        bounds, errors, peaks = ErrorBounds(sweep), np.zeros(3), np.zeros(3)
+        for body, link in model.linkage.links.items():
+            for local in (*link.points.values(), link.centre):
+                true = truth.point(body, local)
+                for order in range(3):
+                    got = sweep.local_point(body, local, order)
+                    error = float(mp.hypot(*(mpf(float(g)) - t[order] for g, t in zip(got, true, strict=True))))
+                    assert body == model.linkage.crank or error <= bounds.point(body, local, order)[0]
+                    errors[order] = max(errors[order], error)
+                    peaks[order] = max(peaks[order], float(mp.hypot(*(t[order] for t in true))))
+        assert np.all(errors <= FIFTY_DIGITS * peaks)
+        mkr = drive_torque(sweep, -3.0, 20.0)
+        assert abs(mpf(float(mkr)) - truth.torque(-3.0, 20.0)) <= FIFTY_DIGITS * abs(float(mkr))
+
+
+def test_driven_by_another_link_the_linkage_is_made_of_dyads_and_stands_alike():
+    angle = np.linspace(0.0, 2.0 * np.pi, 361)
+    sweep = driven("ternary-on-rods").sweep(angle)
+    turns = np.flatnonzero(np.diff(np.sign(sweep.rates("left")[2])))[0]  # there the new driver reverses
+    angle = angle[2 : turns - 1] if turns > 20 else angle[turns + 3 : turns + 80]
+    sweep = driven("ternary-on-rods").sweep(angle)
+    here = {point: 1e3 * sweep.point(point)[:, 0] for point in "ABD"}
+    text = TEXT[: TEXT.index("[sketch]")].replace('crank   = "crank"', 'crank   = "left"')
+    points = ", ".join(f"{point} = [{x!r}, {y!r}]" for point, (x, y) in ((p, map(float, at)) for p, at in here.items()))
+    start = float(np.degrees(sweep.angles("left")[0]))
+    other = from_text(f"{text}[sketch]\nangle = {start!r}\npoints = {{ {points} }}\n")
+    assert [group.kind for group in other.structure.groups] == ["RRR", "RRR"]
+    back = other.sweep(sweep.angles("left"))
+    near = [np.max(np.hypot(*(sweep.point(p) - back.point(p)))) for p in ("B", "C", "D", "P")]
+    assert max(near) < 1e-13 * other.linkage.extent()
+    speed = sweep.rates("left")[2]
+    assert np.stack(sweep.local_point("plate", (0.02, 0.01), 1)) == pytest.approx(
+        np.stack(back.local_point("plate", (0.02, 0.01), 1)) * speed, rel=1e-10, abs=1e-12
+    )
+
+
+@pytest.mark.parametrize(("name", "variant"), EVERY)
+def test_dyads_solved_by_numbers_are_the_closed_form(name, variant):
+    if name in ("parallelogram", "near-toggle"):
+        pytest.skip("its configuration ends at a change point, or all but does")
+    formulas = mechanism(name, variant)
+    linkage, at = formulas.linkage, formulas.linkage.sketch_angle
+    done: list[Dyad | Group] = []
+    for dyad in formulas.structure.dyads:
+        before = replace(formulas.structure, groups=tuple(done))
+        group = Group(dyad.links, dyad.joints, 2)
+
+        def hosts(angle, before=before, group=group):
+            sweep, one = Sweep(linkage, before, angle), np.ones(angle.shape)
+            motion = {b: (sweep.poses(b), sweep.rates(b), sweep.accelerations(b)) for b in group.hosts}
+            return {b: tuple(tuple(p * one for p in part) for part in parts) for b, parts in motion.items()}
+
+        here = formulas.sweep(np.asarray(at))
+        start = np.array([[*map(float, here.poses(b)[:2]), float(here.angles(b))] for b in dyad.links])
+        done.append(replace(group, branch=followed(problem_of(group, linkage, hosts), start, at)))
+    angle = formulas.turn.angle[::7]
+    numerical = Sweep(linkage, replace(formulas.structure, groups=tuple(done)), angle)
+    closed = formulas.sweep(angle)
+    for order, limit in enumerate((1e-13, 1e-11, 1e-9)):
+        for body in formulas.structure.bodies:
+            one, other = (s.local_point(body, (0.0, 0.0), order) for s in (numerical, closed))
+            peak = max(_peak(closed, b, order) for b in formulas.structure.bodies)
+            assert np.max(np.hypot(*frames.minus(one, other))) <= limit * peak
+
+
+def _peak(sweep: Sweep, body: str, order: int) -> float:
+    return float(np.max(np.hypot(*sweep.local_point(body, (0.0, 0.0), order))))
+
+
+HEAD = TEXT[: TEXT.index("[links.crank]")]
+
+
+def test_a_group_with_a_closed_contour_of_four_links_is_of_class_iv_and_names_do_not_matter():
+    links = {
+        "crank": {"O1": (0, 0), "A": (16, 0)},
+        "a": {"A": (0, 0), "B": (30, 0), "E": (10, 20)},
+        "b": {"B": (0, 0), "C": (30, 0)},
+        "c": {"C": (0, 0), "O2": (30, 0), "D": (10, 20)},
+        "d": {"D": (0, 0), "E": (40, 0)},
+    }
+    text = HEAD.replace('output  = { point = "P", along = [0, 1] }', "")
+    for rename in (str, lambda name: name if name == "crank" else f"x{ord('z') - ord(name[0])}"):
+        body = ""
+        for name, places in links.items():
+            points = ", ".join(f"{point} = {[*at]}" for point, at in places.items())
+            body += f"[links.{rename(name)}]\nmass = 1\ninertia = 1\npoints = {{ {points} }}\n"
+        structure = find_structure(parse(text + body, "sample", "sample.toml"))
+        assert [(g.kind, len(g.links)) for g in structure.groups] == [("IV, numerical", 4)]
+        assert structure.is_numerical
+        assert not structure.dyads
+
+
+def test_a_turn_returns_and_later_turns_are_the_same():
+    model = driven("ternary-on-rods")
+    assert crank_range(model).is_full_turn
+    angle = np.linspace(0.0, 2.0 * np.pi, 11)
+    first, later = model.sweep(angle), model.sweep(angle - 6.0 * np.pi)
+    assert first.point("P") == pytest.approx(later.point("P"), abs=1e-15)
+    assert model.structure.formula == "I (crank) -> left + plate + right + rod (III, numerical)"
+    assert model.is_numerical
+    assert np.max(first.closure_error()) < 1e-16
+
+
+SWINGS = TEXT.replace("A = [16, 0]", "A = [34, 0]")
+
+
+def test_a_swing_ends_where_its_links_stand_dead_and_says_so():
+    model = from_text(SWINGS)
+    limits = crank_range(model)
+    low, high = limits.limits
+    assert limits.low is not None
+    assert "left + plate + right + rod (III, numerical): its links stand in a dead position" in limits.low.sentence
+    inside = model.sweep(np.linspace(low, high, 50)[1:-1])
+    assert np.max(inside.closure_error()) < 1e-15
+    ends = model.sweep(np.array([0.5 * (low + high), low + 1e-7, high - 1e-7]))
+    middle, *rates = np.abs(ends.rates("plate")[2])
+    assert min(rates) > 1e2 * middle  # of the root of the distance from a dead position
+    with pytest.raises(AssemblyError, match=r"'sample' cannot be assembled at .*°: 'left', .* keep the configuration"):
+        model.sweep(np.array([0.0, high + 0.05])).point("P")
+    with pytest.raises(AssemblyError, match="its crank reaches"):
+        limits.check(low, high + 0.1, "sample")
+
+
+FAULTS = {
+    "no sketch": (
+        TEXT.replace("points = { B = [40, 38], C = [80, 33], D = [62, 55] }", ""),
+        r"expected the rough position of 'B' or 'C' or 'D' or 'P' at crank angle 0°, got a sketch that leaves open",
+    ),
+    "too short": (TEXT.replace("B = [50, 0]", "B = [5, 0]"), r"cannot be assembled at 0° from the sketch; check the"),
+    "loose and locked": (
+        TEXT.replace("O3 = [0, 0], D = [38, 0]", "O3 = [0, 0], D = [38, 0], O2 = [-30, -100]").replace(
+            "points  = { O2 = [0, 0], C = [45, 0] }", "points  = { C = [45, 0] }"
+        ),
+        r"too many joints|form no group",
+    ),
+}
+
+
+@pytest.mark.parametrize("fault", FAULTS)
+def test_what_cannot_be_solved_is_said_with_its_cure(fault):
+    text, message = FAULTS[fault]
+    with pytest.raises((StructureError, AssemblyError), match=message):
+        from_text(text)
+
+
+def test_a_sketch_that_is_rough_finds_the_configuration_nearest_to_it():
+    exact = driven("ternary-on-rods").sweep(np.asarray(0.0))
+    here = {p: exact.point(p) * 1e3 for p in "BCD"}
+    for shift in ((9.0, 0.0), (-7.0, 7.0), (3.0, -9.0)):
+        points = ", ".join(f"{p} = [{here[p][0] + shift[0]}, {here[p][1] + shift[1]}]" for p in here)
+        model = from_text(TEXT.replace("B = [40, 38], C = [80, 33], D = [62, 55]", points))
+        assert model.sweep(np.asarray(0.0)).point("P") == pytest.approx(exact.point("P"), abs=1e-14)
