@@ -51,11 +51,16 @@ def _steps(linkage: Linkage) -> Iterator[Facts]:
     yield {"range": range_facts(mechanism, reach)}
     yield {"transmission": _transmission(mechanism, reach)}
     if reach.is_full_turn and not reach.change_points:
-        bounds = mechanism.error_bound()
-        yield {
-            "closure_error": float(np.max(mechanism.turn.closure_error())),
-            "error_bound": dict(zip(("position", "first", "second"), bounds, strict=True)),
-        }
+        yield accuracy(mechanism)
+
+
+def accuracy(mechanism: Mechanism) -> Facts:
+    """How far joints are open over a full turn, m, and how far the closed form can be wrong; None beyond all bounds."""
+    bounds = (bound if np.isfinite(bound) else None for bound in mechanism.error_bound())
+    return {
+        "closure_error": float(np.max(mechanism.turn.closure_error())),
+        "error_bound": dict(zip(("position", "first", "second"), bounds, strict=True)),
+    }
 
 
 def _loads(linkage: Linkage) -> Facts:

@@ -11,8 +11,8 @@ from typing import Final
 from analytic.description.linkage import Link, Linkage
 
 FAR: Final = 2.0  # of a link's size: how far outside of its points a mass centre may be
-# Radius of gyration of a link over its size: of real parts between a twentieth and two.
-LEAST_GYRATION, LARGEST_GYRATION = 0.02, 5.0
+# Radius of gyration of a link over its size: of parts of linkages between 0.02 and 2.
+LEAST_GYRATION, LARGEST_GYRATION = 0.005, 5.0
 DENSEST: Final = 1e7  # kg/m³ in a cube of a link's size: crank discs of sewing machines have up to 2e5
 UNIT_SLIPS: Final = {1e6: "kg*mm^2 read as kg*m^2", 1e-6: "kg*m^2 read as kg*mm^2"}
 

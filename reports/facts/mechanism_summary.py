@@ -16,7 +16,7 @@ from analytic.kinematics.mechanism import Mechanism
 from analytic.numerics.extremes import Extremes, extremes, periodic_mean
 from analytic.turn.thread_feed import eye_travel, feed_diagram
 from analytic.turn.unit_functions import bottom_dead_centre, stroke, top_dead_centre
-from reports.facts.linkage_check import range_facts
+from reports.facts.linkage_check import accuracy, range_facts
 
 
 def portrait(linkage: Linkage) -> dict[str, Any]:
@@ -47,10 +47,7 @@ def _turn(mechanism: Mechanism, links: dict[str, dict[str, Any]]) -> dict[str, A
     linkage = mechanism.linkage
     for name, link in links.items():
         link["Jeq_mean"] = periodic_mean(reduced.link_inertia(mechanism.turn, name))
-    facts: dict[str, Any] = {
-        "closure_error": float(np.max(mechanism.turn.closure_error())),
-        "error_bound": dict(zip(("position", "first", "second"), mechanism.error_bound(), strict=True)),
-    }
+    facts = accuracy(mechanism)
     if not linkage.is_massless:
         facts["Jeq"] = _extremes(extremes(lambda phi: reduced.reduced_inertia(mechanism.sweep(phi))))
     if any(linkage.gravity) or linkage.springs:

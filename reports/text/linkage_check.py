@@ -14,6 +14,9 @@ Facts = Mapping[str, Any]
 Written = Callable[[float], str]
 BINDS: Final = 40.0  # degrees of transmission angle below which four-bars and slider-cranks bind easily (Alt)
 MOST_GROUPS: Final = 5
+ACCURACY: Final = (
+    "closed form within {position:.0e} of peak, its first derivative within {first:.0e}, its second within {second:.0e}"
+)
 FAR: Final = 0.2  # of the drawing's size: a sketched point farther off is worth a look
 TURNED_BY_SLIDES: Final = ("RPP", "PRP", "RPR")  # kinds to which that rule does not apply
 
@@ -29,7 +32,7 @@ def _lines(facts: Facts, written: Written) -> Iterator[tuple[str, str]]:
     if "mobility" in facts:
         yield "mobility", facts["mobility"]["formula"]
     if facts["loose_points"]:
-        yield "free points", f"{', '.join(facts['loose_points'])} (on one link only: no joint)"
+        yield "free points", f"{', '.join(facts['loose_points'])} (on no joint)"
     if "structure" in facts:
         yield "groups", _formula(facts["structure"])
     if facts.get("four_bar"):
@@ -46,9 +49,7 @@ def _lines(facts: Facts, written: Written) -> Iterator[tuple[str, str]]:
     if "error_bound" in facts:
         bound = facts["error_bound"]
         yield "closure", f"joints closed to {facts['closure_error']:.1e} m over the whole turn"
-        within = [f"{bound[order]:.0e}" for order in ("position", "first", "second") if math.isfinite(bound[order])]
-        told = "closed form within {} of peak, its first derivative within {}, its second within {}"
-        yield "accuracy", told.format(*within) if len(within) == len(bound) else "no error bound can be given"
+        yield "accuracy", "no error bound can be given" if None in bound.values() else ACCURACY.format(**bound)
 
 
 def _formula(structure: str) -> str:

@@ -53,13 +53,14 @@ def _is_ours(path: Path) -> bool:
 def check(name: str, variant: str | None, svg: Path | None, destination: Destination) -> None:
     """Print or write all that is right with a linkage, draw it, and raise the fault that is left."""
     linkage = load(name, variant)
+    if svg is not None:
+        check_writable(svg)
     facts, fault = linkage_check.check(linkage)
     destination.print(printed(facts, linkage.written))
     destination.write_json(facts)
     if fault is not None:
         raise fault
     if svg is not None:
-        check_writable(svg)
         write_text(svg, drawing(linkage))
         destination.print(line(f"wrote {svg}"))
     else:

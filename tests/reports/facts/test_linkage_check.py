@@ -5,9 +5,11 @@ import math
 
 import pytest
 
-from analytic.description.loading import load, parse
+from analytic.description.loading import literature, load, parse
 from analytic.errors import AssemblyError, StructureError
 from reports.facts.linkage_check import check
+from reports.text.linkage_check import printed
+from reports.text.screen import rendered
 from tests.analytic.chains import chain_of_dyads
 from tests.analytic.linkages import EVERY, text_of
 from tests.analytic.textbook import DOUBLE_ROCKER
@@ -33,6 +35,16 @@ def test_every_linkage_that_works_is_without_fault(name, variant):
     assert facts["mobility"]["degrees"] == 1
     assert facts["warnings"] == []
     assert json.loads(json.dumps(facts)) == facts
+
+
+def test_the_linkages_of_the_literature_are_without_warnings():
+    assert [name for name in literature() if check(load(name))[0]["warnings"]] == []
+
+
+def test_a_chain_so_long_that_no_bound_can_be_given():
+    facts, _ = check(parse(chain_of_dyads(100), "chain", "chain.toml"))
+    assert set(facts["error_bound"].values()) == {None}
+    assert "no error bound can be given" in rendered(printed(facts, str))
 
 
 def test_transmission_angle_of_a_crank_rocker_is_least_with_the_crank_on_the_frame():
