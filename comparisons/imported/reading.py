@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections import Counter, defaultdict
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 from analytic.description.linkage import Linkage
@@ -217,8 +217,8 @@ def _signals(reading: _Reading, table: ResultTable, axis: _Judged | None) -> Ite
         taken = "; ".join(filter(None, (meaning.taken, axis_taken, repeated)))
         values, resolution = _in_si(column, meaning.unit, judged.correction)
         yield ImportedSignal(
-            meaning.signal, name, at[rows] + judged.correction.time_shift, values[rows], resolution[rows], column,
-            sharpness[rows], taken,
+            meaning.signal, name, at[rows] + judged.correction.time_shift, values[rows], resolution[rows],
+            replace(column, unit=meaning.printed), sharpness[rows], taken,
         )  # fmt: skip
 
 

@@ -158,6 +158,7 @@ def _begin(file: ResultText, block: Block, current: RawTable | None, headless: s
 
 def _header(above: Sequence[Line], layout: Layout, row: Sequence[str]) -> RawTable | None:
     """The last line above a block that has a header for every column, and the row of units below it, if any."""
+    above = [line for line in above if not line.text.startswith("sep=")]  # what Excel writes and reads
     fitting = [(line, cells) for line in above if (cells := _fitting(line, layout, row)) is not None]
     if not fitting:
         return None

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from pathlib import Path
@@ -67,11 +68,22 @@ def _by_axis(columns: Sequence[Column]) -> Iterator[tuple[Column, ...]]:
     part: list[Column] = []
     for column in columns:
         if part and _is_again(column, columns[0]):
-            yield tuple(part)
+            yield _told_apart(part)
             part = [replace(column, header=columns[0].header)]
         else:
             part.append(column)
-    yield tuple(part)
+    yield _told_apart(part)
+
+
+def _told_apart(columns: Sequence[Column]) -> tuple[Column, ...]:
+    """Columns of which equal headers are numbered, so that a mapping can name each: ``Torque #2``."""
+    counts: Counter[str] = Counter()
+    result = []
+    for column in columns:
+        counts[column.header] += 1
+        count = counts[column.header]
+        result.append(replace(column, header=f"{column.header} #{count}") if count > 1 else column)
+    return tuple(result)
 
 
 def _is_again(column: Column, first: Column) -> bool:

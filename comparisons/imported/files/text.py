@@ -9,6 +9,8 @@ from pathlib import Path
 from typing import Final
 
 from analytic.errors import LinkproofError, printable
+from comparisons.imported.headers.units import parsed
+from comparisons.imported.headers.words import TOKEN, means_something
 
 LARGEST: Final = 1 << 29  # bytes of a file
 # First bytes of files that are no text.
@@ -30,8 +32,9 @@ MARKS: Final = (
     (codecs.BOM_UTF16_LE, "utf-16"),
     (codecs.BOM_UTF16_BE, "utf-16"),
 )
-# Of a file that is not UTF-8, the first encoding that gives letters and no control characters.
-WESTERN: Final = "cp1252"
+# Of a file that is not UTF-8 the encoding in which most of its words are known, the first of equals.
+ENCODINGS: Final = ("cp1252", "cp1251", "cp1250", "gb18030", "shift_jis")
+START: Final = 4096  # bytes looked at to tell an encoding
 CONTROL: Final = re.compile(r"[\x00-\x08\x0b\x0e-\x1f\x7f]")
 # Signs that spreadsheets and text processors print for plain ones.
 PLAIN: Final = str.maketrans({"−": "-", "–": "-", "\u00a0": " ", "\u202f": " ", "\u2009": " ", "“": '"', "”": '"'})
@@ -73,7 +76,7 @@ def _bytes(path: Path, wanted: str) -> bytes:
 
 
 def decoded(content: bytes, name: str) -> str:
-    """The text of a file's bytes, by its byte-order mark, as UTF-8, or as Western European."""
+    """The text of a file's bytes, by its byte-order mark, as UTF-8, or in the encoding of its country."""
     kind = next((kind for magic, kind in BINARY.items() if content.startswith(magic)), None)
     if kind:
         raise _not_text(name, kind)
@@ -100,7 +103,7 @@ def _not_text(place: str, kind: str) -> LinkproofError:
 
 def _without_mark(content: bytes, name: str) -> str:
     """The encoding of bytes that begin with no mark."""
-    start = content[:4096]
+    start = content[:START]
     if b"\x00" in start:
         halves = (start[::2].count(0), start[1::2].count(0))
         if max(halves) < len(start) // 4:
@@ -109,5 +112,12 @@ def _without_mark(content: bytes, name: str) -> str:
     try:
         content.decode("utf-8")
     except UnicodeDecodeError:
-        return WESTERN
+        return max(ENCODINGS, key=lambda encoding: _known_words(start, encoding))
     return "utf-8"
+
+
+def _known_words(start: bytes, encoding: str) -> int:
+    """How many words of the beginning of a file, in letters that are not English, mean something in an encoding."""
+    tokens = TOKEN.findall(start.decode(encoding, "ignore"))
+    foreign = dict.fromkeys(token for token in tokens if not token.isascii())
+    return sum(means_something(token) or parsed(token) is not None for token in foreign)

@@ -19,6 +19,9 @@ SIGNS: Final = (
     re.compile(r"^(.+)_([^_]+)$"),
     re.compile(r"^(.+)\s+(\S+)$"),
 )
+# What tells a header from an equal one before it in its table.
+AGAIN: Final = re.compile(r"\s#\d+$")
+LONGEST: Final = 300  # characters of a header that are looked at
 NO_UNIT: Final = ("", "-", "none", "dimensionless")
 
 
@@ -33,6 +36,7 @@ class SplitHeader:
 
 def splits(header: str, unit: str) -> Iterator[SplitHeader]:
     """The ways to part a header, the likeliest first; ``unit`` is the one that the file states apart from it."""
+    header = AGAIN.sub("", header[:LONGEST])
     if unit:
         yield SplitHeader(header, unit, True)
     bracket = BRACKETS.match(header)

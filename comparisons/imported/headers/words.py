@@ -123,6 +123,12 @@ def _parts(token: str) -> tuple[Word, ...]:
     return best[-1] or (Word(token),)
 
 
+def means_something(token: str) -> bool:
+    """Whether a token is a known word, or several written together; a Latin one has more than three letters."""
+    is_long = len(token) > SHORTEST_PART or not plain(token).isascii()
+    return is_long and all(word.meanings for word in _parts(token))
+
+
 def _word(text: str, *, is_whole: bool, is_last: bool) -> Word | None:
     if not is_whole and text.isascii() and len(text) < SHORTEST_PART:
         return None

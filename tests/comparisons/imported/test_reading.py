@@ -169,6 +169,20 @@ def test_bad_mappings_are_told_with_file_and_line(tmp_path, mapping, expected):
     assert expected in message(tmp_path, f"Time,Torque\n{ROWS}", mapping)
 
 
+@pytest.mark.parametrize("encoding", ["cp1251", "utf-16", "utf-8"])
+def test_files_in_the_encoding_of_their_country_are_read(tmp_path, encoding):
+    text = "sep=;\nвремя, с;Момент двигателя, Н·м\n0;1,5\n1;2,5\n2;3,5\n3;4,5\n"
+    (signal,) = read(tmp_path, text.encode(encoding)).signals
+    assert (signal.name, signal.values[-1], signal.column.unit) == ("Mkr", 4.5, "Н·м")
+
+
+def test_equal_headers_are_numbered_so_that_a_mapping_can_name_each(tmp_path):
+    text = "t [s],Torque [Nm],Torque [Nm]\n0,1,2\n1,2,3\n2,3,4\n3,4,6\n"
+    assert "got 'Torque [Nm]' (run.csv:1 (column 2)) and 'Torque [Nm] #2'" in message(tmp_path, text)
+    (signal,) = read(tmp_path, text, 'ignore = ["Torque [Nm]"]\n').signals
+    assert signal.values[-1] == 6.0
+
+
 def test_folders_and_missing_files_are_told(tmp_path):
     for path, expected in ((tmp_path, "got the folder"), (tmp_path / "no.csv", "No such file or directory")):
         with pytest.raises(LinkproofError, match=expected):
