@@ -9,6 +9,7 @@ import pytest
 
 from analytic.description.changes import without
 from analytic.description.crank_motion import CrankMotion, Segment, crank_motion
+from analytic.dynamics.joint_forces import reactions
 from analytic.errors import UnknownNameError
 from analytic.kinematics.mechanism import Mechanism
 from comparisons.reference.case import Case
@@ -112,14 +113,18 @@ def test_joint_forces_hold_every_body_and_shaking_is_what_the_ground_bears(name,
     model = scene_at(sample, float(truth.sweep.angle[0]), float(truth.speed[0]), float(truth.acceleration[0]))
     balance = Balance(model)
     forces = {joint: _force(truth, joint)[:, 0] for joint in case.joint_names()}
-    moments = {slider.name: 0.0 for slider in model.sliders}
+    guides = reactions(truth.sweep, truth.speed, truth.acceleration).moments
+    moments = {slider.name: float(guides[slider.name][0]) for slider in model.sliders}
     balance.joints(forces, moments, float(signal(truth, "Mkr")[0]))
     balance.loads()
     scale = 1e-9 * max(1.0, *(float(np.hypot(*force)) for force in forces.values()))
     for left in balance.left_over().values():
-        assert left[:2] == pytest.approx([0.0, 0.0], abs=scale)
+        assert left == pytest.approx([0.0, 0.0, 0.0], abs=scale)
     shaking = [float(signal(truth, f"shaking_force:{component}")[0]) for component in "xy"]
+    (x, y), (px, py) = shaking, sample.linkage.ground[sample.structure.pivot.point]
     assert shaking == pytest.approx(balance.sums["ground"][:2], abs=scale)
+    about_origin = float(signal(truth, "shaking_moment")[0]) + px * y - py * x
+    assert about_origin == pytest.approx(balance.sums["ground"][2], abs=scale)
 
 
 def test_every_name_has_a_unit_and_a_value_at_every_instant():

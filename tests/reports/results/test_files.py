@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from analytic.description.crank_motion import RPM, crank_motion, swing
+from comparisons.imported.reading import read_results
 from reports.results.files import csv_table, json_text
 from tests.analytic.linkages import from_text
 from tests.analytic.textbook import DOUBLE_ROCKER
@@ -77,3 +78,16 @@ def test_chosen_instants_are_the_rows_and_peaks_are_those_of_the_whole_motion():
     some = json.loads(json_text(piston(chosen=np.array([0.01, 0.02]))))
     assert len(some["values"]["Mkr"]) == 2
     assert some["peaks"] == all_of_it["peaks"]
+
+
+def test_the_table_is_read_back_as_the_signals_it_was_written_from(tmp_path):
+    """By the reader of other tools' files, which takes names and units from the headers."""
+    found = piston(*IMPERIAL)
+    (tmp_path / "t.csv").write_text(csv_table(found), encoding="utf-8")
+    read = read_results([tmp_path / "t.csv"], found.linkage, None)
+    signals = json.loads(json_text(found))["values"]
+    assert {column.header for column, _ in read.not_judged} <= {"shaking_force:magnitude [kN]"}
+    assert len(read.signals) > 40
+    for one in read.signals:
+        expected = np.array(signals[one.name])
+        assert one.values == pytest.approx(expected, rel=1e-12, abs=1e-12 * np.max(np.abs(expected))), one.name
