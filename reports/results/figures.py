@@ -87,10 +87,11 @@ def force_peaks(curves: Curves) -> list[ForcePeak]:
     vectors = {**joints, "shaking_force": ("shaking force", "ground")}
     vectors = {vector: words for vector, words in vectors.items() if curves.has(vector + MAGNITUDE)}
     peaks = curves.peaks(vector + MAGNITUDE for vector in vectors)
+    truth = curves.at(np.array([peak.time for peak in peaks.values()]))
     found = []
-    for vector, (joint, link) in vectors.items():
+    for row, (vector, (joint, link)) in enumerate(vectors.items()):
         size, time = peaks[vector + MAGNITUDE]
-        x, y = curves.values((f"{vector}:x", f"{vector}:y"), time)
+        x, y = (float(curves.of(truth, f"{vector}:{component}")[row]) for component in "xy")
         found.append(ForcePeak(joint, link, size, math.atan2(y + 0.0, x + 0.0), time))
     return found
 
