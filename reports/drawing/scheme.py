@@ -170,9 +170,7 @@ def _crank_numbers(axes: Axes, scheme: KinematicScheme, size: float, taken: Arra
     if scheme.linkage.is_linear:
         return
     link = scheme.linkage.links[scheme.linkage.crank]
-    pivot = next((p.point for p in scheme.linkage.pins if {GROUND, link.name} <= set(p.links)), None)
-    if pivot is None:  # the drive is along a line
-        return
+    pivot = next(p.point for p in scheme.linkage.pins if {GROUND, link.name} <= set(p.links))
     far = max(link.points, key=lambda name: float(np.hypot(*np.subtract(link.points[name], link.points[pivot]))))
     if far == pivot:  # a crank that is nothing but a slot has no pin to number
         return

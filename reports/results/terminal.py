@@ -114,6 +114,10 @@ def _remarks(results: DesignerResults) -> Iterator[RenderableType]:
         yield line(f"Positive is {turning}; a joint's force acts on the link named; directions count from x.")
     else:
         yield line("No torques and forces: no link has mass, and there are no loads.")
+    if results.case.mechanism.is_numerical:
+        yield line(
+            "A group of class III or higher is solved by Newton's method: the figures are a numerical reference."
+        )
     if results.linkage.output is None:
         yield line("No S, v and a: the file names no output.")
 

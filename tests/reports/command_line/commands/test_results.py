@@ -8,6 +8,7 @@ import pytest
 
 from analytic.errors import LinkproofError
 from reports.command_line.commands.results import ResultsChoice, results
+from tests.analytic.drives import path_of
 from tests.analytic.textbook import DOUBLE_ROCKER
 from tests.reports.command_line.test_main import linkproof, refused
 from tests.reports.results.samples import piston_text
@@ -50,6 +51,12 @@ def test_all_files_at_once_and_json_to_stdout_alone(engine, tmp_path):
     assert (tmp_path / "t.csv").read_text().startswith("time [s],phi [deg],")
     assert ET.parse(tmp_path / "t.svg").getroot().tag.endswith("svg")
     assert {path.name for path in tmp_path.iterdir()} == {"engine.toml", "t.csv", "t.svg"}
+
+
+def test_groups_of_a_higher_class_are_said_to_be_numerical():
+    done = linkproof("results", path_of("ternary-on-rods"))
+    assert "the figures are a numerical reference" in done.stdout
+    assert "force N" in done.stdout
 
 
 def test_clockwise_and_a_negative_speed_are_the_same(engine):
