@@ -1,4 +1,4 @@
-"""What headers mean: signals that any engineer would read in them, in eleven languages, and what is left open."""
+"""What headers mean: signals that any engineer would read in them, in twelve languages, and what is left open."""
 
 import numpy as np
 import pytest
