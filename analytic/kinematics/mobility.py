@@ -7,8 +7,7 @@ from collections import Counter
 from dataclasses import dataclass
 
 from analytic.description.linkage import GROUND, Linkage
-from analytic.kinematics.mechanism import Mechanism
-from analytic.kinematics.structure import Revolute
+from analytic.kinematics.structure import Revolute, Structure
 
 # Sums of lengths that differ by less than this share are equal: a change point.
 EQUAL = 1e-12
@@ -48,13 +47,12 @@ def loose_points(linkage: Linkage) -> tuple[str, ...]:
     return tuple(sorted(point for point in counts if point not in held))
 
 
-def grashof(mechanism: Mechanism) -> str | None:
+def grashof(linkage: Linkage, structure: Structure) -> str | None:
     """The class of a four-bar by Grashof's rule, with its lengths; None for any other linkage.
 
     The frame and the three links turn fully against each other where shortest + longest < the sum of the other two;
     which link is the shortest then decides what turns.
     """
-    linkage, structure = mechanism.linkage, mechanism.structure
     pivot = structure.pivot
     if len(structure.dyads) != 1 or structure.dyads[0].kind != "RRR" or not isinstance(pivot, Revolute):
         return None

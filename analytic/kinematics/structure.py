@@ -180,8 +180,7 @@ class Structure:
     @property
     def formula(self) -> str:
         """The structural formula, class I driver first."""
-        driver = "crank" if isinstance(self.pivot, Revolute) else "slider"
-        return " -> ".join([f"I ({driver})", *(group.name for group in self.groups)])
+        return _formula(self.pivot, self.groups)
 
 
 def revolute_joint(linkage: Linkage, point: str, near: str, far: str) -> Revolute:
@@ -372,15 +371,25 @@ def find_structure(linkage: Linkage) -> Structure:
             f"other joint to it, got {listed(joint.name for joint in pivots)}; give it just one point that [ground] "
             "has too"
         )
-    search.place(GROUND, linkage.crank)
     groups: list[AnyGroup] = []
-    while len(search.placed) <= len(search.bodies):
-        group = search.next_dyad() or search.next_group()
-        if group is None:
-            raise StructureError(_leftover(search))
-        groups.append(group)
-        search.place(*group.links)
+    try:
+        search.place(GROUND, linkage.crank)
+        while len(search.placed) <= len(search.bodies):
+            group = search.next_dyad() or search.next_group()
+            if group is None:
+                raise StructureError(_leftover(search))
+            groups.append(group)
+            search.place(*group.links)
+    except StructureError as error:
+        error.so_far = _formula(pivots[0], groups)
+        raise
     return Structure(dict(sorted(search.bodies.items())), pivots[0], tuple(groups))
+
+
+def _formula(pivot: Joint, groups: Sequence[AnyGroup]) -> str:
+    """The driver and the groups behind it."""
+    driver = "crank" if isinstance(pivot, Revolute) else "slider"
+    return " -> ".join([f"I ({driver})", *(group.name for group in groups)])
 
 
 def _leftover(search: _Search) -> str:

@@ -10,11 +10,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from analytic.description.linkage import Linkage
-from analytic.errors import LinkproofError
+from analytic.errors import LinkproofError, StructureError
 from analytic.kinematics.crank_range import CrankRange, Toggle, crank_range
 from analytic.kinematics.mechanism import Mechanism
 from analytic.kinematics.mobility import grashof, loose_points, mobility
-from analytic.kinematics.structure import Dyad
+from analytic.kinematics.structure import Dyad, find_structure
 from analytic.kinematics.transmission import transmission_angle
 from analytic.numerics.roots import root
 from reports.facts.linkage_warnings import warnings
@@ -35,7 +35,8 @@ def check(linkage: Linkage) -> tuple[Facts, LinkproofError | None]:
         for step in _steps(linkage):
             facts |= step
     except LinkproofError as error:
-        return facts | {"fault": str(error)}, error
+        found = {"structure": f"{error.so_far} -> ?"} if isinstance(error, StructureError) and error.so_far else {}
+        return facts | found | {"fault": str(error)}, error
     return facts | {"fault": None}, None
 
 
@@ -44,8 +45,9 @@ def _steps(linkage: Linkage) -> Iterator[Facts]:
     yield {"loads": _loads(linkage), "warnings": list(warnings(linkage)), "loose_points": list(loose_points(linkage))}
     count = mobility(linkage)
     yield {"mobility": {"degrees": count.degrees, "formula": count.formula}}
+    structure = find_structure(linkage)
+    yield {"structure": structure.formula, "four_bar": grashof(linkage, structure)}
     mechanism = Mechanism(linkage)
-    yield {"structure": mechanism.structure.formula, "four_bar": grashof(mechanism)}
     yield {"sketch": _sketch(mechanism)}
     reach = crank_range(mechanism)
     yield {"range": range_facts(mechanism, reach)}

@@ -70,14 +70,23 @@ def test_a_point_that_is_not_pinned_leaves_mobility_and_a_fault():
     assert "expected mobility 1, got 3" in str(fault)
     assert facts["mobility"] == {"degrees": 3, "formula": "3 = 3·3 links - 2·3 pins and slides"}
     assert facts["loose_points"] == ["C", "c"]
+    assert facts["structure"] == "I (crank) -> ?"
     assert "range" not in facts
+
+
+def test_groups_that_were_found_before_a_loose_one_are_told():
+    loose = "\n[links.rod]\npoints = { C = [0, 0], D = [70, 0] }\n[links.tail]\npoints = { D = [0, 0], E = [70, 0] }\n"
+    facts, fault = looked_over(DOUBLE_ROCKER + loose)
+    assert facts["structure"] == "I (crank) -> coupler + rocker (RRR) -> ?"
+    assert "add a joint to 'rod', 'tail'" in str(fault)
 
 
 def test_a_sketch_out_of_reach_leaves_mobility_and_a_fault():
     facts, fault = looked_over(DOUBLE_ROCKER.replace("angle = 70", "angle = 0"))
     assert isinstance(fault, AssemblyError)
-    assert "mobility" in facts
-    assert "structure" not in facts
+    assert facts["structure"] == "I (crank) -> coupler + rocker (RRR)"
+    assert facts["four_bar"].startswith("Grashof double-rocker")
+    assert "range" not in facts
 
 
 def test_change_points_of_a_parallelogram():
