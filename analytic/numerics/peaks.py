@@ -18,13 +18,14 @@ TOPS: Final = 3  # sampled tops of a curve that are looked at more closely: of m
 # Each look divides both sides of a bracket by PARTS: half a degree becomes 1e-7 rad in eight looks, and a smooth top is
 # then exact, for it errs by the square of that.
 PARTS, LOOKS = 4, 8
+ROUNDING: Final = 1e-12  # of a curve's largest value: of tops that differ by less the first is taken, on every machine
 
 
 def highest(curves: Callable[[Array], Array], grid: Array, values: Array) -> tuple[Array, Array]:
     """The highest value of every curve between the ends of the grid, and its place: two arrays (k,).
 
-    ``curves`` gives k curves at places (m,) as (k, m); ``values`` (k, n) are theirs on the ascending ``grid`` (n,). A
-    top narrower than two steps of the grid may be missed.
+    Of equal ones it is the first. ``curves`` gives k curves at places (m,) as (k, m); ``values`` (k, n) are theirs on
+    the ascending ``grid`` (n,). A top narrower than two steps of the grid may be missed.
     """
     brackets, row = _brackets(grid, values), np.arange(len(values))
     share = np.linspace(0.0, 1.0, PARTS + 1)
@@ -36,13 +37,17 @@ def highest(curves: Callable[[Array], Array], grid: Array, values: Array) -> tup
         heights = np.take_along_axis(seen, best, 2)[..., 0]
         beside = np.clip(best + np.array([-1, 0, 1]), 0, near.shape[2] - 1)
         brackets = np.take_along_axis(near, beside, 2)
-    first = np.argmax(heights, axis=1)
-    return heights[row, first], brackets[row, first, 1]
+    places = brackets[:, :, 1]
+    equal = heights >= np.max(heights, axis=1, keepdims=True) - ROUNDING * np.max(np.abs(values), axis=1, keepdims=True)
+    first = np.argmin(np.where(equal, places, np.inf), axis=1)
+    return heights[row, first], places[row, first]
 
 
 def _brackets(grid: Array, values: Array) -> Array:
     """Places left of, at and right of the highest sampled tops of every curve, (k, TOPS, 3)."""
     walled = np.pad(values, ((0, 0), (1, 1)), constant_values=-np.inf)
     is_top = (values >= walled[:, :-2]) & (values >= walled[:, 2:])
-    tops = np.argsort(np.where(is_top, -values, np.inf), axis=1, kind="stable")[:, :TOPS]
+    least = ROUNDING * np.max(np.abs(values), axis=1, keepdims=True)
+    levels = np.round(values / np.where(least, least, 1.0))
+    tops = np.argsort(np.where(is_top, -levels, np.inf), axis=1, kind="stable")[:, :TOPS]
     return np.stack([grid[np.clip(tops + side, 0, len(grid) - 1)] for side in (-1, 0, 1)], axis=2)

@@ -66,6 +66,12 @@ class ResultsChoice(MotionChoice):
             seen[file] = option
             if file != STDOUT:
                 check_writable(Path(file))
+                _check_is_other(option, Path(file), Path(self.mechanism))
+
+
+def _check_is_other(option: str, file: Path, linkage: Path) -> None:
+    if file.resolve() == linkage.resolve():
+        raise LinkproofError(f"{option} '{file}' would take the place of the linkage's file: give another name")
 
 
 def results(choice: ResultsChoice, *, quiet: bool = False) -> None:

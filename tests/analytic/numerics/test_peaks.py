@@ -60,3 +60,11 @@ def test_of_a_jump_the_higher_side_is_taken_and_nothing_across_it(side):
     (value,), (place,) = _found(curve, grid=grid)
     assert value == pytest.approx(2.0, abs=1e-15)
     assert place == (jump if side else np.nextafter(jump, 0.0))
+
+
+def test_of_equal_tops_the_first_is_taken_whatever_their_rounding():
+    ripple = 1e-15 * np.random.default_rng(3).standard_normal(len(GRID))
+    _, places = _found(lambda x: np.abs(np.cos(x)), lambda x: np.cos(4 * x - 1.0) + 0.0 * x)
+    assert places == pytest.approx([0.0, 0.25], abs=PLACE)
+    _, (place,) = highest(lambda x: np.ones((1, len(x))), GRID, 1.0 + ripple[None])
+    assert place < GRID[2]

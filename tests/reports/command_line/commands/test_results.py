@@ -114,6 +114,7 @@ FAULTS = [
     ({"at": "0", "time": "0"}, "--at and --time both choose"),
     ({"csv": "."}, "cannot write '.'"),
     ({"csv": "engine.toml/t.csv"}, "cannot write 'engine.toml/t.csv'"),
+    ({"svg": "engine.toml"}, "--svg 'engine.toml' would take the place of the linkage's file"),
     ({"csv": "-", "json": "-"}, "--csv and --json cannot both go to stdout"),
     ({"csv": "a", "svg": "a"}, "--csv and --svg cannot both go to 'a'"),
     ({"regimes": ("all",)}, "expected one motion"),
