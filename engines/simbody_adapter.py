@@ -152,7 +152,7 @@ class SimbodyEngine(SteppedEngine[SimbodyWorld, SimbodyRecipe]):
         if isinstance(scene.drive, Free) and not all(law.is_constant for law in laws):
             return "its forces follow time, so that a free crank can have none that changes with its angle"
         tree = spanning_tree(scene)
-        return tree.obstacle or _weightless_end(tree)
+        return _lost_inertia(scene) or tree.obstacle or _weightless_end(tree)
 
     def build(self, scene: Scene, recipe: SimbodyRecipe) -> SimbodyWorld:
         """Loads and drive have no functions yet: those of each part of the motion are given to them in turn."""
@@ -186,6 +186,12 @@ class SimbodyEngine(SteppedEngine[SimbodyWorld, SimbodyRecipe]):
     def follow(self, world: SimbodyWorld, course: Course[SimbodyRecipe]) -> History:
         """Part by part, each from where the one before ends."""
         return recorded(course.parts, world.forces, partial(_states, world, course))
+
+
+def _lost_inertia(scene: Scene) -> str | None:
+    """OpenSim::Body sets the inertia of a body without mass to zero, and says so in its log alone."""
+    lost = next((body.name for body in scene.bodies if body.inertia and not body.mass), None)
+    return lost and f"it takes no inertia of a body without mass, as '{lost}' has"
 
 
 def _weightless_end(tree: SpanningTree) -> str | None:

@@ -111,10 +111,28 @@ def andrews(phi: mpf) -> Points:
     return {"F": f, "E": e, "D": b + axis * mpc(18, 20), "G": g, "H": h}
 
 
+def shaper(phi: mpf) -> Points:
+    """Crank OA = 0.1 from (0, 0.25), coupler TB = 0.53 through A, rocker QB = 0.1 from (-0.1, 0.45), T on y = 0; m.
+
+    T is where a rod from it through A ends on the rocker's circle: a root over its place.
+    """
+    a, q = mpc(0, mpf("0.25")) + mpf("0.1") * mp.expj(phi), mpc(mpf("-0.1"), mpf("0.45"))
+
+    def end(x: mpf) -> mpc:
+        return x + mpf("0.53") * (a - x) / abs(a - x)
+
+    x = mp.findroot(lambda x: abs(end(x) - q) ** 2 - mpf("0.01"), mpf(SHAPER_TOOL[round(mp.degrees(phi))]))
+    return {"A": a, "T": mpc(x), "B": end(x)}
+
+
+# Rough places of the tool, m, by crank angle, degrees: the source's at 90, from which the others were followed.
+SHAPER_TOOL = {30: "0.25", 90: "0.06", 150: "-0.2", 270: "0.02"}
+
 # By name: the formula, its unit in m, and the crank angles to look at, degrees.
 FORMULAS: Mapping[str, tuple[Formula, str, tuple[float, ...]]] = {
     "andrews-squeezer": (andrews, "1e-3", (-3.5, 100.0, 905.9)),
     "jansen-leg": (jansen, "1e-3", (0.0, 77.0, 180.0, 256.9)),
+    "shaper-quick-return": (shaper, "1", (30.0, 90.0, 150.0, 270.0)),
     "stephenson-six-bar": (stephenson, "1", (-58.89, -20.0, 0.0, 41.3)),
     "watt-six-bar": (watt, "1", (-5.63, 0.0, 2.0, 5.33)),
     "whitworth-quick-return": (whitworth, "1e-3", (0.0, 90.0, 221.81, 300.0)),
