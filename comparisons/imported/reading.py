@@ -10,6 +10,7 @@ from collections import Counter, defaultdict
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
+from typing import Final
 
 from analytic.description.linkage import Linkage
 from analytic.errors import LinkproofError, UnknownNameError, listed, printable, shortened
@@ -32,6 +33,8 @@ from comparisons.imported.headers.units import Unit
 from comparisons.imported.mapping.agreement import Agreement
 from comparisons.imported.mapping.mapping_file import Mapping, read_mapping
 from comparisons.imported.mapping.writing import MappingLine, mapping_text
+
+AXES: Final = {TIME: "time", "phi": "crank angle"}
 
 
 @dataclass
@@ -122,7 +125,7 @@ def _axis(reading: _Reading, table: ResultTable) -> _Judged | None:
         others = [judged for judged, _ in reading.of(table)]
         if others:
             raise MappingNeededError(
-                f"{table.file}:{table.line}: expected a column of {' or '.join(preferred)}, got "
+                f"{table.file}:{table.line}: expected a column of {' or '.join(AXES[name] for name in preferred)}, got "
                 f"{listed(column.header for column in table.columns)}; name its column in a mapping, with signal = "
                 f'"{preferred[0]}", or export it as well',
                 _text(reading),

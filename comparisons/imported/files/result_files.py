@@ -37,7 +37,7 @@ def result_tables(path: Path) -> list[ResultTable]:
         if is_robotran and not line.text:
             columns[0] = replace(columns[0], header="time")
         tool = ROBOTRAN if is_robotran else _tool(path, line.text, columns)
-        found += [ResultTable(file.name, line.number, tool, part) for part in _by_axis(columns) if len(part) > 1]
+        found += [ResultTable(file.name, line.number, tool, part) for part in _by_axis(columns, tool) if len(part) > 1]
     if not found:
         raise _one_column(file)
     return found
@@ -63,11 +63,11 @@ def _indices(column: Column) -> set[str]:
     return set("[]") if column.header.rpartition("[")[2].rstrip("]").replace(",", "").isdigit() else set()
 
 
-def _by_axis(columns: Sequence[Column]) -> Iterator[tuple[Column, ...]]:
+def _by_axis(columns: Sequence[Column], tool: str) -> Iterator[tuple[Column, ...]]:
     """Columns parted where the first of them, the axis, is written again, be it without a header."""
     part: list[Column] = []
     for column in columns:
-        if part and _is_again(column, columns[0]):
+        if part and _is_again(column, columns[0], tool):
             yield _told_apart(part)
             part = [replace(column, header=columns[0].header)]
         else:
@@ -86,7 +86,13 @@ def _told_apart(columns: Sequence[Column]) -> tuple[Column, ...]:
     return tuple(result)
 
 
-def _is_again(column: Column, first: Column) -> bool:
+def _is_again(column: Column, first: Column, tool: str) -> bool:
+    """Whether a column is the axis of the columns behind it; Adams writes it with no header, also with other times."""
     if column.header == first.header:
         return True
-    return column.header.startswith("column ") and np.array_equal(column.values, first.values)
+    if not column.header.startswith("column "):
+        return False
+    grows = (
+        len(column.values) > 1 and column.values[0] == first.values[0] and bool(np.all(np.diff(column.values) > 0.0))
+    )
+    return np.array_equal(column.values, first.values) or (tool == ADAMS and grows)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import difflib
 from collections.abc import Iterable, Mapping
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Final
@@ -135,12 +136,26 @@ class Recognition:
         unit = parsed(split.unit) if split.unit else None
         if name in self.signals or name == TIME:
             return self._checked(Meaning(name, unit, split.unit), split)
-        found, spelled = _known(words(name, self.names))
-        said = self._said(found, unit)
-        named, taken = self._signal(said, column)
+        named, taken = self._named(name, unit, column)
         if named not in self.signals and named != TIME:
             raise NotJudgedError(f"the linkage has no {named}")
-        return self._checked(Meaning(named, unit, split.unit, "; ".join(filter(None, (spelled, taken)))), split)
+        return self._checked(Meaning(named, unit, split.unit, taken), split)
+
+    def _named(self, name: str, unit: Unit | None, column: Column) -> tuple[str, str]:
+        """What a name means; "M [Nm]" is a torque even where a point is called M."""
+        try:
+            return self._read(name, unit, column, self.names)
+        except NotJudgedError as reason:
+            if len(name) == 1 and unit:
+                with suppress(NotJudgedError):
+                    return self._read(name, unit, column, Names({}))
+            raise reason
+
+    def _read(self, name: str, unit: Unit | None, column: Column, names: Names) -> tuple[str, str]:
+        """The signal that a name in a unit means, and what was taken for granted."""
+        found, spelled = _known(words(name, names))
+        named, taken = self._signal(self._said(found, unit), column)
+        return named, "; ".join(filter(None, (spelled, taken)))
 
     def _checked(self, meaning: Meaning, split: SplitHeader) -> Meaning:
         if not split.unit:

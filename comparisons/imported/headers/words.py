@@ -69,7 +69,8 @@ def names_of(linkage: Linkage) -> Names:
     for kind, names in (("link", linkage.links), ("point", points), ("joint", linkage.joint_names)):
         for name in sorted(names):
             named.setdefault(_tokens_of_name(name), []).append((kind, name))
-    return Names({tokens: tuple(found) for tokens, found in named.items() if tokens})
+    # A number alone is that of a plot, "Angular Velocity2", not the name of a link.
+    return Names({tokens: tuple(found) for tokens, found in named.items() if not all(map(str.isdigit, tokens))})
 
 
 def _tokens_of_name(name: str) -> tuple[str, ...]:

@@ -105,6 +105,13 @@ def test_corrections_count_only_once_their_comment_sign_is_taken_away(tmp_path):
     np.testing.assert_allclose(agreed.signals[0].resolution, 2.0 * plain.signals[0].resolution)
 
 
+def test_a_shift_of_all_curves_stands_with_the_time(tmp_path):
+    text = f"Zeit [s],Moment [Nm]\n{ROWS}"
+    proposed = with_proposals(read(tmp_path, text).mapping_text, {"*": Correction(time_shift=0.5)})
+    (signal,) = read(tmp_path, text, proposed.replace("# time_shift", "time_shift")).signals
+    np.testing.assert_allclose(signal.at, [0.5, 0.6, 0.7, 0.8])
+
+
 def test_an_angle_may_be_offset_and_mirrored(tmp_path):
     text = f"Zeit [s],Kurbelwinkel [deg]\n{ROWS}"
     mapping = '[[column]]\nheader = "Kurbelwinkel [deg]"\nsign = -1\nangle_offset = 90.0\n'
@@ -117,7 +124,7 @@ def test_an_angle_may_be_offset_and_mirrored(tmp_path):
     ("text", "expected"),
     [
         ("Time [s],Torque [Nm],Moment [Nmm]\n" + "0,1,2\n1,2,3\n2,3,4\n3,4,5\n", "expected one column for Mkr, got"),
-        (f"foo,Torque [Nm]\n{ROWS}", "run.csv:1: expected a column of time or phi, got foo, Torque [Nm]; name"),
+        (f"foo,Torque [Nm]\n{ROWS}", "run.csv:1: expected a column of time or crank angle, got foo, Torque [Nm]; name"),
         (f"Time [s],foo\n{ROWS}", "run.csv:1: expected a column that is a signal of juki-mf7923d, got none: 'foo'"),
         ("Time [s],Torque [Nm]\n0,1\n1,2\n0.5,3\n2,3\n", "(column 1): expected a time that grows in 'Time [s]'"),
         ("Winkel [deg],Torque [Nm]\n0,1\n1,2\n0.5,3\n2,3\n", "expected a crank angle that runs one way"),

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from analytic.description.loading import load
+from analytic.description.loading import load, parse
 from analytic.errors import LinkproofError
 from comparisons.imported.columns import Column
 from comparisons.imported.headers.meaning import NotJudgedError, Recognition
@@ -105,3 +105,19 @@ def test_what_is_taken_is_said():
 def test_a_force_that_changes_its_sign_is_not_the_size_of_a_force():
     with pytest.raises(NotJudgedError, match="changes its sign"):
         READ.meaning(_column("Reaction Force A (N)", (1.0, -1.0)))
+
+
+def test_names_of_one_letter_or_of_digits_do_not_stand_in_the_way():
+    text = """
+        title = "Four-bar with names of one letter and of digits"
+        units = { length = "m", mass = "kg", inertia = "kg*m^2", angle = "deg" }
+        crank = "1"
+        ground = { O = [0, 0], C = [0.3, 0] }
+        links.1 = { points = { O = [0, 0], M = [0.08, 0] }, mass = 1, inertia = 0.01 }
+        links.2 = { points = { M = [0, 0], P = [0.25, 0] }, mass = 1, inertia = 0.01 }
+        links.3 = { points = { C = [0, 0], P = [0.2, 0] }, mass = 1, inertia = 0.01 }
+        sketch = { angle = 90, points = { P = [0.25, 0.2] } }
+    """
+    read = Recognition(parse(text, "letters", "letters.toml"))
+    expected = {"M [Nm]": "Mkr", "P [W]": "Peq", "P.x [m]": "point:P:x", "Angular Velocity2 (rad/s)": "omega"}
+    assert {header: read.meaning(_column(header)).signal for header in expected} == expected
