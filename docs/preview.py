@@ -41,7 +41,7 @@ def preview(results: Results, path_png: Path) -> None:
 def _draw(figure: Figure, view: View) -> None:
     figure.suptitle(f"{view.linkage.title}: engines against the closed form", x=0.05, ha="left", y=0.975, fontsize=12)
     left = figure.add_axes(SCHEME_BOX)
-    scheme = scheme_of(view)
+    scheme = scheme_of(view.mechanism)
     low, high = scheme.extent
     box = np.array([SCHEME_BOX[2] * WIDTH, SCHEME_BOX[3] * HEIGHT])
     scale = float(np.min((box - 0.7) / np.maximum(high - low, 1e-9)))
