@@ -19,7 +19,8 @@ from comparisons.runs.failures import GIB
 from comparisons.runs.workers import DEFAULT_BOUNDS, Bounds
 from engines.contract import Setting
 from engines.registry import engine, engine_names, why_unavailable
-from reports.command_line.motion_choice import EVERYTHING, MotionChoice, motions, own_regimes
+from reports.command_line.linear_drive import prescribed
+from reports.command_line.motion_choice import EVERYTHING, MotionChoice, own_regimes
 
 
 @dataclass(frozen=True)
@@ -173,10 +174,11 @@ def request(choice: CampaignChoice) -> CampaignRequest:
     """The campaign's request; raises LinkproofError for anything that does not exist or cannot be."""
     choice.check()
     found = linkages(choice)
+    motions, conditions = prescribed(choice, found)
     return CampaignRequest(
         linkages=found,
-        motions=motions(choice),
-        conditions=choice.conditions,
+        motions=motions,
+        conditions=conditions,
         engines=_engines(choice),
         settings=_settings(choice),
         quantities=tuple(dict.fromkeys(choice.quantities)),

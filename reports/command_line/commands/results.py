@@ -10,16 +10,17 @@ import numpy as np
 from numpy.typing import NDArray
 
 from analytic.description.changes import without
-from analytic.description.crank_motion import LAWS, RPM, CrankMotion, Segment, swing
+from analytic.description.crank_motion import RPM, CrankMotion, Segment, swing
 from analytic.description.law import FULL_TURN
 from analytic.description.loading import load
 from analytic.errors import LinkproofError
-from analytic.kinematics.crank_range import CrankRange, crank_range
+from analytic.kinematics.crank_range import crank_range
 from analytic.kinematics.mechanism import Mechanism
 from comparisons.reference.case import Case, own_case
 from comparisons.runs.files import check_writable, write_text
 from reports.command_line.destination import STDOUT, write_out
-from reports.command_line.motion_choice import EVERYTHING, OWN, MotionChoice, motions, own_regimes
+from reports.command_line.linear_drive import prescribed, within
+from reports.command_line.motion_choice import EVERYTHING, OWN, MotionChoice, own_regimes
 from reports.results.designer_results import DesignerResults
 from reports.results.files import csv_table, json_text
 from reports.results.instants import Instants
@@ -29,7 +30,6 @@ from reports.text.screen import show
 Array = NDArray[np.float64]
 
 STEADY = "constant-speed"
-MARGIN = 0.02  # share of a range of the crank left out at either end, where forces grow beyond all bounds
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -111,10 +111,8 @@ def chosen_case(mechanism: Mechanism, choice: MotionChoice) -> Case:
     if own:
         case = own_case(mechanism, next(regime for regime in linkage.regimes if regime.name == own[0]))
         return replace(case, mechanism=mechanism)  # a torque over the angle is the drive's, not a load
-    if linkage.is_linear:
-        return _linear_case(mechanism, choice)
-    if choice.swings or choice.regimes not in ((), (STEADY,)) or _is_timed(choice):
-        (motion,) = motions(choice)
+    if linkage.is_linear or choice.swings or choice.regimes not in ((), (STEADY,)) or _is_timed(choice):
+        ((motion,), _) = prescribed(choice, [linkage])
         return Case(mechanism, motion)
     return _usual_case(mechanism, choice)
 
@@ -140,33 +138,8 @@ def _usual_case(mechanism: Mechanism, choice: MotionChoice) -> Case:
     if reach.is_full_turn:
         motion = CrankMotion(STEADY, (Segment(0.0, FULL_TURN / speed, (start, -speed if backwards else speed)),))
         return Case(mechanism, motion)
-    return Case(mechanism, _over_range(reach, backwards, speed))
-
-
-def _over_range(reach: CrankRange, backwards: bool, speed: float) -> CrankMotion:
-    low, high = reach.limits
-    margin = MARGIN * (high - low)
-    ends = (high - margin, low + margin) if backwards else (low + margin, high - margin)
-    return replace(swing(STEADY, *ends, speed=speed), regime=f"{STEADY} over its range")
-
-
-def _linear_case(mechanism: Mechanism, choice: MotionChoice) -> Case:
-    """A drive along a line: travels and speeds are in the file's unit of length; by default its range in a second."""
-    if choice.regimes and choice.regimes[0] not in LAWS:
-        raise LinkproofError(
-            f"--regime {choice.regimes[0]} turns a crank, and '{mechanism.linkage.name}' is driven along a line: "
-            f"choose one of {', '.join(LAWS)} with --from and --to"
-        )
-    length = file_unit("m", mechanism.linkage)
-    usual = choice.speed == MotionChoice().speed
-    if choice.from_angle is not None and choice.to_angle is not None:
-        ends = choice.from_angle * length.size, choice.to_angle * length.size
-        speed = abs(ends[1] - ends[0]) if usual else abs(choice.speed) * length.size
-        return Case(mechanism, swing(choice.regimes[0] if choice.regimes else STEADY, *ends, speed=speed))
-    reach = crank_range(mechanism)
-    low, high = reach.limits
-    speed = high - low if usual else abs(choice.speed) * length.size
-    return Case(mechanism, _over_range(reach, choice.clockwise or choice.speed < 0.0, speed))
+    motion = swing(STEADY, *within(reach, backwards=backwards), speed=speed)
+    return Case(mechanism, replace(motion, regime=f"{STEADY} over its range"))
 
 
 def _instants(case: Case, choice: ResultsChoice) -> Instants:

@@ -15,7 +15,7 @@ from comparisons.runs.failures import GIB
 from comparisons.runs.workers import DEFAULT_BOUNDS
 from engines.contract import Setting
 from engines.registry import engine_names
-from reports.command_line import requests
+from reports.command_line.motion_choice import motions
 from reports.command_line.requests import CampaignChoice, RunLimits, linkages, request
 from tests.counting import calls
 
@@ -31,7 +31,7 @@ def test_no_words_mean_everything_tuned_on_the_default_ramp():
 
 def test_words_become_si():
     choice = CampaignChoice(speed=3000.0, ramp_time=0.2, hold_time=0.3, start_angle=90.0, clockwise=True)
-    (motion,) = requests.motions(choice)
+    (motion,) = motions(choice)
     assert motion.angle(0.0) == pytest.approx(math.pi / 2)
     assert motion.speed(0.5) == pytest.approx(-100.0 * math.pi)
     assert motion.duration == pytest.approx(0.5)
