@@ -267,6 +267,52 @@ def compare(
     raise typer.Exit(compare.compare(choice, destination, limits, record_baseline=record_baseline))
 
 
+@app.command(short_help="Judge the results of another tool: right or not, and what is likely wrong.")
+def judge(
+    mechanism: options.Mechanism,
+    results: Annotated[list[Path], typer.Argument(metavar="RESULTS...", hidden=True)],
+    mapping: Annotated[Path | None, valued("FILE", "What each column is, and which corrections are agreed to.")] = None,
+    write_mapping: Annotated[Path | None, valued("FILE", "Write the mapping as recognised.")] = None,
+    limit: Annotated[float, valued("SHARE", "Largest error allowed, as a share of the closed form's peak.")] = 0.01,
+    variant: options.Variant = None,
+    regime: options.Regimes = None,
+    speed: Annotated[
+        float | None, valued("RPM", "Crank speed, negative turns clockwise; default: 1000.", "--speed")
+    ] = None,
+    from_angle: options.FromAngle = None,
+    to_angle: options.ToAngle = None,
+    ramp_time: options.RampTime = 0.6,
+    hold_time: options.HoldTime = 0.1,
+    start_angle: options.StartAngle = 0.0,
+    clockwise: options.Clockwise = False,
+    no_gravity: options.NoGravity = False,
+    out: options.Out = None,
+    json: options.Json = None,
+    quiet: options.Quiet = False,
+    verbose: options.Verbose = False,
+) -> None:
+    """Judge results of a tool that cannot be called: SolidWorks Motion, Adams, Modelica, any CSV with a header.
+
+    MECHANISM is a name in the catalogue or the path of a .toml file, RESULTS are the tool's files.
+
+    The crank moves as the file's column of its angle or speed says, or as --regime does. Nothing in a file is
+    interpolated, smoothed or corrected unless the mapping says so.
+
+    Exit codes: 0 every signal within the limit, 1 one is not, 2 bad input or nothing to judge.
+    """
+    from reports.command_line.commands import judge
+    from reports.command_line.motion_choice import MotionChoice
+
+    motion = MotionChoice(
+        variant=variant, regimes=_names(regime), speed=1000.0 if speed is None else speed, ramp_time=ramp_time,
+        hold_time=hold_time, start_angle=start_angle, clockwise=clockwise, from_angle=from_angle, to_angle=to_angle,
+    )  # fmt: skip
+    choice = judge.JudgeChoice(
+        mechanism, tuple(results), motion, speed is not None, limit, mapping, write_mapping, not no_gravity
+    )
+    raise typer.Exit(judge.judge(choice, _destination(json, out, False, quiet, verbose)))
+
+
 @app.command(short_help="Measure error against run time, over a sweep of steps.")
 def bench(
     mechanisms: options.Mechanisms = None,

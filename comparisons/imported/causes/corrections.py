@@ -1,0 +1,48 @@
+"""Corrections that a file seems to need: estimated, said, and applied only where the mapping agrees to them."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Collection, Iterator, Mapping
+
+from comparisons.imported.causes.search import Explanation
+from comparisons.imported.columns import NO_CORRECTION, Correction
+
+
+def proposals(
+    explanation: Explanation, columns: Collection[str], agreed: Mapping[str, Correction]
+) -> dict[str, Correction]:
+    """The corrections among the likeliest causes by the names of ``columns``, those agreed to already included."""
+    found: dict[str, Correction] = {}
+    for finding in explanation.findings:
+        for name, correction in finding.corrections.items():
+            for one in finding.signals if name == "*" else (name,):
+                if one in columns:
+                    found[one] = combined(agreed.get(one, NO_CORRECTION), correction)
+    return found
+
+
+def combined(first: Correction, then: Correction) -> Correction:
+    """One correction after another."""
+    return Correction(
+        first.sign * then.sign,
+        first.factor * then.factor,
+        first.time_shift + then.time_shift,
+        then.sign * first.angle_offset + then.angle_offset,
+    )
+
+
+def written(correction: Correction) -> str:
+    """A correction as the keys of a mapping."""
+    return ", ".join(_keys(correction)) or "nothing"
+
+
+def _keys(correction: Correction) -> Iterator[str]:
+    if correction.sign != 1:
+        yield f"sign = {correction.sign}"
+    if correction.factor != 1.0:
+        yield f"factor = {correction.factor:.9g}"
+    if correction.time_shift:
+        yield f"time_shift = {correction.time_shift:.6g}"
+    if correction.angle_offset:
+        yield f"angle_offset = {math.degrees(correction.angle_offset):.6g}"

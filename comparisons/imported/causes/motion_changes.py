@@ -1,0 +1,216 @@
+"""What may be wrong with the crank's motion: its direction, start, ramp, speed, or the clock it is told by."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
+from typing import Any, Final
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from analytic.description.crank_motion import RAMPS, RPM, CrankMotion, crank_motion
+from comparisons.imported.causes.fitting import Cause, said
+from comparisons.imported.columns import Correction
+from comparisons.imported.judging.crank_column import ColumnMotion
+from comparisons.imported.judging.judgement import SignalVerdict
+from comparisons.imported.judging.samples import Model, Samples, at_jumps, holds_acceleration
+from comparisons.reference.case import Motion
+
+Array = NDArray[np.float64]
+
+TURNS: Final = 12  # start angles from which a fit of the start angle begins
+QUARTERS: Final = (90.0, -90.0, 180.0)
+SHORTEST: Final = 1e-9  # s, of a ramp
+
+
+@dataclass(frozen=True)
+class Changed:
+    """A motion at another pace, from another angle, on another clock: ``pace`` φ(t + ``shift``) + ``offset``."""
+
+    motion: Motion
+    pace: float = 1.0
+    offset: float = 0.0
+    shift: float = 0.0
+
+    @property
+    def regime(self) -> str:
+        """Name of the regime."""
+        return self.motion.regime
+
+    @property
+    def duration(self) -> float:
+        """Time at which it ends, s."""
+        return self.motion.duration
+
+    @property
+    def peak_speed(self) -> float:
+        """Largest |ω|, rad/s."""
+        return self.motion.peak_speed * abs(self.pace)
+
+    @property
+    def jumps(self) -> tuple[float, ...]:
+        """Times at which the acceleration jumps, s."""
+        return tuple(jump - self.shift for jump in self.motion.jumps)
+
+    def _clock(self, time: ArrayLike) -> Array:
+        return np.asarray(np.asarray(time, dtype=float) + self.shift)
+
+    def angle(self, time: ArrayLike) -> Array:
+        """φ(t), rad."""
+        return np.asarray(self.pace * self.motion.angle(self._clock(time)) + self.offset)
+
+    def speed(self, time: ArrayLike) -> Array:
+        """ω(t), rad/s."""
+        return np.asarray(self.pace * self.motion.speed(self._clock(time)))
+
+    def acceleration(self, time: ArrayLike) -> Array:
+        """ε(t), rad/s²."""
+        return np.asarray(self.pace * self.motion.acceleration(self._clock(time)))
+
+
+@dataclass(frozen=True)
+class WithoutAcceleration(Changed):
+    """A motion whose acceleration is left out, as if its speed were constant at each instant."""
+
+    def acceleration(self, time: ArrayLike) -> Array:
+        """0 rad/s²."""
+        return np.zeros(np.shape(time))
+
+
+def motion_changes(model: Model) -> Iterator[Cause]:
+    """Every cause that lies in the crank's motion; ramps only where a regime, not a column of the file, gives it."""
+    motion, start = model.motion, float(model.motion.angle(0.0))
+    from_column = isinstance(motion, ColumnMotion)
+    direction = "the crank angle is mirrored" if from_column else "the crank turns the other way"
+    yield _of(
+        model, "direction", lambda _: Changed(motion, -1.0, 2.0 * start), said(direction),
+        corrections=_mirrored(2.0 * start) if from_column else None,
+    )  # fmt: skip
+    if abs(start) > 1e-9:
+        mirrored = said("the crank angle is mirrored")
+        yield _of(model, "mirrored angle", lambda _: Changed(motion, -1.0), mirrored, corrections=_mirrored(0.0))
+    yield from _offsets(model, start)
+    yield _shifted(model)
+    yield _of(
+        model, "no acceleration", lambda _: WithoutAcceleration(motion),
+        said("the crank's acceleration is left out: torque and forces are those of a constant speed"),
+    )  # fmt: skip
+    if not from_column:
+        yield from _regimes(model)
+
+
+def _mirrored(offset: float) -> Callable[[Array], dict[str, Correction]]:
+    return lambda _: {"phi": Correction(sign=-1, angle_offset=turned(offset))}
+
+
+def turned(angle: float) -> float:
+    """An angle, rad, without whole turns: from −π to π."""
+    return (float(angle) + math.pi) % (2.0 * math.pi) - math.pi
+
+
+def _of(
+    model: Model,
+    kind: str,
+    motion: Callable[[Array], Motion],
+    words: Callable[[Array], str],
+    **rest: Any,  # noqa: ANN401
+) -> Cause:
+    """A cause that changes the motion; ``rest`` are fields of ``Cause``."""
+
+    def predict(numbers: Array, verdicts: Sequence[SignalVerdict]) -> list[Array]:
+        other = motion(numbers)
+        values = model.moving(other).predicted([verdict.samples for verdict in verdicts])
+        if other.jumps == model.motion.jumps:
+            return values
+        return [_without_jumps(v.samples, found, other) for v, found in zip(verdicts, values, strict=True)]
+
+    return Cause(kind, predict, words, **rest)
+
+
+def _without_jumps(samples: Samples, values: Array, motion: Motion) -> Array:
+    """Values left open where the other motion's acceleration jumps."""
+    return np.where(at_jumps(samples.time, motion), np.nan, values) if holds_acceleration(samples.name) else values
+
+
+def _offsets(model: Model, start: float) -> Iterator[Cause]:
+    """Another zero of the crank angle, counted the same way or the other."""
+    motion, from_column = model.motion, isinstance(model.motion, ColumnMotion)
+
+    def words(p: Array) -> str:
+        degrees = math.degrees(turned(p[0]))
+        if from_column:
+            return f"the crank angle counts from another zero: {degrees:+.4g}° are to be added to the file's"
+        return f"the crank starts at {math.degrees(turned(start + p[0])):.4g}° in place of {math.degrees(start):.4g}°"
+
+    def mirrored_words(p: Array) -> str:
+        return f"the crank angle counts the other way, from {math.degrees(turned(p[0])):.4g}°"
+
+    of_one: dict[str, Any] = {
+        "start": (0.0,),
+        "sizes": (1.0,),
+        "guesses": tuple((2.0 * math.pi * n / TURNS,) for n in range(TURNS)),
+        "special": tuple((math.radians(a),) for a in QUARTERS),
+    }
+    yield _of(
+        model, "start angle", lambda p: Changed(motion, offset=float(p[0])), words,
+        corrections=lambda p: {"phi": Correction(angle_offset=turned(p[0]))}, **of_one,
+    )  # fmt: skip
+    yield _of(
+        model, "mirrored start", lambda p: Changed(motion, -1.0, float(p[0])), mirrored_words, handicap=1,
+        contains=("direction", "mirrored angle"),
+        corrections=lambda p: _mirrored(float(p[0]))(p), **of_one,
+    )  # fmt: skip
+
+
+def _shifted(model: Model) -> Cause:
+    motion = model.motion
+    turn = 2.0 * math.pi / motion.peak_speed if motion.peak_speed else motion.duration
+    length = min(turn, motion.duration)
+    return _of(
+        model,
+        "time shift",
+        lambda p: Changed(motion, shift=float(p[0])),
+        lambda p: f"the file's clock is {abs(p[0]):.4g} s {'behind' if p[0] > 0.0 else 'ahead'}",
+        start=(0.0,),
+        sizes=(length,),
+        guesses=tuple((k * length / 8.0,) for k in (0, 1, -1, 2, -2, 3, -3)),
+        corrections=lambda p: {"*": Correction(time_shift=float(p[0]))},
+    )
+
+
+def _regimes(model: Model) -> Iterator[Cause]:
+    """Another speed, another ramp, another time of the ramp."""
+    motion, start = model.motion, float(model.motion.angle(0.0))
+    rpm = motion.peak_speed / RPM
+    yield _of(
+        model, "speed", lambda p: Changed(motion, float(p[0]), start * (1.0 - float(p[0]))),
+        lambda p: f"the crank's speed is {p[0] * rpm:.4g} rpm in place of {rpm:.4g} rpm", start=(1.0,), sizes=(1.0,),
+    )  # fmt: skip
+    if not isinstance(motion, CrankMotion) or motion.regime not in (*RAMPS, "constant-speed"):
+        return
+    speed = float(motion.speed(motion.duration))
+    ramp = motion.segments[0].end if motion.regime in RAMPS else 0.6 * motion.duration
+    for name in (*RAMPS, "constant-speed"):
+        if name != motion.regime:
+            words = said(f"the crank follows '{name}' in place of '{motion.regime}'")
+            yield _of(model, f"ramp:{name}", _always(_regime(name, speed, ramp, motion)), words)
+    if motion.regime in RAMPS:
+        yield _of(
+            model, "ramp time", lambda p: _regime(motion.regime, speed, float(abs(p[0])), motion),
+            lambda p: f"the crank runs up in {p[0]:.4g} s in place of {ramp:.4g} s", start=(ramp,), sizes=(ramp,),
+        )  # fmt: skip
+
+
+def _always(motion: Motion) -> Callable[[Array], Motion]:
+    return lambda _: motion
+
+
+def _regime(name: str, speed: float, ramp: float, like: CrankMotion) -> CrankMotion:
+    """A regime as long as another, with the same start."""
+    ramp = min(max(ramp, SHORTEST), like.duration)
+    return crank_motion(
+        name, speed=abs(speed), ramp_time=ramp, hold_time=like.duration - ramp, clockwise=speed < 0.0,
+        start_angle=float(like.angle(0.0)),
+    )  # fmt: skip

@@ -1,0 +1,185 @@
+"""Imported signals beside the closed form at the file's own instants: nothing in the file is interpolated."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import Final
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+from scipy.ndimage import maximum_filter1d
+
+from analytic.description.linkage import Linkage
+from analytic.kinematics.mechanism import Mechanism
+from comparisons.imported.columns import MAGNITUDE, ImportedSignal
+from comparisons.imported.judging.crank_column import SPREAD, ColumnMotion
+from comparisons.reference.case import Motion, Truth
+from comparisons.reference.signals import signal
+
+Array = NDArray[np.float64]
+
+WINDOW: Final = 1e-2  # of the shortest piece of the motion: half the window at its acceleration jumps
+NEIGHBOURS: Final = 8  # a share of the samples that are near one another
+STEPS: Final = 1.01  # of the file on either side of a jump: its instant is rounded
+
+
+@dataclass(frozen=True)
+class Samples:
+    """A signal as judged: ``values`` (n,), SI, at times (n,), s, each within its ``rounding``, from ``imported``."""
+
+    name: str
+    time: Array
+    values: Array
+    rounding: Array
+    time_rounding: Array
+    imported: ImportedSignal
+
+    def thinned(self, most: int) -> Samples:
+        """At most so many of the samples, equally spread."""
+        every = -(-len(self.time) // most)
+        parts = {p: getattr(self, p)[::every] for p in ("time", "values", "rounding", "time_rounding")}
+        return replace(self, **parts)
+
+
+@dataclass(frozen=True)
+class Model:
+    """A linkage and its crank's motion: what the closed form is asked for. ``modes`` are its assembly modes if others.
+
+    ``is_static`` leaves out what the motion itself does to torques and forces.
+    """
+
+    linkage: Linkage
+    motion: Motion
+    modes: tuple[int, ...] | None = None
+    is_static: bool = False
+
+    @cached_property
+    def mechanism(self) -> Mechanism:
+        """The closed form."""
+        mechanism = Mechanism(self.linkage)
+        if self.modes is not None:
+            mechanism.structure = mechanism.structure.with_signs(self.modes)
+        return mechanism
+
+    def moving(self, motion: Motion) -> Model:
+        """The same linkage under another motion; what is known of the linkage stays known."""
+        other = replace(self, motion=motion)
+        other.__dict__["mechanism"] = self.mechanism
+        return other
+
+    def predicted(self, samples: Iterable[Samples]) -> list[Array]:
+        """The closed form of each signal at its instants; signals on one clock share the work."""
+        truths: dict[bytes, Truth] = {}
+        values = []
+        for one in samples:
+            key = one.time.tobytes()
+            truth = truths.setdefault(key, Truth(self.mechanism, self._motion_of(one), one.time))
+            values.append(value(truth, one.name))
+        return values
+
+    def _motion_of(self, one: Samples) -> Motion:
+        return Held(self.motion) if self.is_static and is_force(one.name) else self.motion
+
+
+@dataclass(frozen=True)
+class Held:
+    """A motion's angles without its speeds and accelerations."""
+
+    motion: Motion
+
+    @property
+    def regime(self) -> str:
+        """Name of the regime."""
+        return self.motion.regime
+
+    @property
+    def duration(self) -> float:
+        """Time at which it ends, s."""
+        return self.motion.duration
+
+    @property
+    def peak_speed(self) -> float:
+        """Largest |ω|, rad/s."""
+        return 0.0
+
+    @property
+    def jumps(self) -> tuple[float, ...]:
+        """There are none."""
+        return ()
+
+    def angle(self, time: ArrayLike) -> Array:
+        """φ(t), rad."""
+        return self.motion.angle(time)
+
+    def speed(self, time: ArrayLike) -> Array:
+        """0 rad/s."""
+        return np.zeros(np.shape(time))
+
+    def acceleration(self, time: ArrayLike) -> Array:
+        """0 rad/s²."""
+        return np.zeros(np.shape(time))
+
+
+def value(truth: Truth, name: str) -> Array:
+    """The closed form of a signal, or of the size of a joint's force, (n,)."""
+    if name.endswith(f":{MAGNITUDE}"):
+        joint = name.removesuffix(MAGNITUDE)
+        return np.asarray(np.hypot(signal(truth, f"{joint}x"), signal(truth, f"{joint}y")))
+    return signal(truth, name)
+
+
+def is_force(name: str) -> bool:
+    """Whether a signal is a torque, a force or a power: what masses and loads decide."""
+    return name in ("Mkr", "Peq") or name.startswith(("joint_force", "shaking"))
+
+
+def depends_on_masses(name: str) -> bool:
+    """Whether masses and loads decide a signal, so that all others stay what they are if those change."""
+    return is_force(name) or name in ("Teq", "Jeq")
+
+
+def holds_acceleration(name: str) -> bool:
+    """Whether a signal jumps with the crank's acceleration."""
+    return is_force(name) or name in ("epsilon", "a") or name.endswith((":ax", ":ay", ":alpha"))
+
+
+def is_angle(name: str) -> bool:
+    """Whether a signal is an angle, of which whole turns say nothing."""
+    return name == "phi" or name.endswith(":angle") or name.startswith("transmission_angle")
+
+
+def floor(model: Model, samples: Sequence[Samples], truth: Sequence[Array]) -> list[Array]:
+    """What the file's rounding leaves open of each signal (n,): of its values, its instants and its crank angles."""
+    floors = []
+    likewise = model.motion.likewise if isinstance(model.motion, ColumnMotion) else ()
+    others = [model.moving(motion).predicted(samples) for motion in likewise]
+    early, late = (model.predicted([_moved(one, sign) for one in samples]) for sign in (-1.0, 1.0))
+    for number, one in enumerate(samples):
+        by_time = np.maximum(np.abs(early[number] - truth[number]), np.abs(late[number] - truth[number]))
+        by_angle = _near_largest([np.abs(o[number] - truth[number]) for o in others]) if others else 0.0
+        floors.append(one.rounding + np.where(one.time_rounding > 0.0, by_time, 0.0) + SPREAD * by_angle)
+    return floors
+
+
+def _near_largest(differences: Sequence[Array]) -> Array:
+    """The largest of a few trials' differences near each sample: at a sample alone a few trials say little."""
+    largest = np.max(differences, axis=0)
+    return np.asarray(maximum_filter1d(largest, max(1, len(largest) // NEIGHBOURS), mode="nearest"))
+
+
+def _moved(one: Samples, sign: float) -> Samples:
+    return replace(one, time=one.time + sign * one.time_rounding)
+
+
+def at_jumps(time: Array, motion: Motion) -> NDArray[np.bool_]:
+    """Samples in the window at any jump of the crank's acceleration."""
+    ends = np.array([0.0, *motion.jumps, motion.duration])
+    pieces = np.diff(np.unique(ends))
+    step = float(np.median(np.diff(time))) if len(time) > 1 else 0.0
+    window = max(WINDOW * float(np.min(pieces[pieces > 0.0], initial=motion.duration)), STEPS * step)
+    near = np.zeros(len(time), dtype=bool)
+    for jump in motion.jumps:
+        near |= np.abs(time - jump) <= window
+    return near

@@ -1,0 +1,67 @@
+"""A judgement of another tool's results as JSON: plain numbers, SI, angles in rad."""
+
+from __future__ import annotations
+
+from dataclasses import asdict
+from typing import Any
+
+from comparisons.imported.causes.search import Finding
+from comparisons.imported.judge import Judgement
+from comparisons.imported.judging.judgement import SignalVerdict
+from comparisons.judging.records import Record
+
+
+def document(judgement: Judgement, blank: Record, command: str, sentence: str) -> dict[str, Any]:
+    """Everything that ``judge`` says."""
+    return {
+        "command": command,
+        "conditions": blank.conditions,
+        "verdict": sentence,
+        "passed": judgement.passed,
+        "limit": judgement.limit,
+        "motion": judgement.motion_source,
+        "records": [asdict(verdict.record(blank)) for verdict in judgement.verdicts],
+        "signals": [_signal(verdict) for verdict in judgement.verdicts],
+        "causes": [_finding(finding) for finding in judgement.explanation.findings],
+        "unexplained": list(judgement.explanation.unexplained),
+        "corrections": {name: asdict(correction) for name, correction in judgement.proposals.items()},
+        "agreed": {name: asdict(correction) for name, correction in judgement.imported.corrections.items()},
+        "checks": [{**asdict(check), "passed": check.passed} for check in judgement.checks],
+        "missed_peaks": dict(judgement.missed),
+        "not_judged": [
+            {"column": column.header, "place": column.place, "reason": reason}
+            for column, reason in judgement.not_judged
+        ],
+    }
+
+
+def _signal(verdict: SignalVerdict) -> dict[str, Any]:
+    return {
+        "name": verdict.name,
+        "column": verdict.samples.imported.column.header,
+        "place": verdict.samples.imported.column.place,
+        "taken": verdict.samples.imported.taken,
+        "rounding": verdict.floor,
+        "near_zero": verdict.near_zero,
+        "worst": {
+            "time": verdict.worst_time,
+            "phi": verdict.worst_angle,
+            "value": verdict.value_there,
+            "closed_form": verdict.truth_there,
+        },
+    }
+
+
+def _finding(finding: Finding) -> dict[str, Any]:
+    return {
+        "signals": list(finding.signals),
+        "likeliest": _cause(finding.likeliest.cause.kind, finding.likeliest.words),
+        "others": [_cause(other.cause.kind, other.words) for other in finding.others],
+        "left": finding.left,
+        "within_rounding": finding.fully,
+        "aligned": {name: asdict(correction) for name, correction in finding.aligned.items()},
+    }
+
+
+def _cause(kind: str, words: str) -> dict[str, str]:
+    return {"kind": kind, "words": words}

@@ -1,0 +1,147 @@
+"""A judgement of another tool's results for a terminal: verdict, signals, causes, what to agree to."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Sequence
+
+from rich.console import RenderableType
+
+from comparisons.imported.causes.corrections import written
+from comparisons.imported.causes.search import Finding
+from comparisons.imported.judge import Judgement
+from comparisons.imported.judging.judgement import NEAR_ZERO, SignalVerdict
+from comparisons.judging.records import Verdict
+from reports.text.numbers import figure
+from reports.text.screen import Cell, Printout, line, table
+from reports.text.signs import RUNS
+
+HEAD = ("signal", "error over peak", "rounding", "worst at", "crank", "file", "closed form", "unit")
+NOTHING = 1e-12  # a ratio that is rounding of our own
+MOST_OTHERS = 4  # causes listed besides the likeliest
+
+
+def share(value: float) -> str:
+    """A ratio in per cent: 13 %, 0.0021 %."""
+    if value < NOTHING:
+        return "0 %"
+    digits = max(0, 1 - math.floor(math.log10(100.0 * value)))
+    return f"{100.0 * value:.{digits}f} %" if digits <= 6 else f"{100.0 * value:.1e} %"
+
+
+def printout(judgement: Judgement, title: str) -> Printout:
+    """What ``judge`` prints; ``title`` names linkage and files."""
+    parts: list[RenderableType] = [line(title, "bold"), *_causes_in_short(judgement), line("")]
+    parts += [
+        line(f"The crank moves as {judgement.motion_source} says; its limit is {share(judgement.limit)} of each peak.")
+    ]
+    parts += [table(HEAD, [_row(verdict) for verdict in judgement.verdicts], align="lrrrrrrl"), *_notes(judgement)]
+    for part in (_causes(judgement), _corrections(judgement), _checks(judgement), _not_judged(judgement)):
+        lines = list(part)
+        parts += [line(""), *lines] if lines else []
+    return Printout([*parts, line("")], [line(sentence(judgement), "bold green" if judgement.passed else "bold red")])
+
+
+def sentence(judgement: Judgement) -> str:
+    """The verdict in one sentence."""
+    judged = [v for v in judgement.verdicts if v.outcome is not Verdict.UNDEFINED]
+    over = [v for v in judged if v.outcome is Verdict.OVER_LIMIT]
+    limit = share(judgement.limit)
+    if not judged:
+        return "Nothing could be judged."
+    if not over:
+        signals = "the signal is" if len(judged) == 1 else f"all {len(judged)} signals are"
+        return f"Right: {signals} within {limit} of the closed form's peak."
+    names = ", ".join(v.name for v in over[:5]) + (f" and {len(over) - 5} more" if len(over) > 5 else "")
+    return f"Not right: {len(over)} of {len(judged)} signals over {limit} of the closed form's peak: {names}."
+
+
+def _causes_in_short(judgement: Judgement) -> list[RenderableType]:
+    style = "green" if judgement.passed else "red"
+    lines: list[RenderableType] = [line(sentence(judgement), style)]
+    findings = judgement.explanation.findings
+    if findings:
+        finding = findings[0]
+        others = f" (or {len(finding.others)} more that cannot be told apart)" if finding.others else ""
+        lines.append(line(f"Likeliest cause: {finding.likeliest.words}{others}."))
+    elif judgement.explanation.unexplained and not judgement.passed:
+        lines.append(line("No single cause explains the difference."))
+    return lines
+
+
+def _row(verdict: SignalVerdict) -> tuple[Cell, ...]:
+    sign = RUNS[verdict.outcome.value]
+    error = f"{share(verdict.error_max)} {sign.symbol}" if verdict.outcome is not Verdict.UNDEFINED else sign.word
+    crank = f"{math.degrees(verdict.worst_angle) % 360.0:.1f}°"
+    return (
+        verdict.name + ("*" if verdict.near_zero else ""), (error, sign.colour), share(verdict.floor),
+        f"{verdict.worst_time:.5g} s", crank, figure(verdict.value_there, 5), figure(verdict.truth_there, 5),
+        verdict.unit,
+    )  # fmt: skip
+
+
+def _notes(judgement: Judgement) -> Iterator[RenderableType]:
+    if any(verdict.near_zero for verdict in judgement.verdicts):
+        yield line(f"* near zero: judged over {share(NEAR_ZERO)} of what is large for its kind in this linkage")
+    for verdict in judgement.verdicts:
+        if verdict.outcome is Verdict.UNDEFINED:
+            yield line(f"{verdict.name} cannot be judged: {verdict.detail}.")
+    left_out = sum(verdict.left_out for verdict in judgement.verdicts)
+    if left_out:
+        yield line(f"{left_out} samples at jumps of the crank's acceleration are left out.")
+    for name, missed in judgement.missed:
+        yield line(
+            f"The sample rate is too low to show the peak of {name}: {share(missed)} of it lies between samples."
+        )
+
+
+def _causes(judgement: Judgement) -> Iterator[RenderableType]:
+    for finding in judgement.explanation.findings:
+        yield line(f"Likely cause of the difference in {', '.join(finding.signals)}:")
+        for name, correction in finding.aligned.items():
+            yield line(f"  with {name} corrected first: {written(correction)}")
+        yield line(f"  {finding.likeliest.words}")
+        for other in finding.others[:MOST_OTHERS]:
+            yield line(f"  or: {other.words}")
+        more = len(finding.others) - MOST_OTHERS
+        if more > 0:
+            yield line(
+                f"  or one of {more} more: {', '.join(other.cause.kind for other in finding.others[MOST_OTHERS:])}"
+            )
+        yield line(f"  {_left(finding)}")
+    unexplained = judgement.explanation.unexplained
+    if unexplained:
+        yield line(f"No cause that is known here explains the difference in {', '.join(unexplained)}.")
+
+
+def _left(finding: Finding) -> str:
+    apart = " The file's rounding cannot tell these apart." if finding.others else ""
+    if finding.fully:
+        return f"This explains the difference down to the file's rounding.{apart}"
+    return f"This explains most of the difference; {share(finding.left)} of a peak is left.{apart}"
+
+
+def _corrections(judgement: Judgement) -> Iterator[RenderableType]:
+    proposals = judgement.proposals
+    if proposals:
+        yield line("If that is how the file was meant, agree in the mapping (--write-mapping FILE writes it):")
+    for name, correction in proposals.items():
+        yield line(f"  {name}: {written(correction)}")
+    for name, agreed in judgement.imported.corrections.items():
+        yield line(f"Agreed in the mapping and applied: {name}: {written(agreed)}")
+
+
+def _checks(judgement: Judgement) -> Iterator[RenderableType]:
+    if judgement.checks:
+        yield line("The columns among themselves:")
+        rows: list[Sequence[Cell]] = []
+        for check in judgement.checks:
+            sign = RUNS[Verdict.PASSED.value if check.passed else Verdict.OVER_LIMIT.value]
+            rows.append((check.words, (f"{share(check.error)} {sign.symbol}", sign.colour), share(check.floor)))
+        yield table(("check", "off by", "floor"), rows, align="lrr")
+
+
+def _not_judged(judgement: Judgement) -> Iterator[RenderableType]:
+    if judgement.not_judged:
+        yield line("Not judged:")
+        yield table(("column", "why"), [(f"'{c.header}' ({c.place})", why) for c, why in judgement.not_judged])

@@ -1,0 +1,153 @@
+"""Exported curves judged: planted faults named, clean ones left in peace, corrections said and never hidden."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from analytic.description.crank_motion import RPM, crank_motion
+from analytic.description.loading import load
+from analytic.errors import LinkproofError
+from comparisons.imported.columns import Correction
+from comparisons.imported.judge import judge
+from comparisons.imported.reading import read_results
+from comparisons.judging.records import Verdict
+from tests.comparisons.imported.campaign import CLEAN, PLANTED, Export, judged, kind
+from tests.comparisons.imported.engine_curves import curves
+from tests.comparisons.imported.exported import exported
+from tests.comparisons.imported.layouts import Channel, csv
+
+JUKI = load("juki-mf7923d")
+QUINTIC = crank_motion("run-up-quintic")
+TIME = np.linspace(0.0, 0.7, 351)
+
+
+@pytest.mark.slow
+def test_planted_faults_are_the_likeliest_cause_and_fail_but_for_those_within_the_limit():
+    named = {}
+    for export in PLANTED[:12]:
+        judgement = judged(export)
+        likeliest = {kind(finding.likeliest.cause) for finding in judgement.explanation.findings}
+        named[export.name] = bool(likeliest & set(export.expected)) and not judgement.explanation.unexplained
+        over = any(verdict.error_max > 0.01 for verdict in judgement.verdicts)
+        assert judgement.passed is not over, export.name
+    assert [name for name, is_right in named.items() if not is_right] == []
+
+
+@pytest.mark.slow
+def test_clean_exports_pass_without_a_cause():
+    of_engines = ("exudyn", "simbody", "mujoco")
+    judgements = {export.name: judged(export) for export in CLEAN if export.engine not in of_engines}
+    assert [name for name, j in judgements.items() if not j.passed or j.explanation.findings] == []
+    assert [name for name, j in judgements.items() if not all(check.passed for check in j.checks)] == []
+
+
+def test_errors_worst_places_and_left_out_samples_are_those_of_the_columns():
+    linear = crank_motion("run-up")
+
+    def change(values, time):
+        wrong = values["Mkr"].copy()
+        wrong[100] += 0.5 * np.max(np.abs(wrong))
+        return {**values, "Mkr": wrong}
+
+    names = ("Mkr", "S")
+    judgement = judge(JUKI, exported(JUKI, linear, names, TIME, change=change), linear)
+    torque, stroke = judgement.verdicts
+    assert (torque.outcome, stroke.outcome) == (Verdict.OVER_LIMIT, Verdict.PASSED)
+    assert torque.error_max == pytest.approx(0.5, rel=0.02)
+    assert torque.worst_time == pytest.approx(TIME[100])
+    assert torque.worst_angle == pytest.approx(float(linear.angle(TIME[100])))
+    assert torque.value_there - torque.truth_there == pytest.approx(0.5 * torque.scale, rel=0.02)
+    assert torque.left_out == 5  # two at the start of the ramp, three about its end
+    assert stroke.left_out == 0
+
+
+def test_a_reaction_that_is_zero_has_the_natural_scale_of_forces():
+    steady = crank_motion("constant-speed")
+    name = "joint_force:needle_bar on ground:y"  # the guide is vertical: it takes no force along itself
+    judgement = judge(
+        JUKI,
+        exported(JUKI, steady, (name, "joint_force:A:x"), TIME, change=lambda v, _: {**v, name: v[name] + 1e-5}),
+        steady,
+    )
+    near_zero, other = judgement.verdicts
+    assert near_zero.near_zero
+    assert not other.near_zero
+    assert near_zero.outcome is Verdict.PASSED
+
+
+def test_a_correction_is_estimated_and_applied_only_where_the_mapping_agrees(tmp_path):
+    time, values = curves(JUKI, QUINTIC, every=4)
+    channels = [
+        Channel("time", "s", time),
+        Channel("phi", "deg", 180.0 / np.pi * values["phi"]),
+        Channel("Mkr", "N*m", -values["Mkr"]),
+    ]
+    (tmp_path / "run.csv").write_text(csv(channels))
+    first = judge(JUKI, read_results([tmp_path / "run.csv"], JUKI))
+    assert not first.passed
+    assert first.proposals == {"Mkr": Correction(sign=-1)}
+    mapping = tmp_path / "mapping.toml"
+    mapping.write_text('[[column]]\nheader = "Mkr [N*m]"\nsignal = "Mkr"\nunit = "N*m"\nsign = -1\n')
+    again = judge(JUKI, read_results([tmp_path / "run.csv"], JUKI, mapping))
+    assert again.passed
+    assert not again.explanation.findings
+    assert again.imported.corrections == {"Mkr": Correction(sign=-1)}
+
+
+def test_a_fault_behind_a_sign_is_named_with_the_sign_said():
+    heavier = replace(JUKI.links["coupler"], mass=1.4 * JUKI.links["coupler"].mass)
+    other = replace(JUKI, links={**JUKI.links, "coupler": heavier})
+    results = exported(other, QUINTIC, ("Mkr",), TIME, change=lambda v, _: {"Mkr": -v["Mkr"]})
+    (finding,) = judge(JUKI, results, QUINTIC).explanation.findings
+    assert finding.likeliest.cause.kind == "mass:coupler"
+    assert finding.likeliest.numbers[0] == pytest.approx(1.4, rel=1e-3)
+    assert finding.corrections == {"Mkr": Correction(sign=-1)}
+
+
+def test_signals_over_the_crank_angle_need_a_speed_where_they_move():
+    steady = crank_motion("constant-speed", speed=500.0 * RPM)
+    results = exported(JUKI, steady, ("S", "Mkr"), TIME)
+    over_angle = replace(
+        results,
+        signals=tuple(replace(s, axis="phi", at=steady.angle(s.at), at_resolution=0.0 * s.at) for s in results.signals),
+    )
+    assert judge(JUKI, over_angle, steady).passed
+    with pytest.raises(LinkproofError, match=r"Mkr over the crank angle: .* say it with --speed"):
+        judge(JUKI, over_angle, steady, gives_speed=False)
+    still = replace(over_angle, signals=over_angle.signals[:1])
+    assert judge(JUKI, still, crank_motion("constant-speed"), gives_speed=False).passed
+
+
+def test_without_a_motion_the_regime_is_asked_for():
+    with pytest.raises(LinkproofError, match=r"over time without one; say how the crank moves with --regime"):
+        judge(JUKI, exported(JUKI, QUINTIC, ("Mkr",), TIME))
+
+
+def test_a_peak_between_the_samples_is_said():
+    steady = crank_motion("constant-speed")
+    time = np.linspace(0.0, 0.7, 57)  # five samples a turn
+    judgement = judge(JUKI, exported(JUKI, steady, ("Mkr", "S"), time), steady)
+    assert judgement.passed
+    assert {name for name, _ in judgement.missed} == {"Mkr"}
+
+
+def test_columns_that_do_not_agree_with_one_another_are_said():
+    def change(values, _):
+        return {**values, "v": 1.2 * values["v"], "Peq": 0.5 * values["Peq"]}
+
+    names = ("phi", "omega", "Mkr", "Peq", "S", "v", "point:A:x", "point:A:y")
+    judgement = judge(JUKI, exported(JUKI, QUINTIC, names, TIME, change=change))
+    passed = {check.name: check.passed for check in judgement.checks}
+    assert passed == {
+        "omega = dphi/dt": True,
+        "v = dS/dt": False,
+        "Peq = Mkr omega": False,
+        "length crank:A-O1": True,
+    }
+
+
+def test_a_mirrored_export_of_a_regime_is_not_hidden():
+    export = Export("", motion=crank_motion("run-up", clockwise=True), true_motion=crank_motion("run-up"))
+    judgement = judged(replace(export, signals=("Mkr", "S")))
+    assert not judgement.passed
