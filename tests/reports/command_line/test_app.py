@@ -67,6 +67,7 @@ def test_version():
 
 def test_names_are_completed():
     assert completed("show", "ju") == ["juki-mf7923d"]
+    assert completed("show", "andr") == ["andrews-squeezer"]
     assert completed("compare", "--engine", "") == list(engine_names())
     assert completed("compare", "--setting", "") == sorted([*Setting, "all"])
     assert completed("bench", "--quantity", "") == sorted(QUANTITIES)
@@ -77,6 +78,7 @@ def test_names_are_completed():
 def test_variants_and_regimes_of_the_file_that_is_named_are_completed():
     assert completed("show", "juki-mf7923d", "--variant", "as-") == ["as-built", "as-printed"]
     assert completed("compare", "slotted-takeup", "--regime", "dr") == ["driven"]
+    assert completed("compare", "watt-six-bar", "--regime", "near") == ["near-toggles"]
 
 
 def test_a_file_is_completed_from_where_it_lies(tmp_path, monkeypatch):
