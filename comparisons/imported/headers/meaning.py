@@ -6,7 +6,7 @@ import difflib
 from collections.abc import Iterable, Mapping
 from contextlib import suppress
 from dataclasses import dataclass, replace
-from functools import cached_property
+from functools import cached_property, lru_cache
 from typing import Final
 
 import numpy as np
@@ -344,12 +344,19 @@ def _known(found: list[Word]) -> tuple[list[Word], str]:
         if word.meanings or word.kind:
             result.append(word)
             continue
-        near = difflib.get_close_matches(word.text.lower(), MEANINGS, n=1, cutoff=SIMILAR)
-        if len(word.text) < SHORTEST or not near:
+        near = _nearest(word.text.lower())
+        if near is None:
             raise NotJudgedError(f"'{shortened(word.text)}' in its name is no link, point or joint, nor a known word")
-        result.append(replace(word, meanings=frozenset(MEANINGS[near[0]])))
-        spelled.append(f"'{word.text}' read as '{near[0]}'")
+        result.append(replace(word, meanings=frozenset(MEANINGS[near])))
+        spelled.append(f"'{word.text}' read as '{near}'")
     return result, "; ".join(spelled)
+
+
+@lru_cache(maxsize=4096)
+def _nearest(word: str) -> str | None:
+    """The known word that a word is a misspelling of, if any."""
+    near = difflib.get_close_matches(word, MEANINGS, n=1, cutoff=SIMILAR) if len(word) >= SHORTEST else []
+    return near[0] if near else None
 
 
 def _direction(along: tuple[float, float]) -> str:

@@ -2,6 +2,8 @@
 
 import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
 from analytic.description.loading import load, parse
 from analytic.errors import LinkproofError
@@ -121,3 +123,29 @@ def test_names_of_one_letter_or_of_digits_do_not_stand_in_the_way():
     read = Recognition(parse(text, "letters", "letters.toml"))
     expected = {"M [Nm]": "Mkr", "P [W]": "Peq", "P.x [m]": "point:P:x", "Angular Velocity2 (rad/s)": "omega"}
     assert {header: read.meaning(_column(header)).signal for header in expected} == expected
+
+
+@given(
+    st.lists(
+        st.sampled_from([*"([{<)]}>/_,:;.#²°φ 12", "in", "Nm", "Torque", "A", "D", "x", "Winkel", "force", "\u202e"])
+    )
+)
+def test_no_header_ends_in_a_traceback(parts):
+    try:
+        meaning = READ.meaning(_column("".join(parts)))
+    except LinkproofError:
+        return
+    assert meaning.signal in ("time", *READ.signals)
+
+
+def test_long_headers_are_looked_at_in_no_time():
+    for header in (
+        "(" * 100_000,
+        "a " * 100_000,
+        "in " * 50_000,
+        "x_" * 50_000,
+        "moment" * 20_000,
+        "[" + "(x)" * 50_000,
+    ):
+        with pytest.raises(NotJudgedError):
+            READ.meaning(_column(header))
