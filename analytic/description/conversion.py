@@ -22,8 +22,7 @@ COINCIDENT = 1e-12
 def interpret(document: doc.Document, name: str, variants: tuple[str, ...], source: Source) -> Linkage:
     """Build the Linkage of a document; raises DescriptionError for what is impossible or contradictory."""
     reader = reader_of(document, source)
-    if document.crank not in document.links:
-        raise reader.fail(f"crank: {UnknownNameError('link', document.crank, document.links)}")
+    _check_driver(reader)
     if GROUND in document.links:
         raise reader.fail(
             "links.ground: expected only moving links under [links], got the ground; list its points under [ground]"
@@ -36,6 +35,7 @@ def interpret(document: doc.Document, name: str, variants: tuple[str, ...], sour
         variant=document.variant,
         variants=variants,
         crank=document.crank,
+        cylinder=_cylinder(reader),
         ground={key: reader.vector(document.ground[key], f"ground.{key}") for key in sorted(document.ground)},
         links=links,
         pins=_pins(reader),
@@ -119,6 +119,33 @@ def _link(reader: Reader, name: str) -> lk.Link:
             raise reader.fail(f"{where}.inertia is missing: expected {EXPECTED['inertia']}, for the link turns; add it")
         inertia = 0.0
     return lk.Link(name, points, mass, reader.vector(table.centre, f"{where}.centre"), inertia)
+
+
+def _check_driver(reader: Reader) -> None:
+    """One driver: a link, or a cylinder, whose length at the sketch has to be told."""
+    document = reader.document
+    if not document.crank and document.cylinder is None:
+        raise reader.fail(f"crank is missing: expected {EXPECTED['crank']}; add it, or a cylinder")
+    if document.crank and document.cylinder is not None:
+        raise reader.fail("cylinder: expected one driver, got crank and cylinder; leave one of them out")
+    if document.crank and document.crank not in document.links:
+        raise reader.fail(f"crank: {UnknownNameError('link', document.crank, document.links)}")
+    if document.cylinder is not None and document.sketch.angle <= 0.0:
+        raise reader.fail(
+            "sketch.angle: expected the length of the cylinder at which the sketch is drawn, in the file's unit, got "
+            f"{document.sketch.angle:g}; give it"
+        )
+
+
+def _cylinder(reader: Reader) -> lk.Cylinder | None:
+    table = reader.document.cylinder
+    if table is None:
+        return None
+    ends = zip(table.between, table.links or (None, None), strict=True)
+    first, second = (reader.owner(point, link, "cylinder") for point, link in ends)
+    if first == second:
+        raise reader.fail(f"cylinder: expected ends on two different bodies, got both on '{first}'; correct one")
+    return lk.Cylinder(table.between, (first, second))
 
 
 def _check_lengths(reader: Reader, linkage: Linkage) -> None:

@@ -5,8 +5,8 @@ N m, angles in rad counter-clockwise. A link's *frame* is any right-handed frame
 centre, guides and slots are given in that frame. The ground frame is the drawing's.
 
 The one coordinate φ is that of the driver. Of a crank it is the angle of its x axis against the ground's x axis, rad;
-of a slider of the ground its travel along the guide, m. Quantities of the drive change their units with it: see
-``analytic.request.unit_of``.
+of a slider of the ground its travel along the guide, m, of a cylinder its length, m. Quantities of the drive change
+their units with it: see ``analytic.request.unit_of``.
 """
 
 from __future__ import annotations
@@ -158,6 +158,14 @@ class RotaryDamper:
 
 
 @dataclass(frozen=True)
+class Cylinder:
+    """A massless driver between two points of two bodies: its length is φ, its force pushes them apart."""
+
+    points: tuple[str, str]
+    links: tuple[str, str]
+
+
+@dataclass(frozen=True)
 class Output:
     """What S, v and a describe: a point measured along a unit vector of the ground frame."""
 
@@ -199,6 +207,7 @@ OwnRegime = ReleasedRegime | PrescribedRegime
 class Linkage:
     """A planar linkage of one degree of freedom with its loads; every mapping is sorted by name.
 
+    ``crank`` names the driven link; it is empty where a ``cylinder`` drives.
     ``units`` are those of its file by what they measure, and ``text`` is the file's; all values are in SI all the same.
     """
 
@@ -228,10 +237,13 @@ class Linkage:
     notes: tuple[str, ...] = field(default=())
     units: Mapping[str, str] = field(default_factory=dict, repr=False)
     text: str = field(default="", repr=False)
+    cylinder: Cylinder | None = None
 
     @property
     def driver(self) -> DriverKind:
         """What the linkage is driven by."""
+        if self.cylinder is not None:
+            return DriverKind.CYLINDER
         rides = any(slider.link == self.crank and slider.guide.host == GROUND for slider in self.sliders)
         return DriverKind.SLIDER if rides else DriverKind.CRANK
 

@@ -56,6 +56,8 @@ class Reader:
     @property
     def is_linear(self) -> bool:
         """Whether the driver is pushed along a line, so that its coordinate φ is a length and its drive a force."""
+        if self.document.cylinder is not None:
+            return True
         driver = self.document.links.get(self.document.crank)
         return driver is not None and driver.slides is not None and driver.slides.on == GROUND
 

@@ -108,6 +108,13 @@ class DamperTable(TomlTable):
     coefficient: NotNegative
 
 
+class CylinderTable(TomlTable):
+    """A cylinder between two points as the driver: its length is given; ``links`` where a point belongs to several."""
+
+    between: tuple[str, str]
+    links: tuple[str, str] | None = None
+
+
 class OutputTable(TomlTable):
     """The point whose S, v and a are wanted, and the direction they are measured along."""
 
@@ -221,7 +228,8 @@ class Document(TomlTable):
     title: str
     source: str = ""
     units: UnitsTable
-    crank: str
+    crank: str = ""
+    cylinder: CylinderTable | None = None
     gravity: Pair = (0.0, 0.0)
     variant: str = "base"
     ground: dict[str, Place]

@@ -104,8 +104,17 @@ def _check_inertia(mechanism: Mechanism) -> None:
             angle.shape
         )
 
-    if np.any(reduced.link_inertia(mechanism.sweep(0.0), mechanism.linkage.crank)):
+    linkage = mechanism.linkage
+    if linkage.crank and np.any(reduced.link_inertia(mechanism.sweep(0.0), linkage.crank)):
         return  # a crank with an inertia about its pivot has it at every angle
+    if linkage.is_linear:
+        seen = inertia(mechanism.turn.angle)
+        if not np.nanmin(seen) > NO_INERTIA * np.nanmax(seen):
+            raise LinkproofError(
+                f"'{linkage.name}': expected a linkage that resists being moved, got one without mass or inertia "
+                "somewhere in its range; give its links mass"
+            )
+        return
     least = extremes(lambda angle: np.nan_to_num(inertia(angle), nan=np.inf))
     if least.minimum <= NO_INERTIA * np.nanmax(inertia(grid()), initial=0.0):
         raise LinkproofError(

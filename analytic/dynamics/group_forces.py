@@ -28,8 +28,9 @@ def references(structure: Structure) -> dict[str, Vector]:
     With moments taken about pins, lengths are differences of points of one link, however far its frame's origin lies.
     """
     pivot = structure.pivot
-    driver = pivot.far_local if isinstance(pivot, Revolute) else structure.bodies[pivot.far].centre
-    found = {GROUND: (0.0, 0.0), pivot.far: driver}
+    found = {GROUND: (0.0, 0.0)}
+    if pivot is not None:
+        found[pivot.far] = pivot.far_local if isinstance(pivot, Revolute) else structure.bodies[pivot.far].centre
     for group in structure.groups:
         if isinstance(group, Group):
             found.update({body: _own_pin(group, body) or structure.bodies[body].centre for body in group.links})

@@ -40,8 +40,8 @@ class Reactions:
     """What the joints and the drive exert, by joint name; arrays end in the shape of the sweep's angles.
 
     ``forces`` (2, ...), N; ``moments`` (...), N m, of guides on sliders about their ``Slider.point``; ``torque`` (...),
-    N m, of the drive on the crank, or its force, N, along the guide of a slider; it equals ``dynamics.drive_torque``,
-    found there from virtual work.
+    N m, of the drive on the crank, or its force, N, along a slider's guide or a cylinder; it equals
+    ``dynamics.drive_torque``, found there from virtual work.
     """
 
     forces: Mapping[str, Array]
@@ -91,6 +91,8 @@ def _book_group(balance: LinkBalance, group: AnyGroup) -> None:
 def _book_driver(balance: LinkBalance) -> Scalar:
     """Enter what the driver's joint to the ground exerts on it; what is left is the drive's: a torque, or a force."""
     pivot = balance.structure.pivot
+    if pivot is None:
+        return balance.drive
     x, y, moment = balance.needs[pivot.far]
     if isinstance(pivot, Revolute):
         balance.book(pivot, (x, y, 0.0))

@@ -31,7 +31,7 @@ def link_inertia(sweep: Sweep, link: str) -> Array:
 def _link_inertia(sweep: Sweep, link: str) -> Scalar:
     body = sweep.linkage.links[link]
     pivot = sweep.structure.pivot
-    if link == pivot.far:  # moves along its guide, or turns about a fixed point, so its part is a constant
+    if pivot is not None and link == pivot.far:  # slides on the ground or turns about a fixed point: a constant
         if isinstance(pivot, Prismatic):
             return body.mass
         x, y = frames.minus(body.centre, pivot.far_local)
@@ -64,7 +64,7 @@ def reduced_inertia(sweep: Sweep, links: Iterable[str] | None = None) -> Array:
 def group_inertia(sweep: Sweep) -> dict[str, Array]:
     """Jeq of the crank and of every Assur group, by the group's name."""
     linkage = sweep.linkage
-    parts = {f"{linkage.crank} (class I)": link_inertia(sweep, linkage.crank)}
+    parts = {f"{linkage.crank} (class I)": link_inertia(sweep, linkage.crank)} if linkage.crank else {}
     for group in sweep.structure.groups:
         parts[group.name] = reduced_inertia(sweep, [name for name in group.links if name in linkage.links])
     return parts

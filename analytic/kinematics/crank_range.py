@@ -10,15 +10,13 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from analytic.description.linkage import GROUND
 from analytic.errors import AssemblyError
 from analytic.kinematics.dyad_solver import DyadSolver
 from analytic.kinematics.dyads.arms import ROUNDING
-from analytic.kinematics.frames import Pose
 from analytic.kinematics.groups.solver import DEAD, GroupSolver
 from analytic.kinematics.mechanism import FULL_TURN, Mechanism
 from analytic.kinematics.structure import AnyGroup
-from analytic.kinematics.sweep import crank_pose, solver_of
+from analytic.kinematics.sweep import placed, solver_of
 from analytic.numerics.roots import root
 
 Array = NDArray[np.float64]
@@ -129,10 +127,7 @@ class _Search:
     def solvers(self, angle: Array) -> list[DyadSolver | GroupSolver]:
         """Every group placed at crank angles, assembled or not."""
         structure = self.mechanism.structure
-        poses: dict[str, Pose] = {
-            GROUND: (0.0, 0.0, 1.0, 0.0),
-            self.mechanism.linkage.crank: crank_pose(structure.pivot, angle),
-        }
+        poses = placed(structure, angle)
         solvers = [solver_of(group, angle) for group in structure.groups]
         for solver in solvers:
             poses.update(zip(solver.dyad.links, solver.poses(poses), strict=True))

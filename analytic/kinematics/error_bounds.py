@@ -87,6 +87,8 @@ class ErrorBounds:
 
     def _place_crank(self) -> None:
         pivot = self.sweep.structure.pivot
+        if pivot is None:
+            return
         if isinstance(pivot, Prismatic):
             travel = np.hypot(*pivot.origin) + np.abs(self._full(self.sweep.angle))
             origin = ROUNDINGS * np.stack([travel, np.ones(self.shape), np.zeros(self.shape)])
@@ -252,7 +254,8 @@ def _curved(inverse: Array, linear: Array, reach: Array, distances: Array) -> Ar
     turn = np.max(linear[:, turns], axis=1)
     bend = (reach * turn + np.max(linear[:, ~turns], axis=1)) * turn
     more = np.einsum("nij,nj->ni", inverse, bend[:, None] * distances)
-    small = [np.max(more[:, part], axis=1) <= 0.5 * np.max(linear[:, part], axis=1) for part in (~turns, turns)]
+    shift = np.maximum(np.max(linear[:, ~turns], axis=1), reach * turn)  # a link that turns about its origin only
+    small = [np.max(more[:, ~turns], axis=1) <= 0.5 * shift, np.max(more[:, turns], axis=1) <= 0.5 * turn]
     return np.where(np.all(small, axis=0)[:, None], linear + more, np.inf)
 
 

@@ -9,7 +9,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import ArrayLike
 
-from analytic.description.linkage import GROUND, Linkage, Vector
+from analytic.description.linkage import Linkage, Vector
 from analytic.errors import StructureError
 from analytic.kinematics import frames
 from analytic.kinematics.assembly import check_assembly
@@ -21,7 +21,7 @@ from analytic.kinematics.groups.equations import Motions
 from analytic.kinematics.groups.solver import problem_of
 from analytic.kinematics.groups.start import nearest
 from analytic.kinematics.structure import AnyGroup, Dyad, Group, Structure, find_structure
-from analytic.kinematics.sweep import Array, Sweep, crank_pose, solver_of
+from analytic.kinematics.sweep import Array, Sweep, placed, solver_of
 
 # Two assembly modes closer to the sketch than this ratio of each other are not told apart by it.
 AMBIGUITY = 0.9
@@ -75,10 +75,7 @@ class Mechanism:
 
 def _signed(linkage: Linkage, structure: Structure) -> Structure:
     """Choose each group's assembly mode as the one that lies nearest to the sketch, one group after the other."""
-    poses: dict[str, Pose] = {
-        GROUND: (0.0, 0.0, 1.0, 0.0),
-        linkage.crank: crank_pose(structure.pivot, linkage.sketch_angle),
-    }
+    poses = placed(structure, linkage.sketch_angle)
     done: list[AnyGroup] = []
     for group in structure.groups:
         if isinstance(group, Dyad):

@@ -139,7 +139,9 @@ class Group:
 
     @property
     def kind(self) -> str:
-        """Its class, and that it is solved by numbers."""
+        """Its class, or that the driving cylinder is part of it, and that it is solved by numbers."""
+        if any(isinstance(joint, Cylinder) for joint in self.joints):
+            return "with the cylinder, numerical"
         return f"{ROMAN.get(self.grade, str(self.grade))}, numerical"
 
     @property
@@ -153,10 +155,13 @@ AnyGroup = Dyad | Group
 
 @dataclass(frozen=True)
 class Structure:
-    """The linkage's bodies, the driver's joint to the ground and the groups in an order in which they can be solved."""
+    """The linkage's bodies, the driver's joint to the ground, and the groups in an order in which they can be solved.
+
+    ``pivot`` is None where a cylinder drives: it is a joint of one of the groups.
+    """
 
     bodies: Mapping[str, Link]
-    pivot: Revolute | Prismatic
+    pivot: Revolute | Prismatic | None
     groups: tuple[AnyGroup, ...]
 
     @property
@@ -327,7 +332,17 @@ class _Search:
         """The first group of a higher class, where no dyad fits."""
         from analytic.kinematics.groups.finding import find_group  # noqa: PLC0415 - SciPy is for the linkages that need it
 
-        return find_group(self.linkage, self.placed, self.holders, None)
+        return find_group(self.linkage, self.placed, self.holders, self.cylinder())
+
+    def cylinder(self) -> Cylinder | None:
+        """The cylinder that drives, seen from a placed body if one of its ends is on one; None once it is placed."""
+        driver = self.linkage.cylinder
+        if driver is None or {*driver.links} <= self.placed:
+            return None
+        near, far = zip(driver.points, driver.links, strict=True)
+        if far[1] in self.placed:
+            near, far = far, near
+        return Cylinder(near[1], far[1], self.linkage.local(*near), self.linkage.local(*far))
 
     def _dyad(self, first: str, second: str, inner: Joint) -> Dyad:
         joints = (self.outer_joints(first)[0], inner, self.outer_joints(second)[0])
@@ -364,16 +379,17 @@ def find_structure(linkage: Linkage) -> Structure:
     Raises StructureError where the crank has not exactly one joint, its pivot, or where no further group can be found.
     """
     search = _Search(linkage)
-    pivots = list(search.joints(GROUND, linkage.crank))
-    if len(pivots) != 1:
+    pivots = list(search.joints(GROUND, linkage.crank)) if linkage.crank else []
+    if linkage.crank and len(pivots) != 1:
         raise StructureError(
             f"crank '{linkage.crank}' of '{linkage.name}': expected one pin to the ground, or one slide on it, and no "
             f"other joint to it, got {listed(joint.name for joint in pivots)}; give it just one point that [ground] "
             "has too"
         )
     groups: list[AnyGroup] = []
+    pivot = pivots[0] if pivots else None
     try:
-        search.place(GROUND, linkage.crank)
+        search.place(*([GROUND, linkage.crank] if linkage.crank else [GROUND]))
         while len(search.placed) <= len(search.bodies):
             group = search.next_dyad() or search.next_group()
             if group is None:
@@ -381,14 +397,14 @@ def find_structure(linkage: Linkage) -> Structure:
             groups.append(group)
             search.place(*group.links)
     except StructureError as error:
-        error.so_far = _formula(pivots[0], groups)
+        error.so_far = _formula(pivot, groups)
         raise
-    return Structure(dict(sorted(search.bodies.items())), pivots[0], tuple(groups))
+    return Structure(dict(sorted(search.bodies.items())), pivot, tuple(groups))
 
 
-def _formula(pivot: Joint, groups: Sequence[AnyGroup]) -> str:
+def _formula(pivot: Joint | None, groups: Sequence[AnyGroup]) -> str:
     """The driver and the groups behind it."""
-    driver = "crank" if isinstance(pivot, Revolute) else "slider"
+    driver = "cylinder" if pivot is None else "crank" if isinstance(pivot, Revolute) else "slider"
     return " -> ".join([f"I ({driver})", *(group.name for group in groups)])
 
 

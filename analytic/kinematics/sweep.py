@@ -48,6 +48,12 @@ def output_of(linkage: Linkage) -> Output:
     return linkage.output
 
 
+def placed(structure: Structure, angle: Scalar) -> dict[str, Pose]:
+    """Poses of what no group places: the ground, and the driven link."""
+    poses: dict[str, Pose] = {GROUND: (0.0, 0.0, 1.0, 0.0)}
+    return poses if structure.pivot is None else poses | {structure.pivot.far: crank_pose(structure.pivot, angle)}
+
+
 def solver_of(group: AnyGroup, angle: Array) -> DyadSolver | GroupSolver:
     """What solves a group at values of φ: formulas of a dyad, Newton's method for a higher class."""
     return DyadSolver(group) if isinstance(group, Dyad) else GroupSolver(group, angle)
@@ -68,13 +74,12 @@ class Sweep:
         self._solvers: dict[str, DyadSolver | GroupSolver] = {}
         self._centres: dict[tuple[str, int], Pair] = {}
         self._needs = {name: group for group in structure.groups for name in group.links}
-        crank = crank_pose(structure.pivot, angle)
-        rate, second = _crank_rates(structure.pivot, crank)
-        self._known: list[dict[str, Any]] = [  # poses, rates and accelerations
-            {GROUND: (0.0, 0.0, 1.0, 0.0), linkage.crank: crank},
-            {GROUND: STILL, linkage.crank: rate},
-            {GROUND: STILL, linkage.crank: second},
-        ]
+        # Poses, rates and accelerations.
+        self._known: list[dict[str, Any]] = [{GROUND: (0.0, 0.0, 1.0, 0.0)}, {GROUND: STILL}, {GROUND: STILL}]
+        if structure.pivot is not None:
+            crank = crank_pose(structure.pivot, angle)
+            for known, part in zip(self._known, (crank, *_crank_rates(structure.pivot, crank)), strict=True):
+                known[linkage.crank] = part
 
     def poses(self, body: str) -> Pose:
         """Origin x, y, m, and cosine and sine of the angle of a body's frame."""

@@ -58,6 +58,8 @@ class AssurGroups:
             *zip(equations.line_rows, equations.body[equations.pins :], equations.host[equations.pins :], strict=True),
             *zip(equations.turn_rows, equations.turn_body, equations.turn_host, strict=True),
         ]
+        if equations.scene.cylinder is not None:
+            held.append((equations.crank_row, *equations.driver.ends))
         for row, *ends in held:
             if {*ends} <= known_bodies and {*ends} & new_bodies:
                 rows.append((int(row), none))

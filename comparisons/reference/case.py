@@ -13,7 +13,15 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from analytic.description.crank_motion import CrankMotion
-from analytic.description.linkage import LinkTorque, Output, OwnRegime, PrescribedRegime, ReleasedRegime, Vector
+from analytic.description.linkage import (
+    Linkage,
+    LinkTorque,
+    Output,
+    OwnRegime,
+    PrescribedRegime,
+    ReleasedRegime,
+    Vector,
+)
 from analytic.dynamics import reduced
 from analytic.dynamics.joint_forces import joint_forces, shaking_force, shaking_moment
 from analytic.errors import AssemblyError, LinkproofError
@@ -241,6 +249,15 @@ def own_motion(mechanism: Mechanism, own: ReleasedRegime, half_slope: str = "exa
     return replace(motion, regime=own.name)
 
 
+def _released(linkage: Linkage, own: ReleasedRegime) -> str:
+    """Where a driver is let go, how fast, and under what drive."""
+    if linkage.is_linear:
+        speed = linkage.written(own.start_speed)
+        return f"released at {linkage.written(own.start_angle)} with {speed}/s, force of the drive {own.torque:g} N"
+    start = f"{math.degrees(own.start_angle):g}° with {own.start_speed:g} rad/s"
+    return f"released at {start}, crank torque {_torque(own)}"
+
+
 def own_case(mechanism: Mechanism, own: OwnRegime) -> Case:
     """The case of a regime of the linkage's own: its motion, or a released crank's by the equation of motion.
 
@@ -254,10 +271,7 @@ def own_case(mechanism: Mechanism, own: OwnRegime) -> Case:
         loads = (*linkage.torques, LinkTorque(linkage.crank, own.over_angle))
         mechanism = Mechanism(replace(linkage, torques=loads))
     motion = own_motion(mechanism, own)
-    conditions = (
-        f"released at {math.degrees(own.start_angle):g}° with {own.start_speed:g} rad/s, crank torque {_torque(own)}, "
-        f"{own.duration:g} s, {gravity}"
-    )
+    conditions = _released(mechanism.linkage, own) + f", {own.duration:g} s, {gravity}"
     return Case(mechanism, motion, free_drive(motion, own), conditions)
 
 

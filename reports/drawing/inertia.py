@@ -99,7 +99,8 @@ def draw_links(axes: Axes, view: View) -> None:
 def links_inertia(view: View, angle: Array) -> dict[str, Array]:
     """Jeq of every link, kg m², at these crank angles, rad; the crank first, then as the groups follow."""
     sweep = view.mechanism.sweep(angle)
-    order = [view.linkage.crank, *(name for group in view.mechanism.structure.groups for name in group.links)]
+    crank = [view.linkage.crank] if view.linkage.crank else []
+    order = [*crank, *(name for group in view.mechanism.structure.groups for name in group.links)]
     return {name: link_inertia(sweep, name) for name in order if name in view.linkage.links}
 
 

@@ -30,11 +30,15 @@ from engines.stepping.own_units import own_units, restored, scaled
 from tests.analytic.drives import driven
 
 MOTIONS = {
+    "boom": CrankMotion("there", (Segment(0.0, 0.8, (0.3, 0.05, 0.2, -0.1)),)),
+    "cylinder-in-the-loop": CrankMotion("there", (Segment(0.0, 0.3, (0.08, 0.05, 0.3, -0.1)),)),
     "ternary-on-rods": crank_motion("run-up", start_angle=0.3),
     "linear-motor": CrankMotion("there", (Segment(0.0, 0.3, (0.0, 0.1, 1.5, -3.0)),)),
 }
 LINEAR = [name for name in MOTIONS if driven(name).linkage.is_linear]
 RELEASED = {
+    "boom": (0.36, 0.0, 2500.0, 0.15),
+    "cylinder-in-the-loop": (0.08, 0.02, 10.0, 0.1),
     "ternary-on-rods": (0.3, 1.0, 0.05, 0.5),
     "linear-motor": (0.02, 0.0, 4.0, 0.12),
 }  # start, speed, force, duration
@@ -125,7 +129,7 @@ def test_the_range_is_said_in_the_length_unit_of_the_file(name):
     with pytest.raises(AssemblyError, match=r"mm .*its drive reaches .* mm"):
         limits.check(low, 2.0 * high, "sample")
     with pytest.raises(AssemblyError, match=r"at .* mm:"):
-        mechanism.sweep(np.array([high + 1e-3])).poses(mechanism.structure.dyads[-1].links[0])
+        mechanism.sweep(np.array([high + 1e-3])).poses(mechanism.structure.groups[-1].links[0])
     assert max(mechanism.error_bound()) < 1e-8
     equation = equation_of_motion(mechanism)
     assert np.isfinite(equation.peak_moment)

@@ -36,6 +36,7 @@ def json_schema() -> Schema:
         "variants": _named(variant, "a table [variants.NAME] with the keys that differ, laid over the file's own"),
         "repeat": _named(repeated, "a table [repeat.NAME] with count copies of its parts; {n} is a copy's number"),
     }
+    document["oneOf"] = [{"required": ["crank"]}, {"required": ["cylinder"]}]
     head: Schema = {"$schema": "http://json-schema.org/draft-04/schema#", "title": TITLE}
     return {**head, **definitions.pop("Document"), "definitions": definitions}
 
