@@ -140,7 +140,8 @@ class Abilities:
     """What an engine can do: the types of ``engines.scene`` it takes, the channels it offers, and its settings.
 
     Pins, gravity and constant forces are what every engine has to take; ``loads`` are the types of loads,
-    ``varying_loads`` whether they may change with φ, ``massless`` whether a body may have no mass or no inertia,
+    ``varying_loads`` whether they may change with φ, ``timed_torque`` whether a
+    free crank's torque may change with time, ``massless`` whether a body may have no mass or no inertia,
     ``drivers`` what may drive. What else an engine cannot hold, its adapter says of the scene
     (``Outcome.UNSUPPORTED``).
     """
@@ -151,6 +152,7 @@ class Abilities:
     loads: frozenset[type]
     varying_loads: bool = True
     massless: bool = True
+    timed_torque: bool = False
     drivers: frozenset[DriverKind] = frozenset({DriverKind.CRANK})
     settings: frozenset[Setting] = frozenset(Setting)
 

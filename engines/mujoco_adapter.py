@@ -47,6 +47,7 @@ KINEMATICS = {Channel.POSITION: "framepos", Channel.VELOCITY: "framelinvel", Cha
 class MujocoRecipe(Recipe):
     """``settle``: the constraints' time constant in samples; 0 leaves all as shipped and reads what a step leaves."""
 
+    at_kinks: bool = True
     integrator: str = "RK4"
     settle: float = 20.0
 
@@ -164,11 +165,16 @@ class MujocoWorld:
             terms = [np.poly1d(derivative(segment.coefficients, order)) for order in range(3)]
             reference = (terms[2] + 2.0 * rate * terms[1] + rate**2 * (terms[0] - start)).coeffs.tolist()
 
+        drive = self.scene.drive
+        timed = drive.torque_at if isinstance(drive, Free) and drive.over_time is not None else None
+
         def control(_model: object, stage: Any) -> None:  # noqa: ANN401
             if segment:
                 x = stage.time - segment.start
                 value = reduce(lambda total, coefficient: total * x + coefficient, reference)
                 stage.efc_aref[0] = value - 2.0 * rate * data.qvel[crank] - rate**2 * data.qpos[crank]
+            if timed:
+                data.qfrc_applied[crank] = timed(stage.time)
             if pushes:
                 centre, direction = data.xipos[numbers] @ PLANE, data.xmat[numbers][:, [0, 3, 6]] @ PLANE
                 spin, arm = data.cvel[numbers, 2], centre - data.subtree_com[roots] @ PLANE
@@ -176,7 +182,7 @@ class MujocoWorld:
                 state = (each.tolist() for each in (centre, direction, velocity, spin))
                 data.xfrc_applied[np.ix_(numbers, (0, 1, 5))] = pushes(start + data.qpos[crank], *state)
 
-        return control if segment or pushes else None
+        return control if segment or pushes or timed else None
 
 
 class MujocoEngine(SteppedEngine[MujocoWorld, MujocoRecipe]):
@@ -192,6 +198,7 @@ class MujocoEngine(SteppedEngine[MujocoWorld, MujocoRecipe]):
             Channel.JOINT_FORCE: ReadOut("cfrc_int of the body on it; of a cut efc_force", drive="it exerts none"),
         },
         drives=frozenset({Prescribed, Free}),
+        timed_torque=True,
         joints=GUIDES,
         loads=LOADS,
         massless=False,

@@ -10,8 +10,11 @@ import math
 from dataclasses import dataclass
 from enum import StrEnum
 
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
 from analytic.description.crank_motion import CrankMotion
-from analytic.description.law import Law
+from analytic.description.law import Law, TimeLaw
 from analytic.description.linkage import GROUND, DriverKind, Vector, rotate
 
 
@@ -155,6 +158,12 @@ class Free:
     torque: float
     duration: float
     pace: float = 0.0
+    over_time: TimeLaw | None = None
+
+    def torque_at(self, time: ArrayLike) -> NDArray[np.float64]:
+        """The drive's whole torque at any time, s."""
+        over_time = 0.0 if self.over_time is None else self.over_time(time)
+        return np.asarray(np.full(np.shape(time), self.torque) + over_time)
 
 
 Drive = Prescribed | Free

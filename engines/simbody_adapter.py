@@ -18,7 +18,7 @@ from typing import Any
 
 import numpy as np
 
-from analytic.description.law import Law
+from analytic.description.law import Law, TimeLaw
 from analytic.description.linkage import GROUND, Vector
 from engines.contract import Abilities, Array, History, ReadOut, Setting
 from engines.mechanics.spanning_tree import Branch, SpanningTree, anchors, ends, spanning_tree
@@ -44,6 +44,7 @@ READOUTS = {
 class SimbodyRecipe(Recipe):
     """A recipe whose ``effort`` is the tolerance of the joints; its steps may be divided unless they are ``fixed``."""
 
+    at_kinks: bool = True
     fixed: bool = False
 
 
@@ -69,7 +70,7 @@ class SimbodyWorld:
     frames: dict[str, Any]
     turning: dict[str, list[Any]] = field(default_factory=lambda: {GROUND: []})
     forces: dict[str, Callable[[Any], Vector]] = field(default_factory=dict)
-    loads: list[tuple[Callable[..., None], Law]] = field(default_factory=list)
+    loads: list[tuple[Callable[..., None], Law | TimeLaw]] = field(default_factory=list)
     readers: dict[Channel, Callable[[Any], Any]] = field(default_factory=dict)
 
     def carry(self, branch: Branch) -> None:
@@ -111,12 +112,13 @@ class SimbodyWorld:
 
         self.forces[cut.name] = force
 
-    def push(self, body: str, law: Law, anchor: Vector = (0.0, 0.0)) -> None:
+    def push(self, body: str, law: Law | TimeLaw, anchor: Vector = (0.0, 0.0)) -> None:
         """A force on a point of a body, or a torque if the law has one component, in ground axes as is the default."""
         load = _opensim().PrescribedForce(f"load{len(self.loads)}", self.frames[body])
         load.setPointFunctions(*(_opensim().Constant(float(place)) for place in (*anchor, 0.0)))
         self.model.addForce(load)
-        self.loads.append((load.setForceFunctions if len(law.values.T) > 1 else load.setTorqueFunctions, law))
+        is_force = isinstance(law, Law) and len(law.values.T) > 1
+        self.loads.append((load.setForceFunctions if is_force else load.setTorqueFunctions, law))
 
     def kinematics(self, bodies: Sequence[Body], channel: Channel) -> Callable[[Any], list[tuple[float, ...]]]:
         """What reads a channel of bodies; an angle is a sum of coordinates, and so unwrapped."""
@@ -136,7 +138,7 @@ class SimbodyEngine(SteppedEngine[SimbodyWorld, SimbodyRecipe]):
     package = "opensim"
     oldest = "4.6"
     effort_unit = "tolerance of the joints"
-    abilities = Abilities(READOUTS, frozenset({Prescribed, Free}), GUIDES, LOADS)
+    abilities = Abilities(READOUTS, frozenset({Prescribed, Free}), GUIDES, LOADS, timed_torque=True)
     settings: Mapping[type, Mapping[Setting, SimbodyRecipe]] = {
         Prescribed: dict(zip(Setting, (NAIVE, DRIVEN, replace(DRIVEN, effort=1e-13)), strict=True)),
         Free: dict(zip(Setting, (NAIVE, FREE, replace(FREE, ratios=(4,))), strict=True)),
@@ -179,6 +181,8 @@ class SimbodyEngine(SteppedEngine[SimbodyWorld, SimbodyRecipe]):
             world.push(torque.body, torque.torque)
         if isinstance(scene.drive, Free):
             world.push(scene.crank, Law(np.array([scene.drive.torque])))
+            if scene.drive.over_time is not None:
+                world.push(scene.crank, scene.drive.over_time)
         world.readers |= {channel: world.kinematics(scene.bodies, channel) for channel in KINEMATICS}
         world.readers[Channel.JOINT_FORCE] = lambda state: [force(state) for force in world.forces.values()]
         return world
@@ -227,9 +231,15 @@ def _plane(vector: Any, factor: float = 1.0) -> Vector:  # noqa: ANN401
     return factor * vector.get(0), factor * vector.get(1)
 
 
-def _functions(law: Law, time: Array, angle: Array) -> list[Any]:
+def _functions(law: Law | TimeLaw, time: Array, angle: Array) -> list[Any]:
     """Three functions of time: a force's components, or a torque's, of which there is the third alone."""
-    osim, components = _opensim(), law(angle)
+    osim = _opensim()
+    if isinstance(law, TimeLaw):
+        lines = osim.PiecewiseLinearFunction()
+        for at in (law.times[0] - 1.0, *law.times, law.times[-1] + 1.0):  # it goes on beyond as it does at its end
+            lines.addPoint(at, law.at(at))
+        return [osim.Constant(0.0), osim.Constant(0.0), lines]
+    components = law(angle)
     functions = [osim.Constant(0.0) for _ in range(3)]
     for axis, values in enumerate(components, start=0 if len(components) > 1 else 2):
         functions[axis] = osim.Constant(float(values[0])) if law.is_constant else osim.SimmSpline()

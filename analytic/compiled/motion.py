@@ -34,7 +34,7 @@ NODES: Final = 24
 
 def is_able(equation: EquationOfMotion) -> bool:
     """Whether the kernels know an equation."""
-    return equation.half_slope == "exact" and has_kernels(equation.mechanism.structure)
+    return equation.half_slope == "exact" and equation.over_time is None and has_kernels(equation.mechanism.structure)
 
 
 def check_able(equation: EquationOfMotion) -> None:

@@ -16,7 +16,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from analytic.compiled import motion
 from analytic.compiled.choice import is_compiled
-from analytic.description.law import FULL_TURN, Law
+from analytic.description.law import FULL_TURN, Law, TimeLaw
 from analytic.dynamics.equation_of_motion import EquationOfMotion, equation_of_motion
 from analytic.errors import LinkproofError
 from analytic.kinematics.error_bounds import relative_bounds
@@ -67,7 +67,9 @@ class FreeMotion:
 
     def acceleration(self, time: ArrayLike) -> Array:
         """ε(t), rad/s², from the equation of motion at φ(t) and ω(t)."""
-        return self.equation.acceleration(self.angle(time), self.speed(time))
+        angle = self.angle(time)
+        found = self.equation.acceleration(angle, self.speed(time))
+        return found if self.equation.over_time is None else found + self.equation.push(time, angle)
 
     @property
     def jumps(self) -> tuple[float, ...]:
@@ -117,7 +119,7 @@ class FreeMotion:
         push = DISTURBANCE * self.equation.peak_moment
 
         def disturbed(angle: Array, speed: Array) -> Array:
-            moment, damping, slope = self.equation.terms(angle)
+            moment, damping, slope = self.equation.terms(angle)[:3]
             more, less = 1.0 + DISTURBANCE, 1.0 - DISTURBANCE
             return np.asarray(moment + push - speed * (less * damping + more * slope * speed))
 
@@ -129,6 +131,7 @@ class FreeMotion:
             tolerance=LOOSE,
             rounding=DISTURBANCE * push,
             repeats=not self.equation.mechanism.linkage.is_linear,
+            **self.equation.timing,
         )
         response = float(np.max(np.abs(angle - moved.angle_at(time)))) / DISTURBANCE
         return response * (3.0 * first + second)
@@ -144,12 +147,14 @@ def free_motion(
     half_slope: str = "exact",
     tolerance: float = TOLERANCE,
     path: str = "auto",
+    over_time: TimeLaw | None = None,
 ) -> FreeMotion:
     """Let the linkage go at crank angle ``start_angle`` (rad) with ``start_speed`` (rad/s), for ``duration`` seconds.
 
-    ``torque`` is M1 on the crank, N m, a number or a law of φ; the linkage's loads act besides. ``half_slope`` names
-    the model of ½ Jeq': ``exact``, or ``moduli`` as printed in article 000. ``tolerance`` is the error of the speed
-    within one window of integration, relative to it. Raises LinkproofError where the motion cannot be followed.
+    ``torque`` is M1 on the crank, N m, a number or a law of φ; a torque ``over_time`` and the linkage's loads act
+    besides. ``half_slope`` names the model of ½ Jeq': ``exact``, or ``moduli`` as printed in article 000. ``tolerance``
+    is the error of the speed within one window of integration, relative to it. Raises LinkproofError where the motion
+    cannot be followed.
 
     ``path`` says how it is integrated: ``numpy``; ``compiled``, which needs numba and the exact ½ Jeq' and leaves what
     it cannot follow to NumPy; ``auto``, whichever is likely to take less time, loading or compiling included.
@@ -160,7 +165,7 @@ def free_motion(
     for name, value in (("duration", duration), ("tolerance", tolerance)):
         if not (math.isfinite(value) and value > 0.0):
             raise LinkproofError(f"{name}: expected a positive finite number, got {value:g}; give one that is")
-    equation = equation_of_motion(mechanism, torque, half_slope)
+    equation = equation_of_motion(mechanism, torque, half_slope, over_time)
     if path == "compiled":
         motion.check_able(equation)
     return follow(equation.tabulated(), start_angle, start_speed, duration, tolerance, path=path)
@@ -178,7 +183,8 @@ def follow(
     """The motion of an equation that is ready to be integrated; arguments as for ``free_motion``."""
     start = (start_angle, start_speed)
     windows, taken = _by_path(equation, start, duration, tolerance, path)
-    regime = "driven" if np.any(equation.torque.values) else "free"
+    timed = equation.over_time is not None and any(equation.over_time.torque)
+    regime = "driven" if timed or np.any(equation.torque.values) else "free"
     return FreeMotion(regime, start, duration, equation, windows, tolerance, taken)
 
 
@@ -216,4 +222,5 @@ def _integrated(
         rounding=rounding,
         place=linkage.coordinate,
         repeats=not linkage.is_linear,
+        **equation.timing,
     )

@@ -6,7 +6,7 @@ together. A window is accepted when the last terms of its series are below the t
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import Final
 
 import numpy as np
@@ -22,6 +22,7 @@ from analytic.numerics.step_control import State
 
 Array = NDArray[np.float64]
 Acceleration = Callable[[Array, Array], Array]
+Push = Callable[[Array, Array], Array]
 
 MOST_WINDOWS: Final = 200_000  # some ten thousand turns
 LEAST_TOLERANCE: Final = 64.0 * step_control.EPS  # the last coefficients of a series never fall below a few roundings
@@ -81,51 +82,70 @@ def integrate(
     rounding: float,
     place: Callable[[float], str] = lambda angle: f"crank angle {degrees(angle)}",
     repeats: bool = True,
+    push: Push | None = None,
+    knots: Sequence[float] = (),
 ) -> Windows:
     """Integrate from ``start``, (φ, ω), for ``duration`` seconds; ``tolerance`` is of the speed within a window.
 
     ``rounding`` is what of an acceleration is noise, rad/s²: no window is made smaller to follow it. ``place`` writes a
-    φ for a reader, ``repeats`` says whether the acceleration has period 2π in φ. Raises LinkproofError where the
-    motion cannot be followed.
+    φ for a reader, ``repeats`` says whether the acceleration has period 2π in φ. ``push`` is a part of the
+    acceleration that depends on time, s, and φ; at its ``knots``, s, where it has kinks, a window ends and the next one
+    begins anew. Raises LinkproofError where the motion cannot be followed.
     """
     tolerance, count = max(tolerance, LEAST_TOLERANCE), len(scheme.nodes)
     path = _Path(scheme, *start, repeats=repeats)
-    guess = _constant(acceleration, path)
+    pushed = _timed(acceleration, push)
+    borders = [*sorted(knot for knot in knots if 0.0 < knot < duration), duration]
+    guess = _constant(pushed, path)
     length = longest = step_control.first_window(start[1], float(guess[0]), duration)
     while path.starts[-1] < duration:
-        rest = duration - path.starts[-1]
+        rest = borders[0] - path.starts[-1]
         last = length >= step_control.ALL_BUT * rest
         length = rest if last else length
-        found = _solve(acceleration, path, length, guess, rounding)
+        found = _solve(pushed, path, length, guess, rounding)
         error = np.inf if found is None else _error(path, found, length, rounding)
         factor = step_control.growth(error, tolerance, count)
         if found is not None and error <= tolerance:
-            path.add(found, length, duration if last else path.starts[-1] + length)
+            path.add(found, length, borders[0] if last else path.starts[-1] + length)
             guess = _continued(scheme, found, factor)
             longest = max(longest, length)
+            if last:
+                del borders[0]
+                guess = _constant(pushed, path)
         else:
             factor = min(factor, step_control.MOST_RETRY)
-            guess = _constant(acceleration, path)
+            guess = _constant(pushed, path)
         length *= factor
         _check(path, length, longest, duration, place)
     return path.windows()
 
 
-def _constant(acceleration: Acceleration, path: _Path) -> Array:
+Timed = Callable[[Array, Array, Array], Array]
+
+
+def _timed(acceleration: Acceleration, push: Push | None) -> Timed:
+    """The whole acceleration over time, φ and ω."""
+    if push is None:
+        return lambda _time, angle, speed: acceleration(angle, speed)
+    return lambda time, angle, speed: acceleration(angle, speed) + push(time, angle)
+
+
+def _constant(acceleration: Timed, path: _Path) -> Array:
     """The acceleration at the path's end, for every node."""
     count = len(path.scheme.nodes)
-    return acceleration(np.full(count, path.angle), np.full(count, path.speed))
+    return acceleration(np.full(count, path.starts[-1]), np.full(count, path.angle), np.full(count, path.speed))
 
 
-def _solve(acceleration: Acceleration, path: _Path, length: float, guess: Array, rounding: float) -> Array | None:
+def _solve(acceleration: Timed, path: _Path, length: float, guess: Array, rounding: float) -> Array | None:
     """Accelerations at the nodes, or None where the iteration does not settle."""
     scheme, speed = path.scheme, path.speed
     ahead = path.angle + speed * length * scheme.nodes
     once, twice = length * scheme.once, length**2 * scheme.twice
+    time = path.starts[-1] + length * scheme.nodes
     found, before, least = guess, np.inf, np.inf
     for _ in range(step_control.MOST_ITERATIONS):
         try:
-            following = acceleration(ahead + twice @ found, speed + once @ found)
+            following = acceleration(time, ahead + twice @ found, speed + once @ found)
         except AssemblyError:
             return None
         change, peak = float(np.max(np.abs(following - found))), float(np.max(np.abs(following)))

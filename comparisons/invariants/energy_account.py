@@ -64,6 +64,8 @@ def energy_balance(seen: Inspection) -> EnergyBalance:
     else:  # a constant torque does its work by the angle alone
         angle = motion.crank(Channel.POSITION, time)
         done = drive.torque * (angle - angle[0])
+        if drive.over_time is not None:
+            power = power + drive.over_time(time) * motion.crank(Channel.VELOCITY, time)
     work = integral(Signal(time, power), jumps)
     stored = energy(motion, time) - done
     swing = np.abs(np.diff(stored)) + np.abs(np.diff(work))
@@ -94,7 +96,7 @@ def _start_excess(motion: ObservedMotion, first: Array) -> float:
     start = ObservedMotion(scene, History(position=Signal(clock, position), velocity=Signal(clock, velocity)))
     work = float(first[0] * start.load_power(clock)[0])
     if isinstance(scene.drive, Free):
-        work += scene.drive.torque * float(motion.crank(Channel.POSITION, first)[0] - scene.crank_angle)
+        work += float(scene.drive.torque_at(0.0)) * float(motion.crank(Channel.POSITION, first)[0] - scene.crank_angle)
     return float(energy(motion, first)[0] - energy(start, clock)[0]) - work
 
 

@@ -56,7 +56,7 @@ class ObservedMotion:
         """A channel's signal; the channel has to be among those recorded. A free crank's torque is given."""
         if channel is Channel.TORQUE and isinstance(self.scene.drive, Free):
             time = self.signal(Channel.ACCELERATION).time
-            return Signal(time, np.full(len(time), self.scene.drive.torque))
+            return Signal(time, self.scene.drive.torque_at(time))
         signal = getattr(self.history, channel.value)
         assert isinstance(signal, Signal), f"channel {channel} was not recorded"
         return signal

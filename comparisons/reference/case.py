@@ -237,10 +237,11 @@ def unpickled(case: bytes) -> Case:
 
 
 def own_motion(mechanism: Mechanism, own: ReleasedRegime, half_slope: str = "exact") -> FreeMotion:
-    """The motion of a regime of the linkage's own; ``half_slope`` names the model of ½ Jeq'."""
+    """The motion of a released crank; ``half_slope`` names the model of ½ Jeq'."""
     motion = free_motion(
         mechanism,
-        torque=own.torque,
+        torque=own.torque if own.over_angle is None else own.over_angle,
+        over_time=own.over_time,
         start_angle=own.start_angle,
         start_speed=own.start_speed,
         duration=own.duration,
@@ -253,9 +254,9 @@ def _released(linkage: Linkage, own: ReleasedRegime) -> str:
     """Where a driver is let go, how fast, and under what drive."""
     if linkage.is_linear:
         speed = linkage.written(own.start_speed)
-        return f"released at {linkage.written(own.start_angle)} with {speed}/s, force of the drive {own.torque:g} N"
+        return f"released at {linkage.written(own.start_angle)} with {speed}/s, force of the drive {_torque(own, 'N')}"
     start = f"{math.degrees(own.start_angle):g}° with {own.start_speed:g} rad/s"
-    return f"released at {start}, crank torque {_torque(own)}"
+    return f"released at {start}, crank torque {_torque(own, 'N m')}"
 
 
 def own_case(mechanism: Mechanism, own: OwnRegime) -> Case:
@@ -266,21 +267,21 @@ def own_case(mechanism: Mechanism, own: OwnRegime) -> Case:
     gravity = "gravity on" if any(mechanism.linkage.gravity) else "gravity off"
     if isinstance(own, PrescribedRegime):
         return Case(mechanism, own.motion, conditions=f"{own.conditions}, {gravity}")
+    motion = own_motion(mechanism, own)
     if own.over_angle is not None:
         linkage = mechanism.linkage
         loads = (*linkage.torques, LinkTorque(linkage.crank, own.over_angle))
         mechanism = Mechanism(replace(linkage, torques=loads))
-    motion = own_motion(mechanism, own)
     conditions = _released(mechanism.linkage, own) + f", {own.duration:g} s, {gravity}"
     return Case(mechanism, motion, free_drive(motion, own), conditions)
 
 
-def _torque(own: ReleasedRegime) -> str:
+def _torque(own: ReleasedRegime, unit: str) -> str:
     if own.over_angle is not None:
         return f"{len(own.over_angle.values)} values over the angle"
     if own.over_time is not None:
         return f"{len(own.over_time.times)} values over time"
-    return f"{own.torque:g} N m"
+    return f"{own.torque:g} {unit}"
 
 
 def free_drive(motion: Motion, own: ReleasedRegime) -> Free:
@@ -289,4 +290,4 @@ def free_drive(motion: Motion, own: ReleasedRegime) -> Free:
     Its speed at most, and how fast that changes.
     """
     hardest = float(np.max(np.abs(motion.acceleration(np.linspace(0.0, motion.duration, INSTANTS)))))
-    return Free(own.torque, own.duration, motion.peak_speed + hardest / motion.peak_speed)
+    return Free(own.torque, own.duration, motion.peak_speed + hardest / motion.peak_speed, own.over_time)

@@ -41,6 +41,7 @@ class DirectEngine:
             Channel.JOINT_FORCE: ReadOut("multipliers of the joint's equations", drive="left out"),
         },
         drives=frozenset({Prescribed, Free}),
+        timed_torque=True,
         joints=GUIDES,
         loads=LOADS,
         drivers=frozenset(DriverKind),

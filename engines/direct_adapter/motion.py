@@ -98,7 +98,7 @@ def _free(equations: Equations, drive: Free, precision: Precision) -> Result:
     windows = released_motion(equations, path, drive, precision.tolerance)
     turns = drive.duration * float(np.max(np.abs(windows.speed_at(windows.starts)))) / FULL_TURN  # or spans as long
     time = _clock(drive.duration, precision.spacing, max(round(drive.duration / FREE_SPACING), _samples(turns)))
-    crank = Crank(windows.angle_at(time), windows.speed_at(time), None, drive.torque * scale)
+    crank = Crank(windows.angle_at(time), windows.speed_at(time), None, drive.torque_at(time) * scale)
     result, _, details = _sampled(path, time, crank, precision)
     details |= {
         "integrator": f"Gauss collocation, {NODES} points a window",

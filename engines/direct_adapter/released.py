@@ -18,10 +18,10 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from analytic.description.law import FULL_TURN, Law
+from analytic.description.law import FULL_TURN, Law, TimeLaw
 from analytic.errors import AssemblyError, LinkproofError
 from analytic.numerics.collocation import Windows, gauss_scheme
-from analytic.numerics.integration import integrate
+from analytic.numerics.integration import Push, integrate
 from analytic.numerics.periodic_table import PeriodicTable, tabulate
 from engines.direct_adapter.assembly import Equations, UnsolvableError
 from engines.direct_adapter.path import Path
@@ -65,13 +65,18 @@ class FreeCrank:
         factors = np.stack([-speed * speed, np.ones_like(speed), -speed, *loads])
         return np.asarray((self.torque + np.sum(factors * columns[1:], axis=0)) / columns[0])
 
+    def push(self, law: TimeLaw) -> Push:
+        """What a torque over time adds to φ̈."""
+        return lambda time, angle: np.asarray(law(time) * self.scale / self.table(angle)[0])
+
 
 def released_motion(equations: Equations, path: Path, drive: Free, tolerance: float) -> Windows:
     """The motion of a crank let go in its start state; raises UnsolvableError where it cannot be followed."""
     scene = equations.scene
     driver = equations.driver
     start = tuple(float(value[0]) / driver.scale for value in driven(scene, *start_motion(scene)[:2]))
-    crank = free_crank(equations, path, drive.torque * driver.scale)
+    most = 0.0 if drive.over_time is None else max(map(abs, drive.over_time.torque))
+    crank = free_crank(equations, path, drive.torque * driver.scale, most * driver.scale)
     try:
         return integrate(
             crank,
@@ -81,6 +86,8 @@ def released_motion(equations: Equations, path: Path, drive: Free, tolerance: fl
             tolerance=tolerance,
             rounding=crank.rounding,
             repeats=driver.turns,
+            push=None if drive.over_time is None else crank.push(drive.over_time),
+            knots=() if drive.over_time is None else drive.over_time.times,
         )
     except LinkproofError as error:
         raise UnsolvableError(
@@ -88,8 +95,8 @@ def released_motion(equations: Equations, path: Path, drive: Free, tolerance: fl
         ) from None
 
 
-def free_crank(equations: Equations, path: Path, torque: float) -> FreeCrank:
-    """Tabulate the coefficients of the free crank's motion along a path."""
+def free_crank(equations: Equations, path: Path, torque: float, timed: float = 0.0) -> FreeCrank:
+    """Tabulate the coefficients of the free crank's motion along a path; ``timed`` is what a torque over time adds."""
     first, last = float(path.angle[0]), float(path.angle[-1])
     if equations.driver.turns and path.turns is None and last - first > FULL_TURN:
         raise UnsolvableError("the linkage is in another pose after a turn of its crank")
@@ -114,7 +121,7 @@ def free_crank(equations: Equations, path: Path, torque: float) -> FreeCrank:
     laws = (*(load.force for load in forces), *(load.torque for load in torques))
     most = [np.max(np.abs(law.values[..., part])) for law in laws for part in range(law.values.shape[-1])]
     values, terms = coefficients(np.linspace(first, last, LOOKS))
-    moment = abs(torque) + terms[2] + np.array(most) @ terms[4:]
+    moment = abs(torque) + timed + terms[2] + np.array(most) @ terms[4:]
     least_peak = LEAST * np.max(terms, axis=1)
     period = FULL_TURN if equations.driver.turns else math.inf
     table = tabulate(lambda angle: coefficients(angle)[0], ends=(first, last), least_peak=least_peak, period=period)

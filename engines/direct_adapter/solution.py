@@ -30,12 +30,13 @@ class Crank:
     angle: Reals
     speed: Reals
     acceleration: Reals | None
-    torque: float = 0.0
+    torque: Reals | None = None
 
     def part(self, instants: slice) -> Crank:
         """Some of the instants."""
         second = None if self.acceleration is None else self.acceleration[instants]
-        return Crank(self.angle[instants], self.speed[instants], second, self.torque)
+        torque = None if self.torque is None else self.torque[instants]
+        return Crank(self.angle[instants], self.speed[instants], second, torque)
 
 
 @dataclass(frozen=True)
@@ -68,9 +69,9 @@ def solve(equations: Equations, closed: Closed, crank: Crank, channels: frozense
     second = crank.acceleration
     if second is None or channels & FORCES:  # a prescribed crank moves as it does whatever pulls at the links
         loads = applied_loads(equations.scene, pose, velocity)
-        if crank.torque:
+        if crank.torque is not None:
             push = equations.driver.gradient(closed.arms.driver, len(loads)) / equations.metres
-            loads = loads + crank.torque * push
+            loads = loads + crank.torque[:, None, None] * push
     if second is None:
         second = _free_acceleration(equations, lever, bend, loads)
     acceleration = equations.spread(bend + lever * second[:, None]) * equations.metres
@@ -80,7 +81,8 @@ def solve(equations: Equations, closed: Closed, crank: Crank, channels: frozense
     scale = equations.driver.scale
     torque = multipliers[:, equations.crank_row] * (equations.unit / scale)
     if crank.acceleration is None:
-        torque = np.full_like(crank.speed, crank.torque / scale)  # the driver's row takes nothing: rounding, no torque
+        assert crank.torque is not None
+        torque = crank.torque / scale  # the driver's row takes nothing: rounding, no torque
     forces = equations.joint_forces(closed.arms, multipliers) if Channel.JOINT_FORCE in channels else None
     return Solution(pose.coordinates(), velocity, acceleration, torque, forces)
 

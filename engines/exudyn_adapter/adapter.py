@@ -42,6 +42,7 @@ class ExudynEngine(SteppedEngine[Recorder, ExudynRecipe]):
     abilities: ClassVar[Abilities] = Abilities(
         readouts=READOUTS,
         drives=frozenset({Prescribed, Free}),
+        timed_torque=True,
         joints=GUIDES,
         loads=LOADS,
     )

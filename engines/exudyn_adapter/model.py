@@ -298,6 +298,9 @@ class Model:
             return driver
         if drive.torque:
             self._load("Coordinate", crank, load=drive.torque)
+        if drive.over_time is not None:
+            at_time = drive.over_time.at
+            self._load("Coordinate", crank, loadUserFunction=lambda _mbs, t, _load: at_time(self.begin + t))
         return None
 
 

@@ -18,7 +18,7 @@ from engines.contract import Abilities
 from engines.mechanics.driver import driven
 from engines.mechanics.joints import JointEquations, scene_size
 from engines.mechanics.states import Reals, pose_of, start_motion
-from engines.scene import Body, Prescribed, Scene
+from engines.scene import Body, Free, Prescribed, Scene
 
 # Numbers beyond these, SI, are taken for slips: their products and quotients are no longer finite.
 LEAST, LARGEST = 1e-60, 1e60
@@ -92,6 +92,8 @@ def ability_obstacle(scene: Scene, abilities: Abilities) -> str | None:
         return f"it takes no {_words(scene.drive)} drive"
     if scene.driver_kind not in abilities.drivers:
         return f"it takes no {scene.driver_kind} as the driver, only {' or '.join(sorted(abilities.drivers))}"
+    if isinstance(scene.drive, Free) and scene.drive.over_time is not None and not abilities.timed_torque:
+        return "it takes no crank torque that changes with time"
     loads = (*scene.forces, *scene.torques, *scene.springs, *scene.dampers)
     for part in (*scene.guided, *loads):
         if type(part) not in abilities.joints | abilities.loads:

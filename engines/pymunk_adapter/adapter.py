@@ -99,6 +99,7 @@ class PymunkEngine(SteppedEngine[PymunkWorld, PymunkRecipe]):
         drives=frozenset({Prescribed, Free}),
         joints=GUIDES,
         loads=LOADS,
+        timed_torque=True,
         massless=False,
     )
     settings: Mapping[type, Mapping[Setting, PymunkRecipe]] = {

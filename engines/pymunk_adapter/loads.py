@@ -11,9 +11,10 @@ import math
 from collections.abc import Callable
 from typing import TYPE_CHECKING
 
+from analytic.description.law import TimeLaw
 from analytic.description.linkage import GROUND
 from engines.pymunk_adapter.space import PymunkWorld
-from engines.scene import AppliedForce, PointSpring, TurnDamper
+from engines.scene import AppliedForce, Free, PointSpring, TurnDamper
 
 if TYPE_CHECKING:
     import pymunk
@@ -43,6 +44,9 @@ class StepLoads:
             for load in scene.torques
             if not load.torque.is_constant and load.body != GROUND
         ]
+        self._time, drive = 0.0, scene.drive
+        if isinstance(drive, Free) and drive.over_time is not None:
+            self._parts.append(self._timed(world.crank, drive.over_time))
         if ahead:  # otherwise pymunk's own springs damp
             self._parts += [self._damper(world, damper) for damper in scene.dampers]
             self._parts += [
@@ -66,6 +70,7 @@ class StepLoads:
             if x or y:
                 body.force = (x, y)
             body.torque = torque
+        self._time += step
 
     def _total(self, body: pymunk.Body) -> list[float]:
         """Where the loads on a body are summed; those on the ground go nowhere."""
@@ -92,6 +97,14 @@ class StepLoads:
 
         def add(angle: float) -> None:
             total[2] += law(angle)[0]
+
+        return add
+
+    def _timed(self, crank: pymunk.Body, law: TimeLaw) -> Callable[[float], None]:
+        total = self._total(crank)
+
+        def add(_angle: float) -> None:
+            total[2] += law.at(self._time + self.reach)
 
         return add
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 
@@ -56,6 +56,12 @@ class Pace:
 def whole_interval(duration: float, step: float, least: int) -> Interval:
     """All of a run as one interval in steps of at most ``step``, s."""
     return Interval(0.0, duration, whole_steps(duration, step, least))
+
+
+def released_intervals(duration: float, kinks: Sequence[float], step: float) -> list[Interval]:
+    """A released crank's run in steps of at most ``step``, s, cut at the kinks, s, of what moves it."""
+    borders = [0.0, *(kink for kink in kinks if 0.0 < kink < duration), duration]
+    return [Interval(start, end, whole_steps(end - start, step, 1)) for start, end in pairwise(borders)]
 
 
 def intervals(motion: CrankMotion, pace: Pace) -> list[Interval]:

@@ -72,7 +72,10 @@ def _with_length(scene: Scene, units: OwnUnits) -> Scene:
         drive = Prescribed(replace(motion, segments=tuple(segments)))
     else:
         torque, pace = scene.drive.torque * units.length, scene.drive.pace / units.length
-        drive = replace(scene.drive, torque=torque, pace=pace)
+        timed = scene.drive.over_time
+        if timed is not None:
+            timed = replace(timed, torque=tuple(value * units.length for value in timed.torque))
+        drive = replace(scene.drive, torque=torque, pace=pace, over_time=timed)
 
     def over_length(law: Law) -> Law:
         return law if law.angles is None else replace(law, angles=law.angles / units.length)

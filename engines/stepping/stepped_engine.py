@@ -22,7 +22,7 @@ from engines.scene import Channel, Free, Prescribed, Scene
 from engines.stepping.cost import Cost
 from engines.stepping.driver import check_step, run_stepping
 from engines.stepping.error_estimate import estimated_error
-from engines.stepping.intervals import Interval, Pace, intervals, whole_interval
+from engines.stepping.intervals import Interval, Pace, intervals, released_intervals, whole_interval
 from engines.stepping.own_units import OwnUnits, own_units, restored, scaled
 from engines.stepping.richardson import Pass, extrapolate
 
@@ -33,11 +33,13 @@ LARGEST_EFFORT = 2.0**31  # of an iteration count
 class Recipe(Pace):
     """How a scene is stepped: the samples' pace, and the runs at fractions of their step.
 
-    ``ratios`` are the steps between two samples, of one run each; several are extrapolated, the error's terms having
-    the ``orders`` as powers of the step. ``effort`` is the constraint solver's, None for the engine's own. ``graded``
-    lets slow parts have longer steps, ``restarted`` begins every segment of a prescribed motion anew: without it the
-    whole motion is one interval. ``in_own_units`` counts lengths and masses in units of the scene, its size being
-    ``size``: where an engine's tolerance is a length, a larger one makes it tighter.
+    ``ratios`` are the steps between two samples, of one run each; several are extrapolated, the error's terms
+    having the ``orders`` as powers of the step. ``effort`` is the constraint solver's, None for the engine's own.
+    ``graded`` lets slow parts have longer steps, ``restarted`` begins every segment of a prescribed motion anew:
+    without it the whole motion is one interval. ``at_kinks`` ends a step at every kink of a released crank's torque
+    over time, for an integrator of high order that begins anew at no cost. ``in_own_units`` counts lengths and
+    masses in units of the scene, its size being ``size``: where an engine's tolerance is a length, a larger one
+    makes it tighter.
     """
 
     ratios: tuple[int, ...] = (1,)
@@ -45,6 +47,7 @@ class Recipe(Pace):
     effort: float | None = None
     graded: bool = False
     restarted: bool = True
+    at_kinks: bool = False
     in_own_units: bool = True
     size: float = 1.0
 
@@ -52,7 +55,10 @@ class Recipe(Pace):
         """The scene's motion in intervals of equal samples."""
         drive = scene.drive
         if isinstance(drive, Free):
-            return [whole_interval(drive.duration, self._longest(drive.pace or _start_pace(scene)), self.least_steps)]
+            longest = self._longest(drive.pace or _start_pace(scene))
+            if drive.over_time is not None and self.at_kinks:
+                return released_intervals(drive.duration, drive.over_time.times, longest)
+            return [whole_interval(drive.duration, longest, self.least_steps)]
         motion = drive.motion
         if not self.restarted:
             return [whole_interval(motion.duration, self._longest(motion.peak_speed), self.least_steps)]

@@ -9,7 +9,8 @@ import pytest
 from scipy.integrate import solve_ivp
 from scipy.special import ellipj, ellipk
 
-from analytic.description.law import Law
+from analytic.description.law import Law, TimeLaw
+from analytic.description.loading import load, parse
 from analytic.dynamics import reduced
 from analytic.dynamics.equation_of_motion import equation_of_motion
 from analytic.errors import AssemblyError, LinkproofError, UnknownNameError
@@ -19,6 +20,7 @@ from analytic.motion.released import free_motion
 from analytic.motion.rkfixed import fixed_step
 from tests.analytic import article_000
 from tests.analytic.linkages import from_text, mechanism, text_of
+from tests.analytic.swinging import double_rocker_text
 from tests.analytic.textbook import (
     DOUBLE_ROCKER,
     PENDULUM,
@@ -279,3 +281,27 @@ def test_a_crank_that_nothing_resists_is_not_released():
     weightless = re.sub(r"(?m)^(mass|inertia) .*\n", "", text.partition("[links.rod]")[0])
     motion = free_motion(from_text(weightless + text[text.index("[links.rod]") :]), start_speed=5.0, duration=0.1)
     assert energy_imbalance(motion) < BALANCE
+
+
+def test_a_torque_over_time_turns_a_flywheel_as_its_integral_says():
+    """Nothing but the crank has a mass, so Jeq is its inertia J: J ω is the integral of the torque, a broken line."""
+    linkage = parse(double_rocker_text().replace("gravity = [0, -9.81]", ""), "bare", "bare.toml", None)
+    crank = dataclasses.replace(linkage.links["crank"], mass=0.0, inertia=0.01)
+    bare = {name: dataclasses.replace(link, mass=0.0, inertia=0.0) for name, link in linkage.links.items()}
+    mechanism = Mechanism(dataclasses.replace(linkage, links={**bare, "crank": crank}))
+    law = TimeLaw((0.1, 0.3, 0.35), (0.0, 0.02, -0.05))
+    motion = free_motion(mechanism, over_time=law, start_angle=0.5, start_speed=-0.5, duration=0.5)
+    corners = np.array([0.0, 0.1, 0.3, 0.35, 0.5])
+    speed = -0.5 + np.array([0.0, 0.0, 0.2, 0.2 - 0.075, 0.2 - 0.075 - 0.75])
+    assert motion.regime == "driven"
+    assert motion.speed(corners) == pytest.approx(speed, abs=1e-14)
+    assert motion.acceleration(corners) == pytest.approx(law(corners) / 0.01, abs=1e-12)
+    assert motion.error_bound < 1e-12
+
+
+def test_a_torque_over_time_makes_no_energy():
+    law = TimeLaw((0.1, 0.3, 0.9, 1.2), (0.0, 0.05, 0.05, -0.03))
+    motion = free_motion(Mechanism(load("slotted-takeup")), over_time=law, start_angle=4.7, duration=1.5)
+    assert energy_imbalance(motion) < 1e-6
+    with pytest.raises(LinkproofError, match="compiled"):
+        free_motion(motion.equation.mechanism, over_time=law, start_angle=4.7, duration=0.1, path="compiled")

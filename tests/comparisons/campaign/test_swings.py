@@ -2,10 +2,11 @@
 
 import pytest
 
-from analytic.errors import AssemblyError
-from comparisons.campaign.campaign import compare
+from analytic.errors import AssemblyError, LinkproofError
+from comparisons.campaign.campaign import cases, compare
+from comparisons.exported_run import exported
 from comparisons.judging.records import Verdict
-from engines.contract import Outcome
+from engines.contract import Outcome, Setting
 from engines.registry import engine, engine_names, why_unavailable
 from reports.command_line.requests import CampaignChoice, request
 from tests.analytic.swinging import double_rocker_text
@@ -57,3 +58,39 @@ def test_a_swing_beyond_a_toggle_says_where_it_ends_and_what_to_do(rocker):
     choice = CampaignChoice((rocker,), engines=("direct",), from_angle=0.0, to_angle=80.0)
     with pytest.raises(AssemblyError, match=r"reaches -74.41.* to 74.41.*stretched in one line.; stay within"):
         list(compare(request(choice), processes=0))
+
+
+RELEASED = """
+[regimes.timed]
+torque = [0.0, 1.0, -1.0]
+time = [0.01, 0.02, 0.04]
+start_angle = 30
+duration = 0.05
+
+[regimes.angled]
+torque = [1.5, 2.5, 1.0]
+angle = [-60, 0, 60]
+start_angle = 30
+duration = 0.05
+"""
+
+
+@pytest.mark.parametrize("name", INSTALLED)
+def test_a_torque_over_time_or_angle_moves_every_engine_that_takes_it(tmp_path, name):
+    path = tmp_path / "rocker.toml"
+    path.write_text(double_rocker_text(regimes=RELEASED))
+    choice = CampaignChoice((str(path),), engines=(name,), regimes=("own",), quantities=("phi", "omega", "S", "a"))
+    for result in compare(request(choice), processes=0):
+        outcomes = {record.outcome for record in result.records}
+        if outcomes == {Verdict.UNSUPPORTED}:
+            assert result.records[0].regime == "angled" or not engine(name).abilities.timed_torque
+        else:
+            assert outcomes == {Verdict.PASSED}
+
+
+def test_a_script_has_no_torque_over_time(tmp_path):
+    path = tmp_path / "rocker.toml"
+    path.write_text(double_rocker_text(regimes=RELEASED))
+    (case, *_) = cases(request(CampaignChoice((str(path),), regimes=("timed",))))
+    with pytest.raises(LinkproofError, match="got one over time in 'timed'"):
+        exported(case, "exudyn", Setting.TUNED, "")
