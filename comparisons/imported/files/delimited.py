@@ -20,7 +20,6 @@ from comparisons.imported.headers.units import parsed
 WORDS: Final = re.compile(r"^[0-9eEdD+\-.,;|\t \"]*+[^0-9eEdD+\-.,;|\t \"\n].*$", re.MULTILINE)
 COMMENT: Final = re.compile(r"\s*(?:[#%!*]|//)")
 NOT_FINITE: Final = re.compile(r"[+-]?(?:nan|n/?a|null|none|inf|infinity|∞|1\.#\w+|#\w+[!/?]?\w*[!?]?)", re.IGNORECASE)
-PADDING: Final = re.compile(r"[ \t]")
 MOST_LINES: Final = 1000  # of a text without numbers that are looked at
 CHUNK: Final = 1 << 22  # characters parsed at a time
 
@@ -213,7 +212,7 @@ def _read(file: ResultText, block: Block, table: RawTable) -> None:
 def _read_rows(file: ResultText, text: str, line: int, table: RawTable) -> None:
     layout = table.layout
     text = layout.plain(text)
-    if layout.delimiter != BLANK and re.search(r"[0-9.] +[0-9.+-]", text):
+    if layout.delimiter != BLANK and " " in text and re.search(r"[0-9.] +[0-9.+-]", text):
         _refuse_first(file, text, line, table)
     numbered = [row for row in text.split("\n") if row and not row.isspace()]
     blanks = layout.delimiter == BLANK
@@ -222,7 +221,7 @@ def _read_rows(file: ResultText, text: str, line: int, table: RawTable) -> None:
         return
     if len(rows[0]) != len(table.names) or len(set(map(len, rows))) > 1:
         _refuse_first(file, text, line, table)
-    bare = blanks or not PADDING.search(text)
+    bare = blanks or not (" " in text or "\t" in text)
     parts = [_parsed(words if bare else tuple(map(str.strip, words))) for words in zip(*rows, strict=True)]
     ended = [bool(table.parts and len(table.parts[-1][n][0]) < len(table.parts[-1][0][0])) for n in range(len(parts))]
     if any(part is None or (over and len(part[0])) for part, over in zip(parts, ended, strict=True)):
