@@ -31,7 +31,10 @@ INSTANTS = 35001
 
 @dataclass(frozen=True)
 class PublishedRecord:
-    """A printed figure beside ours, both in the printed unit; ``deviation`` is ours over published less one."""
+    """A printed figure beside ours, both in the printed unit.
+
+    ``deviation`` is ours over published less one, None where 0 is published.
+    """
 
     mechanism: str
     variant: str
@@ -40,7 +43,7 @@ class PublishedRecord:
     published: float
     half_digit: float
     ours: float
-    deviation: float
+    deviation: float | None
     verdict: str
     source: str
     note: str
@@ -170,7 +173,7 @@ def _record(linkage: Linkage, entry: Published) -> PublishedRecord:
         published=entry.value,
         half_digit=entry.half_digit,
         ours=ours,
-        deviation=ours / entry.value - 1.0 if entry.value else math.copysign(math.inf, ours) if ours else 0.0,
+        deviation=ours / entry.value - 1.0 if entry.value else None,
         verdict=verdict(entry, ours),
         source=entry.place,
         note=entry.note,

@@ -119,6 +119,8 @@ def _published_table(records: Sequence[PublishedRecord]) -> Table:
 
 def _ours(record: PublishedRecord) -> Cell:
     sign, deviation = PUBLISHED[record.verdict], record.deviation
+    if deviation is None:
+        return f"{_digits(record, record.ours)} {sign.symbol}", sign.colour
     share = f"{deviation:+.1%}" if abs(deviation) >= VISIBLE or not deviation else f"{deviation:+.0e}"
     return f"{_digits(record, record.ours)} {sign.symbol} {share}", sign.colour
 

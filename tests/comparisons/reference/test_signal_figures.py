@@ -105,3 +105,12 @@ def test_a_printed_unit_is_that_of_both_figures():
     assert (record.unit, record.published) == ("mm", 68)
     assert record.ours == pytest.approx(67.9, abs=0.05)
     assert np.isclose(record.deviation, record.ours / 68 - 1)
+
+
+def test_a_printed_zero_has_no_relative_deviation():
+    text = SLIDER_CRANK.replace(
+        'crank = "crank"',
+        'crank = "crank"\npublished = [{ quantity = "point:B:vx@0", value = 0, half_digit = 1e-3, place = "" }]',
+    )
+    (record,) = compare_published([from_text(text).linkage])
+    assert (record.deviation, record.verdict) == (None, "reproduced")
