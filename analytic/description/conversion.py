@@ -98,10 +98,11 @@ def _errata(reader: Reader, variants: tuple[str, ...]) -> tuple[doc.Erratum, ...
         where = f"errata.{number}"
         if table.regime not in regimes:
             raise reader.fail(f"{where}: {UnknownNameError('regime of its own', table.regime, regimes)}")
-        if not own_regimes.is_released(regimes[table.regime]):
+        regime = regimes[table.regime]
+        if not own_regimes.is_released(regime) or isinstance(regime.torque, list):
             raise reader.fail(
-                f"{where}.regime: expected a regime in which the crank is released, got '{table.regime}', which "
-                "prescribes its motion; name another"
+                f"{where}.regime: expected a regime in which the crank is released under a constant torque, got "
+                f"'{table.regime}', which has a motion or a torque of another kind; name another"
             )
         if table.variant is not None and table.variant not in variants:
             raise reader.fail(f"{where}: {UnknownNameError('variant', table.variant, variants)}")

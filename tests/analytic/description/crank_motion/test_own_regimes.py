@@ -95,3 +95,13 @@ def test_a_regime_that_cannot_be_is_one_sentence_with_its_place(text, words):
 def test_the_name_of_a_law_is_taken():
     with pytest.raises(DescriptionError, match="a name of its own"):
         parse(f"{HEAD}\n[regimes.cycloidal]\nfrom = 1\nto = 2\ntime = 1\n", "mine", "mine.toml", None)
+
+
+@pytest.mark.parametrize(
+    "text",
+    ["from = 1\nto = 2\ntime = 1", "torque = [1, 2]\ntime = [1, 2]\nstart_angle = 1\nduration = 1"],
+)
+def test_a_printed_model_needs_a_crank_released_under_a_constant_torque(text):
+    erratum = '[[errata]]\nname = "k2"\nplace = "p. 1"\nregime = "mine"\nhalf_slope = "moduli"'
+    with pytest.raises(DescriptionError, match=r"errata #1.regime: expected a regime in which the crank is released"):
+        regime(f"{text}\n{erratum}")
