@@ -172,6 +172,10 @@ def own_regimes(choice: MotionChoice, linkages: Sequence[Linkage]) -> tuple[str,
     for name in choice.regimes:
         if name not in known:
             raise UnknownNameError("regime", name, known)
+        if choice.swings and name in (*own, OWN):
+            raise LinkproofError(
+                f"--regime {name} says in its file how the crank moves, and --from and --to say it too: leave one out"
+            )
     if {OWN, EVERYTHING} & set(choice.regimes):
         return tuple(own)
     return tuple(name for name in own if name in choice.regimes)

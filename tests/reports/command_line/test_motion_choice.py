@@ -5,8 +5,9 @@ import math
 import pytest
 
 from analytic.description.crank_motion import LAWS, REGIMES, RPM
+from analytic.description.loading import load
 from analytic.errors import LinkproofError
-from reports.command_line.motion_choice import MotionChoice, motions
+from reports.command_line.motion_choice import MotionChoice, motions, own_regimes
 
 SWING = {"from_angle": 20.0, "to_angle": 110.0}
 
@@ -71,3 +72,9 @@ def test_conditions_tell_motions_apart():
 def test_a_motion_that_contradicts_itself_is_one_sentence(given, words):
     with pytest.raises(LinkproofError, match=words):
         MotionChoice(**given).check()
+
+
+@pytest.mark.parametrize("name", ["free", "own"])
+def test_a_regime_of_the_file_takes_no_other_angles(name):
+    with pytest.raises(LinkproofError, match=f"--regime {name} says in its file how the crank moves"):
+        own_regimes(MotionChoice(regimes=(name,), **SWING), [load("slotted-takeup")])
