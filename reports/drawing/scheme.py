@@ -211,6 +211,10 @@ def _links(axes: Axes, scheme: KinematicScheme, size: float) -> None:
         ends = zip(spring.links, spring.points, strict=True)
         start, end = (scheme.shown_places(body, [linkage.local(point, body)])[0] for body, point in ends)
         symbols.spring(axes, start, end, size)
+    if linkage.cylinder is not None:
+        ends = zip(linkage.cylinder.links, linkage.cylinder.points, strict=True)
+        start, end = (scheme.shown_places(body, [linkage.local(point, body)])[0] for body, point in ends)
+        symbols.cylinder(axes, start, end, size)
     for slider in linkage.sliders:
         symbols.slider(axes, scheme.spots[slider.point], scheme.direction(slider.guide), size)
     _mass_centres(axes, scheme, size)

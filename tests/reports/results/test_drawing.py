@@ -35,6 +35,6 @@ def test_a_swing_is_drawn_within_its_range_and_without_an_output():
     assert "S," not in found
 
 
-def test_a_drive_along_a_line_is_drawn():
-    motor = driven("linear-motor")
-    assert "Mkr, N" in words(results(motor, swing("cycloidal", 0.0, 0.1, speed=0.1)))
+@pytest.mark.parametrize(("name", "ends"), [("linear-motor", (0.0, 0.1)), ("cylinder-in-the-loop", (0.05, 0.1))])
+def test_a_drive_along_a_line_is_drawn(name, ends):
+    assert "Mkr, N" in words(results(driven(name), swing("cycloidal", *ends, speed=0.1)))
