@@ -82,14 +82,15 @@ class FlatLinkage:
 
 
 def has_kernels(structure: Structure) -> bool:
-    """Whether the kernels can solve a linkage: one with a turning crank and groups of class II; NumPy solves all."""
-    return isinstance(structure.pivot, Revolute) and not structure.is_numerical
+    """Whether the kernels can solve a linkage: turning crank, groups of class II, no change point; NumPy solves all."""
+    changes = any(dyad.changes for dyad in structure.dyads)
+    return isinstance(structure.pivot, Revolute) and not structure.is_numerical and not changes
 
 
 @lru_cache(maxsize=16)
 def flatten(mechanism: Mechanism) -> FlatLinkage:
     """The tables of a linkage, in the assembly modes its sketch picks; raises LinkproofError where there are none."""
-    if not has_kernels(mechanism.structure):
+    if not isinstance(mechanism.structure.pivot, Revolute):
         raise LinkproofError(
             f"'{mechanism.linkage.name}': expected a turning crank and groups of class II, which many designs at once "
             f"need, got {mechanism.structure.formula}; evaluate every design as a mechanism of its own"

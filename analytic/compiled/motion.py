@@ -43,7 +43,7 @@ def check_able(equation: EquationOfMotion) -> None:
         raise LinkproofError(
             f"path: expected 'numpy' or 'auto' with the half slope '{equation.half_slope}' of a linkage "
             f"{equation.mechanism.structure.formula}, got 'compiled', whose kernels know the exact one only, of cranks "
-            "that turn and groups of class II; leave the path out"
+            "that turn, groups of class II and no change points; leave the path out"
         )
     kernels("integration")
 

@@ -111,11 +111,12 @@ class EquationOfMotion:
         return {} if self.over_time is None else {"push": self.push, "knots": self.over_time.times}
 
     def tabulated(self, degree: int = DEGREE) -> EquationOfMotion:
-        """The same equation read from a table over one turn; unchanged if the driver cannot make a full turn."""
+        """The same equation read from a table over its period; unchanged if the driver cannot make a full turn."""
         if self.mechanism.linkage.is_linear:
             return self
         try:
-            return replace(self, table=tabulate(self.closed_form, degree))
+            period = self.mechanism.period
+            return replace(self, table=tabulate(self.closed_form, degree, ends=(0.0, period), period=period))
         except AssemblyError:
             return self
 

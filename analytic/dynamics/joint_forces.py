@@ -53,7 +53,8 @@ def reactions(sweep: Sweep, speed: ArrayLike, acceleration: ArrayLike) -> Reacti
     """Forces and moments of all joints for a crank speed ω (rad/s) and acceleration ε (rad/s²).
 
     Both are signed, of the sweep's shape or scalar; zeros give the static forces. Raises AssemblyError where the
-    linkage cannot be put together or stands in a dead position.
+    linkage cannot be put together or stands in a dead position. Beside a change point that the linkage passes forces
+    grow as the reciprocal of the distance, unless nothing loads the group; at the point itself they are nan.
     """
     structure, linkage = sweep.structure, sweep.linkage
     balance = LinkBalance(LoadedSweep(sweep, speed, acceleration))
@@ -67,6 +68,8 @@ def reactions(sweep: Sweep, speed: ArrayLike, acceleration: ArrayLike) -> Reacti
         forces[slider.name] = (x, y)
     for slot in linkage.slots:
         forces[slot.name] = balance.on_sliders[slot.name][:2]
+    if structure.changes_at(sweep.angle).any():
+        forces = {name: _undefined(sweep, force) for name, force in forces.items()}
     return Reactions(
         {name: _vector(sweep, force) for name, force in forces.items()},
         {name: _full(sweep, moment) for name, moment in moments.items()},
@@ -129,6 +132,12 @@ def shaking_moment(sweep: Sweep, speed: ArrayLike, acceleration: ArrayLike, abou
 def _on_frame(sweep: Sweep, speed: ArrayLike, acceleration: ArrayLike, about: Vector) -> Wrench:
     """By d'Alembert's principle the frame takes all that acts on the links from outside; inner forces cancel."""
     return resultant(sweep, LoadedSweep(sweep, speed, acceleration).from_outside(), about)
+
+
+def _undefined(sweep: Sweep, force: Pair) -> Pair:
+    """A joint's force without its values at change points."""
+    singular = sweep.structure.changes_at(sweep.angle)
+    return (np.where(singular, np.nan, force[0]), np.where(singular, np.nan, force[1]))
 
 
 def _full(sweep: Sweep, values: Scalar) -> Array:

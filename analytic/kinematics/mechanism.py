@@ -9,10 +9,12 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import ArrayLike
 
+from analytic.description.crank_motion import degrees
 from analytic.description.linkage import Linkage, Vector
-from analytic.errors import StructureError
+from analytic.errors import AssemblyError, StructureError
 from analytic.kinematics import frames
 from analytic.kinematics.assembly import check_assembly
+from analytic.kinematics.change_points import period_of, through_change_points
 from analytic.kinematics.dyad_solver import DyadSolver
 from analytic.kinematics.error_bounds import relative_bounds
 from analytic.kinematics.frames import Pose
@@ -27,6 +29,7 @@ from analytic.kinematics.sweep import Array, Sweep, placed, solver_of
 AMBIGUITY = 0.9
 TELLING = 1e-6  # share of the drawing's size by which the modes must differ at a point for the sketch to show it
 FULL_TURN = 2.0 * np.pi
+AT_REST = 1e-6  # rad from a change point
 
 
 class Mechanism:
@@ -38,7 +41,21 @@ class Mechanism:
 
     def __init__(self, linkage: Linkage) -> None:
         self.linkage = linkage
-        self.structure: Structure = _signed(linkage, find_structure(linkage))
+        signed = _signed(linkage, find_structure(linkage))
+        self.structure, self._undetermined = through_change_points(signed, linkage.sketch_angle)
+        self.period = period_of(self.structure)
+
+    @property
+    def repeats(self) -> bool:
+        """Whether all is as before after a turn: not of a driver that is pushed, nor with one change point a turn."""
+        return not self.linkage.is_linear and self.period == FULL_TURN
+
+    @cached_property
+    def changes(self) -> tuple[float, ...]:
+        """Crank angles at which two assembly modes meet and the linkage goes on smoothly, rad in [0, 2π)."""
+        points = [dyad.changes.angles for dyad in self.structure.dyads if dyad.changes]
+        turned = [float(np.mod(angle, FULL_TURN)) for angles in points for angle in angles]
+        return tuple(sorted({round(angle, 8): angle for angle in turned}.values()))
 
     def sweep(self, angle: ArrayLike) -> Sweep:
         """The linkage at every crank angle (rad, any shape); nothing is computed until it is asked for."""
@@ -51,13 +68,16 @@ class Mechanism:
 
     @cached_property
     def turn(self) -> Sweep:
-        """One full turn in half-degree steps: extremes are refined from here; of a driver that is pushed its range."""
+        """One full turn in half-degree steps: extremes are refined from here; of a driver that is pushed its range.
+
+        Of a linkage that repeats its motion after several turns as many (``period``).
+        """
         if self.linkage.is_linear:
             from analytic.kinematics.crank_range import crank_range  # noqa: PLC0415 - it is made of mechanisms
 
             low, high = crank_range(self).limits
             return self.sweep(np.linspace(low, high, 724)[2:-2])  # at its limits it stands in dead positions
-        return self.sweep(np.linspace(0.0, FULL_TURN, 720, endpoint=False))
+        return self.sweep(np.linspace(0.0, self.period, round(720 * self.period / FULL_TURN), endpoint=False))
 
     def error_bound(self) -> tuple[float, float, float]:
         """Bounds on the closed form's own error over a turn: positions, first and second derivatives.
@@ -71,6 +91,27 @@ class Mechanism:
         """Raise AssemblyError where the crank cannot make a full turn."""
         for body in self.structure.bodies:
             self.turn.poses(body)
+        self.check_determined(0.0, self.period)
+
+    def check_determined(self, low: float, high: float) -> None:
+        """Raise AssemblyError where a dyad turns freely at a crank angle between two, rad."""
+        for dyad, angle in self._undetermined:
+            if (angle - low) % FULL_TURN <= high - low:
+                raise AssemblyError(
+                    f"'{self.linkage.name}' is undetermined at {degrees(angle)}: '{dyad.first}' and '{dyad.second}' "
+                    "have their outer pins on top of each other and turn about them freely; move one of the pivots"
+                )
+
+    def check_rest(self, angle: float) -> None:
+        """Raise AssemblyError where the crank is at rest on a change point, from which two motions branch off."""
+        for dyad in self.structure.dyads:
+            for change in dyad.changes.angles if dyad.changes else ():
+                if abs((angle - change + np.pi) % FULL_TURN - np.pi) < AT_REST:
+                    where = degrees(round(change, 6) % round(FULL_TURN, 6))
+                    raise AssemblyError(
+                        f"'{self.linkage.name}' is at rest on a change point at {where}, from which "
+                        f"'{dyad.first}' and '{dyad.second}' can go on in two ways; start, turn and rest elsewhere"
+                    )
 
 
 def _signed(linkage: Linkage, structure: Structure) -> Structure:

@@ -14,12 +14,17 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING
 
+import numpy as np
+from numpy.typing import NDArray
+
 from analytic.description.linkage import GROUND, Link, Linkage, Pin, Slider, Vector, rotate
 from analytic.errors import StructureError, listed
 
 if TYPE_CHECKING:
+    from analytic.kinematics.change_points import ChangePoints
     from analytic.kinematics.groups.branch import Branch
 
+AT_A_CHANGE = 1e-7  # rad
 # Kinds of class II groups whose two links can be placed; PPP cannot turn and is no group.
 KINDS = ("RRR", "RRP", "RPR", "RPP", "PRP")
 ROMAN = {1: "I", 2: "II", 3: "III", 4: "IV", 5: "V", 6: "VI"}
@@ -81,7 +86,7 @@ class Dyad:
 
     ``first_joint`` is seen from a placed body to ``first``, ``inner_joint`` from ``second`` to ``first``,
     ``second_joint`` from a placed body to ``second``. ``sign`` (W of the articles, +1 or -1) picks the assembly
-    mode; 0 where there is only one.
+    mode; 0 where there is only one. With ``changes`` it is the sign at the sketch's crank angle.
     """
 
     kind: str
@@ -91,6 +96,7 @@ class Dyad:
     inner_joint: Joint
     second_joint: Joint
     sign: int = 0
+    changes: ChangePoints | None = field(default=None, compare=False, repr=False)
 
     @property
     def has_two_modes(self) -> bool:
@@ -175,12 +181,20 @@ class Structure:
         return len(self.dyads) < len(self.groups)
 
     def with_signs(self, signs: tuple[int, ...]) -> Structure:
-        """The same structure with the dyads' assembly signs filled in."""
+        """The same structure with the dyads' assembly signs filled in, the same at every crank angle."""
         left = iter(signs)
-        groups = tuple(replace(g, sign=next(left)) if isinstance(g, Dyad) else g for g in self.groups)
+        groups = tuple(replace(g, sign=next(left), changes=None) if isinstance(g, Dyad) else g for g in self.groups)
         if len(signs) != len(self.dyads):
             raise ValueError(f"expected {len(self.dyads)} signs, got {len(signs)}")
         return replace(self, groups=groups)
+
+    def changes_at(self, angle: NDArray[np.float64]) -> NDArray[np.bool_]:
+        """Whether crank angles, rad, are change points of a dyad, to the digits that such are known with."""
+        result = np.zeros(np.shape(angle), dtype=bool)
+        for dyad in self.dyads:
+            for change in dyad.changes.angles if dyad.changes else ():
+                result |= np.abs(np.mod(angle - change + np.pi, 2.0 * np.pi) - np.pi) < AT_A_CHANGE
+        return result
 
     @property
     def formula(self) -> str:

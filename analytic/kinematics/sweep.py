@@ -17,6 +17,7 @@ from analytic.kinematics.groups.solver import GroupSolver
 from analytic.kinematics.structure import AnyGroup, Cylinder, Dyad, Prismatic, Revolute, Structure
 
 Array = NDArray[np.float64]
+FIXED: tuple[Any, Any, Any] = ((0.0, 0.0, 1.0, 0.0), STILL, STILL)  # the ground and its derivatives
 
 
 def crank_pose(pivot: Revolute | Prismatic, angle: Scalar) -> Pose:
@@ -27,15 +28,14 @@ def crank_pose(pivot: Revolute | Prismatic, angle: Scalar) -> Pose:
     return frames.pose_through(pivot.near_local, (np.cos(angle), np.sin(angle)), pivot.far_local)
 
 
-def _crank_rates(pivot: Revolute | Prismatic, crank: Pose) -> tuple[Rate, Rate]:
-    """First and second derivative of the driver's frame over φ."""
+def crank_motion(pivot: Revolute | Prismatic, angle: Scalar) -> tuple[Pose, Rate, Rate]:
+    """Pose of the driver's frame at φ, and its first and second derivative."""
+    crank = crank_pose(pivot, angle)
     if isinstance(pivot, Prismatic):
-        return (*pivot.along, 0.0), STILL
+        return crank, (*pivot.along, 0.0), STILL
     local = pivot.far_local
-    return (
-        frames.rate_through(crank, (0.0, 0.0), 1.0, local),
-        frames.acceleration_through(crank, (0.0, 0.0), 1.0, 0.0, local),
-    )
+    rate = frames.rate_through(crank, (0.0, 0.0), 1.0, local)
+    return crank, rate, frames.acceleration_through(crank, (0.0, 0.0), 1.0, 0.0, local)
 
 
 def output_of(linkage: Linkage) -> Output:
@@ -56,7 +56,7 @@ def placed(structure: Structure, angle: Scalar) -> dict[str, Pose]:
 
 def solver_of(group: AnyGroup, angle: Array) -> DyadSolver | GroupSolver:
     """What solves a group at values of φ: formulas of a dyad, Newton's method for a higher class."""
-    return DyadSolver(group) if isinstance(group, Dyad) else GroupSolver(group, angle)
+    return DyadSolver(group, angle) if isinstance(group, Dyad) else GroupSolver(group, angle)
 
 
 class Sweep:
@@ -75,10 +75,9 @@ class Sweep:
         self._centres: dict[tuple[str, int], Pair] = {}
         self._needs = {name: group for group in structure.groups for name in group.links}
         # Poses, rates and accelerations.
-        self._known: list[dict[str, Any]] = [{GROUND: (0.0, 0.0, 1.0, 0.0)}, {GROUND: STILL}, {GROUND: STILL}]
+        self._known: list[dict[str, Any]] = [{GROUND: fixed} for fixed in FIXED]
         if structure.pivot is not None:
-            crank = crank_pose(structure.pivot, angle)
-            for known, part in zip(self._known, (crank, *_crank_rates(structure.pivot, crank)), strict=True):
+            for known, part in zip(self._known, crank_motion(structure.pivot, angle), strict=True):
                 known[linkage.crank] = part
 
     def poses(self, body: str) -> Pose:

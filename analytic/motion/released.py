@@ -130,7 +130,7 @@ class FreeMotion:
             gauss_scheme(NODES),
             tolerance=LOOSE,
             rounding=DISTURBANCE * push,
-            repeats=not self.equation.mechanism.linkage.is_linear,
+            repeats=self.equation.mechanism.repeats,
             **self.equation.timing,
         )
         response = float(np.max(np.abs(angle - moved.angle_at(time)))) / DISTURBANCE
@@ -221,6 +221,6 @@ def _integrated(
         tolerance=tolerance,
         rounding=rounding,
         place=linkage.coordinate,
-        repeats=not linkage.is_linear,
+        repeats=equation.mechanism.repeats,
         **equation.timing,
     )

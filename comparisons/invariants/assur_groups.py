@@ -23,6 +23,7 @@ class AssurGroups:
         self.equations = equations
         self._pins = self._pin_points()
         self.blocks: list[tuple[Numbers, Numbers]] = []
+        self.members: list[tuple[str, ...]] = []
         placed = {GROUND, equations.scene.crank} if equations.scene.crank else {GROUND}
         left = [name for name in equations.index if name not in placed]
         while left:
@@ -30,6 +31,7 @@ class AssurGroups:
             group = next(bodies for bodies in sets if len(bodies) == len(left) or self._places(bodies, placed))
             rows = np.array(self._rows_of(group, placed), dtype=np.intp).T
             self.blocks.append((rows, self._columns(group)))
+            self.members.append(group)
             placed |= {*group}
             left = [name for name in left if name not in group]
 

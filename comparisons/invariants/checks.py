@@ -8,6 +8,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
+from analytic.description.law import FULL_TURN
 from comparisons.invariants import invariants
 from comparisons.invariants.corrections import LEVELS
 from comparisons.invariants.energy_account import EnergyBalance, energy_at_play, energy_balance
@@ -57,7 +58,7 @@ NEEDS: Mapping[str, tuple[Channel, ...]] = {
 
 
 def _checks(case: Case, motion: ObservedMotion, blank: Record) -> Iterator[Record]:
-    seen = Inspection(motion)
+    seen = Inspection(motion, change_points(case))
     for name, needed in NEEDS.items():
         if name == "force_balance" and Channel.JOINT_FORCE not in motion.scene.channels:
             continue
@@ -70,6 +71,17 @@ def _checks(case: Case, motion: ObservedMotion, blank: Record) -> Iterator[Recor
             yield _undefined(record, "no link has a mass and nothing loads one: there is nothing to balance")
         else:
             yield _checked(case, seen, replace(record, origin=blank.origin or motion.origin(needed).value))
+
+
+def change_points(case: Case) -> dict[frozenset[str], tuple[float, ...]]:
+    """Change points of the linkage's groups, rad in [0, 2π), by their links: lengths decide on them, no motion does."""
+    links = case.mechanism.linkage.links
+    found = {}
+    for dyad in case.mechanism.structure.dyads:
+        if dyad.changes:
+            angles = {round(angle % FULL_TURN, 8) % round(FULL_TURN, 8) for angle in dyad.changes.angles}
+            found[frozenset(dyad.links) & frozenset(links)] = tuple(sorted(angles))
+    return found
 
 
 def _lacking(motion: ObservedMotion, name: str, needed: Sequence[Channel]) -> str:

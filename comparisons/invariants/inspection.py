@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from dataclasses import dataclass
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field
 from functools import cached_property
 from itertools import takewhile
 
@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from analytic.description.crank_motion import CrankMotion
+from analytic.description.law import FULL_TURN
 from comparisons.invariants.assur_groups import AssurGroups
 from comparisons.invariants.corrections import LEVELS, Findings, findings
 from comparisons.observation.interpolation import POINTS, resample
@@ -41,6 +42,7 @@ class Inspection:
     """All that can be found in a motion is worked out once, on each of the clocks its channels have."""
 
     motion: ObservedMotion
+    changes: Mapping[frozenset[str], tuple[float, ...]] = field(default_factory=dict)  # by group, rad
 
     @cached_property
     def groups(self) -> AssurGroups:
@@ -91,7 +93,7 @@ class Inspection:
     def assembly_mode(self) -> Signal:
         """How far any group is into the mode it did not start in, over the farthest it is from a dead position."""
         found = self.on(Channel.POSITION)
-        depth = np.maximum(-found.determinants * self._start_modes(), 0.0)
+        depth = np.maximum(-found.determinants * self._start_modes() * self._passed(found.time), 0.0)
         return Signal(found.time, np.max(depth / np.max(np.abs(found.determinants), axis=0), axis=1))
 
     def _start_modes(self) -> Array:
@@ -101,6 +103,17 @@ class Inspection:
         seen = np.concatenate([first, self.on(Channel.POSITION).determinants])
         told = np.argmax(np.abs(seen) > NOWHERE, axis=0)
         return np.asarray(np.sign(np.take_along_axis(seen, told[None], axis=0)[0]))
+
+    def _passed(self, time: Array) -> Array:
+        """-1 where a group has passed an odd number of its change points since the start, else 1; (n, groups)."""
+        names, angle = list(self.groups.equations.index), self.motion.crank(Channel.POSITION, time)
+        start = self.motion.scene.crank_angle if self.changes else 0.0
+        result = np.ones((len(time), 1 + len(self.groups.blocks)))
+        for number, bodies in enumerate(self.groups.members, start=1):
+            for change in self.changes.get(frozenset(bodies) & frozenset(names), ()):
+                turned = np.floor((angle - change) / FULL_TURN) - np.floor((start - change) / FULL_TURN)
+                result[:, number] *= np.where(turned % 2 == 0, 1.0, -1.0)
+        return result
 
     def torque_required(self) -> Signal:
         """Drive torque by the power that the motion and its loads take, N m, on the acceleration's clock.

@@ -42,6 +42,7 @@ INSTANTS: Final = 2001
 LOOK: Final = math.radians(0.5)
 # Clocks whose truth is kept. A run has no more than two or three, and no other run has the same.
 KEPT: Final = 4
+AT_REST: Final = 1e-9  # of the peak speed
 
 
 class Spin(Protocol):
@@ -170,6 +171,7 @@ class Case:
         """Raise AssemblyError where the linkage cannot be assembled, or cannot move, at an angle the crank passes."""
         angle = self.motion.angle(np.linspace(0.0, self.motion.duration, INSTANTS))
         low, high = float(np.min(angle)), float(np.max(angle))
+        self._check_change_points(low, high)
         turns = not self.mechanism.linkage.is_linear
         look = LOOK * (1.0 if turns else self.mechanism.linkage.extent())
         passed = np.linspace(low, high, math.ceil((high - low) / look) + 2)
@@ -182,6 +184,23 @@ class Case:
             if turns:
                 crank_range(self.mechanism, float(angle[0])).check(low, high, self.mechanism.linkage.name)
             raise
+
+    def _check_change_points(self, low: float, high: float) -> None:
+        """Raise AssemblyError where a dyad turns freely at an angle passed, or the crank rests on a change point."""
+        self.mechanism.check_determined(low, high)
+        motion = self.motion
+        pieces = motion.segments if isinstance(motion, CrankMotion) else ()
+        ends = {0.0, *(piece.start for piece in pieces), *(piece.end for piece in pieces)}
+        for end in ends:
+            if abs(float(motion.speed(end))) <= AT_REST * motion.peak_speed:
+                self.mechanism.check_rest(float(motion.angle(end)))
+
+    @property
+    def unbounded_at(self) -> float | None:
+        """A change point that the motion passes, rad: there joint forces have no bound; None if there is none."""
+        angle = self.motion.angle(np.linspace(0.0, self.motion.duration, INSTANTS))
+        low, high = float(np.min(angle)), float(np.max(angle))
+        return next((c for c in self.mechanism.changes if (c - low) % FULL_TURN <= high - low), None)
 
     def start(self) -> Sweep:
         """The linkage in its first instant."""

@@ -78,7 +78,7 @@ class Judgement:
 def judged(case: Case, scene: Scene, run: Run, setting: str) -> Judgement:
     """Compare a run with the closed form and check its invariants, by the limits of a setting.
 
-    Where the closed form itself has no motion (a change point), no motion is right, and the invariants have to flag it.
+    Where the closed form itself has no motion, no motion is right, and the invariants have to flag it.
     """
     if run.outcome is not Outcome.FINISHED or run.history is None:
         return Judgement(StressVerdict(run.outcome.value), run.reason)

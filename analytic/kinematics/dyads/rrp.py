@@ -118,6 +118,16 @@ def toggle(dyad: Dyad, closure: Closure) -> str:
     return f"'{dyad.first}' square to the guide of '{dyad.second}'"
 
 
+def gap(k: RRPConstants, near: Poses) -> Scalar:
+    """There are no two outer pins to meet."""
+    return math.inf
+
+
+def touching(k: RRPConstants, margin: Scalar, gap: Scalar) -> RRPConstants:
+    """The arm reaches the line."""
+    return k._replace(reach=(k.reach[0] - margin, k.reach[1]))
+
+
 def shortfall(dyad: Dyad, k: RRPConstants, near: Poses, at: At, written: Written) -> Shortfall:
     """The arm does not reach the line."""
     assert isinstance(dyad.first_joint, Revolute)

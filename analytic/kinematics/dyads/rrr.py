@@ -113,6 +113,22 @@ def toggle(dyad: Dyad, closure: Closure) -> str:
     return "stretched in one line" if np.all(frames.dot(closure.u, closure.v) < 0.0) else "folded in one line"
 
 
+def gap(k: RRRConstants, near: Poses) -> Scalar:
+    """Distance of the outer pins."""
+    d = frames.minus(frames.point(near[1], k.b), frames.point(near[0], k.a))
+    return np.sqrt(frames.dot(d, d))
+
+
+def touching(k: RRRConstants, margin: Scalar, gap: Scalar) -> RRRConstants:
+    """The sum of the arms is the gap, or their difference is."""
+    total, difference = k.lengths[0] + k.lengths[1], k.lengths[0] - k.lengths[1]
+    if abs(total - gap) < abs(gap - abs(difference)):
+        total = gap
+    else:
+        difference = gap if difference > 0.0 else -gap
+    return k._replace(lengths=(0.5 * (total + difference), 0.5 * (total - difference)))
+
+
 def shortfall(dyad: Dyad, k: RRRConstants, near: Poses, at: At, written: Written) -> Shortfall:
     """Arms too short for the gap, or one too long."""
     gap = at(np.hypot(*frames.minus(frames.point(near[1], k.b), frames.point(near[0], k.a))))

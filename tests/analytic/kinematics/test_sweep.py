@@ -59,7 +59,7 @@ def test_points_and_angles_agree_with_fifty_digits_in_every_assembly_mode(name, 
     peaks = _peaks(_motion(sample.turn), places) if (name, variant) in FULL_TURN else 0.0
     for angle in angles(6):
         for sweep in modes(sample, angle):
-            truth = exact(sample, angle) if sweep.structure == sample.structure else Exact(sweep)
+            truth = exact(sample, angle) if sweep.structure == sample.structure and not sample.changes else Exact(sweep)
             got = np.array(_motion(sweep))
             errors = np.abs(np.array(_exact_motion(sweep, truth)) - got).astype(float)
             own = _peaks(got[..., None], places)
@@ -94,14 +94,6 @@ def test_parallelogram_turns_its_rocker_with_the_crank():
     assert np.allclose(sweep.rates("rocker")[2][away], 1.0, rtol=0.0, atol=FEW_ROUNDINGS)
     assert np.allclose(sweep.rates("coupler")[2][away], 0.0, rtol=0.0, atol=FEW_ROUNDINGS)
     assert np.allclose(sweep.accelerations("rocker")[2][away], 0.0, rtol=0.0, atol=FEW_ROUNDINGS)
-
-
-@pytest.mark.parametrize("degrees", [0.0, 180.0, 360.0])
-def test_change_point_has_poses_but_refuses_velocities(degrees):
-    sweep = mechanism("parallelogram").sweep(np.radians(degrees))
-    assert np.allclose(sweep.point("B"), sweep.point("A") + np.array([0.06, 0.0]), rtol=0.0, atol=1e-9)
-    with pytest.raises(AssemblyError, match=r"dead position at .*velocities are undefined; choose other crank angles"):
-        sweep.rates("rocker")
 
 
 def test_centric_slider_crank_at_both_dead_centres():

@@ -4,6 +4,7 @@ import dataclasses
 import math
 import re
 
+import mpmath as mp
 import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
@@ -19,7 +20,7 @@ from analytic.motion.energy import energy_imbalance
 from analytic.motion.released import free_motion
 from analytic.motion.rkfixed import fixed_step
 from tests.analytic import article_000
-from tests.analytic.linkages import from_text, mechanism, text_of
+from tests.analytic.linkages import FOLDER, from_text, mechanism, text_of
 from tests.analytic.swinging import double_rocker_text
 from tests.analytic.textbook import (
     DOUBLE_ROCKER,
@@ -32,6 +33,7 @@ from tests.analytic.textbook import (
 # rad. What the reference aims at over the published 10 s; the engines it judges reach 5e-7 and 1e-6.
 FREE, DRIVEN = 1e-11, 1e-8
 # rad. Exact solutions of a few turns, and what of them a start next to the upper equilibrium leaves.
+COUPLED = 1e-11
 EXACT, AFTER_A_DWELL = 1e-12, 1e-9
 # rad. The second integrator's own error over a few turns at its tightest tolerance.
 SECOND_INTEGRATOR = 1e-9
@@ -305,3 +307,19 @@ def test_a_torque_over_time_makes_no_energy():
     assert energy_imbalance(motion) < 1e-6
     with pytest.raises(LinkproofError, match="compiled"):
         free_motion(motion.equation.mechanism, over_time=law, start_angle=4.7, duration=0.1, path="compiled")
+
+
+def test_ten_coupled_four_bars_are_one_pendulum():
+    """All rods turn alike, so Jeq is constant and the crank obeys φ̈ = -w/J cos φ: Taylor's series of 25 digits."""
+    sample = Mechanism(load(str(FOLDER / "change-points" / "ten-four-bars.toml")))
+    (own,) = sample.linkage.regimes
+    motion = free_motion(sample, start_angle=own.start_angle, start_speed=own.start_speed, duration=own.duration)
+    rods, couplers = 11, 10
+    rate = mp.mpf("9.81") * (mp.mpf(rods) / 2 + couplers) / (mp.mpf(rods) / 3 + couplers)
+    with mp.workdps(25):
+        start = [mp.mpf(own.start_angle), mp.mpf(own.start_speed)]
+        truth = mp.odefun(lambda _, state: [state[1], -rate * mp.cos(state[0])], 0, start)
+        for time in (1.0, 2.5, 5.0, 10.0):
+            angle, speed = truth(time)
+            assert abs(float(motion.angle(time) - angle)) < COUPLED
+            assert abs(float(motion.speed(time) - speed)) < 10 * COUPLED

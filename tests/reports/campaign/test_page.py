@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 
-from analytic.description.loading import load
+from analytic.description.loading import load, parse
 from analytic.errors import LinkproofError
 from comparisons.campaign.results import RECORDS, Results
 from comparisons.judging.records import Verdict, to_json
@@ -136,7 +136,6 @@ def test_a_linkage_without_output_or_published_figures_has_its_own_page():
 
 
 def load_text(source, name):
-    from analytic.description.loading import parse  # noqa: PLC0415
 
     return parse(source, name, name)
 
@@ -161,10 +160,10 @@ def test_a_regime_that_prescribes_nothing_and_a_campaign_that_gave_nothing_have_
 
 
 def test_dead_positions_are_told_not_raised():
-    path = LINKAGES / "parallelogram.toml"
+    text = (LINKAGES / "parallelogram.toml").read_text(encoding="utf-8")
+    stuck = parse(text.replace("B = [25, 0]", "B = [15, 0]"), "sample", "sample.toml")
     broken = {"alpha": Verdict.DIVERGED, "beta": Verdict.DIVERGED}
-    text = page(made_up_results([load(str(path))], broken=broken, quantities=("Mkr",)))
-    assert "dead position at 0°" in text
+    assert "cannot be assembled at" in page(made_up_results([stuck], broken=broken, quantities=("Mkr",)))
 
 
 def test_a_saved_campaign_becomes_a_page_with_no_engine_imported(results, tmp_path):
