@@ -92,9 +92,10 @@ def _read(choice: JudgeChoice, linkage: Linkage, destination: Destination) -> Im
     try:
         return read_results(choice.results, linkage, choice.mapping)
     except MappingNeededError as error:
-        if choice.write_mapping is not None:
-            write_text(choice.write_mapping, error.mapping_text)
-            destination.say(f"mapping to fill in: {choice.write_mapping}")
+        if choice.write_mapping is None:
+            raise LinkproofError(f"{error}; --write-mapping FILE writes one to fill in") from error
+        write_text(choice.write_mapping, error.mapping_text)
+        destination.say(f"mapping to fill in: {choice.write_mapping}")
         raise
 
 
