@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import pairwise
 
 import numpy as np
@@ -18,6 +18,7 @@ Array = NDArray[np.float64]
 
 GRADES = (0.5, 0.75)  # of the peak speed: where the step changes; no step is more than twice another's
 EVEN = 1.0 + 1e-9  # an even speed has one grade
+MANY = 20  # segments that have the least number of steps each; there and back by a law with dwells has as many
 SAMPLED = 64  # places of a segment at which its speed is looked at
 
 
@@ -67,6 +68,8 @@ def released_intervals(duration: float, kinks: Sequence[float], step: float) -> 
 def intervals(motion: CrankMotion, pace: Pace) -> list[Interval]:
     """The motion's segments in steps as fine as the pace asks for."""
     first = motion.segments[0]
+    if len(motion.segments) > MANY:  # a table: its pieces need not be resolved each by itself
+        pace = replace(pace, least_steps=math.ceil(pace.least_steps * MANY / len(motion.segments)))
     return [
         interval
         for segment in motion.segments
