@@ -31,10 +31,15 @@ STEPS = f"{PUBLISHED_STEPS} Runge-Kutta steps"
 
 @dataclass(frozen=True)
 class Released:
-    """A regime of the linkage's own: the crank is released to a constant torque and the loads."""
+    """A regime of the linkage's own: the crank is released to a torque and the loads."""
 
     mechanism: Mechanism
     own: ReleasedRegime
+
+    @property
+    def is_steady(self) -> bool:
+        """Whether the torque is constant, as the articles' and that of an angle of rest is."""
+        return self.own.over_angle is None and self.own.over_time is None
 
     @cached_property
     def motion(self) -> FreeMotion:
@@ -43,8 +48,10 @@ class Released:
 
     @cached_property
     def coarse(self) -> FixedStepMotion | None:
-        """The motion as articles 000 and 001 integrate it; None where that integration breaks down."""
+        """The motion as articles 000 and 001 integrate it; None where that breaks down or has no such torque."""
         own = self.own
+        if not self.is_steady:
+            return None
         try:
             return fixed_step(
                 self.mechanism,
