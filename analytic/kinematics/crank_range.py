@@ -192,12 +192,23 @@ class _Search:
             return None
         end = float(bad[np.argmin(np.abs(bad))])
         good = float(offsets[np.abs(offsets) < abs(end)][-1])
-        row = self.worst(end)
+        for _ in self.signs:
+            row = self.worst(end)
+            at = self._end(row, good, end)
+            margins = self.margins(np.array([at]))[:, 0]
+            margins[row] = 0.0
+            if np.min(margins) >= -ROUNDING:
+                break
+            end = at  # a group before it comes to its end nearer to the start
+        return self.toggle(at, row)
+
+    def _end(self, row: int, good: float, end: float) -> float:
+        """Where a group's margin is zero between an offset where it has some and one where it has none."""
 
         def margin(offset: float) -> float:
             return float(self.margins(np.array([offset]))[row, 0])
 
-        return self.toggle(root(margin, good, end) if margin(good) > 0.0 else good, row)
+        return root(margin, good, end) if margin(good) > 0.0 else good
 
     def change_points(self, low: Toggle | None, high: Toggle | None) -> tuple[Toggle, ...]:
         """Where the margin touches zero within the range."""

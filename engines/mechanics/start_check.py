@@ -91,7 +91,8 @@ def ability_obstacle(scene: Scene, abilities: Abilities) -> str | None:
     if type(scene.drive) not in abilities.drives:
         return f"it takes no {_words(scene.drive)} drive"
     if scene.driver_kind not in abilities.drivers:
-        return f"it takes no {scene.driver_kind} as the driver, only {' or '.join(sorted(abilities.drivers))}"
+        known = " or ".join(f"a {kind}" for kind in sorted(abilities.drivers))
+        return f"it takes no {scene.driver_kind} as the driver, only {known}"
     if isinstance(scene.drive, Free) and scene.drive.over_time is not None and not abilities.timed_torque:
         return "it takes no crank torque that changes with time"
     loads = (*scene.forces, *scene.torques, *scene.springs, *scene.dampers)

@@ -140,7 +140,7 @@ def test_the_range_is_said_in_the_length_unit_of_the_file(name):
 def test_engines_that_turn_cranks_only_say_so(name):
     scene = Case(driven(name), MOTIONS[name]).scene(Channel)
     reason = ability_obstacle(scene, PymunkEngine.abilities)
-    assert reason == f"it takes no {scene.driver_kind} as the driver, only crank"
+    assert reason == f"it takes no {scene.driver_kind} as the driver, only a crank"
 
 
 @pytest.mark.parametrize("name", MOTIONS)

@@ -49,11 +49,12 @@ def nearest(linkage: Linkage, structure: Structure, group: Group, problem: Probl
     if len(found) > 1 and not distances[order[0]] < AMBIGUITY * distances[order[1]]:
         one, other = places[order[0]], places[order[1]]
         least = TELLING * linkage.extent()
-        telling = sorted(p for p in one if math.dist(one[p], other[p]) > least and p not in linkage.sketch)
+        apart = sorted(p for p in one if math.dist(one[p], other[p]) > least)
+        telling = [point for point in apart if point not in linkage.sketch] or apart
         raise StructureError(
             f"sketch of '{linkage.name}': expected the rough position of {' or '.join(map(repr, telling))} at "
             f"{linkage.coordinate(at)}, got a sketch that leaves open which of {len(found)} configurations "
-            f"{names} have; add it under [sketch.points]"
+            f"{names} have; place it under [sketch.points], nearer to one of them"
         )
     return np.asarray(found[order[0]])
 
