@@ -181,8 +181,7 @@ class Case:
                 for body in self.mechanism.structure.bodies:
                     sweep.rates(body)
         except AssemblyError:
-            if turns:
-                crank_range(self.mechanism, float(angle[0])).check(low, high, self.mechanism.linkage.name)
+            crank_range(self.mechanism, float(angle[0])).check(low, high, self.mechanism.linkage.name)
             raise
 
     def _check_change_points(self, low: float, high: float) -> None:

@@ -1,5 +1,7 @@
 """Cranks that swing: every installed engine within its limits, S counted from the farthest point, and the way there."""
 
+from pathlib import Path
+
 import pytest
 
 from analytic.errors import AssemblyError, LinkproofError
@@ -24,6 +26,7 @@ dwell = 0.1
 time  = [0, 0.05, 0.1, 0.15, 0.2, 0.25, 0.3]
 angle = [40, 41, 45, 52, 59, 63, 64]
 """
+LINKAGES = Path(__file__).parents[2] / "linkages"
 INSTALLED = [name for name in engine_names() if why_unavailable(engine(name)) is None]
 
 
@@ -94,3 +97,39 @@ def test_a_script_has_no_torque_over_time(tmp_path):
     (case, *_) = cases(request(CampaignChoice((str(path),), regimes=("timed",))))
     with pytest.raises(LinkproofError, match="got one over time in 'timed'"):
         exported(case, "exudyn", Setting.TUNED, "")
+
+
+LINEAR = """
+[regimes.lift]
+from = 260
+to = 500
+speed = 800
+law = "modified-sine"
+back = true
+
+[regimes.push]
+torque = [0, 900, 900]
+time = [0, 0.1, 0.2]
+start_angle = 300
+duration = 0.15
+
+[regimes.too-far]
+from = 260
+to = 600
+time = 1
+"""
+
+
+def test_a_cylinder_follows_a_law_in_millimetres_and_a_force_over_time(tmp_path):
+    path = tmp_path / "boom.toml"
+    path.write_text((LINKAGES / "drives" / "boom.toml").read_text() + LINEAR)
+    choice = CampaignChoice((str(path),), engines=("direct",), regimes=("lift", "push"))
+    lift, push = compare(request(choice), processes=0)
+    assert lift.records[0].conditions.startswith(
+        "modified-sine from 260 mm to 500 mm and back, at most 800 mm/s, gravity on"
+    )
+    for result in (lift, push):
+        assert {record.outcome for record in (*result.records, *result.invariants)} == {Verdict.PASSED}
+    too_far = CampaignChoice((str(path),), engines=("direct",), regimes=("too-far",))
+    with pytest.raises(AssemblyError, match="its drive reaches 232 mm to 572 mm"):
+        list(compare(request(too_far), processes=0))
