@@ -11,7 +11,7 @@ import numpy as np
 
 from analytic.description import schema as doc
 from analytic.description.crank_motion import LAWS, REGIMES, RPM, CrankMotion, Move, sequence, swing
-from analytic.description.crank_motion.table import table_motion
+from analytic.description.crank_motion.table import check_times, table_motion
 from analytic.description.law import Law, TimeLaw
 from analytic.description.linkage import OwnRegime, PrescribedRegime, ReleasedRegime
 from analytic.description.load_tables import law_over_angle
@@ -153,7 +153,10 @@ def _of_table(reader: Reader, name: str, table: doc.RegimeTable, where: str) -> 
     if times is None:
         raise reader.fail(f"{where}.time: expected a list of times in s beside the angles, got none; add time = [...]")
     angles = [angle * _unit(reader) for angle in table.angle or ()]
-    motion = table_motion(name, times, angles)
+    with _placed(reader, f"{where}.time"):
+        check_times(np.array(times or [0.0]))
+    with _placed(reader, f"{where}.angle"):
+        motion = table_motion(name, times, angles)
     low, high = motion.reach
     words = f"table of {len(times)} points between {_shown(reader, low)} and {_shown(reader, high)}"
     return motion, f"{words}, {motion.duration:.6g} s, {_at_most(reader, motion)}"

@@ -46,6 +46,12 @@ def check_table(time: Sequence[float], angle: Sequence[float]) -> None:
     t, phi = np.asarray(time, dtype=float), np.asarray(angle, dtype=float)
     if not (np.all(np.isfinite(t)) and np.all(np.isfinite(phi))):
         raise LinkproofError("expected finite times and angles, got nan or infinity; correct them")
+    check_times(t)
+    _check_steps(t, phi)
+
+
+def check_times(t: Array) -> None:
+    """Raise LinkproofError for times, s, that do not increase from 0 on."""
     if t[0] != 0.0:
         raise LinkproofError(f"expected times from 0 on, got {t[0]:g} s first; subtract it from all of them")
     late = np.flatnonzero(np.diff(t) <= 0.0)
@@ -55,7 +61,6 @@ def check_table(time: Sequence[float], angle: Sequence[float]) -> None:
             f"expected times that increase, got {t[number + 1]:g} s after {t[number]:g} s (point {number + 2}); sort "
             "them, and give every time one angle"
         )
-    _check_steps(t, phi)
 
 
 def _check_steps(time: Array, angle: Array) -> None:
