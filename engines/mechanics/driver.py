@@ -17,7 +17,7 @@ import numpy as np
 
 from analytic.description.linkage import DriverKind
 from engines.mechanics.states import Pose, Reals, across, body_numbers, dot, pose_of
-from engines.scene import Scene
+from engines.scene import Scene, SliderJoint
 
 
 @dataclass(frozen=True)
@@ -104,3 +104,9 @@ def driven(scene: Scene, position: Reals, *rates: Reals) -> tuple[Reals, ...]:
         along = np.sum(gradient * rate, axis=(1, 2))
         result.append(along if order == 1 else along - driver.bend(span, rates[0]))
     return tuple(result)
+
+
+def across_guide(guide: SliderJoint, force: Reals) -> Reals:
+    """What of a force (..., 2) on a driven slider is its guide's: the drive's is along the guide, which bears none."""
+    normal = across(np.array(guide.along))
+    return np.asarray(dot(force, normal)[..., None] * normal)

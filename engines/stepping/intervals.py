@@ -45,13 +45,15 @@ class Interval:
 class Pace:
     """How fine a motion is stepped: steps of at most ``step``, s, and at least ``steps_per_turn`` at each part's peak.
 
-    A segment has ``least_steps`` or more and is started anew at least every so many ``turns``.
+    A segment has ``least_steps`` or more and is started anew at least every so many ``turns``. ``turn`` is how much of
+    φ counts as one, rad or m.
     """
 
     step: float = math.inf
     steps_per_turn: float = 0.0
     least_steps: int = 8
     turns: float = math.inf
+    turn: float = FULL_TURN
 
 
 def whole_interval(duration: float, step: float, least: int) -> Interval:
@@ -89,7 +91,7 @@ def _of_segment(segment: Segment, after_jump: bool, motion: CrankMotion, pace: P
     longest = min(pace.step, (segment.end - segment.start) / pace.least_steps)
     for first, last in pairwise(cuts):
         length = float(time[last] - time[first])
-        turns = length * float(speed[first : last + 1].max()) / FULL_TURN
+        turns = length * float(speed[first : last + 1].max()) / pace.turn
         parts = max(1, math.ceil(turns / pace.turns - ROUNDING))
         samples = max(1, math.ceil(max(length / longest, turns * pace.steps_per_turn) / parts - ROUNDING))
         for start, end in pairwise(np.linspace(time[first], time[last], parts + 1).tolist()):

@@ -13,11 +13,14 @@ from contextlib import nullcontext
 from dataclasses import dataclass, replace
 from typing import ClassVar, Generic, TypeVar
 
-from analytic.description.law import FULL_TURN
+from analytic.description.linkage import DriverKind
 from analytic.errors import LinkproofError, UnknownNameError
 from engines.contract import Abilities, History, Method, Outcome, Run, Setting
 from engines.installed import installed_version, silenced, why_absent, why_unusable
+from engines.mechanics.driver import driven
+from engines.mechanics.joints import scene_size
 from engines.mechanics.start_check import ability_obstacle, data_obstacle
+from engines.mechanics.states import start_motion
 from engines.scene import Channel, Free, Prescribed, Scene
 from engines.stepping.cost import Cost
 from engines.stepping.driver import check_step, run_stepping
@@ -52,29 +55,30 @@ class Recipe(Pace):
     size: float = 1.0
 
     def parts(self, scene: Scene) -> list[Interval]:
-        """The scene's motion in intervals of equal samples."""
-        drive = scene.drive
+        """The scene's motion in intervals of equal samples; a linear drive has a turn in the scene's size."""
+        drive, turns = scene.drive, scene.driver_kind is DriverKind.CRANK
+        pace = self if turns else replace(self, turn=scene_size(scene))
         if isinstance(drive, Free):
-            longest = self._longest(drive.pace or _start_pace(scene))
+            longest = pace._longest(drive.pace or _start_pace(scene))
             if drive.over_time is not None and self.at_kinks:
                 return released_intervals(drive.duration, drive.over_time.times, longest)
             return [whole_interval(drive.duration, longest, self.least_steps)]
         motion = drive.motion
+        longest = pace._longest(motion.peak_speed)
         if not self.restarted:
-            return [whole_interval(motion.duration, self._longest(motion.peak_speed), self.least_steps)]
-        if self.graded:
-            return intervals(motion, self)
-        return intervals(motion, replace(self, step=self._longest(motion.peak_speed), steps_per_turn=0.0))
+            return [whole_interval(motion.duration, longest, self.least_steps)]
+        return intervals(motion, pace if self.graded else replace(pace, step=longest, steps_per_turn=0.0))
 
     def _longest(self, speed: float) -> float:
-        turn = FULL_TURN / (self.steps_per_turn * speed) if self.steps_per_turn and speed else math.inf
+        turn = self.turn / (self.steps_per_turn * speed) if self.steps_per_turn and speed else math.inf
         return min(self.step, turn)
 
 
 def _start_pace(scene: Scene) -> float:
-    """What the start state shows of a free crank's pace, rad/s."""
-    crank = next(body for body in scene.bodies if body.name == scene.crank)
-    return abs(crank.angular_velocity) + math.sqrt(abs(crank.angular_acceleration))
+    """What the start state shows of a free driver's pace, rad/s or m/s."""
+    _, speed, acceleration = (float(value[0]) for value in driven(scene, *start_motion(scene)))
+    size = 1.0 if scene.driver_kind is DriverKind.CRANK else scene_size(scene)
+    return abs(speed) + math.sqrt(abs(acceleration) * size)
 
 
 World = TypeVar("World")

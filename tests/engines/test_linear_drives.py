@@ -1,0 +1,69 @@
+"""A slider of the ground and a cylinder as the driver: every engine is within its limits, or says that it has none."""
+
+import pickle
+
+import numpy as np
+import pytest
+
+from analytic.motion.released import free_motion
+from comparisons.campaign.campaign import judged
+from comparisons.reference.case import Case, own_case
+from comparisons.reference.channels import truth
+from engines.contract import Outcome, Setting
+from engines.mechanics.driver import driven as travelled
+from engines.mechanics.states import with_ground
+from engines.registry import engine as engine_of
+from engines.scene import Channel, Free
+from tests.analytic.drives import driven
+
+ENGINES = ["exudyn", "mujoco", "ondsel", "pymunk", "simbody"]
+SAMPLES = ["piston-drive", "raised-boom"]  # gravity alone, which every engine takes
+LOADED = ["linear-motor", "cylinder-in-the-loop"]  # forces over the travel, springs, dampers, and a host that is driven
+RELEASED = {"linear-motor": (0.02, 4.0, 0.12), "cylinder-in-the-loop": (0.08, 10.0, 0.1)}  # start, force, duration
+FREE = 1e-4  # of the travel's reach
+
+
+def _engine(name):
+    engine = engine_of(name)
+    if engine.version() is None:
+        pytest.skip(f"{name} is not installed")
+    return engine
+
+
+@pytest.mark.parametrize("sample", SAMPLES)
+@pytest.mark.parametrize("name", ENGINES)
+def test_every_engine_is_within_its_limits_or_has_no_such_driver(name, sample):
+    engine, mechanism = _engine(name), driven(sample)
+    case = own_case(mechanism, mechanism.linkage.regimes[0])
+    case.check_motion()
+    result = judged(pickle.dumps(case), name, Setting.TUNED, (), True)
+    outcomes = {record.quantity: record.outcome for record in (*result.records, *result.invariants)}
+    kind = mechanism.linkage.driver
+    if kind in engine.abilities.drivers:
+        assert set(outcomes.values()) <= {"passed", "not-provided"}, outcomes
+        assert outcomes["Mkr"] == outcomes["energy_balance"] == "passed"
+    else:
+        assert set(outcomes.values()) == {"unsupported"}
+        assert result.records[0].detail == f"it takes no {kind} as the driver, only a crank"
+
+
+@pytest.mark.parametrize("sample", LOADED)
+@pytest.mark.parametrize("name", ENGINES)
+def test_a_released_driver_under_a_constant_force_moves_as_the_equation_of_motion_says(name, sample):
+    engine, mechanism, (start, force, duration) = _engine(name), driven(sample), RELEASED[sample]
+    motion = free_motion(mechanism, torque=force, start_angle=start, start_speed=0.0, duration=duration)
+    case = Case(mechanism, motion, Free(force, duration))
+    scene = case.scene(Channel)
+    run = engine.run(scene, Setting.TUNED)
+    if run.history is None:
+        assert run.outcome is Outcome.UNSUPPORTED
+        assert "drive" in run.reason or "driver" in run.reason or "crank" in run.reason
+        return
+    travel, speed = travelled(scene, with_ground(run.history.position.values), with_ground(run.history.velocity.values))
+    time = run.history.position.time
+    assert np.abs(travel - motion.angle(time)).max() < FREE * np.ptp(motion.angle(time))
+    assert np.abs(speed - motion.speed(time)).max() < FREE * np.abs(motion.speed(time)).max()
+    for joint, signal in run.history.joint_force.items():
+        true = truth(case, Channel.JOINT_FORCE, joint, signal.time)
+        seen = np.hypot(*true.T) if signal.values.ndim == 1 else true
+        assert np.abs(signal.values - seen).max() < 10.0 * FREE * np.abs(true).max(), joint
