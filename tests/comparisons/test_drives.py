@@ -8,6 +8,7 @@ import pytest
 from analytic.description.crank_motion import CrankMotion, Segment, crank_motion
 from analytic.designs import evaluate_designs
 from analytic.dynamics.equation_of_motion import equation_of_motion
+from analytic.dynamics.equilibrium import equilibria
 from analytic.dynamics.joint_forces import reactions
 from analytic.dynamics.reduced import drive_torque
 from analytic.errors import AssemblyError, LinkproofError
@@ -155,6 +156,17 @@ def test_a_scene_in_units_of_its_own_moves_alike(name):
     assert history.torque is not None
     assert back.torque.values == pytest.approx(history.torque.values, rel=1e-10, abs=1e-10)
     assert back.position.values == pytest.approx(history.position.values, rel=1e-12, abs=1e-14)
+
+
+@pytest.mark.parametrize(("name", "force"), [("linear-motor", 5.0), ("boom", 1200.0), ("cylinder-in-the-loop", 12.0)])
+def test_a_pushed_driver_rests_where_its_force_holds_the_loads(name, force):
+    rests = equilibria(driven(name), force)
+    assert rests
+    for rest in rests:
+        beside = rest.angle + np.array([-1e-6, 0.0, 1e-6])
+        needed = drive_torque(driven(name).sweep(beside), 0.0, 0.0)
+        assert needed[1] == pytest.approx(force, abs=1e-9 * max(force, abs(needed[2] - needed[0]) * 1e6))
+        assert rest.stable == bool(needed[2] > needed[0])
 
 
 def test_many_designs_at_once_are_of_cranks_alone():
