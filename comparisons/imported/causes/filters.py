@@ -27,6 +27,7 @@ NARROWEST: Final = 3  # samples
 FEWEST: Final = 12  # samples of a column of which any of this can be told
 MOST_STRIDES: Final = 64
 EVERY_PHASE: Final = 12  # strides up to which each phase is tried
+NARROWER: Final = 0.1  # of the best odd number of samples
 GOLDEN: Final = 0.5 * (math.sqrt(5.0) - 1.0)
 
 
@@ -90,7 +91,7 @@ def _nearest_width(verdict: SignalVerdict, smooth: Callable[[float], Array], *, 
     best = min(_widths(len(verdict.truth)), key=cost)
     if is_whole:
         return min((w for w in (best - 2, best, best + 2) if w >= NARROWEST), key=cost)
-    low, high = 0.5 * best, 2.0 * best
+    low, high = NARROWER * best, 2.0 * best
     for _ in range(40):
         left, right = high - GOLDEN * (high - low), low + GOLDEN * (high - low)
         low, high = (low, right) if cost(left) < cost(right) else (left, high)

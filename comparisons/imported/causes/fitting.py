@@ -18,6 +18,7 @@ Predict = Callable[[Array, Sequence[SignalVerdict]], Sequence[Array]]
 
 NEGLIGIBLE: Final = 1e-5  # of a signal's scale: what every solver's numerics may do, and no fault of a model
 ROUNDS: Final = 8  # of Gauss-Newton
+MOST_GUESSES: Final = 3  # from which fits are made
 HALVINGS: Final = 6
 SETTLED: Final = 1e-3  # relative gain below which a fit ends
 STEP: Final = 1e-4  # of a number's own size, for its difference quotient
@@ -97,7 +98,7 @@ def measures(rest: Sequence[Array]) -> tuple[Array, Array]:
 
 def fitted(cause: Cause, verdicts: Sequence[SignalVerdict]) -> Fit | None:
     """The best fit of a cause from its guesses; None where the linkage cannot be so."""
-    fits = [fit for guess in cause.guesses or (cause.start,) if (fit := _from(cause, verdicts, np.array(guess)))]
+    fits = [fit for guess in _promising(cause, verdicts) if (fit := _from(cause, verdicts, np.array(guess)))]
     best = min(fits, key=lambda fit: float(np.sum(fit.rms**2)), default=None)
     if best is None:
         return None
@@ -106,6 +107,15 @@ def fitted(cause: Cause, verdicts: Sequence[SignalVerdict]) -> Fit | None:
         if plain and np.all(plain.rms <= np.maximum(1.3 * best.rms, 1.0)):
             return plain
     return best
+
+
+def _promising(cause: Cause, verdicts: Sequence[SignalVerdict]) -> Sequence[tuple[float, ...]]:
+    """The guesses from which a fit is made: of many those that are nearest to the file as they are."""
+    if len(cause.guesses) <= MOST_GUESSES:
+        return cause.guesses or (cause.start,)
+    fits = {guess: _at(cause, verdicts, np.array(guess)) for guess in cause.guesses}
+    costs = {guess: float(np.sum(fit.rms**2)) for guess, fit in fits.items() if fit is not None}
+    return sorted(costs, key=lambda guess: costs[guess])[:MOST_GUESSES]
 
 
 def _at(cause: Cause, verdicts: Sequence[SignalVerdict], numbers: Array, *, is_special: bool = False) -> Fit | None:

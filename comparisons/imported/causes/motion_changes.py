@@ -21,6 +21,8 @@ from comparisons.reference.case import Motion
 Array = NDArray[np.float64]
 
 TURNS: Final = 12  # start angles from which a fit of the start angle begins
+PHASE: Final = 0.7  # rad, from which a fit finds the phase
+MOST_PACES: Final = 150
 QUARTERS: Final = (90.0, -90.0, 180.0)
 SHORTEST: Final = 1e-9  # s, of a ramp
 
@@ -183,10 +185,12 @@ def _shifted(model: Model) -> Cause:
 def _regimes(model: Model) -> Iterator[Cause]:
     """Another speed, another ramp, another time of the ramp."""
     motion, start = model.motion, float(model.motion.angle(0.0))
-    rpm = motion.peak_speed / RPM
+    rpm, turned_by = motion.peak_speed / RPM, abs(float(motion.angle(motion.duration)) - start)
+    paces = np.linspace(0.5, 1.5, int(min(max(turned_by / PHASE, 9.0), MOST_PACES)))
     yield _of(
         model, "speed", lambda p: Changed(motion, float(p[0]), start * (1.0 - float(p[0]))),
         lambda p: f"the crank's speed is {p[0] * rpm:.4g} rpm in place of {rpm:.4g} rpm", start=(1.0,), sizes=(1.0,),
+        guesses=((1.0,), *((float(pace),) for pace in paces)),
     )  # fmt: skip
     if not isinstance(motion, CrankMotion) or motion.regime not in (*RAMPS, "constant-speed"):
         return
@@ -200,6 +204,7 @@ def _regimes(model: Model) -> Iterator[Cause]:
         yield _of(
             model, "ramp time", lambda p: _regime(motion.regime, speed, float(abs(p[0])), motion),
             lambda p: f"the crank runs up in {p[0]:.4g} s in place of {ramp:.4g} s", start=(ramp,), sizes=(ramp,),
+            guesses=((ramp,), *((float(part) * motion.duration,) for part in np.linspace(0.02, 1.0, 50))),
         )  # fmt: skip
 
 

@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
 
-from comparisons.imported.causes.fitting import Cause, Fit, fitted, refitted, tolerance
+from comparisons.imported.causes.fitting import Fit, fitted, refitted, tolerance
 from comparisons.imported.causes.group_changes import group_changes
 from comparisons.imported.causes.length_changes import length_changes
 from comparisons.imported.causes.model_changes import model_changes
@@ -18,11 +18,13 @@ from comparisons.imported.causes.motion_changes import motion_changes
 from comparisons.imported.causes.signal_changes import UNIT_RATIOS, signal_changes
 from comparisons.imported.columns import Correction
 from comparisons.imported.judging.judgement import SignalVerdict
-from comparisons.imported.judging.samples import Model, is_force
+from comparisons.imported.judging.samples import Model, depends_on_masses
 
 Array = NDArray[np.float64]
 
-SAMPLES: Final = 300  # of a signal to which causes of the model are fitted
+SAMPLES: Final = 300  # of a signal to which causes of the model are fitted,
+FEWEST: Final = 100  # or fewer of each where they are many
+MANY: Final = 4  # signals
 NOTICED: Final = 1.5  # of the tolerance: a larger difference wants a cause
 EXPLAINED: Final = 0.1  # of a signal's difference may be left by a cause that explains it
 HARMED: Final = 1.5  # times as much is left of a signal that a cause makes worse
@@ -135,7 +137,7 @@ def _explain(model: Model, verdicts: Sequence[SignalVerdict], names: Sequence[st
     if not open_names:
         return Explanation((), ())
     before = _Before(verdicts)
-    fits = [fit for fit in _fits(model, verdicts, names) if before.is_harmless(fit)]
+    fits = _fits(model, verdicts, names, before)
     findings: list[Finding] = []
     unnamed: list[str] = []
     while open_names:
@@ -154,24 +156,26 @@ def _explain(model: Model, verdicts: Sequence[SignalVerdict], names: Sequence[st
     return Explanation(tuple(findings), (*unnamed, *open_names))
 
 
-def _fits(model: Model, verdicts: Sequence[SignalVerdict], names: Sequence[str]) -> Iterator[Fit]:
-    """Every cause fitted: those of the model to some samples of all signals, those of a column to all of its own."""
-    thin = [verdict.thinned(SAMPLES) for verdict in verdicts]
-    with_forces = any(is_force(v.name) or v.name in ("Teq", "Jeq") for v in verdicts)
-    of_model: Iterable[Cause] = (
-        *length_changes(model),
-        *motion_changes(model),
-        *(model_changes(model) if with_forces else ()),
-    )
-    for cause in of_model:
+def _fits(model: Model, verdicts: Sequence[SignalVerdict], names: Sequence[str], before: _Before) -> list[Fit]:
+    """Every cause fitted that does no harm: those of the model to some samples of all signals, then those of columns.
+
+    Where one of the model explains several columns at once, nothing is sought in each of them.
+    """
+    thin = [verdict.thinned(max(FEWEST, min(SAMPLES, SAMPLES * MANY // len(verdicts)))) for verdict in verdicts]
+    masses = model_changes(model) if any(depends_on_masses(verdict.name) for verdict in verdicts) else ()
+    found = []
+    for cause in (*length_changes(model), *motion_changes(model), *masses):
         fit = fitted(cause, thin)
         if fit is not None and (whole := refitted(fit, verdicts)) is not None:
-            yield whole
+            found.append(whole)
+    found += [fit for cause in group_changes(verdicts) if (fit := fitted(cause, verdicts)) is not None]
+    found = [fit for fit in found if before.is_harmless(fit)]
+    open_names = [verdict.name for verdict in verdicts if differs(verdict)]
+    if len(open_names) > MANY and any(len(before.explains(fit, open_names)) == len(open_names) for fit in found):
+        return found
     of_columns = [cause for v in verdicts if differs(v) for cause in signal_changes(model, v, names)]
-    for cause in (*group_changes(verdicts), *of_columns):
-        fit = fitted(cause, verdicts)
-        if fit is not None:
-            yield fit
+    fits = [fit for cause in of_columns if (fit := fitted(cause, verdicts)) is not None]
+    return [*found, *(fit for fit in fits if before.is_harmless(fit))]
 
 
 class _Before:

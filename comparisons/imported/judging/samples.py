@@ -158,7 +158,8 @@ def floor(model: Model, samples: Sequence[Samples], truth: Sequence[Array]) -> l
     early, late = (model.predicted([_moved(one, sign) for one in samples]) for sign in (-1.0, 1.0))
     for number, one in enumerate(samples):
         by_time = np.maximum(np.abs(early[number] - truth[number]), np.abs(late[number] - truth[number]))
-        by_angle = _near_largest([np.abs(o[number] - truth[number]) for o in others]) if others else 0.0
+        apart = [np.where(at_jumps(one.time, model.motion), 0.0, np.abs(o[number] - truth[number])) for o in others]
+        by_angle = _near_largest(apart) if apart else 0.0
         floors.append(one.rounding + np.where(one.time_rounding > 0.0, by_time, 0.0) + SPREAD * by_angle)
     return floors
 
