@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import asdict
+from dataclasses import asdict, replace
 from typing import Any
 
 from comparisons.imported.causes.search import Finding
 from comparisons.imported.judge import Judgement
-from comparisons.imported.judging.judgement import SignalVerdict
+from comparisons.imported.judging.judgement import SETTING, SignalVerdict
 from comparisons.judging.records import Record
 
 
@@ -20,7 +20,7 @@ def document(judgement: Judgement, blank: Record, command: str, sentence: str) -
         "passed": judgement.passed,
         "limit": judgement.limit,
         "motion": judgement.motion_source,
-        "records": [asdict(verdict.record(blank)) for verdict in judgement.verdicts],
+        "records": [asdict(with_cause(verdict.record(blank), judgement)) for verdict in judgement.verdicts],
         "signals": [_signal(verdict) for verdict in judgement.verdicts],
         "causes": [_finding(finding) for finding in judgement.explanation.findings],
         "unexplained": list(judgement.explanation.unexplained),
@@ -33,6 +33,21 @@ def document(judgement: Judgement, blank: Record, command: str, sentence: str) -
             for column, reason in judgement.not_judged
         ],
     }
+
+
+def blank_of(judgement: Judgement, files: str) -> Record:
+    """What all records of a judgement share; the files stand in an engine's place."""
+    linkage, motion = judgement.model.linkage, judgement.model.motion
+    conditions = f"crank as {judgement.motion_source} says"
+    return Record(linkage.name, linkage.variant, motion.regime, conditions, files, "", SETTING)
+
+
+def with_cause(record: Record, judgement: Judgement) -> Record:
+    """A record whose detail names the likeliest cause of its error, if one was found."""
+    words = [f.likeliest.words for f in judgement.explanation.findings if record.quantity in f.signals]
+    return (
+        replace(record, detail="; likely cause: ".join([record.detail, *words]).removeprefix("; ")) if words else record
+    )
 
 
 def _signal(verdict: SignalVerdict) -> dict[str, Any]:

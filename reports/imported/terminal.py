@@ -32,14 +32,13 @@ def share(value: float) -> str:
 def printout(judgement: Judgement, title: str) -> Printout:
     """What ``judge`` prints; ``title`` names linkage and files."""
     parts: list[RenderableType] = [line(title, "bold"), *_causes_in_short(judgement), line("")]
-    parts += [
-        line(f"The crank moves as {judgement.motion_source} says; its limit is {share(judgement.limit)} of each peak.")
-    ]
+    limit = f"The limit is {share(judgement.limit)} of a signal's peak."
+    parts += [line(f"The crank moves as {judgement.motion_source} says. {limit}")]
     parts += [table(HEAD, [_row(verdict) for verdict in judgement.verdicts], align="lrrrrrrl"), *_notes(judgement)]
     for part in (_causes(judgement), _corrections(judgement), _checks(judgement), _not_judged(judgement)):
         lines = list(part)
         parts += [line(""), *lines] if lines else []
-    return Printout([*parts, line("")], [line(sentence(judgement), "bold green" if judgement.passed else "bold red")])
+    return Printout(parts, [])
 
 
 def sentence(judgement: Judgement) -> str:
@@ -63,7 +62,8 @@ def _causes_in_short(judgement: Judgement) -> list[RenderableType]:
     if findings:
         finding = findings[0]
         others = f" (or {len(finding.others)} more that cannot be told apart)" if finding.others else ""
-        lines.append(line(f"Likeliest cause: {finding.likeliest.words}{others}."))
+        aligned = "".join(f", besides {name}: {written(c)}" for name, c in finding.aligned.items())
+        lines.append(line(f"Likeliest cause: {finding.likeliest.words}{aligned}{others}."))
     elif judgement.explanation.unexplained and not judgement.passed:
         lines.append(line("No single cause explains the difference."))
     return lines

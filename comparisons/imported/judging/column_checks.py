@@ -5,7 +5,7 @@ from __future__ import annotations
 import itertools
 import math
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Final
 
 import numpy as np
@@ -16,6 +16,7 @@ from comparisons.imported.causes.filters import whole_of
 from comparisons.imported.columns import ImportedResults
 from comparisons.imported.judging.crank_column import regular
 from comparisons.imported.judging.samples import Model, Samples
+from comparisons.judging.records import IMPORTED, Record, Verdict
 from comparisons.observation.quadrature import error_bound, integral
 from engines.contract import Signal
 
@@ -35,9 +36,22 @@ class ColumnCheck:
     floor: float
 
     @property
+    def limit(self) -> float:
+        """How far off the columns may be: their rounding, the error of differences, and a thousandth of the peak."""
+        return max(LEAST, ROUNDINGS * self.floor)
+
+    def record(self, blank: Record) -> Record:
+        """The record of a campaign's tables, among the checks that need no reference."""
+        outcome = Verdict.PASSED if self.passed else Verdict.OVER_LIMIT
+        return replace(
+            blank, quantity=self.name, error_max=self.error, limit=self.limit, outcome=outcome.value, detail=self.words,
+            origin=IMPORTED, runs=1,
+        )  # fmt: skip
+
+    @property
     def passed(self) -> bool:
-        """Whether the columns agree within their rounding, the error of differences, and a thousandth of the peak."""
-        return self.error <= max(LEAST, ROUNDINGS * self.floor)
+        """Whether the columns agree."""
+        return self.error <= self.limit
 
 
 def column_checks(model: Model, signals: Sequence[Samples], imported: ImportedResults) -> Iterator[ColumnCheck]:
@@ -108,7 +122,7 @@ def _lengths(model: Model, found: dict[str, Samples]) -> Iterator[ColumnCheck]:
             worst = int(np.argmax(error))
             words = f"'{one}' and '{other}' of '{name}' keep their distance of {linkage.written(length)}"
             open_ = 1.5 * (aopen + bopen) / length
-            yield ColumnCheck(f"length {name}:{one}-{other}", words, float(error[worst]) / length, open_)
+            yield ColumnCheck(f"length of {name} from {one} to {other}", words, float(error[worst]) / length, open_)
 
 
 def _place(model: Model, found: dict[str, Samples], point: str) -> tuple[Array, Array, float]:

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from comparisons.imported.judging.samples import Model, Samples, at_jumps, holds_acceleration, is_angle, is_force
 from comparisons.judging.deviations import Deviation
-from comparisons.judging.records import Record, Verdict
+from comparisons.judging.records import IMPORTED, Record, Verdict
 from comparisons.reference.case import Motion
 from comparisons.reference.signals import unit
 
@@ -21,8 +21,7 @@ DEFAULT_LIMIT: Final = 0.01
 # A signal whose peak is below this share of its natural scale is judged by that share: a reaction that symmetry makes
 # zero has no peak of its own.
 NEAR_ZERO: Final = 0.01
-ORIGIN: Final = "imported"
-SETTING: Final = "imported"
+SETTING: Final = IMPORTED
 
 
 @dataclass(frozen=True)
@@ -131,7 +130,7 @@ class SignalVerdict:
             worst_time=self.worst_time,
             samples=int(np.sum(self.kept)),
             left_out=self.left_out,
-            origin=ORIGIN,
+            origin=IMPORTED,
             runs=1,
         )
 

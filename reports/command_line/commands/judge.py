@@ -3,30 +3,35 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 from analytic.description.changes import without
-from analytic.description.crank_motion import RPM, crank_motion
+from analytic.description.crank_motion import RPM, CrankMotion, crank_motion
 from analytic.description.linkage import Linkage
 from analytic.description.loading import load
 from analytic.errors import LinkproofError
 from analytic.kinematics.mechanism import Mechanism
+from comparisons.campaign.campaign import CampaignRequest
+from comparisons.campaign.results import document as saved_document
+from comparisons.campaign.results import save
 from comparisons.imported.columns import ImportedResults, MappingNeededError
 from comparisons.imported.judge import Judgement
 from comparisons.imported.judge import judge as judge_results
-from comparisons.imported.judging.judgement import SETTING
 from comparisons.imported.mapping.writing import with_proposals
 from comparisons.imported.reading import read_results
-from comparisons.judging.records import Record, Verdict
+from comparisons.judging.records import Verdict
+from comparisons.judging.run_result import RunResult
 from comparisons.reference.case import Motion, own_case
 from comparisons.runs.files import check_writable, write_text
 from reports.command_line import FAILED, PASSED
+from reports.command_line.commands.compare import rebuild
 from reports.command_line.destination import Destination
 from reports.command_line.motion_choice import MotionChoice, motions, own_regimes
 from reports.command_line.requests import command_line
-from reports.imported.document import document
+from reports.imported.document import blank_of, document, with_cause
 from reports.imported.terminal import printout, sentence
+from reports.text.screen import line
 
 PAGE = "index.html"
 USUAL_SPEED = 1000.0  # rpm
@@ -79,8 +84,12 @@ def judge(choice: JudgeChoice, destination: Destination) -> int:
     if choice.write_mapping is not None:
         write_text(choice.write_mapping, with_proposals(imported.mapping_text, judgement.proposals))
         destination.say(f"mapping: {choice.write_mapping}")
+    if destination.folder is not None:
+        _write_page(choice, judgement, destination.folder, destination)
     files = ", ".join(str(path) for path in choice.results)
-    destination.write_json(document(judgement, _blank(judgement, files), choice.command, sentence(judgement)))
+    destination.write_json(document(judgement, blank_of(judgement, files), choice.command, sentence(judgement)))
+    if destination.quiet:
+        destination.print(line(sentence(judgement)))
     destination.print_out(printout(judgement, f"{linkage.name} ({linkage.variant}) against {files}"))
     if all(verdict.outcome is Verdict.UNDEFINED for verdict in judgement.verdicts):
         raise LinkproofError(f"expected a signal to judge, got none: {judgement.verdicts[0].detail}")
@@ -117,9 +126,18 @@ def _motion(choice: JudgeChoice, linkage: Linkage, imported: ImportedResults) ->
     return None
 
 
-def _blank(judgement: Judgement, files: str) -> Record:
-    """What all records of the judgement share."""
+def _write_page(choice: JudgeChoice, judgement: Judgement, folder: Path, destination: Destination) -> None:
+    """The records, curves and page of a campaign, with the files in an engine's place."""
     linkage, motion = judgement.model.linkage, judgement.model.motion
-    return Record(
-        linkage.name, linkage.variant, motion.regime, f"crank as {judgement.motion_source} says", files, "", SETTING
+    blank = blank_of(judgement, ", ".join(path.name for path in choice.results))
+    blank = replace(blank, steps=max(len(verdict.truth) for verdict in judgement.verdicts))
+    result = RunResult(
+        tuple(with_cause(verdict.record(blank), judgement) for verdict in judgement.verdicts),
+        tuple(check.record(blank) for check in judgement.checks),
+        {verdict.name: verdict.deviation(motion) for verdict in judgement.verdicts},
+        {f"cause {n}": finding.likeliest.words for n, finding in enumerate(judgement.explanation.findings, start=1)},
     )
+    motions = (motion,) if isinstance(motion, CrankMotion) else ()
+    request = CampaignRequest((linkage,), motions, blank.conditions, (blank.engine,))
+    save(folder, [result], saved_document(request, [result], choice.command))
+    destination.say(f"report: {rebuild(folder, processes=0)}")

@@ -143,7 +143,7 @@ def test_columns_that_do_not_agree_with_one_another_are_said():
         "omega = dphi/dt": True,
         "v = dS/dt": False,
         "Peq = Mkr omega": False,
-        "length crank:A-O1": True,
+        "length of crank from A to O1": True,
     }
 
 
