@@ -170,6 +170,7 @@ def _shifted(model: Model) -> Cause:
     motion = model.motion
     turn = 2.0 * math.pi / motion.peak_speed if motion.peak_speed else motion.duration
     length = min(turn, motion.duration)
+    of = "*" if isinstance(motion, ColumnMotion) else "time"  # all that is not the crank's motion, or the clock itself
     return _of(
         model,
         "time shift",
@@ -178,7 +179,7 @@ def _shifted(model: Model) -> Cause:
         start=(0.0,),
         sizes=(length,),
         guesses=tuple((k * length / 8.0,) for k in (0, 1, -1, 2, -2, 3, -3)),
-        corrections=lambda p: {"*": Correction(time_shift=float(p[0]))},
+        corrections=lambda p: {of: Correction(time_shift=float(p[0]))},
     )
 
 
