@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, lru_cache
 from typing import Final
 
 import numpy as np
@@ -109,6 +109,7 @@ def tabulate(
     )
 
 
+@lru_cache
 def _rules(degree: int) -> tuple[Array, Array, Array]:
     """Chebyshev nodes on [-1, 1], the matrix from values there to Chebyshev coefficients, and from these to powers."""
     nodes = chebyshev.chebpts1(degree + 1)

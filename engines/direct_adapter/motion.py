@@ -69,7 +69,10 @@ def _check_reach(path: Path, time: Array, angle: Array) -> None:
         where = f"crank angle of {math.degrees(end):.4g}°"
         if not driver.turns:
             where = f"length of {end * driver.scale:.4g} m of its {driver.kind}"
-        raise UnsolvableError(f"the joints cannot be closed at {time[first]:.4g} s: the linkage locks at a {where}")
+        raise UnsolvableError(
+            f"the joints cannot be closed at {time[first]:.4g} s: the linkage locks, or passes a change point, at a "
+            f"{where}"
+        )
 
 
 def _sampled(path: Path, time: Array, crank: Crank, precision: Precision) -> Result:

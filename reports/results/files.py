@@ -60,7 +60,17 @@ def figures(results: DesignerResults) -> dict[str, Any]:
         "transmission": [{**one._asdict(), "at": place(results, one.time)} for one in results.transmission],
         "output": [{**one._asdict(), "at": place(results, one.time)} for one in results.output],
     }
-    return found | ({"stroke": stroke(results.output)} if results.output else {})
+    told = found | ({"stroke": stroke(results.output)} if results.output else {})
+    return {key: _defined(value) for key, value in told.items()}
+
+
+def _defined(value: Any) -> Any:  # noqa: ANN401 - plain data
+    """Plain data with nothing in place of a number that is none, as of a joint's force at a change point."""
+    if isinstance(value, list):
+        return [_defined(one) for one in value]
+    if isinstance(value, dict):
+        return {key: _defined(one) for key, one in value.items()}
+    return _finite(value) if isinstance(value, float) else value
 
 
 def place(results: DesignerResults, time: float | None) -> float | None:
