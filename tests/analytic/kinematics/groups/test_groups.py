@@ -7,16 +7,17 @@ import numpy as np
 import pytest
 from mpmath import mp, mpf
 
+from analytic.description.linkage import GROUND
 from analytic.description.loading import parse
 from analytic.dynamics.reduced import drive_torque
 from analytic.errors import AssemblyError, LinkproofError
 from analytic.kinematics import frames
 from analytic.kinematics.crank_range import crank_range
 from analytic.kinematics.error_bounds import ErrorBounds
-from analytic.kinematics.groups.branch import followed
-from analytic.kinematics.groups.solver import problem_of
+from analytic.kinematics.groups.branch import Problem, corrected, followed
+from analytic.kinematics.groups.solver import GroupSolver, problem_of
 from analytic.kinematics.mechanism import Mechanism
-from analytic.kinematics.structure import Dyad, Group, find_structure
+from analytic.kinematics.structure import Dyad, Group, Revolute, find_structure
 from analytic.kinematics.sweep import Sweep
 from tests.analytic.drives import driven, path_of
 from tests.analytic.fifty_digits import exact
@@ -220,3 +221,66 @@ def test_a_sketch_that_is_rough_finds_the_configuration_nearest_to_it():
         points = ", ".join(f"{p} = [{here[p][0] + shift[0]}, {here[p][1] + shift[1]}]" for p in here)
         model = from_text(TEXT.replace("B = [40, 38], C = [80, 33], D = [62, 55]", points))
         assert model.sweep(np.asarray(0.0)).point("P") == pytest.approx(exact.point("P"), abs=1e-14)
+
+
+def _drawn_at_random(seed: int) -> tuple[str, dict[str, np.ndarray]]:
+    """A ternary link on three rods through random places, sketched a little off."""
+    random = np.random.default_rng(seed)
+    places = {name: random.uniform(-100.0, 100.0, 2) for name in ("O1", "O2", "O3", "B", "C", "D")}
+    places["A"] = places["O1"] + np.array([random.uniform(5.0, 60.0), 0.0])
+
+    def length(one: str, other: str) -> float:
+        return float(np.hypot(*(places[one] - places[other])))
+
+    along = (places["C"] - places["B"]) / length("B", "C")
+    third = places["D"] - places["B"]
+    corner = f"[{float(along @ third)!r}, {float(along[0] * third[1] - along[1] * third[0])!r}]"
+    ends = {"crank": ("O1", "A"), "rod": ("A", "B"), "plate": ("B", "C"), "left": ("O2", "C"), "right": ("O3", "D")}
+    text = (
+        'title = "drawn"\nunits = { length = "mm", mass = "kg", inertia = "kg*m^2", angle = "deg" }\ncrank = "crank"\n'
+    )
+    text += "[ground]\n" + "".join(f"{name} = {[*map(float, places[name])]}\n" for name in ("O1", "O2", "O3"))
+    for name, (one, other) in ends.items():
+        more = f", D = {corner}" if name == "plate" else ""
+        text += f"[links.{name}]\npoints = {{ {one} = [0, 0], {other} = [{length(one, other)!r}, 0]{more} }}\n"
+        text += "mass = 1\ninertia = 1\n"
+    rough = {name: places[name] + random.normal(0.0, 2.0, 2) for name in "BCD"}
+    points = ", ".join(f"{name} = {[*map(float, place)]}" for name, place in rough.items())
+    return f"{text}[sketch]\nangle = 0\npoints = {{ {points} }}\n", places
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_linkages_drawn_at_random_start_as_drawn_and_stay_closed(seed):
+    text, places = _drawn_at_random(seed)
+    model = from_text(text)
+    start = model.sweep(np.asarray(0.0))
+    for name in "BCD":
+        assert 1e3 * start.point(name) == pytest.approx(places[name], abs=1e-9)
+    low, high = crank_range(model).limits
+    sweep = model.sweep(np.linspace(low, high, 102)[1:-1])
+    assert np.max(sweep.closure_error()) < 1e-15
+
+
+def test_a_turn_that_ends_in_another_configuration_is_told():
+    """Two links between the ground and a body that turns half as fast as the crank."""
+    joints = (
+        Revolute("P", "half", "one", (0.3, 0.0), (0.0, 0.0)),
+        Revolute("Q", "two", "one", (0.9, 0.0), (1.0, 0.0)),
+        Revolute("R", GROUND, "two", (1.0, 0.1), (0.0, 0.0)),
+    )
+
+    def hosts(angle):
+        none, one = np.zeros(angle.shape), np.ones(angle.shape)
+        still = (none, none, none)
+        half = ((none, none, np.cos(0.5 * angle), np.sin(0.5 * angle)), (none, none, 0.5 * one), still)
+        return {GROUND: ((none, none, one, none), still, still), "half": half}
+
+    problem = Problem(joints, ("one", "two"), hosts, 1.0, is_linear=False)
+    start = corrected(problem.system(np.zeros(1)), np.array([[[0.3, 0.0, 0.9], [1.0, 0.1, 1.6]]]))[0]
+    branch = followed(problem, start, 0.0)
+    assert branch.strays
+    assert branch.turns is None
+    assert branch.ends == pytest.approx((-2.0 * np.pi, 2.0 * np.pi))
+    solver = GroupSolver(Group(("one", "two"), joints, 2, branch), np.array([7.0]))
+    assert solver.margin()[0] < 0.0
+    assert "a turn of the driver takes 'one', 'two' into another configuration" in solver.why(driven("boom").linkage)
