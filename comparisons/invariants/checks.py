@@ -8,12 +8,13 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
+from analytic.description.crank_motion import degrees
 from analytic.description.law import FULL_TURN
 from comparisons.invariants import invariants
 from comparisons.invariants.corrections import LEVELS
 from comparisons.invariants.energy_account import EnergyBalance, energy_at_play, energy_balance
 from comparisons.invariants.inspection import Inspection
-from comparisons.judging.deviations import near_jumps
+from comparisons.judging.deviations import UNBOUNDED, near_jumps
 from comparisons.judging.records import Record, Verdict
 from comparisons.judging.verdicts import judge
 from comparisons.observation.observed_motion import ObservedMotion
@@ -67,6 +68,8 @@ def _checks(case: Case, motion: ObservedMotion, blank: Record) -> Iterator[Recor
         record = replace(blank, quantity=name, unit=unit)
         if lacking:
             yield replace(record, outcome=Verdict.NOT_PROVIDED.value, detail=f"{blank.engine} tells no {lacking}")
+        elif name == "force_balance" and case.unbounded_at is not None:
+            yield _undefined(record, UNBOUNDED.format(angle=degrees(case.unbounded_at)))
         elif name in BALANCES and case.mechanism.linkage.is_idle:
             yield _undefined(record, "no link has a mass and nothing loads one: there is nothing to balance")
         else:

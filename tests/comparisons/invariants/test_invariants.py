@@ -475,3 +475,12 @@ def test_the_stress_maps_own_linkages_are_all_tried():
     assert {path.stem for path in LINKAGES.glob("*.toml")} >= {"slider-crank", "parallel-cranks"}
     assert set(SAID) >= {"closure", "assembly_mode", "crank_phase", "force_balance"}
     assert KINEMATICS == ["position", "velocity", "acceleration"]
+
+
+def test_where_a_change_point_is_passed_no_joint_force_is_held_against_a_balance():
+    one = _unequal(0.0)
+    motion = ObservedMotion(one.scene(EVERYTHING), _parallel(one))
+    records = {record.quantity: record for record in checks(one, motion, blank_record(one, "tuned"))}
+    assert records["force_balance"].outcome == Verdict.UNDEFINED
+    assert "no bound where the linkage passes its change point at" in records["force_balance"].detail
+    assert records["assembly_mode"].outcome == Verdict.PASSED
