@@ -32,12 +32,13 @@ SLACK: Final = 1.2  # of the rounding: the last bits of the numbers
 FEWEST: Final = 4  # samples that tell a motion
 MOST: Final = 1000  # samples to which a piece is fitted while its end is sought
 WIDER: Final = 4.0  # times the rounding: the next noise that is tried
-FINEST: Final = 0.2  # of the coarsest rounding of a column
+FINEST: Final = 0.02  # of the coarsest rounding of a column
 MANY: Final = 8  # pieces, from which a column may hold more than rounding
 FEWER: Final = 0.5  # of the pieces: what a wider noise has to save, since a smooth motion loses few by it
 LARGEST_NOISE: Final = 1e-3  # of the largest value
 LEAST_JUMP: Final = 0.02  # of the largest acceleration
 TRIALS: Final = 4  # other columns that would round to the same
+WAVES: Final = (1.0, 3.0, 7.0)  # half waves of slow ones over the column
 SPREAD: Final = 3.0  # from the largest of so few trials to a bound
 
 
@@ -114,8 +115,13 @@ def _finer(degree: int) -> int:
 
 
 def _trials(within: Array) -> Array:
-    """Roundings of other columns that would be printed the same, (trials, n)."""
-    return np.asarray(np.random.default_rng(0).uniform(-1.0, 1.0, (TRIALS, len(within))) * within)
+    """Roundings of other columns that would be printed the same, (trials, n): random ones, and slow ones.
+
+    Where every sample goes on by the same angle the last digit is off by the same, or changes slowly.
+    """
+    random = np.random.default_rng(0).uniform(-1.0, 1.0, (TRIALS, len(within)))
+    slow = np.cos(np.outer(WAVES, np.linspace(0.0, math.pi, len(within))))
+    return np.asarray(np.concatenate([random, slow]) * within)
 
 
 def _spread(time: Array, curves: Sequence[Segments], order: int) -> float:
@@ -222,15 +228,52 @@ def known_regime(time: Array, values: Array, rounding: Array, *, of_speed: bool)
     if abs(time[0]) > 1e-9 * abs(time[-1]):
         return None
     for name in RAMPS:
-        ramp = _ramp_time(name, time, values, of_speed=of_speed)
-        _, rest = _run_up(name, ramp, time, values, of_speed=of_speed)
+        column = _Column(name, time, values, rounding, of_speed)
+        motion, rest = column.run_up(column.ramp_time())
         if np.all(np.abs(rest) <= SLACK * rounding):
-            columns = (values, *(values + trial for trial in _trials(rounding)))
-            ramps = (ramp, *(_ramp_time(name, time, c, of_speed=of_speed) for c in columns[1:]))
-            fits = [_run_up(name, r, time, c, of_speed=of_speed)[0] for r, c in zip(ramps, columns, strict=True)]
-            noise = float(np.max(rounding))
-            return ColumnMotion(name, fits[0].segments, fits[0].jumps, noise, tuple(fits[1:]))
+            trials = [replace(column, values=values + trial) for trial in _trials(rounding)]
+            others = tuple(trial.run_up(trial.ramp_time())[0] for trial in trials)
+            return ColumnMotion(name, motion.segments, motion.jumps, float(np.max(rounding)), others)
     return None
+
+
+@dataclass(frozen=True)
+class _Column:
+    """A column to which a run-up of a name is fitted, each sample as it is known."""
+
+    name: str
+    time: Array
+    values: Array
+    rounding: Array
+    of_speed: bool
+
+    def ramp_time(self) -> float:
+        """The ramp time with the smallest rest, s."""
+        end = float(self.time[-1])
+        coarse = np.linspace(0.02 * end, end, 50)
+        best = int(np.argmin([self._cost(ramp) for ramp in coarse]))
+        bounds = (coarse[max(best - 1, 0)], coarse[min(best + 1, len(coarse) - 1)])
+        return float(minimize_scalar(self._cost, bounds=bounds, method="bounded", options={"xatol": 1e-12 * end}).x)
+
+    def _cost(self, ramp: float) -> float:
+        return float(np.sum((self.run_up(ramp)[1] / self.rounding) ** 2))
+
+    def run_up(self, ramp: float) -> tuple[CrankMotion, Array]:
+        """The run-up of a ramp time that is nearest to the column, and what is left of the column."""
+        one = crank_motion(self.name, speed=1.0, ramp_time=ramp, hold_time=max(float(self.time[-1]) - ramp, 0.0))
+        shape = one.speed(self.time) if self.of_speed else one.angle(self.time)
+        weights = self.rounding**-2.0
+        tip, start = (
+            (0.0, 0.0) if self.of_speed else (np.average(part, weights=weights) for part in (shape, self.values))
+        )
+        arm = shape - tip
+        speed = float((weights * arm) @ (self.values - start) / ((weights * arm) @ arm))
+        start -= speed * tip
+        pieces = tuple(
+            Segment(p.start, p.end, (start + speed * p.coefficients[0], *(speed * c for c in p.coefficients[1:])))
+            for p in one.segments
+        )
+        return CrankMotion(self.name, pieces), np.asarray(self.values - start - speed * shape)
 
 
 def known_swing(time: Array, values: Array, rounding: Array) -> ColumnMotion | None:
@@ -245,42 +288,6 @@ def known_swing(time: Array, values: Array, rounding: Array) -> ColumnMotion | N
             others = tuple(swing(law, start + a, end + b, time=duration) for a, b in ((open_, 0.0), (0.0, open_)))
             return ColumnMotion(law, motion.segments, motion.jumps, open_, others)
     return None
-
-
-def _ramp_time(name: str, time: Array, values: Array, *, of_speed: bool) -> float:
-    """The ramp time with the smallest rest, s."""
-
-    def cost(ramp: float) -> float:
-        return float(np.sum(_run_up(name, ramp, time, values, of_speed=of_speed)[1] ** 2))
-
-    end = float(time[-1])
-    coarse = np.linspace(0.02 * end, end, 50)
-    best = int(np.argmin([cost(ramp) for ramp in coarse]))
-    found = minimize_scalar(
-        cost,
-        bounds=(coarse[max(best - 1, 0)], coarse[min(best + 1, 49)]),
-        method="bounded",
-        options={"xatol": 1e-12 * end},
-    )
-    return float(found.x)
-
-
-def _run_up(name: str, ramp: float, time: Array, values: Array, *, of_speed: bool) -> tuple[CrankMotion, Array]:
-    """The run-up of a ramp time that is nearest to a column, and what is left of the column."""
-    end = float(time[-1])
-    one = crank_motion(name, speed=1.0, ramp_time=ramp, hold_time=max(end - ramp, 0.0))
-    shape = one.speed(time) if of_speed else one.angle(time)
-    start, tip = float(np.mean(values)), float(np.mean(shape))
-    speed = float((shape - tip) @ (values - start)) / float((shape - tip) @ (shape - tip))
-    start = 0.0 if of_speed else start - speed * tip
-    if of_speed:
-        speed = float(shape @ values) / float(shape @ shape)
-    pieces = tuple(
-        Segment(p.start, p.end, (start + speed * p.coefficients[0], *(speed * c for c in p.coefficients[1:])))
-        for p in one.segments
-    )
-    motion = CrankMotion(name, pieces)
-    return motion, np.asarray(values - start - speed * shape)
 
 
 def _jumps(segments: Segments, others: Sequence[Segments], order: int) -> tuple[float, ...]:
