@@ -126,6 +126,8 @@ def _displacement(case: Case, motion: ObservedMotion) -> Signal:
     """
     place = _output(Channel.POSITION, 0, case, motion)
     turn = slice(None) if top_of_turn(case.mechanism) is None else motion.last_turn
+    if not case.mechanism.repeats:  # a last turn shows one of several
+        turn = None
     top = _top(case) if turn is None else peak(Signal(place.time[turn], -place.values[turn]), case.motion.jumps)
     return Signal(place.time, top + place.values)
 

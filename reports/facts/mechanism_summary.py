@@ -37,7 +37,7 @@ def portrait(linkage: Linkage) -> dict[str, Any]:
         "links": {name: _link(linkage, name) for name in linkage.links},
         "notes": list(linkage.notes),
     }
-    if reach.is_full_turn and not reach.change_points:
+    if reach.is_full_turn:
         return facts | _turn(mechanism, facts["links"])
     return facts | {"range": range_facts(mechanism, reach)}
 
