@@ -38,7 +38,7 @@ UNIT_RATIOS: Final = {
     "hp and W": 745.69987158227,
 }
 FEW: Final = 0.03  # of the samples: single ones
-HELD: Final = 8  # samples at one value: a limit
+HELD: Final = 4  # samples at one value: a limit
 NEAR: Final = 0.05  # of the peak, within which a column is another quantity
 
 

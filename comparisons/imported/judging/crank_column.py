@@ -330,6 +330,7 @@ def regular(at: Array, resolution: Array) -> tuple[Array, Array]:
     known = np.maximum(resolution, 1e-12 * np.max(np.abs(at)))
     step, start = np.polyfit(number, at, 1, w=1.0 / known)
     even = start + step * number
+    even[np.abs(even) < 1e-12 * np.max(np.abs(at))] = 0.0
     if np.all(np.abs(even - at) <= SLACK * known):
         return even, np.full(len(at), float(np.max(np.abs(even - at))) / math.sqrt(len(at)))
     return at, resolution
