@@ -1,8 +1,9 @@
 """Simbody, through OpenSim's Python package, behind the contract.
 
 Pins and slider joints carry the bodies in a tree; the joints that close its loops are constraints, onto which Simbody
-projects positions and velocities. The crank's coordinate is prescribed as a polynomial of time, a segment of the motion
-at a time, so that OpenSim's clock starts anew with every segment.
+projects positions and velocities. The coordinate of the crank, of the driven slider or of a slide between a cylinder's
+barrel and rod, which have next to no mass, is prescribed as a polynomial of time, a segment of the motion at a time, so
+that OpenSim's clock starts anew with every segment.
 
 After a step that misses the joints by more than the square root of their tolerance, Simbody's Runge-Kutta methods leave
 the projection out, and in steps of fixed length do so silently. So a step is at most as long as a recipe says, and
@@ -19,8 +20,10 @@ from typing import Any
 import numpy as np
 
 from analytic.description.law import Law, TimeLaw
-from analytic.description.linkage import GROUND, Vector
+from analytic.description.linkage import GROUND, DriverKind, Vector
 from engines.contract import Abilities, Array, History, ReadOut, Setting
+from engines.mechanics.cylinder_links import cylinder_as_links
+from engines.mechanics.driver import across_guide
 from engines.mechanics.spanning_tree import Branch, SpanningTree, anchors, ends, spanning_tree
 from engines.scene import GUIDES, LOADS, Body, Channel, Free, PinJoint, Prescribed, Scene, SliderJoint, SlotJoint
 from engines.stepping.driver import DivergedError
@@ -35,8 +38,14 @@ KINEMATICS = {
 }
 READOUTS = {
     **{channel: ReadOut(f"Frame.{place}, Coordinate.{turn}") for channel, (place, turn) in KINEMATICS.items()},
-    Channel.TORQUE: ReadOut("Joint.calcReactionOnParentExpressedInGround, moment", drive="the drive's alone"),
-    Channel.JOINT_FORCE: ReadOut("Joint.calcReactionOnParentExpressedInGround, Constraint.getRecordValues"),
+    Channel.TORQUE: ReadOut(
+        "Joint.calcReactionOnParentExpressedInGround, moment, or force along the driven slide",
+        drive="the drive's alone",
+    ),
+    Channel.JOINT_FORCE: ReadOut(
+        "Joint.calcReactionOnParentExpressedInGround, Constraint.getRecordValues",
+        drive="a slider's, along its guide, is taken out",
+    ),
 }
 
 
@@ -52,6 +61,7 @@ class SimbodyRecipe(Recipe):
 # steps per turn: tolerance 1e-8 1e-7, 1e-10 4e-10, 1e-12 1e-12, 1e-13 1e-14, each in 0.2 to 0.4 s; 60 or 240 steps
 # are no better. Every projection changes a free crank's energy. Slotted take-up driven for 10 s, φ at 100, 200, 300
 # steps per turn: tolerance 1e-12 2.9e-4, 5.7e-6, 4e-7 rad; 1e-6 3.0e-5, 3.4e-7, 3.8e-8 rad in 3.0, 5.6, 8.1 s.
+LIGHT = 1e-6  # of the lightest body, a barrel's or rod's mass; at 1e-9 their rounding shakes what they are pinned to
 RAPID = 1e3  # rad/s: a crank's speed beyond which the tolerance grows with it
 NAIVE = SimbodyRecipe(steps_per_turn=120, in_own_units=False)
 DRIVEN = SimbodyRecipe(steps_per_turn=120, effort=1e-12)
@@ -63,18 +73,21 @@ class SimbodyWorld:
     """An OpenSim model and what is read from it in a state.
 
     By body: its frame, at the mass centre and parallel to the scene's, and the coordinates that turn it. ``forces`` act
-    on the joints' first bodies. ``loads`` take three functions of time each. ``readers`` give what a history has.
+    on the joints' first bodies. ``loads`` take three functions of time each. ``readers`` give what a history has. The
+    body ``driven`` has the coordinate ``driver``.
     """
 
     model: Any
     frames: dict[str, Any]
+    driven: str
+    driver: Any = None
     turning: dict[str, list[Any]] = field(default_factory=lambda: {GROUND: []})
-    forces: dict[str, Callable[[Any], Vector]] = field(default_factory=dict)
+    forces: dict[str, Callable[[Any], Any]] = field(default_factory=dict)
     loads: list[tuple[Callable[..., None], Law | TimeLaw]] = field(default_factory=list)
     readers: dict[Channel, Callable[[Any], Any]] = field(default_factory=dict)
 
     def carry(self, branch: Branch) -> None:
-        """Put a body on its parent; the crank is the first."""
+        """Put a body on its parent."""
         osim, body, joint = _opensim(), branch.body, branch.joint
         assert joint is not None  # or it is refused
         frame = osim.Body(f"body{len(self.frames)}", body.mass, _vector(), osim.Inertia(*[body.inertia or 0.0] * 3))
@@ -93,7 +106,20 @@ class SimbodyWorld:
         self.turning[body.name] = self.turning[branch.parent] + ([] if slides else moving)
         reaction, sign = link.calcReactionOnParentExpressedInGround, 1.0 if branch.reverse else -1.0
         self.forces[joint.name] = lambda state: _plane(reaction(state).get(1), sign)
-        self.readers.setdefault(Channel.TORQUE, lambda state: -reaction(state).get(0).get(2))
+        if body.name == self.driven:
+            self.read_drive(branch, link)
+
+    def read_drive(self, branch: Branch, link: Any) -> None:  # noqa: ANN401
+        """What the joint of the driven body takes up is the drive's if it is a moment or a force along a slide."""
+        joint, reaction, host = branch.joint, link.calcReactionOnParentExpressedInGround, self.frames[branch.parent]
+        self.driver = link.updCoordinate()
+        self.readers[Channel.TORQUE] = lambda state: -reaction(state).get(0).get(2)
+        if isinstance(joint, SliderJoint):
+            line, whole = _vector(*joint.along), self.forces[joint.name]
+            self.readers[Channel.TORQUE] = lambda state: float(
+                np.dot(whole(state), _plane(host.expressVectorInGround(state, line)))
+            )
+            self.forces[joint.name] = lambda state: across_guide(joint, np.array(whole(state)))
 
     def close(self, cut: PinJoint | SliderJoint | SlotJoint, carrier: str) -> None:
         """Hold a joint that closes a loop as a constraint; it tells minus its forces in the axes of the ``carrier``."""
@@ -138,7 +164,9 @@ class SimbodyEngine(SteppedEngine[SimbodyWorld, SimbodyRecipe]):
     package = "opensim"
     oldest = "4.6"
     effort_unit = "tolerance of the joints"
-    abilities = Abilities(READOUTS, frozenset({Prescribed, Free}), GUIDES, LOADS, timed_torque=True)
+    abilities = Abilities(
+        READOUTS, frozenset({Prescribed, Free}), GUIDES, LOADS, timed_torque=True, drivers=frozenset(DriverKind)
+    )
     settings: Mapping[type, Mapping[Setting, SimbodyRecipe]] = {
         Prescribed: dict(zip(Setting, (NAIVE, DRIVEN, replace(DRIVEN, effort=1e-13)), strict=True)),
         Free: dict(zip(Setting, (NAIVE, FREE, replace(FREE, ratios=(4,))), strict=True)),
@@ -153,16 +181,26 @@ class SimbodyEngine(SteppedEngine[SimbodyWorld, SimbodyRecipe]):
         laws = [load.force for load in scene.forces] + [load.torque for load in scene.torques]
         if isinstance(scene.drive, Free) and not all(law.is_constant for law in laws):
             return "its forces follow time, so that a free crank can have none that changes with its angle"
-        tree = spanning_tree(scene)
+        if (
+            isinstance(scene.drive, Free)
+            and scene.drive.over_time is not None
+            and scene.driver_kind is not DriverKind.CRANK
+        ):
+            return "it takes no force of a linear drive that changes with time"
+        tree = spanning_tree(cylinder_as_links(scene, 1.0))
         return _lost_inertia(scene) or tree.obstacle or _weightless_end(tree)
 
     def build(self, scene: Scene, recipe: SimbodyRecipe) -> SimbodyWorld:
         """Loads and drive have no functions yet: those of each part of the motion are given to them in turn."""
-        osim, tree = _opensim(), spanning_tree(scene)
+        osim, linked = (
+            _opensim(),
+            cylinder_as_links(scene, LIGHT * min(body.mass for body in scene.bodies if body.mass)),
+        )
+        tree = spanning_tree(linked)
         model = osim.Model()
         model.setGravity(_vector(*scene.gravity))
         frames = {GROUND: model.getGround()}
-        world = SimbodyWorld(model, frames)
+        world = SimbodyWorld(model, frames, linked.crank)
         for branch in tree.branches:
             world.carry(branch)
         for cut in tree.cuts:
@@ -179,11 +217,18 @@ class SimbodyEngine(SteppedEngine[SimbodyWorld, SimbodyRecipe]):
             world.push(force.body, force.force, force.anchor)
         for torque in scene.torques:
             world.push(torque.body, torque.torque)
-        if isinstance(scene.drive, Free):
-            world.push(scene.crank, Law(np.array([scene.drive.torque])))
+        if isinstance(scene.drive, Free) and scene.cylinder is not None:
+            (one, other), places = (frames[name].getName() for name in scene.driver_ends[:2]), scene.driver_ends[2:]
+            here, there = (_vector(*place) for place in places)
+            pull = f"-({scene.drive.torque:.17g})"
+            model.addForce(osim.ExpressionBasedPointToPointForce(one, here, other, there, pull))
+        elif isinstance(scene.drive, Free):
+            along = [1.0] if scene.driver_kind is DriverKind.CRANK else scene.driven_slider.along
+            world.push(scene.crank, Law(scene.drive.torque * np.array(along)))
             if scene.drive.over_time is not None:
                 world.push(scene.crank, scene.drive.over_time)
         world.readers |= {channel: world.kinematics(scene.bodies, channel) for channel in KINEMATICS}
+        world.forces = {joint.name: world.forces[joint.name] for joint in (*scene.pins, *scene.guided)}
         world.readers[Channel.JOINT_FORCE] = lambda state: [force(state) for force in world.forces.values()]
         return world
 
@@ -253,9 +298,8 @@ def _states(world: SimbodyWorld, course: Course[SimbodyRecipe], part: Interval, 
     clock = time - (segment.start if segment else 0.0)
     if segment:
         highest_first = osim.Vector.createFromMat(np.array(segment.coefficients[::-1]))
-        crank = model.updCoordinateSet().get(0)  # the tree begins with it
-        crank.setPrescribedFunction(osim.PolynomialFunction(highest_first))
-        crank.setDefaultIsPrescribed(True)
+        world.driver.setPrescribedFunction(osim.PolynomialFunction(highest_first))
+        world.driver.setDefaultIsPrescribed(True)
     for apply, law in world.loads:
         apply(*_functions(law, clock, segment.value(time) if segment else time))
     state = model.initSystem()
