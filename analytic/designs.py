@@ -17,8 +17,9 @@ from analytic.dynamics.derivative_orders import Needs, needs
 from analytic.errors import LinkproofError, UnknownNameError
 from analytic.evaluation import PER_ANGLE, PIECE, QUANTITIES, moving_sweep
 from analytic.kinematics.change_points import through_change_points
+from analytic.kinematics.decomposition import find_structure
 from analytic.kinematics.mechanism import Mechanism
-from analytic.kinematics.structure import Structure, find_structure
+from analytic.kinematics.structure import Structure
 from analytic.kinematics.sweep import Sweep
 from analytic.numerics.where_assembled import where_assembled
 from analytic.request import EvaluationRequest, evaluation_request

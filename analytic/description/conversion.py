@@ -138,7 +138,7 @@ def _check_driver(reader: Reader) -> None:
         )
 
 
-def _cylinder(reader: Reader) -> lk.Cylinder | None:
+def _cylinder(reader: Reader) -> lk.CylinderDrive | None:
     table = reader.document.cylinder
     if table is None:
         return None
@@ -146,7 +146,7 @@ def _cylinder(reader: Reader) -> lk.Cylinder | None:
     first, second = (reader.owner(point, link, "cylinder") for point, link in ends)
     if first == second:
         raise reader.fail(f"cylinder: expected ends on two different bodies, got both on '{first}'; correct one")
-    return lk.Cylinder(table.between, (first, second))
+    return lk.CylinderDrive(table.between, (first, second))
 
 
 def _check_lengths(reader: Reader, linkage: Linkage) -> None:

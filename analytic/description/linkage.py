@@ -158,7 +158,7 @@ class RotaryDamper:
 
 
 @dataclass(frozen=True)
-class Cylinder:
+class CylinderDrive:
     """A massless driver between two points of two bodies: its length is φ, its force pushes them apart."""
 
     points: tuple[str, str]
@@ -237,7 +237,7 @@ class Linkage:
     notes: tuple[str, ...] = field(default=())
     units: Mapping[str, str] = field(default_factory=dict, repr=False)
     text: str = field(default="", repr=False)
-    cylinder: Cylinder | None = None
+    cylinder: CylinderDrive | None = None
 
     @property
     def driver(self) -> DriverKind:

@@ -17,13 +17,13 @@ from analytic.dynamics.group_forces import Wrench
 from analytic.dynamics.link_balance import LinkBalance
 from analytic.kinematics import frames
 from analytic.kinematics.frames import Scalar
-from analytic.kinematics.structure import Cylinder, Group, GroupJoint, Revolute
+from analytic.kinematics.structure import DrivenDistance, Group, GroupJoint, Revolute
 
 Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
-class Unit:
+class UnitReaction:
     """What a unit of one unknown of a joint exerts on its far body and on its near one."""
 
     far: Wrench
@@ -48,33 +48,33 @@ def higher_wrenches(balance: LinkBalance, group: Group) -> list[tuple[GroupJoint
             for joint, both in zip(group.joints, units, strict=True)]  # fmt: skip
 
 
-def _shapes(columns: list[tuple[GroupJoint, Unit]]) -> Iterator[tuple[int, ...]]:
+def _shapes(columns: list[tuple[GroupJoint, UnitReaction]]) -> Iterator[tuple[int, ...]]:
     yield from (np.shape(part) for _, unit in columns for part in (*unit.far, *unit.near))
 
 
-def _units(balance: LinkBalance, joint: GroupJoint) -> Iterator[Unit]:
+def _units(balance: LinkBalance, joint: GroupJoint) -> Iterator[UnitReaction]:
     """A unit of each unknown: a pin's force along x and y, a slide's across its line and moment, a cylinder's push."""
     if isinstance(joint, Revolute):
         far, near = (balance.arm(b, at) for b, at in ((joint.far, joint.far_local), (joint.near, joint.near_local)))
         for force in ((1.0, 0.0), (0.0, 1.0)):
-            yield Unit((*force, frames.cross(far, force)), _reverse(force, frames.cross(near, force)))
-    elif isinstance(joint, Cylinder):
+            yield UnitReaction((*force, frames.cross(far, force)), _reverse(force, frames.cross(near, force)))
+    elif isinstance(joint, DrivenDistance):
         far, near = (balance.arm(b, at) for b, at in ((joint.far, joint.far_local), (joint.near, joint.near_local)))
         u = balance.direction(joint)
-        yield Unit((*u, frames.cross(far, u)), _reverse(u, frames.cross(near, u)))
+        yield UnitReaction((*u, frames.cross(far, u)), _reverse(u, frames.cross(near, u)))
     else:
         x, y = frames.arm(balance.poses[joint.near], joint.along)
         gap = frames.minus(balance.place(joint.far), balance.place(joint.near))
         across = (-y, x)
-        yield Unit((*across, 0.0), _reverse(across, frames.cross(gap, across)))
-        yield Unit((0.0, 0.0, 1.0), (0.0, 0.0, -1.0))
+        yield UnitReaction((*across, 0.0), _reverse(across, frames.cross(gap, across)))
+        yield UnitReaction((0.0, 0.0, 1.0), (0.0, 0.0, -1.0))
 
 
 def _reverse(force: tuple[Scalar, Scalar], moment: Scalar) -> Wrench:
     return (-force[0], -force[1], -moment)
 
 
-def _sum(joint: GroupJoint, shares: list[tuple[Scalar, Unit]]) -> Wrench:
+def _sum(joint: GroupJoint, shares: list[tuple[Scalar, UnitReaction]]) -> Wrench:
     x = sum(size * unit.far[0] for size, unit in shares)
     y = sum(size * unit.far[1] for size, unit in shares)
     moment = 0.0 if isinstance(joint, Revolute) else sum(size * unit.far[2] for size, unit in shares)

@@ -9,7 +9,7 @@ from analytic.dynamics.group_forces import Statics, Wrench, references
 from analytic.dynamics.link_loads import LoadedSweep
 from analytic.kinematics import frames
 from analytic.kinematics.frames import Pair, Scalar
-from analytic.kinematics.structure import Cylinder, Dyad, GroupJoint, Prismatic, Revolute
+from analytic.kinematics.structure import DrivenDistance, Dyad, GroupJoint, Prismatic, Revolute
 
 
 class LinkBalance:
@@ -53,7 +53,7 @@ class LinkBalance:
 
     def book(self, joint: GroupJoint, wrench: Wrench) -> None:
         """Enter what a joint exerts on its far body, and the reverse on the near one."""
-        if isinstance(joint, Cylinder):
+        if isinstance(joint, DrivenDistance):
             self.drive = frames.dot(self.direction(joint), (wrench[0], wrench[1]))
         elif isinstance(joint, Revolute):
             self._add(joint.point, joint.far, (wrench[0], wrench[1]))
@@ -87,7 +87,7 @@ class LinkBalance:
         reference = self.references[body]
         return frames.arm(self.poses[body], (to[0] - reference[0], to[1] - reference[1]))
 
-    def direction(self, cylinder: Cylinder) -> Pair:
+    def direction(self, cylinder: DrivenDistance) -> Pair:
         """The unit vector along a cylinder, from its near end to its far end."""
         near, far = (self.poses[cylinder.near], self.poses[cylinder.far])
         x, y = frames.minus(frames.point(far, cylinder.far_local), frames.point(near, cylinder.near_local))

@@ -18,13 +18,13 @@ from numpy.typing import NDArray
 from analytic.description.linkage import GROUND, Vector
 from analytic.kinematics.change_points import EXTENDED, NEAREST_NODE
 from analytic.kinematics.groups.equations import jacobian
-from analytic.kinematics.structure import AnyGroup, Cylinder, Group, Prismatic, Revolute
+from analytic.kinematics.structure import AnyGroup, DrivenDistance, Group, Prismatic, Revolute
 from analytic.kinematics.sweep import Sweep
 
 Array = NDArray[np.float64]
 ORDERS: Final = 3
 # Of each joint the equations for distances, whose curvature counts.
-DISTANCES: Final = {Revolute: [1.0, 1.0], Prismatic: [1.0, 0.0], Cylinder: [1.0]}
+DISTANCES: Final = {Revolute: [1.0, 1.0], Prismatic: [1.0, 0.0], DrivenDistance: [1.0]}
 
 # The residual of one joint equation over the sum of its terms: two roundings of half an eps each. Over random linkages
 # the true error stays below a third of the bound that follows.
@@ -164,7 +164,7 @@ class ErrorBounds:
             rows += [total, total] if isinstance(joint, Revolute) else [total + self._stretching_residual(joint, order)]
         return np.stack(rows, axis=-1)
 
-    def _stretching_residual(self, joint: Cylinder, order: int) -> Array:
+    def _stretching_residual(self, joint: DrivenDistance, order: int) -> Array:
         """What the errors of a cylinder's direction add to the equation of its length."""
         if order == 0:
             return ROUNDINGS * np.abs(self._full(self.sweep.angle))

@@ -15,6 +15,7 @@ from analytic.errors import AssemblyError, StructureError
 from analytic.kinematics import frames
 from analytic.kinematics.assembly import check_assembly
 from analytic.kinematics.change_points import period_of, through_change_points
+from analytic.kinematics.decomposition import find_structure
 from analytic.kinematics.dyad_solver import DyadSolver
 from analytic.kinematics.error_bounds import relative_bounds
 from analytic.kinematics.frames import Pose
@@ -22,7 +23,7 @@ from analytic.kinematics.groups.branch import followed
 from analytic.kinematics.groups.equations import Motions
 from analytic.kinematics.groups.solver import problem_of
 from analytic.kinematics.groups.start import nearest
-from analytic.kinematics.structure import AnyGroup, Dyad, Group, Structure, find_structure
+from analytic.kinematics.structure import AnyGroup, Dyad, Group, Structure
 from analytic.kinematics.sweep import Array, Sweep, placed, solver_of
 
 # Two assembly modes closer to the sketch than this ratio of each other are not told apart by it.

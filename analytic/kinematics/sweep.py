@@ -14,7 +14,7 @@ from analytic.kinematics.assembly import check_assembly, check_motion
 from analytic.kinematics.dyad_solver import DyadSolver
 from analytic.kinematics.frames import STILL, Pair, Pose, Rate, Scalar
 from analytic.kinematics.groups.solver import GroupSolver
-from analytic.kinematics.structure import AnyGroup, Cylinder, Dyad, Prismatic, Revolute, Structure
+from analytic.kinematics.structure import AnyGroup, DrivenDistance, Dyad, Prismatic, Revolute, Structure
 
 Array = NDArray[np.float64]
 FIXED: tuple[Any, Any, Any] = ((0.0, 0.0, 1.0, 0.0), STILL, STILL)  # the ground and its derivatives
@@ -170,7 +170,7 @@ class Sweep:
         for group in self.structure.groups:
             self.poses(group.first)
             for joint in group.joints:
-                if isinstance(joint, Cylinder):
+                if isinstance(joint, DrivenDistance):
                     ends = (
                         self.local_point(joint.near, joint.near_local),
                         self.local_point(joint.far, joint.far_local),

@@ -35,6 +35,7 @@ def highest(curves: Callable[[Array], Array], grid: Array, values: Array) -> tup
         seen = curves(near.ravel()).reshape(len(row), *near.shape)[row, row]
         best = np.argmax(seen, axis=2)[..., None]
         heights = np.take_along_axis(seen, best, 2)[..., 0]
+        best = np.where(heights[..., None] > seen[..., PARTS, None], best, PARTS)  # not an empty left side
         beside = np.clip(best + np.array([-1, 0, 1]), 0, near.shape[2] - 1)
         brackets = np.take_along_axis(near, beside, 2)
     places = brackets[:, :, 1]

@@ -12,9 +12,10 @@ from numpy.typing import NDArray
 from analytic.description.linkage import Linkage
 from analytic.errors import LinkproofError, StructureError
 from analytic.kinematics.crank_range import CrankRange, Toggle, crank_range
+from analytic.kinematics.decomposition import find_structure
 from analytic.kinematics.mechanism import Mechanism
 from analytic.kinematics.mobility import grashof, loose_points, mobility
-from analytic.kinematics.structure import Dyad, find_structure
+from analytic.kinematics.structure import Dyad
 from analytic.kinematics.transmission import transmission_angle
 from analytic.numerics.roots import root
 from reports.facts.linkage_warnings import warnings

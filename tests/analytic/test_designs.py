@@ -13,8 +13,8 @@ from analytic.designs import ASSEMBLED, evaluate_designs
 from analytic.dynamics import reduced
 from analytic.errors import AssemblyError, LinkproofError, UnknownNameError
 from analytic.evaluation import evaluate
+from analytic.kinematics.decomposition import find_structure
 from analytic.kinematics.error_bounds import relative_bounds
-from analytic.kinematics.structure import find_structure
 from analytic.kinematics.sweep import Sweep
 from tests.analytic.compiled.test_evaluation import ORDERS, quantities
 from tests.analytic.linkages import FourBar, four_bars, from_text, mechanism, text_of

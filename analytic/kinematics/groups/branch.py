@@ -56,7 +56,7 @@ class Problem:
 
 
 @dataclass(frozen=True, eq=False)
-class Branch:
+class GroupBranch:
     """Nodes over φ, ``coordinate`` (m,), rad or m, increasing: ``state`` (m, 3, links, 3), x, y, θ and derivatives.
 
     ``turns`` (links,) is what each link turns by, rad, in a turn of a crank after which all is as before; None where
@@ -99,7 +99,7 @@ class Branch:
 
 
 @dataclass(frozen=True)
-class Node:
+class BranchNode:
     """A point of a branch and the sign of det Φ_q there."""
 
     coordinate: float
@@ -127,7 +127,7 @@ def corrected(system: GroupSystem, guess: Array, farthest: float = math.inf) -> 
     return np.where(done[:, None, None], here, np.nan)
 
 
-def followed(problem: Problem, start: Array, coordinate: float) -> Branch:
+def followed(problem: Problem, start: Array, coordinate: float) -> GroupBranch:
     """The branch of the configuration ``start`` (links, 3) at φ = ``coordinate``; raises AssemblyError."""
     first = _node(problem, start[None], coordinate, math.inf)
     if first is None:
@@ -148,12 +148,12 @@ def followed(problem: Problem, start: Array, coordinate: float) -> Branch:
     return _refined(problem, branch, first.side)
 
 
-def _branch(problem: Problem, nodes: Sequence[Node], turns: Array | None, *, strays: bool = False) -> Branch:
+def _branch(problem: Problem, nodes: Sequence[BranchNode], turns: Array | None, *, strays: bool = False) -> GroupBranch:
     places = np.array([node.coordinate for node in nodes])
-    return Branch(places, np.stack([n.state for n in nodes]), problem.unit, turns, problem.is_linear, strays)
+    return GroupBranch(places, np.stack([n.state for n in nodes]), problem.unit, turns, problem.is_linear, strays)
 
 
-def _node(problem: Problem, guess: Array, coordinate: float, farthest: float) -> Node | None:
+def _node(problem: Problem, guess: Array, coordinate: float, farthest: float) -> BranchNode | None:
     """The node nearest to a guess (1, links, 3), if it is near enough."""
     try:
         system = problem.system(np.array([coordinate]))
@@ -166,10 +166,10 @@ def _node(problem: Problem, guess: Array, coordinate: float, farthest: float) ->
         first, second = system.derivatives(place)
         side = float(np.linalg.slogdet(system.matrix(system.motions(place)))[0][0])
     state = np.stack([place[0], first[0], second[0]])
-    return Node(coordinate, state, side) if np.all(np.isfinite(state)) and side else None
+    return BranchNode(coordinate, state, side) if np.all(np.isfinite(state)) and side else None
 
 
-def _follow(problem: Problem, start: Node, end: float) -> tuple[list[Node], bool]:
+def _follow(problem: Problem, start: BranchNode, end: float) -> tuple[list[BranchNode], bool]:
     """Nodes from ``start`` towards φ = ``end``, and whether they get there."""
     nodes = [start]
     direction, largest = (1.0 if end >= start.coordinate else -1.0), LARGEST_STEP * problem.radian
@@ -190,7 +190,7 @@ def _follow(problem: Problem, start: Node, end: float) -> tuple[list[Node], bool
     return nodes, True
 
 
-def _predicted(nodes: list[Node], coordinate: float) -> Array:
+def _predicted(nodes: list[BranchNode], coordinate: float) -> Array:
     """Taylor's series to the third order from the last node, the third derivative by difference."""
     here = nodes[-1]
     step = coordinate - here.coordinate
@@ -200,7 +200,7 @@ def _predicted(nodes: list[Node], coordinate: float) -> Array:
     return np.asarray(here.state[0] + step * (here.state[1] + step / 2.0 * (here.state[2] + step / 3.0 * third)))
 
 
-def _turns(nodes: list[Node], unit: float) -> Array | None:
+def _turns(nodes: list[BranchNode], unit: float) -> Array | None:
     """Each link's angle gained over a turn of the crank, rad; None if its ends do not meet."""
     gained = (nodes[-1].state[0] - nodes[0].state[0]) / np.array([unit, unit, 1.0])
     turns = FULL_TURN * np.round(gained[:, 2] / FULL_TURN)
@@ -208,7 +208,7 @@ def _turns(nodes: list[Node], unit: float) -> Array | None:
     return np.asarray(turns) if float(np.max(np.abs(gained))) <= SHUT else None
 
 
-def _refined(problem: Problem, branch: Branch, side: float) -> Branch:
+def _refined(problem: Problem, branch: GroupBranch, side: float) -> GroupBranch:
     """The branch with nodes added in the middle of intervals whose quintic is not near there."""
     places, state = branch.coordinate, branch.state
     left = np.arange(len(places) - 1)
@@ -234,7 +234,7 @@ def _refined(problem: Problem, branch: Branch, side: float) -> Branch:
         new = np.flatnonzero(np.isin(places, middle[more]))
         left = np.unique(np.concatenate([new - 1, new]))
         left = left[(left >= 0) & (left < len(places) - 1)]
-    return Branch(places, state, branch.unit, branch.turns, branch.is_linear, branch.strays)
+    return GroupBranch(places, state, branch.unit, branch.turns, branch.is_linear, branch.strays)
 
 
 def _quintic(places: Array, state: Array, at: Array) -> Array:

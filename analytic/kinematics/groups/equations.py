@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from analytic.kinematics import frames
 from analytic.kinematics.frames import Pair, Pose, Rate, Scalar
-from analytic.kinematics.structure import Cylinder, GroupJoint, Revolute
+from analytic.kinematics.structure import DrivenDistance, GroupJoint, Revolute
 
 Array = NDArray[np.float64]
 Motion = tuple[Pose, Rate, Rate]
@@ -29,7 +29,7 @@ def values(joints: Sequence[GroupJoint], motions: Motions, order: int, coordinat
         near, far = motions[joint.near], motions[joint.far]
         if isinstance(joint, Revolute):
             rows += frames.minus(_point(far, joint.far_local, order), _point(near, joint.near_local, order))
-        elif isinstance(joint, Cylinder):
+        elif isinstance(joint, DrivenDistance):
             rows.append(_length(joint, near, far, order, coordinate))
         else:
             offsets = [
@@ -76,7 +76,7 @@ def _turn(near: Motion, far: Motion, turn: Pair, order: int) -> Scalar:
     return far[0][3] * c - far[0][2] * s
 
 
-def _length(joint: Cylinder, near: Motion, far: Motion, order: int, coordinate: Scalar) -> Scalar:
+def _length(joint: DrivenDistance, near: Motion, far: Motion, order: int, coordinate: Scalar) -> Scalar:
     """The distance of the cylinder's ends less φ, and its derivatives."""
     spans = _spans(far, joint.far_local, near, joint.near_local, order)
     length = np.sqrt(frames.dot(spans[0], spans[0]))
@@ -90,7 +90,7 @@ def _length(joint: Cylinder, near: Motion, far: Motion, order: int, coordinate: 
 
 def jacobian(joints: Sequence[GroupJoint], links: Sequence[str], poses: Mapping[str, Pose], count: int) -> Array:
     """Derivatives of the equations by x, y and θ of the links; (count, equations, 3 · links)."""
-    sizes = [1 if isinstance(joint, Cylinder) else 2 for joint in joints]
+    sizes = [1 if isinstance(joint, DrivenDistance) else 2 for joint in joints]
     entries = np.zeros((count, sum(sizes), 3 * len(links)))
     columns = {name: 3 * number for number, name in enumerate(links)}
     top = 0
@@ -110,7 +110,7 @@ def _enter(block: Array, joint: GroupJoint, body: str, sign: float, poses: Mappi
         block[:, 0, 2], block[:, 1, 2] = -sign * y, sign * x
         return
     near, far = poses[joint.near], poses[joint.far]
-    if isinstance(joint, Cylinder):
+    if isinstance(joint, DrivenDistance):
         span = frames.minus(frames.point(far, joint.far_local), frames.point(near, joint.near_local))
         length = np.sqrt(frames.dot(span, span))
         u = (span[0] / length, span[1] / length)
@@ -136,7 +136,7 @@ def rates_of(coordinates: Array) -> list[Rate]:
 
 def _scales(joint: GroupJoint, unit: float) -> tuple[float, ...]:
     """Factors that bring a joint's equations into the unit."""
-    if isinstance(joint, Cylinder):
+    if isinstance(joint, DrivenDistance):
         return (1.0 / unit,)
     return (1.0 / unit, 1.0 / unit) if isinstance(joint, Revolute) else (1.0 / unit, 1.0)
 

@@ -17,12 +17,14 @@ from scipy.sparse import csr_matrix
 from scipy.sparse.csgraph import connected_components, maximum_bipartite_matching
 
 from analytic.description.linkage import GROUND, Linkage, Pin, Slider
-from analytic.kinematics.structure import Cylinder, Group, GroupJoint, prismatic_joint, revolute_joint
+from analytic.kinematics.structure import DrivenDistance, Group, GroupJoint, prismatic_joint, revolute_joint
 
 Edge = tuple[int, tuple[str, ...]]  # a number of equations, and the unplaced bodies and pins they are between
 
 
-def find_group(linkage: Linkage, placed: set[str], holders: dict[str, str], cylinder: Cylinder | None) -> Group | None:
+def find_group(
+    linkage: Linkage, placed: set[str], holders: dict[str, str], cylinder: DrivenDistance | None
+) -> Group | None:
     """The first group of what is left, by its links' names; None where the joints do not fit the unknowns.
 
     ``holders`` are placed bodies of pins; a slot's pin is a slider of the linkage.
@@ -52,7 +54,7 @@ def _edges(linkage: Linkage, placed: set[str], holders: dict[str, str]) -> Itera
             yield 2, ends
 
 
-def _cylinder_edge(cylinder: Cylinder | None, placed: set[str]) -> Iterable[Edge]:
+def _cylinder_edge(cylinder: DrivenDistance | None, placed: set[str]) -> Iterable[Edge]:
     if cylinder is not None:
         yield 1, tuple(body for body in (cylinder.near, cylinder.far) if body not in placed)
 
@@ -86,7 +88,7 @@ def _components(sizes: dict[str, int], edges: Sequence[Edge]) -> list[tuple[str,
 
 
 def _joints(
-    linkage: Linkage, links: Sequence[str], placed: set[str], holders: dict[str, str], cylinder: Cylinder | None
+    linkage: Linkage, links: Sequence[str], placed: set[str], holders: dict[str, str], cylinder: DrivenDistance | None
 ) -> Iterable[GroupJoint]:
     """Outer joints seen from placed bodies, and inner ones."""
     for pin in linkage.pins:

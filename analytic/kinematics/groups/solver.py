@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from analytic.description.linkage import Linkage
 from analytic.kinematics.frames import STILL, Pose, Rate, Scalar
-from analytic.kinematics.groups.branch import Branch, Problem, corrected
+from analytic.kinematics.groups.branch import GroupBranch, Problem, corrected
 from analytic.kinematics.groups.equations import GroupSystem, poses_of, rates_of
 from analytic.kinematics.structure import Group
 
@@ -30,7 +30,7 @@ class GroupSolver:
         self.known: list[Mapping[str, Any]] = []
 
     @property
-    def branch(self) -> Branch:
+    def branch(self) -> GroupBranch:
         """The configuration that is followed."""
         assert self.dyad.branch is not None
         return self.dyad.branch

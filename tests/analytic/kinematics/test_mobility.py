@@ -8,8 +8,9 @@ from hypothesis import strategies as st
 
 from analytic.description.loading import parse
 from analytic.kinematics.crank_range import crank_range
+from analytic.kinematics.decomposition import find_structure
 from analytic.kinematics.mobility import grashof, loose_points, mobility
-from analytic.kinematics.structure import Dyad, find_structure
+from analytic.kinematics.structure import Dyad
 from tests.analytic.linkages import EVERY, from_text, mechanism
 from tests.analytic.textbook import DOUBLE_ROCKER, four_bar
 

@@ -13,11 +13,12 @@ from analytic.dynamics.reduced import drive_torque
 from analytic.errors import AssemblyError, LinkproofError
 from analytic.kinematics import frames
 from analytic.kinematics.crank_range import crank_range
+from analytic.kinematics.decomposition import find_structure
 from analytic.kinematics.error_bounds import ErrorBounds
 from analytic.kinematics.groups.branch import Problem, corrected, followed
 from analytic.kinematics.groups.solver import GroupSolver, problem_of
 from analytic.kinematics.mechanism import Mechanism
-from analytic.kinematics.structure import Dyad, Group, Revolute, find_structure
+from analytic.kinematics.structure import Dyad, Group, Revolute
 from analytic.kinematics.sweep import Sweep
 from tests.analytic.drives import driven, path_of
 from tests.analytic.fifty_digits import exact

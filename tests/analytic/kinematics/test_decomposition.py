@@ -8,8 +8,9 @@ import pytest
 from analytic.description.linkage import Guide, Slider
 from analytic.description.loading import parse
 from analytic.errors import StructureError
-from analytic.kinematics import structure
-from analytic.kinematics.structure import KINDS, find_structure
+from analytic.kinematics import decomposition
+from analytic.kinematics.decomposition import find_structure
+from analytic.kinematics.structure import KINDS
 from tests.analytic.chains import chain_of_dyads
 from tests.analytic.linkages import CATALOGUE, EVERY, MADE_UP, from_text, mechanism, text_of
 from tests.counting import calls
@@ -142,7 +143,7 @@ def test_three_sliding_joints_hold_nothing():
 
 
 def test_the_work_grows_with_the_number_of_links(monkeypatch):
-    joints = calls(monkeypatch, structure._Search, "revolute")
+    joints = calls(monkeypatch, decomposition._Search, "revolute")
     counts = []
     for dyads in (20, 80):
         joints.clear()
