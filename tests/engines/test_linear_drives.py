@@ -1,10 +1,13 @@
 """A slider of the ground and a cylinder as the driver: every engine is within its limits, or says that it has none."""
 
 import pickle
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
+from analytic.description.crank_motion import swing
+from analytic.kinematics.mechanism import Mechanism
 from analytic.motion.released import free_motion
 from comparisons.campaign.campaign import judged
 from comparisons.reference.case import Case, own_case
@@ -30,21 +33,34 @@ def _engine(name):
     return engine
 
 
-@pytest.mark.parametrize("sample", SAMPLES)
-@pytest.mark.parametrize("name", ENGINES)
-def test_every_engine_is_within_its_limits_or_has_no_such_driver(name, sample):
-    engine, mechanism = _engine(name), driven(sample)
-    case = own_case(mechanism, mechanism.linkage.regimes[0])
+def _within_limits(name, case):
+    engine, kind = _engine(name), case.mechanism.linkage.driver
     case.check_motion()
     result = judged(pickle.dumps(case), name, Setting.TUNED, (), True)
     outcomes = {record.quantity: record.outcome for record in (*result.records, *result.invariants)}
-    kind = mechanism.linkage.driver
     if kind in engine.abilities.drivers:
         assert set(outcomes.values()) <= {"passed", "not-provided"}, outcomes
         assert outcomes["Mkr"] == outcomes["energy_balance"] == "passed"
     else:
         assert set(outcomes.values()) == {"unsupported"}
         assert result.records[0].detail == f"it takes no {kind} as the driver, only a crank"
+
+
+@pytest.mark.parametrize("sample", SAMPLES)
+@pytest.mark.parametrize("name", ENGINES)
+def test_every_engine_is_within_its_limits_or_has_no_such_driver(name, sample):
+    mechanism = driven(sample)
+    _within_limits(name, own_case(mechanism, mechanism.linkage.regimes[0]))
+
+
+@pytest.mark.parametrize(
+    ("sample", "start", "end"), [("linear-motor", 0.0, 0.03), ("cylinder-in-the-loop", 0.08, 0.11)]
+)
+@pytest.mark.parametrize("name", ENGINES)
+def test_a_carried_guide_and_a_cylinder_between_moving_links_are_held_alike(name, sample, start, end):
+    """Without their loads, so that every engine takes them."""
+    linkage = replace(driven(sample).linkage, forces=(), springs=(), dampers=())
+    _within_limits(name, Case(Mechanism(linkage), swing("cycloidal", start, end, time=0.25, regime="swing")))
 
 
 @pytest.mark.parametrize("sample", LOADED)
