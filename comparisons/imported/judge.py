@@ -32,6 +32,7 @@ Array = NDArray[np.float64]
 
 FEWEST: Final = 2  # samples of a signal that can be judged
 STILL: Final = frozenset(("phi", "S", "Jeq"))  # signals of the linkage at rest: no speed is needed over the angle
+FINE: Final = 2000  # instants by which a curve is looked at between few samples
 SPARSE: Final = 1.0  # of the limit: a peak that the file's samples miss by more is said
 
 
@@ -173,7 +174,8 @@ def _missed(model: Model, judged: Sequence[SignalVerdict]) -> list[tuple[str, fl
         time = verdict.samples.time
         if len(time) > 2000 or (isinstance(model.motion, ColumnMotion) and len(time) < 4):
             continue
-        fine = (time[:-1, None] + np.diff(time)[:, None] * np.linspace(0.0, 1.0, 9)[:-1]).ravel()
+        between = np.linspace(0.0, 1.0, max(9, FINE // len(time)))[:-1]
+        fine = (time[:-1, None] + np.diff(time)[:, None] * between).ravel()
         whole = model.predicted([replace(verdict.samples, time=fine)])[0]
         peak = float(np.max(np.abs(whole)))
         share = 1.0 - float(np.max(np.abs(verdict.truth))) / peak if peak else 0.0

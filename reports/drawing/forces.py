@@ -101,16 +101,21 @@ def draw_tips(axes: Axes, force: Array, ink: str, unit: str) -> float:
 
 
 def _square(force: Array) -> tuple[Array, float]:
-    """Middle and half side of the square that holds a hodograph and its origin, with room for names."""
-    low, high = np.minimum(force.min(axis=1), 0.0), np.maximum(force.max(axis=1), 0.0)
+    """Middle and half side of the square that holds a hodograph and its origin, with room for names.
+
+    At a change point a force is not a number, and is left out.
+    """
+    low, high = np.fmin.reduce(force, axis=1, initial=0.0), np.fmax.reduce(force, axis=1, initial=0.0)
     return 0.5 * (low + high), 0.64 * (float(np.max(high - low)) or 1.0)
 
 
 def _name_angles(axes: Axes, force: Array, half: float) -> None:
     """Crank angles beside the curve on its outer side, but where one would hide another."""
-    centre, taken = force.mean(axis=1), np.full((1, 2), np.inf)
+    centre, taken = np.mean(force, axis=1, where=np.isfinite(force)), np.full((1, 2), np.inf)
     for degrees in range(0, 360, MARKED):
         tip = force[:, degrees]
+        if not np.isfinite(tip).all():
+            continue
         along = force[:, (degrees + 1) % (POINTS - 1)] - force[:, degrees - 1 if degrees else POINTS - 2]
         across = np.array([-along[1], along[0]]) / (float(np.hypot(*along)) or 1.0)
         away = across if float(across @ (tip - centre)) >= 0.0 else -across

@@ -16,6 +16,7 @@ from analytic.numerics.extremes import in_turn
 from comparisons.reference.case import Case, Truth
 from reports.results.curves import Curves
 from reports.results.figures import (
+    NEGLIGIBLE,
     DrivePoint,
     Extreme,
     ForcePeak,
@@ -28,8 +29,6 @@ from reports.results.instants import Instants
 from reports.results.units import FileUnit, file_unit
 
 Array = NDArray[np.float64]
-
-NEGLIGIBLE = 1e-12  # share of the largest torque or power below which a mean is zero but for rounding
 
 
 @dataclass(frozen=True)

@@ -13,6 +13,7 @@ from reports.results.curves import MAGNITUDE, Curves, Measure
 
 TRANSMISSION = "transmission_angle:"
 SAME_SPEED = 1e-9  # share of the largest speed within which an instant counts as one of the largest speed
+NEGLIGIBLE = 1e-12  # share of the largest torque or power below which a figure is zero but for rounding
 FEWEST = 4  # instants of the grid at that speed that make it more than a moment
 BRAKING = "peak braking power"
 DRIVE: Mapping[str, Measure] = {
@@ -59,7 +60,8 @@ def drive_points(curves: Curves) -> list[DrivePoint]:
     if not curves.instants.is_steady:
         places["peak speed"] = _fastest(curves)
     points = [_drive_point(curves, what, time) for what, time in places.items()]
-    points = [point for point in points if point.what != BRAKING or point.power < 0.0]
+    least = NEGLIGIBLE * max(abs(point.power) for point in points)
+    points = [point for point in points if point.what != BRAKING or point.power < -least]
     torque = math.sqrt(curves.mean(lambda at: np.square(at.torque)))
     speed = curves.mean(lambda at: np.abs(at.speed))
     power = curves.mean(lambda at: at.torque * at.speed)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Sequence
 from typing import Final
 
@@ -9,8 +10,8 @@ from rich.console import Group, RenderableType
 
 from comparisons.reference.signals import COMPONENTS
 from reports.results.curves import MAGNITUDE
-from reports.results.designer_results import NEGLIGIBLE, DesignerResults
-from reports.results.figures import stroke
+from reports.results.designer_results import DesignerResults
+from reports.results.figures import NEGLIGIBLE, stroke
 from reports.results.units import FileUnit, file_unit
 from reports.text.numbers import ABSENT, figure
 from reports.text.screen import Cell, line, table
@@ -41,7 +42,7 @@ def _place(results: DesignerResults, time: float | None) -> tuple[str, ...]:
 
 def _angle(value: float, unit: FileUnit) -> str:
     """Degrees to two decimals, radians and lengths to five digits."""
-    return f"{value:.2f}" if unit.name == "deg" else figure(value, 5)
+    return f"{value:.2f}" if unit.name == "deg" and math.isfinite(value) else figure(value, 5)
 
 
 def _drive(results: DesignerResults) -> list[RenderableType]:
@@ -114,6 +115,8 @@ def _remarks(results: DesignerResults) -> Iterator[RenderableType]:
         yield line(f"Positive is {turning}; a joint's force acts on the link named; directions count from x.")
     else:
         yield line("No torques and forces: no link has mass, and there are no loads.")
+    if not all(math.isfinite(peak.force) for peak in results.forces):
+        yield line("Joint forces have no bound at the change point that the motion passes: none is told there.")
     if results.case.mechanism.is_numerical:
         yield line(
             "A group of class III or higher is solved by Newton's method: the figures are a numerical reference."

@@ -82,6 +82,7 @@ class GroupSolver:
     def why(self, linkage: Linkage) -> str:
         """Why the links do not meet somewhere."""
         names = ", ".join(f"'{name}'" for name in self.dyad.links)
+        s = "" if len(self.dyad.links) > 1 else "s"
         low, high = (linkage.place(end) for end in self.branch.ends)
         if self.branch.strays:
             return (
@@ -89,7 +90,7 @@ class GroupSolver:
                 f"sketch is followed; stay within"
             )
         return (
-            f"{names} keep the configuration of the sketch from {low} to {high} only, and end there {DEAD}; stay "
+            f"{names} keep{s} the configuration of the sketch from {low} to {high} only, and end{s} there {DEAD}; stay "
             "within, or change a length"
         )
 

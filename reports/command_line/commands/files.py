@@ -37,7 +37,8 @@ def new(name: str, destination: Destination) -> None:
     if _is_ours(schema):
         write_text(schema, schema_text())
         beside = f" and {schema}, by which editors complete and check it"
-    destination.print(line(f"wrote {path}{beside}; next: linkproof check {path}"))
+    argument = shlex.quote(f"./{path}" if str(path).startswith("-") else str(path))
+    destination.print(line(f"wrote {path}{beside}; next: linkproof check {argument}"))
 
 
 def _is_ours(path: Path) -> bool:

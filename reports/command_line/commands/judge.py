@@ -69,7 +69,7 @@ def judge(choice: JudgeChoice, destination: Destination) -> int:
     if not 0.0 < choice.limit < math.inf:
         raise LinkproofError(f"--limit: expected a positive share of the peak, such as 0.01, got {choice.limit:g}")
     if choice.write_mapping is not None:
-        check_writable(choice.write_mapping)
+        _check_is_new(choice.write_mapping, choice.mapping)
     found = load(choice.mechanism, choice.motion.variant)
     linkage = found if choice.gravity else without(found, "gravity")
     imported = _read(choice, linkage, destination)
@@ -94,6 +94,15 @@ def judge(choice: JudgeChoice, destination: Destination) -> int:
     if all(verdict.outcome is Verdict.UNDEFINED for verdict in judgement.verdicts):
         raise LinkproofError(f"expected a signal to judge, got none: {judgement.verdicts[0].detail}")
     return PASSED if judgement.passed else FAILED
+
+
+def _check_is_new(path: Path, mapping: Path | None) -> None:
+    """Raise LinkproofError where a mapping, in which a user may have agreed to something, would be overwritten."""
+    check_writable(path)
+    if path.exists() and (mapping is None or path.resolve() != mapping.resolve()):
+        raise LinkproofError(
+            f"--write-mapping: '{path}' is there already: take it with --mapping, or give another name"
+        )
 
 
 def _read(choice: JudgeChoice, linkage: Linkage, destination: Destination) -> ImportedResults:

@@ -151,3 +151,13 @@ def test_a_mirrored_export_of_a_regime_is_not_hidden():
     export = Export("", motion=crank_motion("run-up", clockwise=True), true_motion=crank_motion("run-up"))
     judgement = judged(replace(export, signals=("Mkr", "S")))
     assert not judgement.passed
+
+
+def test_a_narrow_peak_between_few_samples_is_seen():
+    time = np.linspace(0.0, 0.06, 11)  # 36° a sample: the torque's peaks lie between them
+    steady = crank_motion("constant-speed", speed=1000 * RPM, ramp_time=0.06, hold_time=0.0)
+    judgement = judge(JUKI, exported(JUKI, steady, ("Mkr",), time), steady)
+    dense = judge(JUKI, exported(JUKI, steady, ("Mkr",), np.linspace(0.0, 0.06, 20_001)), steady)
+    (verdict,), (every,) = judgement.verdicts, dense.verdicts
+    lost = 1.0 - np.max(np.abs(verdict.truth)) / np.max(np.abs(every.truth))
+    assert dict(judgement.missed)["Mkr"] == pytest.approx(lost, rel=1e-3)

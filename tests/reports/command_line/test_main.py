@@ -433,3 +433,9 @@ def test_an_interruption_of_any_import_is_one_sentence(module):
     done = subprocess.run(command, capture_output=True, text=True, timeout=60, check=False)
     assert (done.returncode, done.stdout) == (130, "")
     assert done.stderr == "linkproof: interrupted; nothing was written\n"
+
+
+@pytest.mark.skipif(os.name == "nt", reason="no such shell")
+def test_closed_streams_are_no_fault():
+    script = f'"{sys.executable}" -m reports.command_line.main schema >&- 2>&-'
+    assert subprocess.run(["sh", "-c", script], timeout=120, check=False).returncode == 0

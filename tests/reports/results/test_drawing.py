@@ -1,12 +1,15 @@
 """The drawing is one well-formed picture that names every force, in the units of the file."""
 
 import xml.etree.ElementTree as ET
+from io import StringIO
 
 import numpy as np
 import pytest
+from rich.console import Console
 
 from analytic.description.crank_motion import swing
 from reports.results.drawing import svg_text
+from reports.results.terminal import key_figures
 from tests.analytic.drives import driven
 from tests.analytic.linkages import from_text, mechanism
 from tests.analytic.textbook import DOUBLE_ROCKER
@@ -38,3 +41,13 @@ def test_a_swing_is_drawn_within_its_range_and_without_an_output():
 @pytest.mark.parametrize(("name", "ends"), [("linear-motor", (0.0, 0.1)), ("cylinder-in-the-loop", (0.05, 0.1))])
 def test_a_drive_along_a_line_is_drawn(name, ends):
     assert "Mkr, N" in words(results(driven(name), swing("cycloidal", *ends, speed=0.1)))
+
+
+def test_forces_through_a_change_point_are_drawn_where_they_have_a_bound():
+    found = results(mechanism("parallelogram"))
+    assert "shaking force" in words(found)
+    screen = Console(width=120, file=StringIO())
+    screen.print(key_figures(found))
+    said = screen.file.getvalue()
+    assert "nan" not in said
+    assert "Joint forces have no bound at the change point" in said

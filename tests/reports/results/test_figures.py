@@ -7,10 +7,11 @@ import numpy as np
 import pytest
 
 from analytic.description.crank_motion import RPM, crank_motion, swing
-from comparisons.reference.case import Case
+from comparisons.reference.case import Case, own_case
 from comparisons.reference.signals import signal
-from reports.results.figures import drive_points, force_peaks, output_extremes, stroke, transmission
-from tests.analytic.linkages import EVERY, mechanism
+from reports.command_line.commands.files import TEMPLATE
+from reports.results.figures import BRAKING, drive_points, force_peaks, output_extremes, stroke, transmission
+from tests.analytic.linkages import EVERY, from_text, mechanism
 from tests.reports.results.samples import CRANK, MASS, ROD, SPEED, piston, results
 
 CLOSE = 1e-11  # of the value: a refined peak of the closed form
@@ -112,3 +113,10 @@ def test_the_angle_of_a_link_is_unwrapped_along_the_motion_whatever_instants_are
     whole = curves.of(curves.on_grid, link)
     places = [len(whole) - 1, 3, len(whole) // 2]
     assert curves.of(curves.at(curves.grid[places]), link) == pytest.approx(whole[places], abs=1e-12)
+
+
+def test_a_drive_that_never_brakes_has_no_braking_power():
+    sample = from_text(TEMPLATE.read_text() + "[regimes.free]\ntorque = 0.02\nstart_angle = 60\nduration = 0.5\n")
+    points = drive_points(results(sample, own_case(sample, sample.linkage.regimes[0]).motion).curves)
+    assert "peak power" in {point.what for point in points}
+    assert BRAKING not in {point.what for point in points}

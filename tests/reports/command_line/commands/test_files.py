@@ -122,3 +122,11 @@ def test_a_file_named_without_its_ending_is_recognised():
     files.new("mine", Destination())
     with pytest.raises(DescriptionError, match=r"unknown mechanism 'mine': did you mean the file 'mine\.toml'\?"):
         load("mine")
+
+
+def test_the_next_command_can_be_pasted_into_a_shell(capsys):
+    files.new("a b", Destination())
+    files.new("-x", Destination())
+    said = capsys.readouterr().out
+    assert "next: linkproof check 'a b.toml'\n" in said
+    assert "next: linkproof check ./-x.toml\n" in said

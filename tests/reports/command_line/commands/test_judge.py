@@ -81,3 +81,13 @@ def test_what_cannot_be_is_one_sentence(run):
         run()
     with pytest.raises(LinkproofError, match=r"expected one motion of the crank"):
         run("--regime", "run-up", "--regime", "run-up-cubic")
+
+
+def test_a_mapping_that_is_there_is_not_overwritten_but_by_itself(run, tmp_path):
+    mapping = tmp_path / "mapping.toml"
+    run("--regime", "run-up", "--write-mapping", "mapping.toml")
+    text = mapping.read_text()
+    with pytest.raises(LinkproofError, match="is there already: take it with --mapping"):
+        run("--regime", "run-up", "--write-mapping", "mapping.toml")
+    assert mapping.read_text() == text
+    assert run("--regime", "run-up", "--mapping", "mapping.toml", "--write-mapping", "mapping.toml")[0] == 0
