@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from analytic.description.crank_motion import CrankMotion, Segment, crank_motion
+from analytic.description.linkage import DriverKind
 from analytic.designs import evaluate_designs
 from analytic.dynamics.equation_of_motion import equation_of_motion
 from analytic.dynamics.equilibrium import equilibria
@@ -25,7 +26,6 @@ from comparisons.reference.channels import truth
 from engines.contract import History, Setting
 from engines.direct_adapter.adapter import DirectEngine
 from engines.mechanics.start_check import ability_obstacle
-from engines.pymunk_adapter.adapter import PymunkEngine
 from engines.scene import Channel, Free, Prescribed, Scene
 from engines.stepping.own_units import own_units, restored, scaled
 from tests.analytic.drives import driven
@@ -140,7 +140,7 @@ def test_the_range_is_said_in_the_length_unit_of_the_file(name):
 @pytest.mark.parametrize("name", LINEAR)
 def test_engines_that_turn_cranks_only_say_so(name):
     scene = Case(driven(name), MOTIONS[name]).scene(Channel)
-    reason = ability_obstacle(scene, PymunkEngine.abilities)
+    reason = ability_obstacle(scene, replace(DirectEngine.abilities, drivers=frozenset({DriverKind.CRANK})))
     assert reason == f"it takes no {scene.driver_kind} as the driver, only a crank"
 
 
