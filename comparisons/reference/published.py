@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -142,9 +142,7 @@ def figure(mechanism: Mechanism, name: str, speed: float = 1.0) -> tuple[str, fl
 
 def compare_published(linkages: Iterable[Linkage]) -> tuple[PublishedRecord, ...]:
     """Every printed figure of these linkages against ours, in each linkage's own variant."""
-    return tuple(
-        _record(linkage, entry) for linkage in linkages for entry in linkage.published if _applies(linkage, entry)
-    )
+    return tuple(record for linkage in linkages for record in _records(linkage))
 
 
 def all_variants(name: str) -> tuple[Linkage, ...]:
@@ -157,8 +155,17 @@ def _applies(linkage: Linkage, entry: Published) -> bool:
     return entry.variant is None or entry.variant == linkage.variant
 
 
-def _record(linkage: Linkage, entry: Published) -> PublishedRecord:
-    unit, ours = _in_printed_unit(entry, *figure(Mechanism(linkage), entry.quantity, _speed(entry)))
+def _records(linkage: Linkage) -> Iterator[PublishedRecord]:
+    """One mechanism serves all figures of its linkage."""
+    entries = [entry for entry in linkage.published if _applies(linkage, entry)]
+    if entries:
+        mechanism = Mechanism(linkage)
+        yield from (_record(mechanism, entry) for entry in entries)
+
+
+def _record(mechanism: Mechanism, entry: Published) -> PublishedRecord:
+    linkage = mechanism.linkage
+    unit, ours = _in_printed_unit(entry, *figure(mechanism, entry.quantity, _speed(entry)))
     quantity = entry.quantity
     if entry.relative_to is not None:
         other = load(entry.relative_to)

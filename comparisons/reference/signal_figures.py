@@ -13,6 +13,7 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Callable, Mapping
+from functools import lru_cache
 from typing import Final
 
 import numpy as np
@@ -21,7 +22,7 @@ from analytic.description.crank_motion import crank_motion
 from analytic.errors import LinkproofError, UnknownNameError
 from analytic.kinematics.mechanism import Mechanism
 from analytic.numerics.extremes import Array, Extremes, extremes
-from comparisons.reference.case import Truth, own_case
+from comparisons.reference.case import Case, Truth, own_case
 from comparisons.reference.signals import signal, unit
 
 PLACE: Final = re.compile(r"(?P<number>[-+]?\d+\.?\d*(?:e[-+]?\d+)?)(?:(?P<angle>deg|rad)?|s:(?P<regime>.+))")
@@ -69,11 +70,17 @@ def _at(mechanism: Mechanism, place: str, speed: float) -> Truth:
     if read["regime"] is None:
         angle = number if read["angle"] == "rad" else math.radians(number)
         return _turning(mechanism, np.array([0.0]), speed, angle)
-    own = {regime.name: regime for regime in mechanism.linkage.regimes}
-    if read["regime"] not in own:
-        raise UnknownNameError(f"regime of '{mechanism.linkage.name}'", read["regime"], own)
-    case = own_case(mechanism, own[read["regime"]])
+    case = _case_of(mechanism, read["regime"])
     return Truth(case.mechanism, case.motion, np.array([number]))
+
+
+@lru_cache(maxsize=4)
+def _case_of(mechanism: Mechanism, name: str) -> Case:
+    """The case of one of the linkage's own regimes: many figures are printed of one motion."""
+    own = {regime.name: regime for regime in mechanism.linkage.regimes}
+    if name not in own:
+        raise UnknownNameError(f"regime of '{mechanism.linkage.name}'", name, own)
+    return own_case(mechanism, own[name])
 
 
 def _turning(mechanism: Mechanism, time: Array, speed: float, angle: float = 0.0) -> Truth:

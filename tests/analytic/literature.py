@@ -125,6 +125,11 @@ def shaper(phi: mpf) -> Points:
     return {"A": a, "T": mpc(x), "B": end(x)}
 
 
+def four_bars(phi: mpf) -> Points:
+    """Forty windows of four equal links of 1 m: every crank goes on as the first one does; m."""
+    return {f"B{number}": number + mp.expj(phi) for number in range(41)}
+
+
 # Rough places of the tool, m, by crank angle, degrees: the source's at 90, from which the others were followed.
 SHAPER_TOOL = {30: "0.25", 90: "0.06", 150: "-0.2", 270: "0.02"}
 
@@ -132,6 +137,7 @@ SHAPER_TOOL = {30: "0.25", 90: "0.06", 150: "-0.2", 270: "0.02"}
 FORMULAS: Mapping[str, tuple[Formula, str, tuple[float, ...]]] = {
     "andrews-squeezer": (andrews, "1e-3", (-3.5, 100.0, 905.9)),
     "jansen-leg": (jansen, "1e-3", (0.0, 77.0, 180.0, 256.9)),
+    "n-four-bar": (four_bars, "1", (-179.0, 0.0, 0.1, 90.0, 180.0, 400.0)),
     "shaper-quick-return": (shaper, "1", (30.0, 90.0, 150.0, 270.0)),
     "stephenson-six-bar": (stephenson, "1", (-58.89, -20.0, 0.0, 41.3)),
     "watt-six-bar": (watt, "1", (-5.63, 0.0, 2.0, 5.33)),

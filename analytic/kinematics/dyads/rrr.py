@@ -9,7 +9,7 @@ import numpy as np
 
 from analytic.description.linkage import Vector
 from analytic.kinematics import frames
-from analytic.kinematics.dyads.arms import LEAST_SINE, UNASSEMBLED, UNDETERMINED, direction, over_square, size
+from analytic.kinematics.dyads.arms import LEAST_SINE, ROUNDING, UNASSEMBLED, UNDETERMINED, direction, over_square, size
 from analytic.kinematics.dyads.closure import At, Closure, Hosts, Links, Poses, Rates, Shortfall, Travel, Written
 from analytic.kinematics.frames import Scalar
 from analytic.kinematics.structure import Dyad, Revolute
@@ -124,6 +124,8 @@ def touching(k: RRRConstants, margin: Scalar, gap: Scalar) -> RRRConstants:
     total, difference = k.lengths[0] + k.lengths[1], k.lengths[0] - k.lengths[1]
     if abs(total - gap) < abs(gap - abs(difference)):
         total = gap
+    elif gap <= ROUNDING * total:  # pins on top of each other: the gap's own rounding is no length
+        difference = 0.0
     else:
         difference = gap if difference > 0.0 else -gap
     return k._replace(lengths=(0.5 * (total + difference), 0.5 * (total - difference)))

@@ -120,6 +120,17 @@ def test_ten_coupled_four_bars_turn_alike():
         assert np.all(np.array([turned, rates, bends]) <= CHAINED)
 
 
+def test_pins_that_cross_in_every_window_add_up_no_rounding():
+    """At 0° the outer pins of all forty windows lie on top of each other; each window is driven by the one before."""
+    sample = mechanism("n-four-bar")
+    assert sample.changes == pytest.approx((0.0, np.pi), abs=1e-8)
+    sweep = sample.sweep(np.array([-13.0, -1e-7, 0.0, 1e-9, 0.3, np.pi - 1e-5, np.pi, 7.0]))
+    c, s = sweep.poses("rocker40")[2:]
+    assert max(np.max(np.abs(c - np.cos(sweep.angle))), np.max(np.abs(s - np.sin(sweep.angle)))) <= CHAINED[0]
+    assert np.max(np.abs(sweep.rates("rocker40")[2] - 1.0)) <= CHAINED[1]
+    assert np.max(np.abs(sweep.accelerations("rocker40")[2])) <= CHAINED[2]
+
+
 @pytest.mark.parametrize("share", [1e-6, -1e-6, 1e-9, 1e-12])
 def test_a_miss_is_no_change_point(share):
     """A rocker longer than the crank all but closes the linkage; a shorter one cannot be assembled there."""
