@@ -112,7 +112,7 @@ def _checked(case: Case, seen: Inspection, record: Record) -> Record:
     samples = len(motion.signal(Channel.ACCELERATION).time)
     if record.quantity == "force_balance":
         return _check(record, _away_from_jumps(case, seen.force_balance()), 1.0, samples)
-    required = _away_from_jumps(case, seen.torque_required())
+    required = _away_from_changes(seen, _away_from_jumps(case, seen.torque_required()))
     routes = Signal(required.time, required.values - motion.on_clock(Channel.TORQUE, required.time))
     return _check(record, routes, _torque_scale(case, motion), samples)
 
@@ -122,7 +122,8 @@ def _closure(case: Case, seen: Inspection) -> tuple[Signal, int]:
     levels = invariants.closure(seen)
     count = sum(len(signal.time) for signal in levels.values())
     levels[Channel.ACCELERATION.value] = _away_from_jumps(case, levels[Channel.ACCELERATION.value])
-    time, values = (np.concatenate([getattr(s, part) for s in levels.values()]) for part in ("time", "values"))
+    kept = [_away_from_changes(seen, signal) for signal in levels.values()]
+    time, values = (np.concatenate([getattr(signal, part) for signal in kept]) for part in ("time", "values"))
     return Signal(time, values), count
 
 
@@ -141,6 +142,12 @@ def _torque_scale(case: Case, motion: ObservedMotion) -> float:
 def _away_from_jumps(case: Case, signal: Signal) -> Signal:
     """A signal without its samples at acceleration jumps, where interpolating between samples means nothing."""
     kept = ~near_jumps(signal.time, case.motion.jumps)
+    return Signal(signal.time[kept], signal.values[kept])
+
+
+def _away_from_changes(seen: Inspection, signal: Signal) -> Signal:
+    """A signal without its samples beside change points, where corrections are their own rounding magnified."""
+    kept = ~seen.beside_changes(signal.time).any(axis=1)
     return Signal(signal.time[kept], signal.values[kept])
 
 

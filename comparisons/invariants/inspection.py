@@ -29,6 +29,7 @@ FAINT_FORCE = 1e-9
 # A determinant that changes by this share of itself from sample to sample leaves a peak between them unseen; so many
 # samples on either side are as uncertain.
 SHARP, REACH = 0.3, 2.0
+BESIDE, SAMPLES_BESIDE = 0.05, 5.0  # rad of a change point, and samples of it
 SUDDEN = 0.3  # relaxation times between samples
 STANDSTILL = 1e-12  # of the peak kinetic energy: of less, no rate of damping can be told
 COARSE = 0.5  # rad of crank between samples: a dozen of a turn show its energy, not the work done between them
@@ -104,15 +105,36 @@ class Inspection:
         told = np.argmax(np.abs(seen) > NOWHERE, axis=0)
         return np.asarray(np.sign(np.take_along_axis(seen, told[None], axis=0)[0]))
 
+    @cached_property
+    def _changes(self) -> list[tuple[int, float]]:
+        """The groups' change points: the number of the group among the determinants, and φ, rad."""
+        names = list(self.groups.equations.index)
+        return [
+            (number, change)
+            for number, bodies in enumerate(self.groups.members, start=1)
+            for change in self.changes.get(frozenset(bodies) & frozenset(names), ())
+        ]
+
     def _passed(self, time: Array) -> Array:
         """-1 where a group has passed an odd number of its change points since the start, else 1; (n, groups)."""
-        names, angle = list(self.groups.equations.index), self.motion.crank(Channel.POSITION, time)
-        start = self.motion.scene.crank_angle if self.changes else 0.0
+        angle, start = self.motion.crank(Channel.POSITION, time), self.motion.scene.crank_angle if self.changes else 0.0
         result = np.ones((len(time), 1 + len(self.groups.blocks)))
-        for number, bodies in enumerate(self.groups.members, start=1):
-            for change in self.changes.get(frozenset(bodies) & frozenset(names), ()):
-                turned = np.floor((angle - change) / FULL_TURN) - np.floor((start - change) / FULL_TURN)
-                result[:, number] *= np.where(turned % 2 == 0, 1.0, -1.0)
+        for number, change in self._changes:
+            turned = np.floor((angle - change) / FULL_TURN) - np.floor((start - change) / FULL_TURN)
+            result[:, number] *= np.where(turned % 2 == 0, 1.0, -1.0)
+        return result
+
+    def beside_changes(self, time: Array) -> NDArray[np.bool_]:
+        """Where a group is at its change point or a few samples from it, (n, groups): it moves on smoothly there.
+
+        What is small there is the determinant: corrections, which are over it, tell its own rounding.
+        """
+        angle = self.motion.crank(Channel.POSITION, time)
+        reach = np.maximum(BESIDE, SAMPLES_BESIDE * np.abs(np.gradient(angle))) if len(angle) > 1 else BESIDE
+        result = np.zeros((len(time), 1 + len(self.groups.blocks)), dtype=bool)
+        for number, change in self._changes:
+            away = np.abs((angle - change + 0.5 * FULL_TURN) % FULL_TURN - 0.5 * FULL_TURN)
+            result[:, number] |= away <= reach
         return result
 
     def torque_required(self) -> Signal:
@@ -167,6 +189,7 @@ class Inspection:
         found = self.on(Channel.POSITION)
         size = np.abs(found.determinants)
         sharp = np.abs(np.diff(found.determinants, axis=0)) > SHARP * np.minimum(size[1:], size[:-1])
+        sharp &= ~self.beside_changes(found.time)[1:]
         for step in np.flatnonzero(sharp.any(axis=1)):
             reach = REACH * (found.time[step + 1] - found.time[step])
             yield found.time[step] - reach, found.time[step + 1] + reach

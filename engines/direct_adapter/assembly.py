@@ -10,6 +10,7 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from engines.mechanics.joints import Arms, JointEquations
 from engines.mechanics.states import Pose, Reals
@@ -75,12 +76,16 @@ def inverted(matrix: Reals) -> Reals:
 
 @dataclass(frozen=True)
 class Closed:
-    """Poses with every joint closed to rounding; ``first`` (n,) is how far off they were at the start."""
+    """Poses with every joint closed to rounding; ``first`` (n,) is how far off they were at the start.
+
+    ``smooth``: beside change points, the instants where the inverse is no number, and q' and q'' there, (2, m, k).
+    """
 
     pose: Pose
     arms: Arms
     inverse: Reals
     first: Reals
+    smooth: tuple[NDArray[np.bool_], Reals] | None = None
 
     def solver(self, equations: Equations, passes: int = 2) -> Solver:
         """For the velocities, accelerations and forces of these poses."""

@@ -25,7 +25,7 @@ from analytic.numerics.integration import Push, integrate
 from analytic.numerics.periodic_table import PeriodicTable, tabulate
 from engines.direct_adapter.assembly import Equations, UnsolvableError
 from engines.direct_adapter.path import Path
-from engines.direct_adapter.solution import transfer
+from engines.direct_adapter.solution import bends, transfer
 from engines.mechanics.driver import driven
 from engines.mechanics.loads import applied_loads
 from engines.mechanics.states import start_motion
@@ -85,7 +85,7 @@ def released_motion(equations: Equations, path: Path, drive: Free, tolerance: fl
             gauss_scheme(NODES),
             tolerance=tolerance,
             rounding=crank.rounding,
-            repeats=driver.turns,
+            repeats=driver.turns and crank.table.period == FULL_TURN,
             push=None if drive.over_time is None else crank.push(drive.over_time),
             knots=() if drive.over_time is None else drive.over_time.times,
         )
@@ -123,7 +123,7 @@ def free_crank(equations: Equations, path: Path, torque: float, timed: float = 0
     values, terms = coefficients(np.linspace(first, last, LOOKS))
     moment = abs(torque) + timed + terms[2] + np.array(most) @ terms[4:]
     least_peak = LEAST * np.max(terms, axis=1)
-    period = FULL_TURN if equations.driver.turns else math.inf
+    period = math.inf if not equations.driver.turns else FULL_TURN if path.turns is None else path.period
     table = tabulate(lambda angle: coefficients(angle)[0], ends=(first, last), least_peak=least_peak, period=period)
     rounding = float(ROUNDINGS * EPS * np.max(moment / values[0]))
     return FreeCrank(table, laws, torque, rounding, equations.driver.scale)
@@ -149,8 +149,8 @@ def _coefficients(
     """
     closed = path.closed(angle)
     solver = closed.solver(equations)
-    first = transfer(equations, solver)
-    bend = solver.solve(equations.bend(closed.arms, equations.spread(first)))
+    first = transfer(equations, closed, solver)
+    bend = bends(equations, closed, solver, first, np.ones(len(angle)))
     lever, second = (equations.spread(part) * equations.metres for part in (first, bend))
     pose, rest = closed.pose.scaled(equations.unit), np.zeros_like(lever)
     at_rest, moving = (applied_loads(steady, pose, rate) for rate in (rest, lever))

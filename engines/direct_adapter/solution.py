@@ -59,12 +59,12 @@ def solve(equations: Equations, closed: Closed, crank: Crank, channels: frozense
     if channels <= {Channel.POSITION}:
         return Solution(pose.coordinates())
     solver = closed.solver(equations, passes)
-    lever = transfer(equations, solver)
+    lever = transfer(equations, closed, solver)
     rate = equations.spread(lever * crank.speed[:, None])
     velocity = rate * equations.metres
     if not channels & KINETIC:
         return Solution(pose.coordinates(), velocity)
-    bend = solver.solve(equations.bend(closed.arms, rate))
+    bend = bends(equations, closed, solver, lever, crank.speed)
     loads: Reals = np.zeros(0)
     second = crank.acceleration
     if second is None or channels & FORCES:  # a prescribed crank moves as it does whatever pulls at the links
@@ -77,9 +77,13 @@ def solve(equations: Equations, closed: Closed, crank: Crank, channels: frozense
     acceleration = equations.spread(bend + lever * second[:, None]) * equations.metres
     if not channels & FORCES:
         return Solution(pose.coordinates(), velocity, acceleration)
-    multipliers = solver.solve_transposed(equations.generalised(equations.mass * acceleration - loads))
+    lacking = equations.mass * acceleration - loads
+    multipliers = solver.solve_transposed(equations.generalised(lacking))
     scale = equations.driver.scale
     torque = multipliers[:, equations.crank_row] * (equations.unit / scale)
+    if closed.smooth is not None:  # by virtual power, which needs no joint forces
+        power = np.sum(equations.spread(lever) * equations.metres * lacking, axis=(1, 2))
+        torque = np.where(closed.smooth[0], power / scale, torque)
     if crank.acceleration is None:
         assert crank.torque is not None
         torque = crank.torque / scale  # the driver's row takes nothing: rounding, no torque
@@ -87,9 +91,22 @@ def solve(equations: Equations, closed: Closed, crank: Crank, channels: frozense
     return Solution(pose.coordinates(), velocity, acceleration, torque, forces)
 
 
-def transfer(equations: Equations, solver: Solver) -> Reals:
+def transfer(equations: Equations, closed: Closed, solver: Solver) -> Reals:
     """The derivatives q' = dq/dφ, (n, k), in units and rad."""
-    return solver.solve(equations.crank_unit(len(solver.matrix)))
+    result = solver.solve(equations.crank_unit(len(solver.matrix)))
+    if closed.smooth is not None:
+        within, (first, _) = closed.smooth
+        result[within] = first
+    return result
+
+
+def bends(equations: Equations, closed: Closed, solver: Solver, lever: Reals, speed: Reals) -> Reals:
+    """What the speeds (n,) alone accelerate the coordinates by, q'' φ̇², (n, k), in units and rad."""
+    result = solver.solve(equations.bend(closed.arms, equations.spread(lever * speed[:, None])))
+    if closed.smooth is not None:
+        within, (_, second) = closed.smooth
+        result[within] = second * speed[within, None] ** 2
+    return result
 
 
 def _free_acceleration(equations: Equations, lever: Reals, bend: Reals, loads: Reals) -> Reals:
@@ -108,5 +125,11 @@ def history(time: Array, blocks: list[Solution], joints: Iterable[str], channels
     forces = whole.pop(Channel.JOINT_FORCE).swapaxes(0, 1) if Channel.JOINT_FORCE in channels else ()
     # The ground, the last body, is left out.
     signals = {c.value: Signal(time, values[:, :-1] if values.ndim == 3 else values) for c, values in whole.items()}
-    joint_force = {name: Signal(time, force) for name, force in zip(joints, forces, strict=False)}
+    joint_force = {name: _bounded(Signal(time, force)) for name, force in zip(joints, forces, strict=False)}
     return History(**signals, joint_force=joint_force)
+
+
+def _bounded(signal: Signal) -> Signal:
+    """A joint's force without the instants beside change points, where it has no bound."""
+    kept = ~np.isnan(signal.values[:, 0])
+    return Signal(signal.time[kept], signal.values[kept])

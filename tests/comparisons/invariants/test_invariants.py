@@ -1,6 +1,7 @@
 """The invariants never fail a true motion, and whatever is done to one they notice, without any closed form."""
 
 import dataclasses
+import math
 from functools import cache
 from pathlib import Path
 
@@ -9,7 +10,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from analytic.description.crank_motion import REGIMES, crank_motion
+from analytic.description.crank_motion import REGIMES, CrankMotion, Segment, crank_motion
 from analytic.description.linkage import ReleasedRegime, RotaryDamper
 from analytic.description.loading import catalogue, load
 from analytic.kinematics.mechanism import Mechanism
@@ -24,8 +25,10 @@ from comparisons.observation.observed_motion import ObservedMotion
 from comparisons.reference.case import Case, own_case
 from comparisons.stress.scenes import LINKAGES, Conditions, case, reversal
 from comparisons.stress.verdict import SAID, StressVerdict
-from engines.contract import Signal
+from engines.contract import Setting, Signal
+from engines.direct_adapter.adapter import DirectEngine
 from engines.scene import Channel
+from tests.analytic.linkages import mechanism as sample
 from tests.comparisons.perfect_engine import perfect_motion
 from tests.comparisons.true_motions import EVERYTHING, cut, judgement, true_history, with_signal
 
@@ -484,3 +487,12 @@ def test_where_a_change_point_is_passed_no_joint_force_is_held_against_a_balance
     assert records["force_balance"].outcome == Verdict.UNDEFINED
     assert "no bound where the linkage passes its change point at" in records["force_balance"].detail
     assert records["assembly_mode"].outcome == Verdict.PASSED
+
+
+@pytest.mark.parametrize("beside", [0.0, 1e-9, 1e-5, 1e-4])  # rad from the change point to the nearest sample
+def test_the_smooth_way_through_change_points_raises_no_alarm(beside):
+    motion = CrankMotion("constant-speed", (Segment(0.0, 0.1, (math.pi - 3.0 + beside, 60.0)),))
+    one = Case(sample("parallelogram"), motion)
+    run = DirectEngine().run(one.scene(EVERYTHING), Setting.TUNED)
+    records = checks(one, ObservedMotion(one.scene(EVERYTHING), run.history), blank_record(one, "tuned"))
+    assert {record.quantity for record in records if record.outcome != Verdict.PASSED} == {"force_balance"}
