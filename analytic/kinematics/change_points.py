@@ -128,12 +128,17 @@ def through_change_points(structure: Structure, angle: float) -> tuple[Structure
 
     And the dyads that turn freely somewhere, a kite that is folded, with the crank angle.
     """
-    if not isinstance(structure.pivot, Revolute) or structure.is_numerical:  # a driver that is pushed ends there
+    if not is_followed(structure):
         return structure, ()
     search = _Search(structure, angle)
     for number in range(len(structure.dyads)):
         search.look_at(number)
     return replace(structure, groups=tuple(search.dyads)), tuple(search.undetermined)
+
+
+def is_followed(structure: Structure) -> bool:
+    """Whether a linkage goes on through its change points: with a driver that is pushed it ends there."""
+    return isinstance(structure.pivot, Revolute) and not structure.is_numerical
 
 
 class _Search:

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from analytic.errors import AssemblyError
+from analytic.kinematics.change_points import TOUCHING, is_followed
 from analytic.kinematics.dyad_solver import DyadSolver
 from analytic.kinematics.dyads.arms import ROUNDING
 from analytic.kinematics.groups.solver import DEAD, GroupSolver
@@ -26,6 +27,7 @@ Array = NDArray[np.float64]
 STEP: Final = FULL_TURN / 720
 NEAREST, NEAR_STEPS = 1e-13, 80
 SPAN: Final = 8.0  # of the drawing's size: how far a driver that does not turn is followed to either side
+DIGITS: Final = 8  # of a change point that several dyads have
 LOOK, LOOKS = 33, 12  # each look at a minimum shrinks its bracket 16-fold
 
 
@@ -49,8 +51,7 @@ class CrankRange:
 
     Of a driver that is pushed they are travels or lengths, m, and an end is None where nothing limits it within
     ``reach`` of the start. ``place`` writes a value for a reader.
-    ``change_points`` are the angles within it at which two assembly modes meet and neither ends: the crank passes them,
-    but which mode follows is not a matter of geometry.
+    ``change_points`` are the angles within it at which two assembly modes meet and neither ends: the crank passes them.
     """
 
     start: float
@@ -94,8 +95,8 @@ class CrankRange:
 def crank_range(mechanism: Mechanism, start: float | None = None) -> CrankRange:
     """The range around a crank angle, rad, the sketch's if None.
 
-    The limits are roots of the length by which a dyad's links reach each other, to rounding; a change point, where that
-    length touches zero, is known to the root of rounding. Raises AssemblyError where the linkage cannot be assembled at
+    The limits are roots of the length by which a dyad's links reach each other, to rounding; where that length touches
+    zero, and the linkage is not followed on, the root of rounding. Raises AssemblyError where it cannot be assembled at
     the start.
     """
     search = _Search(mechanism, mechanism.linkage.sketch_angle if start is None else start)
@@ -187,7 +188,8 @@ class _Search:
         """The nearest end of the range in a direction; None after a whole turn."""
         offsets = direction * self.offsets
         spots, heights = self.minima(offsets)
-        bad = np.concatenate([offsets[self.margin(offsets) < -ROUNDING], spots[heights < -ROUNDING]])
+        least = -ROUNDING if is_followed(self.mechanism.structure) else TOUCHING
+        bad = np.concatenate([offsets[self.margin(offsets) < -ROUNDING], spots[heights < least]])
         if not len(bad):
             return None
         end = float(bad[np.argmin(np.abs(bad))])
@@ -203,24 +205,24 @@ class _Search:
         return self.toggle(at, row)
 
     def _end(self, row: int, good: float, end: float) -> float:
-        """Where a group's margin is zero between an offset where it has some and one where it has none."""
+        """Where a group's margin is zero between an offset where it has some and one where it has none, or touches."""
 
         def margin(offset: float) -> float:
             return float(self.margins(np.array([offset]))[row, 0])
 
+        if margin(end) >= 0.0:
+            return end
         return root(margin, good, end) if margin(good) > 0.0 else good
 
     def change_points(self, low: Toggle | None, high: Toggle | None) -> tuple[Toggle, ...]:
-        """Where the margin touches zero within the range."""
-        step = self.radian * STEP
-        if self.mechanism.linkage.is_linear:
-            ends = [end.angle - self.start if end else side * self.offsets[-1] for end, side in ((low, -1), (high, 1))]
-            offsets = np.linspace(ends[0], ends[1], len(self.offsets))
-        elif low is None or high is None:  # a touch at the very start is seen at one of the two ends
-            offsets = np.linspace(-2.0 * STEP, FULL_TURN + 2.0 * STEP, len(self.offsets))
-        else:
-            offsets = np.linspace(low.angle - self.start, high.angle - self.start, len(self.offsets))
-        spots, heights = self.minima(offsets)
-        touching = spots[np.abs(heights) <= 2.0 * ROUNDING]
-        once = [spot for spot in touching if not np.any(np.abs(spot - FULL_TURN - touching) < step)]
-        return tuple(self.toggle(spot, self.worst(spot)) for spot in map(float, once))
+        """Those of the mechanism within the range, in their order; where several dyads have one, that of the first."""
+        structure = self.mechanism.structure
+        known = [(angle, dyad) for dyad in structure.dyads if dyad.changes for angle in dyad.changes.angles]
+        known += [(angle, dyad) for dyad, angle in self.mechanism.undetermined]
+        first, last = (low.angle, high.angle) if low and high else (self.start, self.start + FULL_TURN)
+        points: dict[float, Toggle] = {}
+        for angle, dyad in known:
+            offset = first - self.start + (angle - first) % FULL_TURN
+            if offset <= last - self.start:
+                points.setdefault(round(offset, DIGITS), self.toggle(offset, structure.groups.index(dyad)))
+        return tuple(points[offset] for offset in sorted(points))

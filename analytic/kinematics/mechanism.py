@@ -43,7 +43,7 @@ class Mechanism:
     def __init__(self, linkage: Linkage) -> None:
         self.linkage = linkage
         signed = _signed(linkage, find_structure(linkage))
-        self.structure, self._undetermined = through_change_points(signed, linkage.sketch_angle)
+        self.structure, self.undetermined = through_change_points(signed, linkage.sketch_angle)
         self.period = period_of(self.structure)
 
     @property
@@ -96,7 +96,7 @@ class Mechanism:
 
     def check_determined(self, low: float, high: float) -> None:
         """Raise AssemblyError where a dyad turns freely at a crank angle between two, rad."""
-        for dyad, angle in self._undetermined:
+        for dyad, angle in self.undetermined:
             if (angle - low) % FULL_TURN <= high - low:
                 raise AssemblyError(
                     f"'{self.linkage.name}' is undetermined at {degrees(angle)}: '{dyad.first}' and '{dyad.second}' "

@@ -10,7 +10,7 @@ from mpmath import mp, mpf
 
 from analytic.errors import AssemblyError
 from analytic.kinematics.crank_range import crank_range
-from tests.analytic.linkages import FULL_TURN, from_text, mechanism, text_of
+from tests.analytic.linkages import FOLDER, FULL_TURN, from_text, mechanism, text_of
 from tests.analytic.textbook import DOUBLE_ROCKER, four_bar
 from tests.analytic.tolerances import EPS
 
@@ -174,7 +174,25 @@ def test_cranks_that_turn_fully_meet_no_change_point(name, variant):
 def test_a_parallelogram_turns_through_two_change_points():
     found = crank_range(mechanism("parallelogram"))
     assert found.is_full_turn
-    assert [toggle.angle for toggle in found.change_points] == pytest.approx([math.pi, 2 * math.pi], abs=1e-7)
+    assert [toggle.angle for toggle in found.change_points] == pytest.approx([math.pi, 2 * math.pi], abs=2e-9)
+
+
+def test_a_parallelogram_that_is_pushed_ends_at_its_change_point():
+    """The cylinder from (20, -50) to (10, 0) on the crank, which is then in line with the frame."""
+    text = (FOLDER / "parallelogram.toml").read_text()
+    for old, new in (
+        ('crank   = "crank"', 'cylinder = { between = ["P", "Q"] }'),
+        ("O1 = [0, 0]\nO2", "O1 = [0, 0]\nP = [20, -50]\nO2"),
+        ("points  = { O1 = [0, 0], A = [25, 0] }", "points  = { O1 = [0, 0], A = [25, 0], Q = [10, 0] }"),
+        ("angle  = 90", "angle  = 63.24"),
+        ("{ B = [60, 25] }", "{ B = [60, 25], A = [0, 25], Q = [0, 10] }"),
+    ):
+        assert old in text
+        text = text.replace(old, new)
+    found = crank_range(from_text(text))
+    assert found.low.angle == pytest.approx(math.hypot(0.01, 0.05), rel=0, abs=1e-9)
+    assert found.low.sentence == "coupler + rocker (RRR): folded in one line"
+    assert found.change_points == ()
 
 
 def test_a_start_at_the_limit_itself():
