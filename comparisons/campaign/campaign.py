@@ -63,7 +63,8 @@ def tasks(request: CampaignRequest) -> list[Task]:
 
 def _tasks(request: CampaignRequest, case: Case) -> Iterator[Task]:
     quantities = chosen_quantities(case, request.quantities)
-    check_defined(case, quantities)
+    # A thread whose feed has no value is a row with the reason, unless it is what is asked for.
+    check_defined(case, [one for one in quantities if not one.needs_thread or one.name in request.quantities])
     linkage, motion, pickled = case.mechanism.linkage, case.motion, pickle.dumps(case)
     names = tuple(quantity.name for quantity in quantities)
     turned = motion.duration * motion.peak_speed
@@ -184,7 +185,7 @@ def _compared(
     try:
         found = deviation(case, quantity, motion)
     except NoSampleError as error:
-        return replace(blank, outcome=Verdict.UNDEFINED.value, detail=str(error)), None
+        return replace(blank, outcome=Verdict.UNDEFINED.value, detail=str(error), shared=""), None
     record = replace(
         blank,
         error_max=found.error_max,

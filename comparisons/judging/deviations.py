@@ -58,6 +58,8 @@ def deviation(case: Case, quantity: Quantity, motion: ObservedMotion) -> Deviati
     """
     if quantity.name.startswith("joint_force:") and case.unbounded_at is not None:
         raise NoSampleError(UNBOUNDED.format(angle=degrees(case.unbounded_at)))
+    if quantity.needs_thread and (reason := quantity.undefined(case)):
+        raise NoSampleError(reason)
     signal = quantity.observed(case, motion)
     kept = np.ones(len(signal.time), dtype=bool)
     if quantity.holds_acceleration:

@@ -89,6 +89,14 @@ class Quantity:
             return ""
         return self.zero if motion.last_turn is None else ""
 
+    def undefined(self, case: Case) -> str:
+        """Why the closed form does not have it in a case; empty where it has."""
+        try:
+            self.reference(case, np.zeros(1))
+        except LinkproofError as error:
+            return str(error)
+        return ""
+
     @property
     def channels(self) -> frozenset[Channel]:
         """What an engine has to record for it."""
@@ -259,14 +267,12 @@ def chosen_quantities(case: Case, names: Iterable[str]) -> list[Quantity]:
 def check_defined(case: Case, quantities: Iterable[Quantity]) -> None:
     """Raise LinkproofError for a quantity that the closed form does not have in this case."""
     for quantity in quantities:
-        try:
-            quantity.reference(case, np.zeros(1))
-        except LinkproofError as error:
-            reason = str(error).partition(";")[0]
+        reason = quantity.undefined(case).partition(";")[0]
+        if reason:
             raise LinkproofError(
                 f"{quantity.name} is undefined in regime '{case.motion.regime}', because {reason}; ask for other "
                 "quantities with --quantity"
-            ) from error
+            )
 
 
 def _refuse(case: Case, name: str, known: Mapping[str, Quantity]) -> None:

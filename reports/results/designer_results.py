@@ -140,6 +140,6 @@ class DesignerResults:
         kind, unit = name.partition(":")[0], self.curves.unit(name)
         if (kind, unit) not in self._scales:
             alike = [n for n in self.curves.names if n.partition(":")[0] == kind and self.curves.unit(n) == unit]
-            sizes = (float(np.max(np.abs(self.curves.of(self.curves.on_grid, n)))) for n in alike)
-            self._scales[kind, unit] = max(sizes)
+            values = np.abs([self.curves.of(self.curves.on_grid, n) for n in alike])
+            self._scales[kind, unit] = float(np.max(values, where=np.isfinite(values), initial=0.0))
         return self._scales[kind, unit]

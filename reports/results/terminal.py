@@ -183,4 +183,4 @@ def _column(results: DesignerResults, name: str) -> list[str]:
     """A signal at the chosen instants; what is zero but for rounding beside the others of its kind is zero."""
     values, size = results.curves.of(results.shown, name), results.unit(name).size
     least = NEGLIGIBLE * results.scale(name)
-    return [figure(value / size if abs(value) > least else 0.0) for value in values]
+    return [figure(0.0 if abs(value) <= least else value / size) for value in values]

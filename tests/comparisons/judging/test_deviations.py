@@ -8,6 +8,8 @@ import pytest
 
 from analytic.description.crank_motion import CrankMotion, Segment, crank_motion
 from analytic.description.loading import load
+from analytic.description.schema import EyeReference
+from analytic.description.thread_path import ThreadEye, ThreadGuide, ThreadPath
 from analytic.kinematics.mechanism import Mechanism
 from comparisons.invariants.checks import checks
 from comparisons.judging.deviations import NoSampleError, deviation, near_jumps
@@ -33,6 +35,16 @@ def motion(case):
 def _with_torque(motion, torque):
     history = dataclasses.replace(motion.history, torque=Signal(motion.history.torque.time, torque))
     return ObservedMotion(motion.scene, history)
+
+
+def test_a_thread_whose_feed_takes_a_full_turn_is_not_judged_on_a_swing():
+    """The eye's lowest place is told by a full turn, which Watt's six-bar cannot make."""
+    watt = load("watt-six-bar")
+    guide = ThreadGuide("N", (0.0, 0.0, 0.0))
+    thread = ThreadPath((guide, ThreadEye("E")), 0.0, "lengthening", EyeReference(eye="E", extreme="lowest"))
+    case = Case(Mechanism(replace(watt, thread=thread)), watt.regimes[0].motion)
+    with pytest.raises(NoSampleError, match="which it cannot make; give a crank angle as the reference"):
+        deviation(case, QUANTITIES["thread_feed"], perfect_motion(case.mechanism, case.motion))
 
 
 def test_a_known_error_is_found_where_it_is(case, motion):
