@@ -55,6 +55,27 @@ def sentence(judgement: Judgement) -> str:
     return f"Not right: {len(over)} of {len(judged)} signals over {limit} of the closed form's peak: {names}."
 
 
+def sentences(judgement: Judgement) -> list[str]:
+    """What stands at the head of a page: the verdict, the causes, what to agree to, what is not judged."""
+    found = [sentence(judgement), f"The crank moves as {judgement.motion_source} says."]
+    found += [_cause_in_a_sentence(finding) for finding in judgement.explanation.findings]
+    found += [
+        f"If that is how the file was meant, agree in the mapping to {name}: {written(correction)}."
+        for name, correction in judgement.proposals.items()
+    ]
+    found += [
+        f"Agreed in the mapping and applied: {name}: {written(agreed)}."
+        for name, agreed in judgement.imported.corrections.items()
+    ]
+    return found + [f"Not judged: column '{column.header}', for {reason}." for column, reason in judgement.not_judged]
+
+
+def _cause_in_a_sentence(finding: Finding) -> str:
+    aligned = "".join(f"with {name} corrected first ({written(c)}) " for name, c in finding.aligned.items())
+    words = "; or ".join([finding.likeliest.words, *(other.words for other in finding.others[:MOST_OTHERS])])
+    return f"Likely cause of the difference in {', '.join(finding.signals)}: {aligned}{words}. {_left(finding)}"
+
+
 def _causes_in_short(judgement: Judgement) -> list[RenderableType]:
     style = "green" if judgement.passed else "red"
     lines: list[RenderableType] = [line(sentence(judgement), style)]

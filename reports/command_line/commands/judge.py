@@ -30,7 +30,7 @@ from reports.command_line.destination import Destination
 from reports.command_line.motion_choice import MotionChoice, motions, own_regimes
 from reports.command_line.requests import command_line
 from reports.imported.document import blank_of, document, with_cause
-from reports.imported.terminal import printout, sentence
+from reports.imported.terminal import printout, sentence, sentences
 from reports.text.screen import line
 
 PAGE = "index.html"
@@ -148,5 +148,6 @@ def _write_page(choice: JudgeChoice, judgement: Judgement, folder: Path, destina
     )
     motions = (motion,) if isinstance(motion, CrankMotion) else ()
     request = CampaignRequest((linkage,), motions, blank.conditions, (blank.engine,))
-    save(folder, [result], saved_document(request, [result], choice.command))
+    told = {**saved_document(request, [result], choice.command), "judgement": sentences(judgement)}
+    save(folder, [result], told)
     destination.say(f"report: {rebuild(folder, processes=0)}")

@@ -91,3 +91,16 @@ def test_a_mapping_that_is_there_is_not_overwritten_but_by_itself(run, tmp_path)
         run("--regime", "run-up", "--write-mapping", "mapping.toml")
     assert mapping.read_text() == text
     assert run("--regime", "run-up", "--mapping", "mapping.toml", "--write-mapping", "mapping.toml")[0] == 0
+
+
+def test_the_page_begins_with_the_verdict_and_its_cause(run, tmp_path):
+    run("--regime", "run-up", "--out", "page", factor=-1.0)
+    page = (tmp_path / "page" / "index.html").read_text(encoding="utf-8")
+    head = page[page.index("<header>") : page.index("</header>")]
+    assert "Is this simulation right?" in head
+    assert "Not right: 1 of 3 signals over" in head
+    assert "Likely cause of the difference in Mkr: Mkr has the other sign" in head
+    assert "agree in the mapping to Mkr: sign = -1" in head
+    assert "not installed" not in page
+    summary = (tmp_path / "page" / "RESULTS.md").read_text(encoding="utf-8")
+    assert "Mkr has the other sign" in summary
