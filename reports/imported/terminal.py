@@ -5,8 +5,10 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Sequence
 
+import numpy as np
 from rich.console import RenderableType
 
+from analytic.description.law import FULL_TURN
 from comparisons.imported.causes.corrections import written
 from comparisons.imported.causes.search import Finding
 from comparisons.imported.judge import Judgement
@@ -34,7 +36,10 @@ def printout(judgement: Judgement, title: str) -> Printout:
     parts: list[RenderableType] = [line(title, "bold"), *_causes_in_short(judgement), line("")]
     limit = f"The limit is {share(judgement.limit)} of a signal's peak."
     parts += [line(f"The crank moves as {judgement.motion_source} says. {limit}")]
-    parts += [table(HEAD, [_row(verdict) for verdict in judgement.verdicts], align="lrrrrrrl"), *_notes(judgement)]
+    linkage = judgement.model.linkage
+    head = [name.replace("crank", "drive") for name in HEAD] if linkage.is_linear else HEAD
+    rows = [_row(verdict, _place(judgement, verdict)) for verdict in judgement.verdicts]
+    parts += [table(head, rows, align="lrrrrrrl"), *_notes(judgement)]
     for part in (_causes(judgement), _corrections(judgement), _checks(judgement), _not_judged(judgement)):
         lines = list(part)
         parts += [line(""), *lines] if lines else []
@@ -90,13 +95,23 @@ def _causes_in_short(judgement: Judgement) -> list[RenderableType]:
     return lines
 
 
-def _row(verdict: SignalVerdict) -> tuple[Cell, ...]:
+def _place(judgement: Judgement, verdict: SignalVerdict) -> str:
+    """Where the crank is at the largest error, within a turn where it makes one; of a drive along a line its travel."""
+    angle = verdict.worst_angle
+    if judgement.model.linkage.is_linear:
+        return judgement.model.linkage.place(angle)
+    degrees = round(math.degrees(angle), 1) + 0.0
+    makes_a_turn = np.ptp(judgement.model.motion.angle(verdict.samples.time)) > FULL_TURN * (1.0 - NOTHING)
+    return f"{degrees % 360.0 if makes_a_turn else degrees:.1f}°"
+
+
+def _row(verdict: SignalVerdict, place: str) -> tuple[Cell, ...]:
     sign = RUNS[verdict.outcome.value]
     error = f"{share(verdict.error_max)} {sign.symbol}" if verdict.outcome is not Verdict.UNDEFINED else sign.word
-    crank = f"{math.degrees(verdict.worst_angle) % 360.0:.1f}°"
+    moment = verdict.worst_time if abs(verdict.worst_time) > NOTHING * np.ptp(verdict.samples.time) else 0.0
     return (
         verdict.name + ("*" if verdict.near_zero else ""), (error, sign.colour), share(verdict.floor),
-        f"{verdict.worst_time:.5g} s", crank, figure(verdict.value_there, 5), figure(verdict.truth_there, 5),
+        f"{moment:.5g} s", place, figure(verdict.value_there, 5), figure(verdict.truth_there, 5),
         verdict.unit,
     )  # fmt: skip
 

@@ -37,6 +37,7 @@ UNIT_RATIOS: Final = {
     "lbf·ft and N·m": 1.3558179483314,
     "hp and W": 745.69987158227,
 }
+NEAR_RATIO: Final = 0.2  # of a unit's ratio, by which the file's may differ where it has other faults
 FEW: Final = 0.03  # of the samples: single ones
 HELD: Final = 4  # samples at one value: a limit
 NEAR: Final = 0.05  # of the peak, within which a column is another quantity
@@ -50,7 +51,7 @@ def signal_changes(model: Model, verdict: SignalVerdict, names: Sequence[str]) -
         corrections=lambda _: {name: Correction(sign=-1)},
     )  # fmt: skip
     yield _altered(name, "magnitude", lambda _, y, __: np.abs(y), said(f"{name} is told without its sign"))
-    yield from _factors(name)
+    yield from _factors(verdict)
     yield _offset(verdict)
     if name == "Mkr":
         yield _friction(model, verdict)
@@ -76,11 +77,15 @@ def _given(name: str, kind: str, words: str, values: Array, handicap: int = 0) -
     return _altered(name, kind, lambda _, __, ___: values, said(words), handicap=handicap)
 
 
-def _factors(name: str) -> Iterator[Cause]:
-    """A free factor, and those of units taken for others, which a mapping may agree to."""
+def _factors(verdict: SignalVerdict) -> Iterator[Cause]:
+    """A free factor, and those of units taken for others that are near the file's, which a mapping may agree to."""
+    name, truth = verdict.name, verdict.truth[verdict.kept]
+    size = float(truth @ truth)
+    share = float(verdict.samples.values[verdict.kept] @ truth) / size if size else 0.0
     for words, ratio in UNIT_RATIOS.items():
         for factor in (ratio, 1.0 / ratio, -ratio, -1.0 / ratio):
-            yield _unit(name, words, factor)
+            if abs(share / factor - 1.0) < NEAR_RATIO:
+                yield _unit(name, words, factor)
     yield _altered(
         name, "factor", lambda _, y, k: k[0] * y, lambda k: f"{name} is {k[0]:.5g} times the closed form's",
         start=(1.0,), sizes=(1.0,), handicap=1, contains=("sign", "unit"),

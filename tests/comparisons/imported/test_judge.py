@@ -8,8 +8,10 @@ import pytest
 from analytic.description.crank_motion import RPM, crank_motion
 from analytic.description.loading import load
 from analytic.errors import LinkproofError
+from comparisons.imported.causes.signal_changes import signal_changes
 from comparisons.imported.columns import Correction
 from comparisons.imported.judge import judge
+from comparisons.imported.judging.samples import Model
 from comparisons.imported.reading import read_results
 from comparisons.judging.records import Verdict
 from tests.comparisons.imported.campaign import CLEAN, PLANTED, Export, judged, kind
@@ -161,3 +163,14 @@ def test_a_narrow_peak_between_few_samples_is_seen():
     (verdict,), (every,) = judgement.verdicts, dense.verdicts
     lost = 1.0 - np.max(np.abs(verdict.truth)) / np.max(np.abs(every.truth))
     assert dict(judgement.missed)["Mkr"] == pytest.approx(lost, rel=1e-3)
+
+
+def test_a_thousandth_is_taken_for_no_unit_of_another_ratio():
+    steady = crank_motion("constant-speed", speed=1000 * RPM, ramp_time=0.06, hold_time=0.0)
+    time = np.linspace(0.0, 0.06, 241)
+    (right,) = judge(JUKI, exported(JUKI, steady, ("S",), time), steady).verdicts
+    small = replace(right, samples=replace(right.samples, values=1e-3 * right.samples.values))
+    words = [
+        cause.words(np.ones(0)) for cause in signal_changes(Model(JUKI, steady), small, ()) if "unit" in cause.kind
+    ]
+    assert words == ["S is 0.001 times the closed form's: a unit taken for another (1000)"]
