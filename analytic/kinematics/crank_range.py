@@ -88,7 +88,8 @@ class CrankRange:
             driver = "drive" if self.is_linear else "crank"
             raise AssemblyError(
                 f"'{linkage}' cannot be moved from {self.place(first)} to {self.place(last)}: its {driver} reaches "
-                f"{self.place(low)} to {self.place(high)} ({cause}); stay within"
+                f"{self.place(low)} to {self.place(high)} ({cause}); stay within, "
+                "with --from and --to or a regime of its file"
             )
 
 

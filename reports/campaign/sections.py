@@ -44,7 +44,7 @@ def mechanism_section(view: View, readings: Readings | None) -> dict[str, object
         "key": view.key,
         "linkage": view.linkage,
         "formula": view.mechanism.structure.formula.replace("->", "→").replace("_", " "),
-        "scheme": _scheme(view) if view.makes_full_turn else None,
+        "scheme": _scheme(view),
         "links": _links(view),
         "parts": parts,
         "readings": readings,
@@ -60,6 +60,7 @@ def _attempt(heading: str, build: Callable[[], ReportPart]) -> ReportPart:
 
 
 def _scheme(view: View) -> ReportFigure:
+    """The linkage in positions of its turn, or of the range that it reaches."""
     number = scheme.scheme_of(view.mechanism).shown
     return shown(view, "scheme", scheme.scheme_figure(view), positions=scheme.POSITIONS, shown=number)
 

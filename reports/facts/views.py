@@ -82,6 +82,8 @@ class View:
     @cached_property
     def makes_full_turn(self) -> bool:
         """Whether the crank turns right round, so that curves over a turn exist."""
+        if self.linkage.is_linear:
+            return False
         try:
             self.mechanism.check_full_turn()
         except LinkproofError:

@@ -15,6 +15,11 @@ from comparisons.campaign.results import RECORDS, Results
 from comparisons.judging.records import Verdict, to_json
 from engines.contract import Setting
 from reports.campaign.page import page, write_page
+from reports.campaign.sections import mechanism_section
+from reports.facts.views import View
+from tests.analytic.drives import driven
+from tests.analytic.linkages import from_text
+from tests.analytic.textbook import DOUBLE_ROCKER
 from tests.reports.made_up_results import made_up_results
 
 LINKAGES = Path(__file__).parents[2] / "linkages"
@@ -211,3 +216,10 @@ def test_a_file_with_a_byte_order_mark_has_its_page():
     linkage = dataclasses.replace(linkage, text="\ufeff" + linkage.text)
     results = made_up_results([linkage], samples=21, settings=[Setting.TUNED], quantities=("Jeq",))
     assert "Regime run-up" in page(results, processes=0)
+
+
+@pytest.mark.parametrize("linkage", [from_text(DOUBLE_ROCKER).linkage, driven("linear-motor").linkage])
+def test_a_linkage_that_makes_no_turn_is_drawn_over_its_range(linkage):
+    section = mechanism_section(View(made_up_results(samples=21), linkage), None)
+    assert "positions of the range that it reaches" in section["scheme"].lead
+    assert section["parts"] == []
