@@ -8,6 +8,7 @@ from typing import Any, Final
 
 from rich.console import Group
 
+from analytic.errors import listed
 from reports.text.screen import line
 
 Facts = Mapping[str, Any]
@@ -89,8 +90,8 @@ def _masses(loads: Facts) -> str:
     if len(without) == loads["links"]:
         told = "none: kinematics alone" + ("" if loads["is_idle"] else ", and the torques and forces of the loads")
         return told
-    parts = [f"all but {', '.join(without)}" if without else "of all links"]
-    parts += [f"without inertia: {', '.join(points)}"] if points else []
+    parts = [f"all but {listed(without)}" if without else "of all links"]
+    parts += [f"without inertia: {listed(points)}"] if points else []
     return f"{'; '.join(parts)}: torque, power, energy, joint forces"
 
 

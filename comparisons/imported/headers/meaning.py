@@ -319,7 +319,7 @@ def _quantities(meanings: Iterable[str]) -> tuple[frozenset[str], frozenset[str]
             components |= {part}
     if "angle_or_angular_acceleration" in meanings:
         meanings |= {"angle", "angular_acceleration"}
-    if "path" in meanings:
+    if "path" in meanings or meanings >= {"length", "drive"}:  # any other length is no signal
         meanings.add("displacement")
     if "kinetic" in meanings:
         meanings.add("energy")

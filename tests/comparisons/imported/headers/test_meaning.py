@@ -9,6 +9,7 @@ from analytic.description.loading import load, parse
 from analytic.errors import LinkproofError
 from comparisons.imported.columns import Column
 from comparisons.imported.headers.meaning import NotJudgedError, Recognition
+from tests.analytic.drives import driven
 
 READ = Recognition(load("juki-mf7923d"))
 
@@ -149,3 +150,18 @@ def test_long_headers_are_looked_at_in_no_time():
     ):
         with pytest.raises(NotJudgedError):
             READ.meaning(_column(header))
+
+
+def test_a_cylinder_has_a_length_a_speed_and_a_force():
+    read = Recognition(driven("cylinder-in-the-loop").linkage)
+    meant = {
+        "phi": ("Cylinder length [mm]", "Zylinderlänge (mm)", "Zylinderweg [mm]", "longueur du vérin (mm)",
+                "Довжина циліндра, мм"),
+        "omega": ("Cylinder speed (mm/s)", "Actuator velocity [m/s]"),
+        "Mkr": ("Cylinder force [N]", "Zylinderkraft [kN]", "Усилие гидроцилиндра, Н", "Hydraulikkraft (N)"),
+    }  # fmt: skip
+    for signal, headers in meant.items():
+        assert {read.meaning(_column(header)).signal for header in headers} == {signal}
+    for any_drive in (read, READ):
+        with pytest.raises(NotJudgedError):
+            any_drive.meaning(_column("Length [mm]"))
