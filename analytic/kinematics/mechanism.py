@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from copy import copy
 from dataclasses import replace
 from functools import cached_property
 
@@ -45,6 +46,13 @@ class Mechanism:
         signed = _signed(linkage, find_structure(linkage))
         self.structure, self.undetermined = through_change_points(signed, linkage.sketch_angle)
         self.period = period_of(self.structure)
+
+    def with_loads_of(self, linkage: Linkage) -> Mechanism:
+        """The closed form of a linkage that differs in nothing but masses and loads: it moves as this one does."""
+        other = copy(self)
+        other.__dict__.pop("turn", None)
+        other.linkage = linkage
+        return other
 
     @property
     def repeats(self) -> bool:

@@ -23,7 +23,7 @@ from comparisons.imported.judging.crank_column import (
     unwrapped,
 )
 from comparisons.imported.judging.judgement import DEFAULT_LIMIT, SignalVerdict, verdicts
-from comparisons.imported.judging.samples import Model, Samples, floor, is_angle
+from comparisons.imported.judging.samples import JudgedModel, Samples, floor, is_angle
 from comparisons.judging.records import Verdict
 from comparisons.reference.case import Case, Motion
 from comparisons.reference.signals import names
@@ -37,13 +37,13 @@ SPARSE: Final = 1.0  # of the limit: a peak that the file's samples miss by more
 
 
 @dataclass(frozen=True)
-class Judgement:
+class ImportedJudgement:
     """What came of a judgement; ``motion_source`` says where the crank's motion comes from.
 
     ``missed`` are signals whose peak lies between the file's samples, each with the share of it that is missed.
     """
 
-    model: Model
+    model: JudgedModel
     verdicts: tuple[SignalVerdict, ...]
     explanation: Explanation
     checks: tuple[ColumnCheck, ...]
@@ -61,8 +61,8 @@ class Judgement:
 
     @property
     def passed(self) -> bool:
-        """Whether every judged signal is within the limit."""
-        return not any(verdict.outcome is Verdict.OVER_LIMIT for verdict in self.verdicts)
+        """Whether every signal is within the limit: one that the file leaves open has not passed."""
+        return all(verdict.outcome is Verdict.PASSED for verdict in self.verdicts)
 
 
 def judge(
@@ -73,14 +73,14 @@ def judge(
     limit: float = DEFAULT_LIMIT,
     start_angle: float = 0.0,
     gives_speed: bool = True,
-) -> Judgement:
+) -> ImportedJudgement:
     """Compare every imported signal with the closed form at the file's own instants.
 
     Without a ``motion`` the crank follows the file's column of its angle, or of its speed from ``start_angle``, rad.
-    ``gives_speed`` is False where the speed of signals over the crank angle is nobody's.
+    ``gives_speed`` is False where the user states no speed, which moving signals over the crank angle need.
     """
     sampled, source_motion, source, given = _motion(imported, motion, start_angle)
-    model = Model(linkage, source_motion)
+    model = JudgedModel(linkage, source_motion)
     signals = [_sampled(one, source_motion) for one in sampled if one.name not in given]
     _check_speed(signals, gives_speed=gives_speed)
     short = [one for one in signals if len(one.time) < FEWEST]
@@ -94,7 +94,7 @@ def judge(
     signals = [_without_turns(one, values) for one, values in zip(signals, truth, strict=True)]
     judged = verdicts(model, signals, truth, floor(model, signals, truth), limit)
     known = names(Case(model.mechanism, source_motion))
-    return Judgement(
+    return ImportedJudgement(
         model,
         tuple(judged),
         explain(model, judged, known),
@@ -115,24 +115,26 @@ def _motion(
     if motion is not None:
         return signals, motion, f"regime {motion.regime}", frozenset()
     over_time = {one.name: one for one in signals if one.axis == "time"}
-    for name in ("phi", "omega"):
-        if name in over_time:
-            column = over_time[name]
-            time, open_ = regular(column.at, column.at_resolution)
-            if name == "phi":
-                angle = unwrapped(column.values)
-                rounding = column.resolution + open_ * np.abs(np.gradient(angle, time))
-                made = motion_of_angles(time, angle, rounding)
-            else:
-                rounding = column.resolution + open_ * np.abs(np.gradient(column.values, time))
-                made = motion_of_speeds(time, column.values, rounding, start_angle)
-            return signals, made, f"column '{column.column.header}'", frozenset((name,))
+    angle, speed = over_time.get("phi"), over_time.get("omega")
+    made = [(motion_of_angles(*_at(angle)), angle)] if angle else []
+    if speed and not (made and made[0][0].is_known):
+        made += [(motion_of_speeds(*_at(speed), float(angle.values[0]) if angle else start_angle), speed)]
+    if made:
+        best, column = min(made, key=lambda pair: pair[0].doubt)
+        return signals, best, f"column '{column.column.header}'", frozenset((column.name,))
     kind = "over the crank angle" if signals and all(one.axis == "phi" for one in signals) else "over time"
     cure = "--speed" if kind.endswith("angle") else "--regime"
     raise LinkproofError(
         f"crank's motion: expected a column of the crank's angle or speed, got signals {kind} without one; say how the "
         f"crank moves with {cure}, or name the column in a mapping"
     )
+
+
+def _at(one: ImportedSignal) -> tuple[Array, Array, Array]:
+    """Times, values and roundings of a column of the crank's motion, whose times are rounded too."""
+    time, open_ = regular(one.at, one.at_resolution)
+    values = unwrapped(one.values) if one.name == "phi" else one.values
+    return time, values, one.resolution + open_ * np.abs(np.gradient(values, time))
 
 
 def _sampled(one: ImportedSignal, motion: Motion) -> Samples:
@@ -167,7 +169,7 @@ def _without_turns(one: Samples, truth: Array) -> Samples:
     return replace(one, values=values + 2.0 * np.pi * turns)
 
 
-def _missed(model: Model, judged: Sequence[SignalVerdict]) -> list[tuple[str, float]]:
+def _missed(model: JudgedModel, judged: Sequence[SignalVerdict]) -> list[tuple[str, float]]:
     """Signals whose closed form peaks between the samples by more than the limit."""
     found = []
     for verdict in judged:

@@ -178,7 +178,7 @@ def _twice(one: _Judged, other: _Judged, name: str, text: str = "") -> Linkproof
 
 
 def _ask_for_units(reading: _Reading) -> None:
-    """Ask for the units that nothing tells."""
+    """Ask for the units that neither header nor tool states."""
     without = [(judged, meaning) for judged, meaning in reading.known if meaning.unit is None]
     if not without:
         return

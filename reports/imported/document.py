@@ -5,13 +5,13 @@ from __future__ import annotations
 from dataclasses import asdict, replace
 from typing import Any
 
-from comparisons.imported.causes.search import Finding
-from comparisons.imported.judge import Judgement
+from comparisons.imported.causes.search import FaultFinding
+from comparisons.imported.judge import ImportedJudgement
 from comparisons.imported.judging.judgement import SETTING, SignalVerdict
 from comparisons.judging.records import Record
 
 
-def document(judgement: Judgement, blank: Record, command: str, sentence: str) -> dict[str, Any]:
+def document(judgement: ImportedJudgement, blank: Record, command: str, sentence: str) -> dict[str, Any]:
     """Everything that ``judge`` says."""
     return {
         "command": command,
@@ -35,14 +35,14 @@ def document(judgement: Judgement, blank: Record, command: str, sentence: str) -
     }
 
 
-def blank_of(judgement: Judgement, files: str) -> Record:
+def blank_of(judgement: ImportedJudgement, files: str) -> Record:
     """What all records of a judgement share; the files stand in an engine's place."""
     linkage, motion = judgement.model.linkage, judgement.model.motion
     conditions = f"crank as {judgement.motion_source} says"
     return Record(linkage.name, linkage.variant, motion.regime, conditions, files, "", SETTING)
 
 
-def with_cause(record: Record, judgement: Judgement) -> Record:
+def with_cause(record: Record, judgement: ImportedJudgement) -> Record:
     """A record whose detail names the likeliest cause of its error, if one was found."""
     words = [f.likeliest.words for f in judgement.explanation.findings if record.quantity in f.signals]
     return (
@@ -67,7 +67,7 @@ def _signal(verdict: SignalVerdict) -> dict[str, Any]:
     }
 
 
-def _finding(finding: Finding) -> dict[str, Any]:
+def _finding(finding: FaultFinding) -> dict[str, Any]:
     return {
         "signals": list(finding.signals),
         "likeliest": _cause(finding.likeliest.cause.kind, finding.likeliest.words),

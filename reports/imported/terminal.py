@@ -10,8 +10,8 @@ from rich.console import RenderableType
 
 from analytic.description.law import FULL_TURN
 from comparisons.imported.causes.corrections import written
-from comparisons.imported.causes.search import Finding
-from comparisons.imported.judge import Judgement
+from comparisons.imported.causes.search import FaultFinding
+from comparisons.imported.judge import ImportedJudgement
 from comparisons.imported.judging.judgement import NEAR_ZERO, SignalVerdict
 from comparisons.judging.records import Verdict
 from reports.text.numbers import figure
@@ -31,7 +31,7 @@ def share(value: float) -> str:
     return f"{100.0 * value:.{digits}f} %" if digits <= 6 else f"{100.0 * value:.1e} %"
 
 
-def printout(judgement: Judgement, title: str) -> Printout:
+def printout(judgement: ImportedJudgement, title: str) -> Printout:
     """What ``judge`` prints; ``title`` names linkage and files."""
     parts: list[RenderableType] = [line(title, "bold"), *_causes_in_short(judgement), line("")]
     limit = f"The limit is {share(judgement.limit)} of a signal's peak."
@@ -46,23 +46,23 @@ def printout(judgement: Judgement, title: str) -> Printout:
     return Printout(parts, [])
 
 
-def sentence(judgement: Judgement) -> str:
+def sentence(judgement: ImportedJudgement) -> str:
     """The verdict in one sentence."""
-    judged = [v for v in judgement.verdicts if v.outcome is not Verdict.UNDEFINED]
-    over = [v for v in judged if v.outcome is Verdict.OVER_LIMIT]
-    limit = share(judgement.limit)
-    if not judged:
+    count, limit = len(judgement.verdicts), f"{share(judgement.limit)} of the closed form's peak"
+    over, open_ = (_with(judgement, outcome) for outcome in (Verdict.OVER_LIMIT, Verdict.UNDEFINED))
+    still_open = f"; {len(open_)} open: {_few(open_)}" if open_ else ""
+    if len(open_) == count:
         return "Nothing could be judged."
-    if not over:
-        signals = "the signal is" if len(judged) == 1 else f"all {len(judged)} signals are"
-        return f"Right: {signals} within {limit} of the closed form's peak."
-    names = ", ".join(v.name for v in over[:5]) + (f" and {len(over) - 5} more" if len(over) > 5 else "")
-    return f"Not right: {len(over)} of {len(judged)} signals over {limit} of the closed form's peak: {names}."
+    if over:
+        return f"Not right: {len(over)} of {count} signals over {limit}: {_few(over)}{still_open}."
+    if open_:
+        return f"Right as far as the file tells: {count - len(open_)} of {count} signals within {limit}{still_open}."
+    return f"Right: {'the signal is' if count == 1 else f'all {count} signals are'} within {limit}."
 
 
-def sentences(judgement: Judgement) -> list[str]:
+def sentences(judgement: ImportedJudgement) -> list[str]:
     """What stands at the head of a page: the verdict, the causes, what to agree to, what is not judged."""
-    found = [sentence(judgement), f"The crank moves as {judgement.motion_source} says."]
+    found = [sentence(judgement), *_open(judgement), f"The crank moves as {judgement.motion_source} says."]
     found += [_cause_in_a_sentence(finding) for finding in judgement.explanation.findings]
     found += [
         f"If that is how the file was meant, agree in the mapping to {name}: {written(correction)}."
@@ -75,14 +75,32 @@ def sentences(judgement: Judgement) -> list[str]:
     return found + [f"Not judged: column '{column.header}', for {reason}." for column, reason in judgement.not_judged]
 
 
-def _cause_in_a_sentence(finding: Finding) -> str:
+def _cause_in_a_sentence(finding: FaultFinding) -> str:
     aligned = "".join(f"with {name} corrected first ({written(c)}) " for name, c in finding.aligned.items())
     words = "; or ".join([finding.likeliest.words, *(other.words for other in finding.others[:MOST_OTHERS])])
     return f"Likely cause of the difference in {', '.join(finding.signals)}: {aligned}{words}. {_left(finding)}"
 
 
-def _causes_in_short(judgement: Judgement) -> list[RenderableType]:
-    style = "green" if judgement.passed else "red"
+def _with(judgement: ImportedJudgement, outcome: Verdict) -> list[str]:
+    return [verdict.name for verdict in judgement.verdicts if verdict.outcome is outcome]
+
+
+def _open(judgement: ImportedJudgement) -> list[str]:
+    """Why signals are open, those with the same cure together."""
+    reasons: dict[str, list[str]] = {}
+    for verdict in judgement.verdicts:
+        if verdict.outcome is Verdict.UNDEFINED:
+            reasons.setdefault(verdict.detail, []).append(verdict.name)
+    return [f"{_few(names)} {'is' if len(names) == 1 else 'are'} open: {why}." for why, names in reasons.items()]
+
+
+def _few(names: Sequence[str]) -> str:
+    return ", ".join(names[:5]) + (f" and {len(names) - 5} more" if len(names) > 5 else "")
+
+
+def _causes_in_short(judgement: ImportedJudgement) -> list[RenderableType]:
+    over = _with(judgement, Verdict.OVER_LIMIT)
+    style = "green" if judgement.passed else "red" if over else "yellow"
     lines: list[RenderableType] = [line(sentence(judgement), style)]
     findings = judgement.explanation.findings
     if findings:
@@ -90,12 +108,13 @@ def _causes_in_short(judgement: Judgement) -> list[RenderableType]:
         others = f" (or {len(finding.others)} more that cannot be told apart)" if finding.others else ""
         aligned = "".join(f", besides {name}: {written(c)}" for name, c in finding.aligned.items())
         lines.append(line(f"Likeliest cause: {finding.likeliest.words}{aligned}{others}."))
-    elif judgement.explanation.unexplained and not judgement.passed:
+    elif judgement.explanation.unexplained and over:
         lines.append(line("No single cause explains the difference."))
+    lines += [line(words) for words in _open(judgement)]
     return lines
 
 
-def _place(judgement: Judgement, verdict: SignalVerdict) -> str:
+def _place(judgement: ImportedJudgement, verdict: SignalVerdict) -> str:
     """Where the crank is at the largest error, within a turn where it makes one; of a drive along a line its travel."""
     angle = verdict.worst_angle
     if judgement.model.linkage.is_linear:
@@ -116,22 +135,19 @@ def _row(verdict: SignalVerdict, place: str) -> tuple[Cell, ...]:
     )  # fmt: skip
 
 
-def _notes(judgement: Judgement) -> Iterator[RenderableType]:
+def _notes(judgement: ImportedJudgement) -> Iterator[RenderableType]:
     if any(verdict.near_zero for verdict in judgement.verdicts):
         yield line(f"* near zero: judged over {share(NEAR_ZERO)} of what is large for its kind in this linkage")
-    for verdict in judgement.verdicts:
-        if verdict.outcome is Verdict.UNDEFINED:
-            yield line(f"{verdict.name} cannot be judged: {verdict.detail}.")
     left_out = sum(verdict.left_out for verdict in judgement.verdicts)
     if left_out:
-        yield line(f"{left_out} samples at jumps of the crank's acceleration are left out.")
+        yield line(f"{left_out} samples at jumps of the crank's acceleration may be off by the jump besides.")
     for name, missed in judgement.missed:
         yield line(
             f"The sample rate is too low to show the peak of {name}: {share(missed)} of it lies between samples."
         )
 
 
-def _causes(judgement: Judgement) -> Iterator[RenderableType]:
+def _causes(judgement: ImportedJudgement) -> Iterator[RenderableType]:
     for finding in judgement.explanation.findings:
         yield line(f"Likely cause of the difference in {', '.join(finding.signals)}:")
         for name, correction in finding.aligned.items():
@@ -150,14 +166,14 @@ def _causes(judgement: Judgement) -> Iterator[RenderableType]:
         yield line(f"No cause that is known here explains the difference in {', '.join(unexplained)}.")
 
 
-def _left(finding: Finding) -> str:
+def _left(finding: FaultFinding) -> str:
     apart = " The file's rounding cannot tell these apart." if finding.others else ""
     if finding.fully:
         return f"This explains the difference down to the file's rounding.{apart}"
     return f"This explains most of the difference; {share(finding.left)} of a peak is left.{apart}"
 
 
-def _corrections(judgement: Judgement) -> Iterator[RenderableType]:
+def _corrections(judgement: ImportedJudgement) -> Iterator[RenderableType]:
     proposals = judgement.proposals
     if proposals:
         yield line("If that is how the file was meant, agree in the mapping (--write-mapping FILE writes it):")
@@ -167,7 +183,7 @@ def _corrections(judgement: Judgement) -> Iterator[RenderableType]:
         yield line(f"Agreed in the mapping and applied: {name}: {written(agreed)}")
 
 
-def _checks(judgement: Judgement) -> Iterator[RenderableType]:
+def _checks(judgement: ImportedJudgement) -> Iterator[RenderableType]:
     if judgement.checks:
         yield line("The columns among themselves:")
         rows: list[Sequence[Cell]] = []
@@ -177,7 +193,7 @@ def _checks(judgement: Judgement) -> Iterator[RenderableType]:
         yield table(("check", "off by", "floor"), rows, align="lrr")
 
 
-def _not_judged(judgement: Judgement) -> Iterator[RenderableType]:
+def _not_judged(judgement: ImportedJudgement) -> Iterator[RenderableType]:
     if judgement.not_judged:
         yield line("Not judged:")
         yield table(("column", "why"), [(f"'{c.header}' ({c.place})", why) for c, why in judgement.not_judged])

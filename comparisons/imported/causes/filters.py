@@ -17,7 +17,7 @@ from scipy.ndimage import gaussian_filter1d
 from scipy.signal import butter, filtfilt, lfilter, savgol_filter
 
 from comparisons.imported.judging.judgement import SignalVerdict
-from comparisons.imported.judging.samples import Model
+from comparisons.imported.judging.samples import JudgedModel
 
 Array = NDArray[np.float64]
 Changed = tuple[str, str, Array]  # kind, words, values
@@ -147,7 +147,7 @@ def whole_of(name: str) -> str:
     return f"{head}{colon}{WHOLES[last]}" if last in WHOLES else ""
 
 
-def differences(model: Model, verdict: SignalVerdict) -> Iterator[Changed]:
+def differences(model: JudgedModel, verdict: SignalVerdict) -> Iterator[Changed]:
     """A derivative made by differences of the samples."""
     of, time = whole_of(verdict.name), verdict.samples.time
     if not of or len(time) < FEWEST:

@@ -26,7 +26,7 @@ MOST_OPEN: Final = 0.2  # of a signal's samples that a cause may leave open, suc
 
 
 @dataclass(frozen=True)
-class Cause:
+class FaultModel:
     """One thing that may be wrong: ``predict(numbers, verdicts)`` gives every signal with it, nan where it is open.
 
     ``start`` (k,) are the numbers with which nothing is wrong, ``sizes`` what a change of 1 means for each; ``guesses``
@@ -53,7 +53,7 @@ class Cause:
 class Fit:
     """A cause with its numbers, and what it leaves of each signal's difference, relative to the signal's tolerance."""
 
-    cause: Cause
+    cause: FaultModel
     numbers: Array
     rms: Array
     largest: Array
@@ -96,7 +96,7 @@ def measures(rest: Sequence[Array]) -> tuple[Array, Array]:
     return np.array(rms), np.array(largest)
 
 
-def fitted(cause: Cause, verdicts: Sequence[SignalVerdict]) -> Fit | None:
+def fitted(cause: FaultModel, verdicts: Sequence[SignalVerdict]) -> Fit | None:
     """The best fit of a cause from its guesses; None where the linkage cannot be so."""
     fits = [fit for guess in _promising(cause, verdicts) if (fit := _from(cause, verdicts, np.array(guess)))]
     best = min(fits, key=lambda fit: float(np.sum(fit.rms**2)), default=None)
@@ -109,7 +109,7 @@ def fitted(cause: Cause, verdicts: Sequence[SignalVerdict]) -> Fit | None:
     return best
 
 
-def _promising(cause: Cause, verdicts: Sequence[SignalVerdict]) -> Sequence[tuple[float, ...]]:
+def _promising(cause: FaultModel, verdicts: Sequence[SignalVerdict]) -> Sequence[tuple[float, ...]]:
     """The guesses from which a fit is made: of many those that are nearest to the file as they are."""
     if len(cause.guesses) <= MOST_GUESSES:
         return cause.guesses or (cause.start,)
@@ -118,7 +118,9 @@ def _promising(cause: Cause, verdicts: Sequence[SignalVerdict]) -> Sequence[tupl
     return sorted(costs, key=lambda guess: costs[guess])[:MOST_GUESSES]
 
 
-def _at(cause: Cause, verdicts: Sequence[SignalVerdict], numbers: Array, *, is_special: bool = False) -> Fit | None:
+def _at(
+    cause: FaultModel, verdicts: Sequence[SignalVerdict], numbers: Array, *, is_special: bool = False
+) -> Fit | None:
     rest = _rest(cause, verdicts, numbers)
     return None if rest is None else Fit(cause, numbers, *measures(rest), is_special)
 
@@ -128,7 +130,7 @@ def refitted(fit: Fit, verdicts: Sequence[SignalVerdict]) -> Fit | None:
     return _at(fit.cause, verdicts, fit.numbers, is_special=fit.is_special)
 
 
-def _rest(cause: Cause, verdicts: Sequence[SignalVerdict], numbers: Array) -> list[Array] | None:
+def _rest(cause: FaultModel, verdicts: Sequence[SignalVerdict], numbers: Array) -> list[Array] | None:
     try:
         return left(verdicts, cause.predict(numbers, verdicts))
     except LinkproofError:
@@ -140,7 +142,7 @@ def _vector(rest: Sequence[Array]) -> Array:
     return np.concatenate([np.nan_to_num(one) / np.sqrt(len(one)) for one in rest])
 
 
-def _from(cause: Cause, verdicts: Sequence[SignalVerdict], numbers: Array) -> Fit | None:
+def _from(cause: FaultModel, verdicts: Sequence[SignalVerdict], numbers: Array) -> Fit | None:
     """Gauss-Newton with halved steps."""
     rest = _rest(cause, verdicts, numbers)
     if rest is None:

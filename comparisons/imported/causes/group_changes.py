@@ -8,7 +8,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from comparisons.imported.causes.fitting import Cause, said
+from comparisons.imported.causes.fitting import FaultModel, said
 from comparisons.imported.causes.signal_changes import UNIT_RATIOS
 from comparisons.imported.columns import Correction
 from comparisons.imported.judging.judgement import SignalVerdict
@@ -24,7 +24,7 @@ def is_rotary(name: str) -> bool:
     return name in ROTARY or name.startswith("link:")
 
 
-def group_changes(verdicts: Sequence[SignalVerdict]) -> Iterator[Cause]:
+def group_changes(verdicts: Sequence[SignalVerdict]) -> Iterator[FaultModel]:
     """Every cause that lies in a group of at least two columns."""
     names = [verdict.name for verdict in verdicts]
     groups: dict[str, tuple[Chosen, str]] = {
@@ -57,7 +57,7 @@ def _component(axis: str) -> Chosen:
     return chosen
 
 
-def _group(kind: str, members: Sequence[str], factor: float, words: str) -> Iterator[Cause]:
+def _group(kind: str, members: Sequence[str], factor: float, words: str) -> Iterator[FaultModel]:
     if len(members) < 2:
         return
     chosen = frozenset(members)
@@ -66,4 +66,4 @@ def _group(kind: str, members: Sequence[str], factor: float, words: str) -> Iter
         return [factor * v.truth if v.name in chosen else v.truth for v in verdicts]
 
     agreed = Correction(sign=-1) if factor < 0.0 else Correction(factor=1.0 / factor)
-    yield Cause(kind, predict, said(words), signals=chosen, corrections=lambda _: dict.fromkeys(members, agreed))
+    yield FaultModel(kind, predict, said(words), signals=chosen, corrections=lambda _: dict.fromkeys(members, agreed))

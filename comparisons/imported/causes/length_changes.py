@@ -12,10 +12,10 @@ from numpy.typing import NDArray
 
 from analytic.description.changes import multiplied, with_point
 from analytic.description.linkage import GROUND, Linkage, Slider, Vector
-from comparisons.imported.causes.fitting import Cause, said
+from comparisons.imported.causes.fitting import FaultModel, said
 from comparisons.imported.causes.model_changes import UNITS, Change, positive, times
 from comparisons.imported.judging.judgement import SignalVerdict
-from comparisons.imported.judging.samples import Model
+from comparisons.imported.judging.samples import JudgedModel
 
 Array = NDArray[np.float64]
 
@@ -23,7 +23,7 @@ MOST_POINTS: Final = 60  # of a linkage whose places are tried one by one
 MOST_MODES: Final = 8  # of a linkage whose other assembly modes are tried
 
 
-def length_changes(model: Model) -> Iterator[Cause]:
+def length_changes(model: JudgedModel) -> Iterator[FaultModel]:
     """Every length at once, each point of a link along the line to its first point, each place of the ground."""
     linkage, size = model.linkage, model.linkage.shortest_length()
     yield _of(
@@ -45,17 +45,17 @@ def length_changes(model: Model) -> Iterator[Cause]:
             yield from _guide(model, slider.link, size)
 
 
-def _of(model: Model, kind: str, change: Change, words: Callable[[Array], str], **rest: Any) -> Cause:  # noqa: ANN401
-    """A cause that changes the linkage; ``rest`` are fields of ``Cause``."""
+def _of(model: JudgedModel, kind: str, change: Change, words: Callable[[Array], str], **rest: Any) -> FaultModel:  # noqa: ANN401
+    """A cause that changes the linkage; ``rest`` are fields of ``FaultModel``."""
 
     def predict(numbers: Array, verdicts: Sequence[SignalVerdict]) -> list[Array]:
         other = replace(model, linkage=change(model.linkage, numbers))
         return other.predicted([verdict.samples for verdict in verdicts])
 
-    return Cause(kind, predict, words, **rest)
+    return FaultModel(kind, predict, words, **rest)
 
 
-def _length(model: Model, name: str, first: str, point: str) -> Cause:
+def _length(model: JudgedModel, name: str, first: str, point: str) -> FaultModel:
     points, written = model.linkage.links[name].points, model.linkage.written
     origin, at = points[first], points[point]
     length = math.dist(origin, at)
@@ -72,7 +72,7 @@ def _length(model: Model, name: str, first: str, point: str) -> Cause:
     return _of(model, f"length:{name}:{point}", change, words, start=(1.0,), sizes=(1.0,))
 
 
-def _place(model: Model, point: str, at: Vector, axis: int) -> Cause:
+def _place(model: JudgedModel, point: str, at: Vector, axis: int) -> FaultModel:
     written = model.linkage.written
 
     def change(linkage: Linkage, c: Array) -> Linkage:
@@ -85,7 +85,7 @@ def _place(model: Model, point: str, at: Vector, axis: int) -> Cause:
     return _of(model, f"ground:{point}.{'xy'[axis]}", change, words, start=(at[axis],), sizes=(size,))
 
 
-def _guide(model: Model, link: str, size: float) -> Iterator[Cause]:
+def _guide(model: JudgedModel, link: str, size: float) -> Iterator[FaultModel]:
     """A guide of the ground, shifted across or turned."""
     written = model.linkage.written
     shifts: tuple[str, Change, Callable[[Array], str], float] = (
@@ -113,16 +113,16 @@ def _with_guide(linkage: Linkage, link: str, shift: float, turn: float) -> Linka
     return replace(linkage, sliders=tuple(moved(s) if s.link == link else s for s in linkage.sliders))
 
 
-def _modes(model: Model) -> Iterator[Cause]:
+def _modes(model: JudgedModel) -> Iterator[FaultModel]:
     """Another assembly mode of one group."""
     dyads = model.mechanism.structure.dyads
     open_dyads = [number for number, dyad in enumerate(dyads) if dyad.has_two_modes]
     for number in open_dyads[:MOST_MODES]:
         signs = tuple(-dyad.sign if n == number else dyad.sign for n, dyad in enumerate(dyads))
         words = f"'{dyads[number].first}' and '{dyads[number].second}' are assembled in their other mode"
-        yield Cause(f"mode:{dyads[number].first}", _in_modes(model, signs), said(words))
+        yield FaultModel(f"mode:{dyads[number].first}", _in_modes(model, signs), said(words))
 
 
-def _in_modes(model: Model, signs: tuple[int, ...]) -> Callable[[Array, Sequence[SignalVerdict]], list[Array]]:
+def _in_modes(model: JudgedModel, signs: tuple[int, ...]) -> Callable[[Array, Sequence[SignalVerdict]], list[Array]]:
     other = replace(model, modes=signs)
     return lambda _, verdicts: other.predicted([verdict.samples for verdict in verdicts])

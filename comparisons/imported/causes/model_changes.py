@@ -13,9 +13,9 @@ from numpy.typing import NDArray
 from analytic.description.changes import Kind, changed, multiplied, numbers, without
 from analytic.description.linkage import Link, Linkage, RotaryDamper, Vector
 from analytic.errors import LinkproofError
-from comparisons.imported.causes.fitting import Cause, said
+from comparisons.imported.causes.fitting import FaultModel, said
 from comparisons.imported.judging.judgement import SignalVerdict
-from comparisons.imported.judging.samples import Model, depends_on_masses
+from comparisons.imported.judging.samples import JudgedModel, depends_on_masses
 
 Array = NDArray[np.float64]
 Change = Callable[[Linkage, Array], Linkage]
@@ -25,7 +25,7 @@ UNITS: Final = ((1e3,), (1e-3,))  # a unit taken for another
 LOADS: Final = ("forces", "torques", "springs", "dampers")
 
 
-def model_changes(model: Model) -> Iterator[Cause]:
+def model_changes(model: JudgedModel) -> Iterator[FaultModel]:
     """Every cause that lies in masses and loads: what torques, forces and energies show."""
     yield from _gravity(model)
     everything: dict[str, tuple[tuple[Kind, ...], tuple[tuple[float, ...], ...]]] = {
@@ -42,19 +42,19 @@ def model_changes(model: Model) -> Iterator[Cause]:
     yield _static(model)
 
 
-def of_masses(model: Model, kind: str, change: Change, words: Callable[[Array], str], **rest: Any) -> Cause:  # noqa: ANN401
-    """A cause that changes masses and loads of the linkage; ``rest`` are fields of ``Cause``."""
+def of_masses(model: JudgedModel, kind: str, change: Change, words: Callable[[Array], str], **rest: Any) -> FaultModel:  # noqa: ANN401
+    """A cause that changes masses and loads of the linkage; ``rest`` are fields of ``FaultModel``."""
 
     def predict(numbers: Array, verdicts: Sequence[SignalVerdict]) -> list[Array]:
-        other = replace(model, linkage=change(model.linkage, numbers))
+        other = model.loaded(change(model.linkage, numbers))
         changing = [verdict.samples for verdict in verdicts if depends_on_masses(verdict.name)]
         values = iter(other.predicted(changing))
         return [next(values) if depends_on_masses(verdict.name) else verdict.truth for verdict in verdicts]
 
-    return Cause(kind, predict, words, **rest)
+    return FaultModel(kind, predict, words, **rest)
 
 
-def scaling(model: Model, kind: str, change: Change, what: str, **rest: Any) -> Cause:  # noqa: ANN401
+def scaling(model: JudgedModel, kind: str, change: Change, what: str, **rest: Any) -> FaultModel:  # noqa: ANN401
     """A cause that multiplies masses or loads, ``what`` in words, by a factor."""
     return of_masses(model, kind, change, times(what), start=(1.0,), sizes=(1.0,), **rest)
 
@@ -76,13 +76,13 @@ def _all(*kinds: Kind) -> Change:
 
 
 def positive(k: Array) -> float:
-    """A factor of masses and lengths; raises LinkproofError for one that nothing can have."""
+    """A factor of masses and lengths; raises LinkproofError for a negative one."""
     if k[0] < 0.0:
         raise LinkproofError(f"factor: expected no negative number, got {k[0]:g}")
     return float(k[0])
 
 
-def _gravity(model: Model) -> Iterator[Cause]:
+def _gravity(model: JudgedModel) -> Iterator[FaultModel]:
     """Its size along the file's direction, and any vector."""
     (x, y), size = model.linkage.gravity, math.hypot(*model.linkage.gravity)
     if not any(link.mass for link in model.linkage.links.values()):
@@ -123,7 +123,7 @@ def _with_link(linkage: Linkage, name: str, **changes: Any) -> Linkage:  # noqa:
     return replace(linkage, links={**linkage.links, name: replace(linkage.links[name], **changes)})
 
 
-def _link(model: Model, name: str, link: Link) -> Iterator[Cause]:
+def _link(model: JudgedModel, name: str, link: Link) -> Iterator[FaultModel]:
     """Mass, both together, mass centre and inertia of a link."""
     mass, inertia = link.mass, link.inertia
 
@@ -174,7 +174,7 @@ def _inertia_words(name: str, link: Link) -> Callable[[Array], str]:
     return words
 
 
-def _centre(model: Model, name: str, link: Link) -> Cause:
+def _centre(model: JudgedModel, name: str, link: Link) -> FaultModel:
     linkage, (x, y), places = model.linkage, link.centre, list(link.points.values())
     size = linkage.shortest_length()
     middle = (float(np.mean([p[0] for p in places])), float(np.mean([p[1] for p in places])))
@@ -211,7 +211,7 @@ def _centre(model: Model, name: str, link: Link) -> Cause:
     )
 
 
-def _loads(model: Model) -> Iterator[Cause]:
+def _loads(model: JudgedModel) -> Iterator[FaultModel]:
     """A force, a torque, a spring or a damper of the file with another size, or left out."""
     for name, value in numbers(model.linkage).items():
         if value and name.startswith(tuple(f"{part}." for part in LOADS)) and not name.endswith(".length"):
@@ -231,7 +231,7 @@ def _without(part: str) -> Change:
     return lambda linkage, _: without(linkage, part)
 
 
-def _damping(model: Model) -> Iterator[Cause]:
+def _damping(model: JudgedModel) -> Iterator[FaultModel]:
     """Friction that grows with the speed, in a pin that has none in the file."""
     linkage = model.linkage
     inertia = sum((k.inertia or 0.0) + k.mass * linkage.extent() ** 2 for k in linkage.links.values())
@@ -255,10 +255,10 @@ def _damping_words(point: str) -> Callable[[Array], str]:
     return lambda b: f"a rotary damper of {b[0]:.3g} N m s acts in the pin '{point}'"
 
 
-def _static(model: Model) -> Cause:
+def _static(model: JudgedModel) -> FaultModel:
     static = replace(model, is_static=True)
 
     def predict(_: Array, verdicts: Sequence[SignalVerdict]) -> list[Array]:
         return static.predicted([verdict.samples for verdict in verdicts])
 
-    return Cause("static", predict, said("inertia forces are left out: torque and forces are those at rest"))
+    return FaultModel("static", predict, said("inertia forces are left out: torque and forces are those at rest"))

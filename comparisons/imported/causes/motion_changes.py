@@ -11,11 +11,11 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from analytic.description.crank_motion import RAMPS, RPM, CrankMotion, crank_motion
-from comparisons.imported.causes.fitting import Cause, said
+from comparisons.imported.causes.fitting import FaultModel, said
 from comparisons.imported.columns import Correction
 from comparisons.imported.judging.crank_column import ColumnMotion
 from comparisons.imported.judging.judgement import SignalVerdict
-from comparisons.imported.judging.samples import Model, Samples, at_jumps, holds_acceleration
+from comparisons.imported.judging.samples import JudgedModel, Samples, at_jumps, holds_acceleration
 from comparisons.reference.case import Motion
 
 Array = NDArray[np.float64]
@@ -81,7 +81,7 @@ class WithoutAcceleration(Changed):
         return np.zeros(np.shape(time))
 
 
-def motion_changes(model: Model) -> Iterator[Cause]:
+def motion_changes(model: JudgedModel) -> Iterator[FaultModel]:
     """Every cause that lies in the crank's motion; ramps only where a regime, not a column of the file, gives it."""
     motion, start = model.motion, float(model.motion.angle(0.0))
     from_column = isinstance(motion, ColumnMotion)
@@ -113,13 +113,13 @@ def turned(angle: float) -> float:
 
 
 def _of(
-    model: Model,
+    model: JudgedModel,
     kind: str,
     motion: Callable[[Array], Motion],
     words: Callable[[Array], str],
     **rest: Any,  # noqa: ANN401
-) -> Cause:
-    """A cause that changes the motion; ``rest`` are fields of ``Cause``."""
+) -> FaultModel:
+    """A cause that changes the motion; ``rest`` are fields of ``FaultModel``."""
 
     def predict(numbers: Array, verdicts: Sequence[SignalVerdict]) -> list[Array]:
         other = motion(numbers)
@@ -128,7 +128,7 @@ def _of(
             return values
         return [_without_jumps(v.samples, found, other) for v, found in zip(verdicts, values, strict=True)]
 
-    return Cause(kind, predict, words, **rest)
+    return FaultModel(kind, predict, words, **rest)
 
 
 def _without_jumps(samples: Samples, values: Array, motion: Motion) -> Array:
@@ -136,7 +136,7 @@ def _without_jumps(samples: Samples, values: Array, motion: Motion) -> Array:
     return np.where(at_jumps(samples.time, motion), np.nan, values) if holds_acceleration(samples.name) else values
 
 
-def _offsets(model: Model, start: float) -> Iterator[Cause]:
+def _offsets(model: JudgedModel, start: float) -> Iterator[FaultModel]:
     """Another zero of the crank angle, counted the same way or the other."""
     motion, from_column = model.motion, isinstance(model.motion, ColumnMotion)
 
@@ -166,7 +166,7 @@ def _offsets(model: Model, start: float) -> Iterator[Cause]:
     )  # fmt: skip
 
 
-def _shifted(model: Model) -> Cause:
+def _shifted(model: JudgedModel) -> FaultModel:
     motion = model.motion
     turn = 2.0 * math.pi / motion.peak_speed if motion.peak_speed else motion.duration
     length = min(turn, motion.duration)
@@ -183,7 +183,7 @@ def _shifted(model: Model) -> Cause:
     )
 
 
-def _regimes(model: Model) -> Iterator[Cause]:
+def _regimes(model: JudgedModel) -> Iterator[FaultModel]:
     """Another speed, another ramp, another time of the ramp."""
     motion, start = model.motion, float(model.motion.angle(0.0))
     rpm, turned_by = motion.peak_speed / RPM, abs(float(motion.angle(motion.duration)) - start)

@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from itertools import chain
 from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
 
-from comparisons.imported.causes.fitting import Fit, fitted, refitted, tolerance
+from comparisons.imported.causes.fitting import FaultModel, Fit, fitted, refitted, tolerance
 from comparisons.imported.causes.group_changes import group_changes
 from comparisons.imported.causes.length_changes import length_changes
 from comparisons.imported.causes.model_changes import model_changes
@@ -18,7 +19,7 @@ from comparisons.imported.causes.motion_changes import motion_changes
 from comparisons.imported.causes.signal_changes import UNIT_RATIOS, signal_changes
 from comparisons.imported.columns import Correction
 from comparisons.imported.judging.judgement import SignalVerdict
-from comparisons.imported.judging.samples import Model, depends_on_masses
+from comparisons.imported.judging.samples import JudgedModel, depends_on_masses
 
 Array = NDArray[np.float64]
 
@@ -38,7 +39,7 @@ NEAR_UNIT: Final = 0.35  # natural logarithm within which a factor is taken for 
 
 
 @dataclass(frozen=True)
-class Finding:
+class FaultFinding:
     """Signals that one cause explains, by its names: the likeliest and the ``others`` that cannot be told apart.
 
     ``left`` is what it leaves of their error, over the signals' scales; ``fully`` whether that is within the rounding.
@@ -68,11 +69,11 @@ class Finding:
 class Explanation:
     """What was found, and the signals that differ without a cause found."""
 
-    findings: tuple[Finding, ...]
+    findings: tuple[FaultFinding, ...]
     unexplained: tuple[str, ...]
 
 
-def explain(model: Model, verdicts: Sequence[SignalVerdict], names: Sequence[str]) -> Explanation:
+def explain(model: JudgedModel, verdicts: Sequence[SignalVerdict], names: Sequence[str]) -> Explanation:
     """The causes of all differences beyond the rounding; ``names`` are the signals that a column may be taken for."""
     raw = _explain(model, verdicts, names)
     partly = {name for finding in raw.findings if not finding.fully for name in finding.signals}
@@ -88,14 +89,14 @@ def explain(model: Model, verdicts: Sequence[SignalVerdict], names: Sequence[str
     return Explanation((*kept, *(_after(finding, estimates) for finding in better)), unexplained)
 
 
-def _is_better(finding: Finding, raw: Explanation) -> bool:
+def _is_better(finding: FaultFinding, raw: Explanation) -> bool:
     """Whether a finding leaves much less of its signals than those before any correction."""
     before = [other.left for other in raw.findings if set(other.signals) & set(finding.signals)]
     return finding.left < BETTER * min(before, default=math.inf)
 
 
 def estimated(verdict: SignalVerdict) -> Correction | None:
-    """Sign and unit that a signal has but for its other faults; None where it is right, or nothing can be told."""
+    """Sign and unit that a signal has but for its other faults; None where it is right or cannot be estimated."""
     values, truth = verdict.samples.values[verdict.kept], verdict.truth[verdict.kept]
     size = float(np.sqrt(np.sum(values**2) * np.sum(truth**2)))
     product = float(values @ truth)
@@ -109,7 +110,7 @@ def estimated(verdict: SignalVerdict) -> Correction | None:
     return Correction(sign=1 if product > 0.0 else -1, factor=1.0 / factor)
 
 
-def _after(finding: Finding, estimates: Mapping[str, Correction]) -> Finding:
+def _after(finding: FaultFinding, estimates: Mapping[str, Correction]) -> FaultFinding:
     """A finding with the corrections of its own signals that were taken for it."""
     return replace(finding, aligned={name: c for name, c in estimates.items() if name in finding.signals})
 
@@ -132,13 +133,13 @@ def differs(verdict: SignalVerdict) -> bool:
     return bool(np.any(rest > NOTICED))
 
 
-def _explain(model: Model, verdicts: Sequence[SignalVerdict], names: Sequence[str]) -> Explanation:
+def _explain(model: JudgedModel, verdicts: Sequence[SignalVerdict], names: Sequence[str]) -> Explanation:
     open_names = [verdict.name for verdict in verdicts if differs(verdict)]
     if not open_names:
         return Explanation((), ())
     before = _Before(verdicts)
     fits = _fits(model, verdicts, names, before)
-    findings: list[Finding] = []
+    findings: list[FaultFinding] = []
     unnamed: list[str] = []
     while open_names:
         covering = [(before.explains(fit, open_names), fit) for fit in fits]
@@ -156,18 +157,18 @@ def _explain(model: Model, verdicts: Sequence[SignalVerdict], names: Sequence[st
     return Explanation(tuple(findings), (*unnamed, *open_names))
 
 
-def _fits(model: Model, verdicts: Sequence[SignalVerdict], names: Sequence[str], before: _Before) -> list[Fit]:
+def _fits(model: JudgedModel, verdicts: Sequence[SignalVerdict], names: Sequence[str], before: _Before) -> list[Fit]:
     """Every cause fitted that does no harm: those of the model to some samples of all signals, then those of columns.
 
     Where one of the model explains several columns at once, nothing is sought in each of them.
     """
     thin = [verdict.thinned(max(FEWEST, min(SAMPLES, SAMPLES * MANY // len(verdicts)))) for verdict in verdicts]
     masses = model_changes(model) if any(depends_on_masses(verdict.name) for verdict in verdicts) else ()
-    found = []
-    for cause in (*length_changes(model), *motion_changes(model), *masses):
-        fit = fitted(cause, thin)
-        if fit is not None and (whole := refitted(fit, verdicts)) is not None:
-            found.append(whole)
+    causes = (length_changes(model), chain(motion_changes(model), masses))
+    first, then = reversed(causes) if model.mechanism.is_numerical else causes
+    found = _of_model(first, thin, verdicts)
+    if not (model.mechanism.is_numerical and any(before.is_explained(fit) for fit in found)):
+        found += _of_model(then, thin, verdicts)
     found += [fit for cause in group_changes(verdicts) if (fit := fitted(cause, verdicts)) is not None]
     found = [fit for fit in found if before.is_harmless(fit)]
     open_names = [verdict.name for verdict in verdicts if differs(verdict)]
@@ -176,6 +177,14 @@ def _fits(model: Model, verdicts: Sequence[SignalVerdict], names: Sequence[str],
     of_columns = [cause for v in verdicts if differs(v) for cause in signal_changes(model, v, names)]
     fits = [fit for cause in of_columns if (fit := fitted(cause, verdicts)) is not None]
     return [*found, *(fit for fit in fits if before.is_harmless(fit))]
+
+
+def _of_model(
+    causes: Iterable[FaultModel], thin: Sequence[SignalVerdict], verdicts: Sequence[SignalVerdict]
+) -> list[Fit]:
+    """Causes fitted to some samples, measured on all."""
+    fits = (fit for cause in causes if (fit := fitted(cause, thin)) is not None)
+    return [whole for fit in fits if (whole := refitted(fit, verdicts)) is not None]
 
 
 class _Before:
@@ -193,6 +202,10 @@ class _Before:
         """Whether a fit makes no signal worse beyond its rounding."""
         return bool(np.all(fit.rms <= np.maximum(1.0, HARMED * self.rms)))
 
+    def is_explained(self, fit: Fit) -> bool:
+        """Whether a fit leaves no more than the rounding of any signal."""
+        return bool(np.all(fit.largest <= NOTICED))
+
     def explains(self, fit: Fit, names: Sequence[str]) -> tuple[str, ...]:
         """Which of the signals a fit explains."""
         return tuple(n for n in names if fit.rms[(p := self.places[n])] <= max(ROUNDED, EXPLAINED * self.rms[p]))
@@ -204,7 +217,7 @@ class _Before:
         free = 0 if fit.is_special else len(fit.numbers)
         return float(np.mean(left)) + BY_SIZE * (free + fit.cause.handicap) - BY_SIZE * fit.is_special
 
-    def finding(self, rivals: Sequence[Fit], names: tuple[str, ...]) -> Finding:
+    def finding(self, rivals: Sequence[Fit], names: tuple[str, ...]) -> FaultFinding:
         """The likeliest of several fits that explain the same signals, and those that cannot be told from it."""
         ordered = sorted(rivals, key=lambda fit: self.score(fit, names))
         places = [self.places[name] for name in names]
@@ -216,4 +229,4 @@ class _Before:
         scales = [float(np.max(tolerance(self.verdicts[p]))) / self.verdicts[p].scale for p in places]
         left = max(largest * scale for largest, scale in zip(best.largest[places], scales, strict=True))
         fully = bool(np.all(best.largest[places] <= NOTICED))
-        return Finding(names, best, tuple(alike), left, fully)
+        return FaultFinding(names, best, tuple(alike), left, fully)

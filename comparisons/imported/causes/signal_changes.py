@@ -11,10 +11,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from comparisons.imported.causes.filters import coarser, differences, filters
-from comparisons.imported.causes.fitting import Cause, said
+from comparisons.imported.causes.fitting import FaultModel, said
 from comparisons.imported.columns import Correction
 from comparisons.imported.judging.judgement import SignalVerdict
-from comparisons.imported.judging.samples import Model, is_angle
+from comparisons.imported.judging.samples import JudgedModel, is_angle
 
 Array = NDArray[np.float64]
 Alter = Callable[[Array, Array, Array], Array]  # time, the closed form, the numbers of the cause
@@ -43,7 +43,7 @@ HELD: Final = 4  # samples at one value: a limit
 NEAR: Final = 0.05  # of the peak, within which a column is another quantity
 
 
-def signal_changes(model: Model, verdict: SignalVerdict, names: Sequence[str]) -> Iterator[Cause]:
+def signal_changes(model: JudgedModel, verdict: SignalVerdict, names: Sequence[str]) -> Iterator[FaultModel]:
     """Every cause that lies in one column; ``names`` are the signals that it may be taken for."""
     name = verdict.name
     yield _altered(
@@ -63,21 +63,21 @@ def signal_changes(model: Model, verdict: SignalVerdict, names: Sequence[str]) -
     yield from _mistaken(model, verdict, names)
 
 
-def _altered(name: str, kind: str, alter: Alter, words: Callable[[Array], str], **rest: Any) -> Cause:  # noqa: ANN401
-    """A cause that changes the closed form of one signal; ``rest`` are fields of ``Cause``."""
+def _altered(name: str, kind: str, alter: Alter, words: Callable[[Array], str], **rest: Any) -> FaultModel:  # noqa: ANN401
+    """A cause that changes the closed form of one signal; ``rest`` are fields of ``FaultModel``."""
 
     def predict(numbers: Array, verdicts: Sequence[SignalVerdict]) -> list[Array]:
         return [alter(v.samples.time, v.truth, numbers) if v.name == name else v.truth for v in verdicts]
 
-    return Cause(f"{kind}:{name}", predict, words, signals=frozenset((name,)), **rest)
+    return FaultModel(f"{kind}:{name}", predict, words, signals=frozenset((name,)), **rest)
 
 
-def _given(name: str, kind: str, words: str, values: Array, handicap: int = 0) -> Cause:
+def _given(name: str, kind: str, words: str, values: Array, handicap: int = 0) -> FaultModel:
     """A cause without numbers, its values at the file's instants."""
     return _altered(name, kind, lambda _, __, ___: values, said(words), handicap=handicap)
 
 
-def _factors(verdict: SignalVerdict) -> Iterator[Cause]:
+def _factors(verdict: SignalVerdict) -> Iterator[FaultModel]:
     """A free factor, and those of units taken for others that are near the file's, which a mapping may agree to."""
     name, truth = verdict.name, verdict.truth[verdict.kept]
     size = float(truth @ truth)
@@ -92,7 +92,7 @@ def _factors(verdict: SignalVerdict) -> Iterator[Cause]:
     )  # fmt: skip
 
 
-def _unit(name: str, words: str, factor: float) -> Cause:
+def _unit(name: str, words: str, factor: float) -> FaultModel:
     sign = 1 if factor > 0.0 else -1
     sense = "" if sign > 0 else " and has the other sign"
     return _altered(
@@ -105,7 +105,7 @@ def _unit(name: str, words: str, factor: float) -> Cause:
     )
 
 
-def _offset(verdict: SignalVerdict) -> Cause:
+def _offset(verdict: SignalVerdict) -> FaultModel:
     """A constant difference: another zero, of which a mapping may agree to that of an angle."""
     name = verdict.name
 
@@ -122,7 +122,7 @@ def _offset(verdict: SignalVerdict) -> Cause:
     )  # fmt: skip
 
 
-def _friction(model: Model, verdict: SignalVerdict) -> Cause:
+def _friction(model: JudgedModel, verdict: SignalVerdict) -> FaultModel:
     """A torque against the motion, whatever the speed."""
 
     def alter(time: Array, truth: Array, numbers: Array) -> Array:
@@ -134,7 +134,7 @@ def _friction(model: Model, verdict: SignalVerdict) -> Cause:
     )  # fmt: skip
 
 
-def _delayed(model: Model, verdict: SignalVerdict) -> Cause:
+def _delayed(model: JudgedModel, verdict: SignalVerdict) -> FaultModel:
     """One column told at other instants than the rest: read before or after the step."""
     name, samples = verdict.name, verdict.samples
     step = float(np.median(np.diff(samples.time)))
@@ -161,7 +161,7 @@ def _delayed(model: Model, verdict: SignalVerdict) -> Cause:
     )
 
 
-def _limited(verdict: SignalVerdict) -> Iterator[Cause]:
+def _limited(verdict: SignalVerdict) -> Iterator[FaultModel]:
     """Cut off at a largest or a smallest value."""
     values, truth, open_ = verdict.samples.values, verdict.truth, verdict.open + 1e-9 * verdict.scale
     low, high = float(np.min(values)), float(np.max(values))
@@ -173,7 +173,7 @@ def _limited(verdict: SignalVerdict) -> Iterator[Cause]:
         yield _given(verdict.name, "clipped", f"{verdict.name} is limited to {ends}", clipped)
 
 
-def _single_samples(verdict: SignalVerdict) -> Iterator[Cause]:
+def _single_samples(verdict: SignalVerdict) -> Iterator[FaultModel]:
     """Single samples with the other sign, or else off in any way."""
     name, values, truth = verdict.name, verdict.samples.values, verdict.truth
     open_ = verdict.open + 1e-9 * verdict.scale
@@ -195,7 +195,7 @@ def _counted(which: NDArray[np.bool_]) -> str:
     return "a single sample" if count == 1 else f"{count} single samples"
 
 
-def _mistaken(model: Model, verdict: SignalVerdict, names: Sequence[str]) -> Iterator[Cause]:
+def _mistaken(model: JudgedModel, verdict: SignalVerdict, names: Sequence[str]) -> Iterator[FaultModel]:
     """Another quantity of the linkage under this name."""
     name, samples = verdict.name, verdict.samples
     others = [other for other in names if other != name]

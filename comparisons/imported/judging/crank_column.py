@@ -18,17 +18,16 @@ import numpy as np
 from numpy.polynomial import Polynomial
 from numpy.typing import NDArray
 from scipy.interpolate import PPoly, make_lsq_spline
-from scipy.optimize import minimize_scalar
 
-from analytic.description.crank_motion import LAWS, RAMPS, CrankMotion, Segment, crank_motion, swing
+from analytic.description.crank_motion import CrankMotion, Segment
 from analytic.errors import LinkproofError
+from comparisons.imported.judging.known_motions import FAMILIES, SLACK, known_fit
 
 Array = NDArray[np.float64]
 Segments = tuple[Segment, ...]
 
 DEGREES: Final = (1, 2, 4, 7)  # of a piece: constant speed, linear run-up, cubic run-up, anything else
 WORTH: Final = 1.3  # a higher degree has to reach so much farther
-SLACK: Final = 1.2  # of the rounding: the last bits of the numbers
 FEWEST: Final = 4  # samples that tell a motion
 MOST: Final = 1000  # samples to which a piece is fitted while its end is sought
 WIDER: Final = 4.0  # times the rounding: the next noise that is tried
@@ -49,6 +48,16 @@ class ColumnMotion(CrankMotion):
     steps: tuple[float, ...] = ()
     noise: float = 0.0
     likewise: tuple[CrankMotion, ...] = ()
+
+    @property
+    def is_known(self) -> bool:
+        """Whether it is a run-up or a swing, not just any polynomials."""
+        return self.regime in FAMILIES
+
+    @cached_property
+    def doubt(self) -> float:
+        """By how much its acceleration differs from that of columns that would be printed the same, rad/s²."""
+        return _spread(np.linspace(0.0, self.duration, 501), [o.segments for o in (self, *self.likewise)], 2)
 
     @cached_property
     def jumps(self) -> tuple[float, ...]:
@@ -71,7 +80,7 @@ def motion_of_speeds(
 ) -> ColumnMotion:
     """The motion behind a column of crank speeds (n,), rad/s, from a start angle, rad."""
     motion = _motion(time, speed, resolution, name, of_speed=True)
-    if motion.regime in RAMPS:  # its pieces are those of the angle
+    if motion.is_known:  # its pieces are those of the angle
         return replace(motion, segments=_from(motion.segments, start_angle), likewise=_all_from(motion, start_angle))
     others = tuple(CrankMotion(name, _integrated(o.segments, start_angle)) for o in motion.likewise)
     return ColumnMotion(name, _integrated(motion.segments, start_angle), motion.steps, motion.noise, others)
@@ -91,11 +100,11 @@ def _motion(time: Array, values: Array, resolution: Array, name: str, *, of_spee
         raise LinkproofError(f"crank's motion: expected {FEWEST} samples or more, got {len(time)}; export more of them")
     coarsest = float(np.max(resolution, initial=1e-12 * (1.0 + np.max(np.abs(values)))))
     rounding = np.maximum(resolution, FINEST * coarsest)  # the first angles of a run-up have digits that no fit holds
-    known = known_regime(time, values, rounding, of_speed=of_speed)
-    if known is None and not of_speed:
-        known = known_swing(time, values, rounding)
+    known = known_fit(time, values, rounding, of_speed=of_speed)
     if known is not None:
-        return known
+        trials = (replace(known.column, values=values + trial) for trial in _trials(rounding))
+        alike = tuple(trial.near(known.time).motion for trial in trials)
+        return ColumnMotion(known.column.name, known.motion.segments, known.motion.jumps, coarsest, alike)
     within, pieces = _within(time, values, rounding)
     columns = (values, *(values + trial for trial in _trials(within)))
     order = 1 if of_speed else 2
@@ -223,73 +232,6 @@ def _fitted(time: Array, values: Array, first: int, last: int, degree: int) -> S
     return Segment(start, end, tuple(float(c) for c in power.coef))
 
 
-def known_regime(time: Array, values: Array, rounding: Array, *, of_speed: bool) -> ColumnMotion | None:
-    """A run-up from rest at t = 0 that the column is within its rounding: start angle, speed and ramp time fitted."""
-    if abs(time[0]) > 1e-9 * abs(time[-1]):
-        return None
-    for name in RAMPS:
-        column = _Column(name, time, values, rounding, of_speed)
-        motion, rest = column.run_up(column.ramp_time())
-        if np.all(np.abs(rest) <= SLACK * rounding):
-            trials = [replace(column, values=values + trial) for trial in _trials(rounding)]
-            others = tuple(trial.run_up(trial.ramp_time())[0] for trial in trials)
-            return ColumnMotion(name, motion.segments, motion.jumps, float(np.max(rounding)), others)
-    return None
-
-
-@dataclass(frozen=True)
-class _Column:
-    """A column to which a run-up of a name is fitted, each sample as it is known."""
-
-    name: str
-    time: Array
-    values: Array
-    rounding: Array
-    of_speed: bool
-
-    def ramp_time(self) -> float:
-        """The ramp time with the smallest rest, s."""
-        end = float(self.time[-1])
-        coarse = np.linspace(0.02 * end, end, 50)
-        best = int(np.argmin([self._cost(ramp) for ramp in coarse]))
-        bounds = (coarse[max(best - 1, 0)], coarse[min(best + 1, len(coarse) - 1)])
-        return float(minimize_scalar(self._cost, bounds=bounds, method="bounded", options={"xatol": 1e-12 * end}).x)
-
-    def _cost(self, ramp: float) -> float:
-        return float(np.sum((self.run_up(ramp)[1] / self.rounding) ** 2))
-
-    def run_up(self, ramp: float) -> tuple[CrankMotion, Array]:
-        """The run-up of a ramp time that is nearest to the column, and what is left of the column."""
-        one = crank_motion(self.name, speed=1.0, ramp_time=ramp, hold_time=max(float(self.time[-1]) - ramp, 0.0))
-        shape = one.speed(self.time) if self.of_speed else one.angle(self.time)
-        weights = self.rounding**-2.0
-        tip, start = (
-            (0.0, 0.0) if self.of_speed else (np.average(part, weights=weights) for part in (shape, self.values))
-        )
-        arm = shape - tip
-        speed = float((weights * arm) @ (self.values - start) / ((weights * arm) @ arm))
-        start -= speed * tip
-        pieces = tuple(
-            Segment(p.start, p.end, (start + speed * p.coefficients[0], *(speed * c for c in p.coefficients[1:])))
-            for p in one.segments
-        )
-        return CrankMotion(self.name, pieces), np.asarray(self.values - start - speed * shape)
-
-
-def known_swing(time: Array, values: Array, rounding: Array) -> ColumnMotion | None:
-    """A swing from rest to rest over the whole of a column, by a law that the column is within its rounding."""
-    start, end, duration = float(values[0]), float(values[-1]), float(time[-1])
-    if abs(time[0]) > 1e-9 * abs(duration) or abs(end - start) <= float(np.max(rounding)):
-        return None
-    for law in LAWS:
-        motion = swing(law, start, end, time=duration)
-        if np.all(np.abs(motion.angle(time) - values) <= SLACK * rounding + rounding[0] + rounding[-1]):
-            open_ = float(np.max(rounding))
-            others = tuple(swing(law, start + a, end + b, time=duration) for a, b in ((open_, 0.0), (0.0, open_)))
-            return ColumnMotion(law, motion.segments, motion.jumps, open_, others)
-    return None
-
-
 def _jumps(segments: Segments, others: Sequence[Segments], order: int) -> tuple[float, ...]:
     """Starts of pieces at which a derivative jumps by more than the rounding explains."""
     scale = max(float(np.max(np.abs(s.value(np.array([s.start, s.end]), order)))) for s in segments)
@@ -328,9 +270,10 @@ def regular(at: Array, resolution: Array) -> tuple[Array, Array]:
     if len(at) < FEWEST:
         return at, resolution
     known = np.maximum(resolution, 1e-12 * np.max(np.abs(at)))
-    step, start = np.polyfit(number, at, 1, w=1.0 / known)
-    even = start + step * number
-    even[np.abs(even) < 1e-12 * np.max(np.abs(at))] = 0.0
-    if np.all(np.abs(even - at) <= SLACK * known):
-        return even, np.full(len(at), float(np.max(np.abs(even - at))) / math.sqrt(len(at)))
+    from_zero = float(np.sum(number * at / known**2) / np.sum((number / known) ** 2)) * number
+    for even in (from_zero, np.polyval(np.polyfit(number, at, 1, w=1.0 / known), number)):
+        if np.all(np.abs(even - at) <= SLACK * known):
+            return np.asarray(even), np.full(
+                len(at), float(np.max(np.abs(even - at))) / math.sqrt(len(at)), dtype=float
+            )
     return at, resolution

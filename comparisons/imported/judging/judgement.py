@@ -9,7 +9,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from comparisons.imported.judging.samples import Model, Samples, at_jumps, holds_acceleration, is_angle, is_force
+from comparisons.imported.judging.samples import JudgedModel, Samples, is_angle, is_force, jumps_of
 from comparisons.judging.deviations import Deviation
 from comparisons.judging.records import IMPORTED, Record, Verdict
 from comparisons.reference.case import Motion
@@ -29,7 +29,8 @@ class SignalVerdict:
     """One signal beside the closed form; ``error_max`` and ``error_rms`` are over ``scale``, in ``unit``.
 
     ``scale`` is the closed form's peak, or where that is ``near_zero`` a share of the signal's natural scale. ``floor``
-    is the largest that the file's rounding leaves open; ``worst`` is the sample with the largest error.
+    is the largest that the file's rounding leaves open; ``worst`` is the sample with the largest error. Samples at a
+    jump of the crank's acceleration are not ``kept``: their errors count beyond the jump's size.
     """
 
     samples: Samples
@@ -89,7 +90,7 @@ class SignalVerdict:
 
     @property
     def left_out(self) -> int:
-        """Samples that are not compared."""
+        """Samples at a jump, whose errors count beyond its size."""
         return int(np.sum(~self.kept))
 
     @property
@@ -99,10 +100,10 @@ class SignalVerdict:
             return ""
         if self.outcome is Verdict.UNDEFINED:
             if not self.kept.any():
-                return "every sample lies at a jump of the crank's acceleration"
+                return "every sample lies at a jump of the crank's acceleration: export a longer run"
             return (
-                f"the rounding of the crank's motion leaves {self.floor:.2g} of the peak open: export its angle with "
-                "more digits, or name its regime"
+                "the rounding of the crank's motion leaves more than the limit open: export its angle with more "
+                "digits, or say how it moves with --regime"
             )
         return f"error {self.error_max:.2g} of peak is over its limit {self.limit:.2g}"
 
@@ -136,9 +137,9 @@ class SignalVerdict:
 
 
 def verdicts(
-    model: Model, samples: Sequence[Samples], truth: Sequence[Array], floors: Sequence[Array], limit: float
+    model: JudgedModel, samples: Sequence[Samples], truth: Sequence[Array], floors: Sequence[Array], limit: float
 ) -> list[SignalVerdict]:
-    """Every signal judged. Samples in the window at a jump of the crank's acceleration are left out and counted."""
+    """Every signal judged. At a jump of the crank's acceleration a sample may be off by the jump besides."""
     scales = natural_scales(model, samples, truth)
     return [
         _verdict(model, one, values, open_, limit=limit, natural=natural)
@@ -146,15 +147,16 @@ def verdicts(
     ]
 
 
-def _verdict(model: Model, one: Samples, truth: Array, open_: Array, *, limit: float, natural: float) -> SignalVerdict:
-    kept = np.ones(len(one.time), dtype=bool)
-    if holds_acceleration(one.name):
-        kept &= ~at_jumps(one.time, model.motion)
+def _verdict(
+    model: JudgedModel, one: Samples, truth: Array, open_: Array, *, limit: float, natural: float
+) -> SignalVerdict:
+    jump = jumps_of(model, one)
+    kept = jump == 0.0
     peak = float(np.max(np.abs(truth[kept] if kept.any() else truth)))
     least = NEAR_ZERO * natural
     near_zero = peak < least
     scale = (least if near_zero else peak) or 1.0
-    error = np.where(kept, np.abs(one.values - truth), 0.0)
+    error = np.maximum(np.abs(one.values - truth) - jump, 0.0)
     worst = int(np.argmax(error))
     over = error > limit * scale
     outcome = Verdict.PASSED
@@ -179,11 +181,11 @@ def _verdict(model: Model, one: Samples, truth: Array, open_: Array, *, limit: f
     )
 
 
-def _unit(name: str, model: Model) -> str:
+def _unit(name: str, model: JudgedModel) -> str:
     return "N" if name.startswith("joint_force") else unit(name, model.linkage)
 
 
-def natural_scales(model: Model, samples: Sequence[Samples], truth: Sequence[Array]) -> list[float]:
+def natural_scales(model: JudgedModel, samples: Sequence[Samples], truth: Sequence[Array]) -> list[float]:
     """Of each signal what is large for its kind in this linkage and motion: a length, a force, a torque.
 
     A length is the linkage's largest coordinate, a speed that times the crank's; a force is the largest of all signals

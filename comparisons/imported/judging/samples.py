@@ -44,7 +44,7 @@ class Samples:
 
 
 @dataclass(frozen=True)
-class Model:
+class JudgedModel:
     """A linkage and its crank's motion: what the closed form is asked for. ``modes`` are its assembly modes if others.
 
     ``is_static`` leaves out what the motion itself does to torques and forces.
@@ -63,10 +63,16 @@ class Model:
             mechanism.structure = mechanism.structure.with_signs(self.modes)
         return mechanism
 
-    def moving(self, motion: Motion) -> Model:
+    def moving(self, motion: Motion) -> JudgedModel:
         """The same linkage under another motion; what is known of the linkage stays known."""
         other = replace(self, motion=motion)
         other.__dict__["mechanism"] = self.mechanism
+        return other
+
+    def loaded(self, linkage: Linkage) -> JudgedModel:
+        """A linkage with other masses and loads, which moves as this one does."""
+        other = replace(self, linkage=linkage)
+        other.__dict__["mechanism"] = self.mechanism.with_loads_of(linkage)
         return other
 
     def predicted(self, samples: Iterable[Samples]) -> list[Array]:
@@ -150,7 +156,7 @@ def is_angle(name: str) -> bool:
     return name == "phi" or name.endswith(":angle") or name.startswith("transmission_angle")
 
 
-def floor(model: Model, samples: Sequence[Samples], truth: Sequence[Array]) -> list[Array]:
+def floor(model: JudgedModel, samples: Sequence[Samples], truth: Sequence[Array]) -> list[Array]:
     """What the file's rounding leaves open of each signal (n,): of its values, its instants and its crank angles."""
     floors = []
     likewise = model.motion.likewise if isinstance(model.motion, ColumnMotion) else ()
@@ -159,28 +165,49 @@ def floor(model: Model, samples: Sequence[Samples], truth: Sequence[Array]) -> l
     for number, one in enumerate(samples):
         by_time = np.maximum(np.abs(early[number] - truth[number]), np.abs(late[number] - truth[number]))
         apart = [np.where(at_jumps(one.time, model.motion), 0.0, np.abs(o[number] - truth[number])) for o in others]
-        by_angle = _near_largest(apart) if apart else 0.0
+        by_angle = _near_largest(apart, model.motion) if apart else 0.0
         floors.append(one.rounding + np.where(one.time_rounding > 0.0, by_time, 0.0) + SPREAD * by_angle)
     return floors
 
 
-def _near_largest(differences: Sequence[Array]) -> Array:
-    """The largest of a few trials' differences near each sample: at a sample alone a few trials say little."""
+def _near_largest(differences: Sequence[Array], motion: Motion) -> Array:
+    """The largest of a few trials' differences near each sample; anywhere, where the motion may be any at all."""
     largest = np.max(differences, axis=0)
-    return np.asarray(maximum_filter1d(largest, max(1, len(largest) // NEIGHBOURS), mode="nearest"))
+    if not (isinstance(motion, ColumnMotion) and motion.is_known):
+        return np.full(len(largest), np.max(largest))
+    size = max(1, len(largest) // NEIGHBOURS)
+    return np.asarray(maximum_filter1d(largest, size, mode="nearest"))
 
 
 def _moved(one: Samples, sign: float) -> Samples:
     return replace(one, time=one.time + sign * one.time_rounding)
 
 
+def jumps_of(model: JudgedModel, one: Samples) -> Array:
+    """By how much the closed form of a signal jumps at each sample (n,): in the window of such a jump, else 0."""
+    sizes = np.zeros(len(one.time))
+    if not holds_acceleration(one.name):
+        return sizes
+    for jump in model.motion.jumps:
+        earlier = model if jump > 0.0 else model.moving(Held(model.motion))  # before the start the crank is at rest
+        (after,) = model.predicted([replace(one, time=np.array([jump]))])
+        (before,) = earlier.predicted([replace(one, time=np.array([np.nextafter(jump, 0.0)]))])
+        size = max(float(np.abs(after - before)[0]), np.finfo(float).tiny)
+        sizes = np.where(_near(one.time, model.motion, jump), np.maximum(sizes, size), sizes)
+    return sizes
+
+
 def at_jumps(time: Array, motion: Motion) -> NDArray[np.bool_]:
     """Samples in the window at any jump of the crank's acceleration."""
+    near = np.zeros(len(time), dtype=bool)
+    for jump in motion.jumps:
+        near |= _near(time, motion, jump)
+    return near
+
+
+def _near(time: Array, motion: Motion, jump: float) -> NDArray[np.bool_]:
     ends = np.array([0.0, *motion.jumps, motion.duration])
     pieces = np.diff(np.unique(ends))
     step = float(np.median(np.diff(time))) if len(time) > 1 else 0.0
     window = max(WINDOW * float(np.min(pieces[pieces > 0.0], initial=motion.duration)), STEPS * step)
-    near = np.zeros(len(time), dtype=bool)
-    for jump in motion.jumps:
-        near |= np.abs(time - jump) <= window
-    return near
+    return np.asarray(np.abs(time - jump) <= window)

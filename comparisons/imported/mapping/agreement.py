@@ -23,7 +23,7 @@ class Agreement:
     def meaning(self, column: Column, table: ResultTable, number: int) -> tuple[Meaning, Correction]:
         """What a column of a table is, and the corrections agreed to.
 
-        Raises NotJudgedError for one that nothing tells, DescriptionError for an entry that cannot be.
+        Raises NotJudgedError for one whose meaning is unknown, DescriptionError for an entry that cannot be.
         """
         found = self.mapping.entry(column, table, number)
         if found is None:
@@ -71,6 +71,8 @@ class Agreement:
         offset = math.radians(entry.angle_offset)
         if offset and self.recognition.unit(signal).dimension != (0, 0, 0, 1):
             raise self.mapping.fail(
-                at, "angle_offset", f"expected none for {signal}, which is no angle; give it to the column of the angle"
+                at,
+                "angle_offset",
+                f"expected an offset of an angle, got one of {signal}; write it in the [[column]] of an angle",
             )
         return Correction(entry.sign, entry.factor, entry.time_shift, offset)

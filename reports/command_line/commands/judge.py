@@ -16,7 +16,7 @@ from comparisons.campaign.campaign import CampaignRequest
 from comparisons.campaign.results import document as saved_document
 from comparisons.campaign.results import save
 from comparisons.imported.columns import ImportedResults, MappingNeededError
-from comparisons.imported.judge import Judgement
+from comparisons.imported.judge import ImportedJudgement
 from comparisons.imported.judge import judge as judge_results
 from comparisons.imported.mapping.writing import with_proposals
 from comparisons.imported.reading import read_results
@@ -135,7 +135,7 @@ def _motion(choice: JudgeChoice, linkage: Linkage, imported: ImportedResults) ->
     return None
 
 
-def _write_page(choice: JudgeChoice, judgement: Judgement, folder: Path, destination: Destination) -> None:
+def _write_page(choice: JudgeChoice, judgement: ImportedJudgement, folder: Path, destination: Destination) -> None:
     """The records, curves and page of a campaign, with the files in an engine's place."""
     linkage, motion = judgement.model.linkage, judgement.model.motion
     blank = blank_of(judgement, ", ".join(path.name for path in choice.results))

@@ -1,4 +1,4 @@
-"""Exported curves with the faults that people make, and clean ones: what ``judge`` has to name and to leave in peace.
+"""Exported curves with the faults that people make, and clean ones: what ``judge`` has to name and to pass.
 
 Run it for the table of figures: ``python -m tests.comparisons.imported.campaign``.
 """

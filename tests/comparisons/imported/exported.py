@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 
 from comparisons.imported.columns import Column, ImportedResults, ImportedSignal
-from comparisons.imported.judging.samples import Model, Samples
+from comparisons.imported.judging.samples import JudgedModel, Samples
 
 
 def samples(name, time):
@@ -25,7 +25,7 @@ def rounded(values, digits):
 
 def exported(linkage, motion, names, time, *, digits=6, change=None, model=None):
     """Imported results of a model, the true one by default; ``change`` alters values by name."""
-    model = model or Model(linkage, motion)
+    model = model or JudgedModel(linkage, motion)
     values = dict(zip(names, model.predicted([samples(name, time) for name in names]), strict=True))
     values = change(values, time) if change else values
     signals = []

@@ -17,7 +17,7 @@ from analytic.errors import LinkproofError
 from comparisons.imported.causes.filters import low_pass, moving_average
 from comparisons.imported.causes.motion_changes import Changed
 from comparisons.imported.judge import judge
-from comparisons.imported.judging.samples import Model
+from comparisons.imported.judging.samples import JudgedModel
 from tests.comparisons.imported.exported import exported, with_link
 
 MECHANISMS = ("juki-mf7923d", "rimoldi-164", "slotted-takeup", "two-crank-takeup", "fork-takeup")
@@ -39,21 +39,21 @@ def planted(random, linkage, motion):
         return np.where(np.isfinite(means), means, y)
 
     def model(**changes):
-        return lambda: {"model": Model(with_link(linkage, body, **changes), motion)}
+        return lambda: {"model": JudgedModel(with_link(linkage, body, **changes), motion)}
 
     def curve(change):
         return lambda: {"change": lambda values, _: {**values, "Mkr": change(values["Mkr"])}}
 
     x, y = link.centre
     faults = {
-        "gravity": lambda: {"model": Model(without(linkage, "gravity"), motion)},
+        "gravity": lambda: {"model": JudgedModel(without(linkage, "gravity"), motion)},
         f"mass:{body}": model(mass=link.mass * (1.0 + size)),
         f"inertia:{body}": model(inertia=link.inertia * (1.0 + size)),
         f"centre:{body}": model(centre=(x + size * extent, y)),
-        "direction": lambda: {"model": Model(linkage, Changed(motion, -1.0, 2.0 * float(motion.angle(0.0))))},
-        "start angle": lambda: {"model": Model(linkage, Changed(motion, offset=size))},
-        "time shift": lambda: {"model": Model(linkage, Changed(motion, shift=0.02 * size))},
-        "speed": lambda: {"model": Model(linkage, Changed(motion, 1.0 + size, -size * float(motion.angle(0.0))))},
+        "direction": lambda: {"model": JudgedModel(linkage, Changed(motion, -1.0, 2.0 * float(motion.angle(0.0))))},
+        "start angle": lambda: {"model": JudgedModel(linkage, Changed(motion, offset=size))},
+        "time shift": lambda: {"model": JudgedModel(linkage, Changed(motion, shift=0.02 * size))},
+        "speed": lambda: {"model": JudgedModel(linkage, Changed(motion, 1.0 + size, -size * float(motion.angle(0.0))))},
         "sign:Mkr": curve(lambda m: -m),
         "unit:Mkr": curve(lambda m: 1e3 * m),
         "smoothed by moving average:Mkr": curve(smoothed),
@@ -65,7 +65,9 @@ def planted(random, linkage, motion):
         point = points[random.integers(len(points))]
         px, py = link.points[point]
         place = ((1.0 + 0.1 * size) * px, (1.0 + 0.1 * size) * py)
-        faults[f"length:{body}:{point}"] = lambda: {"model": Model(with_point(linkage, body, point, place), motion)}
+        faults[f"length:{body}:{point}"] = lambda: {
+            "model": JudgedModel(with_point(linkage, body, point, place), motion)
+        }
     kind = list(faults)[random.integers(len(faults))]
     return kind, faults[kind]()
 

@@ -1,4 +1,4 @@
-"""Exported curves judged: planted faults named, clean ones left in peace, corrections said and never hidden."""
+"""Exported curves judged: planted faults named, clean ones passed, corrections said and never hidden."""
 
 from dataclasses import replace
 
@@ -6,17 +6,21 @@ import numpy as np
 import pytest
 
 from analytic.description.crank_motion import RPM, crank_motion
+from analytic.description.crank_motion.table import table_motion
 from analytic.description.loading import load
 from analytic.errors import LinkproofError
+from analytic.kinematics.mechanism import Mechanism
 from comparisons.imported.causes.signal_changes import signal_changes
 from comparisons.imported.columns import Correction
 from comparisons.imported.judge import judge
-from comparisons.imported.judging.samples import Model
+from comparisons.imported.judging.samples import JudgedModel
 from comparisons.imported.reading import read_results
 from comparisons.judging.records import Verdict
+from comparisons.reference.case import Case, own_case
+from comparisons.reference.signals import names as signal_names
 from tests.comparisons.imported.campaign import CLEAN, PLANTED, Export, judged, kind
 from tests.comparisons.imported.engine_curves import curves
-from tests.comparisons.imported.exported import exported
+from tests.comparisons.imported.exported import exported, samples, with_link
 from tests.comparisons.imported.layouts import Channel, csv
 
 JUKI = load("juki-mf7923d")
@@ -62,6 +66,62 @@ def test_errors_worst_places_and_left_out_samples_are_those_of_the_columns():
     assert torque.value_there - torque.truth_there == pytest.approx(0.5 * torque.scale, rel=0.02)
     assert torque.left_out == 5  # two at the start of the ramp, three about its end
     assert stroke.left_out == 0
+
+
+def test_at_a_jump_of_the_acceleration_a_torque_may_be_off_by_the_jump_and_no_more():
+    linear, at = crank_motion("run-up"), 300
+    sides = [np.array([np.nextafter(0.6, 0.0)]), np.array([0.6])]
+    before, after = (JudgedModel(JUKI, linear).predicted([samples("Mkr", side)])[0][0] for side in sides)
+    outcomes, worst = {}, 0.0
+    for factor in (-1.0, 0.0, 0.5, 1.0, 3.0):
+
+        def change(values, _, factor=factor):
+            torque = values["Mkr"].copy()
+            torque[at] = after + factor * (before - after)
+            return {**values, "Mkr": torque}
+
+        torque = judge(JUKI, exported(JUKI, linear, ("Mkr", "S"), TIME, change=change), linear).verdicts[0]
+        outcomes[factor], worst = torque.outcome, torque.error_max * torque.scale
+    passed, over = Verdict.PASSED, Verdict.OVER_LIMIT
+    assert outcomes == {-1.0: passed, 0.0: passed, 0.5: passed, 1.0: passed, 3.0: over}
+    assert worst == pytest.approx(2.0 * abs(before - after), rel=1e-3)
+
+
+def test_what_the_rounding_of_the_crank_leaves_open_has_not_passed():
+    time = np.linspace(0.0, 1.0, 401)
+    wandering = table_motion("wandering", time[::25], 3.0 * time[::25] + 0.2 * np.sin(40.0 * time[::25]))
+    judgement = judge(JUKI, exported(JUKI, wandering, ("phi", "Mkr", "S"), time, digits=3))
+    outcomes = {verdict.name: verdict.outcome for verdict in judgement.verdicts}
+    assert outcomes == {"Mkr": Verdict.UNDEFINED, "S": Verdict.PASSED}
+    assert not judgement.passed
+    by_speed = judge(JUKI, exported(JUKI, wandering, ("phi", "omega", "S"), time, digits=3))  # which leaves less open
+    assert by_speed.passed
+    assert by_speed.motion_source == "column 'omega'"
+
+
+@pytest.mark.parametrize(
+    ("path", "regime", "body"),
+    [
+        ("comparisons/conformance/linkages/driven-slider.toml", "stroke", "rod"),
+        ("comparisons/conformance/linkages/cylinder.toml", "raise", "boom"),
+        ("tests/linkages/parallelogram.toml", "", "coupler"),
+        ("andrews-squeezer", "squeezing", "K4"),
+    ],
+)
+def test_pushed_linkages_change_points_and_released_cranks_are_judged(path, regime, body):
+    linkage = load(path)
+    mechanism = Mechanism(linkage)
+    case = next((own_case(mechanism, own) for own in linkage.regimes if own.name == regime), None)
+    motion = case.motion if case else crank_motion("constant-speed")
+    time = np.linspace(0.0, motion.duration, 301)
+    told = motion if regime == "squeezing" else None
+    names = [name for name in signal_names(Case(mechanism, motion)) if "force" not in name and "shaking" not in name]
+    assert judge(linkage, exported(linkage, motion, names, time), told).passed
+    heavier = with_link(linkage, body, mass=1.5 * linkage.links[body].mass)
+    torque = ("phi", "Peq" if regime == "squeezing" else "Mkr", "Teq")
+    wrong = exported(linkage, motion, torque, time, model=JudgedModel(heavier, motion))
+    (finding,) = judge(linkage, wrong, told).explanation.findings
+    assert f"mass:{body}" in {fit.cause.kind for fit in finding.every}
 
 
 def test_a_reaction_that_is_zero_has_the_natural_scale_of_forces():
@@ -171,6 +231,8 @@ def test_a_thousandth_is_taken_for_no_unit_of_another_ratio():
     (right,) = judge(JUKI, exported(JUKI, steady, ("S",), time), steady).verdicts
     small = replace(right, samples=replace(right.samples, values=1e-3 * right.samples.values))
     words = [
-        cause.words(np.ones(0)) for cause in signal_changes(Model(JUKI, steady), small, ()) if "unit" in cause.kind
+        cause.words(np.ones(0))
+        for cause in signal_changes(JudgedModel(JUKI, steady), small, ())
+        if "unit" in cause.kind
     ]
     assert words == ["S is 0.001 times the closed form's: a unit taken for another (1000)"]

@@ -166,7 +166,7 @@ def test_bad_files_are_told_in_one_sentence(tmp_path, text, expected):
         ('[[column]]\nheader = "Torque"\nfactor = 0.0\n', "column #1.factor: expected a positive finite number, got 0"),
         ('[[column]]\nheader = "Torque"\nsign = 2\n', "column #1.sign: expected 1 or -1, got 2"),
         ('[[column]]\nheader = "Torque"\ntable = 2\n', "mapping.toml:1: column #1: expected a column 'Torque'"),
-        ('[[column]]\nheader = "Torque"\nangle_offset = 1.0\n', "which is no angle"),
+        ('[[column]]\nheader = "Torque"\nangle_offset = 1.0\n', "expected an offset of an angle, got one of Mkr"),
         ('[[column]]\nheader = "Torque"\n[[column]]\nheader = "Torque"\n', "expected one [[column]] for 'Torque'"),
         ('axis = "t"\n', 'mapping.toml:1: axis: expected "time" or "phi"'),
         ("[[column]\n", "mapping.toml:1: not valid TOML"),

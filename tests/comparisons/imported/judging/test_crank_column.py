@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from analytic.description.crank_motion import crank_motion, swing
+from analytic.description.crank_motion import LAWS, crank_motion, swing
 from comparisons.imported.judging.crank_column import motion_of_angles, motion_of_speeds, regular, unwrapped
 
 DEGREE = math.pi / 180.0
@@ -52,6 +52,20 @@ def test_a_swing_and_speeds_in_place_of_angles_come_back():
     by_speed = motion_of_speeds(time, np.round(run_up.speed(time), 4), np.full(701, 5e-5), start_angle=0.3)
     np.testing.assert_allclose(by_speed.angle(time), run_up.angle(time), atol=1e-5)
     np.testing.assert_allclose(by_speed.acceleration(time), run_up.acceleration(time), atol=1e-2)
+
+
+def test_swings_there_and_back_are_known_from_their_rounded_angles():
+    accelerations = {}
+    for law in (law for law in LAWS if LAWS[law].at_rest):
+        for back in (False, True):
+            true = swing(law, 100.0 * DEGREE, 150.0 * DEGREE, time=0.2, dwell=0.05, back=back)
+            time = np.linspace(0.0, true.duration, 701)
+            printed = np.round(true.angle(time) / DEGREE, 2) * DEGREE
+            found = motion_of_angles(time, printed, np.full(701, 0.5e-2 * DEGREE))
+            error = np.abs(found.acceleration(time) - true.acceleration(time))
+            at_steps = np.any(np.abs(time[:, None] - np.array([0.2, 0.25, *true.jumps])) < 1e-3, axis=1)
+            accelerations[law, back] = np.max(error[~at_steps]) / np.max(np.abs(true.acceleration(time)))
+    assert max(accelerations.values()) < 2e-4
 
 
 def test_equal_steps_are_told_from_their_rounding_and_turns_are_unwound():

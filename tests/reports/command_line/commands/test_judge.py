@@ -7,9 +7,10 @@ import pytest
 from typer.testing import CliRunner
 
 from analytic.description.crank_motion import crank_motion
+from analytic.description.crank_motion.table import table_motion
 from analytic.description.loading import load
 from analytic.errors import LinkproofError
-from comparisons.imported.judging.samples import Model
+from comparisons.imported.judging.samples import JudgedModel
 from reports.command_line.app import app
 from tests.comparisons.imported.exported import samples
 from tests.comparisons.imported.layouts import Channel, csv
@@ -23,7 +24,7 @@ def run(tmp_path, monkeypatch):
     """The command on a file of the closed form, its torque times a factor; returns exit code and output."""
     monkeypatch.chdir(tmp_path)
     time = np.linspace(0.0, 0.7, 351)
-    values = Model(JUKI, crank_motion("run-up")).predicted([samples(name, time) for name in NAMES])
+    values = JudgedModel(JUKI, crank_motion("run-up")).predicted([samples(name, time) for name in NAMES])
 
     def command(*words, factor=1.0):
         channels = [
@@ -104,3 +105,22 @@ def test_the_page_begins_with_the_verdict_and_its_cause(run, tmp_path):
     assert "not installed" not in page
     summary = (tmp_path / "page" / "RESULTS.md").read_text(encoding="utf-8")
     assert "Mkr has the other sign" in summary
+
+
+def test_an_open_signal_is_in_the_headline_with_its_cure_and_the_exit_code_is_not_zero(run, tmp_path):
+    time = np.linspace(0.0, 1.0, 401)
+    angle = 3.0 * time + 0.2 * np.sin(40.0 * time)
+    values = JudgedModel(JUKI, table_motion("own", time[::5], angle[::5])).predicted(
+        [samples(name, time) for name in ("phi", "Mkr", "S")]
+    )
+    channels = [Channel(n, u, v) for n, u, v in zip(("phi", "Mkr", "S"), ("rad", "N*m", "m"), values, strict=True)]
+    (tmp_path / "open.csv").write_text(csv([Channel("time", "s", time), *channels], digits=3))
+    result = CliRunner().invoke(app, ["judge", "juki-mf7923d", "open.csv"])
+    assert result.exit_code == 1
+    lines = result.stdout.splitlines()
+    assert (
+        lines[1]
+        == "Right as far as the file tells: 1 of 2 signals within 1.0 % of the closed form's peak; 1 open: Mkr."
+    )
+    assert lines[2].startswith("Mkr is open: the rounding of the crank's motion leaves")
+    assert lines[2].endswith("or say how it moves with --regime.")
