@@ -40,6 +40,11 @@ TOUCHING: Final = 2.0 * ROUNDING
 ON_TOP: Final = 1e-6  # of the lengths: a gap between the outer pins below which they meet, and the dyad turns freely
 QUARTIC: Final = 8.0  # of a double root the radicand grows fourfold over twice the distance, of a fourfold one 16 times
 NEAR: Final = 0.02  # rad, that distance
+FOLDED: Final = "have their outer pins on top of each other and turn about them freely; move one of the pivots"
+MERGED: Final = (
+    "turn round on a change point, or pass two of them within two degrees: which way they go on hangs on roundings; "
+    "change a length"
+)
 SIDES: Final = np.array([-1.0, 1.0])
 BESIDE: Final = 0.5  # rad: what is so near to a change point is computed with the lengths that touch there
 NODES: Final = 24
@@ -58,6 +63,14 @@ class Touch(NamedTuple):
     margin: Any
     lengths: Any
     gap: Any
+
+
+class Undetermined(NamedTuple):
+    """A dyad, a crank angle, rad, and why its motion there is not told: a folded kite, change points that merge."""
+
+    dyad: Dyad
+    angle: float
+    reason: str
 
 
 @dataclass(frozen=True, eq=False)
@@ -123,10 +136,10 @@ class ChangePoints:
         return pair if result is None else (tuple(result[:size]), tuple(result[size:]))
 
 
-def through_change_points(structure: Structure, angle: float) -> tuple[Structure, tuple[tuple[Dyad, float], ...]]:
+def through_change_points(structure: Structure, angle: float) -> tuple[Structure, tuple[Undetermined, ...]]:
     """The structure with the change points of its dyads; ``angle``, rad, is where its signs hold.
 
-    And the dyads that turn freely somewhere, a kite that is folded, with the crank angle.
+    And the dyads that are followed through no series somewhere.
     """
     if not is_followed(structure):
         return structure, ()
@@ -149,7 +162,7 @@ class _Search:
         assert structure.pivot is not None
         self.pivot, self.start = structure.pivot, start
         self.period = FULL_TURN
-        self.undetermined: list[tuple[Dyad, float]] = []
+        self.undetermined: list[Undetermined] = []
         self.centres: list[Any] = []
         self.nodes: dict[tuple[float, float], _Nodes] = {}
         self.grid_up_to(0)
@@ -179,7 +192,7 @@ class _Search:
             return
         touches = list(self._touches(number, solver))
         if all(touch.gap <= ON_TOP * touch.lengths for touch in touches):
-            self.undetermined += [(dyad, float(touch.angle)) for touch in touches]
+            self.undetermined += [Undetermined(dyad, float(touch.angle), FOLDED) for touch in touches]
             return
         touches.sort(key=lambda touch: touch.angle)
         period = self.period
@@ -207,9 +220,12 @@ class _Search:
             if abs(touch.margin) > TOUCHING * touch.lengths:
                 continue
             one, two = (self._margin(number, touch.angle + far * SIDES)[0].sum() for far in (NEAR, 2.0 * NEAR))
-            if two < QUARTIC * one:
-                self.centres.append(touch.angle)
-                yield touch._replace(angle=np.mod(touch.angle, self.period))
+            if not two < QUARTIC * one:
+                if np.isfinite(two):
+                    self.undetermined.append(Undetermined(self.dyads[number], float(touch.angle), MERGED))
+                continue
+            self.centres.append(touch.angle)
+            yield touch._replace(angle=np.mod(touch.angle, self.period))
 
     def _margin(self, number: int, angle: Any) -> tuple[Any, Any, Any]:  # noqa: ANN401
         """What is left of a dyad's margin, the lengths it comes from, and the gap between the outer pins."""

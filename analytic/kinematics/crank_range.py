@@ -219,7 +219,7 @@ class _Search:
         """Those of the mechanism within the range, in their order; where several dyads have one, that of the first."""
         structure = self.mechanism.structure
         known = [(angle, dyad) for dyad in structure.dyads if dyad.changes for angle in dyad.changes.angles]
-        known += [(angle, dyad) for dyad, angle in self.mechanism.undetermined]
+        known += [(angle, dyad) for dyad, angle, _ in self.mechanism.undetermined]
         first, last = (low.angle, high.angle) if low and high else (self.start, self.start + FULL_TURN)
         points: dict[float, Toggle] = {}
         for angle, dyad in known:

@@ -104,11 +104,11 @@ class Mechanism:
 
     def check_determined(self, low: float, high: float) -> None:
         """Raise AssemblyError where a dyad turns freely at a crank angle between two, rad."""
-        for dyad, angle in self.undetermined:
+        for dyad, angle, reason in self.undetermined:
             if (angle - low) % FULL_TURN <= high - low:
                 raise AssemblyError(
                     f"'{self.linkage.name}' is undetermined at {degrees(angle)}: '{dyad.first}' and '{dyad.second}' "
-                    "have their outer pins on top of each other and turn about them freely; move one of the pivots"
+                    f"{reason}"
                 )
 
     def check_rest(self, angle: float) -> None:

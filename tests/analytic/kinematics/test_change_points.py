@@ -164,3 +164,37 @@ def test_on_a_change_point_nothing_may_rest():
 def test_the_modes_of_the_sketch_stay_fixed_where_they_are_set():
     structure: Structure = mechanism("parallelogram").structure
     assert all(dyad.changes is None for dyad in structure.with_signs((1,)).dyads)
+
+
+TURNED_ROUND = """
+[links.second]
+points = {{ D = [0, 0], E = [3, 0] }}
+[links.third]
+points = {{ O3 = [0, 0], E = [1, 0] }}
+"""
+
+
+@pytest.mark.parametrize(("over", "points"), [(1e-2, 0), (1e-4, 0), (-1e-4, 2), (-1e-2, 2), (0.0, None), (-1e-5, None)])
+def test_a_rocker_that_turns_round_at_a_change_point_of_the_next_dyad_is_followed_or_refused(over, points):
+    """Its rocker drives a parallelogram and turns round ``over`` before its change point, rad, or beyond it."""
+    most = mp.mpf("4.5")  # crank and coupler in one line
+    turn = float(mp.atan2(mp.sqrt(most**2 - ((most**2 + 9.75) / 8) ** 2), (most**2 + 9.75) / 8 - 4))
+    text = FOUR_BAR.format(g=4, a=1, b=3.5, c=2.5, angle=1.5, x=3.2, y=2.4) + TURNED_ROUND.format()
+    text = text.replace("B = [2.5, 0] }", f"B = [2.5, 0], D = [{np.cos(over - turn)}, {np.sin(over - turn)}] }}", 1)
+    text = text.replace("O2 = [4, 0] }", "O2 = [4, 0], O3 = [7, 0] }")
+    theta = float(
+        from_text(FOUR_BAR.format(g=4, a=1, b=3.5, c=2.5, angle=1.5, x=3.2, y=2.4)).sweep(1.5).angles("rocker")
+    )
+    place = 7.0 + np.cos(theta + over - turn), np.sin(theta + over - turn)
+    sample = from_text(
+        text.replace("points = { B = [3.2, 2.4] }", f"points = {{ B = [3.2, 2.4], E = [{place[0]}, {place[1]}] }}")
+    )
+    if points is None:
+        with pytest.raises(AssemblyError, match="is undetermined at 33"):
+            sample.check_full_turn()
+        return
+    assert len(sample.changes) == points
+    sweep = sample.sweep(np.linspace(-13.0, 13.0, 3001))
+    assert np.max(np.abs(np.subtract(sweep.rates("third")[2], sweep.rates("rocker")[2]))) < 1e-7
+    off = np.angle(np.exp(1j * (sweep.angles("third") - sweep.angles("rocker") - over + turn)))
+    assert np.max(np.abs(off)) < 1e-10
