@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from analytic.description.crank_motion import swing
+from analytic.description.law import TimeLaw
 from analytic.kinematics.mechanism import Mechanism
 from analytic.motion.released import free_motion
 from comparisons.campaign.campaign import judged
@@ -61,10 +62,13 @@ def test_a_carried_guide_and_a_cylinder_between_moving_links_are_held_alike(name
 
 @pytest.mark.parametrize("sample", LOADED)
 @pytest.mark.parametrize("name", ENGINES)
-def test_a_released_driver_under_a_constant_force_moves_as_the_equation_of_motion_says(name, sample):
+@pytest.mark.parametrize("timed", [False, True])
+def test_a_released_driver_under_a_constant_force_moves_as_the_equation_of_motion_says(name, sample, timed):
+    """The force is a number, or a law over time that stays the same."""
     engine, mechanism, (start, force, duration) = _engine(name), driven(sample), RELEASED[sample]
     motion = free_motion(mechanism, torque=force, start_angle=start, start_speed=0.0, duration=duration)
-    case = Case(mechanism, motion, Free(force, duration))
+    over_time = TimeLaw((0.0, duration), (force, force)) if timed else None
+    case = Case(mechanism, motion, Free(0.0 if timed else force, duration, over_time=over_time))
     scene = case.scene(Channel)
     run = engine.run(scene, Setting.TUNED)
     if run.history is None:
