@@ -50,6 +50,11 @@ def _names(given: list[str] | None) -> tuple[str, ...]:
     return tuple(given or ())
 
 
+def _speed(rpm: float | None) -> dict[str, Any]:
+    """The speed of a motion, and whether it was given: a drive along a line has a default of its own."""
+    return {"gives_speed": False} if rpm is None else {"speed": rpm, "gives_speed": True}
+
+
 def _destination(json: str | None, *rest: Any) -> Destination:  # noqa: ANN401
     from reports.command_line.destination import Destination
 
@@ -172,7 +177,7 @@ def results(
             names=completion.regimes,
         ),
     ] = None,
-    speed: options.Speed = 1000.0,
+    speed: options.Speed = None,
     ramp_time: options.RampTime = 0.6,
     hold_time: options.HoldTime = 0.1,
     start_angle: options.StartAngle = 0.0,
@@ -197,7 +202,7 @@ def results(
     from reports.command_line.commands.results import ResultsChoice
 
     choice = ResultsChoice(
-        mechanism=mechanism, variant=variant, regimes=(regime,) if regime else (), speed=speed, ramp_time=ramp_time,
+        mechanism=mechanism, variant=variant, regimes=(regime,) if regime else (), **_speed(speed), ramp_time=ramp_time,
         hold_time=hold_time, start_angle=start_angle, clockwise=clockwise, from_angle=from_angle, to_angle=to_angle,
         gravity=not no_gravity, at=at, time=time, csv=csv, json=json, svg=svg,
     )  # fmt: skip
@@ -222,7 +227,7 @@ def compare(
     engine: options.Engines = None,
     setting: options.Settings = None,
     quantity: options.Quantities = None,
-    speed: options.Speed = 1000.0,
+    speed: options.Speed = None,
     ramp_time: options.RampTime = 0.6,
     hold_time: options.HoldTime = 0.1,
     start_angle: options.StartAngle = 0.0,
@@ -259,7 +264,7 @@ def compare(
 
     choice = CampaignChoice(
         _names(mechanisms), _names(engine), _names(setting), _names(quantity), not no_gravity, full,
-        variant=variant, regimes=_names(regime), speed=speed, ramp_time=ramp_time, hold_time=hold_time,
+        variant=variant, regimes=_names(regime), **_speed(speed), ramp_time=ramp_time, hold_time=hold_time,
         start_angle=start_angle, clockwise=clockwise, from_angle=from_angle, to_angle=to_angle,
     )  # fmt: skip
     destination = _destination(json, out, resume, quiet, verbose)
@@ -320,7 +325,7 @@ def bench(
     regime: options.Regimes = None,
     engine: options.Engines = None,
     quantity: options.Quantities = None,
-    speed: options.Speed = 1000.0,
+    speed: options.Speed = None,
     ramp_time: options.RampTime = 0.6,
     hold_time: options.HoldTime = 0.1,
     start_angle: options.StartAngle = 0.0,
@@ -348,7 +353,7 @@ def bench(
 
     choice = bench.BenchChoice(
         _names(mechanisms), _names(engine), quantities=_names(quantity), quick=quick, costs=costs,
-        variant=variant, regimes=_names(regime), speed=speed, ramp_time=ramp_time, hold_time=hold_time,
+        variant=variant, regimes=_names(regime), **_speed(speed), ramp_time=ramp_time, hold_time=hold_time,
         start_angle=start_angle, clockwise=clockwise, from_angle=from_angle, to_angle=to_angle,
     )  # fmt: skip
     raise typer.Exit(bench.bench(choice, _destination(json, out, resume, quiet, verbose)))
@@ -418,7 +423,7 @@ def export(
     cell: Annotated[
         str | None, valued("CELL", "Instead of a mechanism: a run of a stability map, AXIS/ROW/VALUE/ENGINE/USAGE.")
     ] = None,
-    speed: options.Speed = 1000.0,
+    speed: options.Speed = None,
     ramp_time: options.RampTime = 0.6,
     hold_time: options.HoldTime = 0.1,
     start_angle: options.StartAngle = 0.0,
@@ -440,7 +445,7 @@ def export(
     one = [(name,) if name else () for name in (mechanism, engine, setting, regime)]
     choice = CampaignChoice(
         one[0], one[1], one[2], (), not no_gravity,
-        variant=variant, regimes=one[3], speed=speed, ramp_time=ramp_time, hold_time=hold_time,
+        variant=variant, regimes=one[3], **_speed(speed), ramp_time=ramp_time, hold_time=hold_time,
         start_angle=start_angle, clockwise=clockwise, from_angle=from_angle, to_angle=to_angle,
     )  # fmt: skip
     engines.export(choice, cell, out)

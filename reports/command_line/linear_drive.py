@@ -36,10 +36,15 @@ def prescribed(choice: MotionChoice, linkages: Sequence[Linkage]) -> tuple[tuple
                 f"--regime {name} turns a crank, and '{linkage.name}' is driven along a line: choose one of "
                 f"{', '.join(LAWS)} with --from and --to"
             )
+    if choice.start_angle:
+        raise LinkproofError(
+            f"--start-angle turns a crank, and '{linkage.name}' is driven along a line: say --from and --to"
+        )
     names = LAWS if EVERYTHING in choice.regimes else choice.regimes or (SWINGING,)
     unit = linkage.units.get("length", "m")
     (first, last), size = _ends(choice, linkage), factor("length", unit)
-    speed = abs(last - first) if choice.speed == MotionChoice().speed else abs(choice.speed) * size
+    gives_speed = choice.gives_speed or choice.speed != MotionChoice().speed
+    speed = abs(choice.speed) * size if gives_speed else abs(last - first)
     found = tuple(swing(name, first, last, speed=speed) for name in dict.fromkeys(names) if name in LAWS)
     return found, f"from {linkage.written(first)} to {linkage.written(last)}, at most {speed / size:.4g} {unit}/s"
 

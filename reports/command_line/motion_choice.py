@@ -28,12 +28,13 @@ class MotionChoice:
     """How the crank is to move, in the user's words: names, rpm, seconds and degrees; no regime means the default.
 
     A negative ``speed`` turns clockwise. With ``from_angle`` and ``to_angle`` the crank swings from one to the other,
-    and a regime is the law by which it does.
+    and a regime is the law by which it does. ``gives_speed`` says that the default was asked for by its number.
     """
 
     variant: str | None = None
     regimes: tuple[str, ...] = ()
     speed: float = 1000.0
+    gives_speed: bool = False
     ramp_time: float = 0.6
     hold_time: float = 0.1
     start_angle: float = 0.0
@@ -74,7 +75,7 @@ class MotionChoice:
         default = MotionChoice()
         for option, name in NUMBERS.items():
             value = getattr(self, name)
-            if value != getattr(default, name):
+            if value != getattr(default, name) or (name == "speed" and self.gives_speed):
                 told[option] = [repr(value).removesuffix(".0")]
         return told
 

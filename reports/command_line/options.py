@@ -77,7 +77,8 @@ Quiet = Annotated[bool, flag("No progress and no tables: the closing line alone.
 Verbose = Annotated[bool, flag("Add the details of every record.", "-v", "--verbose")]
 Jobs = Annotated[int | None, valued("N", "Worker processes; default: one per core; compare: 0 is none, no limits.")]
 Speed = Annotated[
-    float, valued("RPM", "Final crank speed, of a swing the largest; negative turns clockwise.", "--speed")
+    float | None,
+    valued("RPM", "Final crank speed, of a swing the largest; negative turns clockwise; default: 1000.", "--speed"),
 ]
 RampTime = Annotated[float, valued("SECONDS", "Time to reach it.")]
 HoldTime = Annotated[float, valued("SECONDS", "Time at that speed.")]

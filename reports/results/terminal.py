@@ -118,9 +118,7 @@ def _remarks(results: DesignerResults) -> Iterator[RenderableType]:
     if not all(math.isfinite(peak.force) for peak in results.forces):
         yield line("Joint forces have no bound at the change point that the motion passes: none is told there.")
     if results.case.mechanism.is_numerical:
-        yield line(
-            "A group of class III or higher is solved by Newton's method: the figures are a numerical reference."
-        )
+        yield line("A group without a formula is solved by Newton's method: the figures are a numerical reference.")
     if results.linkage.output is None:
         yield line("No S, v and a: the file names no output.")
 

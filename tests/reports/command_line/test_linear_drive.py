@@ -55,3 +55,14 @@ def test_cranks_have_the_motions_they_had_and_a_campaign_takes_both():
     )
     assert ends(campaign.motions[0]) == pytest.approx([0.0, 0.05])
     assert campaign.conditions.startswith("from 0 mm to 50 mm")
+
+
+def test_a_speed_that_is_given_counts_even_if_it_is_the_default_of_a_crank():
+    motion, _ = asked(from_angle=10.0, to_angle=60.0, speed=1000.0, gives_speed=True)
+    assert motion.peak_speed == pytest.approx(1.0)
+    assert MotionChoice(gives_speed=True).numbers == {"speed": ["1000"]}
+
+
+def test_a_start_angle_is_refused_where_nothing_turns():
+    with pytest.raises(LinkproofError, match=r"--start-angle turns a crank, and 'linear-motor' is driven along a line"):
+        asked(start_angle=90.0)
