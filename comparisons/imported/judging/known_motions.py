@@ -118,8 +118,8 @@ class KnownFit:
 
 
 def known_fit(time: Array, values: Array, rounding: Array, *, of_speed: bool) -> KnownFit | None:
-    """The first family with a motion from t = 0 that a column is within its rounding."""
-    if abs(time[0]) > 1e-9 * abs(time[-1]) or np.ptp(values) <= np.max(rounding):
+    """The first family with a motion from t = 0, before which no file begins, that a column is within its rounding."""
+    if time[0] < 0.0 or np.ptp(values) <= np.max(rounding):
         return None
     column = KnownColumn("", time, values, rounding, of_speed, float(time[-1]))
     fits = (replace(column, name=name).fitted() for name in FAMILIES)

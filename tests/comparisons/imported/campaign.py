@@ -37,7 +37,7 @@ def _unchanged(linkage):
     return linkage
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Export:
     """One exported file: what was simulated, what was done to the curves, how it was written, what is to be named."""
 

@@ -18,7 +18,8 @@ from comparisons.imported.reading import read_results
 from comparisons.judging.records import Verdict
 from comparisons.reference.case import Case, own_case
 from comparisons.reference.signals import names as signal_names
-from tests.comparisons.imported.campaign import CLEAN, PLANTED, Export, judged, kind
+from engines.registry import engine, why_unavailable
+from tests.comparisons.imported.campaign import CLEAN, PLANTED, Export, is_right, judged
 from tests.comparisons.imported.engine_curves import curves
 from tests.comparisons.imported.exported import exported, samples, with_link
 from tests.comparisons.imported.layouts import Channel, csv
@@ -28,24 +29,23 @@ QUINTIC = crank_motion("run-up-quintic")
 TIME = np.linspace(0.0, 0.7, 351)
 
 
-@pytest.mark.slow
-def test_planted_faults_are_the_likeliest_cause_and_fail_but_for_those_within_the_limit():
-    named = {}
-    for export in PLANTED[:12]:
-        judgement = judged(export)
-        likeliest = {kind(finding.likeliest.cause) for finding in judgement.explanation.findings}
-        named[export.name] = bool(likeliest & set(export.expected)) and not judgement.explanation.unexplained
-        over = any(verdict.error_max > 0.01 for verdict in judgement.verdicts)
-        assert judgement.passed is not over, export.name
-    assert [name for name, is_right in named.items() if not is_right] == []
+@pytest.fixture(scope="module")
+def judgements():
+    """Of every planted fault and every clean export, from files of several tools' layouts and of real engines' runs."""
+    return {export: judged(export) for export in (*PLANTED, *CLEAN) if why_unavailable(engine(export.engine)) is None}
 
 
-@pytest.mark.slow
-def test_clean_exports_pass_without_a_cause():
-    of_engines = ("exudyn", "simbody", "mujoco")
-    judgements = {export.name: judged(export) for export in CLEAN if export.engine not in of_engines}
-    assert [name for name, j in judgements.items() if not j.passed or j.explanation.findings] == []
-    assert [name for name, j in judgements.items() if not all(check.passed for check in j.checks)] == []
+def test_every_planted_fault_is_the_likeliest_cause_and_fails_but_where_it_is_within_the_limit(judgements):
+    planted = {export: judgement for export, judgement in judgements.items() if export.expected}
+    assert [export.name for export, judgement in planted.items() if not is_right(export, judgement)] == []
+    over = {e.name: any(v.error_max > 0.01 for v in judgement.verdicts) for e, judgement in planted.items()}
+    assert {export.name: not judgement.passed for export, judgement in planted.items()} == over
+
+
+def test_no_clean_export_raises_an_alarm(judgements):
+    clean = {export: judgement for export, judgement in judgements.items() if not export.expected}
+    assert [export.name for export, judgement in clean.items() if not is_right(export, judgement)] == []
+    assert [e.name for e, judgement in clean.items() if not all(check.passed for check in judgement.checks)] == []
 
 
 def test_errors_worst_places_and_left_out_samples_are_those_of_the_columns():
