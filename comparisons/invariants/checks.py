@@ -112,7 +112,7 @@ def _checked(case: Case, seen: Inspection, record: Record) -> Record:
     samples = len(motion.signal(Channel.ACCELERATION).time)
     if record.quantity == "force_balance":
         return _check(record, _away_from_jumps(case, seen.force_balance()), 1.0, samples)
-    required = _away_from_changes(seen, _away_from_jumps(case, seen.torque_required()))
+    required = _away_from_jumps(case, seen.bridged(seen.torque_required(), case.motion.jumps))
     routes = Signal(required.time, required.values - motion.on_clock(Channel.TORQUE, required.time))
     return _check(record, routes, _torque_scale(case, motion), samples)
 

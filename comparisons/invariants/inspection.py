@@ -30,6 +30,9 @@ FAINT_FORCE = 1e-9
 # samples on either side are as uncertain.
 SHARP, REACH = 0.3, 2.0
 BESIDE, SAMPLES_BESIDE = 0.05, 5.0  # rad of a change point, and samples of it
+# A curve over a change point: its degree, how far it goes to either side, in widths of what it bridges, and what it
+# may miss of the samples it goes through, over their peak.
+DEGREE, FAR, MISSED = 8, 4.0, 1e-4
 SUDDEN = 0.3  # relaxation times between samples
 STANDSTILL = 1e-12  # of the peak kinetic energy: of less, no rate of damping can be told
 COARSE = 0.5  # rad of crank between samples: a dozen of a turn show its energy, not the work done between them
@@ -137,6 +140,17 @@ class Inspection:
             result[:, number] |= away <= reach
         return result
 
+    def bridged(self, signal: Signal, jumps: tuple[float, ...]) -> Signal:
+        """A signal (n,) that has beside change points the values of a smooth curve through its samples around them.
+
+        They are nan where there are too few samples around, a jump of the acceleration, or no such curve.
+        """
+        beside, values = np.asarray(self.beside_changes(signal.time).any(axis=1)), signal.values.copy()
+        edges = np.flatnonzero(np.diff(np.concatenate([[False], beside, [False]]).astype(int)))
+        for first, behind in edges.reshape(-1, 2):
+            values[first:behind] = _bridge(signal, beside, slice(first, behind), jumps)
+        return Signal(signal.time, values)
+
     def torque_required(self) -> Signal:
         """Drive torque by the power that the motion and its loads take, N m, on the acceleration's clock.
 
@@ -197,6 +211,20 @@ class Inspection:
         for start, end in _stretches(drive.motion) if isinstance(drive, Prescribed) else ():
             if np.count_nonzero((time >= start) & (time <= end)) < 2 * POINTS:
                 yield start, end
+
+
+def _bridge(signal: Signal, beside: NDArray[np.bool_], gap: slice, jumps: tuple[float, ...]) -> Array:
+    """Values in a gap by a polynomial through the samples on either side of it; nan where there is none."""
+    time, width = signal.time, signal.time[gap.stop - 1] - signal.time[gap.start]
+    low, high = time[gap.start] - FAR * width, time[gap.stop - 1] + FAR * width
+    around = (time >= low) & (time <= high) & ~beside
+    sides = np.count_nonzero(around[: gap.start]), np.count_nonzero(around[gap.stop :])
+    nowhere = np.full(gap.stop - gap.start, np.nan)
+    if min(sides) < DEGREE or any(low <= jump <= high for jump in jumps):
+        return nowhere
+    curve = np.polynomial.Chebyshev.fit(time[around], signal.values[around], DEGREE, domain=(low, high))
+    missed = np.max(np.abs(curve(time[around]) - signal.values[around]))
+    return np.asarray(curve(time[gap])) if missed <= MISSED * np.nanmax(np.abs(signal.values)) else nowhere
 
 
 def _stretches(motion: CrankMotion) -> Iterator[tuple[float, float]]:

@@ -496,3 +496,16 @@ def test_the_smooth_way_through_change_points_raises_no_alarm(beside):
     run = DirectEngine().run(one.scene(EVERYTHING), Setting.TUNED)
     records = checks(one, ObservedMotion(one.scene(EVERYTHING), run.history), blank_record(one, "tuned"))
     assert {record.quantity for record in records if record.outcome != Verdict.PASSED} == {"force_balance"}
+
+
+def test_a_wrong_torque_at_a_change_point_is_caught_by_the_smooth_curve_over_it():
+    one = Case(sample("parallelogram"), CrankMotion("constant-speed", (Segment(0.0, 0.1, (math.pi - 3.0, 60.0)),)))
+    run = DirectEngine().run(one.scene(EVERYTHING), Setting.TUNED)
+    beside = np.abs(one.motion.angle(run.history.torque.time) - math.pi) < 0.02
+    peak = np.max(np.abs(run.history.torque.values))
+    wrong = with_signal(run.history, "torque", lambda values, _: values + np.where(beside, 0.01 * peak, 0.0))
+    records = {
+        r.quantity: r for r in checks(one, ObservedMotion(one.scene(EVERYTHING), wrong), blank_record(one, "tuned"))
+    }
+    assert records["torque_two_routes"].error_max == pytest.approx(0.01, rel=0.02)
+    assert abs(one.motion.angle(records["torque_two_routes"].worst_time) - math.pi) < 0.02
