@@ -25,10 +25,7 @@ LOST: Final = -1
 
 
 class Cells(NamedTuple):
-    """A ``PeriodicTable`` of the equation's terms over its inertia: edges, halves of powers of [-1, 1]; none if empty.
-
-    ``coefficients`` is (cells, degree + 1, 3): moment, damping, slope.
-    """
+    """A ``PeriodicTable`` of moment, damping and slope over the inertia; without coefficients there is none."""
 
     edges: Array
     period: float
