@@ -21,6 +21,7 @@ Family = Callable[
 SLACK: Final = 1.2  # of the rounding: the last bits of the numbers
 TIMES: Final = 50  # from which the search of a family's time begins
 FEW: Final = 200  # samples by which a family is ruled out
+SMALL, NEWTON = 1e-5, 3  # of the duration: a change of the time by which its slope is found; steps to rounding
 LEAST: Final = 0.02  # of the duration: the shortest time tried
 
 
@@ -55,18 +56,38 @@ class KnownColumn:
     def fitted(self) -> KnownFit | None:
         """The motion of the family that the column is within its rounding, if there is one."""
         thin = replace(self, **{part: getattr(self, part)[:: -(-len(self.time) // FEW)] for part in PARTS})
-        coarse = np.linspace(LEAST, 0.5 if self.name.endswith("back") else 1.0, TIMES) * self.duration
+        coarse = np.linspace(LEAST * self.duration, self._longest, TIMES)
         near = float(coarse[int(np.argmin([thin._cost(time) for time in coarse]))])
         if not thin.near(near).is_within:
             return None
         fit = self.near(near)
         return fit if fit.is_within else None
 
+    @property
+    def _longest(self) -> float:
+        """The longest time, s: neither a dwell nor a hold is left."""
+        return (0.5 if self.name.endswith("back") else 1.0) * self.duration
+
     def near(self, about: float) -> KnownFit:
         """The nearest motion whose time is about that."""
         bounds = (max(about - self.duration / TIMES, 0.5 * LEAST * self.duration), about + self.duration / TIMES)
         options = {"xatol": 1e-12 * self.duration}
-        return self._of(float(minimize_scalar(self._cost, bounds=bounds, method="bounded", options=options).x))
+        place = float(minimize_scalar(self._cost, bounds=bounds, method="bounded", options=options).x)
+        fits = [self._settled(place)]
+        if self._longest < bounds[1]:
+            fits.append(self._of(self._longest))
+        return min(fits, key=lambda fit: float(np.max(np.abs(fit.rest / self.rounding))))
+
+    def _settled(self, time: float) -> KnownFit:
+        """The fit at a time to rounding: the least of a cost tells its place to the root of rounding only."""
+        fit, step = self._of(time), SMALL * self.duration
+        for _ in range(NEWTON):
+            slope = (self._of(fit.time + step).rest - self._of(fit.time - step).rest) / (2.0 * step * self.rounding)
+            change = float(slope @ (fit.rest / self.rounding)) / (float(slope @ slope) or 1.0)
+            if abs(change) > step:
+                break
+            fit = self._of(fit.time - change)
+        return fit
 
     def _cost(self, time: float) -> float:
         return float(np.sum((self._of(time).rest / self.rounding) ** 2))

@@ -78,3 +78,16 @@ def test_equal_steps_are_told_from_their_rounding_and_turns_are_unwound():
     assert regular(uneven, np.full(61, 5e-4))[0] is uneven
     angle = np.linspace(0.0, 20.0, 200)
     np.testing.assert_allclose(unwrapped((angle + math.pi) % (2.0 * math.pi) - math.pi), angle, atol=1e-12)
+
+
+@pytest.mark.parametrize("law", ["cubic", "polynomial", "cycloidal", "modified-sine"])
+def test_swings_there_and_back_with_all_their_digits_are_known(law):
+    for dwell in (0.0, 0.1):
+        motion = swing(law, -0.7, 0.7, time=0.5, dwell=dwell, back=True)
+        time = np.linspace(0.0, motion.duration, 504)
+        angle = motion.angle(time)
+        column = motion_of_angles(time, angle, np.full(504, 1e-15))
+        assert column.regime == f"{law} and back"
+        assert column._evaluate(time, 2) == pytest.approx(
+            motion._evaluate(time, 2), abs=1e-8 * motion.peak_speed / 0.01
+        )
