@@ -14,7 +14,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 from scipy.ndimage import gaussian_filter1d
-from scipy.signal import butter, filtfilt, lfilter, savgol_filter
+from scipy.signal import lfilter, savgol_filter
 
 from comparisons.imported.judging.judgement import SignalVerdict
 from comparisons.imported.judging.samples import JudgedModel
@@ -39,13 +39,11 @@ def filters(verdict: SignalVerdict) -> Iterator[Changed]:
     step = float(np.median(np.diff(verdict.samples.time)))
     whole: dict[str, Callable[[float], Array]] = {
         "moving average": lambda w: moving_average(truth, int(w)),
-        "Savitzky-Golay filter of order 2": lambda w: _inner(savgol_filter(truth, max(int(w), 5), 2), w),
-        "Savitzky-Golay filter of order 4": lambda w: _inner(savgol_filter(truth, max(int(w), 7), 4), w),
+        "Savitzky-Golay filter": lambda w: _inner(savgol_filter(truth, max(int(w), 5), 2), w),
     }
     broken: dict[str, Callable[[float], Array]] = {
         "Gaussian filter": lambda w: _inner(gaussian_filter1d(truth, w / 6.0), w),
         "low-pass filter": lambda w: low_pass(truth, w),
-        "low-pass filter there and back": lambda w: _inner(filtfilt(*butter(2, 1.0 / max(w, 1.01)), truth), w),
     }
     for kind, smooth in (whole | broken).items():
         width = _nearest_width(verdict, smooth, is_whole=kind in whole)

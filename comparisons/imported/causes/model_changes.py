@@ -39,7 +39,6 @@ def model_changes(model: JudgedModel) -> Iterator[FaultModel]:
         yield from _link(model, name, link)
     yield from _loads(model)
     yield from _damping(model)
-    yield _static(model)
 
 
 def of_masses(model: JudgedModel, kind: str, change: Change, words: Callable[[Array], str], **rest: Any) -> FaultModel:  # noqa: ANN401
@@ -253,12 +252,3 @@ def _damped(pair: tuple[str, str]) -> Change:
 
 def _damping_words(point: str) -> Callable[[Array], str]:
     return lambda b: f"a rotary damper of {b[0]:.3g} N m s acts in the pin '{point}'"
-
-
-def _static(model: JudgedModel) -> FaultModel:
-    static = replace(model, is_static=True)
-
-    def predict(_: Array, verdicts: Sequence[SignalVerdict]) -> list[Array]:
-        return static.predicted([verdict.samples for verdict in verdicts])
-
-    return FaultModel("static", predict, said("inertia forces are left out: torque and forces are those at rest"))

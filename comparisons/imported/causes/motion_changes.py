@@ -4,15 +4,15 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass
 from typing import Any, Final
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
 from analytic.description.crank_motion import RAMPS, RPM, CrankMotion, crank_motion
 from comparisons.imported.causes.fitting import FaultModel, said
 from comparisons.imported.columns import Correction
+from comparisons.imported.judging.changed_motion import ChangedMotion
 from comparisons.imported.judging.crank_column import ColumnMotion
 from comparisons.imported.judging.judgement import SignalVerdict
 from comparisons.imported.judging.samples import JudgedModel, Samples, at_jumps, holds_acceleration
@@ -27,76 +27,22 @@ QUARTERS: Final = (90.0, -90.0, 180.0)
 SHORTEST: Final = 1e-9  # s, of a ramp
 
 
-@dataclass(frozen=True)
-class Changed:
-    """A motion at another pace, from another angle, on another clock: ``pace`` φ(t + ``shift``) + ``offset``."""
-
-    motion: Motion
-    pace: float = 1.0
-    offset: float = 0.0
-    shift: float = 0.0
-
-    @property
-    def regime(self) -> str:
-        """Name of the regime."""
-        return self.motion.regime
-
-    @property
-    def duration(self) -> float:
-        """Time at which it ends, s."""
-        return self.motion.duration
-
-    @property
-    def peak_speed(self) -> float:
-        """Largest |ω|, rad/s."""
-        return self.motion.peak_speed * abs(self.pace)
-
-    @property
-    def jumps(self) -> tuple[float, ...]:
-        """Times at which the acceleration jumps, s."""
-        return tuple(jump - self.shift for jump in self.motion.jumps)
-
-    def _clock(self, time: ArrayLike) -> Array:
-        return np.asarray(np.asarray(time, dtype=float) + self.shift)
-
-    def angle(self, time: ArrayLike) -> Array:
-        """φ(t), rad."""
-        return np.asarray(self.pace * self.motion.angle(self._clock(time)) + self.offset)
-
-    def speed(self, time: ArrayLike) -> Array:
-        """ω(t), rad/s."""
-        return np.asarray(self.pace * self.motion.speed(self._clock(time)))
-
-    def acceleration(self, time: ArrayLike) -> Array:
-        """ε(t), rad/s²."""
-        return np.asarray(self.pace * self.motion.acceleration(self._clock(time)))
-
-
-@dataclass(frozen=True)
-class WithoutAcceleration(Changed):
-    """A motion whose acceleration is left out, as if its speed were constant at each instant."""
-
-    def acceleration(self, time: ArrayLike) -> Array:
-        """0 rad/s²."""
-        return np.zeros(np.shape(time))
-
-
 def motion_changes(model: JudgedModel) -> Iterator[FaultModel]:
     """Every cause that lies in the crank's motion; ramps only where a regime, not a column of the file, gives it."""
     motion, start = model.motion, float(model.motion.angle(0.0))
     from_column = isinstance(motion, ColumnMotion)
     direction = "the crank angle is mirrored" if from_column else "the crank turns the other way"
     yield _of(
-        model, "direction", lambda _: Changed(motion, -1.0, 2.0 * start), said(direction),
+        model, "direction", lambda _: ChangedMotion(motion, -1.0, 2.0 * start), said(direction),
         corrections=_mirrored(2.0 * start) if from_column else None,
     )  # fmt: skip
     if abs(start) > 1e-9:
         mirrored = said("the crank angle is mirrored")
-        yield _of(model, "mirrored angle", lambda _: Changed(motion, -1.0), mirrored, corrections=_mirrored(0.0))
+        yield _of(model, "mirrored angle", lambda _: ChangedMotion(motion, -1.0), mirrored, corrections=_mirrored(0.0))
     yield from _offsets(model, start)
     yield _shifted(model)
     yield _of(
-        model, "no acceleration", lambda _: WithoutAcceleration(motion),
+        model, "no acceleration", lambda _: ChangedMotion(motion, order=1),
         said("the crank's acceleration is left out: torque and forces are those of a constant speed"),
     )  # fmt: skip
     if not from_column:
@@ -156,11 +102,11 @@ def _offsets(model: JudgedModel, start: float) -> Iterator[FaultModel]:
         "special": tuple((math.radians(a),) for a in QUARTERS),
     }
     yield _of(
-        model, "start angle", lambda p: Changed(motion, offset=float(p[0])), words,
+        model, "start angle", lambda p: ChangedMotion(motion, offset=float(p[0])), words,
         corrections=lambda p: {"phi": Correction(angle_offset=turned(p[0]))}, **of_one,
     )  # fmt: skip
     yield _of(
-        model, "mirrored start", lambda p: Changed(motion, -1.0, float(p[0])), mirrored_words, handicap=1,
+        model, "mirrored start", lambda p: ChangedMotion(motion, -1.0, float(p[0])), mirrored_words, handicap=1,
         contains=("direction", "mirrored angle"),
         corrections=lambda p: _mirrored(float(p[0]))(p), **of_one,
     )  # fmt: skip
@@ -174,7 +120,7 @@ def _shifted(model: JudgedModel) -> FaultModel:
     return _of(
         model,
         "time shift",
-        lambda p: Changed(motion, shift=float(p[0])),
+        lambda p: ChangedMotion(motion, shift=float(p[0])),
         lambda p: f"the file's clock is {abs(p[0]):.4g} s {'behind' if p[0] > 0.0 else 'ahead'}",
         start=(0.0,),
         sizes=(length,),
@@ -189,7 +135,7 @@ def _regimes(model: JudgedModel) -> Iterator[FaultModel]:
     rpm, turned_by = motion.peak_speed / RPM, abs(float(motion.angle(motion.duration)) - start)
     paces = np.linspace(0.5, 1.5, int(min(max(turned_by / PHASE, 9.0), MOST_PACES)))
     yield _of(
-        model, "speed", lambda p: Changed(motion, float(p[0]), start * (1.0 - float(p[0]))),
+        model, "speed", lambda p: ChangedMotion(motion, float(p[0]), start * (1.0 - float(p[0]))),
         lambda p: f"the crank's speed is {p[0] * rpm:.4g} rpm in place of {rpm:.4g} rpm", start=(1.0,), sizes=(1.0,),
         guesses=((1.0,), *((float(pace),) for pace in paces)),
     )  # fmt: skip

@@ -50,7 +50,6 @@ def signal_changes(model: JudgedModel, verdict: SignalVerdict, names: Sequence[s
         name, "sign", lambda _, y, __: -y, said(f"{name} has the other sign"), handicap=-1,
         corrections=lambda _: {name: Correction(sign=-1)},
     )  # fmt: skip
-    yield _altered(name, "magnitude", lambda _, y, __: np.abs(y), said(f"{name} is told without its sign"))
     yield from _factors(verdict)
     yield _offset(verdict)
     if name == "Mkr":
@@ -118,7 +117,7 @@ def _offset(verdict: SignalVerdict) -> FaultModel:
 
     return _altered(
         name, "offset", lambda _, y, c: y + c[0], words, start=(0.0,), sizes=(verdict.scale,),
-        corrections=corrections if is_angle(name) else None,
+        corrections=corrections if is_angle(name) else None, handicap=int(name == "Mkr"),
     )  # fmt: skip
 
 
@@ -126,7 +125,8 @@ def _friction(model: JudgedModel, verdict: SignalVerdict) -> FaultModel:
     """A torque against the motion, whatever the speed."""
 
     def alter(time: Array, truth: Array, numbers: Array) -> Array:
-        return np.asarray(truth + numbers[0] * np.sign(model.motion.speed(time)))
+        way = np.sign(model.motion.speed(time))
+        return np.asarray(truth + numbers[0] * np.where(way == 0.0, np.nan, way))  # at rest it is anything up to that
 
     return _altered(
         verdict.name, "friction", alter, lambda c: f"a friction of {c[0]:.3g} N m brakes the crank at any speed",

@@ -8,12 +8,13 @@ from functools import cached_property
 from typing import Final
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 from scipy.ndimage import maximum_filter1d
 
 from analytic.description.linkage import Linkage
 from analytic.kinematics.mechanism import Mechanism
 from comparisons.imported.columns import MAGNITUDE, ImportedSignal
+from comparisons.imported.judging.changed_motion import ChangedMotion
 from comparisons.imported.judging.crank_column import SPREAD, ColumnMotion
 from comparisons.reference.case import Motion, Truth
 from comparisons.reference.signals import signal
@@ -45,15 +46,11 @@ class Samples:
 
 @dataclass(frozen=True)
 class JudgedModel:
-    """A linkage and its crank's motion: what the closed form is asked for. ``modes`` are its assembly modes if others.
-
-    ``is_static`` leaves out what the motion itself does to torques and forces.
-    """
+    """A linkage under a motion of its crank, as the closed form has it; ``modes`` are its assembly modes if others."""
 
     linkage: Linkage
     motion: Motion
     modes: tuple[int, ...] | None = None
-    is_static: bool = False
 
     @cached_property
     def mechanism(self) -> Mechanism:
@@ -81,51 +78,9 @@ class JudgedModel:
         values = []
         for one in samples:
             key = one.time.tobytes()
-            truth = truths.setdefault(key, Truth(self.mechanism, self._motion_of(one), one.time))
+            truth = truths.setdefault(key, Truth(self.mechanism, self.motion, one.time))
             values.append(value(truth, one.name))
         return values
-
-    def _motion_of(self, one: Samples) -> Motion:
-        return Held(self.motion) if self.is_static and is_force(one.name) else self.motion
-
-
-@dataclass(frozen=True)
-class Held:
-    """A motion's angles without its speeds and accelerations."""
-
-    motion: Motion
-
-    @property
-    def regime(self) -> str:
-        """Name of the regime."""
-        return self.motion.regime
-
-    @property
-    def duration(self) -> float:
-        """Time at which it ends, s."""
-        return self.motion.duration
-
-    @property
-    def peak_speed(self) -> float:
-        """Largest |ω|, rad/s."""
-        return 0.0
-
-    @property
-    def jumps(self) -> tuple[float, ...]:
-        """There are none."""
-        return ()
-
-    def angle(self, time: ArrayLike) -> Array:
-        """φ(t), rad."""
-        return self.motion.angle(time)
-
-    def speed(self, time: ArrayLike) -> Array:
-        """0 rad/s."""
-        return np.zeros(np.shape(time))
-
-    def acceleration(self, time: ArrayLike) -> Array:
-        """0 rad/s²."""
-        return np.zeros(np.shape(time))
 
 
 def value(truth: Truth, name: str) -> Array:
@@ -189,7 +144,8 @@ def jumps_of(model: JudgedModel, one: Samples) -> Array:
     if not holds_acceleration(one.name):
         return sizes
     for jump in model.motion.jumps:
-        earlier = model if jump > 0.0 else model.moving(Held(model.motion))  # before the start the crank is at rest
+        at_rest = model.moving(ChangedMotion(model.motion, order=0))  # as the crank is before the start
+        earlier = model if jump > 0.0 else at_rest
         (after,) = model.predicted([replace(one, time=np.array([jump]))])
         (before,) = earlier.predicted([replace(one, time=np.array([np.nextafter(jump, 0.0)]))])
         size = max(float(np.abs(after - before)[0]), np.finfo(float).tiny)

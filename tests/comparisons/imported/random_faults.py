@@ -15,8 +15,8 @@ from analytic.description.crank_motion import RPM, crank_motion
 from analytic.description.loading import load
 from analytic.errors import LinkproofError
 from comparisons.imported.causes.filters import low_pass, moving_average
-from comparisons.imported.causes.motion_changes import Changed
 from comparisons.imported.judge import judge
+from comparisons.imported.judging.changed_motion import ChangedMotion
 from comparisons.imported.judging.samples import JudgedModel
 from tests.comparisons.imported.exported import exported, with_link
 
@@ -44,16 +44,19 @@ def planted(random, linkage, motion):
     def curve(change):
         return lambda: {"change": lambda values, _: {**values, "Mkr": change(values["Mkr"])}}
 
-    x, y = link.centre
+    def moved(*changes, **named):
+        return lambda: {"model": JudgedModel(linkage, ChangedMotion(motion, *changes, **named))}
+
+    (x, y), start = link.centre, float(motion.angle(0.0))
     faults = {
         "gravity": lambda: {"model": JudgedModel(without(linkage, "gravity"), motion)},
         f"mass:{body}": model(mass=link.mass * (1.0 + size)),
         f"inertia:{body}": model(inertia=link.inertia * (1.0 + size)),
         f"centre:{body}": model(centre=(x + size * extent, y)),
-        "direction": lambda: {"model": JudgedModel(linkage, Changed(motion, -1.0, 2.0 * float(motion.angle(0.0))))},
-        "start angle": lambda: {"model": JudgedModel(linkage, Changed(motion, offset=size))},
-        "time shift": lambda: {"model": JudgedModel(linkage, Changed(motion, shift=0.02 * size))},
-        "speed": lambda: {"model": JudgedModel(linkage, Changed(motion, 1.0 + size, -size * float(motion.angle(0.0))))},
+        "direction": moved(-1.0, 2.0 * start),
+        "start angle": moved(offset=size),
+        "time shift": moved(shift=0.02 * size),
+        "speed": moved(1.0 + size, -size * start),
         "sign:Mkr": curve(lambda m: -m),
         "unit:Mkr": curve(lambda m: 1e3 * m),
         "smoothed by moving average:Mkr": curve(smoothed),
