@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Final, Literal
@@ -63,6 +64,13 @@ class Correction:
     factor: float = 1.0
     time_shift: float = 0.0
     angle_offset: float = 0.0
+
+    def keys(self, digits: int = 17) -> list[str]:
+        """It as the keys of a mapping, the angle in degrees, with so many significant digits."""
+        given = {"factor": self.factor, "time_shift": self.time_shift, "angle_offset": math.degrees(self.angle_offset)}
+        numbers = {key: float(f"{value:.{digits}g}") for key, value in given.items()}
+        neutral = {"sign": 1, "factor": 1.0}
+        return [f"{k} = {v!r}" for k, v in {"sign": self.sign, **numbers}.items() if v != neutral.get(k, 0.0)]
 
 
 NO_CORRECTION: Final = Correction()

@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-import math
-from collections.abc import Collection, Iterator, Mapping
+from collections.abc import Collection, Mapping
 
 from comparisons.imported.causes.search import Explanation
 from comparisons.imported.columns import NO_CORRECTION, Correction
@@ -34,15 +33,4 @@ def combined(first: Correction, then: Correction) -> Correction:
 
 def written(correction: Correction) -> str:
     """A correction as the keys of a mapping."""
-    return ", ".join(_keys(correction)) or "nothing"
-
-
-def _keys(correction: Correction) -> Iterator[str]:
-    if correction.sign != 1:
-        yield f"sign = {correction.sign}"
-    if correction.factor != 1.0:
-        yield f"factor = {correction.factor:.9g}"
-    if correction.time_shift:
-        yield f"time_shift = {correction.time_shift:.6g}"
-    if correction.angle_offset:
-        yield f"angle_offset = {math.degrees(correction.angle_offset):.6g}"
+    return ", ".join(correction.keys(digits=6)) or "nothing"

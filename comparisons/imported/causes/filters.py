@@ -1,4 +1,4 @@
-"""What is done to a column after the simulation: smoothed, thinned out and filled up, differentiated.
+"""What is done to a column after the simulation: smoothed, thinned out and filled up.
 
 Each function yields kind, words and values of what the closed form becomes by it, at the numbers nearest to the file;
 nan where it is open, as at the ends of a filter.
@@ -7,8 +7,7 @@ nan where it is open, as at the ends of a filter.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator, Sequence
-from dataclasses import replace
+from collections.abc import Callable, Iterator
 from typing import Final
 
 import numpy as np
@@ -17,7 +16,6 @@ from scipy.ndimage import gaussian_filter1d
 from scipy.signal import lfilter, savgol_filter
 
 from comparisons.imported.judging.judgement import SignalVerdict
-from comparisons.imported.judging.samples import JudgedModel
 
 Array = NDArray[np.float64]
 Changed = tuple[str, str, Array]  # kind, words, values
@@ -128,36 +126,3 @@ def _joined(verdict: SignalVerdict, nodes: NDArray[np.int64]) -> Array:
 def _held(verdict: SignalVerdict, nodes: NDArray[np.int64]) -> Array:
     before = np.searchsorted(nodes, np.arange(len(verdict.truth)), side="right") - 1
     return np.where(before >= 0, verdict.truth[nodes[np.maximum(before, 0)]], np.nan)
-
-
-# Of a signal's last part, that of the signal that it is the time derivative of.
-WHOLES: Final = {
-    **{"v": "S", "a": "v", "omega": "phi", "epsilon": "omega", "alpha": "omega"},
-    **{"vx": "x", "vy": "y", "ax": "vx", "ay": "vy"},
-}
-
-
-def whole_of(name: str) -> str:
-    """The signal that one is the time derivative of, "" where it is of none."""
-    head, colon, last = name.rpartition(":")
-    if head.startswith("link") and last == "omega":
-        return f"{head}:angle"
-    return f"{head}{colon}{WHOLES[last]}" if last in WHOLES else ""
-
-
-def differences(model: JudgedModel, verdict: SignalVerdict) -> Iterator[Changed]:
-    """A derivative made by differences of the samples."""
-    of, time = whole_of(verdict.name), verdict.samples.time
-    if not of or len(time) < FEWEST:
-        return
-    whole = model.predicted([replace(verdict.samples, name=of)])[0]
-    central, forward = np.full(len(time), np.nan), np.full(len(time), np.nan)
-    central[1:-1] = (whole[2:] - whole[:-2]) / (time[2:] - time[:-2])
-    forward[:-1] = np.diff(whole) / np.diff(time)
-    kinds: Sequence[tuple[str, Array]] = (
-        ("central", central),
-        ("forward", forward),
-        ("backward", np.concatenate([[np.nan], forward[:-1]])),
-    )
-    for kind, values in kinds:
-        yield f"{kind} differences", f"{verdict.name} is made of {kind} differences of {of} at the file's step", values

@@ -10,7 +10,7 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from comparisons.imported.causes.filters import coarser, differences, filters
+from comparisons.imported.causes.filters import coarser, filters
 from comparisons.imported.causes.fitting import FaultModel, said
 from comparisons.imported.columns import Correction
 from comparisons.imported.judging.judgement import SignalVerdict
@@ -55,7 +55,7 @@ def signal_changes(model: JudgedModel, verdict: SignalVerdict, names: Sequence[s
     if name == "Mkr":
         yield _friction(model, verdict)
     yield _delayed(model, verdict)
-    for kind, words, values in (*filters(verdict), *coarser(verdict), *differences(model, verdict)):
+    for kind, words, values in (*filters(verdict), *coarser(verdict)):
         yield _given(name, kind, words, values, handicap=1)
     yield from _limited(verdict)
     yield from _single_samples(verdict)

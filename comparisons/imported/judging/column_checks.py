@@ -12,7 +12,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from analytic.dynamics.reduced import potential_energy
-from comparisons.imported.causes.filters import whole_of
 from comparisons.imported.columns import ImportedResults
 from comparisons.imported.judging.crank_column import regular
 from comparisons.imported.judging.samples import JudgedModel, Samples
@@ -24,6 +23,11 @@ Array = NDArray[np.float64]
 
 LEAST: Final = 1e-3  # of a peak: a check within it is passed, whatever the rounding
 ROUNDINGS: Final = 3.0  # times the floor that a check may be off
+# Of a signal's last part, that of the signal that it is the time derivative of.
+WHOLES: Final = {
+    **{"v": "S", "a": "v", "omega": "phi", "epsilon": "omega", "alpha": "omega"},
+    **{"vx": "x", "vy": "y", "ax": "vx", "ay": "vy"},
+}
 
 
 @dataclass(frozen=True)
@@ -62,7 +66,7 @@ def column_checks(model: JudgedModel, signals: Sequence[Samples], imported: Impo
             at, open_ = regular(one.at, one.at_resolution)
             found[one.name] = Samples(one.name, at, one.values, one.resolution, open_, one)
     for name, part in found.items():
-        whole = found.get(whole_of(name))
+        whole = found.get(_whole_of(name))
         if whole and _same_clock(part, whole):
             yield _derivative(model, whole, part)
     power = [found[name] for name in ("Peq", "Mkr", "omega") if name in found]
@@ -71,6 +75,14 @@ def column_checks(model: JudgedModel, signals: Sequence[Samples], imported: Impo
     yield from _lengths(model, found)
     if "Peq" in found and "Teq" in found and _same_clock(found["Peq"], found["Teq"]) and _only_gravity(model):
         yield _energy(model, found["Peq"], found["Teq"])
+
+
+def _whole_of(name: str) -> str:
+    """The signal that one is the time derivative of, "" where it is of none."""
+    head, colon, last = name.rpartition(":")
+    if head.startswith("link") and last == "omega":
+        return f"{head}:angle"
+    return f"{head}{colon}{WHOLES[last]}" if last in WHOLES else ""
 
 
 def _same_clock(*signals: Samples) -> bool:

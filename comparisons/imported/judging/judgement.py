@@ -69,11 +69,6 @@ class SignalVerdict:
         return self.samples.values - self.truth
 
     @property
-    def within_floor(self) -> bool:
-        """Whether no sample is farther from the truth than its rounding."""
-        return bool(np.all(np.abs(self.residual[self.kept]) <= self.open[self.kept] + 1e-12 * self.scale))
-
-    @property
     def worst_time(self) -> float:
         """Instant of the largest error, s."""
         return float(self.samples.time[self.worst])

@@ -49,18 +49,7 @@ def _entry(line: MappingLine) -> list[str]:
             *(f"# {part}" for part in (*entry, 'signal = ""', 'unit = ""')),
         ]
     unit = _quoted(line.unit) if line.unit else TO_FILL_IN
-    return [*entry, f"signal = {_quoted(line.signal)}", f"unit = {unit}", *_agreed(line.correction)]
-
-
-def _agreed(correction: Correction) -> list[str]:
-    keys = {
-        "sign": correction.sign,
-        "factor": correction.factor,
-        "time_shift": correction.time_shift,
-        "angle_offset": correction.angle_offset * 57.29577951308232,
-    }
-    neutral = {"sign": 1, "factor": 1.0}
-    return [f"{key} = {value!r}" for key, value in keys.items() if value != neutral.get(key, 0.0)]
+    return [*entry, f"signal = {_quoted(line.signal)}", f"unit = {unit}", *line.correction.keys()]
 
 
 def _quoted(text: str) -> str:
@@ -74,7 +63,9 @@ def with_proposals(text: str, proposals: Mapping[str, Correction]) -> str:
     Those of "*" are for all signals, and stand with the time.
     """
     for signal, correction in ((TIME if name == "*" else name, own) for name, own in proposals.items()):
-        lines = "".join(f"\n# {line}  # estimated: take the first # away to agree" for line in _agreed(correction))
+        lines = "".join(
+            f"\n# {line}  # estimated: take the first # away to agree" for line in correction.keys(digits=9)
+        )
         pattern = rf"(?m)^(signal = {re.escape(_quoted(signal))}\nunit = .*)$"
         text = re.sub(pattern, lambda entry, added=lines: entry[1] + added, text)  # type: ignore[misc]
     return text

@@ -15,9 +15,11 @@ from analytic.description.crank_motion import RPM, crank_motion
 from analytic.description.loading import load
 from analytic.errors import LinkproofError
 from comparisons.imported.causes.filters import low_pass, moving_average
+from comparisons.imported.causes.search import differs
 from comparisons.imported.judge import judge
 from comparisons.imported.judging.changed_motion import ChangedMotion
 from comparisons.imported.judging.samples import JudgedModel
+from comparisons.judging.records import Verdict
 from tests.comparisons.imported.exported import exported, with_link
 
 MECHANISMS = ("juki-mf7923d", "rimoldi-164", "slotted-takeup", "two-crank-takeup", "fork-takeup")
@@ -96,13 +98,14 @@ def verdict_on(kind, judgement):
     """Whether the fault was named first, among others, not at all, or another in its place."""
     findings = judgement.explanation.findings
     if not kind:
-        return "false alarm" if findings or not judgement.passed else "clean"
+        over = any(verdict.outcome is Verdict.OVER_LIMIT for verdict in judgement.verdicts)
+        return "false alarm" if findings or over else "clean" if judgement.passed else "open"
     if any(finding.likeliest.cause.kind == kind for finding in findings):
         return "likeliest"
     if any(fit.cause.kind == kind for finding in findings for fit in finding.others):
         return "not told apart"
     if not findings:
-        differs = any(not verdict.within_floor for verdict in judgement.verdicts)
+        differs = any(differs(verdict) for verdict in judgement.verdicts)
         return "none named" if differs else "within the rounding"
     return "misnamed"
 
