@@ -65,7 +65,7 @@ def drive_points(curves: Curves) -> list[DrivePoint]:
     torque = math.sqrt(curves.mean(lambda at: np.square(at.torque)))
     speed = curves.mean(lambda at: np.abs(at.speed))
     power = curves.mean(lambda at: at.torque * at.speed)
-    return [*points, DrivePoint("RMS torque, mean speed", torque, speed, power, None)]
+    return [*points, DrivePoint("RMS torque, means", torque, speed, power, None)]
 
 
 def _drive_point(curves: Curves, what: str, time: float) -> DrivePoint:

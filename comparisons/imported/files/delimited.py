@@ -25,7 +25,7 @@ CHUNK: Final = 1 << 22  # characters parsed at a time
 
 
 @dataclass(frozen=True)
-class Line:
+class TextLine:
     """A line of a file, counted from 1."""
 
     number: int
@@ -36,7 +36,7 @@ class Line:
 class Block:
     """Rows of numbers, from ``line`` on, and the other lines that stand before them."""
 
-    above: list[Line]
+    above: list[TextLine]
     line: int
     rows: str
 
@@ -45,14 +45,14 @@ class Block:
 class RawTable:
     """A header and what stands in its columns: values and decimals as they are parsed."""
 
-    header: Line
+    header: TextLine
     names: list[str]
     units: list[str]
     layout: Layout
     parts: list[list[tuple[Array, Array]]] = field(default_factory=list)
 
 
-def tables(file: ResultText, *, headless: str = "") -> Iterator[tuple[Line, list[Column]]]:
+def tables(file: ResultText, *, headless: str = "") -> Iterator[tuple[TextLine, list[Column]]]:
     """The header's line and the columns of every table of a text; raises LinkproofError with file and line.
 
     Where a tool writes no headers, ``headless`` begins the names that the columns are given.
@@ -72,10 +72,10 @@ def tables(file: ResultText, *, headless: str = "") -> Iterator[tuple[Line, list
         yield current.header, _columns(file, current)
 
 
-def _blocks(text: str) -> tuple[list[Block], list[Line]]:
+def _blocks(text: str) -> tuple[list[Block], list[TextLine]]:
     """Blocks of rows of numbers with the lines above each, and the lines below the last."""
     blocks: list[Block] = []
-    above: list[Line] = []
+    above: list[TextLine] = []
     start, line = 0, 1
 
     def take(rows: str) -> None:
@@ -88,20 +88,20 @@ def _blocks(text: str) -> tuple[list[Block], list[Line]]:
         rows = text[start : words.start()]
         take(rows)
         line += rows.count("\n")
-        above.append(Line(line, words.group()))
+        above.append(TextLine(line, words.group()))
         start = words.end()
     take(text[start:])
     return blocks, above
 
 
-def _no_numbers(file: ResultText, lines: Sequence[Line]) -> LinkproofError:
+def _no_numbers(file: ResultText, lines: Sequence[TextLine]) -> LinkproofError:
     """What is wrong with a text without rows of numbers."""
     layout = Layout(",", ".")
     for line in lines[:MOST_LINES]:
         for cells in header_cells(line.text, layout):
             if len(cells) > 1 and any(is_number(cell, layout) for cell in cells):
                 return _bad_cell(file, line.number, cells, layout)
-    last = lines[-1] if lines else Line(1, "")
+    last = lines[-1] if lines else TextLine(1, "")
     return file.fail(
         last.number,
         f"expected rows of numbers below a header, got '{shortened(last.text.strip())}' and none; export the results "
@@ -137,7 +137,9 @@ def _begin(file: ResultText, block: Block, current: RawTable | None, headless: s
         if all(COMMENT.match(line.text) for line in block.above):
             return current
     if headless and not block.above:
-        return RawTable(Line(block.line, ""), [f"{headless} {n}" for n in range(len(cells))], [""] * len(cells), layout)
+        return RawTable(
+            TextLine(block.line, ""), [f"{headless} {n}" for n in range(len(cells))], [""] * len(cells), layout
+        )
     at = block.line + next(n for n, row in enumerate(rows) if row.strip())
     bad = next((cell for cell in cells if cell and not is_number(cell, layout)), None)
     if bad is not None:
@@ -155,7 +157,7 @@ def _begin(file: ResultText, block: Block, current: RawTable | None, headless: s
     )
 
 
-def _header(above: Sequence[Line], layout: Layout, row: Sequence[str]) -> RawTable | None:
+def _header(above: Sequence[TextLine], layout: Layout, row: Sequence[str]) -> RawTable | None:
     """The last line above a block that has a header for every column, and the row of units below it, if any."""
     above = [line for line in above if not line.text.startswith("sep=")]  # what Excel writes and reads
     fitting = [(line, cells) for line in above if (cells := _fitting(line, layout, row)) is not None]
@@ -169,7 +171,7 @@ def _header(above: Sequence[Line], layout: Layout, row: Sequence[str]) -> RawTab
     return RawTable(line, names, units, layout)
 
 
-def _fitting(line: Line, layout: Layout, row: Sequence[str]) -> list[str] | None:
+def _fitting(line: TextLine, layout: Layout, row: Sequence[str]) -> list[str] | None:
     """The headers of a line, one for each cell of a row; None if it has others."""
     least = len(_without_empty_end(row))
     for cells in header_cells(line.text, layout):
@@ -189,7 +191,7 @@ def _are_units(cells: Sequence[str]) -> bool:
     return bool(named) and all(parsed(cell) for cell in named)
 
 
-def _refuse_rows(file: ResultText, lines: Sequence[Line], table: RawTable) -> None:
+def _refuse_rows(file: ResultText, lines: Sequence[TextLine], table: RawTable) -> None:
     """Refuse a row of a table in which a cell is no number: it is not a header, a title or a comment."""
     for line in lines:
         for cells in header_cells(line.text, table.layout):

@@ -40,7 +40,7 @@ def test_torque_power_and_rms_of_a_piston_engine_are_those_of_its_formula():
     assert points["peak power"].time * SPEED == pytest.approx(float(top), abs=PLACE)
     assert abs(points["peak torque"].torque) == pytest.approx(peak, rel=CLOSE)
     assert points["peak braking power"].power == pytest.approx(-peak * SPEED, rel=CLOSE)  # the engine is symmetric
-    mean = points["RMS torque, mean speed"]
+    mean = points["RMS torque, means"]
     assert (mean.torque, mean.speed) == pytest.approx((rms, SPEED), rel=CLOSE)
     assert mean.power == pytest.approx(0.0, abs=CLOSE * peak * SPEED)
     assert mean.time is None
