@@ -16,8 +16,10 @@ from analytic.description.linkage import Linkage
 from analytic.dynamics.derivative_orders import Needs, needs
 from analytic.errors import LinkproofError, UnknownNameError
 from analytic.evaluation import PER_ANGLE, PIECE, QUANTITIES, moving_sweep
+from analytic.kinematics.change_points import through_change_points
+from analytic.kinematics.decomposition import find_structure
 from analytic.kinematics.mechanism import Mechanism
-from analytic.kinematics.structure import Structure, find_structure
+from analytic.kinematics.structure import Structure
 from analytic.kinematics.sweep import Sweep
 from analytic.numerics.where_assembled import where_assembled
 from analytic.request import EvaluationRequest, evaluation_request
@@ -64,7 +66,9 @@ def evaluate_designs(
     designs = _designs(flat, parameters)
     largest = redesigned(flat, designs.largest())
     angles = request.angle.size + ANGLES_OF_A_DESIGN
-    if is_compiled(path, "evaluation", PER_ANGLE * designs.count * angles * len(flat.structure.bodies)):
+    if not mechanism.changes and is_compiled(
+        path, "evaluation", PER_ANGLE * designs.count * angles * len(flat.structure.bodies)
+    ):
         values, moving = compute(flat, request, largest, count=designs.count, designs=designs.rows, cores=cores)
     else:
         values, moving = _plain(flat, request, needs(largest, request.names, turns=request.turns), designs)
@@ -151,9 +155,12 @@ def _plain(flat: FlatLinkage, request: EvaluationRequest, needed: Needs, designs
     values = np.full((len(request.names), designs.count, request.angle.size), np.nan)
     moving = np.zeros((designs.count, request.angle.size), dtype=np.bool_)
     signs = tuple(dyad.sign for dyad in flat.structure.dyads)
+    follows = any(dyad.changes for dyad in flat.structure.dyads)
     for number in range(designs.count):
         linkage = redesigned(flat, designs.rows(number, number + 1)[0])
         structure = find_structure(linkage).with_signs(signs)
+        if follows:
+            structure, _ = through_change_points(structure, linkage.sketch_angle)
 
         def at(here: Integers, linkage: Linkage = linkage, structure: Structure = structure) -> Array:
             return _piece(Sweep(linkage, structure, request.angle[here]), request, needed, here)

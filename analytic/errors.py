@@ -44,7 +44,9 @@ class DescriptionError(LinkproofError):
 
 
 class StructureError(LinkproofError):
-    """A linkage that is not a class I crank followed by Assur groups of class II."""
+    """A linkage that is not a class I driver followed by Assur groups; ``so_far`` is the formula of what was found."""
+
+    so_far: str = ""
 
 
 class AssemblyError(LinkproofError):

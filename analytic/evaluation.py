@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from analytic.compiled.choice import is_compiled
 from analytic.compiled.evaluation import by_kernels
-from analytic.compiled.flat_linkage import Integers
+from analytic.compiled.flat_linkage import Integers, has_kernels
 from analytic.dynamics import reduced
 from analytic.kinematics.mechanism import Mechanism
 from analytic.kinematics.sweep import Sweep
@@ -86,7 +86,8 @@ def evaluate(
     """
     request = evaluation_request(angle, quantities, speed, acceleration)
     values = None
-    if is_compiled(path, "evaluation", PER_ANGLE * request.angle.size * len(mechanism.structure.bodies)):
+    seconds = PER_ANGLE * request.angle.size * len(mechanism.structure.bodies)
+    if is_compiled(path, "evaluation", seconds) and has_kernels(mechanism.structure):
         values = by_kernels(mechanism, request, cores)
     if values is None:
         values = _by_numpy(mechanism, request)

@@ -26,6 +26,23 @@ UNITS: Final[Mapping[str, str]] = {
 }
 """Names that can be requested, with their units; half_slope is ½ dJeq/dφ."""
 
+LINEAR_UNITS: Final[Mapping[str, str]] = {
+    "phi": "m",
+    "omega": "m/s",
+    "epsilon": "m/s²",
+    "Jeq": "kg",
+    "half_slope": "kg/m",
+    "Q": "N",
+    "Mkr": "N",
+}
+"""Units that change where the driver is pushed along a line, so that φ is a length."""
+
+
+def unit_of(name: str, unit: str, *, is_linear: bool) -> str:
+    """The unit of a quantity by name, whose ``unit`` is that of a linkage driven by a turning crank."""
+    return LINEAR_UNITS.get(name, unit) if is_linear else unit
+
+
 MOVING: Final = frozenset({"Mkr", "Teq", "Peq", "v", "a"})  # those that depend on how the crank moves
 
 

@@ -10,6 +10,7 @@ from typing import cast
 import numpy as np
 from numpy.typing import NDArray
 
+from analytic.description.linkage import DriverKind
 from analytic.errors import LinkproofError
 from comparisons.invariants.inspection import FAINT_FORCE
 from comparisons.judging.deviations import at_jumps
@@ -23,7 +24,7 @@ from comparisons.stress.scenes import scene as scene_of
 from engines.contract import Engine, History, Setting
 from engines.export.script import Figure, script
 from engines.registry import engine, why_unavailable
-from engines.scene import Channel, Scene
+from engines.scene import Channel, Free, Scene
 from engines.stepping.driver import UnsupportedError
 from engines.stepping.stepped_engine import Recipe, SteppedEngine
 
@@ -42,6 +43,16 @@ def exported(case: Case, name: str, setting: Setting, command: str) -> str:
     Raises UnknownNameError for the engine's name, LinkproofError for what cannot be exported.
     """
     adapter, scene = _stepped(engine(name)), case.scene(frozenset(Channel))
+    if scene.driver_kind is not DriverKind.CRANK:
+        raise LinkproofError(
+            f"expected a linkage that a crank drives, got a {scene.driver_kind}, which scripts do not have: "
+            "export another linkage"
+        )
+    if isinstance(scene.drive, Free) and scene.drive.over_time is not None:
+        raise LinkproofError(
+            f"expected a crank torque that is constant or over the angle, got one over time in '{case.motion.regime}', "
+            "which scripts do not have: export another regime"
+        )
     return _script(adapter, scene, case, _recipe(adapter, scene, setting), f"setting {setting}. Written by: {command}")
 
 

@@ -41,14 +41,14 @@ def preview(results: Results, path_png: Path) -> None:
 def _draw(figure: Figure, view: View) -> None:
     figure.suptitle(f"{view.linkage.title}: engines against the closed form", x=0.05, ha="left", y=0.975, fontsize=12)
     left = figure.add_axes(SCHEME_BOX)
-    scheme = scheme_of(view)
+    scheme = scheme_of(view.mechanism)
     low, high = scheme.extent
     box = np.array([SCHEME_BOX[2] * WIDTH, SCHEME_BOX[3] * HEIGHT])
     scale = float(np.min((box - 0.7) / np.maximum(high - low, 1e-9)))
     middle, half = 0.5 * (low + high), 0.5 * box / scale
     left.set_xlim(middle[0] - half[0], middle[0] + half[0])
     left.set_ylim(middle[1] - half[1], middle[1] + half[1])
-    draw_scheme(left, view, 0.042 / scale)
+    draw_scheme(left, scheme, 0.042 / scale)
     regime = view.regimes[0]
     inertia = _panels(figure, 0.325, 0.545, "Reduced moment of inertia")
     torque = _panels(figure, 0.715, 0.895, f"Crank torque, {regime.name}")

@@ -16,6 +16,7 @@ from typing import Protocol, runtime_checkable
 import numpy as np
 from numpy.typing import NDArray
 
+from analytic.description.linkage import DriverKind
 from engines.scene import Channel, Scene
 
 Array = NDArray[np.float64]
@@ -83,11 +84,12 @@ class History:
     """The motion an engine computed, each channel on its own clock; None where it was not asked for or not offered.
 
     ``position`` values (n, bodies, 3): mass centre x, y, m, and angle, rad, unwrapped; ``velocity`` and
-    ``acceleration`` likewise; bodies in the scene's order. ``torque`` values (n,): what the drive exerts on the
-    crank, N m; a free crank's is given and not recorded. ``joint_force``: one signal per joint name, acting on the
-    joint's first body (the pin's ``first``, the slider's or slot's ``body``), N: (n, 2) in the ground frame, or (n,)
-    where the engine tells magnitudes only. Torque and joint forces may lack a sample at the start, and they and
-    accelerations one at a jump of the prescribed acceleration, where they have two values.
+    ``acceleration`` likewise; bodies in the scene's order. ``torque`` values (n,): what the drive exerts on the crank,
+    N m, or the force of a linear drive along it, N; a free crank's is given and not recorded. ``joint_force``: one
+    signal per joint name, acting on the joint's first body (the pin's ``first``, the slider's or slot's ``body``), N:
+    (n, 2) in the ground frame, or (n,) where the engine tells magnitudes only. Torque and joint forces may lack a
+    sample at the start, and they and accelerations one at a jump of the prescribed acceleration, where they have two
+    values.
     """
 
     position: Signal | None = None
@@ -138,8 +140,10 @@ class Abilities:
     """What an engine can do: the types of ``engines.scene`` it takes, the channels it offers, and its settings.
 
     Pins, gravity and constant forces are what every engine has to take; ``loads`` are the types of loads,
-    ``varying_loads`` whether they may change with the crank angle, ``massless`` whether a body may have no mass or no
-    inertia. What else an engine cannot hold, its adapter says of the scene (``Outcome.UNSUPPORTED``).
+    ``varying_loads`` whether they may change with φ, ``timed_torque`` whether a
+    free crank's torque may change with time, ``massless`` whether a body may have no mass or no inertia,
+    ``drivers`` what may drive. What else an engine cannot hold, its adapter says of the scene
+    (``Outcome.UNSUPPORTED``).
     """
 
     readouts: Mapping[Channel, ReadOut]
@@ -148,6 +152,8 @@ class Abilities:
     loads: frozenset[type]
     varying_loads: bool = True
     massless: bool = True
+    timed_torque: bool = False
+    drivers: frozenset[DriverKind] = frozenset({DriverKind.CRANK})
     settings: frozenset[Setting] = frozenset(Setting)
 
     def told(self) -> dict[str, dict[str, str]]:

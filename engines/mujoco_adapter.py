@@ -6,9 +6,10 @@ inverse weights of what is tied. As shipped that is 20 ms, a third of a turn at 
 An expert's time constant is a fraction of a turn, and the inverse weights of the compiled model are made so small that
 rounding weighs as much. The cost is quadratic then, and Newton's method needs one iteration, and one for the rounding.
 
-**Drive.** An equality at the crank's hinge. MuJoCo's own reference takes what is to be followed for constant, so the
-control callback, which runs at every stage of the integrator, sets it: ε and the return to φ and ω. Set once a step
-instead, the fourth order of RK4 is lost.
+**Drive.** An equality at the hinge of the crank or at the slide of the driven slider; a cylinder is a barrel and a rod
+without a weight to speak of, and a slide between them. MuJoCo's own reference takes what is to be followed for
+constant, so the control callback, which runs at every stage of the integrator, sets it: ε and the return to φ and ω.
+Set once a step instead, the fourth order of RK4 is lost.
 
 **Slots.** A block without a weight to speak of slides in the host and is tied to the pin. **Springs**, like forces, are
 set by the callback: before version 4.0 ``cfrc_int`` leaves out what MuJoCo's own springs, its tendons, exert.
@@ -27,8 +28,10 @@ from xml.etree.ElementTree import Element, SubElement, tostring
 import numpy as np
 
 from analytic.description.crank_motion import Segment, derivative
-from analytic.description.linkage import GROUND
+from analytic.description.linkage import GROUND, DriverKind
 from engines.contract import Abilities, Array, History, ReadOut, Setting
+from engines.mechanics.cylinder_links import cylinder_as_links
+from engines.mechanics.driver import across_guide
 from engines.mechanics.joints import scene_size
 from engines.mechanics.loads import instant_pushes
 from engines.mechanics.spanning_tree import AT_REST, Branch, ends, slots_as_blocks, spanning_tree
@@ -47,6 +50,7 @@ KINEMATICS = {Channel.POSITION: "framepos", Channel.VELOCITY: "framelinvel", Cha
 class MujocoRecipe(Recipe):
     """``settle``: the constraints' time constant in samples; 0 leaves all as shipped and reads what a step leaves."""
 
+    at_kinks: bool = True
     integrator: str = "RK4"
     settle: float = 20.0
 
@@ -64,14 +68,17 @@ class MujocoWorld:
     """A scene in MuJoCo's own language, compiled, in its start state.
 
     A body and the hinge or slide that carries it have one name. ``numbers`` are those of the scene's bodies and the
-    ground, ``crank`` that of its hinge; ``readers`` give a channel at the present instant.
+    ground, ``driven`` is the body whose hinge or slide is driven and ``crank`` its number; ``readers`` give a channel
+    at the present instant.
     """
 
     def __init__(self, scene: Scene, recipe: MujocoRecipe) -> None:
         import mujoco
 
         share = 1e-9 if recipe.settle else 1e-2  # a block's of the lightest body; no mass may be below 1e-15
-        blocked = slots_as_blocks(scene, max(1e-14, share * min(body.mass for body in scene.bodies)))
+        light = max(1e-14, share * min(body.mass for body in scene.bodies))
+        blocked = cylinder_as_links(slots_as_blocks(scene, light), light)
+        self.driven = blocked.crank
         self.scene, self.tree = scene, spanning_tree(blocked)
         self.joints, self.warnings = [joint.name for joint in (*scene.pins, *scene.guided)], list[str]()
         self.bodies = {GROUND: AT_REST, **{body.name: body for body in blocked.bodies}}
@@ -80,7 +87,9 @@ class MujocoWorld:
         except ValueError as error:
             raise UnsupportedError(f"MuJoCo takes no such model: {error}") from error
         self.data = data = mujoco.MjData(model)
-        self.crank, self.numbers = model.joint(scene.crank).id, [*(model.body(b.name).id for b in scene.bodies), 0]
+        self.crank, self.numbers = model.joint(self.driven).id, [*(model.body(b.name).id for b in scene.bodies), 0]
+        if scene.driver_kind is not DriverKind.CRANK:  # a rod without a weight to speak of would make its drive as soft
+            model.dof_invweight0[self.crank] = model.body_invweight0[self.numbers[:-1], 0].min()
         if recipe.settle:
             model.opt.tolerance, model.opt.iterations = 0.0, 2  # the second is for the rounding of the first
             lightest = model.body_invweight0[self.numbers].max(axis=0)
@@ -89,7 +98,7 @@ class MujocoWorld:
         for branch in self.tree.branches:
             turning = branch.body.angular_velocity - self.bodies[branch.parent].angular_velocity
             data.joint(branch.body.name).qvel[:] = branch.speed if isinstance(branch.joint, SliderJoint) else turning
-        data.joint(scene.crank).qfrc_applied[:] = scene.drive.torque if isinstance(scene.drive, Free) else 0.0
+        data.joint(self.driven).qfrc_applied[:] = scene.drive.torque if isinstance(scene.drive, Free) else 0.0
         mujoco.mj_forward(model, data)
         hinges = [self.tree.hinges(body.name) for body in scene.bodies]  # whose angles add up to the body's
         self.turns = np.array([[model.joint(n).name in own for n in range(model.nv)] for own in hinges], dtype=float)
@@ -109,7 +118,7 @@ class MujocoWorld:
         for branch in self.tree.branches:
             links[branch.body.name] = self.hung(branch, links[branch.parent])
         if isinstance(scene.drive, Prescribed):
-            SubElement(equalities, "joint", name="/drive", joint1=scene.crank)
+            SubElement(equalities, "joint", name="/drive", joint1=self.driven)
         for cut in self.tree.cuts:
             sites = f"{cut.name}/1", f"{cut.name}/2"
             SubElement(equalities, "connect", name=cut.name, site1=sites[0], site2=sites[1])
@@ -148,6 +157,9 @@ class MujocoWorld:
         model, data, forces = self.model, self.data, {}
         for branch in self.tree.branches:
             forces[branch.name] = (1 - 2 * branch.reverse) * data.cfrc_int[model.body(branch.body.name).id, 3:5]
+        if self.scene.driver_kind is DriverKind.SLIDER:  # the drive's share is along the guide
+            guide = self.scene.driven_slider
+            forces[guide.name] = across_guide(guide, forces[guide.name])
         for cut in self.tree.cuts:
             forces[cut.name] = data.efc_force[data.efc_id == model.equality(cut.name).id][:2]
         return np.array([forces[name] for name in self.joints])
@@ -164,11 +176,16 @@ class MujocoWorld:
             terms = [np.poly1d(derivative(segment.coefficients, order)) for order in range(3)]
             reference = (terms[2] + 2.0 * rate * terms[1] + rate**2 * (terms[0] - start)).coeffs.tolist()
 
+        drive = self.scene.drive
+        timed = drive.torque_at if isinstance(drive, Free) and drive.over_time is not None else None
+
         def control(_model: object, stage: Any) -> None:  # noqa: ANN401
             if segment:
                 x = stage.time - segment.start
                 value = reduce(lambda total, coefficient: total * x + coefficient, reference)
                 stage.efc_aref[0] = value - 2.0 * rate * data.qvel[crank] - rate**2 * data.qpos[crank]
+            if timed:
+                data.qfrc_applied[crank] = timed(stage.time)
             if pushes:
                 centre, direction = data.xipos[numbers] @ PLANE, data.xmat[numbers][:, [0, 3, 6]] @ PLANE
                 spin, arm = data.cvel[numbers, 2], centre - data.subtree_com[roots] @ PLANE
@@ -176,7 +193,7 @@ class MujocoWorld:
                 state = (each.tolist() for each in (centre, direction, velocity, spin))
                 data.xfrc_applied[np.ix_(numbers, (0, 1, 5))] = pushes(start + data.qpos[crank], *state)
 
-        return control if segment or pushes else None
+        return control if segment or pushes or timed else None
 
 
 class MujocoEngine(SteppedEngine[MujocoWorld, MujocoRecipe]):
@@ -188,13 +205,17 @@ class MujocoEngine(SteppedEngine[MujocoWorld, MujocoRecipe]):
     abilities = Abilities(
         readouts={
             **{c: ReadOut(f"sensor {sensor}; angles of hinges added up") for c, sensor in KINEMATICS.items()},
-            Channel.TORQUE: ReadOut("efc_force of the equality at the crank's hinge", drive="the drive's alone"),
-            Channel.JOINT_FORCE: ReadOut("cfrc_int of the body on it; of a cut efc_force", drive="it exerts none"),
+            Channel.TORQUE: ReadOut("efc_force of the equality at the driver's joint", drive="the drive's alone"),
+            Channel.JOINT_FORCE: ReadOut(
+                "cfrc_int of the body on it; of a cut efc_force", drive="a slider's, along its guide, is taken out"
+            ),
         },
         drives=frozenset({Prescribed, Free}),
+        timed_torque=True,
         joints=GUIDES,
         loads=LOADS,
         massless=False,
+        drivers=frozenset(DriverKind),
     )
     settings: Mapping[type, Mapping[Setting, MujocoRecipe]] = {
         Prescribed: dict(zip(Setting, (NEWCOMER, EXPERT, replace(EXPERT, ratios=(20,))), strict=True)),
@@ -208,7 +229,7 @@ class MujocoEngine(SteppedEngine[MujocoWorld, MujocoRecipe]):
     }
 
     def refusal(self, scene: Scene) -> str | None:
-        return spanning_tree(slots_as_blocks(scene, 1.0)).obstacle
+        return spanning_tree(cylinder_as_links(slots_as_blocks(scene, 1.0), 1.0)).obstacle
 
     def build(self, scene: Scene, recipe: MujocoRecipe) -> MujocoWorld:
         return MujocoWorld(scene, recipe)

@@ -1,4 +1,4 @@
-"""Ondsel, the solver of FreeCAD's Assembly, through ``pyondsel``: kinematics and inverse dynamics of a driven crank.
+"""Ondsel, the solver of FreeCAD's Assembly, through ``pyondsel``: kinematics and inverse dynamics of a driven linkage.
 
 Ondsel knows parts in space, joints between markers on them, motions over time, and gravity. Other loads and free motion
 do not exist in it: a free crank "runs" and comes back at rest. Every body is held in the plane by a joint of its own
@@ -9,6 +9,9 @@ plane along it. pyondsel's own reader drops the forces, so the text that the sol
 wrong forces; docs/finds.md has the error and its cause. ``naive`` shows them. ``tuned`` holds the point by a screw
 joint without pitch instead: the distance of the same point from the same plane, of which the solver has the right
 second derivatives. Nothing is added to what the engine says, so every number is read.
+
+**A linear drive** is a motion along the third axes of a translational joint: a slider's on the ground, or that between
+a barrel and a rod without mass, which are the cylinder.
 
 **A damper on the crank** is a flywheel without mass on the crank's shaft. It is turned by a motion of its own so that
 its reaction is the damper's torque: a moment of inertia of c · 1 s, for a coefficient of c, at an angle of ∫φ dt / 1 s.
@@ -24,9 +27,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from analytic.description.linkage import GROUND, Vector
+from analytic.description.linkage import GROUND, DriverKind, Vector
 from engines.contract import Abilities, History, ReadOut, Setting, Signal
 from engines.installed import own_folder
+from engines.mechanics.cylinder_links import cylinder_as_links
 from engines.scene import Body, Channel, Prescribed, Scene, SliderJoint, SlotJoint, TurnDamper
 from engines.stepping.driver import DivergedError
 from engines.stepping.histories import joined
@@ -63,20 +67,25 @@ EXPERT = OndselRecipe(steps_per_turn=100, guide="screw", size=1000.0, graded=Tru
 
 @dataclass
 class OndselWorld:
-    """``parts`` by body; ``sources``: of each joint the path of its force and the sign on the joint's first body."""
+    """``parts`` and their ``angles`` at the start by body; ``sources`` by joint: the path of its force, and its sign.
+
+    The sign is that on the joint's first body. ``line`` is a linear drive's: the body it is fixed in and its direction.
+    """
 
     scene: Scene
     model: AsmtModel
     parts: dict[str, Part] = field(default_factory=dict)
     sources: dict[str, tuple[str, float]] = field(default_factory=dict)
+    angles: dict[str, float] = field(default_factory=lambda: {GROUND: 0.0})
+    line: tuple[str, complex] | None = None
 
     def add_part(self, body: Body) -> None:
         """A part at a body's mass centre; what its inertia is out of the plane does not matter."""
         from pyondsel.model.part import Part
 
-        inertia = float(body.inertia or body.mass)
+        inertia = float(body.mass if body.inertia is None else body.inertia)
         part = Part(f"part{len(self.parts)}", mass=float(body.mass), moments_of_inertia=(inertia, inertia, inertia))
-        self.parts[body.name] = self.model.add_part(part)
+        self.parts[body.name], self.angles[body.name] = self.model.add_part(part), body.angle
         _place(part, *body.position, body.angle)
 
     def marker(self, body: str, place: Vector = (0.0, 0.0), axes: Matrix = UPRIGHT) -> str:
@@ -95,7 +104,8 @@ class OndselWorld:
 
         joint = self.model.add_joint(Joint(f"joint{len(self.model.joints)}", kind, first, second, pitch=0.0))
         if motion:
-            self.model.add_motion(Motion(motion, joint.name, ""))
+            turns = kind == "revolute"
+            self.model.add_motion(Motion(motion, joint.name, "", "rotational" if turns else "translational"))
         return _path(joint.name)
 
 
@@ -110,12 +120,16 @@ class OndselEngine(SteppedEngine[OndselWorld, OndselRecipe]):
             Channel.POSITION: ReadOut("PartSeries X, Y, Bryantz"),
             Channel.VELOCITY: ReadOut("PartSeries VX, VY, OmegaZ"),
             Channel.ACCELERATION: ReadOut("PartSeries AX, AY, AlphaZ"),
-            Channel.TORQUE: ReadOut("RotationalMotionSeries TZonI, on the ground", drive="nothing else is in it"),
+            Channel.TORQUE: ReadOut(
+                "RotationalMotionSeries TZonI, on the ground; TranslationalMotionSeries FXonI, FYonI, along the line",
+                drive="nothing else is in it",
+            ),
             Channel.JOINT_FORCE: ReadOut("JointSeries FXonI and FYonI, on the second body", drive="not included"),
         },
         drives=frozenset({Prescribed}),
         joints=frozenset({SliderJoint, SlotJoint}),
         loads=frozenset({TurnDamper}),
+        drivers=frozenset(DriverKind),
         settings=frozenset({Setting.NAIVE, Setting.TUNED}),
     )
     settings: Mapping[type, Mapping[Setting, OndselRecipe]] = {
@@ -127,6 +141,8 @@ class OndselEngine(SteppedEngine[OndselWorld, OndselRecipe]):
     }
 
     def refusal(self, scene: Scene) -> str | None:
+        if scene.driver_kind is not DriverKind.CRANK:
+            return "it takes no turn damper beside a linear drive" if scene.dampers else None
         if all({damper.first, damper.second} == {scene.crank, GROUND} for damper in scene.dampers):
             return None
         return f"it takes no turn damper but one between the crank '{scene.crank}' and the ground"
@@ -134,12 +150,13 @@ class OndselEngine(SteppedEngine[OndselWorld, OndselRecipe]):
     def build(self, scene: Scene, recipe: OndselRecipe) -> OndselWorld:
         from pyondsel.model.asmt_model import AsmtModel
 
-        world = OndselWorld(scene, AsmtModel(LINKAGE, gravity=(float(scene.gravity[0]), float(scene.gravity[1]), 0.0)))
+        given, scene = scene, cylinder_as_links(scene, 0.0)
+        world = OndselWorld(given, AsmtModel(LINKAGE, gravity=(float(scene.gravity[0]), float(scene.gravity[1]), 0.0)))
         for body in scene.bodies:
             world.add_part(body)
             if body.name != scene.crank:
                 world.join("planar", world.marker(GROUND), world.marker(body.name))
-            if not scene.can_turn(body):
+            if not scene.can_turn(body) and body.name != scene.crank:
                 _keep_angle(world, body.name, GROUND)
         for pin in scene.pins:
             ends, sign = [(pin.second, pin.second_anchor), (pin.first, pin.first_anchor)], -1.0
@@ -149,15 +166,21 @@ class OndselEngine(SteppedEngine[OndselWorld, OndselRecipe]):
             kind, motion = ("revolute", DRIVE) if is_shaft else ("point_in_line", "")
             world.sources[pin.name] = world.join(kind, *(world.marker(*end) for end in ends), motion=motion), sign
         for joint in scene.guided:
+            if joint.body == scene.crank and isinstance(joint, SliderJoint):
+                world.sources[joint.name] = _drive_along(world, joint), -1.0
+                continue
             host = world.marker(joint.host, joint.through, _along(joint.along))
             point = world.marker(joint.body, joint.anchor, _along((1.0, 0.0)))
             world.sources[joint.name] = world.join(recipe.guide, host, point), -1.0
         for slider in scene.sliders:
-            if any(body.name == slider.body and scene.can_turn(body) for body in scene.bodies):
+            if slider.body != scene.crank and any(
+                body.name == slider.body and scene.can_turn(body) for body in scene.bodies
+            ):
                 _keep_angle(world, slider.body, slider.host)
         if coefficient := sum(damper.coefficient for damper in scene.dampers):
             world.add_part(Body(FLYWHEEL, 0.0, coefficient, (0.0, 0.0), 0.0, (0.0, 0.0), 0.0, (0.0, 0.0), 0.0))
             world.join("revolute", world.marker(scene.crank), world.marker(FLYWHEEL), motion=FLYWHEEL)
+        world.sources = {joint.name: world.sources[joint.name] for joint in (*given.pins, *given.guided)}
         return world
 
     def follow(self, world: OndselWorld, course: Course[OndselRecipe]) -> History:
@@ -178,10 +201,19 @@ def _along(direction: Vector) -> Matrix:
     return ((0.0, x, -y), (0.0, y, x), (1.0, 0.0, 0.0))
 
 
+def _drive_along(world: OndselWorld, joint: SliderJoint) -> str:
+    """The joint of a driven slider, the third axes of whose markers are along its line."""
+    (x, y), turn = joint.along, world.angles[joint.host] - world.angles[joint.body]
+    c, s = math.cos(turn), math.sin(turn)
+    host = world.marker(joint.host, joint.through, _along((y, -x)))
+    body = world.marker(joint.body, joint.anchor, _along((s * x + c * y, s * y - c * x)))
+    world.line = joint.host, complex(*joint.along)
+    return world.join("translational", host, body, motion=DRIVE)
+
+
 def _keep_angle(world: OndselWorld, body: str, host: str) -> None:
     """Hold a body's angle against its host's: a direction of each stays square to the other's."""
-    angle = {**{each.name: each.angle for each in world.scene.bodies}, GROUND: 0.0}
-    turn = angle[host] - angle[body]
+    turn = world.angles[host] - world.angles[body]
     square = world.marker(body, axes=_along((-math.sin(turn), math.cos(turn))))
     world.join("perpendicular", world.marker(host, axes=_along((1.0, 0.0))), square)
 
@@ -213,12 +245,22 @@ def _followed(world: OndselWorld, part: Interval, course: Course[OndselRecipe], 
         motion(Channel.POSITION, POSITION),
         motion(Channel.VELOCITY, VELOCITY),
         motion(Channel.ACCELERATION, ACCELERATION),
-        Signal(time, -rows[_path(DRIVE), "TZonI"][kept]) if Channel.TORQUE in course.channels else None,
+        Signal(time, _driven(world, rows)[kept]) if Channel.TORQUE in course.channels else None,
         {
             name: Signal(time, sign * np.stack([rows[path, "FXonI"], rows[path, "FYonI"]], axis=1)[kept])
             for name, (path, sign) in forces
         },
     )
+
+
+def _driven(world: OndselWorld, rows: dict[tuple[str, str], Array]) -> Array:
+    """What the drive exerts: its moment, or its force along the line of a slider or cylinder."""
+    if world.line is None:
+        return -rows[_path(DRIVE), "TZonI"]
+    host, along = world.line
+    turned = rows[_path(world.parts[host].name), "Bryantz"] if host != GROUND else np.zeros(1)
+    force = rows[_path(DRIVE), "FXonI"] + 1j * rows[_path(DRIVE), "FYonI"]
+    return np.asarray(-(force * (along * np.exp(1j * turned)).conjugate()).real)
 
 
 def _solved(world: OndselWorld, part: Interval) -> dict[tuple[str, str], Array]:

@@ -6,12 +6,16 @@ frame against the ground, so local anchors turn with it. Counter-clockwise is po
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from enum import StrEnum
 
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
 from analytic.description.crank_motion import CrankMotion
-from analytic.description.law import Law
-from analytic.description.linkage import GROUND, Vector
+from analytic.description.law import Law, TimeLaw
+from analytic.description.linkage import GROUND, DriverKind, Vector, rotate
 
 
 class Channel(StrEnum):
@@ -115,27 +119,51 @@ class TurnDamper:
     coefficient: float
 
 
+@dataclass(frozen=True)
+class Cylinder:
+    """A massless driver between two anchors (either body may be the ground): its length is φ.
+
+    Its force is positive where it pushes the two apart; it acts on ``first`` along the line from the second anchor.
+    """
+
+    first: str
+    second: str
+    first_anchor: Vector
+    second_anchor: Vector
+
+
 GUIDES: frozenset[type] = frozenset({SliderJoint, SlotJoint})  # every type of joint beside the pin
 LOADS: frozenset[type] = frozenset({AppliedForce, AppliedTorque, PointSpring, TurnDamper})  # every type beside gravity
 
 
 @dataclass(frozen=True)
 class Prescribed:
-    """The crank follows ``motion`` exactly; the torque this takes is the drive torque."""
+    """The driver follows ``motion`` exactly; the torque this takes is the drive torque.
+
+    Of a linear driver the motion's angle is φ in m, speed and acceleration are in m/s and m/s², and what is recorded as
+    torque is the force along it, N.
+    """
 
     motion: CrankMotion
 
 
 @dataclass(frozen=True)
 class Free:
-    """The crank is moved by a constant torque (and the scene's loads) for ``duration`` seconds.
+    """The driver is moved by a constant torque (and the scene's loads) for ``duration`` seconds.
 
-    ``pace``, rad/s, is about how fast it will turn or swing, for the choice of a step; 0 where nobody knows.
+    Of a linear driver ``torque`` is a force along it, N. ``pace``, rad/s or m/s, is about how fast it will turn or
+    swing, for the choice of a step; 0 where nobody knows.
     """
 
     torque: float
     duration: float
     pace: float = 0.0
+    over_time: TimeLaw | None = None
+
+    def torque_at(self, time: ArrayLike) -> NDArray[np.float64]:
+        """The drive's whole torque at any time, s."""
+        over_time = 0.0 if self.over_time is None else self.over_time(time)
+        return np.asarray(np.full(np.shape(time), self.torque) + over_time)
 
 
 Drive = Prescribed | Free
@@ -143,9 +171,10 @@ Drive = Prescribed | Free
 
 @dataclass(frozen=True)
 class Scene:
-    """All an engine is told. ``crank`` names the driven body, which is pinned to the ground.
+    """All an engine is told. ``crank`` names the driven body.
 
-    ``crank_angle`` is φ at the start (the crank body's ``angle``, unwrapped).
+    It is pinned to the ground and turns, or held by a slider on the ground and is pushed along it; empty where a
+    ``cylinder`` drives. ``driver_kind`` says which.
     """
 
     crank: str
@@ -160,6 +189,32 @@ class Scene:
     torques: tuple[AppliedTorque, ...] = ()
     springs: tuple[PointSpring, ...] = ()
     dampers: tuple[TurnDamper, ...] = ()
+    cylinder: Cylinder | None = None
+
+    @property
+    def driver_kind(self) -> DriverKind:
+        """What drives: a crank (φ in rad, a torque), a slider or a cylinder (φ in m, a force)."""
+        if self.cylinder is not None:
+            return DriverKind.CYLINDER
+        rides = any(slider.body == self.crank and slider.host == GROUND for slider in self.sliders)
+        return DriverKind.SLIDER if rides else DriverKind.CRANK
+
+    @property
+    def driven_slider(self) -> SliderJoint:
+        """The slider that is pushed."""
+        return next(slider for slider in self.sliders if slider.body == self.crank)
+
+    @property
+    def driver_ends(self) -> tuple[str, str, Vector, Vector]:
+        """Of a linear driver: the bodies at its first and second end, and the anchors there.
+
+        φ counts from the second anchor to the first, along the guide of a slider or along the cylinder.
+        """
+        if self.cylinder is not None:
+            ends = self.cylinder
+            return ends.first, ends.second, ends.first_anchor, ends.second_anchor
+        slider = self.driven_slider
+        return slider.body, slider.host, slider.anchor, slider.through
 
     @property
     def guided(self) -> tuple[SliderJoint | SlotJoint, ...]:
@@ -176,5 +231,20 @@ class Scene:
 
     @property
     def crank_angle(self) -> float:
-        """φ at the start, rad."""
-        return next(body.angle for body in self.bodies if body.name == self.crank)
+        """φ at the start: the crank body's angle, unwrapped, rad, or the travel or length of a linear driver, m."""
+        if self.driver_kind is DriverKind.CRANK:
+            return next(body.angle for body in self.bodies if body.name == self.crank)
+        first, second, here, there = self.driver_ends
+        span = [a - b for a, b in zip(self._at(first, here), self._at(second, there), strict=True)]
+        if self.cylinder is not None:
+            return math.hypot(*span)
+        along = self.driven_slider.along
+        return span[0] * along[0] + span[1] * along[1]
+
+    def _at(self, body: str, anchor: Vector) -> Vector:
+        """Where a body's anchor is at the start."""
+        if body == GROUND:
+            return anchor
+        state = next(each for each in self.bodies if each.name == body)
+        turned = rotate(anchor, (math.cos(state.angle), math.sin(state.angle)))
+        return state.position[0] + turned[0], state.position[1] + turned[1]

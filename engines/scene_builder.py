@@ -11,6 +11,7 @@ from engines.scene import (
     AppliedTorque,
     Body,
     Channel,
+    Cylinder,
     Drive,
     PinJoint,
     PointSpring,
@@ -56,7 +57,16 @@ def build_scene(linkage: Linkage, start: Mapping[str, Body], drive: Drive, chann
             for s in linkage.springs
         ),
         dampers=tuple(TurnDamper(*damper.links, damper.coefficient) for damper in linkage.dampers),
+        cylinder=_cylinder(linkage),
     )
+
+
+def _cylinder(linkage: Linkage) -> Cylinder | None:
+    driver = linkage.cylinder
+    if driver is None:
+        return None
+    here, there = (_anchor(linkage, point, link) for point, link in zip(driver.points, driver.links, strict=True))
+    return Cylinder(*driver.links, here, there)
 
 
 def is_pin_mass(linkage: Linkage, slider: Slider) -> bool:
@@ -71,6 +81,7 @@ def is_pin_mass(linkage: Linkage, slider: Slider) -> bool:
         and not any(slider.link == slot.guide.host for slot in linkage.slots)
         and not any(slider.link == torque.link for torque in linkage.torques)
         and not any(slider.link in damper.links for damper in linkage.dampers)
+        and not (linkage.cylinder is not None and slider.link in linkage.cylinder.links)
     )
 
 

@@ -63,6 +63,7 @@ def test_the_alarm_goes_off(imported):
         ("compare", "--help"),
         ("list",),
         ("show", "juki-mf7923d"),
+        ("results", "juki-mf7923d"),
         ("thread", "slotted-takeup"),
     ],
     ids=" ".join,

@@ -19,6 +19,7 @@ from analytic.description.changes import Kind, changed
 from analytic.description.law import Law
 from analytic.description.linkage import GROUND, Linkage
 from analytic.dynamics.derivative_orders import needs
+from analytic.errors import LinkproofError
 from analytic.kinematics.mechanism import Mechanism
 from analytic.kinematics.structure import KINDS, Dyad, Joint, Revolute, Structure
 
@@ -80,9 +81,20 @@ class FlatLinkage:
     directions: tuple[int, ...]
 
 
+def has_kernels(structure: Structure) -> bool:
+    """Whether the kernels can solve a linkage: turning crank, groups of class II, no change point; NumPy solves all."""
+    changes = any(dyad.changes for dyad in structure.dyads)
+    return isinstance(structure.pivot, Revolute) and not structure.is_numerical and not changes
+
+
 @lru_cache(maxsize=16)
 def flatten(mechanism: Mechanism) -> FlatLinkage:
-    """The tables of a linkage, in the assembly modes its sketch picks."""
+    """The tables of a linkage, in the assembly modes its sketch picks; raises LinkproofError where there are none."""
+    if not isinstance(mechanism.structure.pivot, Revolute):
+        raise LinkproofError(
+            f"'{mechanism.linkage.name}': expected a turning crank and groups of class II, which many designs at once "
+            f"need, got {mechanism.structure.formula}; evaluate every design as a mechanism of its own"
+        )
     return _Writer(mechanism).flattened()
 
 
@@ -176,6 +188,7 @@ class _Writer:
         return (*self.guides[joint.slider], int(joint.near == joint.slider))
 
     def _crank(self) -> Row:
+        assert isinstance(self.structure.pivot, Revolute)
         point, crank = self.structure.pivot.point, self.linkage.crank
         return (self._point(GROUND, point), self._point(crank, point), *self._mass(crank))
 

@@ -89,7 +89,19 @@ def multiplied(linkage: Linkage, factor: float, *kinds: Kind, under: str = "") -
 def scaled(linkage: Linkage, *, length: float = 1.0, mass: float = 1.0, time: float = 1.0) -> Linkage:
     """The same problem with every length, mass and time times a factor; without its thread."""
     factors = {kind: length**a * mass**b * time**c for kind, (a, b, c) in DIMENSIONS.items()}
-    return changed(without(linkage, "thread"), lambda _, kind, value: value * factors[kind])
+    result = changed(without(linkage, "thread"), lambda _, kind, value: value * factors[kind])
+    if not linkage.is_linear:
+        return result
+
+    def over_length(law: Law) -> Law:
+        return law if law.angles is None else replace(law, angles=law.angles * length)
+
+    return replace(
+        result,
+        sketch_angle=result.sketch_angle * length,
+        forces=tuple(replace(load, force=over_length(load.force)) for load in result.forces),
+        torques=tuple(replace(load, torque=over_length(load.torque)) for load in result.torques),
+    )
 
 
 def without(linkage: Linkage, *parts: str) -> Linkage:
@@ -176,7 +188,7 @@ class _Walk:
         names = [f"{row}{end}" for row in rows for end in ends]
         flat = [self.number(one, kind, float(value)) for one, value in zip(names, law.values.flat, strict=True)]
         values = np.reshape(flat, law.values.shape)
-        return law if np.array_equal(values, law.values) else Law(values, law.angles)
+        return law if np.array_equal(values, law.values) else replace(law, values=values)
 
     def spring(self, spring: Spring) -> Spring:
         name = f"springs.{'.'.join(spring.points)}"

@@ -8,7 +8,7 @@ import math
 from analytic.description import linkage as lk
 from analytic.description import load_tables
 from analytic.description import schema as doc
-from analytic.description.crank_motion import REGIMES
+from analytic.description.crank_motion import own_regimes
 from analytic.description.diagnosis import EXPECTED, Source
 from analytic.description.linkage import GROUND, Linkage, Vector
 from analytic.description.lookup import Reader, reader_of
@@ -22,8 +22,7 @@ COINCIDENT = 1e-12
 def interpret(document: doc.Document, name: str, variants: tuple[str, ...], source: Source) -> Linkage:
     """Build the Linkage of a document; raises DescriptionError for what is impossible or contradictory."""
     reader = reader_of(document, source)
-    if document.crank not in document.links:
-        raise reader.fail(f"crank: {UnknownNameError('link', document.crank, document.links)}")
+    _check_driver(reader)
     if GROUND in document.links:
         raise reader.fail(
             "links.ground: expected only moving links under [links], got the ground; list its points under [ground]"
@@ -36,13 +35,14 @@ def interpret(document: doc.Document, name: str, variants: tuple[str, ...], sour
         variant=document.variant,
         variants=variants,
         crank=document.crank,
+        cylinder=_cylinder(reader),
         ground={key: reader.vector(document.ground[key], f"ground.{key}") for key in sorted(document.ground)},
         links=links,
         pins=_pins(reader),
         sliders=_sliders(reader),
         slots=_slots(reader),
         sketch=_sketch(reader),
-        sketch_angle=document.sketch.angle * reader.scale["angle"],
+        sketch_angle=document.sketch.angle * reader.scale[reader.coordinate],
         gravity=_gravity(reader),
         forces=load_tables.forces(reader),
         torques=load_tables.torques(reader),
@@ -50,25 +50,15 @@ def interpret(document: doc.Document, name: str, variants: tuple[str, ...], sour
         dampers=load_tables.dampers(reader),
         output=_output(reader),
         thread=_thread(reader),
-        regimes=tuple(_regime(reader, name) for name in sorted(document.regimes)),
+        regimes=tuple(own_regimes.regime(reader, name) for name in sorted(document.regimes)),
         errata=_errata(reader, variants),
         published=tuple(document.published),
         notes=tuple(document.notes),
-        length_unit=document.units.length,
+        units=document.units.model_dump(),
         text=source.text,
     )
     _check_lengths(reader, linkage)
     return linkage
-
-
-def _regime(reader: Reader, name: str) -> lk.ReleasedRegime:
-    """A regime of the linkage's own, which may not bear the name of a prescribed one."""
-    table, where = reader.document.regimes[name], f"regimes.{name}"
-    if name in REGIMES:
-        raise reader.fail(f"{where}: expected a name of its own, got that of a prescribed regime; choose another")
-    torque = reader.number(table.torque, "torque", f"{where}.torque")
-    start = reader.number(table.start_angle, "angle", f"{where}.start_angle")
-    return lk.ReleasedRegime(name, torque, start, table.start_speed, table.duration)
 
 
 def _thread(reader: Reader) -> ThreadPath | None:
@@ -108,6 +98,12 @@ def _errata(reader: Reader, variants: tuple[str, ...]) -> tuple[doc.Erratum, ...
         where = f"errata.{number}"
         if table.regime not in regimes:
             raise reader.fail(f"{where}: {UnknownNameError('regime of its own', table.regime, regimes)}")
+        regime = regimes[table.regime]
+        if not own_regimes.is_released(regime) or isinstance(regime.torque, list):
+            raise reader.fail(
+                f"{where}.regime: expected a regime in which the crank is released under a constant torque, got "
+                f"'{table.regime}', which has a motion or a torque of another kind; name another"
+            )
         if table.variant is not None and table.variant not in variants:
             raise reader.fail(f"{where}: {UnknownNameError('variant', table.variant, variants)}")
     return tuple(reader.document.errata)
@@ -117,11 +113,40 @@ def _link(reader: Reader, name: str) -> lk.Link:
     where = f"links.{name}"
     table = reader.document.links[name]
     points = {key: reader.vector(place, f"{where}.points.{key}") for key, place in sorted(reader.points(name).items())}
-    inertia = None if table.inertia is None else reader.positive(table.inertia, "inertia", f"{where}.inertia")
+    mass = reader.weight(table.mass, "mass", f"{where}.mass")
+    inertia = None if table.inertia is None else reader.weight(table.inertia, "inertia", f"{where}.inertia")
     if inertia is None and _turns(reader, name):
-        raise reader.fail(f"{where}.inertia is missing: expected {EXPECTED['inertia']}, for the link turns; add it")
-    mass = reader.positive(table.mass, "mass", f"{where}.mass")
+        if mass:
+            raise reader.fail(f"{where}.inertia is missing: expected {EXPECTED['inertia']}, for the link turns; add it")
+        inertia = 0.0
     return lk.Link(name, points, mass, reader.vector(table.centre, f"{where}.centre"), inertia)
+
+
+def _check_driver(reader: Reader) -> None:
+    """One driver: a link, or a cylinder, whose length at the sketch has to be told."""
+    document = reader.document
+    if not document.crank and document.cylinder is None:
+        raise reader.fail(f"crank is missing: expected {EXPECTED['crank']}; add it, or a cylinder")
+    if document.crank and document.cylinder is not None:
+        raise reader.fail("cylinder: expected one driver, got crank and cylinder; leave one of them out")
+    if document.crank and document.crank not in document.links:
+        raise reader.fail(f"crank: {UnknownNameError('link', document.crank, document.links)}")
+    if document.cylinder is not None and document.sketch.angle <= 0.0:
+        raise reader.fail(
+            "sketch.angle: expected the length of the cylinder at which the sketch is drawn, in the file's unit, got "
+            f"{document.sketch.angle:g}; give it"
+        )
+
+
+def _cylinder(reader: Reader) -> lk.CylinderDrive | None:
+    table = reader.document.cylinder
+    if table is None:
+        return None
+    ends = zip(table.between, table.links or (None, None), strict=True)
+    first, second = (reader.owner(point, link, "cylinder") for point, link in ends)
+    if first == second:
+        raise reader.fail(f"cylinder: expected ends on two different bodies, got both on '{first}'; correct one")
+    return lk.CylinderDrive(table.between, (first, second))
 
 
 def _check_lengths(reader: Reader, linkage: Linkage) -> None:

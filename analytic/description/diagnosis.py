@@ -6,7 +6,7 @@ import re
 import tomllib
 from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from pathlib import Path
 from typing import Any, Final
@@ -16,9 +16,10 @@ from pydantic_core import ErrorDetails
 
 from analytic.description.schema import Document
 from analytic.description.units import UNITS
-from analytic.errors import UnknownNameError, shortened
+from analytic.errors import DescriptionError, UnknownNameError, shortened
 
-_PHRASES: Final = tomllib.loads(Path(__file__).with_name("expected.toml").read_text(encoding="utf-8"))
+_PHRASES_FILE: Final = Path(__file__).parent / "format" / "expected.toml"
+_PHRASES: Final = tomllib.loads(_PHRASES_FILE.read_text(encoding="utf-8"))
 EXPECTED: Final[Mapping[str, str]] = _PHRASES["by_key"] | {
     f"units.{kind}": f"the name of a unit of {kind.replace('_', ' ')} in quotes: {', '.join(units)}"
     for kind, units in UNITS.items()
@@ -29,15 +30,28 @@ WITHOUT = " is missing"
 
 @dataclass(frozen=True)
 class Source:
-    """A linkage file as it was read: its name for messages, its text, and the variant laid over it, if any."""
+    """A linkage file as it was read: its name for messages, its text, and the variant laid over it, if any.
+
+    ``copies`` has the path that stands in the file for each path that is a copy of it.
+    """
 
     name: str
     text: str = ""
     variant: str | None = None
+    copies: Mapping[str, str] = field(default_factory=dict)
 
     @cached_property
     def _lines(self) -> dict[str, int]:
-        return key_lines(self.text)
+        lines = key_lines(self.text)
+        return {copy: lines[path] for copy, path in self.copies.items() if path in lines} | lines
+
+    def with_copies(self, copies: Mapping[str, str]) -> Source:
+        """The same file with copies of some of its parts."""
+        return replace(self, copies=copies)
+
+    def fault(self, message: str) -> DescriptionError:
+        """The error to raise about this file; the message begins with the key at fault."""
+        return DescriptionError(self.place(message))
 
     def line(self, keys: Sequence[str]) -> int:
         """The line of a key, the variant's before the file's own, or of the innermost table or list it belongs to."""
@@ -65,12 +79,12 @@ def readable(keys: Sequence[str]) -> str:
     return ".".join(f"#{int(key) + 1}" if key.isdigit() else shortened(key) for key in keys).replace(".#", " #")
 
 
-def sentence(error: ValidationError, source: Source) -> str:
-    """The first fault of a document."""
+def sentence(error: ValidationError, source: Source, model: type[BaseModel] = Document) -> str:
+    """The first fault of a document, which the ``model`` describes."""
     fault = _telling(error.errors(include_url=False, include_context=False))
     keys = _keys(fault)
     if fault["type"] == "extra_forbidden":
-        return f"{source.at(keys)}: {UnknownNameError('key', keys[-1], _known_keys(keys[:-1]))}"
+        return f"{source.at(keys)}: {UnknownNameError('key', keys[-1], _known_keys(keys[:-1], model))}"
     if fault["type"] == "missing" and not keys[-1].isdigit():
         return f"{source.at(keys)}{WITHOUT}: expected {_expected(fault, keys)}; add it"
     return f"{source.at(keys)}: expected {_expected(fault, keys)}, got {shown(fault['input'])}; correct it"
@@ -113,13 +127,17 @@ def shown(value: object) -> str:
     )
 
 
-def _known_keys(parents: Sequence[str]) -> list[str]:
+def _known_keys(parents: Sequence[str], root: type[BaseModel]) -> list[str]:
     """Keys that are allowed where an unknown one was found."""
-    model: type[BaseModel] | None = Document
+    model: type[BaseModel] | None = root
     for key in parents:
         if model is not None and key in model.model_fields:
             model = next(_tables_in(model.model_fields[key].annotation), None)
-    return sorted(model.model_fields) if model is not None else []
+    if model is None:
+        return []
+    # Some are gone before the model is asked.
+    outside = () if parents or root is not Document else ("variants", "repeat")
+    return sorted((*(field.alias or name for name, field in model.model_fields.items()), *outside))
 
 
 def _tables_in(annotation: Any) -> Iterator[type[BaseModel]]:  # noqa: ANN401 - an annotation may be anything

@@ -1,4 +1,8 @@
-"""A load as a function of the crank angle: constant, or a table over φ closed into a periodic cubic spline."""
+"""A load as a function of the driver's coordinate φ: constant, or a table over φ made into a cubic spline.
+
+Over a crank angle the table is closed into a periodic spline. Over a travel it is not: beyond its ends the load keeps
+its last value.
+"""
 
 from __future__ import annotations
 
@@ -17,16 +21,43 @@ if TYPE_CHECKING:
 FULL_TURN = 2.0 * np.pi
 
 
+@dataclass(frozen=True)
+class TimeLaw:
+    """A number that depends on time alone: straight lines between its values, the first and last of them outside.
+
+    Lines follow what a drive is switched to and overshoot nothing. ``times``, s, increase; ``torque`` has the values,
+    N m, as many.
+    """
+
+    times: tuple[float, ...]
+    torque: tuple[float, ...]
+
+    def __call__(self, time: ArrayLike) -> NDArray[np.float64]:
+        """The value at each time; shape of ``time``."""
+        return np.asarray(np.interp(np.asarray(time, dtype=float), self.times, self.torque))
+
+    def at(self, time: float) -> float:
+        """The value at one time, for engines that ask in every step."""
+        piece = bisect_right(self.times, time)
+        if piece in (0, len(self.times)):
+            return self.torque[min(piece, len(self.times) - 1)]
+        start, end = self.times[piece - 1 : piece + 1]
+        low, high = self.torque[piece - 1 : piece + 1]
+        return low + (high - low) * (time - start) / (end - start)
+
+
 @dataclass(frozen=True, eq=False)
 class Law:
     """A scalar or a vector that depends on the crank angle alone.
 
     ``values`` has shape (k,) for a constant of k components; with ``angles`` of shape (n,), rad, increasing and
-    spanning less than one turn, it has shape (n, k) and the law is the periodic cubic spline through it.
+    spanning less than one turn, it has shape (n, k) and the law is the periodic cubic spline through it. One that is
+    not ``periodic`` is over a travel, m: a not-a-knot spline, held at its ends.
     """
 
     values: NDArray[np.float64]
     angles: NDArray[np.float64] | None = field(default=None)
+    periodic: bool = True
 
     @property
     def is_constant(self) -> bool:
@@ -38,6 +69,8 @@ class Law:
         from scipy.interpolate import CubicSpline  # noqa: PLC0415 - a linkage without tables does not pay for it
 
         assert self.angles is not None
+        if not self.periodic:
+            return CubicSpline(self.angles, self.values)
         knots = np.append(self.angles, self.angles[0] + FULL_TURN)
         return CubicSpline(knots, np.vstack([self.values, self.values[:1]]), bc_type="periodic")
 
@@ -47,10 +80,14 @@ class Law:
         if self.angles is None:
             values = self.values if order == 0 else np.zeros_like(self.values)
             return np.broadcast_to(values.reshape(-1, *([1] * angle.ndim)), (len(values), *angle.shape))
-        return np.moveaxis(np.asarray(self._spline(angle, order)), -1, 0)
+        if self.periodic:
+            return np.moveaxis(np.asarray(self._spline(angle, order)), -1, 0)
+        within = np.clip(angle, self.angles[0], self.angles[-1])
+        inside = (within == angle) | (order == 0)
+        return np.moveaxis(np.asarray(self._spline(within, order)) * inside[..., None], -1, 0)
 
     def pieces(self) -> tuple[list[float], list[Any]]:
-        """Of a law over the angle, the knots, rad, and the cubics from each on: by piece, component and power."""
+        """Of a law over φ, the knots, rad (or m), and the cubics from each on: by piece, component and power."""
         assert self.angles is not None
         return self.angles.tolist(), np.moveaxis(self._spline.c[::-1], 0, -1).tolist()
 
@@ -63,10 +100,11 @@ class Law:
             constant = tuple(self.values.tolist())
             return lambda _angle: constant
         knots, pieces = self.pieces()
+        repeats, last = self.periodic, float(self.angles[-1])
 
         def value(angle: float) -> tuple[float, ...]:
-            angle = knots[0] + (angle - knots[0]) % FULL_TURN
-            piece = bisect_right(knots, angle) - 1
+            angle = knots[0] + (angle - knots[0]) % FULL_TURN if repeats else min(max(angle, knots[0]), last)
+            piece = min(bisect_right(knots, angle), len(pieces)) - 1
             x = angle - knots[piece]
             return tuple(a + x * (b + x * (c + x * d)) for a, b, c, d in pieces[piece])
 

@@ -2,8 +2,11 @@
 
 All lengths are in m, masses in kg, inertias in kg m² about the mass centre, forces in N, torques in
 N m, angles in rad counter-clockwise. A link's *frame* is any right-handed frame fixed in it; its points, mass
-centre, guides and slots are given in that frame. The ground frame is the drawing's. The crank angle φ is the
-angle of the crank's x axis against the ground's x axis.
+centre, guides and slots are given in that frame. The ground frame is the drawing's.
+
+The one coordinate φ is that of the driver. Of a crank it is the angle of its x axis against the ground's x axis, rad;
+of a slider of the ground its travel along the guide, m, of a cylinder its length, m. Quantities of the drive change
+their units with it: see ``analytic.request.unit_of``.
 """
 
 from __future__ import annotations
@@ -12,9 +15,12 @@ import itertools
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from enum import StrEnum
 from typing import Final
 
-from analytic.description.law import Law
+from analytic.description.crank_motion import degrees
+from analytic.description.crank_motion.prescribed import CrankMotion
+from analytic.description.law import Law, TimeLaw
 from analytic.description.schema import Erratum, Published
 from analytic.description.thread_path import ThreadPath
 from analytic.description.units import factor
@@ -35,6 +41,14 @@ def unit(vector: Vector) -> Vector:
     return (vector[0] / length, vector[1] / length)
 
 
+class DriverKind(StrEnum):
+    """What drives a linkage: a crank is turned (φ in rad); a slider of the ground or a cylinder is pushed (φ in m)."""
+
+    CRANK = "crank"
+    SLIDER = "slider"
+    CYLINDER = "cylinder"
+
+
 @dataclass(frozen=True)
 class Guide:
     """A straight line fixed in ``host`` (a link or the ground), through a point, along a unit vector."""
@@ -48,7 +62,7 @@ class Guide:
 class Link:
     """A moving rigid body.
 
-    ``inertia`` is about the mass centre; ``None`` is allowed for a link that cannot turn.
+    ``inertia`` is about the mass centre; ``None`` is allowed for a link that cannot turn. Both may be zero.
     """
 
     name: str
@@ -144,6 +158,14 @@ class RotaryDamper:
 
 
 @dataclass(frozen=True)
+class CylinderDrive:
+    """A massless driver between two points of two bodies: its length is φ, its force pushes them apart."""
+
+    points: tuple[str, str]
+    links: tuple[str, str]
+
+
+@dataclass(frozen=True)
 class Output:
     """What S, v and a describe: a point measured along a unit vector of the ground frame."""
 
@@ -154,9 +176,10 @@ class Output:
 
 @dataclass(frozen=True)
 class ReleasedRegime:
-    """A regime of the linkage's own: the crank is released and moved by a constant torque, N m, and the loads.
+    """A regime of the linkage's own: the crank is released and moved by a torque, N m, and the loads.
 
-    Starts at crank angle ``start_angle``, rad, with crank speed ``start_speed``, rad/s; lasts ``duration``, s.
+    Starts at crank angle ``start_angle``, rad, with crank speed ``start_speed``, rad/s; lasts ``duration``, s. Of the
+    torque, ``torque`` is what is constant; ``over_angle`` and ``over_time`` act besides, where there are any.
     """
 
     name: str
@@ -164,13 +187,28 @@ class ReleasedRegime:
     start_angle: float
     start_speed: float
     duration: float
+    over_angle: Law | None = None
+    over_time: TimeLaw | None = None
+
+
+@dataclass(frozen=True)
+class PrescribedRegime:
+    """A regime of the linkage's own in which the crank follows a motion; ``conditions`` says in words which."""
+
+    name: str
+    motion: CrankMotion
+    conditions: str
+
+
+OwnRegime = ReleasedRegime | PrescribedRegime
 
 
 @dataclass(frozen=True)
 class Linkage:
     """A planar linkage of one degree of freedom with its loads; every mapping is sorted by name.
 
-    ``length_unit`` is that of its file, whose ``text`` it keeps; lengths are in m all the same.
+    ``crank`` names the driven link; it is empty where a ``cylinder`` drives.
+    ``units`` are those of its file by what they measure, and ``text`` is the file's; all values are in SI all the same.
     """
 
     name: str
@@ -193,12 +231,39 @@ class Linkage:
     dampers: tuple[RotaryDamper, ...] = ()
     output: Output | None = None
     thread: ThreadPath | None = None
-    regimes: tuple[ReleasedRegime, ...] = ()
+    regimes: tuple[OwnRegime, ...] = ()
     errata: tuple[Erratum, ...] = ()
     published: tuple[Published, ...] = ()
     notes: tuple[str, ...] = field(default=())
-    length_unit: str = "m"
+    units: Mapping[str, str] = field(default_factory=dict, repr=False)
     text: str = field(default="", repr=False)
+    cylinder: CylinderDrive | None = None
+
+    @property
+    def driver(self) -> DriverKind:
+        """What the linkage is driven by."""
+        if self.cylinder is not None:
+            return DriverKind.CYLINDER
+        rides = any(slider.link == self.crank and slider.guide.host == GROUND for slider in self.sliders)
+        return DriverKind.SLIDER if rides else DriverKind.CRANK
+
+    @property
+    def is_linear(self) -> bool:
+        """Whether φ is a length, m, and the drive a force."""
+        return self.driver is not DriverKind.CRANK
+
+    def place(self, coordinate: float) -> str:
+        """A value of φ for a reader: an angle in degrees, a length in the unit of the linkage's file."""
+        return self.written(coordinate) if self.is_linear else degrees(coordinate)
+
+    def coordinate(self, value: float) -> str:
+        """A value of φ with its name."""
+        return f"{'crank angle' if not self.is_linear else f'a {self.driver} at'} {self.place(value)}"
+
+    @property
+    def released(self) -> dict[str, ReleasedRegime]:
+        """Its own regimes in which the crank is released, by name."""
+        return {own.name: own for own in self.regimes if isinstance(own, ReleasedRegime)}
 
     @property
     def joint_names(self) -> tuple[str, ...]:
@@ -206,9 +271,20 @@ class Linkage:
         pins = itertools.chain.from_iterable(pin.joints for pin in self.pins)
         return (*pins, *(slider.name for slider in self.sliders), *(slot.name for slot in self.slots))
 
+    @property
+    def is_massless(self) -> bool:
+        """Whether no link has a mass or an inertia."""
+        return not any(link.mass or link.inertia for link in self.links.values())
+
+    @property
+    def is_idle(self) -> bool:
+        """Whether it takes no torque to move it: no masses and no loads."""
+        return self.is_massless and not (self.forces or self.torques or self.springs or self.dampers)
+
     def written(self, length: float) -> str:
         """A length, m, for a reader: in the unit of the linkage's file."""
-        return f"{length / factor('length', self.length_unit):.4g} {self.length_unit}"
+        unit = self.units.get("length", "m")
+        return f"{length / factor('length', unit):.4g} {unit}"
 
     def local(self, point: str, body: str) -> Vector:
         """Coordinates of a point in the frame of a body (a link's name or ``ground``)."""

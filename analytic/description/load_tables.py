@@ -42,6 +42,11 @@ def _torque(reader: Reader, table: doc.TorqueTable, where: str) -> LinkTorque:
     return LinkTorque(reader.body(table.link, where), law)
 
 
+def law_over_angle(reader: Reader, values: list[float], angles: list[float], kind: str, where: str) -> Law:
+    """The law of one component through values at angles, both in the file's units."""
+    return _law(reader, [(value,) for value in values], angles, kind, where)
+
+
 def _key(law: Law) -> tuple[bytes, bytes]:
     return law.values.tobytes(), b"" if law.angles is None else law.angles.tobytes()
 
@@ -56,19 +61,25 @@ def _law(reader: Reader, rows: Sequence[tuple[float, ...]], angles: list[float] 
                 "and no angles; add angle"
             )
         return Law(table[0])
-    phi = np.asarray(angles, dtype=float) * reader.scale["angle"]
+    phi = np.asarray(angles, dtype=float) * reader.scale[reader.coordinate]
+    periodic = not reader.is_linear
     if len(table) != len(phi) or len(phi) < 3:
         raise reader.fail(
             f"{where}: expected as many values as angles and at least 3 of each, got {len(table)} values and "
             f"{len(phi)} angles; complete the shorter list"
         )
-    if np.any(np.diff(phi) < LEAST_STEP) or phi[-1] - phi[0] >= FULL_TURN:
+    if np.any(np.diff(phi) < LEAST_STEP) or (periodic and phi[-1] - phi[0] >= FULL_TURN):
+        if not periodic:
+            raise reader.fail(
+                f"{where}.angle: expected increasing travels of the driver, got steps of {min(np.diff(angles)):g} "
+                f"{reader.document.units.length} and more; sort them"
+            )
         raise reader.fail(
             f"{where}.angle: expected increasing angles that span less than one turn, since the law repeats with the "
             f"turn, got {angles[0]:g} to {angles[-1]:g} in steps of "
             f"{min(np.diff(angles)):g} and more; sort them, and leave out a last one that repeats the first"
         )
-    return Law(table, phi)
+    return Law(table, phi, periodic)
 
 
 def springs(reader: Reader) -> tuple[Spring, ...]:

@@ -15,11 +15,13 @@ from pydantic import ValidationError
 
 from analytic.description.conversion import interpret
 from analytic.description.diagnosis import Source, sentence, shown
+from analytic.description.format.repetition import expanded
 from analytic.description.linkage import Linkage
 from analytic.description.schema import Document
 from analytic.errors import DescriptionError, UnknownNameError, is_safe, listed, printable
 
 CATALOGUE = Path(__file__).parents[1] / "catalogue"
+LITERATURE = CATALOGUE / "literature"
 
 BYTE_ORDER_MARK: Final = "\ufeff"
 MOST_DIGITS: Final = re.compile(rf"(?:\d_?){{{sys.get_int_max_str_digits() + 1}}}")
@@ -44,18 +46,32 @@ class LinkageFile:
 
 
 def catalogue() -> tuple[str, ...]:
-    """Names of the mechanisms that come with the suite, sorted."""
-    return tuple(sorted(path.stem for path in CATALOGUE.glob("*.toml")))
+    """Names of the sewing mechanisms that come with the suite, sorted: what a command takes where none is named."""
+    return _names(CATALOGUE)
+
+
+def literature() -> tuple[str, ...]:
+    """Names of the linkages of others that come with the suite, sorted: taken where they are named."""
+    return _names(LITERATURE)
+
+
+def _names(shelf: Path) -> tuple[str, ...]:
+    return tuple(sorted(path.stem for path in shelf.glob("*.toml")))
 
 
 def find(name: str) -> Path:
     """Path of a mechanism: a catalogue name, or the path of a user's own ``.toml`` file."""
     path = Path(name)
+    names = (*catalogue(), *literature())
     if not path.suffix and path.parent == Path():
-        if name not in catalogue():
-            raise UnknownNameError("mechanism", name, catalogue())
-        return CATALOGUE / f"{name}.toml"
-    known = f"the path of a linkage file, whose name ends in .toml, or one of the mechanisms {listed(catalogue())}"
+        if name not in names and _fault(Path(f"{name}.toml")) is None:
+            raise DescriptionError(
+                f"unknown mechanism '{name}': did you mean the file '{name}.toml'? give its whole name"
+            )
+        if name not in names:
+            raise UnknownNameError("mechanism", name, names)
+        return (CATALOGUE if name in catalogue() else LITERATURE) / f"{name}.toml"
+    known = f"the path of a linkage file, whose name ends in .toml, or one of the mechanisms {listed(names)}"
     if path.suffix.lower() != ".toml":
         raise DescriptionError(f"expected {known}, got '{name}'; give one of them")
     fault = _fault(path)
@@ -84,7 +100,7 @@ def read(name: str) -> LinkageFile:
         ) from error
     except OSError as error:
         raise DescriptionError(f"{path}: expected a readable file, got '{error.strerror}'; check it") from error
-    return LinkageFile(printable(path.stem), path.name if path.parent == CATALOGUE else str(path), text)
+    return LinkageFile(printable(path.stem), path.name if path.parent in (CATALOGUE, LITERATURE) else str(path), text)
 
 
 def load(name: str, variant: str | None = None) -> Linkage:
@@ -104,9 +120,9 @@ def in_variant(linkage: Linkage, variant: str) -> Linkage:
 def parse(text: str, name: str, origin: str, variant: str | None = None) -> Linkage:
     """Turn a file's text into a Linkage; ``origin`` names the file in messages."""
     text = text.removeprefix(BYTE_ORDER_MARK)
-    raw = _tables(text, origin)
+    raw = tables(text, origin)
     source = Source(origin, text)
-    _check_characters(raw, source)
+    check_characters(raw, source)
     overlays = raw.pop("variants", {})
     base_name = str(raw.get("variant", "base"))
     if not isinstance(overlays, dict) or not all(isinstance(part, dict) for part in overlays.values()):
@@ -122,16 +138,18 @@ def parse(text: str, name: str, origin: str, variant: str | None = None) -> Link
     chosen = base_name if variant is None else variant
     if chosen not in names:
         raise UnknownNameError(f"variant of '{name}'", chosen, names)
+    overlay = {} if chosen == base_name else dict(overlays[chosen])
+    raw, source = expanded(_merged(raw, {"repeat": overlay.pop("repeat")}) if "repeat" in overlay else raw, source)
     if chosen != base_name:
-        _check_links(raw.get("links"), overlays[chosen].get("links"), source, chosen)
-        raw = _merged(raw, overlays[chosen])
+        _check_links(raw.get("links"), overlay.get("links"), source, chosen)
+        raw = _merged(raw, overlay)
         raw["variant"] = chosen
-        source = Source(origin, text, chosen)
+        source = replace(source, variant=chosen)
     return interpret(_validated(raw, source), name, names, source)
 
 
-def _tables(text: str, origin: str) -> dict[str, Any]:
-    """The file as nested dictionaries."""
+def tables(text: str, origin: str) -> dict[str, Any]:
+    """The file as nested dictionaries; raises DescriptionError with file and line."""
     if not text.strip():
         raise DescriptionError(
             f"{origin}:1: expected a linkage description, got an empty file; start from a catalogue file"
@@ -167,7 +185,7 @@ def _syntax(fault: str, text: str, origin: str) -> str:
     return f"{origin}:{line}: not valid TOML: {PLACE.sub('', fault)}{where}; correct it"
 
 
-def _check_characters(raw: Mapping[str, Any], source: Source) -> None:
+def check_characters(raw: Mapping[str, Any], source: Source) -> None:
     """Refuse control characters, which would reach terminals and pages from names and titles; texts may have lines."""
     for keys, text in _texts(raw, []):
         name = keys[-1]

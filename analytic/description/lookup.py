@@ -28,16 +28,16 @@ class Reader:
 
     def fail(self, message: str) -> DescriptionError:
         """The error to raise about this file; the message begins with the key at fault."""
-        return DescriptionError(self.source.place(message))
+        return self.source.fault(message)
 
     def number(self, value: float, kind: str, where: str) -> float:
         """A number of a kind of unit in SI."""
         return self.magnitude(value * self.scale[kind], where, f"{value:g} {getattr(self.document.units, kind)}")
 
-    def positive(self, value: float, kind: str, where: str) -> float:
-        """A number of a kind of unit in SI that must not vanish."""
+    def weight(self, value: float, kind: str, where: str) -> float:
+        """A mass or an inertia in SI: zero only where it is written as zero."""
         si = self.number(value, kind, where)
-        if si <= 0.0:
+        if value and not si:
             raise self._out_of_range(where, f"{value:g} {getattr(self.document.units, kind)}")
         return si
 
@@ -52,6 +52,24 @@ class Reader:
             f"{where}: expected a magnitude between {1.0 / LARGEST:g} and {LARGEST:g} in SI units, got {written}; "
             "correct the number or the unit"
         )
+
+    @property
+    def is_linear(self) -> bool:
+        """Whether the driver is pushed along a line, so that its coordinate φ is a length and its drive a force."""
+        if self.document.cylinder is not None:
+            return True
+        driver = self.document.links.get(self.document.crank)
+        return driver is not None and driver.slides is not None and driver.slides.on == GROUND
+
+    @property
+    def coordinate(self) -> str:
+        """The kind of unit of φ."""
+        return "length" if self.is_linear else "angle"
+
+    @property
+    def drive(self) -> str:
+        """The kind of unit of what drives it."""
+        return "force" if self.is_linear else "torque"
 
     def vector(self, place: doc.Place, where: str) -> Vector:
         """A point in m."""

@@ -59,9 +59,9 @@ class LinkTable(TomlTable):
     """A moving link."""
 
     points: dict[str, Place] = Field(default_factory=dict)
-    mass: Positive
+    mass: NotNegative = 0.0
     centre: Place = (0.0, 0.0)
-    inertia: Positive | None = None
+    inertia: NotNegative | None = None
     slides: SlidesTable | None = None
 
 
@@ -108,6 +108,13 @@ class DamperTable(TomlTable):
     coefficient: NotNegative
 
 
+class CylinderTable(TomlTable):
+    """A cylinder between two points as the driver: its length is given; ``links`` where a point belongs to several."""
+
+    between: tuple[str, str]
+    links: tuple[str, str] | None = None
+
+
 class OutputTable(TomlTable):
     """The point whose S, v and a are wanted, and the direction they are measured along."""
 
@@ -122,13 +129,37 @@ class SketchTable(TomlTable):
     points: dict[str, Pair] = Field(default_factory=dict)
 
 
-class RegimeTable(TomlTable):
-    """A regime of the linkage's own: released at an angle, moved by a constant crank torque and the loads."""
+class SegmentTable(TomlTable):
+    """A part of a crank's motion: ``to`` an angle by a ``law`` in a ``time`` or at a ``speed``, or a ``dwell``."""
 
-    torque: Finite = 0.0
-    start_angle: Finite
-    start_speed: Finite = 0.0
-    duration: Positive
+    to: Finite | None = None
+    time: Positive | None = None
+    speed: Positive | None = None
+    law: str | None = None
+    dwell: Positive | None = None
+
+
+class RegimeTable(TomlTable):
+    """A regime of the linkage's own.
+
+    Either the crank is released (``torque``, a number or a list over ``angle`` or ``time``; ``start_angle``,
+    ``start_speed``, ``duration``), or it follows a motion: ``from`` one angle ``to`` another, ``segments`` one after
+    the other, or a table of ``angle`` over ``time``. Which keys belong together is checked on conversion.
+    """
+
+    torque: Finite | list[Finite] | None = None
+    start_angle: Finite | None = None
+    start_speed: Finite | None = None
+    duration: Positive | None = None
+    begin: Finite | None = Field(default=None, alias="from")
+    to: Finite | None = None
+    speed: Positive | None = None
+    time: Positive | list[Finite] | None = None
+    law: str | None = None
+    dwell: NotNegative | None = None
+    back: Annotated[bool, Field(strict=True)] | None = None
+    segments: list[SegmentTable] | None = None
+    angle: list[Finite] | None = None
 
 
 class StopTable(TomlTable):
@@ -173,12 +204,19 @@ class Erratum(TomlTable):
 
 
 class Published(TomlTable):
-    """A figure printed in a source: SI units, or a plain ratio; ``half_digit`` is half a unit of its last digit."""
+    """A figure printed in a source, in ``unit``, by default SI or a plain ratio.
+
+    ``half_digit`` is half a unit of its last digit, ``accuracy`` what the source's own error is known to be where that
+    is more. A figure at a crank angle is that of a crank that turns with ``speed``, rpm, by default with 1 rad/s.
+    """
 
     quantity: str
     value: Finite
     place: str
+    unit: str | None = None
     half_digit: NotNegative = 0.0
+    accuracy: NotNegative = 0.0
+    speed: Finite | None = None
     variant: str | None = None
     relative_to: str | None = None
     note: str = ""
@@ -188,9 +226,10 @@ class Document(TomlTable):
     """A whole linkage file with one variant already laid over it."""
 
     title: str
-    source: str
+    source: str = ""
     units: UnitsTable
-    crank: str
+    crank: str = ""
+    cylinder: CylinderTable | None = None
     gravity: Pair = (0.0, 0.0)
     variant: str = "base"
     ground: dict[str, Place]

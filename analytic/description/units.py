@@ -20,3 +20,29 @@ def factor(kind: str, unit: str) -> float:
     if unit not in known:
         raise UnknownNameError(f"{kind} unit", unit, known)
     return known[unit]
+
+
+# The SI unit of each kind as reports write it.
+SI: Final[Mapping[str, str]] = {
+    **{"length": "m", "mass": "kg", "inertia": "kg m²", "angle": "rad", "force": "N", "torque": "N m"},
+    **{"stiffness": "N/m", "damping": "N s/m", "turn_damping": "N m s"},
+}
+
+
+def conversion(unit: str, si: str) -> float:
+    """Value in ``si`` of one ``unit``, a unit of a linkage file, or one of length or angle per ``s`` or ``s^2``.
+
+    Raises UnknownNameError for a unit that does not measure what ``si`` does.
+    """
+    rates = {"": "", "/s": "/s", "/s^2": "/s²"}
+    known = {
+        name + rate: (value, SI[kind] + written)
+        for kind, table in UNITS.items()
+        for name, value in table.items()
+        for rate, written in rates.items()
+        if not rate or kind in ("length", "angle")
+    }
+    fitting = {name: value for name, (value, base) in known.items() if base == si}
+    if unit not in fitting:
+        raise UnknownNameError(f"unit of a figure in {si or 'plain numbers'}", unit, fitting)
+    return fitting[unit]

@@ -7,24 +7,26 @@ as a model of its own, so that it can be refuted.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Final
+from typing import Final, TypedDict
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from analytic.description.law import Law
+from analytic.description.crank_motion import degrees
+from analytic.description.law import Law, TimeLaw
 from analytic.dynamics import reduced
 from analytic.errors import AssemblyError, LinkproofError, UnknownNameError
 from analytic.kinematics.mechanism import Mechanism
 from analytic.kinematics.sweep import Sweep
-from analytic.numerics.extremes import grid
+from analytic.numerics.extremes import extremes, grid
 from analytic.numerics.periodic_table import DEGREE, PeriodicTable, tabulate
 from analytic.numerics.where_assembled import where_assembled
 
 Array = NDArray[np.float64]
+NO_INERTIA: Final = 1e-12  # of the peak of Jeq: a smooth minimum this deep is a zero to rounding
 
 
 def moduli_half_derivative(sweep: Sweep) -> Array:
@@ -43,17 +45,31 @@ HALF_DERIVATIVES: Final[Mapping[str, Callable[[Sweep], Array]]] = {
 }
 
 
+class Timing(TypedDict, total=False):
+    """Arguments of ``analytic.numerics.integration.integrate``."""
+
+    push: Callable[[Array, Array], Array]
+    knots: Sequence[float]
+
+
 @dataclass(frozen=True)
 class EquationOfMotion:
-    """φ̈ as a function of φ and φ̇; ``torque`` is M1 on the crank, N m, beside the linkage's own loads."""
+    """φ̈ as a function of φ and φ̇; ``torque`` is M1 on the crank, N m, beside the linkage's own loads.
+
+    A torque ``over_time`` acts besides, so that φ̈ depends on time too: ``push`` is what it adds.
+    """
 
     mechanism: Mechanism
     torque: Law
     half_slope: str = "exact"
     table: PeriodicTable | None = None
+    over_time: TimeLaw | None = None
 
     def terms(self, angle: Array) -> Array:
-        """(Q + M1)/Jeq, b/Jeq and ½Jeq'/Jeq at crank angles, rad; shape (3, *angle.shape)."""
+        """(Q + M1)/Jeq, b/Jeq and ½Jeq'/Jeq at crank angles, rad; shape (3, *angle.shape).
+
+        Under a torque over time 1/Jeq is a fourth.
+        """
         return self.closed_form(angle) if self.table is None else self.table(angle)
 
     def closed_form(self, angle: Array) -> Array:
@@ -62,32 +78,88 @@ class EquationOfMotion:
         inertia = reduced.reduced_inertia(sweep)
         moment = reduced.generalised_force(sweep) + self.torque(angle)[0]
         slope = HALF_DERIVATIVES[self.half_slope](sweep)
-        return np.stack([moment, reduced.damping_coefficient(sweep), slope]) / inertia
+        timed = [] if self.over_time is None else [np.ones_like(inertia)]
+        return np.stack([moment, reduced.damping_coefficient(sweep), slope, *timed]) / inertia
 
     @cached_property
     def peak_moment(self) -> float:
         """Largest |Q + M1|/Jeq over the angles that the crank can reach, rad/s²."""
-        return float(np.nanmax(np.abs(where_assembled(lambda angle: self.terms(angle)[0], grid())), initial=0.0))
+        seen = self.mechanism.turn.angle if self.mechanism.linkage.is_linear else grid()
+        most = 0.0 if self.over_time is None else max(map(abs, self.over_time.torque))
+
+        def moment(angle: Array) -> Array:
+            terms = np.abs(self.terms(angle))
+            return np.asarray(terms[0] + most * terms[3] if most else terms[0])
+
+        return float(np.nanmax(where_assembled(moment, seen), initial=0.0))
 
     def acceleration(self, angle: ArrayLike, speed: ArrayLike) -> Array:
-        """φ̈, rad/s², at crank angles φ, rad, and speeds φ̇, rad/s, of one shape."""
+        """φ̈, rad/s², at crank angles φ, rad, and speeds φ̇, rad/s, of one shape, without what ``push`` adds."""
         angle, speed = np.asarray(angle, dtype=float), np.asarray(speed, dtype=float)
-        moment, damping, slope = self.terms(angle)
+        moment, damping, slope = self.terms(angle)[:3]
         return np.asarray(moment - speed * (damping + slope * speed))
 
+    def push(self, time: ArrayLike, angle: ArrayLike) -> Array:
+        """What the torque over time adds to φ̈, rad/s², at instants, s, and crank angles, rad, of one shape."""
+        if self.over_time is None:
+            return np.zeros(np.shape(time))
+        return np.asarray(self.over_time(time) * self.terms(np.asarray(angle, dtype=float))[3])
+
+    @property
+    def timing(self) -> Timing:
+        """The torque over time for an integrator: what it adds, and where it has kinks, s."""
+        return {} if self.over_time is None else {"push": self.push, "knots": self.over_time.times}
+
     def tabulated(self, degree: int = DEGREE) -> EquationOfMotion:
-        """The same equation read from a table over one turn; unchanged if the crank cannot make a full turn."""
+        """The same equation read from a table over its period; unchanged if the driver cannot make a full turn."""
+        if self.mechanism.linkage.is_linear:
+            return self
         try:
-            return replace(self, table=tabulate(self.closed_form, degree))
+            period = self.mechanism.period
+            return replace(self, table=tabulate(self.closed_form, degree, ends=(0.0, period), period=period))
         except AssemblyError:
             return self
 
 
-def equation_of_motion(mechanism: Mechanism, torque: float | Law = 0.0, half_slope: str = "exact") -> EquationOfMotion:
-    """The equation under a crank torque M1, N m, constant or a law of φ; ``half_slope`` names the model of ½ Jeq'."""
+def equation_of_motion(
+    mechanism: Mechanism, torque: float | Law = 0.0, half_slope: str = "exact", over_time: TimeLaw | None = None
+) -> EquationOfMotion:
+    """The equation under a crank torque M1, N m, constant or a law of φ; ``half_slope`` names the model of ½ Jeq'.
+
+    A torque ``over_time`` acts besides.
+    """
     if half_slope not in HALF_DERIVATIVES:
         raise UnknownNameError("model of the inertia's slope", half_slope, HALF_DERIVATIVES)
-    return EquationOfMotion(mechanism, crank_torque(torque), half_slope)
+    _check_inertia(mechanism)
+    return EquationOfMotion(mechanism, crank_torque(torque), half_slope, over_time=over_time)
+
+
+def _check_inertia(mechanism: Mechanism) -> None:
+    """Raise LinkproofError where Jeq vanishes at a crank angle, so that no acceleration follows from the loads."""
+
+    def inertia(angle: Array) -> Array:
+        return where_assembled(lambda at: reduced.reduced_inertia(mechanism.sweep(at)), angle.ravel()).reshape(
+            angle.shape
+        )
+
+    linkage = mechanism.linkage
+    if linkage.crank and np.any(reduced.link_inertia(mechanism.sweep(0.0), linkage.crank)):
+        return  # a crank with an inertia about its pivot has it at every angle
+    if linkage.is_linear:
+        seen = inertia(mechanism.turn.angle)
+        if not np.nanmin(seen) > NO_INERTIA * np.nanmax(seen):
+            raise LinkproofError(
+                f"'{linkage.name}': expected a linkage that resists being moved, got one without mass or inertia "
+                "somewhere in its range; give its links mass"
+            )
+        return
+    least = extremes(lambda angle: np.nan_to_num(inertia(angle), nan=np.inf))
+    if least.minimum <= NO_INERTIA * np.nanmax(inertia(grid()), initial=0.0):
+        raise LinkproofError(
+            f"'{mechanism.linkage.name}': expected a linkage that resists being moved, got none at crank angle "
+            f"{degrees(least.minimum_angle)}, where its reduced inertia Jeq is 0 and a released crank has no "
+            "acceleration; give the crank a mass or an inertia"
+        )
 
 
 def crank_torque(torque: float | Law) -> Law:

@@ -22,7 +22,10 @@ BALANCED: Final = 1e-12
 
 
 class Equilibrium(NamedTuple):
-    """A crank angle, rad in [0, 2π), where Q + M1 = 0; stable where the moment drives the crank back to it."""
+    """A crank angle, rad in [0, 2π), where Q + M1 = 0; stable where the moment drives the crank back to it.
+
+    Of a driver that is pushed it is a travel or a length, m.
+    """
 
     angle: float
     stable: bool
@@ -32,28 +35,33 @@ def equilibria(mechanism: Mechanism, torque: float | Law = 0.0) -> tuple[Equilib
     """Every angle at which the moment on the crank changes sign, in increasing order.
 
     ``torque`` is M1, N m, a number or a law of φ. Empty where nothing holds the crank: the torque outweighs the loads,
-    or there is no moment at any angle. A crank that cannot make a full turn is looked at where it can stand; two angles
-    nearer to each other than half a degree may be missed.
+    or there is no moment at any angle. A crank that cannot make a full turn is looked at where it can stand, a driver
+    that is pushed over its range; two angles nearer to each other than half a degree may be missed.
     """
     law = crank_torque(torque)
 
     def moment(angle: Array) -> Array:
         return np.asarray(reduced.generalised_force(mechanism.sweep(angle)) + law(angle)[0])
 
-    start = grid()
+    is_linear = mechanism.linkage.is_linear
+    start = mechanism.turn.angle if is_linear else grid()
     before = where_assembled(moment, start)
     peak = float(np.nanmax(np.abs(before), initial=0.0))
     if peak <= BALANCED * _weight(mechanism):
         return ()
     after = np.roll(before, -1)
+    if is_linear:
+        after[-1] = np.nan
     changes = np.flatnonzero((np.signbit(before) != np.signbit(after)) & np.isfinite(before) & np.isfinite(after))
     found = []
     for change in changes:
-        left, right = float(start[change]), float(start[change]) + FULL_TURN / len(start)
+        left = float(start[change])
+        right = float(start[change + 1]) if is_linear else left + FULL_TURN / len(start)
         angle = root(lambda phi: float(moment(np.asarray(phi))), left, right)
         ends = max(abs(before[change]), abs(after[change]))
         if abs(float(moment(np.asarray(angle)))) <= ends:  # else it passes through infinity, at a dead position
-            found.append(Equilibrium(float(in_turn(angle)), bool(after[change] < before[change])))
+            place = angle if is_linear else float(in_turn(angle))
+            found.append(Equilibrium(place, bool(after[change] < before[change])))
     return tuple(sorted(found))
 
 

@@ -16,7 +16,7 @@ from dataclasses import dataclass
 from analytic.description.linkage import GROUND, Vector
 from analytic.kinematics import frames
 from analytic.kinematics.frames import Pair, Pose, Scalar
-from analytic.kinematics.structure import Dyad, Joint, Prismatic, Revolute, Structure
+from analytic.kinematics.structure import Dyad, Group, Joint, Prismatic, Revolute, Structure
 
 Wrench = tuple[Scalar, Scalar, Scalar]
 JointWrenches = tuple[Wrench, Wrench, Wrench]
@@ -27,14 +27,27 @@ def references(structure: Structure) -> dict[str, Vector]:
 
     With moments taken about pins, lengths are differences of points of one link, however far its frame's origin lies.
     """
-    found = {GROUND: (0.0, 0.0), structure.pivot.far: structure.pivot.far_local}
-    for dyad in structure.dyads:
-        inner = dyad.inner_joint
+    pivot = structure.pivot
+    found = {GROUND: (0.0, 0.0)}
+    if pivot is not None:
+        found[pivot.far] = pivot.far_local if isinstance(pivot, Revolute) else structure.bodies[pivot.far].centre
+    for group in structure.groups:
+        if isinstance(group, Group):
+            found.update({body: _own_pin(group, body) or structure.bodies[body].centre for body in group.links})
+            continue
+        dyad, inner = group, group.inner_joint
         shared = (inner.far_local, inner.near_local) if isinstance(inner, Revolute) else (None, None)
         for body, outer, pin in zip(dyad.links, (dyad.first_joint, dyad.second_joint), shared, strict=True):
             own = outer.far_local if isinstance(outer, Revolute) else pin
             found[body] = own or structure.bodies[body].centre
     return found
+
+
+def _own_pin(group: Group, body: str) -> Vector | None:
+    """A pin of a link, in its own frame; of the pins to placed bodies if it has one."""
+    pins = [joint for joint in group.joints if isinstance(joint, Revolute) and body in (joint.near, joint.far)]
+    pins.sort(key=lambda joint: joint.near in group.links)
+    return next((joint.far_local if body == joint.far else joint.near_local for joint in pins), None)
 
 
 @dataclass(frozen=True)

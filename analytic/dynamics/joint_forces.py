@@ -24,9 +24,12 @@ from numpy.typing import ArrayLike, NDArray
 
 from analytic.description.linkage import Vector
 from analytic.dynamics.group_forces import Wrench, joint_wrenches
+from analytic.dynamics.higher_groups import higher_wrenches
 from analytic.dynamics.link_balance import LinkBalance
 from analytic.dynamics.link_loads import LoadedSweep, resultant
+from analytic.kinematics import frames
 from analytic.kinematics.frames import Pair, Scalar
+from analytic.kinematics.structure import AnyGroup, Dyad, GroupJoint, Revolute
 from analytic.kinematics.sweep import Sweep
 
 Array = NDArray[np.float64]
@@ -37,7 +40,8 @@ class Reactions:
     """What the joints and the drive exert, by joint name; arrays end in the shape of the sweep's angles.
 
     ``forces`` (2, ...), N; ``moments`` (...), N m, of guides on sliders about their ``Slider.point``; ``torque`` (...),
-    N m, of the drive on the crank, which equals ``dynamics.drive_torque``, found there from virtual work.
+    N m, of the drive on the crank, or its force, N, along a slider's guide or a cylinder; it equals
+    ``dynamics.drive_torque``, found there from virtual work.
     """
 
     forces: Mapping[str, Array]
@@ -49,17 +53,14 @@ def reactions(sweep: Sweep, speed: ArrayLike, acceleration: ArrayLike) -> Reacti
     """Forces and moments of all joints for a crank speed ω (rad/s) and acceleration ε (rad/s²).
 
     Both are signed, of the sweep's shape or scalar; zeros give the static forces. Raises AssemblyError where the
-    linkage cannot be put together or stands in a dead position.
+    linkage cannot be put together or stands in a dead position. Beside a change point that the linkage passes forces
+    grow as the reciprocal of the distance, unless nothing loads the group; at the point itself they are nan.
     """
     structure, linkage = sweep.structure, sweep.linkage
     balance = LinkBalance(LoadedSweep(sweep, speed, acceleration))
-    for dyad in reversed(structure.dyads):
-        first, inner, second = joint_wrenches(balance.statics(dyad))
-        balance.book_outer(dyad.first_joint, first)
-        balance.book(dyad.inner_joint, inner)
-        balance.book_outer(dyad.second_joint, second)
-    x, y, torque = balance.needs[linkage.crank]
-    balance.book(structure.pivot, (x, y, 0.0))
+    for group in reversed(structure.groups):
+        _book_group(balance, group)
+    torque = _book_driver(balance)
     forces = {joint: balance.at_pins[pin.point, link] for pin in linkage.pins for joint, link in pin.joints.items()}
     moments = {}
     for slider in linkage.sliders:
@@ -67,11 +68,41 @@ def reactions(sweep: Sweep, speed: ArrayLike, acceleration: ArrayLike) -> Reacti
         forces[slider.name] = (x, y)
     for slot in linkage.slots:
         forces[slot.name] = balance.on_sliders[slot.name][:2]
+    if structure.changes_at(sweep.angle).any():
+        forces = {name: _undefined(sweep, force) for name, force in forces.items()}
     return Reactions(
         {name: _vector(sweep, force) for name, force in forces.items()},
         {name: _full(sweep, moment) for name, moment in moments.items()},
         _full(sweep, torque),
     )
+
+
+def _book_group(balance: LinkBalance, group: AnyGroup) -> None:
+    """Enter the forces of a group's joints."""
+    wrenches: list[tuple[GroupJoint, Wrench]]
+    if isinstance(group, Dyad):
+        wrenches = list(zip(group.joints, joint_wrenches(balance.statics(group)), strict=True))
+    else:
+        wrenches = higher_wrenches(balance, group)
+    for joint, wrench in wrenches:
+        if joint.near in group.links and joint.far in group.links:
+            balance.book(joint, wrench)
+        else:
+            balance.book_outer(joint, wrench)
+
+
+def _book_driver(balance: LinkBalance) -> Scalar:
+    """Enter what the driver's joint to the ground exerts on it; what is left is the drive's: a torque, or a force."""
+    pivot = balance.structure.pivot
+    if pivot is None:
+        return balance.drive
+    x, y, moment = balance.needs[pivot.far]
+    if isinstance(pivot, Revolute):
+        balance.book(pivot, (x, y, 0.0))
+        return moment
+    push = frames.dot(pivot.along, (x, y))
+    balance.book(pivot, (x - push * pivot.along[0], y - push * pivot.along[1], moment))
+    return push
 
 
 def joint_forces(sweep: Sweep, speed: ArrayLike, acceleration: ArrayLike) -> dict[str, Array]:
@@ -101,6 +132,12 @@ def shaking_moment(sweep: Sweep, speed: ArrayLike, acceleration: ArrayLike, abou
 def _on_frame(sweep: Sweep, speed: ArrayLike, acceleration: ArrayLike, about: Vector) -> Wrench:
     """By d'Alembert's principle the frame takes all that acts on the links from outside; inner forces cancel."""
     return resultant(sweep, LoadedSweep(sweep, speed, acceleration).from_outside(), about)
+
+
+def _undefined(sweep: Sweep, force: Pair) -> Pair:
+    """A joint's force without its values at change points."""
+    singular = sweep.structure.changes_at(sweep.angle)
+    return (np.where(singular, np.nan, force[0]), np.where(singular, np.nan, force[1]))
 
 
 def _full(sweep: Sweep, values: Scalar) -> Array:

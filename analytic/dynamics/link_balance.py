@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import numpy as np
+
 from analytic.description.linkage import GROUND, Vector
 from analytic.dynamics.group_forces import Statics, Wrench, references
 from analytic.dynamics.link_loads import LoadedSweep
 from analytic.kinematics import frames
 from analytic.kinematics.frames import Pair, Scalar
-from analytic.kinematics.structure import Dyad, Joint, Prismatic, Revolute
+from analytic.kinematics.structure import DrivenDistance, Dyad, GroupJoint, Prismatic, Revolute
 
 
 class LinkBalance:
@@ -20,8 +22,10 @@ class LinkBalance:
 
     def __init__(self, loaded: LoadedSweep) -> None:
         sweep, structure = loaded.sweep, loaded.sweep.structure
-        for dyad in structure.dyads:
-            sweep.rates(dyad.first)  # refuses dead positions, in which the joints cannot hold the links
+        self.structure = structure
+        self.drive: Scalar = 0.0  # force of a cylinder
+        for group in structure.groups:
+            sweep.rates(group.first)  # refuses dead positions, in which the joints cannot hold the links
         self.poses = {body: sweep.poses(body) for body in (GROUND, *structure.bodies)}
         self.references = references(structure)
         self.guided: dict[str, Vector] = {s.link: sweep.linkage.local(s.point, s.link) for s in sweep.linkage.sliders}
@@ -30,7 +34,7 @@ class LinkBalance:
         self.on_sliders: dict[str, Wrench] = {}
         for load in (*loaded.from_outside(), *loaded.between_bodies()):
             if load.force is not None:
-                self._charge(load.body, load.force, self._from_reference(load.body, load.at))
+                self._charge(load.body, load.force, self.arm(load.body, load.at))
             if load.torque is not None:
                 self._charge(load.body, (0.0, 0.0), (0.0, 0.0), load.torque)
 
@@ -38,18 +42,20 @@ class LinkBalance:
         """A dyad whose later groups have all been booked."""
         return Statics(dyad, self.poses, self.references, self.needs[dyad.first], self.needs[dyad.second])
 
-    def book_outer(self, joint: Joint, wrench: Wrench) -> None:
-        """Enter what an outer joint of a dyad exerts on its far link; its reverse is a load on the near one."""
+    def book_outer(self, joint: GroupJoint, wrench: Wrench) -> None:
+        """Enter what an outer joint of a group exerts on its far link; its reverse is a load on the near one."""
         self.book(joint, wrench)
         if isinstance(joint, Revolute):
-            arm = self._from_reference(joint.near, joint.near_local)
+            arm = self.arm(joint.near, joint.near_local)
         else:
-            arm = frames.minus(self._place(joint.far), self._place(joint.near))
+            arm = frames.minus(self.place(joint.far), self.place(joint.near))
         self._charge(joint.near, (-wrench[0], -wrench[1]), arm, -wrench[2])
 
-    def book(self, joint: Joint, wrench: Wrench) -> None:
+    def book(self, joint: GroupJoint, wrench: Wrench) -> None:
         """Enter what a joint exerts on its far body, and the reverse on the near one."""
-        if isinstance(joint, Revolute):
+        if isinstance(joint, DrivenDistance):
+            self.drive = frames.dot(self.direction(joint), (wrench[0], wrench[1]))
+        elif isinstance(joint, Revolute):
             self._add(joint.point, joint.far, (wrench[0], wrench[1]))
             self._add(joint.point, joint.near, (-wrench[0], -wrench[1]))
         else:
@@ -60,9 +66,9 @@ class LinkBalance:
         x, y, moment = wrench
         guided = self.guided.get(joint.slider, (0.0, 0.0))
         if joint.far == joint.slider:
-            gap = self._from_reference(joint.far, guided)
+            gap = self.arm(joint.far, guided)
             return (x, y, moment - frames.cross(gap, (x, y)))
-        gap = frames.minus(frames.point(self.poses[joint.slider], guided), self._place(joint.far))
+        gap = frames.minus(frames.point(self.poses[joint.slider], guided), self.place(joint.far))
         return (-x, -y, frames.cross(gap, (x, y)) - moment)
 
     def _charge(self, body: str, force: Pair, arm: Pair, torque: Scalar = 0.0) -> None:
@@ -76,9 +82,18 @@ class LinkBalance:
         x, y = self.at_pins.get((point, body), (0.0, 0.0))
         self.at_pins[point, body] = (x + force[0], y + force[1])
 
-    def _from_reference(self, body: str, to: Vector) -> Pair:
+    def arm(self, body: str, to: Vector) -> Pair:
+        """From the reference point of a body to another point of it, ground frame."""
         reference = self.references[body]
         return frames.arm(self.poses[body], (to[0] - reference[0], to[1] - reference[1]))
 
-    def _place(self, body: str) -> Pair:
+    def direction(self, cylinder: DrivenDistance) -> Pair:
+        """The unit vector along a cylinder, from its near end to its far end."""
+        near, far = (self.poses[cylinder.near], self.poses[cylinder.far])
+        x, y = frames.minus(frames.point(far, cylinder.far_local), frames.point(near, cylinder.near_local))
+        length = np.hypot(x, y)
+        return (x / length, y / length)
+
+    def place(self, body: str) -> Pair:
+        """Where the reference point of a body is."""
         return frames.point(self.poses[body], self.references[body])

@@ -1,4 +1,6 @@
-"""Reduced dynamics: everything about the linkage that a rigid crank feels (articles 000, 001 and 003).
+"""Reduced dynamics: everything about the linkage that a rigid driver feels (articles 000, 001 and 003).
+
+The units are those of a turning crank; a driver that is pushed has its own (``analytic.request.unit_of``).
 
 Article 003, eqs (1)-(5) define Jeq; article 000 the equation of motion Jeq φ̈ + ½ Jeq' φ̇² + b φ̇ = Q + M1. Primes
 are d/dφ, exact.
@@ -15,6 +17,7 @@ from analytic.description.linkage import Linkage
 from analytic.dynamics.link_sums import stretching, weighed
 from analytic.kinematics import frames
 from analytic.kinematics.frames import STILL, Pair, Scalar
+from analytic.kinematics.structure import Prismatic
 from analytic.kinematics.sweep import Sweep
 
 Array = NDArray[np.float64]
@@ -27,8 +30,11 @@ def link_inertia(sweep: Sweep, link: str) -> Array:
 
 def _link_inertia(sweep: Sweep, link: str) -> Scalar:
     body = sweep.linkage.links[link]
-    if link == sweep.linkage.crank:  # turns about a fixed point, so its part is a constant
-        x, y = frames.minus(body.centre, sweep.structure.pivot.far_local)
+    pivot = sweep.structure.pivot
+    if pivot is not None and link == pivot.far:  # slides on the ground or turns about a fixed point: a constant
+        if isinstance(pivot, Prismatic):
+            return body.mass
+        x, y = frames.minus(body.centre, pivot.far_local)
         return body.mass * (x * x + y * y) + (body.inertia or 0.0)
     return _weighed(sweep, link, 1)
 
@@ -58,9 +64,9 @@ def reduced_inertia(sweep: Sweep, links: Iterable[str] | None = None) -> Array:
 def group_inertia(sweep: Sweep) -> dict[str, Array]:
     """Jeq of the crank and of every Assur group, by the group's name."""
     linkage = sweep.linkage
-    parts = {f"{linkage.crank} (class I)": link_inertia(sweep, linkage.crank)}
-    for dyad in sweep.structure.dyads:
-        parts[dyad.name] = reduced_inertia(sweep, [n for n in (dyad.first, dyad.second) if n in linkage.links])
+    parts = {f"{linkage.crank} (class I)": link_inertia(sweep, linkage.crank)} if linkage.crank else {}
+    for group in sweep.structure.groups:
+        parts[group.name] = reduced_inertia(sweep, [name for name in group.links if name in linkage.links])
     return parts
 
 

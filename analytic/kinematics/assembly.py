@@ -5,22 +5,28 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from analytic.description.crank_motion import degrees
 from analytic.description.linkage import Linkage
 from analytic.errors import AssemblyError, LinkproofError
 from analytic.kinematics.dyad_solver import DyadSolver
 from analytic.kinematics.dyads.arms import ROUNDING
 from analytic.kinematics.frames import Scalar
+from analytic.kinematics.groups.solver import GroupSolver
 
 Array = NDArray[np.float64]
 
 
-def check_assembly(linkage: Linkage, solver: DyadSolver, angle: Array) -> None:
-    """Raise AssemblyError at the worst crank angle if the dyad's links do not meet somewhere; poses must be known."""
+def check_assembly(linkage: Linkage, solver: DyadSolver | GroupSolver, angle: Array) -> None:
+    """Raise AssemblyError at the worst crank angle if the group's links do not meet somewhere; poses must be known."""
     if np.all(solver.moves):  # else a longer look: a dead position is no fault of assembly
         return
     if not np.all(np.isfinite(angle)):
         raise LinkproofError("crank angle: expected finite numbers, got nan or infinity; correct them")
+    if isinstance(solver, GroupSolver):
+        margin = np.broadcast_to(solver.margin(), angle.shape)
+        worst = int(np.argmin(np.where(solver.moves, np.inf, np.minimum(margin, 0.0))))
+        raise AssemblyError(
+            f"'{linkage.name}' cannot be assembled at {linkage.place(_at(angle, angle, worst))}: {solver.why(linkage)}"
+        )
     with np.errstate(invalid="ignore"):
         missing, lengths = solver.missing()
         short = np.minimum(missing + ROUNDING * lengths, 0.0)
@@ -29,15 +35,18 @@ def check_assembly(linkage: Linkage, solver: DyadSolver, angle: Array) -> None:
     if np.any(severity < 0.0):
         worst = int(np.argmin(np.broadcast_to(severity, angle.shape)))
         fault, detail = solver.shortfall(lambda value: _at(value, angle, worst), linkage.written)
-        raise AssemblyError(f"'{linkage.name}' {fault} at {degrees(_at(angle, angle, worst))}: {detail}")
+        raise AssemblyError(f"'{linkage.name}' {fault} at {linkage.place(_at(angle, angle, worst))}: {detail}")
 
 
-def check_motion(linkage: Linkage, solver: DyadSolver, angle: Array) -> None:
-    """Raise AssemblyError at the first crank angle at which the dyad stands in a dead position; poses must be known."""
-    if np.all(solver.moves):
+def check_motion(linkage: Linkage, solver: DyadSolver | GroupSolver, angle: Array) -> None:
+    """Raise AssemblyError at the first crank angle at which the dyad stands in a dead position; poses must be known.
+
+    The branch of a group of a higher class ends before its dead positions.
+    """
+    if np.all(solver.moves) or isinstance(solver, GroupSolver):
         return
     first = int(np.argmin(np.broadcast_to(solver.moves, angle.shape)))
-    dyad, where = solver.dyad, degrees(_at(angle, angle, first))
+    dyad, where = solver.dyad, linkage.place(_at(angle, angle, first))
     raise AssemblyError(
         f"'{linkage.name}': '{dyad.first}' and '{dyad.second}' stand in a dead position at {where}, "
         "where their velocities are undefined; choose other crank angles, or lengths that keep the transmission angle "

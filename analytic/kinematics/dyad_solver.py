@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from types import ModuleType
-from typing import Final
+from typing import Any, Final
 
 import numpy as np
 
@@ -22,9 +22,11 @@ class DyadSolver:
     What a later step needs from an earlier one is kept here, so that asking for poses alone costs nothing more.
     """
 
-    def __init__(self, dyad: Dyad) -> None:
-        self.dyad = dyad
-        self.constants = self.formulas.constants(*dyad.joints, float(dyad.sign))
+    def __init__(self, dyad: Dyad, angle: Scalar = None) -> None:
+        """``angle``, rad, is needed where the dyad passes change points."""
+        self.dyad, self.angle = dyad, angle
+        self.sign: Scalar = float(dyad.sign) if dyad.changes is None else dyad.changes.signs(angle)
+        self.constants = self.formulas.constants(*dyad.joints, self.sign)
         self.hosts = (dyad.first_joint.near, dyad.second_joint.near)
         self.own: tuple[Pose, Pose]
         self.own_rates: tuple[Rate, Rate]
@@ -41,11 +43,18 @@ class DyadSolver:
         with np.errstate(divide="ignore", invalid="ignore"):
             self.own, self.closure = self.formulas.poses(self.constants, self.near)
             self.moves = self._moves()
+        self.own = self._followed(0, self.own)
         return self.own
+
+    def _followed(self, order: int, pair: tuple[Any, Any]) -> tuple[Any, Any]:
+        """What the formulas give, beside change points what the motion through them has."""
+        return pair if self.dyad.changes is None else self.dyad.changes.patched(self.angle, order, pair)
 
     def _moves(self) -> Scalar:
         """Where the dyad is away from its dead positions, so that its links meet and can move."""
         determinant, least = self.closure.determinant, self.formulas.least(self.constants, self.closure)
+        if self.dyad.changes is not None:
+            return self.dyad.changes.moves(self.angle, self.sign * determinant > least)
         if self.dyad.sign > 0:  # the determinant's own sign
             return determinant > least
         return determinant < -least if self.dyad.sign < 0 else abs(determinant) > least
@@ -54,27 +63,36 @@ class DyadSolver:
         """First derivatives over φ; the poses must be known."""
         one, two = self.hosts
         self.near_rates = (rates[one], rates[two])
-        self.own_rates, self.travel = self.formulas.rates(
-            self.constants, self.near, self.near_rates, self.own, self.closure
-        )
+        with np.errstate(divide="ignore", invalid="ignore"):
+            own, self.travel = self.formulas.rates(self.constants, self.near, self.near_rates, self.own, self.closure)
+        self.own_rates = self._followed(1, own)
         return self.own_rates
 
     def accelerations(self, accelerations: Mapping[str, Rate]) -> tuple[Rate, Rate]:
         """Second derivatives over φ; the rates must be known."""
         one, two = self.hosts
-        pair: tuple[Rate, Rate] = self.formulas.accelerations(
-            self.constants,
-            (self.near, self.near_rates, (accelerations[one], accelerations[two])),
-            (self.own, self.own_rates),
-            self.closure,
-            self.travel,
-        )
-        return pair
+        with np.errstate(divide="ignore", invalid="ignore"):
+            pair = self.formulas.accelerations(
+                self.constants,
+                (self.near, self.near_rates, (accelerations[one], accelerations[two])),
+                (self.own, self.own_rates),
+                self.closure,
+                self.travel,
+            )
+        return self._followed(2, pair)
 
     def missing(self) -> tuple[Scalar, Scalar]:
         """Length by which the links fail to meet, m (negative where they do not), and the lengths it comes from."""
         length, lengths = self.formulas.missing(self.constants, self.near, self.closure)
         return length, lengths
+
+    def gap(self) -> Scalar:
+        """Distance of the outer pins, m; infinite where there is only one."""
+        return self.formulas.gap(self.constants, self.near)
+
+    def touch(self, margin: Scalar, gap: Scalar) -> None:
+        """Take those lengths of the links with which they touch where they miss by a ``margin`` of rounding, m."""
+        self.constants = self.formulas.touching(self.constants, margin, gap)
 
     def shortfall(self, at: At, written: Written) -> Shortfall:
         """What is wrong where the links do not meet, and which link misses by how much and what to do."""

@@ -16,14 +16,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from analytic.description.linkage import GROUND, Vector
-from analytic.kinematics.frames import arm
-from analytic.kinematics.structure import Dyad, Revolute
+from analytic.kinematics.change_points import EXTENDED, NEAREST_NODE
+from analytic.kinematics.groups.equations import jacobian
+from analytic.kinematics.structure import AnyGroup, DrivenDistance, Group, Prismatic, Revolute
 from analytic.kinematics.sweep import Sweep
 
 Array = NDArray[np.float64]
 ORDERS: Final = 3
-SHIFTS: Final = [0, 1, 3, 4]  # columns of (x, y, θ) of a dyad's two links
-TURNS: Final = [2, 5]
+# Of each joint the equations for distances, whose curvature counts.
+DISTANCES: Final = {Revolute: [1.0, 1.0], Prismatic: [1.0, 0.0], DrivenDistance: [1.0]}
 
 # The residual of one joint equation over the sum of its terms: two roundings of half an eps each. Over random linkages
 # the true error stays below a third of the bound that follows.
@@ -51,15 +52,15 @@ class ErrorBounds:
     """Bounds for every body of a sweep at each of its crank angles."""
 
     def __init__(self, sweep: Sweep) -> None:
-        self.sweep = sweep
+        self.sweep = sweep = _beside_change_points(sweep)
         self.shape = np.shape(np.atleast_1d(sweep.angle).ravel())
         still = np.zeros((ORDERS, *self.shape))
         self.errors: dict[str, BodyError] = {GROUND: BodyError(still, still)}
         self.motions: dict[str, BodyMotion] = {}
         self._place_crank()
         with np.errstate(invalid="ignore"):  # 0·∞ behind a dyad whose bound is infinite
-            for dyad in sweep.structure.dyads:
-                self._place(dyad)
+            for group in sweep.structure.groups:
+                self._place(group)
 
     def point(self, body: str, local: Vector, order: int = 0) -> Array:
         """Bound on the error of a point of a body, m, or of its derivative of order 1 or 2; one per crank angle."""
@@ -87,77 +88,97 @@ class ErrorBounds:
 
     def _place_crank(self) -> None:
         pivot = self.sweep.structure.pivot
+        if pivot is None:
+            return
+        if isinstance(pivot, Prismatic):
+            travel = np.hypot(*pivot.origin) + np.abs(self._full(self.sweep.angle))
+            origin = ROUNDINGS * np.stack([travel, np.ones(self.shape), np.zeros(self.shape)])
+            turn = np.array([ROUNDINGS, 0.0, 0.0])[:, None] * np.ones(self.shape)
+            self.errors[self.sweep.linkage.crank] = BodyError(origin, turn)
+            return
         reach, out = float(np.hypot(*pivot.far_local)), float(np.hypot(*pivot.near_local))
         origin = np.array([reach + out, reach, reach])[:, None] * np.full(self.shape, ROUNDINGS)
         turn = np.array([1.0, 0.0, 0.0])[:, None] * np.full(self.shape, ROUNDINGS)
         self.errors[self.sweep.linkage.crank] = BodyError(origin, turn)
 
-    def _place(self, dyad: Dyad) -> None:
-        """Bounds for the dyad's two links, order by order."""
-        inverse = np.abs(np.linalg.inv(self._jacobian(dyad)))
-        found = np.zeros((ORDERS, *self.shape, 6))
+    def _place(self, group: AnyGroup) -> None:
+        """Bounds for the group's links, order by order."""
+        poses = {body: self.motion(body).pose for joint in group.joints for body in (joint.near, joint.far)}
+        matrix = jacobian(group.joints, group.links, poses, self.shape[0])
+        inverse = np.abs(np.linalg.inv(matrix))
+        found = np.zeros((ORDERS, *self.shape, 3 * len(group.links)))
         for order in range(ORDERS):
-            residual = self._residuals(dyad, order)
+            residual = self._residuals(group, order)
+            if order and isinstance(group, Group):
+                residual = residual + self._elimination(group, matrix, order)
             found[order] = np.einsum("nij,nj->ni", inverse, residual)
             if order == 0:
-                distances = np.ravel([(1.0, 1.0 if isinstance(joint, Revolute) else 0.0) for joint in dyad.joints])
-                found[0] = _curved(inverse, found[0], self._reach(dyad), distances)
+                distances = np.concatenate([DISTANCES[type(joint)] for joint in group.joints])
+                found[0] = _curved(inverse, found[0], self._reach(group), distances)
             found[order][np.isnan(found[order])] = np.inf
-            for name, at in zip(dyad.links, (0, 3), strict=True):
-                origin = np.hypot(found[..., at], found[..., at + 1])
-                self.errors[name] = BodyError(origin, found[..., at + 2])
+            for number, name in enumerate(group.links):
+                x, y, turn = (found[..., 3 * number + part] for part in range(3))
+                self.errors[name] = BodyError(np.hypot(x, y), turn)
 
-    def _reach(self, dyad: Dyad) -> Array:
-        """Largest distance in the dyad by which an angle's error is carried, m."""
+    def _elimination(self, group: Group, matrix: Array, order: int) -> Array:
+        """What elimination with pivots leaves of the equations of an order, (n, equations): eps of the largest row.
+
+        (N. J. Higham, Accuracy and Stability of Numerical Algorithms, 2002, section 9.3.)
+        """
+        unit = self.sweep.linkage.extent()
+        lengths = np.concatenate([DISTANCES[type(joint)] for joint in group.joints]) > 0.0
+        motions = [self._full(part) for body in group.links for part in self._derivative(body, order)]
+        rows = np.einsum("nij,nj->ni", np.abs(matrix), np.abs(np.stack(motions, axis=-1)))
+        scales = np.where(lengths, unit, 1.0)
+        return np.asarray(ROUNDINGS * np.max(rows / scales, axis=1)[:, None] * scales)
+
+    def _derivative(self, body: str, order: int) -> tuple[object, ...]:
+        return self.sweep.rates(body) if order == 1 else self.sweep.accelerations(body)
+
+    def _reach(self, group: AnyGroup) -> Array:
+        """Largest distance in the group by which an angle's error is carried, m."""
         reaches = [np.zeros(self.shape)]
-        for joint in dyad.joints:
-            if isinstance(joint, Revolute):
-                reaches.append(np.full(self.shape, max(np.hypot(*joint.near_local), np.hypot(*joint.far_local))))
-            else:
+        for joint in group.joints:
+            if isinstance(joint, Prismatic):
                 reaches.append(self._apart(joint.near, joint.far))
+            else:
+                reaches.append(np.full(self.shape, max(np.hypot(*joint.near_local), np.hypot(*joint.far_local))))
         return np.asarray(np.max(reaches, axis=0))
 
     def _apart(self, near: str, far: str) -> Array:
         (x, y, *_), (u, v, *_) = self.motion(near).pose, self.motion(far).pose
         return np.hypot(u - x, v - y)
 
-    def _jacobian(self, dyad: Dyad) -> Array:
-        """Derivatives of the six joint equations by (x, y, θ) of the first and of the second link; (n, 6, 6)."""
-        jacobian = np.zeros((*self.shape, 6, 6))
-        columns = {dyad.first: 0, dyad.second: 3}
-        for number, joint in enumerate(dyad.joints):
-            top, side = 2 * number, 2 * number + 1
-            for body, sign in ((joint.near, -1.0), (joint.far, 1.0)):
-                if body not in columns:
-                    continue
-                at = columns[body]
-                if isinstance(joint, Revolute):
-                    x, y = arm(self.motion(body).pose, joint.near_local if body == joint.near else joint.far_local)
-                    jacobian[:, top, at] = jacobian[:, side, at + 1] = sign
-                    jacobian[:, top, at + 2], jacobian[:, side, at + 2] = -sign * y, sign * x
-                else:
-                    near, far = self.motion(joint.near).pose, self.motion(joint.far).pose
-                    x, y = arm(near, joint.along)
-                    jacobian[:, top, at], jacobian[:, top, at + 1] = -sign * y, sign * x
-                    jacobian[:, side, at + 2] = sign
-                    if body == joint.near:
-                        jacobian[:, top, at + 2] = -(x * (far[0] - near[0]) + y * (far[1] - near[1]))
-        return jacobian
-
-    def _residuals(self, dyad: Dyad, order: int) -> Array:
-        """What each of the six joint equations of an order may be out by; (n, 6)."""
+    def _residuals(self, group: AnyGroup, order: int) -> Array:
+        """What each of the joint equations of an order may be out by; (n, equations)."""
         rows: list[Array] = []
-        for joint in dyad.joints:
-            if isinstance(joint, Revolute):
-                total = np.zeros(self.shape)
-                for body, local in ((joint.near, joint.near_local), (joint.far, joint.far_local)):
-                    reach, known = float(np.hypot(*local)), body not in dyad.links
-                    total = total + ROUNDINGS * self._terms(body, reach, order)
-                    total = total + self._inherited(body, reach, order, top=known)
-                rows += [total, total]
-            else:
-                rows += self._sliding_residuals(dyad, joint.near, joint.far, float(np.hypot(*joint.origin)), order)
+        for joint in group.joints:
+            if isinstance(joint, Prismatic):
+                rows += self._sliding_residuals(group, joint.near, joint.far, float(np.hypot(*joint.origin)), order)
+                continue
+            total = np.zeros(self.shape)
+            for body, local in ((joint.near, joint.near_local), (joint.far, joint.far_local)):
+                reach, known = float(np.hypot(*local)), body not in group.links
+                total = total + ROUNDINGS * self._terms(body, reach, order)
+                total = total + self._inherited(body, reach, order, top=known)
+            rows += [total, total] if isinstance(joint, Revolute) else [total + self._stretching_residual(joint, order)]
         return np.stack(rows, axis=-1)
+
+    def _stretching_residual(self, joint: DrivenDistance, order: int) -> Array:
+        """What the errors of a cylinder's direction add to the equation of its length."""
+        if order == 0:
+            return ROUNDINGS * np.abs(self._full(self.sweep.angle))
+        ends = ((joint.near, joint.near_local), (joint.far, joint.far_local))
+        moved = [
+            np.hypot(*(self._full(b) - self._full(a) for a, b in zip(*pair, strict=True)))
+            for pair in (tuple(self.sweep.local_point(body, at, k) for body, at in ends) for k in range(order + 1))
+        ]
+        lost = [sum(self.point(body, at, k) for body, at in ends) for k in range(order)]
+        if order == 1:
+            return np.asarray(moved[1] * lost[0] / moved[0])
+        return np.asarray(
+            (moved[2] * lost[0] + 2.0 * moved[1] * lost[1]) / moved[0] + 3.0 * (moved[1] / moved[0]) ** 2 * lost[0]
+        )
 
     def _terms(self, body: str, reach: float, order: int) -> Array:
         """Magnitude of the terms that make up a point's position or derivative."""
@@ -180,7 +201,7 @@ class ErrorBounds:
             total = total + reach * (2.0 * w * error.turn[1] + (a + w * w) * error.turn[0])
         return total
 
-    def _sliding_residuals(self, dyad: Dyad, near: str, far: str, start: float, order: int) -> list[Array]:
+    def _sliding_residuals(self, group: AnyGroup, near: str, far: str, start: float, order: int) -> list[Array]:
         """The same for a P joint: across its line, and of the angle between the two bodies."""
         host, rider = self.motion(near), self.motion(far)
         w, a = host.turn
@@ -190,10 +211,10 @@ class ErrorBounds:
         extra = (start + 0.0 * w, w * apart, (a + w * w) * apart + 2.0 * w * slide[0])[order]
         across = ROUNDINGS * (host.origin[order] + rider.origin[order] + extra)
         for body in (near, far):
-            if body not in dyad.links:
+            if body not in group.links:
                 across = across + self.errors[body].origin[order]
                 side = side + self.errors[body].turn[order]
-        if near not in dyad.links:
+        if near not in group.links:
             across = across + apart * self.errors[near].turn[order]
         if order:
             across = across + self._sliding_inherited(near, far, order, slide)
@@ -228,13 +249,29 @@ class ErrorBounds:
 def _curved(inverse: Array, linear: Array, reach: Array, distances: Array) -> Array:
     """The bound on the poses with the curvature of the equations for distances added; infinite where that is not small.
 
-    ``linear`` (n, 6) is the bound without it, ``distances`` (6,) marks those equations among the six.
+    ``linear`` (n, k) is the bound without it, ``distances`` (k,) marks those equations among all.
     """
-    turn = np.max(linear[:, TURNS], axis=1)
-    bend = (reach * turn + np.max(linear[:, SHIFTS], axis=1)) * turn
+    turns = np.arange(linear.shape[1]) % 3 == 2  # columns are x, y, θ of each link
+    turn = np.max(linear[:, turns], axis=1)
+    bend = (reach * turn + np.max(linear[:, ~turns], axis=1)) * turn
     more = np.einsum("nij,nj->ni", inverse, bend[:, None] * distances)
-    small = [np.max(more[:, part], axis=1) <= 0.5 * np.max(linear[:, part], axis=1) for part in (SHIFTS, TURNS)]
+    shift = np.maximum(np.max(linear[:, ~turns], axis=1), reach * turn)  # a link that turns about its origin only
+    small = [np.max(more[:, ~turns], axis=1) <= 0.5 * shift, np.max(more[:, turns], axis=1) <= 0.5 * turn]
     return np.where(np.all(small, axis=0)[:, None], linear + more, np.inf)
+
+
+def _beside_change_points(sweep: Sweep) -> Sweep:
+    """The sweep with angles about change points moved to where what is read there comes from.
+
+    Its series are no worse than the closed form at the edges of the patch or, where the machine has no extended
+    precision, at the nodes nearest to the change point.
+    """
+    angle = np.array(sweep.angle)
+    for dyad in sweep.structure.dyads:
+        for patch, within, place in dyad.changes.inside(angle) if dyad.changes else ():
+            from_centre = np.copysign(1.0 if EXTENDED else NEAREST_NODE, place)
+            angle.reshape(-1)[within] += (from_centre - place) * patch.half
+    return Sweep(sweep.linkage, sweep.structure, angle)
 
 
 def relative_bounds(sweep: Sweep) -> tuple[float, float, float]:

@@ -3,26 +3,35 @@
 from __future__ import annotations
 
 import math
+from copy import copy
 from dataclasses import replace
 from functools import cached_property
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from analytic.description.linkage import GROUND, Linkage, Vector
-from analytic.errors import StructureError
+from analytic.description.crank_motion import degrees
+from analytic.description.linkage import Linkage, Vector
+from analytic.errors import AssemblyError, StructureError
 from analytic.kinematics import frames
 from analytic.kinematics.assembly import check_assembly
+from analytic.kinematics.change_points import period_of, through_change_points
+from analytic.kinematics.decomposition import find_structure
 from analytic.kinematics.dyad_solver import DyadSolver
 from analytic.kinematics.error_bounds import relative_bounds
 from analytic.kinematics.frames import Pose
-from analytic.kinematics.structure import Dyad, Structure, find_structure
-from analytic.kinematics.sweep import Sweep, crank_pose
+from analytic.kinematics.groups.branch import followed
+from analytic.kinematics.groups.equations import Motions
+from analytic.kinematics.groups.solver import problem_of
+from analytic.kinematics.groups.start import nearest
+from analytic.kinematics.structure import AnyGroup, Dyad, Group, Structure
+from analytic.kinematics.sweep import Array, Sweep, placed, solver_of
 
 # Two assembly modes closer to the sketch than this ratio of each other are not told apart by it.
 AMBIGUITY = 0.9
 TELLING = 1e-6  # share of the drawing's size by which the modes must differ at a point for the sketch to show it
 FULL_TURN = 2.0 * np.pi
+AT_REST = 1e-6  # rad from a change point
 
 
 class Mechanism:
@@ -34,16 +43,50 @@ class Mechanism:
 
     def __init__(self, linkage: Linkage) -> None:
         self.linkage = linkage
-        self.structure: Structure = _signed(linkage, find_structure(linkage))
+        signed = _signed(linkage, find_structure(linkage))
+        self.structure, self.undetermined = through_change_points(signed, linkage.sketch_angle)
+        self.period = period_of(self.structure)
+
+    def with_loads_of(self, linkage: Linkage) -> Mechanism:
+        """The closed form of a linkage that differs in nothing but masses and loads: it moves as this one does."""
+        other = copy(self)
+        other.__dict__.pop("turn", None)
+        other.linkage = linkage
+        return other
+
+    @property
+    def repeats(self) -> bool:
+        """Whether all is as before after a turn: not of a driver that is pushed, nor with one change point a turn."""
+        return not self.linkage.is_linear and self.period == FULL_TURN
+
+    @cached_property
+    def changes(self) -> tuple[float, ...]:
+        """Crank angles at which two assembly modes meet and the linkage goes on smoothly, rad in [0, 2π)."""
+        points = [dyad.changes.angles for dyad in self.structure.dyads if dyad.changes]
+        turned = [float(np.mod(angle, FULL_TURN)) for angles in points for angle in angles]
+        return tuple(sorted({round(angle, 8): angle for angle in turned}.values()))
 
     def sweep(self, angle: ArrayLike) -> Sweep:
         """The linkage at every crank angle (rad, any shape); nothing is computed until it is asked for."""
         return Sweep(self.linkage, self.structure, np.asarray(angle, dtype=float))
 
+    @property
+    def is_numerical(self) -> bool:
+        """Whether a group is of class III or higher, so that the reference is numerical: solved by Newton's method."""
+        return self.structure.is_numerical
+
     @cached_property
     def turn(self) -> Sweep:
-        """One full turn in half-degree steps: extremes are refined from here."""
-        return self.sweep(np.linspace(0.0, FULL_TURN, 720, endpoint=False))
+        """One full turn in half-degree steps: extremes are refined from here; of a driver that is pushed its range.
+
+        Of a linkage that repeats its motion after several turns as many (``period``).
+        """
+        if self.linkage.is_linear:
+            from analytic.kinematics.crank_range import crank_range  # noqa: PLC0415 - it is made of mechanisms
+
+            low, high = crank_range(self).limits
+            return self.sweep(np.linspace(low, high, 724)[2:-2])  # at its limits it stands in dead positions
+        return self.sweep(np.linspace(0.0, self.period, round(720 * self.period / FULL_TURN), endpoint=False))
 
     def error_bound(self) -> tuple[float, float, float]:
         """Bounds on the closed form's own error over a turn: positions, first and second derivatives.
@@ -57,20 +100,55 @@ class Mechanism:
         """Raise AssemblyError where the crank cannot make a full turn."""
         for body in self.structure.bodies:
             self.turn.poses(body)
+        self.check_determined(0.0, self.period)
+
+    def check_determined(self, low: float, high: float) -> None:
+        """Raise AssemblyError where a dyad turns freely at a crank angle between two, rad."""
+        for dyad, angle, reason in self.undetermined:
+            if (angle - low) % FULL_TURN <= high - low:
+                raise AssemblyError(
+                    f"'{self.linkage.name}' is undetermined at {degrees(angle)}: '{dyad.first}' and '{dyad.second}' "
+                    f"{reason}"
+                )
+
+    def check_rest(self, angle: float) -> None:
+        """Raise AssemblyError where the crank is at rest on a change point, from which two motions branch off."""
+        for dyad in self.structure.dyads:
+            for change in dyad.changes.angles if dyad.changes else ():
+                if abs((angle - change + np.pi) % FULL_TURN - np.pi) < AT_REST:
+                    where = degrees(round(change, 6) % round(FULL_TURN, 6))
+                    raise AssemblyError(
+                        f"'{self.linkage.name}' is at rest on a change point at {where}, from which "
+                        f"'{dyad.first}' and '{dyad.second}' can go on in two ways; start, turn and rest elsewhere"
+                    )
 
 
 def _signed(linkage: Linkage, structure: Structure) -> Structure:
-    """Choose each dyad's sign as the mode that lies nearer to the sketch, one dyad after the other."""
-    poses: dict[str, Pose] = {
-        GROUND: (0.0, 0.0, 1.0, 0.0),
-        linkage.crank: crank_pose(structure.pivot, linkage.sketch_angle),
-    }
-    signs = []
-    for open_dyad in structure.dyads:
-        dyad = _nearest_mode(linkage, structure, open_dyad, poses)
-        signs.append(dyad.sign)
-        poses[dyad.first], poses[dyad.second] = DyadSolver(dyad).poses(poses)
-    return structure.with_signs(tuple(signs))
+    """Choose each group's assembly mode as the one that lies nearest to the sketch, one group after the other."""
+    poses = placed(structure, linkage.sketch_angle)
+    done: list[AnyGroup] = []
+    for group in structure.groups:
+        if isinstance(group, Dyad):
+            done.append(_nearest_mode(linkage, structure, group, poses))
+        else:
+            done.append(_on_branch(linkage, replace(structure, groups=tuple(done)), group))
+        solver = solver_of(done[-1], np.asarray(linkage.sketch_angle))
+        poses.update(zip(group.links, solver.poses(poses), strict=True))
+    return replace(structure, groups=tuple(done))
+
+
+def _on_branch(linkage: Linkage, before: Structure, group: Group) -> Group:
+    """A group of a higher class with the configuration that the sketch means, followed over φ."""
+
+    def hosts(angle: Array) -> Motions:
+        sweep = Sweep(linkage, before, angle)
+        motion = {body: (sweep.poses(body), sweep.rates(body), sweep.accelerations(body)) for body in group.hosts}
+        full = np.ones(angle.shape)
+        return {body: tuple(tuple(p * full for p in part) for part in parts) for body, parts in motion.items()}  # type: ignore[misc]
+
+    problem = problem_of(group, linkage, hosts)
+    start = nearest(linkage, before, group, problem)
+    return replace(group, branch=followed(problem, start, linkage.sketch_angle))
 
 
 def _nearest_mode(linkage: Linkage, structure: Structure, dyad: Dyad, poses: dict[str, Pose]) -> Dyad:

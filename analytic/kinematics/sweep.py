@@ -12,15 +12,30 @@ from analytic.errors import LinkproofError, UnknownNameError
 from analytic.kinematics import frames
 from analytic.kinematics.assembly import check_assembly, check_motion
 from analytic.kinematics.dyad_solver import DyadSolver
-from analytic.kinematics.frames import Pair, Pose, Rate, Scalar
-from analytic.kinematics.structure import Revolute, Structure
+from analytic.kinematics.frames import STILL, Pair, Pose, Rate, Scalar
+from analytic.kinematics.groups.solver import GroupSolver
+from analytic.kinematics.structure import AnyGroup, DrivenDistance, Dyad, Prismatic, Revolute, Structure
 
 Array = NDArray[np.float64]
+FIXED: tuple[Any, Any, Any] = ((0.0, 0.0, 1.0, 0.0), STILL, STILL)  # the ground and its derivatives
 
 
-def crank_pose(pivot: Revolute, angle: Scalar) -> Pose:
-    """Pose of the crank at φ."""
+def crank_pose(pivot: Revolute | Prismatic, angle: Scalar) -> Pose:
+    """Pose of the driver at φ: turned about its pin, or shifted along its guide."""
+    if isinstance(pivot, Prismatic):
+        x, y = frames.ahead(pivot.origin, angle, pivot.along)
+        return (x, y, *pivot.turn)
     return frames.pose_through(pivot.near_local, (np.cos(angle), np.sin(angle)), pivot.far_local)
+
+
+def crank_motion(pivot: Revolute | Prismatic, angle: Scalar) -> tuple[Pose, Rate, Rate]:
+    """Pose of the driver's frame at φ, and its first and second derivative."""
+    crank = crank_pose(pivot, angle)
+    if isinstance(pivot, Prismatic):
+        return crank, (*pivot.along, 0.0), STILL
+    local = pivot.far_local
+    rate = frames.rate_through(crank, (0.0, 0.0), 1.0, local)
+    return crank, rate, frames.acceleration_through(crank, (0.0, 0.0), 1.0, 0.0, local)
 
 
 def output_of(linkage: Linkage) -> Output:
@@ -31,6 +46,17 @@ def output_of(linkage: Linkage) -> Output:
             "output = { point = ..., along = [x, y] } to its file"
         )
     return linkage.output
+
+
+def placed(structure: Structure, angle: Scalar) -> dict[str, Pose]:
+    """Poses of what no group places: the ground, and the driven link."""
+    poses: dict[str, Pose] = {GROUND: (0.0, 0.0, 1.0, 0.0)}
+    return poses if structure.pivot is None else poses | {structure.pivot.far: crank_pose(structure.pivot, angle)}
+
+
+def solver_of(group: AnyGroup, angle: Array) -> DyadSolver | GroupSolver:
+    """What solves a group at values of φ: formulas of a dyad, Newton's method for a higher class."""
+    return DyadSolver(group, angle) if isinstance(group, Dyad) else GroupSolver(group, angle)
 
 
 class Sweep:
@@ -45,18 +71,14 @@ class Sweep:
         self.linkage = linkage
         self.structure = structure
         self.angle = angle
-        self._solvers: dict[str, DyadSolver] = {}
+        self._solvers: dict[str, DyadSolver | GroupSolver] = {}
         self._centres: dict[tuple[str, int], Pair] = {}
-        self._needs = {name: dyad for dyad in structure.dyads for name in (dyad.first, dyad.second)}
-        crank = crank_pose(structure.pivot, angle)
-        local = structure.pivot.far_local
-        rate = frames.rate_through(crank, (0.0, 0.0), 1.0, local)
-        second = frames.acceleration_through(crank, (0.0, 0.0), 1.0, 0.0, local)
-        self._known: list[dict[str, Any]] = [  # poses, rates and accelerations
-            {GROUND: (0.0, 0.0, 1.0, 0.0), linkage.crank: crank},
-            {GROUND: frames.STILL, linkage.crank: rate},
-            {GROUND: frames.STILL, linkage.crank: second},
-        ]
+        self._needs = {name: group for group in structure.groups for name in group.links}
+        # Poses, rates and accelerations.
+        self._known: list[dict[str, Any]] = [{GROUND: fixed} for fixed in FIXED]
+        if structure.pivot is not None:
+            for known, part in zip(self._known, crank_motion(structure.pivot, angle), strict=True):
+                known[linkage.crank] = part
 
     def poses(self, body: str) -> Pose:
         """Origin x, y, m, and cosine and sine of the angle of a body's frame."""
@@ -79,19 +101,20 @@ class Sweep:
         if body not in known:
             if body not in self._needs:
                 raise UnknownNameError("link", body, self.linkage.links)
-            dyad = self._needs[body]
+            group = self._needs[body]
             if order == 0:
-                solver = self._solvers[dyad.first] = DyadSolver(dyad)
+                solver = self._solvers[group.first] = solver_of(group, self.angle)
             else:
                 self._solved(body, order - 1)
-                solver = self._solvers[dyad.first]
+                solver = self._solvers[group.first]
             for host in solver.hosts:
                 self._solved(host, order)
             if order == 1:
                 check_motion(self.linkage, solver, self.angle)
-            known[dyad.first], known[dyad.second] = (solver.poses, solver.rates, solver.accelerations)[order](known)
+            solved = (solver.poses, solver.rates, solver.accelerations)[order](known)
             if order == 0:
-                check_assembly(self.linkage, solver, self.angle)
+                check_assembly(self.linkage, solver, self.angle)  # before it counts as known: it fails every time
+            known.update(zip(group.links, solved, strict=True))
         return known[body]
 
     def local_point(self, body: str, local: Vector, order: int = 0) -> Pair:
@@ -111,7 +134,7 @@ class Sweep:
         """The body through which a named point is cheapest to reach: the ground, the crank, then the first dyad's."""
         if name in self.linkage.ground:
             return GROUND
-        order = [self.linkage.crank, *(n for d in self.structure.dyads for n in (d.first, d.second))]
+        order = [self.linkage.crank, *(name for group in self.structure.groups for name in group.links)]
         for body in order:
             if body in self.linkage.links and name in self.linkage.links[body].points:
                 return body
@@ -119,8 +142,8 @@ class Sweep:
         raise UnknownNameError("point", name, points)
 
     def angles(self, body: str) -> Array:
-        """Angle of a link's frame, rad, unwrapped along the last axis of the crank angles; the crank's is φ."""
-        if body == self.linkage.crank:
+        """Angle of a link's frame, rad, unwrapped along the last axis of the crank angles; a turning crank's is φ."""
+        if body == self.linkage.crank and not self.linkage.is_linear:
             return self.angle
         _, _, c, s = self.poses(body)
         return np.unwrap(np.broadcast_to(np.arctan2(s, c), self.angle.shape)) if self.angle.ndim else np.arctan2(s, c)
@@ -144,10 +167,16 @@ class Sweep:
     def closure_error(self) -> Array:
         """Largest distance between the two ends of any joint, m, per crank angle: loop closure on trial."""
         worst = np.zeros(self.angle.shape)
-        for dyad in self.structure.dyads:
-            self.poses(dyad.first)
-            for joint in (dyad.first_joint, dyad.inner_joint, dyad.second_joint):
-                if isinstance(joint, Revolute):
+        for group in self.structure.groups:
+            self.poses(group.first)
+            for joint in group.joints:
+                if isinstance(joint, DrivenDistance):
+                    ends = (
+                        self.local_point(joint.near, joint.near_local),
+                        self.local_point(joint.far, joint.far_local),
+                    )
+                    worst = np.maximum(worst, np.abs(np.hypot(*frames.minus(*ends)) - self.angle))
+                elif isinstance(joint, Revolute):
                     gap = frames.minus(
                         self.local_point(joint.near, joint.near_local), self.local_point(joint.far, joint.far_local)
                     )

@@ -35,4 +35,6 @@ def _power(motion: FreeMotion, time: NDArray[np.float64]) -> NDArray[np.float64]
     mechanism, angle, speed = motion.equation.mechanism, motion.angle(time), motion.speed(time)
     linkage = replace(mechanism.linkage, springs=(), dampers=())
     force = reduced.load_force(Sweep(linkage, mechanism.structure, angle)) + motion.equation.torque(angle)[0]
+    if motion.equation.over_time is not None:
+        force = force + motion.equation.over_time(time)
     return np.asarray((force - reduced.damping_coefficient(mechanism.sweep(angle)) * speed) * speed)

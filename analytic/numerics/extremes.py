@@ -32,7 +32,9 @@ class Extremes:
 
     @property
     def relative_pulsation(self) -> float:
-        """(max − min) / (2 mean), as in article 003."""
+        """(max − min) / (2 mean), as in article 003; 0 of a constant, though it be zero."""
+        if self.maximum == self.minimum:
+            return 0.0
         return (self.maximum - self.minimum) / (2.0 * self.mean)
 
 
@@ -84,9 +86,12 @@ def _highest(quantity: Quantity, angle: Array, values: Array) -> tuple[float, fl
     return float(heights[first]), float(in_turn(peaks[first]))
 
 
-def zeros(quantity: Quantity, slope: Quantity, points: int = GRID) -> Array:
-    """Crank angles in [0, 2π), rad, where a periodic quantity changes sign: Newton with the bracket as a safeguard."""
-    angle = grid(points)
+def zeros(quantity: Quantity, slope: Quantity, points: int = GRID, turns: int = 1) -> Array:
+    """Crank angles in [0, 2π), rad, where a periodic quantity changes sign: Newton with the bracket as a safeguard.
+
+    In [0, 2π ``turns``) of what has as many turns for a period.
+    """
+    angle = np.arange(float(points * turns)) * (FULL_TURN / points)
     values = quantity(angle)
     changes = np.flatnonzero(np.signbit(values) != np.signbit(np.roll(values, -1)))
     left, right = angle[changes], angle[changes] + FULL_TURN / points
@@ -103,4 +108,4 @@ def zeros(quantity: Quantity, slope: Quantity, points: int = GRID) -> Array:
         root = moved
         if done:
             break
-    return np.sort(in_turn(root))
+    return np.sort(in_turn(root) if turns == 1 else np.mod(root, turns * FULL_TURN))

@@ -6,7 +6,7 @@ together. A window is accepted when the last terms of its series are below the t
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import Final
 
 import numpy as np
@@ -22,6 +22,7 @@ from analytic.numerics.step_control import State
 
 Array = NDArray[np.float64]
 Acceleration = Callable[[Array, Array], Array]
+Push = Callable[[Array, Array], Array]
 
 MOST_WINDOWS: Final = 200_000  # some ten thousand turns
 LEAST_TOLERANCE: Final = 64.0 * step_control.EPS  # the last coefficients of a series never fall below a few roundings
@@ -30,8 +31,9 @@ LEAST_TOLERANCE: Final = 64.0 * step_control.EPS  # the last coefficients of a s
 class _Path:
     """The windows done so far and the state at their end."""
 
-    def __init__(self, scheme: GaussScheme, angle: float, speed: float) -> None:
+    def __init__(self, scheme: GaussScheme, angle: float, speed: float, *, repeats: bool) -> None:
         self.scheme = scheme
+        self.repeats = repeats
         self.state: State = (angle, 0.0, speed, 0.0, 0.0)
         self.starts = [0.0]
         self.base: list[float] = []
@@ -60,6 +62,9 @@ class _Path:
         self.state = step_control.at_end(
             self.state, length, float(self.scheme.end_once @ found), float(self.scheme.end_twice @ found)
         )
+        if not self.repeats:  # a travel: nothing comes again after 2π
+            travel, *others, turns = self.state
+            self.state = (travel + turns * FULL_TURN, others[0], others[1], others[2], 0.0)
 
     def windows(self) -> Windows:
         return Windows(
@@ -75,50 +80,72 @@ def integrate(
     *,
     tolerance: float,
     rounding: float,
+    place: Callable[[float], str] = lambda angle: f"crank angle {degrees(angle)}",
+    repeats: bool = True,
+    push: Push | None = None,
+    knots: Sequence[float] = (),
 ) -> Windows:
     """Integrate from ``start``, (φ, ω), for ``duration`` seconds; ``tolerance`` is of the speed within a window.
 
-    ``rounding`` is what of an acceleration is noise, rad/s²: no window is made smaller to follow it. Raises
-    LinkproofError where the motion cannot be followed.
+    ``rounding`` is what of an acceleration is noise, rad/s²: no window is made smaller to follow it. ``place`` writes a
+    φ for a reader, ``repeats`` says whether the acceleration has period 2π in φ. ``push`` is a part of the
+    acceleration that depends on time, s, and φ; at its ``knots``, s, where it has kinks, a window ends and the next one
+    begins anew. Raises LinkproofError where the motion cannot be followed.
     """
     tolerance, count = max(tolerance, LEAST_TOLERANCE), len(scheme.nodes)
-    path = _Path(scheme, *start)
-    guess = _constant(acceleration, path)
+    path = _Path(scheme, *start, repeats=repeats)
+    pushed = _timed(acceleration, push)
+    borders = [*sorted(knot for knot in knots if 0.0 < knot < duration), duration]
+    guess = _constant(pushed, path)
     length = longest = step_control.first_window(start[1], float(guess[0]), duration)
     while path.starts[-1] < duration:
-        rest = duration - path.starts[-1]
+        rest = borders[0] - path.starts[-1]
         last = length >= step_control.ALL_BUT * rest
         length = rest if last else length
-        found = _solve(acceleration, path, length, guess, rounding)
+        found = _solve(pushed, path, length, guess, rounding)
         error = np.inf if found is None else _error(path, found, length, rounding)
         factor = step_control.growth(error, tolerance, count)
         if found is not None and error <= tolerance:
-            path.add(found, length, duration if last else path.starts[-1] + length)
+            path.add(found, length, borders[0] if last else path.starts[-1] + length)
             guess = _continued(scheme, found, factor)
             longest = max(longest, length)
+            if last:
+                del borders[0]
+                guess = _constant(pushed, path)
         else:
             factor = min(factor, step_control.MOST_RETRY)
-            guess = _constant(acceleration, path)
+            guess = _constant(pushed, path)
         length *= factor
-        _check(path, length, longest, duration)
+        _check(path, length, longest, duration, place)
     return path.windows()
 
 
-def _constant(acceleration: Acceleration, path: _Path) -> Array:
+Timed = Callable[[Array, Array, Array], Array]
+
+
+def _timed(acceleration: Acceleration, push: Push | None) -> Timed:
+    """The whole acceleration over time, φ and ω."""
+    if push is None:
+        return lambda _time, angle, speed: acceleration(angle, speed)
+    return lambda time, angle, speed: acceleration(angle, speed) + push(time, angle)
+
+
+def _constant(acceleration: Timed, path: _Path) -> Array:
     """The acceleration at the path's end, for every node."""
     count = len(path.scheme.nodes)
-    return acceleration(np.full(count, path.angle), np.full(count, path.speed))
+    return acceleration(np.full(count, path.starts[-1]), np.full(count, path.angle), np.full(count, path.speed))
 
 
-def _solve(acceleration: Acceleration, path: _Path, length: float, guess: Array, rounding: float) -> Array | None:
+def _solve(acceleration: Timed, path: _Path, length: float, guess: Array, rounding: float) -> Array | None:
     """Accelerations at the nodes, or None where the iteration does not settle."""
     scheme, speed = path.scheme, path.speed
     ahead = path.angle + speed * length * scheme.nodes
     once, twice = length * scheme.once, length**2 * scheme.twice
+    time = path.starts[-1] + length * scheme.nodes
     found, before, least = guess, np.inf, np.inf
     for _ in range(step_control.MOST_ITERATIONS):
         try:
-            following = acceleration(ahead + twice @ found, speed + once @ found)
+            following = acceleration(time, ahead + twice @ found, speed + once @ found)
         except AssemblyError:
             return None
         change, peak = float(np.max(np.abs(following - found))), float(np.max(np.abs(following)))
@@ -144,12 +171,12 @@ def _continued(scheme: GaussScheme, found: Array, growth: float) -> Array:
     return np.asarray(legendre.legval(1.0 + 2.0 * growth * scheme.nodes, (scheme.series @ found)[:kept]))
 
 
-def _check(path: _Path, length: float, longest: float, duration: float) -> None:
+def _check(path: _Path, length: float, longest: float, duration: float, place: Callable[[float], str]) -> None:
     time, done = path.starts[-1], len(path.base)
     if step_control.is_lost(path.starts, done, length, longest):
         raise LinkproofError(
-            f"motion: expected one that is smooth, got one that cannot be followed beyond t = {time:.6g} s at crank "
-            f"angle {degrees(float(path.angle))}, a dead position or an unbounded speed; shorten the "
+            f"motion: expected one that is smooth, got one that cannot be followed beyond t = {time:.6g} s at "
+            f"{place(float(path.angle))}, a dead position or an unbounded speed; shorten the "
             "duration or change the loads"
         )
     if done > MOST_WINDOWS:

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, lru_cache
 from typing import Final
 
 import numpy as np
@@ -32,9 +32,9 @@ MOST_CELLS: Final = 8192  # of a level: functions so rough are left as they are,
 
 @dataclass(frozen=True)
 class PeriodicTable:
-    """Functions of period 2π.
+    """Functions of a ``period``, 2π, or infinite for those of a travel.
 
-    ``edges`` (cells + 1,), rad, span a turn or less; ``coefficients`` (cells, degree + 1, functions) are of powers
+    ``edges`` (cells + 1,), rad, span a period or less; ``coefficients`` (cells, degree + 1, functions) are of powers
     of the coordinate in [-1, 1] across the cell; ``error`` is the largest deviation found between the nodes,
     relative to the function's peak.
     """
@@ -42,6 +42,7 @@ class PeriodicTable:
     edges: Array
     coefficients: Array
     error: float
+    period: float = FULL_TURN
 
     @cached_property
     def _cells(self) -> tuple[Array, Array, Array]:
@@ -52,7 +53,7 @@ class PeriodicTable:
     def __call__(self, angle: Array) -> Array:
         """Every function at each crank angle, rad; shape (functions, *angle.shape)."""
         starts, middle, scale = self._cells
-        turned = starts[0] + (np.ravel(angle) - starts[0]) % FULL_TURN
+        turned = starts[0] + (np.ravel(angle) - starts[0]) % self.period
         cell = starts.searchsorted(turned, "right") - 1
         powers = np.empty((len(turned), 1, self.coefficients.shape[1]))
         powers[:, 0, 0] = 1.0
@@ -67,10 +68,11 @@ def tabulate(
     *,
     ends: tuple[float, float] = (0.0, FULL_TURN),
     least_peak: Array | float = 0.0,
+    period: float = FULL_TURN,
 ) -> PeriodicTable:
     """Tabulate functions (angles (n,) to values (functions, n)) over a turn with polynomials of a degree.
 
-    ``ends``, rad, are those of what is tabulated, a turn at most. A function whose peak is smaller than
+    ``ends``, rad, are those of what is tabulated, a ``period`` at most. A function whose peak is smaller than
     ``least_peak`` is tabulated to that accuracy: what is left of terms that cancel is rounding.
     """
     nodes, analysis, powers = _rules(degree)
@@ -103,10 +105,11 @@ def tabulate(
     starts, coefficients, errors = (np.concatenate(parts) for parts in zip(*done, strict=True))
     order = np.argsort(starts)
     return PeriodicTable(
-        np.append(starts[order], ends[1]), np.ascontiguousarray(coefficients[order]), float(errors.max())
+        np.append(starts[order], ends[1]), np.ascontiguousarray(coefficients[order]), float(errors.max()), period
     )
 
 
+@lru_cache
 def _rules(degree: int) -> tuple[Array, Array, Array]:
     """Chebyshev nodes on [-1, 1], the matrix from values there to Chebyshev coefficients, and from these to powers."""
     nodes = chebyshev.chebpts1(degree + 1)

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from analytic.description.thread_path import ThreadEye, ThreadPath
-from analytic.errors import LinkproofError
+from analytic.errors import AssemblyError, LinkproofError
 from analytic.kinematics.mechanism import Mechanism
 from analytic.kinematics.sweep import Sweep
 from analytic.numerics.extremes import Extremes, extremes, grid, zeros
@@ -70,8 +70,20 @@ def contour_length(sweep: Sweep, path: ThreadPath) -> Array:
     return np.asarray(np.linalg.norm(np.diff(contour(sweep, path), axis=0), axis=1).sum(axis=0))
 
 
+def _check_turns(mechanism: Mechanism, what: str, cure: str) -> None:
+    """Raise LinkproofError where no full turn of a crank tells what is asked for."""
+    told = f"thread: {what} of '{mechanism.linkage.name}' is told by a full turn of the crank, which"
+    if mechanism.linkage.is_linear:
+        raise LinkproofError(f"{told} its linear drive does not make; {cure}")
+    try:
+        mechanism.check_full_turn()
+    except AssemblyError as error:
+        raise LinkproofError(f"{told} it cannot make; {cure}") from error
+
+
 def eye_travel(mechanism: Mechanism, eye: str) -> EyeTravel:
     """Where an eye turns round: the outermost zeros of the exact derivative of its height, not grid points."""
+    _check_turns(mechanism, f"the extreme height of eye '{eye}'", "give a crank angle as the reference")
     angles = zeros(lambda phi: mechanism.sweep(phi).point(eye, 1)[1], lambda phi: mechanism.sweep(phi).point(eye, 2)[1])
     if not len(angles):
         raise LinkproofError(
@@ -112,6 +124,7 @@ def _sign(path: ThreadPath) -> float:
 
 def feed_diagram(mechanism: Mechanism, path: ThreadPath, points: int = POINTS) -> FeedDiagram:
     """Contour and feed over a turn from φ = 0, at ``points`` equal steps."""
+    _check_turns(mechanism, "the contour", "compare tells its feed over a swing, --from to --to")
     angle = grid(points)
     sweep = mechanism.sweep(angle)
     return FeedDiagram(

@@ -14,7 +14,7 @@ import numpy as np
 
 from analytic.errors import LinkproofError
 from analytic.kinematics.dyads.arms import ROUNDING
-from analytic.kinematics.mechanism import Mechanism
+from analytic.kinematics.mechanism import FULL_TURN, Mechanism
 from analytic.numerics.extremes import Array, grid, largest, periodic_mean, zeros
 
 # The mean of a modulus has kinks, where the trapezoid rule errs by h²: 7200 points leave eight digits.
@@ -59,7 +59,11 @@ class UnitFunctions:
 @lru_cache(maxsize=64)
 def dead_centres(mechanism: Mechanism) -> tuple[DeadCentre, ...]:
     """Every reversal of the output over one turn, by crank angle; roots of its first derivative, not grid points."""
-    angles = zeros(lambda phi: mechanism.sweep(phi).output(1), lambda phi: mechanism.sweep(phi).output(2))
+    angles = zeros(
+        lambda phi: mechanism.sweep(phi).output(1),
+        lambda phi: mechanism.sweep(phi).output(2),
+        turns=round(mechanism.period / FULL_TURN),
+    )
     if not len(angles):
         raise _still(mechanism)
     coordinates = mechanism.sweep(angles).output()

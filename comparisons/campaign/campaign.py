@@ -63,7 +63,8 @@ def tasks(request: CampaignRequest) -> list[Task]:
 
 def _tasks(request: CampaignRequest, case: Case) -> Iterator[Task]:
     quantities = chosen_quantities(case, request.quantities)
-    check_defined(case, quantities)
+    # A thread whose feed has no value is a row with the reason, unless it is what is asked for.
+    check_defined(case, [one for one in quantities if not one.needs_thread or one.name in request.quantities])
     linkage, motion, pickled = case.mechanism.linkage, case.motion, pickle.dumps(case)
     names = tuple(quantity.name for quantity in quantities)
     turned = motion.duration * motion.peak_speed
@@ -180,11 +181,11 @@ def _compared(
         detail = f"its adapter offers {lacking} and has recorded none"
         return replace(blank, outcome=Verdict.ADAPTER_ERROR.value, detail=detail), None
     origin = CONTROL if adapter.is_control else quantity.origin(motion).value
-    blank = replace(blank, origin=origin, shared=quantity.shared(motion))
+    blank = replace(blank, origin=origin, shared=quantity.shared(case, motion))
     try:
         found = deviation(case, quantity, motion)
     except NoSampleError as error:
-        return replace(blank, outcome=Verdict.UNDEFINED.value, detail=str(error)), None
+        return replace(blank, outcome=Verdict.UNDEFINED.value, detail=str(error), shared=""), None
     record = replace(
         blank,
         error_max=found.error_max,

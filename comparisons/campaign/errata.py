@@ -130,7 +130,7 @@ def _trials(linkages: Iterable[Linkage]) -> Iterator[Trial]:
         if linkage.variant != linkage.variants[0]:
             continue  # printed models are held against the file's own values
         mechanism = Mechanism(linkage)
-        regimes = {own.name: own for own in linkage.regimes}
+        regimes = linkage.released
         names = dict.fromkeys(erratum.regime for erratum in linkage.errata)
         cases = {name: own_case(mechanism, regimes[name]) for name in names}
         yield from ((erratum, cases[erratum.regime]) for erratum in linkage.errata)
@@ -138,7 +138,7 @@ def _trials(linkages: Iterable[Linkage]) -> Iterator[Trial]:
 
 def printed_motion(linkage: Linkage, erratum: Erratum) -> Spin:
     """The crank's motion by the printed model, in the printed integrator where that is what is on trial."""
-    own = next(own for own in linkage.regimes if own.name == erratum.regime)
+    own = linkage.released[erratum.regime]
     mechanism = Mechanism(in_variant(linkage, erratum.variant) if erratum.variant else linkage)
     if erratum.steps is None:
         return own_motion(mechanism, own, erratum.half_slope)

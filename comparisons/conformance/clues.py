@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from analytic.description.law import FULL_TURN
-from analytic.description.linkage import GROUND
+from analytic.description.linkage import GROUND, DriverKind
 from comparisons.reference.case import Case
 from comparisons.reference.channels import truth
 from engines.contract import Signal
@@ -165,10 +165,14 @@ def _arm(case: Case, channel: Channel, body: str, anchor: Array, time: Array) ->
 
 
 def _crank_share(case: Case, scene: Scene, time: Array) -> Array:
-    """Torque that the crank alone would take, N m."""
+    """Torque that the crank alone would take, N m, or a driven slider its force, N; 0 of a cylinder, without mass."""
+    if scene.driver_kind is DriverKind.CYLINDER:
+        return np.zeros(len(time))
     crank = next(body for body in scene.bodies if body.name == scene.crank)
     velocity, second = (truth(case, c, crank.name, time) for c in (Channel.VELOCITY, Channel.ACCELERATION))
     speed = np.where(velocity[:, 2] == 0.0, 1.0, velocity[:, 2])
     force = crank.mass * (second[:, :2] - scene.gravity)
+    if scene.driver_kind is DriverKind.SLIDER:
+        return np.asarray(force @ np.array(scene.driven_slider.along))
     power = np.einsum("nk,nk->n", force, velocity[:, :2]) / speed
     return np.asarray(power + (crank.inertia or 0.0) * second[:, 2])

@@ -101,7 +101,7 @@ def failing_rows(of: Case, engine: Engine, run: Run) -> Iterator[str]:
     motion = ObservedMotion(of.scene(frozenset(Channel)), run.history)
     blank = blank_record(of, Setting.TUNED, engine.name, "")
     for quantity in chosen_quantities(of, ()):
-        if quantity.lacking(motion) or quantity.shared(motion):
+        if quantity.lacking(motion) or quantity.shared(of, motion):
             continue
         try:
             found = deviation(of, quantity, motion)

@@ -114,6 +114,11 @@ def _faster(factor: float) -> Callable[[CrankMotion], tuple[Segment, ...]]:
     return segments
 
 
+def _ahead(motion: CrankMotion) -> tuple[Segment, ...]:
+    """The motion of a linear drive a little farther out."""
+    return tuple(replace(s, coefficients=(s.coefficients[0] + SLIP, *s.coefficients[1:])) for s in motion.segments)
+
+
 def _late(motion: CrankMotion) -> tuple[Segment, ...]:
     """The same motion a little later, and at rest before it."""
     delay, end = LATE * FULL_TURN / motion.peak_speed, motion.duration
@@ -195,5 +200,9 @@ MUTATIONS: Final[Mapping[str, Mutation]] = {
     "damper against the ground": Mutation(
         "damper", _each("dampers", lambda damper: replace(damper, links=("coupler", GROUND)))
     ),
+    "driven slider's guide turned by 0.1°": Mutation("driven slider", _guide_turned("sliders")),
+    "driven slider ahead by 0.1 mm": Mutation("driven slider", _driven(_ahead)),
+    "cylinder longer by 0.1 mm": Mutation("cylinder", _driven(_ahead)),
+    "cylinder's end off by 1 mm": Mutation("cylinder", _shifted("ground.Q.x", 10.0 * SLIP)),
     "released crank's torque 1 % larger": Mutation("released", _released_harder),
 }  # fmt: skip

@@ -26,10 +26,13 @@ RAMP, HOLD = 0.3, 0.33  # s: half a turn to reach the speed, one full turn at it
 
 @dataclass(frozen=True)
 class Sample:
-    """A linkage under one motion of its crank: how the crank turns, and what is added to the linkage of the file."""
+    """A linkage under one motion of its crank: how the crank turns, and what is added to the linkage of the file.
+
+    A file with a regime has its motion in that.
+    """
 
     linkage: str
-    start: float  # rad
+    start: float = 0.0  # rad
     clockwise: bool = False
     added: Callable[[Linkage], Linkage] = lambda linkage: linkage
     released: bool = False
@@ -40,6 +43,8 @@ class Sample:
         mechanism = Mechanism(self.added(load(str(LINKAGES / f"{self.linkage}.toml"))))
         if self.released:
             return own_case(mechanism, ReleasedRegime("released", 1.5, self.start, 6.0, 0.8))
+        if mechanism.linkage.regimes:
+            return own_case(mechanism, mechanism.linkage.regimes[0])
         return Case(mechanism, crank_motion(
             "run-up-quintic", speed=SPEED, ramp_time=RAMP, hold_time=HOLD, clockwise=self.clockwise,
             start_angle=self.start,
@@ -77,6 +82,8 @@ SAMPLES: Final[Mapping[str, Sample]] = {
     "torque": Sample("four-bar", math.radians(40.0), added=_twisted),
     "spring": Sample("four-bar", math.radians(40.0), added=_sprung),
     "damper": Sample("four-bar", math.radians(40.0), added=_damped),
+    "driven slider": Sample("driven-slider"),
+    "cylinder": Sample("cylinder"),
     "released": Sample("four-bar", math.radians(40.0), released=True),
 }
 

@@ -23,13 +23,15 @@ class AssurGroups:
         self.equations = equations
         self._pins = self._pin_points()
         self.blocks: list[tuple[Numbers, Numbers]] = []
-        placed = {GROUND, equations.scene.crank}
+        self.members: list[tuple[str, ...]] = []
+        placed = {GROUND, equations.scene.crank} if equations.scene.crank else {GROUND}
         left = [name for name in equations.index if name not in placed]
         while left:
             sets = (bodies for k in range(1, len(left) + 1) for bodies in itertools.combinations(left, k))
             group = next(bodies for bodies in sets if len(bodies) == len(left) or self._places(bodies, placed))
             rows = np.array(self._rows_of(group, placed), dtype=np.intp).T
             self.blocks.append((rows, self._columns(group)))
+            self.members.append(group)
             placed |= {*group}
             left = [name for name in left if name not in group]
 
@@ -58,6 +60,8 @@ class AssurGroups:
             *zip(equations.line_rows, equations.body[equations.pins :], equations.host[equations.pins :], strict=True),
             *zip(equations.turn_rows, equations.turn_body, equations.turn_host, strict=True),
         ]
+        if equations.scene.cylinder is not None:
+            held.append((equations.crank_row, *equations.driver.ends))
         for row, *ends in held:
             if {*ends} <= known_bodies and {*ends} & new_bodies:
                 rows.append((int(row), none))

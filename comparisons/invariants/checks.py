@@ -8,11 +8,13 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
+from analytic.description.crank_motion import degrees
+from analytic.description.law import FULL_TURN
 from comparisons.invariants import invariants
 from comparisons.invariants.corrections import LEVELS
 from comparisons.invariants.energy_account import EnergyBalance, energy_at_play, energy_balance
 from comparisons.invariants.inspection import Inspection
-from comparisons.judging.deviations import near_jumps
+from comparisons.judging.deviations import UNBOUNDED, near_jumps
 from comparisons.judging.records import Record, Verdict
 from comparisons.judging.verdicts import judge
 from comparisons.observation.observed_motion import ObservedMotion
@@ -29,11 +31,13 @@ UNITS: Mapping[str, str] = {
     "energy_balance": "J",
     "torque_two_routes": "N m",
 }
+LINEAR_UNITS: Mapping[str, str] = {"crank_phase": "m", "torque_two_routes": "N"}  # of a driver that is pushed
 # Those that are shares of something, or angles, at every sample of the position.
 SHARES: Mapping[str, Callable[[Inspection], Signal]] = {
     "assembly_mode": Inspection.assembly_mode,
     "crank_phase": invariants.crank_phase,
 }
+BALANCES = frozenset(("energy_balance", "torque_two_routes", "force_balance"))
 LARGEST = 1e150  # however far off a motion is, its square is a number
 
 
@@ -55,16 +59,32 @@ NEEDS: Mapping[str, tuple[Channel, ...]] = {
 
 
 def _checks(case: Case, motion: ObservedMotion, blank: Record) -> Iterator[Record]:
-    seen = Inspection(motion)
+    seen = Inspection(motion, change_points(case))
     for name, needed in NEEDS.items():
         if name == "force_balance" and Channel.JOINT_FORCE not in motion.scene.channels:
             continue
         lacking = _lacking(motion, name, needed)
-        record = replace(blank, quantity=name, unit=UNITS[name])
+        unit = UNITS[name] if not motion.is_linear else LINEAR_UNITS.get(name, UNITS[name])
+        record = replace(blank, quantity=name, unit=unit)
         if lacking:
             yield replace(record, outcome=Verdict.NOT_PROVIDED.value, detail=f"{blank.engine} tells no {lacking}")
+        elif name == "force_balance" and case.unbounded_at is not None:
+            yield _undefined(record, UNBOUNDED.format(angle=degrees(case.unbounded_at)))
+        elif name in BALANCES and case.mechanism.linkage.is_idle:
+            yield _undefined(record, "no link has a mass and nothing loads one: there is nothing to balance")
         else:
             yield _checked(case, seen, replace(record, origin=blank.origin or motion.origin(needed).value))
+
+
+def change_points(case: Case) -> dict[frozenset[str], tuple[float, ...]]:
+    """Change points of the linkage's groups, rad in [0, 2π), by their links: lengths decide on them, no motion does."""
+    links = case.mechanism.linkage.links
+    found = {}
+    for dyad in case.mechanism.structure.dyads:
+        if dyad.changes:
+            angles = {round(angle % FULL_TURN, 8) % round(FULL_TURN, 8) for angle in dyad.changes.angles}
+            found[frozenset(dyad.links) & frozenset(links)] = tuple(sorted(angles))
+    return found
 
 
 def _lacking(motion: ObservedMotion, name: str, needed: Sequence[Channel]) -> str:
@@ -87,11 +107,12 @@ def _checked(case: Case, seen: Inspection, record: Record) -> Record:
     if record.quantity == "joint_gap":
         return _check(record, invariants.joint_gaps(motion), case.mechanism.linkage.shortest_length(), samples)
     if record.quantity in SHARES:
-        return _check(record, SHARES[record.quantity](seen), 1.0, samples)
+        scale = seen.radian if record.quantity == "crank_phase" else 1.0
+        return _check(record, SHARES[record.quantity](seen), scale, samples)
     samples = len(motion.signal(Channel.ACCELERATION).time)
     if record.quantity == "force_balance":
         return _check(record, _away_from_jumps(case, seen.force_balance()), 1.0, samples)
-    required = _away_from_jumps(case, seen.torque_required())
+    required = _away_from_jumps(case, seen.bridged(seen.torque_required(), case.motion.jumps))
     routes = Signal(required.time, required.values - motion.on_clock(Channel.TORQUE, required.time))
     return _check(record, routes, _torque_scale(case, motion), samples)
 
@@ -101,7 +122,8 @@ def _closure(case: Case, seen: Inspection) -> tuple[Signal, int]:
     levels = invariants.closure(seen)
     count = sum(len(signal.time) for signal in levels.values())
     levels[Channel.ACCELERATION.value] = _away_from_jumps(case, levels[Channel.ACCELERATION.value])
-    time, values = (np.concatenate([getattr(s, part) for s in levels.values()]) for part in ("time", "values"))
+    kept = [_away_from_changes(seen, signal) for signal in levels.values()]
+    time, values = (np.concatenate([getattr(signal, part) for signal in kept]) for part in ("time", "values"))
     return Signal(time, values), count
 
 
@@ -120,6 +142,12 @@ def _torque_scale(case: Case, motion: ObservedMotion) -> float:
 def _away_from_jumps(case: Case, signal: Signal) -> Signal:
     """A signal without its samples at acceleration jumps, where interpolating between samples means nothing."""
     kept = ~near_jumps(signal.time, case.motion.jumps)
+    return Signal(signal.time[kept], signal.values[kept])
+
+
+def _away_from_changes(seen: Inspection, signal: Signal) -> Signal:
+    """A signal without its samples beside change points, where corrections are their own rounding magnified."""
+    kept = ~seen.beside_changes(signal.time).any(axis=1)
     return Signal(signal.time[kept], signal.values[kept])
 
 

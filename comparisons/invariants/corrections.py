@@ -75,7 +75,7 @@ class Corrected:
     @cached_property
     def _position_lack(self) -> Array:
         residual = self.equations.residual(*self._seen)
-        residual[:, self.equations.crank_row] = self.observed(0)[:, self.equations.crank, 2]
+        residual[:, self.equations.crank_row] = self.equations.driven(*self._seen)
         return self._lack(residual, 0)
 
     @cached_property
@@ -102,11 +102,15 @@ class Corrected:
         return np.asarray(lack, dtype=float)
 
     def crank_target(self, order: int) -> Array:
-        """Crank angle, speed or acceleration as the drive prescribes it; a released crank's own."""
+        """φ, speed or acceleration as the drive prescribes it, rad or units; a released driver's own."""
         drive = self.equations.scene.drive
+        scale = self.equations.driver.scale
         if isinstance(drive, Prescribed):
-            return (drive.motion.angle, drive.motion.speed, drive.motion.acceleration)[order](self.time)
-        return np.asarray(self.observed(order)[:, self.equations.crank, 2])
+            return (drive.motion.angle, drive.motion.speed, drive.motion.acceleration)[order](self.time) / scale
+        if order == 0:
+            return np.asarray(self.equations.driven(*self._seen), dtype=float)
+        bend = self.equations.bend(self._closed[1], self.corrected(1))[:, self.equations.crank_row] if order > 1 else 0
+        return np.asarray(self._rates(order)[:, self.equations.crank_row] - bend, dtype=float)
 
     @cached_property
     def jacobian(self) -> Array:
@@ -137,8 +141,9 @@ class Corrected:
 
     @property
     def torque(self) -> Array:
-        """Drive torque by the principle of virtual power, standstill included, (instants,), N m."""
-        return np.asarray(self.reactions[:, self.equations.crank_row] * self.equations.unit)
+        """Drive torque by the principle of virtual power, standstill included, (instants,), N m; or force, N."""
+        equations = self.equations
+        return np.asarray(self.reactions[:, equations.crank_row] * (equations.unit / equations.driver.scale))
 
     @property
     def forces(self) -> Array:

@@ -64,6 +64,8 @@ def energy_balance(seen: Inspection) -> EnergyBalance:
     else:  # a constant torque does its work by the angle alone
         angle = motion.crank(Channel.POSITION, time)
         done = drive.torque * (angle - angle[0])
+        if drive.over_time is not None:
+            power = power + drive.over_time(time) * motion.crank(Channel.VELOCITY, time)
     work = integral(Signal(time, power), jumps)
     stored = energy(motion, time) - done
     swing = np.abs(np.diff(stored)) + np.abs(np.diff(work))
@@ -82,7 +84,7 @@ def released_phase(seen: Inspection) -> Signal:
     gained = forgotten(gained, 2.0 * seen.relaxation_rate(time), time)
     share = gained / (2.0 * np.maximum(kinetic, np.abs(gained)) + TINY)
     turned = integral(Signal(time, speed), ())
-    slip = np.abs(angle - seen.crank.angle - seen.crank.angular_velocity * time[0] - turned)
+    slip = np.abs(angle - seen.start[0] - seen.start[1] * time[0] - turned)
     slip = np.maximum(slip - error_bound(Signal(time, speed), turned, ()), 0.0)
     return Signal(time, np.abs(integral(Signal(time, share * speed), ())) + slip)
 
@@ -94,19 +96,19 @@ def _start_excess(motion: ObservedMotion, first: Array) -> float:
     start = ObservedMotion(scene, History(position=Signal(clock, position), velocity=Signal(clock, velocity)))
     work = float(first[0] * start.load_power(clock)[0])
     if isinstance(scene.drive, Free):
-        work += scene.drive.torque * float(motion.crank(Channel.POSITION, first)[0] - scene.crank_angle)
+        work += float(scene.drive.torque_at(0.0)) * float(motion.crank(Channel.POSITION, first)[0] - scene.crank_angle)
     return float(energy(motion, first)[0] - energy(start, clock)[0]) - work
 
 
 def speed_drift(seen: Inspection) -> Signal:
     """Crank speed less what the start and the claimed acceleration make of it and the error of that, over its peak."""
-    motion, crank = seen.motion, seen.crank
+    motion, start = seen.motion, seen.start
     time = motion.signal(Channel.VELOCITY).time
     rate = seen.relaxation_rate(time)
     speed, acceleration = motion.crank(Channel.VELOCITY, time), motion.crank(Channel.ACCELERATION, time)
     if time[0] > 0.0:
         time, rate = np.insert(time, 0, 0.0), np.insert(rate, 0, rate[0])
-        speed = np.insert(speed, 0, crank.angular_velocity)
-        acceleration = np.insert(acceleration, 0, crank.angular_acceleration)
-    drift = speed_errors(time, speed, acceleration, rate, float(speed[0]) - crank.angular_velocity)
+        speed = np.insert(speed, 0, start[1])
+        acceleration = np.insert(acceleration, 0, start[2])
+    drift = speed_errors(time, speed, acceleration, rate, float(speed[0]) - start[1])
     return Signal(time, drift / (float(np.max(np.abs(speed))) or 1.0))

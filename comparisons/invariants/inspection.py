@@ -2,21 +2,25 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from dataclasses import dataclass
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field
 from functools import cached_property
 from itertools import takewhile
 
 import numpy as np
 from numpy.typing import NDArray
 
+from analytic.description.crank_motion import CrankMotion
+from analytic.description.law import FULL_TURN
 from comparisons.invariants.assur_groups import AssurGroups
 from comparisons.invariants.corrections import LEVELS, Findings, findings
 from comparisons.observation.interpolation import POINTS, resample
 from comparisons.observation.observed_motion import ObservedMotion
 from engines.contract import Signal
+from engines.mechanics.driver import driven
 from engines.mechanics.joints import JointEquations, scene_size
-from engines.scene import Body, Channel, Free, Prescribed
+from engines.mechanics.states import start_motion
+from engines.scene import Channel, Free, Prescribed
 
 Array = NDArray[np.float64]
 
@@ -25,11 +29,16 @@ FAINT_FORCE = 1e-9
 # A determinant that changes by this share of itself from sample to sample leaves a peak between them unseen; so many
 # samples on either side are as uncertain.
 SHARP, REACH = 0.3, 2.0
+BESIDE, SAMPLES_BESIDE = 0.05, 5.0  # rad of a change point, and samples of it
+# A curve over a change point: its degree, how far it goes to either side, in widths of what it bridges, and what it
+# may miss of the samples it goes through, over their peak.
+DEGREE, FAR, MISSED = 8, 4.0, 1e-4
 SUDDEN = 0.3  # relaxation times between samples
 STANDSTILL = 1e-12  # of the peak kinetic energy: of less, no rate of damping can be told
 COARSE = 0.5  # rad of crank between samples: a dozen of a turn show its energy, not the work done between them
 NOWHERE = 1e-12  # a determinant below it has no sign
 TINY = float(np.finfo(float).tiny)
+ALIKE = 4.0  # times as long as its neighbour a piece of a law may be
 
 
 @dataclass(frozen=True)
@@ -37,16 +46,24 @@ class Inspection:
     """All that can be found in a motion is worked out once, on each of the clocks its channels have."""
 
     motion: ObservedMotion
+    changes: Mapping[frozenset[str], tuple[float, ...]] = field(default_factory=dict)  # by group, rad
 
     @cached_property
     def groups(self) -> AssurGroups:
         """The scene's, their equations' lengths counted in its size."""
         return AssurGroups(JointEquations(self.motion.scene, scene_size(self.motion.scene)))
 
-    @property
-    def crank(self) -> Body:
-        """The crank in its start state."""
-        return self.motion.scene.bodies[self.groups.equations.crank]
+    @cached_property
+    def start(self) -> tuple[float, float, float]:
+        """φ in the start state, rad or m, its speed and its acceleration."""
+        scene = self.motion.scene
+        angle, speed, acceleration = (float(value[0]) for value in driven(scene, *start_motion(scene)))
+        return angle, speed, acceleration
+
+    @cached_property
+    def radian(self) -> float:
+        """What φ is measured against: 1 rad, or the scene's size, m."""
+        return scene_size(self.motion.scene) if self.motion.is_linear else 1.0
 
     @property
     def duration(self) -> float:
@@ -80,7 +97,7 @@ class Inspection:
     def assembly_mode(self) -> Signal:
         """How far any group is into the mode it did not start in, over the farthest it is from a dead position."""
         found = self.on(Channel.POSITION)
-        depth = np.maximum(-found.determinants * self._start_modes(), 0.0)
+        depth = np.maximum(-found.determinants * self._start_modes() * self._passed(found.time), 0.0)
         return Signal(found.time, np.max(depth / np.max(np.abs(found.determinants), axis=0), axis=1))
 
     def _start_modes(self) -> Array:
@@ -90,6 +107,49 @@ class Inspection:
         seen = np.concatenate([first, self.on(Channel.POSITION).determinants])
         told = np.argmax(np.abs(seen) > NOWHERE, axis=0)
         return np.asarray(np.sign(np.take_along_axis(seen, told[None], axis=0)[0]))
+
+    @cached_property
+    def _changes(self) -> list[tuple[int, float]]:
+        """The groups' change points: the number of the group among the determinants, and φ, rad."""
+        names = list(self.groups.equations.index)
+        return [
+            (number, change)
+            for number, bodies in enumerate(self.groups.members, start=1)
+            for change in self.changes.get(frozenset(bodies) & frozenset(names), ())
+        ]
+
+    def _passed(self, time: Array) -> Array:
+        """-1 where a group has passed an odd number of its change points since the start, else 1; (n, groups)."""
+        angle, start = self.motion.crank(Channel.POSITION, time), self.motion.scene.crank_angle if self.changes else 0.0
+        result = np.ones((len(time), 1 + len(self.groups.blocks)))
+        for number, change in self._changes:
+            turned = np.floor((angle - change) / FULL_TURN) - np.floor((start - change) / FULL_TURN)
+            result[:, number] *= np.where(turned % 2 == 0, 1.0, -1.0)
+        return result
+
+    def beside_changes(self, time: Array) -> NDArray[np.bool_]:
+        """Where a group is at its change point or a few samples from it, (n, groups): it moves on smoothly there.
+
+        What is small there is the determinant: corrections, which are over it, tell its own rounding.
+        """
+        angle = self.motion.crank(Channel.POSITION, time)
+        reach = np.maximum(BESIDE, SAMPLES_BESIDE * np.abs(np.gradient(angle))) if len(angle) > 1 else BESIDE
+        result = np.zeros((len(time), 1 + len(self.groups.blocks)), dtype=bool)
+        for number, change in self._changes:
+            away = np.abs((angle - change + 0.5 * FULL_TURN) % FULL_TURN - 0.5 * FULL_TURN)
+            result[:, number] |= away <= reach
+        return result
+
+    def bridged(self, signal: Signal, jumps: tuple[float, ...]) -> Signal:
+        """A signal (n,) that has beside change points the values of a smooth curve through its samples around them.
+
+        They are nan where there are too few samples around, a jump of the acceleration, or no such curve.
+        """
+        beside, values = np.asarray(self.beside_changes(signal.time).any(axis=1)), signal.values.copy()
+        edges = np.flatnonzero(np.diff(np.concatenate([[False], beside, [False]]).astype(int)))
+        for first, behind in edges.reshape(-1, 2):
+            values[first:behind] = _bridge(signal, beside, slice(first, behind), jumps)
+        return Signal(signal.time, values)
 
     def torque_required(self) -> Signal:
         """Drive torque by the power that the motion and its loads take, N m, on the acceleration's clock.
@@ -122,7 +182,7 @@ class Inspection:
         prescribed motion may be over within a few samples; a turn may have no more than a few; and dampers may take a
         good part of a speed between two.
         """
-        result = np.abs(np.diff(self.motion.crank(Channel.POSITION, time))) > COARSE
+        result = np.abs(np.diff(self.motion.crank(Channel.POSITION, time))) > COARSE * self.radian
         result |= np.diff(time) * self.relaxation_rate(time)[1:] > SUDDEN
         for start, end in self._sharp_passages(time):
             result |= (time[:-1] <= end) & (time[1:] >= start)
@@ -135,16 +195,49 @@ class Inspection:
             return power
         kinetic = self.motion.kinetic_energy(time)
         moving = kinetic > STANDSTILL * np.max(kinetic)
+        if not moving.any():  # nothing has a mass, nor then a speed to lose
+            return np.zeros(len(time))
         return np.asarray(np.interp(time, time[moving], 0.5 * power[moving] / kinetic[moving]))
 
     def _sharp_passages(self, time: Array) -> Iterator[tuple[float, float]]:
         found = self.on(Channel.POSITION)
         size = np.abs(found.determinants)
         sharp = np.abs(np.diff(found.determinants, axis=0)) > SHARP * np.minimum(size[1:], size[:-1])
+        sharp &= ~self.beside_changes(found.time)[1:]
         for step in np.flatnonzero(sharp.any(axis=1)):
             reach = REACH * (found.time[step + 1] - found.time[step])
             yield found.time[step] - reach, found.time[step + 1] + reach
         drive = self.motion.scene.drive
-        for segment in drive.motion.segments if isinstance(drive, Prescribed) else ():
-            if np.count_nonzero((time >= segment.start) & (time <= segment.end)) < 2 * POINTS:
-                yield segment.start, segment.end
+        for start, end in _stretches(drive.motion) if isinstance(drive, Prescribed) else ():
+            if np.count_nonzero((time >= start) & (time <= end)) < 2 * POINTS:
+                yield start, end
+
+
+def _bridge(signal: Signal, beside: NDArray[np.bool_], gap: slice, jumps: tuple[float, ...]) -> Array:
+    """Values in a gap by a polynomial through the samples on either side of it; nan where there is none."""
+    time, width = signal.time, signal.time[gap.stop - 1] - signal.time[gap.start]
+    low, high = time[gap.start] - FAR * width, time[gap.stop - 1] + FAR * width
+    around = (time >= low) & (time <= high) & ~beside
+    sides = np.count_nonzero(around[: gap.start]), np.count_nonzero(around[gap.stop :])
+    nowhere = np.full(gap.stop - gap.start, np.nan)
+    if min(sides) < DEGREE or any(low <= jump <= high for jump in jumps):
+        return nowhere
+    curve = np.polynomial.Chebyshev.fit(time[around], signal.values[around], DEGREE, domain=(low, high))
+    missed = np.max(np.abs(curve(time[around]) - signal.values[around]))
+    return np.asarray(curve(time[gap])) if missed <= MISSED * np.nanmax(np.abs(signal.values)) else nowhere
+
+
+def _stretches(motion: CrankMotion) -> Iterator[tuple[float, float]]:
+    """Start and end, s, of the pieces of a motion; pieces about as long that meet without a jump are one.
+
+    A law or a spline is made of many such, and samples tell it from all of them.
+    """
+    first, *others = motion.segments
+    start, end, length = first.start, first.end, first.end - first.start
+    for segment in others:
+        before, length = length, segment.end - segment.start
+        if segment.start in motion.jumps or max(before, length) > ALIKE * min(before, length):
+            yield start, end
+            start = segment.start
+        end = segment.end
+    yield start, end

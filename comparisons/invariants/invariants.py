@@ -52,7 +52,7 @@ def closure(seen: Inspection) -> dict[str, Signal]:
 
 
 def crank_phase(seen: Inspection) -> Signal:
-    """By how much the crank is, or by its own account must be, away from where it should be, rad."""
+    """By how much the driver is, or by its own account must be, away from where it should be, rad or m."""
     drive, time = seen.motion.scene.drive, seen.motion.signal(Channel.POSITION).time
     if isinstance(drive, Prescribed):
         found = Signal(time, np.abs(seen.motion.crank(Channel.POSITION, time) - drive.motion.angle(time)))
@@ -72,5 +72,5 @@ def _untold(seen: Inspection) -> float:
         late = max(float(time[0]), seen.duration - float(time[-1]))
         worst = max(worst, peak * late if late > allowed else 0.0)
         turned = float(np.max(np.abs(np.diff(motion.crank(Channel.POSITION, time)))))
-        worst = max(worst, turned if turned > HALF_TURN else 0.0)
+        worst = max(worst, turned if turned > HALF_TURN * seen.radian else 0.0)
     return worst

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from analytic.description.crank_motion import CrankMotion, Segment
+from analytic.description.crank_motion import CrankMotion, Segment, degrees
 from comparisons.judging.quantities import Quantity
 from comparisons.observation.observed_motion import ObservedMotion
 from comparisons.reference.case import Case
@@ -20,6 +20,7 @@ Array = NDArray[np.float64]
 WINDOW = 1e-2
 # Steps on either side of an acceleration jump within which a sample may lie between the two values of the truth there.
 JUMP_STEPS = 2.0
+UNBOUNDED = "joint forces have no bound where the linkage passes its change point at {angle}"
 
 
 class NoSampleError(ValueError):
@@ -55,6 +56,10 @@ def deviation(case: Case, quantity: Quantity, motion: ObservedMotion) -> Deviati
     there an engine may be off by the jump besides. Samples of Jeq near standstill are left out and counted. A vector
     of which the engine tells the magnitude is compared as a magnitude. Raises NoSampleError where no sample is left.
     """
+    if quantity.name.startswith("joint_force:") and case.unbounded_at is not None:
+        raise NoSampleError(UNBOUNDED.format(angle=degrees(case.unbounded_at)))
+    if quantity.needs_thread and (reason := quantity.undefined(case)):
+        raise NoSampleError(reason)
     signal = quantity.observed(case, motion)
     kept = np.ones(len(signal.time), dtype=bool)
     if quantity.holds_acceleration:
@@ -68,6 +73,8 @@ def deviation(case: Case, quantity: Quantity, motion: ObservedMotion) -> Deviati
         reference = _size(reference)
     difference = _size(signal.values - reference)[kept]
     peak = float(np.max(_size(reference)[kept]))
+    if peak == 0.0 and case.mechanism.linkage.is_massless:
+        raise NoSampleError(f"{quantity.name} is zero throughout, as no link has a mass: its error has no scale")
     scale = peak or 1.0
     worst = int(np.argmax(difference))
     return Deviation(

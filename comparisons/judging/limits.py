@@ -8,9 +8,10 @@ from functools import cache
 from pathlib import Path
 from typing import Any
 
-from analytic.description.crank_motion import REGIMES
+from analytic.description.crank_motion import LAWS, REGIMES
 
 OWN = "own"  # stands in the table for every regime of a linkage's own
+SWING = "swing"  # stands there for every law from one crank angle to another but constant speed, which is one law
 TABLE = Path(__file__).with_name("limits.toml")
 
 
@@ -33,7 +34,8 @@ def limit(quantity: str, setting: str, regime: str) -> Limit:
 
     Forces of all joints share a limit, and so do all regimes that linkages define for themselves.
     """
-    quantity, regime = quantity.partition(":")[0], regime if regime in REGIMES else OWN
+    quantity = quantity.partition(":")[0]
+    regime = regime if regime in REGIMES else SWING if regime in LAWS else OWN
     for row in _rows():
         fits = setting in row.get("settings", [setting]) and regime in row.get("regimes", [regime])
         if quantity in row["quantities"] and fits:

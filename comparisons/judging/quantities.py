@@ -1,7 +1,8 @@
 """The quantities that are compared: what each is in the closed form, and how it is read from an engine's motion.
 
 A quantity is a row of ``quantities.toml`` and its two formulas here; adding one adds nothing elsewhere. S is the
-output's displacement from its top dead centre (positive away from it), v and a its time derivatives, as in article 003.
+output's displacement from its top dead centre (positive away from it), v and a its time derivatives, as in article 003;
+where the crank cannot turn fully it counts from the farthest point that the motion reaches.
 Every joint of the linkage at hand has its force, ``joint_force:JOINT``.
 """
 
@@ -10,7 +11,7 @@ from __future__ import annotations
 import math
 import tomllib
 from collections.abc import Callable, Iterable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -21,17 +22,25 @@ from numpy.typing import NDArray
 from analytic.description.law import FULL_TURN
 from analytic.description.thread_path import ThreadEye, ThreadPath
 from analytic.errors import LinkproofError, UnknownNameError
+from analytic.request import unit_of
 from analytic.turn.thread_feed import feed, feed_of_length, reference_angle, reference_length
-from analytic.turn.unit_functions import top_dead_centre
 from comparisons.observation.interpolation import SHARP, peak, resample
 from comparisons.observation.observed_motion import ObservedMotion
 from comparisons.reference.case import Case
+from comparisons.reference.farthest import farthest, top_of_turn
 from engines.contract import Origin, Signal
 from engines.scene import Channel
 
 Array = NDArray[np.float64]
 
 JOINT_FORCE = "joint_force:"
+LINEAR_TITLES: Mapping[str, str] = {
+    "phi": "travel of the drive",
+    "omega": "speed of the drive",
+    "epsilon": "acceleration of the drive",
+    "Jeq": "reduced mass",
+    "Mkr": "force of the drive",
+}
 TABLE = Path(__file__).with_name("quantities.toml")
 
 Reference = Callable[[Case, Array], Array]
@@ -44,7 +53,7 @@ class Quantity:
 
     Values are (n,), or (n, 2) for a vector. ``prescribed`` and ``free`` say under which drive it is a result rather
     than given; ``clock`` is the channel whose samples it has; ``zero`` is where it is counted from, which the engine's
-    own motion shows only if its crank turns fully.
+    own motion shows only if its crank turns fully, or cannot.
     """
 
     name: str
@@ -74,9 +83,19 @@ class Quantity:
             return "" if joint in motion.history.joint_force else f"force in joint '{joint}'"
         return ", ".join(sorted(channel.value for channel in self.channels if not motion.has(channel)))
 
-    def shared(self, motion: ObservedMotion) -> str:
+    def shared(self, case: Case, motion: ObservedMotion) -> str:
         """What of it the reference and the engine have in common."""
-        return self.zero if self.zero and motion.last_turn is None else ""
+        if not self.zero or (self.needs_output and top_of_turn(case.mechanism) is None):
+            return ""
+        return self.zero if motion.last_turn is None else ""
+
+    def undefined(self, case: Case) -> str:
+        """Why the closed form does not have it in a case; empty where it has."""
+        try:
+            self.reference(case, np.zeros(1))
+        except LinkproofError as error:
+            return str(error)
+        return ""
 
     @property
     def channels(self) -> frozenset[Channel]:
@@ -109,10 +128,15 @@ def _power(case: Case, motion: ObservedMotion) -> Signal:
 
 
 def _displacement(case: Case, motion: ObservedMotion) -> Signal:
-    """From the engine's own top dead centre where its crank turns fully, else from the closed form's."""
+    """From the engine's own farthest place where its motion shows that, else from the closed form's.
+
+    A motion shows it in a full turn; where the crank cannot make one, it is the farthest place of the motion.
+    """
     place = _output(Channel.POSITION, 0, case, motion)
-    turn = motion.last_turn
-    top = _top(case) if turn is None else peak(Signal(place.time[turn], -place.values[turn]))
+    turn = slice(None) if top_of_turn(case.mechanism) is None else motion.last_turn
+    if not case.mechanism.repeats:  # a last turn shows one of several
+        turn = None
+    top = _top(case) if turn is None else peak(Signal(place.time[turn], -place.values[turn]), case.motion.jumps)
     return Signal(place.time, top + place.values)
 
 
@@ -123,7 +147,7 @@ def _output(channel: Channel, order: int, case: Case, motion: ObservedMotion) ->
 
 
 def _top(case: Case) -> float:
-    return top_dead_centre(case.mechanism).coordinate
+    return farthest(case.mechanism, case.motion)
 
 
 def _crank(channel: Channel, case: Case, motion: ObservedMotion) -> Signal:
@@ -210,7 +234,16 @@ QUANTITIES: Mapping[str, Quantity] = {
 def all_quantities(case: Case) -> dict[str, Quantity]:
     """Every quantity that is a result of a case, those of its joints among them."""
     joints = [_joint_force(joint) for joint in case.joint_names()]
-    return {q.name: q for q in (*QUANTITIES.values(), *joints) if q.fits(case)}
+    return {q.name: _of_driver(q, case) for q in (*QUANTITIES.values(), *joints) if q.fits(case)}
+
+
+def _of_driver(quantity: Quantity, case: Case) -> Quantity:
+    """The quantity in the unit and words of what drives the linkage."""
+    linkage = case.mechanism.linkage
+    if not linkage.is_linear:
+        return quantity
+    title = LINEAR_TITLES.get(quantity.name, quantity.title)
+    return replace(quantity, unit=unit_of(quantity.name, quantity.unit, is_linear=True), title=title)
 
 
 def chosen_quantities(case: Case, names: Iterable[str]) -> list[Quantity]:
@@ -234,14 +267,12 @@ def chosen_quantities(case: Case, names: Iterable[str]) -> list[Quantity]:
 def check_defined(case: Case, quantities: Iterable[Quantity]) -> None:
     """Raise LinkproofError for a quantity that the closed form does not have in this case."""
     for quantity in quantities:
-        try:
-            quantity.reference(case, np.zeros(1))
-        except LinkproofError as error:
-            reason = str(error).partition(";")[0]
+        reason = quantity.undefined(case).partition(";")[0]
+        if reason:
             raise LinkproofError(
                 f"{quantity.name} is undefined in regime '{case.motion.regime}', because {reason}; ask for other "
                 "quantities with --quantity"
-            ) from error
+            )
 
 
 def _refuse(case: Case, name: str, known: Mapping[str, Quantity]) -> None:

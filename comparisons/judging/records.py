@@ -40,6 +40,7 @@ class Verdict(StrEnum):
 
 
 CONTROL = "control"  # the origin of what is no engine's: the suite's second derivation
+IMPORTED = "imported"  # the origin of what another tool's files say
 FAILED = frozenset((Verdict.OVER_LIMIT, Verdict.DIVERGED, Verdict.TIMED_OUT, Verdict.CRASHED, Verdict.ADAPTER_ERROR))
 
 

@@ -39,31 +39,31 @@ def resample(signal: Signal, time: Array, points: int = POINTS) -> Array:
     return result
 
 
-def resample_piecewise(signal: Signal, time: Array, breaks: Sequence[float]) -> Array:
+def resample_piecewise(signal: Signal, time: Array, breaks: Sequence[float], points: int = POINTS) -> Array:
     """The same with nodes from one side of each break alone: a derivative jumps there, and no polynomial follows it.
 
     A piece with fewer nodes takes what it has; one with a single node is read across the break.
     """
     if time is signal.time or np.array_equal(time, signal.time) or not len(breaks):
-        return resample(signal, time)
+        return resample(signal, time, points)
     nodes, places = np.searchsorted(breaks, signal.time, "right"), np.searchsorted(breaks, time, "right")
     result = np.empty((len(time), *signal.values.shape[1:]))
     for piece in np.unique(places):
         here, there = nodes == piece, places == piece
         count = int(np.count_nonzero(here))
         part = Signal(signal.time[here], signal.values[here]) if count > 1 else signal
-        result[there] = resample(part, time[there], min(POINTS, len(part.time)))
+        result[there] = resample(part, time[there], min(points, len(part.time)))
     return result
 
 
-def peak(signal: Signal) -> float:
-    """The largest value of a smooth signal (n,), between its samples too."""
+def peak(signal: Signal, breaks: Sequence[float] = ()) -> float:
+    """The largest value of a signal (n,) that is smooth but for its ``breaks``, between its samples too."""
     time = signal.time
     at = int(np.argmax(signal.values))
     low, high = time[max(at - 1, 0)], time[min(at + 1, len(time) - 1)]
     for _ in range(CLOSER):
         places = np.linspace(low, high, BETWEEN)
-        values = resample(signal, places, min(SHARP, len(time)))
+        values = resample_piecewise(signal, places, breaks, min(SHARP, len(time)))
         at = int(np.argmax(values))
         low, high = places[max(at - 1, 0)], places[min(at + 1, BETWEEN - 1)]
     return float(values[at])

@@ -10,9 +10,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from analytic.description.law import FULL_TURN
-from analytic.description.linkage import Vector
+from analytic.description.linkage import DriverKind, Vector
 from comparisons.observation.interpolation import resample_piecewise
 from engines.contract import History, Origin, Signal, weakest
+from engines.mechanics.driver import driven
 from engines.mechanics.joints import JointEquations
 from engines.mechanics.loads import applied_loads, potential_energy, without_potential
 from engines.mechanics.states import (
@@ -55,7 +56,7 @@ class ObservedMotion:
         """A channel's signal; the channel has to be among those recorded. A free crank's torque is given."""
         if channel is Channel.TORQUE and isinstance(self.scene.drive, Free):
             time = self.signal(Channel.ACCELERATION).time
-            return Signal(time, np.full(len(time), self.scene.drive.torque))
+            return Signal(time, self.scene.drive.torque_at(time))
         signal = getattr(self.history, channel.value)
         assert isinstance(signal, Signal), f"channel {channel} was not recorded"
         return signal
@@ -75,11 +76,18 @@ class ObservedMotion:
         return weakest(signal.origin for signal in signals)
 
     @cached_property
+    def is_linear(self) -> bool:
+        """Whether the driver is pushed along a line."""
+        return self.scene.driver_kind is not DriverKind.CRANK
+
+    @cached_property
     def last_turn(self) -> slice | None:
         """The position's samples of the crank's last full turn; None where it makes none in one direction.
 
         Fewer samples than DENSE do not show what lies between them: reading there would be an error of ours.
         """
+        if self.is_linear:
+            return None
         angle = self.crank(Channel.POSITION, self.signal(Channel.POSITION).time)
         inside = np.flatnonzero(np.abs(angle - angle[-1]) >= FULL_TURN)
         if not len(inside):
@@ -107,8 +115,13 @@ class ObservedMotion:
         return pose_of(self.bodies(Channel.POSITION, time))
 
     def crank(self, channel: Channel, time: Array) -> Array:
-        """Crank angle, speed or acceleration by the engine's own account."""
+        """φ, rad or m, or its speed or acceleration, by the engine's own account."""
         signal = self.signal(channel)
+        if self.is_linear:
+            levels = (Channel.POSITION, Channel.VELOCITY, Channel.ACCELERATION)
+            order = levels.index(channel)
+            motion = (self.bodies(level, time) for level in levels[: order + 1])
+            return np.asarray(driven(self.scene, *motion)[order], dtype=float)
         column = Signal(signal.time, signal.values[:, self.numbers[self.scene.crank], 2])
         return resample_piecewise(column, time, self._jumps)
 

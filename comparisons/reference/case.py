@@ -13,11 +13,21 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from analytic.description.crank_motion import CrankMotion
-from analytic.description.linkage import Output, ReleasedRegime, Vector
+from analytic.description.linkage import (
+    Linkage,
+    LinkTorque,
+    Output,
+    OwnRegime,
+    PrescribedRegime,
+    ReleasedRegime,
+    Vector,
+)
 from analytic.dynamics import reduced
-from analytic.dynamics.joint_forces import joint_forces
-from analytic.errors import LinkproofError
+from analytic.dynamics.joint_forces import joint_forces, shaking_force, shaking_moment
+from analytic.errors import AssemblyError, LinkproofError
+from analytic.kinematics.crank_range import crank_range
 from analytic.kinematics.mechanism import FULL_TURN, Mechanism
+from analytic.kinematics.structure import Revolute
 from analytic.kinematics.sweep import Sweep
 from analytic.motion.released import FreeMotion, free_motion
 from comparisons.reference.start_state import scene
@@ -32,6 +42,7 @@ INSTANTS: Final = 2001
 LOOK: Final = math.radians(0.5)
 # Clocks whose truth is kept. A run has no more than two or three, and no other run has the same.
 KEPT: Final = 4
+AT_REST: Final = 1e-9  # of the peak speed
 
 
 class Spin(Protocol):
@@ -112,6 +123,14 @@ class Truth:
         """Force of every joint by name, (2, n), N: one analysis of the linkage gives them all."""
         return joint_forces(self.sweep, self.speed, self.acceleration)
 
+    @cached_property
+    def shaking(self) -> Array:
+        """Force on the frame, N, and its moment about the crank's pivot, or the origin, N m: (3, n)."""
+        moved = (self.sweep, self.speed, self.acceleration)
+        pivot = self.mechanism.structure.pivot
+        about = pivot.near_local if isinstance(pivot, Revolute) else (0.0, 0.0)
+        return np.stack([*shaking_force(*moved), shaking_moment(*moved, about)])
+
 
 @dataclass(frozen=True)
 class Case:
@@ -152,10 +171,35 @@ class Case:
         """Raise AssemblyError where the linkage cannot be assembled, or cannot move, at an angle the crank passes."""
         angle = self.motion.angle(np.linspace(0.0, self.motion.duration, INSTANTS))
         low, high = float(np.min(angle)), float(np.max(angle))
-        passed = np.linspace(low, high, math.ceil((high - low) / LOOK) + 2)
-        for sweep in (self.mechanism.turn if high - low >= FULL_TURN else self.mechanism.sweep(passed), self.start()):
-            for body in self.mechanism.structure.bodies:
-                sweep.rates(body)
+        self._check_change_points(low, high)
+        turns = not self.mechanism.linkage.is_linear
+        look = LOOK * (1.0 if turns else self.mechanism.linkage.extent())
+        passed = np.linspace(low, high, math.ceil((high - low) / look) + 2)
+        reached = self.mechanism.turn if turns and high - low >= FULL_TURN else self.mechanism.sweep(passed)
+        try:
+            for sweep in (reached, self.start()):
+                for body in self.mechanism.structure.bodies:
+                    sweep.rates(body)
+        except AssemblyError:
+            crank_range(self.mechanism, float(angle[0])).check(low, high, self.mechanism.linkage.name)
+            raise
+
+    def _check_change_points(self, low: float, high: float) -> None:
+        """Raise AssemblyError where a dyad turns freely at an angle passed, or the crank rests on a change point."""
+        self.mechanism.check_determined(low, high)
+        motion = self.motion
+        pieces = motion.segments if isinstance(motion, CrankMotion) else ()
+        ends = {0.0, *(piece.start for piece in pieces), *(piece.end for piece in pieces)}
+        for end in ends:
+            if abs(float(motion.speed(end))) <= AT_REST * motion.peak_speed:
+                self.mechanism.check_rest(float(motion.angle(end)))
+
+    @property
+    def unbounded_at(self) -> float | None:
+        """A change point that the motion passes, rad: there joint forces have no bound; None if there is none."""
+        angle = self.motion.angle(np.linspace(0.0, self.motion.duration, INSTANTS))
+        low, high = float(np.min(angle)), float(np.max(angle))
+        return next((c for c in self.mechanism.changes if (c - low) % FULL_TURN <= high - low), None)
 
     def start(self) -> Sweep:
         """The linkage in its first instant."""
@@ -211,10 +255,11 @@ def unpickled(case: bytes) -> Case:
 
 
 def own_motion(mechanism: Mechanism, own: ReleasedRegime, half_slope: str = "exact") -> FreeMotion:
-    """The motion of a regime of the linkage's own; ``half_slope`` names the model of ½ Jeq'."""
+    """The motion of a released crank; ``half_slope`` names the model of ½ Jeq'."""
     motion = free_motion(
         mechanism,
-        torque=own.torque,
+        torque=own.torque if own.over_angle is None else own.over_angle,
+        over_time=own.over_time,
         start_angle=own.start_angle,
         start_speed=own.start_speed,
         duration=own.duration,
@@ -223,14 +268,38 @@ def own_motion(mechanism: Mechanism, own: ReleasedRegime, half_slope: str = "exa
     return replace(motion, regime=own.name)
 
 
-def own_case(mechanism: Mechanism, own: ReleasedRegime) -> Case:
-    """The case of a regime of the linkage's own: a released crank, its motion by the equation of motion."""
+def _released(linkage: Linkage, own: ReleasedRegime) -> str:
+    """Where a driver is let go, how fast, and under what drive."""
+    if linkage.is_linear:
+        speed = linkage.written(own.start_speed)
+        return f"released at {linkage.written(own.start_angle)} with {speed}/s, force of the drive {_torque(own, 'N')}"
+    start = f"{math.degrees(own.start_angle):g}° with {own.start_speed:g} rad/s"
+    return f"released at {start}, crank torque {_torque(own, 'N m')}"
+
+
+def own_case(mechanism: Mechanism, own: OwnRegime) -> Case:
+    """The case of a regime of the linkage's own: its motion, or a released crank's by the equation of motion.
+
+    A crank torque over the angle is a load like any other: it is put among the linkage's.
+    """
+    gravity = "gravity on" if any(mechanism.linkage.gravity) else "gravity off"
+    if isinstance(own, PrescribedRegime):
+        return Case(mechanism, own.motion, conditions=f"{own.conditions}, {gravity}")
     motion = own_motion(mechanism, own)
-    conditions = (
-        f"released at {math.degrees(own.start_angle):g}° with {own.start_speed:g} rad/s, crank torque {own.torque:g} "
-        f"N m, {own.duration:g} s, {'gravity on' if any(mechanism.linkage.gravity) else 'gravity off'}"
-    )
+    if own.over_angle is not None:
+        linkage = mechanism.linkage
+        loads = (*linkage.torques, LinkTorque(linkage.crank, own.over_angle))
+        mechanism = Mechanism(replace(linkage, torques=loads))
+    conditions = _released(mechanism.linkage, own) + f", {own.duration:g} s, {gravity}"
     return Case(mechanism, motion, free_drive(motion, own), conditions)
+
+
+def _torque(own: ReleasedRegime, unit: str) -> str:
+    if own.over_angle is not None:
+        return f"{len(own.over_angle.values)} values over the angle"
+    if own.over_time is not None:
+        return f"{len(own.over_time.times)} values over time"
+    return f"{own.torque:g} {unit}"
 
 
 def free_drive(motion: Motion, own: ReleasedRegime) -> Free:
@@ -239,4 +308,4 @@ def free_drive(motion: Motion, own: ReleasedRegime) -> Free:
     Its speed at most, and how fast that changes.
     """
     hardest = float(np.max(np.abs(motion.acceleration(np.linspace(0.0, motion.duration, INSTANTS)))))
-    return Free(own.torque, own.duration, motion.peak_speed + hardest / motion.peak_speed)
+    return Free(own.torque, own.duration, motion.peak_speed + hardest / motion.peak_speed, own.over_time)

@@ -3,22 +3,25 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
 
-from analytic.description.crank_motion import crank_motion
+from analytic.description.crank_motion import RPM, crank_motion
 from analytic.description.linkage import Linkage
 from analytic.description.loading import load
 from analytic.description.schema import Published
+from analytic.description.units import conversion
 from analytic.dynamics import reduced
 from analytic.dynamics.equilibrium import equilibria
 from analytic.errors import LinkproofError, UnknownNameError
-from analytic.kinematics.mechanism import Mechanism
+from analytic.kinematics.crank_range import crank_range
+from analytic.kinematics.mechanism import FULL_TURN, Mechanism
 from analytic.numerics.extremes import Extremes, extremes
-from analytic.turn.unit_functions import unit_functions
+from analytic.turn.unit_functions import bottom_dead_centre, stroke, top_dead_centre, unit_functions
 from comparisons.reference.case import own_motion
+from comparisons.reference.signal_figures import is_of_a_signal, signal_figure
 
 # The sources call their own methods in agreement "within 2-6 %": that is the width of a figure that is met.
 CLAIMED = 0.06
@@ -28,15 +31,19 @@ INSTANTS = 35001
 
 @dataclass(frozen=True)
 class PublishedRecord:
-    """A printed figure beside ours; ``deviation`` is ours over published less one."""
+    """A printed figure beside ours, both in the printed unit.
+
+    ``deviation`` is ours over published less one, None where 0 is published.
+    """
 
     mechanism: str
     variant: str
     quantity: str
     unit: str
     published: float
+    half_digit: float
     ours: float
-    deviation: float
+    deviation: float | None
     verdict: str
     source: str
     note: str
@@ -70,8 +77,23 @@ def _resting_angle(mechanism: Mechanism) -> float:
 
 def _start_acceleration(mechanism: Mechanism, regime: str) -> float:
     """Crank acceleration at the start of a regime of the linkage's own, rad/s²."""
-    own = next(own for own in mechanism.linkage.regimes if own.name == regime)
+    own = mechanism.linkage.released[regime]
     return float(own_motion(mechanism, replace(own, duration=SHORT)).acceleration(np.zeros(())))
+
+
+def _time_ratio(mechanism: Mechanism) -> float:
+    """Crank angle of the output's slower stroke over that of its faster one, between its outermost dead centres."""
+    there = (bottom_dead_centre(mechanism).angle - top_dead_centre(mechanism).angle) % FULL_TURN
+    strokes = sorted((there, FULL_TURN - there))
+    return strokes[1] / strokes[0]
+
+
+def _limit(mechanism: Mechanism, end: int) -> float:
+    """The lowest or the highest angle of a crank that cannot turn fully, rad."""
+    reach = crank_range(mechanism)
+    if reach.is_full_turn:
+        raise LinkproofError(f"'{mechanism.linkage.name}': its crank turns fully, so its range has no limits")
+    return reach.limits[end]
 
 
 FIGURES: Mapping[str, tuple[str, Figure]] = {
@@ -83,6 +105,10 @@ FIGURES: Mapping[str, tuple[str, Figure]] = {
     "Mkr.peak": ("N m", lambda m: _run_up_peaks(m)[0]),
     "Peq.peak": ("W", lambda m: _run_up_peaks(m)[1]),
     "equilibrium": ("°", _resting_angle),
+    "stroke": ("m", stroke),
+    "time_ratio": ("", _time_ratio),
+    "range.low": ("rad", lambda m: _limit(m, 0)),
+    "range.high": ("rad", lambda m: _limit(m, 1)),
     "S.harmonic_deviation": ("", lambda m: unit_functions(m).deviations[0]),
     "v.harmonic_deviation": ("", lambda m: unit_functions(m).deviations[1]),
     "a.harmonic_deviation": ("", lambda m: unit_functions(m).deviations[2]),
@@ -94,15 +120,20 @@ LINK_PREFIX, LINK_SUFFIX = "Jeq:", ".mean"
 START_PREFIX, SHORT = "start_acceleration:", 1e-3
 
 
-def figure(mechanism: Mechanism, name: str) -> tuple[str, float]:
-    """Unit and value of a figure of a mechanism by name; raises UnknownNameError for one we cannot compute."""
+def figure(mechanism: Mechanism, name: str, speed: float = 1.0) -> tuple[str, float]:
+    """SI unit and value of a figure of a mechanism by name; raises UnknownNameError for one we cannot compute.
+
+    ``speed``, rad/s, is that of the crank where the figure is a signal's at a crank angle.
+    """
+    if is_of_a_signal(name):
+        return signal_figure(mechanism, name, speed)
     if name in FIGURES:
         unit, compute = FIGURES[name]
         return unit, compute(mechanism)
     link = name.removeprefix(LINK_PREFIX).removesuffix(LINK_SUFFIX)
     if name == f"{LINK_PREFIX}{link}{LINK_SUFFIX}" and link in mechanism.linkage.links:
         return "kg m²", _inertia(mechanism, link).mean
-    regimes = [f"{START_PREFIX}{own.name}" for own in mechanism.linkage.regimes]
+    regimes = [f"{START_PREFIX}{own.name}" for own in mechanism.linkage.released.values()]
     if name in regimes:
         return "rad/s²", _start_acceleration(mechanism, name.removeprefix(START_PREFIX))
     links = [f"{LINK_PREFIX}{link}{LINK_SUFFIX}" for link in mechanism.linkage.links]
@@ -111,9 +142,7 @@ def figure(mechanism: Mechanism, name: str) -> tuple[str, float]:
 
 def compare_published(linkages: Iterable[Linkage]) -> tuple[PublishedRecord, ...]:
     """Every printed figure of these linkages against ours, in each linkage's own variant."""
-    return tuple(
-        _record(linkage, entry) for linkage in linkages for entry in linkage.published if _applies(linkage, entry)
-    )
+    return tuple(record for linkage in linkages for record in _records(linkage))
 
 
 def all_variants(name: str) -> tuple[Linkage, ...]:
@@ -126,8 +155,17 @@ def _applies(linkage: Linkage, entry: Published) -> bool:
     return entry.variant is None or entry.variant == linkage.variant
 
 
-def _record(linkage: Linkage, entry: Published) -> PublishedRecord:
-    unit, ours = figure(Mechanism(linkage), entry.quantity)
+def _records(linkage: Linkage) -> Iterator[PublishedRecord]:
+    """One mechanism serves all figures of its linkage."""
+    entries = [entry for entry in linkage.published if _applies(linkage, entry)]
+    if entries:
+        mechanism = Mechanism(linkage)
+        yield from (_record(mechanism, entry) for entry in entries)
+
+
+def _record(mechanism: Mechanism, entry: Published) -> PublishedRecord:
+    linkage = mechanism.linkage
+    unit, ours = _in_printed_unit(entry, *figure(mechanism, entry.quantity, _speed(entry)))
     quantity = entry.quantity
     if entry.relative_to is not None:
         other = load(entry.relative_to)
@@ -140,16 +178,28 @@ def _record(linkage: Linkage, entry: Published) -> PublishedRecord:
         quantity=quantity,
         unit=unit,
         published=entry.value,
+        half_digit=entry.half_digit,
         ours=ours,
-        deviation=ours / entry.value - 1.0,
+        deviation=ours / entry.value - 1.0 if entry.value else None,
         verdict=verdict(entry, ours),
         source=entry.place,
         note=entry.note,
     )
 
 
+def _speed(entry: Published) -> float:
+    return 1.0 if entry.speed is None else entry.speed * RPM
+
+
+def _in_printed_unit(entry: Published, unit: str, ours: float) -> tuple[str, float]:
+    return (unit, ours) if entry.unit is None else (entry.unit, ours / conversion(entry.unit, unit))
+
+
 def verdict(entry: Published, ours: float) -> str:
-    """Reproduced to the printed digits, within the 6 % the sources claim of themselves, or not reproduced."""
-    if abs(ours - entry.value) <= entry.half_digit * (1.0 + 1e-9):
+    """Reproduced to the printed digits, within the 6 % the sources claim of themselves, or not reproduced.
+
+    Where the source is known to be less accurate than its digits, its accuracy counts.
+    """
+    if abs(ours - entry.value) <= max(entry.half_digit * (1.0 + 1e-9), entry.accuracy):
         return "reproduced"
-    return "within 6 %" if abs(ours / entry.value - 1.0) <= CLAIMED else "not reproduced"
+    return "within 6 %" if abs(ours - entry.value) <= CLAIMED * abs(entry.value) else "not reproduced"

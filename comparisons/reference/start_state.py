@@ -57,7 +57,7 @@ def scene(
         state = start_state(sweep, float(motion.speed(0.0)), float(motion.acceleration(0.0)))
     else:
         sweep = mechanism.sweep(np.asarray(start_angle))
-        moment = drive.torque + generalised_force(sweep) - damping_coefficient(sweep) * speed
+        moment = float(drive.torque_at(0.0)) + generalised_force(sweep) - damping_coefficient(sweep) * speed
         acceleration = (moment - half_inertia_derivative(sweep) * speed**2) / reduced_inertia(sweep)
         state = start_state(sweep, speed, float(acceleration))
     return build_scene(mechanism.linkage, state, drive, frozenset(channels))

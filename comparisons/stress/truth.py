@@ -44,7 +44,7 @@ def _errors(case: Case, motion: ObservedMotion) -> Iterator[tuple[float, str]]:
     if case.is_prescribed and motion.has(Channel.TORQUE):
         torque = motion.signal(Channel.TORQUE)
         yield from _off("torque", case, torque, case.at(torque.time).torque)
-    forces = motion.history.joint_force
+    forces = motion.history.joint_force if case.unbounded_at is None else {}
     truths = {joint: case.at(signal.time).joint_forces[joint].T for joint, signal in forces.items()}
     sizes = {joint: np.hypot(*true.T) for joint, true in truths.items()}
     truths = {joint: true if forces[joint].values.ndim > 1 else sizes[joint] for joint, true in truths.items()}

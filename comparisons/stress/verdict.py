@@ -78,7 +78,7 @@ class Judgement:
 def judged(case: Case, scene: Scene, run: Run, setting: str) -> Judgement:
     """Compare a run with the closed form and check its invariants, by the limits of a setting.
 
-    Where the closed form itself has no motion (a change point), no motion is right, and the invariants have to flag it.
+    Where the closed form itself has no motion, no motion is right, and the invariants have to flag it.
     """
     if run.outcome is not Outcome.FINISHED or run.history is None:
         return Judgement(StressVerdict(run.outcome.value), run.reason)
@@ -89,7 +89,7 @@ def judged(case: Case, scene: Scene, run: Run, setting: str) -> Judgement:
         said = "; ".join(_said(record, motion) for record in failed)
         try:
             if case.is_prescribed:
-                case.mechanism.check_full_turn()
+                case.check_motion()
             nearest, wrong = _deviations(case, motion, blank), wrongs(case, motion)
         except LinkproofError as error:
             nearest, wrong = None, [f"there is no one motion to find ({error})"]

@@ -11,6 +11,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from analytic.description.linkage import DriverKind
 from engines.contract import Abilities, History, Method, ReadOut, Run, Setting
 from engines.direct_adapter.assembly import Equations
 from engines.direct_adapter.motion import motion
@@ -40,8 +41,10 @@ class DirectEngine:
             Channel.JOINT_FORCE: ReadOut("multipliers of the joint's equations", drive="left out"),
         },
         drives=frozenset({Prescribed, Free}),
+        timed_torque=True,
         joints=GUIDES,
         loads=LOADS,
+        drivers=frozenset(DriverKind),
     )
 
     def version(self) -> str | None:
@@ -63,7 +66,8 @@ def _run(scene: Scene, precision: Precision, cost: Cost) -> Run:
 
 
 def _history(scene: Scene, precision: Precision, cost: Cost) -> History:
-    if any(body.name == scene.crank and body.inertia is None for body in scene.bodies):
+    turns = scene.driver_kind is DriverKind.CRANK
+    if turns and any(body.name == scene.crank and body.inertia is None for body in scene.bodies):
         raise UnsupportedError(f"crank '{scene.crank}' has no inertia, so it cannot turn; give it one")
     with cost.building():
         reason = data_obstacle(scene, massless=True)

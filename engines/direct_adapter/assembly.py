@@ -10,6 +10,7 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from engines.mechanics.joints import Arms, JointEquations
 from engines.mechanics.states import Pose, Reals
@@ -75,31 +76,39 @@ def inverted(matrix: Reals) -> Reals:
 
 @dataclass(frozen=True)
 class Closed:
-    """Poses with every joint closed to rounding; ``first`` (n,) is how far off they were at the start."""
+    """Poses with every joint closed to rounding; ``first`` (n,) is how far off they were at the start.
+
+    ``smooth``: beside change points, the instants where the inverse is no number, and q' and q'' there, (2, m, k).
+    """
 
     pose: Pose
     arms: Arms
     inverse: Reals
     first: Reals
+    smooth: tuple[NDArray[np.bool_], Reals] | None = None
 
     def solver(self, equations: Equations, passes: int = 2) -> Solver:
         """For the velocities, accelerations and forces of these poses."""
         return Solver(equations, self.inverse, equations.jacobian(self.arms), passes)
 
 
-def close(equations: Equations, pose: Pose) -> Closed:
+def close(equations: Equations, pose: Pose, coordinate: Reals) -> Closed:
     """Newton's method from poses that are near, all at once, with the first Jacobian kept.
 
-    Raises UnsolvableError where the corrections do not shrink.
+    ``coordinate`` (n,) is φ, rad or units; a crank is there already. Raises UnsolvableError where the corrections do
+    not shrink.
     """
     arms = equations.arms(pose)
     inverse = inverted(equations.jacobian(arms))
     rounding = float(np.finfo(pose.place.dtype).eps) / 16.0
     first, before = None, math.inf
     for _ in range(PASSES):
-        step = _product(inverse, -equations.residual(pose, arms))
+        residual = equations.residual(pose, arms)
+        residual[:, equations.crank_row] = equations.driven(pose, arms) - coordinate
+        step = _product(inverse, -residual)
         equations.solves += len(step)
-        step[:, equations.crank_column] = 0.0  # the crank is where the drive has it, to the last digit
+        if equations.driver.turns:
+            step[:, equations.crank_column] = 0.0  # the crank is where the drive has it, to the last digit
         pose = pose.moved(equations.spread(step))
         arms = equations.arms(pose)
         sizes = np.max(np.abs(step), axis=1)

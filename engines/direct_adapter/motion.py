@@ -21,6 +21,7 @@ Array = NDArray[np.float64]
 LEAST_SAMPLES = 1400
 SAMPLES_PER_TURN = 120
 FREE_SPACING = 1e-3  # s
+FARTHEST = 16.0  # units that a free linear driver is followed from its start
 FEWEST = 8  # fewer intervals cannot be read between
 
 Details = dict[str, str | int | float]
@@ -49,9 +50,10 @@ def _prescribed(equations: Equations, drive: Prescribed, precision: Precision) -
     crank = drive.motion
     time = _clock(crank.duration, precision.spacing, _samples(crank.duration * crank.peak_speed / FULL_TURN))
     angle = crank.angle(time)
-    known = Crank(angle, crank.speed(time), crank.acceleration(time))
-    path = reach(equations, float(np.min(angle)), float(np.max(angle)))
-    _check_reach(path, time, angle)
+    scale = equations.driver.scale
+    known = Crank(angle / scale, crank.speed(time) / scale, crank.acceleration(time) / scale)
+    path = reach(equations, float(np.min(known.angle)), float(np.max(known.angle)))
+    _check_reach(path, time, angle / scale)
     return _sampled(path, time, known, precision)
 
 
@@ -63,9 +65,13 @@ def _check_reach(path: Path, time: Array, angle: Array) -> None:
     if np.any(outside):
         first = int(np.argmax(outside))
         end = path.angle[0] if angle[first] < path.angle[0] else path.angle[-1]
+        driver = path.equations.driver
+        where = f"crank angle of {math.degrees(end):.4g}°"
+        if not driver.turns:
+            where = f"length of {end * driver.scale:.4g} m of its {driver.kind}"
         raise UnsolvableError(
-            f"the joints cannot be closed at {time[first]:.4g} s: the linkage locks at a crank angle of "
-            f"{math.degrees(end):.4g}°"
+            f"the joints cannot be closed at {time[first]:.4g} s: the linkage locks, or passes a change point, at a "
+            f"{where}"
         )
 
 
@@ -88,13 +94,14 @@ def _sampled(path: Path, time: Array, crank: Crank, precision: Precision) -> Res
 
 
 def _free(equations: Equations, drive: Free, precision: Precision) -> Result:
-    start = equations.scene.crank_angle
-    around = (start - FULL_TURN, start + FULL_TURN)
+    scale = equations.driver.scale
+    start, far = equations.scene.crank_angle / scale, FULL_TURN if equations.driver.turns else FARTHEST
+    around = (start - far, start + far)
     path = reach(equations, *around).away_from_stops(*around)
     windows = released_motion(equations, path, drive, precision.tolerance)
-    turns = drive.duration * float(np.max(np.abs(windows.speed_at(windows.starts)))) / FULL_TURN
+    turns = drive.duration * float(np.max(np.abs(windows.speed_at(windows.starts)))) / FULL_TURN  # or spans as long
     time = _clock(drive.duration, precision.spacing, max(round(drive.duration / FREE_SPACING), _samples(turns)))
-    crank = Crank(windows.angle_at(time), windows.speed_at(time), None, drive.torque)
+    crank = Crank(windows.angle_at(time), windows.speed_at(time), None, drive.torque_at(time) * scale)
     result, _, details = _sampled(path, time, crank, precision)
     details |= {
         "integrator": f"Gauss collocation, {NODES} points a window",

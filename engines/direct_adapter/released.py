@@ -12,20 +12,23 @@ be smooth: only the levers they act on are tabulated, the loads are evaluated. T
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
-from analytic.description.law import FULL_TURN, Law
+from analytic.description.law import FULL_TURN, Law, TimeLaw
 from analytic.errors import AssemblyError, LinkproofError
 from analytic.numerics.collocation import Windows, gauss_scheme
-from analytic.numerics.integration import integrate
+from analytic.numerics.integration import Push, integrate
 from analytic.numerics.periodic_table import PeriodicTable, tabulate
 from engines.direct_adapter.assembly import Equations, UnsolvableError
 from engines.direct_adapter.path import Path
-from engines.direct_adapter.solution import transfer
+from engines.direct_adapter.solution import bends, transfer
+from engines.mechanics.driver import driven
 from engines.mechanics.loads import applied_loads
+from engines.mechanics.states import start_motion
 from engines.scene import AppliedForce, AppliedTorque, Free, Scene
 
 Array = NDArray[np.float64]
@@ -42,33 +45,49 @@ EPS = float(np.finfo(float).eps)
 class FreeCrank:
     """φ̈ of a free crank at angles and speeds (n,), from coefficients over a path.
 
-    ``rounding`` is what of φ̈ at rest is noise, rad/s².
+    ``rounding`` is what of φ̈ at rest is noise, rad/s². φ counts in ``scale``: rad, or a unit of length in m, and the
+    coefficients with it.
     """
 
     table: PeriodicTable
     laws: tuple[Law, ...]
     torque: float
     rounding: float
+    scale: float = 1.0
 
     def __call__(self, angle: Array, speed: Array) -> Array:
         """For an integrator; raises AssemblyError outside the table."""
         start, end = self.table.edges[[0, -1]]
-        if np.max((angle - start) % FULL_TURN) > end - start:
+        if np.max((angle - start) % self.table.period) > end - start:
             raise AssemblyError("the free crank runs up against its stop")
         columns = self.table(angle)
-        loads = [value for law in self.laws for value in law(angle)]
+        loads = [value for law in self.laws for value in law(angle * self.scale)]
         factors = np.stack([-speed * speed, np.ones_like(speed), -speed, *loads])
         return np.asarray((self.torque + np.sum(factors * columns[1:], axis=0)) / columns[0])
+
+    def push(self, law: TimeLaw) -> Push:
+        """What a torque over time adds to φ̈."""
+        return lambda time, angle: np.asarray(law(time) * self.scale / self.table(angle)[0])
 
 
 def released_motion(equations: Equations, path: Path, drive: Free, tolerance: float) -> Windows:
     """The motion of a crank let go in its start state; raises UnsolvableError where it cannot be followed."""
     scene = equations.scene
-    start = (scene.crank_angle, scene.bodies[equations.crank].angular_velocity)
-    crank = free_crank(equations, path, drive.torque)
+    driver = equations.driver
+    start = tuple(float(value[0]) / driver.scale for value in driven(scene, *start_motion(scene)[:2]))
+    most = 0.0 if drive.over_time is None else max(map(abs, drive.over_time.torque))
+    crank = free_crank(equations, path, drive.torque * driver.scale, most * driver.scale)
     try:
         return integrate(
-            crank, start, drive.duration, gauss_scheme(NODES), tolerance=tolerance, rounding=crank.rounding
+            crank,
+            (start[0], start[1]),
+            drive.duration,
+            gauss_scheme(NODES),
+            tolerance=tolerance,
+            rounding=crank.rounding,
+            repeats=driver.turns and crank.table.period == FULL_TURN,
+            push=None if drive.over_time is None else crank.push(drive.over_time),
+            knots=() if drive.over_time is None else drive.over_time.times,
         )
     except LinkproofError as error:
         raise UnsolvableError(
@@ -76,10 +95,10 @@ def released_motion(equations: Equations, path: Path, drive: Free, tolerance: fl
         ) from None
 
 
-def free_crank(equations: Equations, path: Path, torque: float) -> FreeCrank:
-    """Tabulate the coefficients of the free crank's motion along a path."""
+def free_crank(equations: Equations, path: Path, torque: float, timed: float = 0.0) -> FreeCrank:
+    """Tabulate the coefficients of the free crank's motion along a path; ``timed`` is what a torque over time adds."""
     first, last = float(path.angle[0]), float(path.angle[-1])
-    if path.turns is None and last - first > FULL_TURN:
+    if equations.driver.turns and path.turns is None and last - first > FULL_TURN:
         raise UnsolvableError("the linkage is in another pose after a turn of its crank")
     scene = equations.scene
     forces = [load for load in scene.forces if not load.force.is_constant]
@@ -102,10 +121,12 @@ def free_crank(equations: Equations, path: Path, torque: float) -> FreeCrank:
     laws = (*(load.force for load in forces), *(load.torque for load in torques))
     most = [np.max(np.abs(law.values[..., part])) for law in laws for part in range(law.values.shape[-1])]
     values, terms = coefficients(np.linspace(first, last, LOOKS))
-    moment = abs(torque) + terms[2] + np.array(most) @ terms[4:]
+    moment = abs(torque) + timed + terms[2] + np.array(most) @ terms[4:]
     least_peak = LEAST * np.max(terms, axis=1)
-    table = tabulate(lambda angle: coefficients(angle)[0], ends=(first, last), least_peak=least_peak)
-    return FreeCrank(table, laws, torque, float(ROUNDINGS * EPS * np.max(moment / values[0])))
+    period = math.inf if not equations.driver.turns else FULL_TURN if path.turns is None else path.period
+    table = tabulate(lambda angle: coefficients(angle)[0], ends=(first, last), least_peak=least_peak, period=period)
+    rounding = float(ROUNDINGS * EPS * np.max(moment / values[0]))
+    return FreeCrank(table, laws, torque, rounding, equations.driver.scale)
 
 
 def _unit_loads(scene: Scene, forces: list[AppliedForce], torques: list[AppliedTorque]) -> list[Scene]:
@@ -128,8 +149,8 @@ def _coefficients(
     """
     closed = path.closed(angle)
     solver = closed.solver(equations)
-    first = transfer(equations, solver)
-    bend = solver.solve(equations.bend(closed.arms, equations.spread(first)))
+    first = transfer(equations, closed, solver)
+    bend = bends(equations, closed, solver, first, np.ones(len(angle)))
     lever, second = (equations.spread(part) * equations.metres for part in (first, bend))
     pose, rest = closed.pose.scaled(equations.unit), np.zeros_like(lever)
     at_rest, moving = (applied_loads(steady, pose, rate) for rate in (rest, lever))

@@ -22,17 +22,21 @@ KINETIC = FORCES | {Channel.ACCELERATION}
 
 @dataclass(frozen=True)
 class Crank:
-    """The crank's motion at n instants, rad and s; ``acceleration`` is None where ``torque``, N m, sets it."""
+    """The driver's motion at n instants, rad or units, and s; ``acceleration`` is None where ``torque`` sets it.
+
+    That is in N m, of a linear driver its force in N times the unit.
+    """
 
     angle: Reals
     speed: Reals
     acceleration: Reals | None
-    torque: float = 0.0
+    torque: Reals | None = None
 
     def part(self, instants: slice) -> Crank:
         """Some of the instants."""
         second = None if self.acceleration is None else self.acceleration[instants]
-        return Crank(self.angle[instants], self.speed[instants], second, self.torque)
+        torque = None if self.torque is None else self.torque[instants]
+        return Crank(self.angle[instants], self.speed[instants], second, torque)
 
 
 @dataclass(frozen=True)
@@ -55,33 +59,54 @@ def solve(equations: Equations, closed: Closed, crank: Crank, channels: frozense
     if channels <= {Channel.POSITION}:
         return Solution(pose.coordinates())
     solver = closed.solver(equations, passes)
-    lever = transfer(equations, solver)
+    lever = transfer(equations, closed, solver)
     rate = equations.spread(lever * crank.speed[:, None])
     velocity = rate * equations.metres
     if not channels & KINETIC:
         return Solution(pose.coordinates(), velocity)
-    bend = solver.solve(equations.bend(closed.arms, rate))
+    bend = bends(equations, closed, solver, lever, crank.speed)
     loads: Reals = np.zeros(0)
     second = crank.acceleration
     if second is None or channels & FORCES:  # a prescribed crank moves as it does whatever pulls at the links
         loads = applied_loads(equations.scene, pose, velocity)
-        loads[:, equations.crank, 2] += crank.torque
+        if crank.torque is not None:
+            push = equations.driver.gradient(closed.arms.driver, len(loads)) / equations.metres
+            loads = loads + crank.torque[:, None, None] * push
     if second is None:
         second = _free_acceleration(equations, lever, bend, loads)
     acceleration = equations.spread(bend + lever * second[:, None]) * equations.metres
     if not channels & FORCES:
         return Solution(pose.coordinates(), velocity, acceleration)
-    multipliers = solver.solve_transposed(equations.generalised(equations.mass * acceleration - loads))
-    torque = multipliers[:, equations.crank_row] * equations.unit
+    lacking = equations.mass * acceleration - loads
+    multipliers = solver.solve_transposed(equations.generalised(lacking))
+    scale = equations.driver.scale
+    torque = multipliers[:, equations.crank_row] * (equations.unit / scale)
+    if closed.smooth is not None:  # by virtual power, which needs no joint forces
+        power = np.sum(equations.spread(lever) * equations.metres * lacking, axis=(1, 2))
+        torque = np.where(closed.smooth[0], power / scale, torque)
     if crank.acceleration is None:
-        torque = np.full_like(crank.speed, crank.torque)  # the row of the crank takes nothing: rounding, no torque
+        assert crank.torque is not None
+        torque = crank.torque / scale  # the driver's row takes nothing: rounding, no torque
     forces = equations.joint_forces(closed.arms, multipliers) if Channel.JOINT_FORCE in channels else None
     return Solution(pose.coordinates(), velocity, acceleration, torque, forces)
 
 
-def transfer(equations: Equations, solver: Solver) -> Reals:
+def transfer(equations: Equations, closed: Closed, solver: Solver) -> Reals:
     """The derivatives q' = dq/dφ, (n, k), in units and rad."""
-    return solver.solve(equations.crank_unit(len(solver.matrix)))
+    result = solver.solve(equations.crank_unit(len(solver.matrix)))
+    if closed.smooth is not None:
+        within, (first, _) = closed.smooth
+        result[within] = first
+    return result
+
+
+def bends(equations: Equations, closed: Closed, solver: Solver, lever: Reals, speed: Reals) -> Reals:
+    """What the speeds (n,) alone accelerate the coordinates by, q'' φ̇², (n, k), in units and rad."""
+    result = solver.solve(equations.bend(closed.arms, equations.spread(lever * speed[:, None])))
+    if closed.smooth is not None:
+        within, (_, second) = closed.smooth
+        result[within] = second * speed[within, None] ** 2
+    return result
 
 
 def _free_acceleration(equations: Equations, lever: Reals, bend: Reals, loads: Reals) -> Reals:
@@ -100,5 +125,11 @@ def history(time: Array, blocks: list[Solution], joints: Iterable[str], channels
     forces = whole.pop(Channel.JOINT_FORCE).swapaxes(0, 1) if Channel.JOINT_FORCE in channels else ()
     # The ground, the last body, is left out.
     signals = {c.value: Signal(time, values[:, :-1] if values.ndim == 3 else values) for c, values in whole.items()}
-    joint_force = {name: Signal(time, force) for name, force in zip(joints, forces, strict=False)}
+    joint_force = {name: _bounded(Signal(time, force)) for name, force in zip(joints, forces, strict=False)}
     return History(**signals, joint_force=joint_force)
+
+
+def _bounded(signal: Signal) -> Signal:
+    """A joint's force without the instants beside change points, where it has no bound."""
+    kept = ~np.isnan(signal.values[:, 0])
+    return Signal(signal.time[kept], signal.values[kept])

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from analytic.description.law import Law
 from engines.export.loads import law_told
 from engines.export.script import FORCE, row
 from engines.export.transcript import literal
@@ -126,7 +127,11 @@ def text(scene: Scene, world: SimbodyWorld, course: Course[SimbodyRecipe], follo
         parts="\n".join(parts),
         bodies="\n".join(bodies),
         forces="\n".join(f"    {literal(FORCE + name)}: {force}," for name, force in forces),
-        loads="\n".join(row((apply, 0 if len(law.values.T) > 1 else 2, law_told(law))) for apply, law in world.loads),
+        loads="\n".join(
+            row((apply, 0 if len(law.values.T) > 1 else 2, law_told(law)))
+            for apply, law in world.loads
+            if isinstance(law, Law)
+        ),
         model=world.model,
         opensim=opensim,
         set_step="setIntegratorFixedStepSize" if recipe.fixed else "setIntegratorMaximumStepSize",

@@ -19,6 +19,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from typing import ClassVar
 
+from analytic.description.linkage import DriverKind
 from engines.contract import Abilities, History
 from engines.exudyn_adapter.fresh_start import FROM, closed_state, end_state, set_initial
 from engines.exudyn_adapter.model import Foreign, Model
@@ -42,8 +43,10 @@ class ExudynEngine(SteppedEngine[Recorder, ExudynRecipe]):
     abilities: ClassVar[Abilities] = Abilities(
         readouts=READOUTS,
         drives=frozenset({Prescribed, Free}),
+        timed_torque=True,
         joints=GUIDES,
         loads=LOADS,
+        drivers=frozenset(DriverKind),
     )
     settings = SETTINGS
     studied = STUDIED

@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from functools import lru_cache
+from functools import lru_cache, reduce
 from typing import Any, TypeAlias
 
 import numpy as np
@@ -17,9 +17,10 @@ from numpy.typing import NDArray
 
 from analytic.description.crank_motion import derivative
 from analytic.description.law import FULL_TURN, Law
-from analytic.description.linkage import GROUND, Vector
+from analytic.description.linkage import GROUND, DriverKind, Vector
 from engines.export.loads import law_told
 from engines.export.transcript import Sourced
+from engines.exudyn_adapter.linear_drive import LinearDrive
 from engines.mechanics.states import start_motion
 from engines.scene import Body, GuidedJoint, PinJoint, Prescribed, Scene, SliderJoint
 from engines.stepping.intervals import Interval
@@ -66,8 +67,8 @@ class Model:
         self.angles = {GROUND: 0.0, **{body.name: body.angle for body in scene.bodies}}
         self.turning: set[str] = set()
         self.joints: dict[str, ForceOutput] = {}
-        ground = self.mbs.AddNode(itemInterface.NodePointGround())
-        self.fixed = self._marker("NodeCoordinate", nodeNumber=ground, coordinate=0)
+        self.ground = self.mbs.AddNode(itemInterface.NodePointGround())
+        self.fixed = self._marker("NodeCoordinate", nodeNumber=self.ground, coordinate=0)
         for body in scene.bodies:
             self._add_body(body)
         for pin in scene.pins:
@@ -76,6 +77,7 @@ class Model:
             self._add_slider(slider)
         for slot in scene.slots:
             self._add_line(slot, turning=True)
+        self.linear = None if scene.driver_kind is DriverKind.CRANK else LinearDrive(self)
         self._add_loads()
         self._add_springs()
         self.driver = self._add_drive()
@@ -106,7 +108,9 @@ class Model:
 
     @property
     def crank_origin(self) -> float:
-        """The crank angle φ at which the crank's coordinate is 0, rad."""
+        """The crank angle φ at which the crank's coordinate is 0, rad; a linear driver has no coordinate but φ."""
+        if self.linear is not None:
+            return 0.0
         return self.scene.crank_angle + float(self.unwound[list(self.nodes).index(self.scene.crank), ANGLE])
 
     def set_drive(self, part: Interval) -> None:
@@ -118,6 +122,10 @@ class Model:
 
         self.begin = part.start
         terms = self.drive_terms(part)
+        if self.linear is not None:
+            rates = [derivative(tuple(terms), order) for order in range(2)]
+            self.linear.travel = lambda t, order: reduce(lambda total, term: total * t + term, rates[order])
+            return
         self._functions = []  # exudyn does not keep them alive itself
         for order, name in enumerate(("offsetUserFunction", "offsetUserFunction_t")):
             self._functions.append(Symbolic(self.mbs, _polynomial(derivative(tuple(terms), order)), name, self.driver))
@@ -135,7 +143,10 @@ class Model:
         return terms
 
     def hold_drive(self, angle: float) -> None:
-        """Keep the crank at an angle, rad."""
+        """Keep the crank at an angle, rad, or a linear driver at a travel."""
+        if self.linear is not None:
+            self.linear.travel = lambda _time, _order: angle
+            return
         self.mbs.SetObjectParameter(self.driver, "offsetUserFunction", 0)
         self.mbs.SetObjectParameter(self.driver, "offset", angle - self.crank_origin)
 
@@ -255,6 +266,9 @@ class Model:
         if isinstance(drive, Prescribed):
             at_time = lru_cache(maxsize=1)(lambda t: value(_crank_angle(drive, t)))  # asked for at every iteration
             return lambda _mbs, t: at_time(self.begin + t)
+        linear = self.linear
+        if linear is not None:
+            return lambda mbs, _t: value(linear.reached(mbs))
         start, node = self.scene.crank_angle, self.nodes[self.scene.crank]
         coordinates = self.exudyn.OutputVariableType.Coordinates
         return lambda mbs, _t: value(start + mbs.GetNodeOutput(node, coordinates)[ANGLE])
@@ -262,6 +276,8 @@ class Model:
     def _over_turn_told(self, law: Law, shape: str) -> str:
         """The same as Python source, in a shape; ``begin`` is the time at which exudyn's is 0."""
         drive, start = self.scene.drive, self.scene.crank_angle
+        if self.linear is not None:
+            return ""  # no script has a linear drive
         angle = f"{start!r} + mbs.GetNodeOutput({self.nodes[self.scene.crank]}, {COORDINATES})[2]"
         if isinstance(drive, Prescribed):
             angle = _angle_told(drive, "(begin + t)")
@@ -285,8 +301,10 @@ class Model:
 
     def _add_drive(self) -> Foreign | None:
         """Add the drive; returns the item that holds a prescribed crank."""
-        crank = self._coordinate(self.scene.crank, ANGLE)
         drive = self.scene.drive
+        if self.linear is not None:
+            return self.linear.add(drive)
+        crank = self._coordinate(self.scene.crank, ANGLE)
         if isinstance(drive, Prescribed):
             driver = self._object("ConnectorCoordinate", markerNumbers=[self.fixed, crank])
             if self.plain:
@@ -298,6 +316,9 @@ class Model:
             return driver
         if drive.torque:
             self._load("Coordinate", crank, load=drive.torque)
+        if drive.over_time is not None:
+            at_time = drive.over_time.at
+            self._load("Coordinate", crank, loadUserFunction=lambda _mbs, t, _load: at_time(self.begin + t))
         return None
 
 

@@ -24,7 +24,9 @@ END = "of the state at the end of the step"
 READOUTS: Mapping[Channel, ReadOut] = {
     **{channel: ReadOut(f"SensorNode, {name}", instant=END) for channel, name in COORDINATES.items()},
     Channel.TORQUE: ReadOut(
-        "SensorObject of the drive's ObjectConnectorCoordinate, Force, with its sign turned", instant=END, drive="alone"
+        "SensorObject of the drive's ObjectConnectorCoordinate (linear: CoordinateVector), Force, with its sign turned",
+        instant=END,
+        drive="alone",
     ),
     Channel.JOINT_FORCE: ReadOut(
         "SensorObject of the joint, Force; of ObjectJointPrismatic2D ForceLocal, turned by its body's angle",

@@ -2,8 +2,8 @@
 
 Every body has the coordinates x, y of its mass centre and, where it can turn, its angle θ. A pin holds two points
 together, a slot or slider keeps a point on a line of its host, a slider keeps its angle against the host as well, and
-the drive sets the crank's angle: as many equations Φ(q, φ) = 0 as coordinates q, so that motion and forces follow from
-one square matrix G = ∂Φ/∂q per instant:
+the drive sets the driver's coordinate φ, the crank's angle: as many equations Φ(q, φ) = 0 as coordinates q, so that
+motion and forces follow from one square matrix G = ∂Φ/∂q per instant:
 
     G q' = e,    G q̈ = γ(q, q̇) + e ε,    Gᵀ λ = M q̈ − F
 
@@ -27,6 +27,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from analytic.description.linkage import GROUND, Vector
+from engines.mechanics.driver import Driver, Span
 from engines.mechanics.states import (
     Numbers,
     Pose,
@@ -43,12 +44,16 @@ from engines.scene import Scene
 
 @dataclass(frozen=True)
 class Arms:
-    """Vectors of the joints at n instants, (n, ·, 2): from mass centres to anchors, between anchors, along lines."""
+    """Vectors of the joints at n instants, (n, ·, 2): from mass centres to anchors, between anchors, along lines.
+
+    ``driver`` has those of a linear driver.
+    """
 
     body: Reals
     host: Reals
     gap: Reals
     along: Reals
+    driver: Span | None = None
 
 
 class JointEquations:
@@ -74,6 +79,7 @@ class JointEquations:
         self.metres = np.array([self.unit, self.unit, 1.0])  # factors from units and rad to m and rad
         self.body_anchor, self.host_anchor = body_anchor / self.unit, host_anchor / self.unit
         self.along = _table([line.along for line in scene.guided])
+        self.driver = Driver(scene, self.unit)
         self._count_coordinates()
         self._count_rows()
         self._template = self._constant_entries()
@@ -104,8 +110,8 @@ class JointEquations:
         )
         self.crank_row = int(starts[-1])
         self.rows = self.crank_row + 1
-        self.crank = self.index[self.scene.crank]
-        self.crank_column = int(self.column[self.crank, 2])
+        self.crank = self.driver.crank
+        self.crank_column = int(self.column[self.crank, 2]) if self.driver.turns else self.size
 
     def _turns(self, name: str) -> bool:
         return bool(self.column[self.index[name], 2] != self.size)
@@ -118,17 +124,18 @@ class JointEquations:
             entries[rows, self.column[self.host[pins], part]] = -1.0
         entries[self.turn_rows, self.column[self.turn_body, 2]] = 1.0
         entries[self.turn_rows, self.column[self.turn_host, 2]] = -1.0
-        entries[self.crank_row, self.column[self.crank, 2]] = 1.0
+        if self.driver.turns:
+            entries[self.crank_row, self.crank_column] = 1.0
         return entries
 
     def arms(self, pose: Pose) -> Arms:
         """The joints' vectors in the ground frame."""
         body, host = pose.turned(self.body_anchor, self.body), pose.turned(self.host_anchor, self.host)
         gap = (pose.place[:, self.body] - pose.place[:, self.host]) + (body - host)
-        return Arms(body, host, gap, pose.turned(self.along, self.host[self.pins :]))
+        return Arms(body, host, gap, pose.turned(self.along, self.host[self.pins :]), self.driver.span(pose))
 
     def residual(self, pose: Pose, arms: Arms) -> Reals:
-        """Φ (n, rows); the crank's row is 0, as poses are made with the crank where the drive has it."""
+        """Φ (n, rows); the driver's row is 0: poses are made with a crank where the drive has it (``driven``)."""
         result = np.zeros((len(pose.place), self.rows), dtype=pose.place.dtype)
         result[:, self.x_rows], result[:, self.y_rows] = arms.gap[:, : self.pins, 0], arms.gap[:, : self.pins, 1]
         result[:, self.line_rows] = dot(across(arms.along), arms.gap[:, self.pins :])
@@ -138,6 +145,10 @@ class JointEquations:
             s = pose.sine[:, body] * pose.cosine[:, host] - pose.cosine[:, body] * pose.sine[:, host]
             result[:, self.turn_rows] = s * self.turn_cosine - c * self.turn_sine
         return result
+
+    def driven(self, pose: Pose, arms: Arms) -> Reals:
+        """φ by the pose, (n,), rad or units."""
+        return pose.angle[:, self.crank] if arms.driver is None else arms.driver.length
 
     def jacobian(self, arms: Arms) -> Reals:
         """G (n, rows, coordinates)."""
@@ -158,10 +169,12 @@ class JointEquations:
         entries[:, self.line_rows, turn[self.host[lines]]] = -dot(normal, host[:, lines]) - dot(
             arms.along, arms.gap[:, lines]
         )
+        if arms.driver is not None:
+            entries[:, self.crank_row, : self.size] = self.gather(self.driver.gradient(arms.driver, len(entries)))
         return entries[:, :, : self.size]
 
     def bend(self, arms: Arms, rate: Reals) -> Reals:
-        """γ (n, rows), the part of G q̈ that the rates (n, bodies, 3) alone determine, without the crank's ε."""
+        """γ (n, rows), the part of G q̈ that the rates (n, bodies, 3) alone determine, without the driver's ε."""
         body, host = rate[:, self.body], rate[:, self.host]
         first, second = body[..., 2:], host[..., 2:]
         inward = first * first * arms.body - second * second * arms.host
@@ -171,6 +184,7 @@ class JointEquations:
         lines = slice(self.pins, None)
         coriolis = 2.0 * second[:, lines, 0] * dot(arms.along, gap_rate[:, lines])
         result[:, self.line_rows] = dot(across(arms.along), inward[:, lines]) + coriolis
+        result[:, self.crank_row] = self.driver.bend(arms.driver, rate)
         return result
 
     def openings(self, residual: Reals) -> Reals:

@@ -11,6 +11,7 @@ from typing import Any
 
 import numpy as np
 
+from engines.mechanics.driver import Driver
 from engines.mechanics.states import Pose, Reals, across, body_masses, body_numbers, dot, point_velocity
 from engines.scene import PointSpring, Scene
 
@@ -20,7 +21,7 @@ def applied_loads(scene: Scene, pose: Pose, rate: Reals) -> Reals:
     numbers = body_numbers(scene)
     loads = np.zeros_like(rate)
     loads[..., :2] = body_masses(scene)[:, :2] * np.asarray(scene.gravity)
-    crank_angle = np.asarray(pose.angle[:, numbers[scene.crank]], dtype=float)
+    crank_angle = np.asarray(Driver(scene).value(pose), dtype=float)
     for applied in scene.forces:
         body = numbers[applied.body]
         _add_force(loads, body, pose.arm(body, applied.anchor), applied.force(crank_angle).T)

@@ -87,17 +87,22 @@ class SpanningTree:
 
 
 def spanning_tree(scene: Scene) -> SpanningTree:
-    """The tree that begins with the crank on the ground; then sliders, and then the pins nearest to the ground."""
+    """The tree that begins with the crank on the ground; then sliders, and then the pins nearest to the ground.
+
+    A driven body that slides on another (a cylinder's rod) is on that, and not on its pin.
+    """
     bodies = {body.name: body for body in scene.bodies}
     carried = {GROUND: AT_REST}  # as they start, a rigid body with its parent's speed
     depth = {GROUND: 0}
     branches: list[Branch] = []
     left: list[PinJoint | SliderJoint] = [*scene.sliders, *scene.pins]
 
-    def rank(joint: PinJoint | SliderJoint) -> tuple[bool, bool, int]:
+    def rank(joint: PinJoint | SliderJoint) -> tuple[bool, bool, bool, int]:
         ends = _ends(joint)
+        pinned = isinstance(joint, PinJoint)
+        misplaced = pinned and scene.crank in ends and scene.crank not in depth and GROUND not in ends
         nearest = min(depth[end] for end in ends if end in depth)
-        return set(ends) != {scene.crank, GROUND}, isinstance(joint, PinJoint), nearest
+        return misplaced, set(ends) != {scene.crank, GROUND}, pinned, nearest
 
     while len(branches) < len(bodies):
         open_joints = [joint for joint in left if len(depth.keys() & _ends(joint)) == 1]

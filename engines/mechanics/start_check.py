@@ -13,11 +13,12 @@ from dataclasses import dataclass, fields, is_dataclass
 import numpy as np
 
 from analytic.description.law import Law
-from analytic.description.linkage import GROUND
+from analytic.description.linkage import GROUND, DriverKind
 from engines.contract import Abilities
+from engines.mechanics.driver import driven
 from engines.mechanics.joints import JointEquations, scene_size
 from engines.mechanics.states import Reals, pose_of, start_motion
-from engines.scene import Body, Prescribed, Scene
+from engines.scene import Body, Free, Prescribed, Scene
 
 # Numbers beyond these, SI, are taken for slips: their products and quotients are no longer finite.
 LEAST, LARGEST = 1e-60, 1e60
@@ -62,14 +63,15 @@ def misfits(scene: Scene, *motion: Reals) -> Iterator[Misfit]:
 
 def start_misfit(scene: Scene, tolerance: float = 1e-6) -> str | None:
     """One sentence on the joint the start state fits worst, or on a crank that is not where its drive has it."""
-    crank = next(body for body in scene.bodies if body.name == scene.crank)
     if isinstance(scene.drive, Prescribed):
         segment = scene.drive.motion.segments[0]
-        driven = [float(segment.value(segment.start, order)) for order in range(3)]
-        actual = [crank.angle, crank.angular_velocity, crank.angular_acceleration]
-        for name, expected, got in zip(QUANTITIES, driven, actual, strict=True):
-            if abs(expected - got) > tolerance * max(1.0, abs(expected)):
-                return f"the crank starts with an angular {name} of {got:g}, its drive with {expected:g}"
+        prescribed = [float(segment.value(segment.start, order)) for order in range(3)]
+        actual = [float(value[0]) for value in driven(scene, *start_motion(scene))]
+        turns = scene.driver_kind is DriverKind.CRANK
+        for name, expected, got in zip(QUANTITIES, prescribed, actual, strict=True):
+            if abs(expected - got) > tolerance * max(1.0 if turns else scene_size(scene), abs(expected)):
+                kind = "angular " if turns else ""
+                return f"the {scene.driver_kind} starts with an {kind}{name} of {got:g}, its drive with {expected:g}"
     size = scene_size(scene)
     fastest = max(math.hypot(*b.velocity) + abs(b.angular_velocity) * size for b in scene.bodies)
     hardest = max(math.hypot(*b.acceleration) + abs(b.angular_acceleration) * size for b in scene.bodies)
@@ -88,6 +90,11 @@ def ability_obstacle(scene: Scene, abilities: Abilities) -> str | None:
     """What of a scene goes beyond an engine's abilities, in one sentence; else None."""
     if type(scene.drive) not in abilities.drives:
         return f"it takes no {_words(scene.drive)} drive"
+    if scene.driver_kind not in abilities.drivers:
+        known = " or ".join(f"a {kind}" for kind in sorted(abilities.drivers))
+        return f"it takes no {scene.driver_kind} as the driver, only {known}"
+    if isinstance(scene.drive, Free) and scene.drive.over_time is not None and not abilities.timed_torque:
+        return "it takes no crank torque that changes with time"
     loads = (*scene.forces, *scene.torques, *scene.springs, *scene.dampers)
     for part in (*scene.guided, *loads):
         if type(part) not in abilities.joints | abilities.loads:
@@ -115,21 +122,24 @@ def _obstacles(scene: Scene, least: float) -> Iterator[str]:
         yield f"the bodies' names are not distinct: {', '.join(names)}"
     for body in scene.bodies:
         yield from _weight_obstacles(body, least)
-    if any(body.name == scene.crank and body.inertia is None for body in scene.bodies):
+    turns = scene.driver_kind is DriverKind.CRANK
+    if turns and any(body.name == scene.crank and body.inertia is None for body in scene.bodies):
         yield f"the crank '{scene.crank}' has no inertia, so that it cannot turn"
     joints = (*scene.pins, *scene.guided)
-    parts = (*scene.bodies, *joints, *scene.forces, *scene.torques, *scene.springs, *scene.dampers, scene.drive)
+    parts: tuple[object, ...] = (*scene.bodies, *joints, *scene.forces, *scene.torques, *scene.springs)
+    parts = (*parts, *scene.dampers, *([scene.cylinder] if scene.cylinder else []), scene.drive)
     for part in parts:
         yield from (f"{_label(part)} names a body '{end}' that is not in the scene" for end in _ends(part) - known)
         if not _bounded(part):
             yield f"{_label(part)} has a number that is not finite"
-    yield from (f"{_label(joint)} joins a body to itself" for joint in joints if len(_ends(joint)) == 1)
+    pairs = (*joints, *([scene.cylinder] if scene.cylinder else []))
+    yield from (f"{_label(joint)} joins a body to itself" for joint in pairs if len(_ends(joint)) == 1)
     yield from (f"{_label(j)} has a line without a direction" for j in scene.guided if j.along == (0.0, 0.0))
     bodies = {body.name: body for body in scene.bodies}
     for slider in scene.sliders:
         if slider.host != GROUND and bodies[slider.body].inertia is None and scene.can_turn(bodies[slider.host]):
             yield f"body '{slider.body}' turns with its host '{slider.host}' and so needs an inertia"
-    if not any({scene.crank, GROUND} == {pin.first, pin.second} for pin in scene.pins):
+    if turns and not any({scene.crank, GROUND} == {pin.first, pin.second} for pin in scene.pins):
         yield f"the crank '{scene.crank}' is not pinned to the ground"
     yield from _value_obstacles(scene)
 
@@ -137,6 +147,8 @@ def _obstacles(scene: Scene, least: float) -> Iterator[str]:
 def _weight_obstacles(body: Body, least: float) -> Iterator[str]:
     for name, value, unit in (("mass", body.mass, "kg"), ("inertia", body.inertia, "kg m²")):
         if value is not None and not least <= value < LARGEST:
+            if value == 0.0:
+                yield f"it holds no body without a mass and an inertia, and '{body.name}' has {name} 0 {unit}"
             needed = "positive" if least else "non-negative"
             yield f"body '{body.name}' has {name} {value:g} {unit}; expected a finite {needed} one"
 

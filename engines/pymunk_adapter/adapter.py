@@ -17,7 +17,10 @@ from typing import TYPE_CHECKING, Final
 import numpy as np
 from numpy.typing import NDArray
 
+from analytic.description.linkage import DriverKind
 from engines.contract import Abilities, History, ReadOut, Setting
+from engines.mechanics.driver import driven
+from engines.mechanics.states import start_motion
 from engines.pymunk_adapter.layout import Gear, exact_layout, plain_layout
 from engines.pymunk_adapter.loads import StepLoads
 from engines.pymunk_adapter.recording import Clock, Recording
@@ -39,6 +42,8 @@ COLD_STEPS, COLD = 4, 10
 
 # Steps after which that has no effect on the forces any more, and samples that are given up for it at most.
 SETTLED, MOST_LEAD = 10, 3
+
+WHOLE = 1.0 + 1e-9  # of the way that was looked at; a motion that goes on comes by the same angles again
 
 MOTOR = "the motor"  # beside the names of joints
 
@@ -89,7 +94,8 @@ class PymunkEngine(SteppedEngine[PymunkWorld, PymunkRecipe]):
             Channel.VELOCITY: ReadOut("Body.velocity, angular_velocity", instant="half a step after the positions"),
             Channel.ACCELERATION: ReadOut("difference of Body.velocity over the step"),
             Channel.TORQUE: ReadOut(
-                "SimpleMotor.impulse over the step, less an applied torque that keeps its sign and a flywheel's share",
+                "SimpleMotor.impulse (linear: PinJoint.impulse) over the step, less an applied torque or force that "
+                "keeps its sign and a flywheel's share",
                 drive="the drive's own",
             ),
             Channel.JOINT_FORCE: ReadOut(
@@ -99,7 +105,9 @@ class PymunkEngine(SteppedEngine[PymunkWorld, PymunkRecipe]):
         drives=frozenset({Prescribed, Free}),
         joints=GUIDES,
         loads=LOADS,
+        timed_torque=True,
         massless=False,
+        drivers=frozenset(DriverKind),
     )
     settings: Mapping[type, Mapping[Setting, PymunkRecipe]] = {
         Prescribed: {Setting.NAIVE: NAIVE, Setting.TUNED: TUNED, Setting.BEST: BEST},
@@ -137,6 +145,7 @@ class PymunkEngine(SteppedEngine[PymunkWorld, PymunkRecipe]):
             read[MOTOR] = world.motor
         on = calls(world, read.values())
         rates = crank_rates(clocks, centred)
+        given_to_motor = -rates if world.line is None else world.line.base + travels(world, clocks, rates)
         set_off(world, clocks[0], float(rates[0]))
         fewest, most = (round(bound(world.iterations)) for bound in (min, max))
         course.cost.details["iterations"] = most if fewest == most else f"{fewest} to {most}"
@@ -145,7 +154,7 @@ class PymunkEngine(SteppedEngine[PymunkWorld, PymunkRecipe]):
         recordings, start = [], 0
         for clock, later in zip(clocks, [*clocks[1:], clocks[-1]], strict=True):
             count = clock.steps
-            coming = (-rates[start + centred : start + centred + count]).tolist()
+            coming = given_to_motor[start + centred : start + centred + count].tolist()
             first, *marks = clock.marks(course.channels).tolist()
             if first:
                 on.look()
@@ -197,6 +206,12 @@ def crank_rates(clocks: list[Clock], centred: bool) -> Array:
     return np.concatenate(result)
 
 
+def travels(world: PymunkWorld, clocks: list[Clock], rates: Array) -> Array:
+    """φ of a linear drive after every step and one more, m, at these mean speeds."""
+    steps = np.concatenate([np.full(clock.steps + clock.last, clock.fine) for clock in clocks])
+    return np.asarray(world.layout.scene.crank_angle + np.cumsum(rates * steps))
+
+
 def set_off(world: PymunkWorld, clock: Clock, rate: float) -> None:
     """Give the parts their velocities: those that bring them through the first step, or a newcomer's.
 
@@ -207,7 +222,7 @@ def set_off(world: PymunkWorld, clock: Clock, rate: float) -> None:
     motion = np.array(
         [[(*b.velocity, b.angular_velocity), (*b.acceleration, b.angular_acceleration)] for b in bodies], dtype=float
     )
-    speed, gain = (float(value) for value in motion[world.layout.crank, :, 2])
+    _, speed, gain = (float(value[0]) for value in driven(world.layout.scene, *start_motion(world.layout.scene)))
     velocity = motion[:, 0]
     if clock.centred:
         middle = speed + 0.5 * clock.fine * gain if world.motor is None else rate
@@ -232,7 +247,8 @@ def _change_of_step(world: PymunkWorld, clock: Clock, later: Clock) -> float:
 def iterations_in(world: PymunkWorld, clocks: list[Clock], rates: Array) -> NDArray[np.intp]:
     """Iterations in every step."""
     angles = np.cumsum(rates[:-1] * np.concatenate([np.full(clock.steps, clock.fine) for clock in clocks]))
-    share = angles / (way(world.layout.scene) or 1.0) % 1.0
+    share = angles / (way(world.layout.scene) or 1.0)
+    share = np.clip(share, 0.0, 1.0) if np.ptp(share) <= WHOLE else share % 1.0
     result = np.interp(share, np.linspace(0.0, 1.0, len(world.iterations)), world.iterations).astype(np.intp)
     start = 0
     for clock, former in zip(clocks, [None, *clocks], strict=False):

@@ -27,12 +27,13 @@ from typing import TypeAlias, TypeVar
 import numpy as np
 
 from analytic.description.law import Law
-from analytic.description.linkage import GROUND, Vector, rotate, unit
+from analytic.description.linkage import GROUND, DriverKind, Vector, rotate, unit
 from engines.mechanics.joints import JointEquations
 from engines.mechanics.states import body_numbers, point_acceleration, point_velocity, pose_of, start_motion
 from engines.scene import (
     AppliedForce,
     Body,
+    Cylinder,
     GuidedJoint,
     PinJoint,
     PointSpring,
@@ -75,7 +76,7 @@ class Gear:
 
 
 Hold: TypeAlias = PinJoint | GuidedJoint | Gear
-Fastened = TypeVar("Fastened", PinJoint, PointSpring)
+Fastened = TypeVar("Fastened", PinJoint, PointSpring, Cylinder)
 Groove = TypeVar("Groove", SliderJoint, SlotJoint)
 
 
@@ -101,11 +102,6 @@ class PartLayout:
         """The equations of all joints between parts."""
         gears = [(hold.body, hold.host) for hold in self.holds if isinstance(hold, Gear)]
         return JointEquations(self.scene, geared=gears)
-
-    @property
-    def crank(self) -> int:
-        """Number of the driven part."""
-        return body_numbers(self.scene)[self.scene.crank]
 
     @property
     def freedom(self) -> int:
@@ -185,7 +181,7 @@ class _Cutter:
         self.shoes: dict[str, str] = {}  # slot name -> the point mass that is its pin
         self.rails: dict[str, str] = {}  # slot or slider name -> the rail that has its line
         self.lifts: list[AppliedForce] = []  # what takes off too much weight
-        driven = cut and isinstance(scene.drive, Prescribed)
+        driven = cut and isinstance(scene.drive, Prescribed) and scene.driver_kind is DriverKind.CRANK
         self.flywheel = FLYWHEEL * sum(body.mass for body in scene.bodies) * self._throw() ** 2 if driven else 0.0
 
     def layout(self) -> PartLayout:
@@ -213,6 +209,7 @@ class _Cutter:
             slots=tuple(slots),
             forces=tuple(replace(f, anchor=self._anchor(f.body, f.anchor)) for f in (*self.scene.forces, *self.lifts)),
             springs=tuple(map(self._fastened, self.scene.springs)),
+            cylinder=self.scene.cylinder and self._fastened(self.scene.cylinder),
         )
         inner = frozenset(self.cut_off)
         return PartLayout(scene, tuple(parts.values()), tuple(holds), inner, self.reach, self.flywheel)
@@ -346,7 +343,7 @@ class _Cutter:
         return anchor if name == GROUND else _minus(anchor, self.carrier(name).offset)
 
     def _fastened(self, joint: Fastened) -> Fastened:
-        """A pin or spring, its anchors from the centres of the parts."""
+        """A pin, spring or cylinder, its anchors from the centres of the parts."""
         first, second = self._anchor(joint.first, joint.first_anchor), self._anchor(joint.second, joint.second_anchor)
         return replace(joint, first_anchor=first, second_anchor=second)
 

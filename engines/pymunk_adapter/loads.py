@@ -11,9 +11,11 @@ import math
 from collections.abc import Callable
 from typing import TYPE_CHECKING
 
+from analytic.description.law import TimeLaw
 from analytic.description.linkage import GROUND
+from engines.pymunk_adapter.linear_drive import Line, set_push
 from engines.pymunk_adapter.space import PymunkWorld
-from engines.scene import AppliedForce, PointSpring, TurnDamper
+from engines.scene import AppliedForce, Free, PointSpring, TurnDamper
 
 if TYPE_CHECKING:
     import pymunk
@@ -29,7 +31,7 @@ class StepLoads:
     def __init__(self, world: PymunkWorld, *, ahead: bool) -> None:
         scene = world.layout.scene
         self._ahead, self.reach = ahead, 0.0
-        self._crank = world.crank
+        self._travel = world.travel
         self._ground = world.space.static_body
         self._sums: dict[pymunk.Body, list[float]] = {}
         self._turning = any(not load.force.is_constant for load in scene.forces) or any(
@@ -43,6 +45,10 @@ class StepLoads:
             for load in scene.torques
             if not load.torque.is_constant and load.body != GROUND
         ]
+        self._time, drive = 0.0, scene.drive
+        if isinstance(drive, Free) and drive.over_time is not None:
+            law = drive.over_time
+            self._parts.append(self._pushed(world, world.line, law) if world.line else self._timed(world.crank, law))
         if ahead:  # otherwise pymunk's own springs damp
             self._parts += [self._damper(world, damper) for damper in scene.dampers]
             self._parts += [
@@ -57,7 +63,7 @@ class StepLoads:
     def __call__(self, step: float) -> None:
         """Set everything for the next step, s."""
         self.reach = step if self._ahead else 0.0
-        angle = self._crank.angle + self.reach * self._crank.angular_velocity if self._turning else 0.0
+        angle = self._travel(self.reach) if self._turning else 0.0
         for total in self._sums.values():
             total[0] = total[1] = total[2] = 0.0
         for part in self._parts:
@@ -66,6 +72,7 @@ class StepLoads:
             if x or y:
                 body.force = (x, y)
             body.torque = torque
+        self._time += step
 
     def _total(self, body: pymunk.Body) -> list[float]:
         """Where the loads on a body are summed; those on the ground go nowhere."""
@@ -92,6 +99,23 @@ class StepLoads:
 
         def add(angle: float) -> None:
             total[2] += law(angle)[0]
+
+        return add
+
+    def _timed(self, crank: pymunk.Body, law: TimeLaw) -> Callable[[float], None]:
+        total = self._total(crank)
+
+        def add(_angle: float) -> None:
+            total[2] += law.at(self._time + self.reach)
+
+        return add
+
+    def _pushed(self, world: PymunkWorld, line: Line, law: TimeLaw) -> Callable[[float], None]:
+        spring = line.push(0.0)
+        world.space.add(spring)
+
+        def add(_travel: float) -> None:
+            set_push(spring, law.at(self._time + self.reach))
 
         return add
 

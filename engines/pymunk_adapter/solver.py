@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from analytic.description.law import FULL_TURN
+from analytic.description.linkage import DriverKind
 from engines.mechanics.joints import JointEquations
 from engines.mechanics.states import Pose, body_masses
 from engines.pymunk_adapter.layout import Gear, PartLayout
@@ -50,11 +51,14 @@ def iterations_for(scene: Scene, layout: PartLayout, remaining: float, even: int
 
 
 def way(scene: Scene) -> float:
-    """How far the crank is turned to look at the solver, rad: as its motion does, but no more than a full turn."""
+    """How far the driver goes from its start to look at the solver, rad or m.
+
+    It is as far as its motion does to one side, but no more than a full turn of a crank.
+    """
     if isinstance(scene.drive, Free):
         return FULL_TURN
-    motion = scene.drive.motion
-    return max(-FULL_TURN, min(FULL_TURN, float(motion.angle(motion.duration)) - scene.crank_angle))
+    farthest = max((end - scene.crank_angle for end in scene.drive.motion.reach), key=abs)
+    return max(-FULL_TURN, min(FULL_TURN, farthest)) if scene.driver_kind is DriverKind.CRANK else farthest
 
 
 def turned_through(scene: Scene, equations: JointEquations) -> list[Pose]:
@@ -64,12 +68,13 @@ def turned_through(scene: Scene, equations: JointEquations) -> list[Pose]:
     """
     end = way(scene)
     start = pose = equations.start()
+    start_travel = equations.driven(start, equations.arms(start))
     poses = [start]
-    for angle in end * np.arange(1, ANGLES + 1) / ANGLES:
+    for angle in end / equations.driver.scale * np.arange(1, ANGLES + 1) / ANGLES:
         for _ in range(CORRECTIONS):
             arms = equations.arms(pose)
             residual = equations.residual(pose, arms)
-            residual[:, equations.crank_row] = pose.angle[:, equations.crank] - scene.crank_angle - angle
+            residual[:, equations.crank_row] = equations.driven(pose, arms) - start_travel - angle
             if np.abs(residual).max() < CLOSED:
                 break
             try:

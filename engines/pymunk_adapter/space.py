@@ -11,8 +11,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from analytic.description.crank_motion import CrankMotion
-from analytic.description.linkage import GROUND
+from analytic.description.linkage import GROUND, DriverKind
 from engines.pymunk_adapter.layout import Gear, Hold, PartLayout, start_turn
+from engines.pymunk_adapter.linear_drive import Line, line_of
 from engines.pymunk_adapter.solver import ANGLES
 from engines.scene import AppliedForce, Body, PinJoint, PointSpring, Prescribed, Scene
 
@@ -24,13 +25,16 @@ Ends: TypeAlias = "Mapping[str, pymunk.Body]"
 # Where a spring's far end lies, m or rad: any motion is nothing against it, so that its pull is constant to rounding.
 FAR: Final = 1e15
 
+SHORTEST: Final = 0.01  # of the scene's reach: the lever of a linear drive
+
 
 @dataclass(frozen=True)
 class PymunkWorld:
     """A built space; ``bodies`` in the order of the layout's parts, ``springs`` in that of the scene's.
 
     ``ends`` has all bodies by name, the ground among them; ``constraints`` are in the order of the layout's holds.
-    ``motor`` drives the crank against a torque of ``offset``, N m, that keeps the sign of what it exerts.
+    ``motor`` drives the crank against a torque of ``offset``, N m, that keeps the sign of what it exerts; that of a
+    linear drive is between the ends of its ``line``, against such a force.
     ``iterations`` (ANGLES + 1,) are those at even crank angles from the start on (see ``solver.way``).
     """
 
@@ -40,14 +44,21 @@ class PymunkWorld:
     bodies: tuple[pymunk.Body, ...]
     constraints: tuple[pymunk.Constraint, ...]
     springs: tuple[pymunk.DampedSpring, ...]
-    motor: pymunk.SimpleMotor | None
+    motor: pymunk.SimpleMotor | pymunk.PinJoint | None
     offset: float
     iterations: NDArray[np.float64]
+    line: Line | None = None
 
     @property
     def crank(self) -> pymunk.Body:
         """The driven body."""
-        return self.bodies[self.layout.crank]
+        return self.ends[self.layout.scene.crank]
+
+    def travel(self, ahead: float) -> float:
+        """φ ``ahead`` seconds from now at the present velocities, rad or m."""
+        if self.line is not None:
+            return self.line.travel(ahead)
+        return float(self.crank.angle + ahead * self.crank.angular_velocity)
 
 
 def build_world(layout: PartLayout, *, plain: bool) -> PymunkWorld:
@@ -78,30 +89,42 @@ def build_world(layout: PartLayout, *, plain: bool) -> PymunkWorld:
     for load in scene.torques:
         if load.torque.is_constant and load.body != GROUND:
             _add_torque(space, bodies[load.body], float(load.torque.values[0]))
-    crank, motor, offset = bodies[scene.crank], None, 0.0
+    motor, offset, line = None, 0.0, None
+    if scene.driver_kind is not DriverKind.CRANK:
+        line = line_of(scene, ends, layout.reach)
     if isinstance(scene.drive, Prescribed):
         offset = 0.0 if plain else torque_bound(scene, layout, scene.drive.motion)
-        motor = pymunk.SimpleMotor(space.static_body, crank, 0.0)
-    _add_torque(space, crank, offset if isinstance(scene.drive, Prescribed) else scene.drive.torque)
+        motor = line.pin() if line else pymunk.SimpleMotor(space.static_body, bodies[scene.crank], 0.0)
+    constant = offset if isinstance(scene.drive, Prescribed) else scene.drive.torque
+    if line is None:
+        _add_torque(space, bodies[scene.crank], constant)
+    elif constant:
+        space.add(line.push(constant))
     if motor is not None:
         space.add(motor)  # last, so that an iteration leaves no error in the crank's speed
     iterations = np.full(ANGLES + 1, float(space.iterations))
-    return PymunkWorld(layout, space, ends, tuple(bodies.values()), constraints, springs, motor, offset, iterations)
+    return PymunkWorld(
+        layout, space, ends, tuple(bodies.values()), constraints, springs, motor, offset, iterations, line
+    )
 
 
 def torque_bound(scene: Scene, layout: PartLayout, motion: CrankMotion) -> float:
-    """A torque well above any that the drive can need, N m: all mass at the scene's size, at the peak of the motion."""
-    times = np.linspace(0.0, motion.duration, 101)
-    rate = float(np.max(np.abs(motion.acceleration(times)))) + motion.peak_speed**2
+    """A torque well above any that the drive can need, N m: all mass at the scene's size, at the peak of the motion.
+
+    Of a linear drive it is a force, N, at a lever of a hundredth of that size.
+    """
+    times, turns = np.linspace(0.0, motion.duration, 101), scene.driver_kind is DriverKind.CRANK
     size = layout.reach
+    arm = 1.0 if turns else SHORTEST * size
+    rate = float(np.max(np.abs(motion.acceleration(times)))) / arm + (motion.peak_speed / arm) ** 2
     weight = sum(part.mass for part in layout.parts)
     bound = rate * (weight * size**2 + sum(part.inertia or 0.0 for part in layout.parts))
     bound += weight * math.hypot(*scene.gravity) * size
     bound += sum(float(np.max(np.abs(load.force.values))) for load in scene.forces) * size
     bound += sum(float(np.max(np.abs(load.torque.values))) for load in scene.torques)
-    bound += sum(damper.coefficient for damper in scene.dampers) * motion.peak_speed
-    bound += sum(spring.stiffness + spring.damping * motion.peak_speed for spring in scene.springs) * size**2
-    return bound
+    bound += sum(damper.coefficient for damper in scene.dampers) * motion.peak_speed / arm
+    bound += sum(spring.stiffness + spring.damping * motion.peak_speed / arm for spring in scene.springs) * size**2
+    return bound / arm
 
 
 def _body(part: Body) -> pymunk.Body:

@@ -62,7 +62,9 @@ def public_calls(world: PymunkWorld, read: Iterable[pymunk.Constraint]) -> Calls
             values.extend((*body.position, body.angle, *body.velocity, body.angular_velocity))
 
     def set_rate(rate: float) -> None:
-        if world.motor is not None:
+        if world.line is not None and world.motor is not None:
+            world.motor.distance = rate
+        elif world.motor is not None:
             world.motor.rate = rate
 
     def set_iterations(count: int) -> None:
@@ -98,10 +100,10 @@ def direct_calls(world: PymunkWorld, read: Iterable[pymunk.Constraint]) -> Calls
         buffer.clear()
         return result
 
-    motor = world.motor
+    motor, set_rate = world.motor, lib.cpPinJointSetDist if world.line else lib.cpSimpleMotorSetRate
     return Calls(
         step=partial(lib.cpSpaceStep, space),
-        set_rate=(lambda _rate: None) if motor is None else partial(lib.cpSimpleMotorSetRate, motor._constraint),
+        set_rate=(lambda _rate: None) if motor is None else partial(set_rate, motor._constraint),
         set_iterations=partial(lib.cpSpaceSetIterations, space),
         impulses=tuple(partial(lib.cpConstraintGetImpulse, constraint._constraint) for constraint in read),
         look=look,
@@ -112,7 +114,8 @@ def direct_calls(world: PymunkWorld, read: Iterable[pymunk.Constraint]) -> Calls
 def march(on: Calls, step: float, plan: Iterable[tuple[float, int, int]], loads: StepLoads) -> list[float]:
     """Take the steps of a plan: rate, iterations, and the mark of what is read then; returns the impulses in order.
 
-    A rate is that of the step to come: it sets the velocity with which the next step moves the bodies.
+    A rate is that of the step to come: it sets the velocity with which the next step moves the bodies. Of a linear
+    drive it is the distance of its ends after that step.
     """
     take, set_rate, impulses, look = on.step, on.set_rate, on.impulses, on.look
     read: list[float] = []

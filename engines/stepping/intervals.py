@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
-from dataclasses import dataclass
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
 from itertools import pairwise
 
 import numpy as np
@@ -18,6 +18,7 @@ Array = NDArray[np.float64]
 
 GRADES = (0.5, 0.75)  # of the peak speed: where the step changes; no step is more than twice another's
 EVEN = 1.0 + 1e-9  # an even speed has one grade
+MANY = 20  # segments that have the least number of steps each; there and back by a law with dwells has as many
 SAMPLED = 64  # places of a segment at which its speed is looked at
 
 
@@ -44,13 +45,15 @@ class Interval:
 class Pace:
     """How fine a motion is stepped: steps of at most ``step``, s, and at least ``steps_per_turn`` at each part's peak.
 
-    A segment has ``least_steps`` or more and is started anew at least every so many ``turns``.
+    A segment has ``least_steps`` or more and is started anew at least every so many ``turns``. ``turn`` is how much of
+    φ counts as one, rad or m.
     """
 
     step: float = math.inf
     steps_per_turn: float = 0.0
     least_steps: int = 8
     turns: float = math.inf
+    turn: float = FULL_TURN
 
 
 def whole_interval(duration: float, step: float, least: int) -> Interval:
@@ -58,9 +61,17 @@ def whole_interval(duration: float, step: float, least: int) -> Interval:
     return Interval(0.0, duration, whole_steps(duration, step, least))
 
 
+def released_intervals(duration: float, kinks: Sequence[float], step: float) -> list[Interval]:
+    """A released crank's run in steps of at most ``step``, s, cut at the kinks, s, of what moves it."""
+    borders = [0.0, *(kink for kink in kinks if 0.0 < kink < duration), duration]
+    return [Interval(start, end, whole_steps(end - start, step, 1)) for start, end in pairwise(borders)]
+
+
 def intervals(motion: CrankMotion, pace: Pace) -> list[Interval]:
     """The motion's segments in steps as fine as the pace asks for."""
     first = motion.segments[0]
+    if len(motion.segments) > MANY:  # a table: its pieces need not be resolved each by itself
+        pace = replace(pace, least_steps=math.ceil(pace.least_steps * MANY / len(motion.segments)))
     return [
         interval
         for segment in motion.segments
@@ -80,7 +91,7 @@ def _of_segment(segment: Segment, after_jump: bool, motion: CrankMotion, pace: P
     longest = min(pace.step, (segment.end - segment.start) / pace.least_steps)
     for first, last in pairwise(cuts):
         length = float(time[last] - time[first])
-        turns = length * float(speed[first : last + 1].max()) / FULL_TURN
+        turns = length * float(speed[first : last + 1].max()) / pace.turn
         parts = max(1, math.ceil(turns / pace.turns - ROUNDING))
         samples = max(1, math.ceil(max(length / longest, turns * pace.steps_per_turn) / parts - ROUNDING))
         for start, end in pairwise(np.linspace(time[first], time[last], parts + 1).tolist()):

@@ -15,9 +15,10 @@ import numpy as np
 
 from analytic.description.crank_motion import CrankMotion
 from analytic.description.law import Law
+from analytic.description.linkage import DriverKind
 from engines.contract import History, Signal
 from engines.mechanics.joints import scene_size
-from engines.scene import Scene
+from engines.scene import Drive, Prescribed, Scene
 
 # Largest mass in a scene's own units. Accelerations are large numbers where velocities are moderate ones; small masses
 # keep forces from outweighing the velocities at which joints open. Measured: flat from 1e-4 down, a little worse at 1.
@@ -49,21 +50,49 @@ class OwnUnits:
 
 def own_units(scene: Scene, size: float = 1.0) -> OwnUnits:
     """The units in which the scene's size is ``size`` and its largest mass is LARGEST_MASS."""
-    largest = max(body.mass for body in scene.bodies)
+    largest = max(body.mass for body in scene.bodies) or 1.0
     return OwnUnits(scene_size(scene) / size, largest / LARGEST_MASS if largest > 0.0 else 1.0)
 
 
 def scaled(scene: Scene, units: OwnUnits) -> Scene:
     """The same scene with every number in the units given."""
     result: Scene = _scaled(scene, "", units)
-    return result
+    return result if scene.driver_kind is DriverKind.CRANK else _with_length(result, units)
+
+
+def _with_length(scene: Scene, units: OwnUnits) -> Scene:
+    """A scaled scene whose φ is a length: its motion and its laws are over that, and its drive is a force."""
+    drive: Drive
+    if isinstance(scene.drive, Prescribed):
+        motion = scene.drive.motion
+        segments = [
+            replace(segment, coefficients=tuple(c / units.length for c in segment.coefficients))
+            for segment in motion.segments
+        ]
+        drive = Prescribed(replace(motion, segments=tuple(segments)))
+    else:
+        torque, pace = scene.drive.torque * units.length, scene.drive.pace / units.length
+        timed = scene.drive.over_time
+        if timed is not None:
+            timed = replace(timed, torque=tuple(value * units.length for value in timed.torque))
+        drive = replace(scene.drive, torque=torque, pace=pace, over_time=timed)
+
+    def over_length(law: Law) -> Law:
+        return law if law.angles is None else replace(law, angles=law.angles / units.length)
+
+    return replace(
+        scene,
+        drive=drive,
+        forces=tuple(replace(load, force=over_length(load.force)) for load in scene.forces),
+        torques=tuple(replace(load, torque=over_length(load.torque)) for load in scene.torques),
+    )
 
 
 def _scaled(value: Any, name: str, units: OwnUnits) -> Any:  # noqa: ANN401 - a scene, or anything in one
     if name in POWERS and value is not None:
         unit = units.unit(name)
         if isinstance(value, Law):
-            return Law(value.values / unit, value.angles)
+            return replace(value, values=value.values / unit)
         return tuple(number / unit for number in value) if isinstance(value, tuple) else value / unit
     if isinstance(value, tuple):
         return tuple(_scaled(each, "", units) for each in value)
@@ -72,8 +101,8 @@ def _scaled(value: Any, name: str, units: OwnUnits) -> Any:  # noqa: ANN401 - a 
     return value
 
 
-def restored(history: History, units: OwnUnits) -> History:
-    """A history of a scaled scene in SI."""
+def restored(history: History, units: OwnUnits, driver: DriverKind = DriverKind.CRANK) -> History:
+    """A history of a scaled scene in SI; what drives tells whether its torque is a force."""
     coordinates = np.array([units.length, units.length, 1.0])
 
     def times(signal: Signal | None, factor: object) -> Signal | None:
@@ -83,7 +112,7 @@ def restored(history: History, units: OwnUnits) -> History:
         position=times(history.position, coordinates),
         velocity=times(history.velocity, coordinates),
         acceleration=times(history.acceleration, coordinates),
-        torque=times(history.torque, units.unit("torque")),
+        torque=times(history.torque, units.unit("torque" if driver is DriverKind.CRANK else "force")),
         joint_force={
             name: replace(signal, values=signal.values * units.unit("force"))
             for name, signal in history.joint_force.items()

@@ -13,16 +13,19 @@ from contextlib import nullcontext
 from dataclasses import dataclass, replace
 from typing import ClassVar, Generic, TypeVar
 
-from analytic.description.law import FULL_TURN
+from analytic.description.linkage import DriverKind
 from analytic.errors import LinkproofError, UnknownNameError
 from engines.contract import Abilities, History, Method, Outcome, Run, Setting
 from engines.installed import installed_version, silenced, why_absent, why_unusable
+from engines.mechanics.driver import driven
+from engines.mechanics.joints import scene_size
 from engines.mechanics.start_check import ability_obstacle, data_obstacle
+from engines.mechanics.states import start_motion
 from engines.scene import Channel, Free, Prescribed, Scene
 from engines.stepping.cost import Cost
 from engines.stepping.driver import check_step, run_stepping
 from engines.stepping.error_estimate import estimated_error
-from engines.stepping.intervals import Interval, Pace, intervals, whole_interval
+from engines.stepping.intervals import Interval, Pace, intervals, released_intervals, whole_interval
 from engines.stepping.own_units import OwnUnits, own_units, restored, scaled
 from engines.stepping.richardson import Pass, extrapolate
 
@@ -33,11 +36,13 @@ LARGEST_EFFORT = 2.0**31  # of an iteration count
 class Recipe(Pace):
     """How a scene is stepped: the samples' pace, and the runs at fractions of their step.
 
-    ``ratios`` are the steps between two samples, of one run each; several are extrapolated, the error's terms having
-    the ``orders`` as powers of the step. ``effort`` is the constraint solver's, None for the engine's own. ``graded``
-    lets slow parts have longer steps, ``restarted`` begins every segment of a prescribed motion anew: without it the
-    whole motion is one interval. ``in_own_units`` counts lengths and masses in units of the scene, its size being
-    ``size``: where an engine's tolerance is a length, a larger one makes it tighter.
+    ``ratios`` are the steps between two samples, of one run each; several are extrapolated, the error's terms
+    having the ``orders`` as powers of the step. ``effort`` is the constraint solver's, None for the engine's own.
+    ``graded`` lets slow parts have longer steps, ``restarted`` begins every segment of a prescribed motion anew:
+    without it the whole motion is one interval. ``at_kinks`` ends a step at every kink of a released crank's torque
+    over time, for an integrator of high order that begins anew at no cost. ``in_own_units`` counts lengths and
+    masses in units of the scene, its size being ``size``: where an engine's tolerance is a length, a larger one
+    makes it tighter.
     """
 
     ratios: tuple[int, ...] = (1,)
@@ -45,30 +50,35 @@ class Recipe(Pace):
     effort: float | None = None
     graded: bool = False
     restarted: bool = True
+    at_kinks: bool = False
     in_own_units: bool = True
     size: float = 1.0
 
     def parts(self, scene: Scene) -> list[Interval]:
-        """The scene's motion in intervals of equal samples."""
-        drive = scene.drive
+        """The scene's motion in intervals of equal samples; a linear drive has a turn in the scene's size."""
+        drive, turns = scene.drive, scene.driver_kind is DriverKind.CRANK
+        pace = self if turns else replace(self, turn=scene_size(scene))
         if isinstance(drive, Free):
-            return [whole_interval(drive.duration, self._longest(drive.pace or _start_pace(scene)), self.least_steps)]
+            longest = pace._longest(drive.pace or _start_pace(scene))
+            if drive.over_time is not None and self.at_kinks:
+                return released_intervals(drive.duration, drive.over_time.times, longest)
+            return [whole_interval(drive.duration, longest, self.least_steps)]
         motion = drive.motion
+        longest = pace._longest(motion.peak_speed)
         if not self.restarted:
-            return [whole_interval(motion.duration, self._longest(motion.peak_speed), self.least_steps)]
-        if self.graded:
-            return intervals(motion, self)
-        return intervals(motion, replace(self, step=self._longest(motion.peak_speed), steps_per_turn=0.0))
+            return [whole_interval(motion.duration, longest, self.least_steps)]
+        return intervals(motion, pace if self.graded else replace(pace, step=longest, steps_per_turn=0.0))
 
     def _longest(self, speed: float) -> float:
-        turn = FULL_TURN / (self.steps_per_turn * speed) if self.steps_per_turn and speed else math.inf
+        turn = self.turn / (self.steps_per_turn * speed) if self.steps_per_turn and speed else math.inf
         return min(self.step, turn)
 
 
 def _start_pace(scene: Scene) -> float:
-    """What the start state shows of a free crank's pace, rad/s."""
-    crank = next(body for body in scene.bodies if body.name == scene.crank)
-    return abs(crank.angular_velocity) + math.sqrt(abs(crank.angular_acceleration))
+    """What the start state shows of a free driver's pace, rad/s or m/s."""
+    _, speed, acceleration = (float(value[0]) for value in driven(scene, *start_motion(scene)))
+    size = 1.0 if scene.driver_kind is DriverKind.CRANK else scene_size(scene)
+    return abs(speed) + math.sqrt(abs(acceleration) * size)
 
 
 World = TypeVar("World")
@@ -193,7 +203,7 @@ class SteppedEngine(ABC, Generic[World, R]):
         if len(passes) > 1:
             cost.details["estimated_error"] = estimated_error(passes, recipe.orders)
         history = extrapolate(passes, recipe.orders)
-        return restored(history, units) if units else history
+        return restored(history, units, scene.driver_kind) if units else history
 
     def planned(self, scene: Scene, recipe: R, cost: Cost) -> tuple[Scene, OwnUnits | None, list[Course[R]]]:
         """The scene that worlds are built from, its units if these are its own, and the passes that are asked for."""

@@ -50,6 +50,7 @@ def page(results: Results, others: Sequence[ExtraSection] = (), *, processes: in
         results=results,
         facts=_facts(results),
         command=results.document["command"],
+        judgement=results.document.get("judgement", []),
         quantities=[(name, title(name), _unit(results, name)) for name in quantities],
         invariants=invariants,
         blocks=matrix.blocks(results),
@@ -119,7 +120,9 @@ def _facts(results: Results) -> list[tuple[str, str]]:
         ("Command", Markup("<code>{}</code>").format(results.document["command"])),
         ("Mechanisms", ", ".join(f"{linkage.name} ({linkage.variant})" for linkage in results.linkages)),
         ("Regimes", Markup("<br>").join(f"{name}: {conditions}" for name, conditions in regimes)),
-        ("Engines", ", ".join(f"{name} {engines[name]}" for name in sorted(engines))),
+        ("Results of", ", ".join(sorted(engines)))
+        if "judgement" in results.document
+        else ("Engines", ", ".join(f"{name} {engines[name]}" for name in sorted(engines))),
         *environment_facts(results.document["environment"], leave_out=engines),
     ]
 

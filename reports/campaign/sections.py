@@ -44,7 +44,7 @@ def mechanism_section(view: View, readings: Readings | None) -> dict[str, object
         "key": view.key,
         "linkage": view.linkage,
         "formula": view.mechanism.structure.formula.replace("->", "→").replace("_", " "),
-        "scheme": _scheme(view) if view.makes_full_turn else None,
+        "scheme": _scheme(view),
         "links": _links(view),
         "parts": parts,
         "readings": readings,
@@ -60,7 +60,8 @@ def _attempt(heading: str, build: Callable[[], ReportPart]) -> ReportPart:
 
 
 def _scheme(view: View) -> ReportFigure:
-    number = scheme.scheme_of(view).shown
+    """The linkage in positions of its turn, or of the range that it reaches."""
+    number = scheme.scheme_of(view.mechanism).shown
     return shown(view, "scheme", scheme.scheme_figure(view), positions=scheme.POSITIONS, shown=number)
 
 
@@ -75,7 +76,7 @@ def _links(view: View) -> ReportTable:
     except LinkproofError:
         return ReportTable(f"{caption}.", head, tuple(_link_row(link) for link in links.values()), note=note)
     means = {name: float(np.mean(values)) for name, values in parts.items()}
-    whole = sum(means.values())
+    whole = sum(means.values()) or 1.0  # no link has a mass
     rows = tuple((*_link_row(links[name]), f"{100.0 * mean / whole:.1f}") for name, mean in means.items())
     return ReportTable(f"{caption}, and what each gives to the mean Jeq.", (*head, "Jeq, %"), rows, note=note)
 

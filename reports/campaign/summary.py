@@ -20,11 +20,13 @@ from reports.text.templates import plain, worded
 
 def markdown(results: Results) -> str:
     """The summary of a campaign."""
+    told = results.document.get("judgement", [])
     parts = [
-        "# Engines against the closed form",
+        "# Results of another tool against the closed form" if told else "# Engines against the closed form",
         f"Largest error over the reference's peak, two digits, round-off as < {bound(ROUND_OFF)}; ✓ within its limit, "
         f"✗ over it. Written by `{results.document['command']}`; the page beside it has curves, machine and times.",
         "## Verdict",
+        *told,
         "\n".join(f"- {_standing(one)}" for one in matrix.standings(results)),
         *_matrix(results),
         *_joint_forces(results),

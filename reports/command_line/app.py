@@ -50,6 +50,11 @@ def _names(given: list[str] | None) -> tuple[str, ...]:
     return tuple(given or ())
 
 
+def _speed(rpm: float | None) -> dict[str, Any]:
+    """The speed of a motion, and whether it was given: a drive along a line has a default of its own."""
+    return {"gives_speed": False} if rpm is None else {"speed": rpm, "gives_speed": True}
+
+
 def _destination(json: str | None, *rest: Any) -> Destination:  # noqa: ANN401
     from reports.command_line.destination import Destination
 
@@ -76,7 +81,7 @@ def linkproof(
 @app.command("list", short_help="List the mechanisms of the catalogue.")
 def list_(json: options.Json = None) -> None:
     """List the mechanisms of the catalogue, their variants and sources."""
-    from reports.command_line import mechanisms
+    from reports.command_line.commands import mechanisms
 
     mechanisms.list_mechanisms(_destination(json))
 
@@ -87,9 +92,49 @@ def show(mechanism: options.Mechanism, variant: options.Variant = None, json: op
 
     MECHANISM is a name in the catalogue or the path of a .toml file.
     """
-    from reports.command_line import mechanisms
+    from reports.command_line.commands import mechanisms
 
     mechanisms.show(mechanism, variant, _destination(json))
+
+
+@app.command(short_help="Write a linkage file to fill in.")
+def new(name: Annotated[str, typer.Argument(metavar="NAME", hidden=True)]) -> None:
+    """Write NAME.toml, a small linkage with every key explained, to change into one of your own; overwrites nothing.
+
+    Beside it stands linkproof.schema.json, by which editors complete and check it (VS Code: Even Better TOML).
+    """
+    from reports.command_line.commands import files
+
+    files.new(name, _destination(None))
+
+
+@app.command(short_help="Look a linkage over: mobility, groups, range, toggles.")
+def check(
+    mechanism: options.Mechanism,
+    variant: options.Variant = None,
+    svg: Annotated[Path | None, valued("FILE", "Draw the scheme into this file.")] = None,
+    json: options.Json = None,
+) -> None:
+    """Look a linkage over: mobility, groups, range of the crank, transmission angles, toggles, masses, slips.
+
+    MECHANISM is the path of a .toml file or a name in the catalogue.
+
+    What is right is told up to the first fault, which is told in a sentence; exit code 2.
+    """
+    from reports.command_line.commands import files
+
+    files.check(mechanism, variant, svg, _destination(json))
+
+
+@app.command(short_help="Write the JSON schema of linkage files.")
+def schema() -> None:
+    """Write the JSON schema of linkage files to stdout: editors complete and check files by it.
+
+    A file names it in its first line: #:schema ./linkproof.schema.json (taplo, Even Better TOML).
+    """
+    from reports.command_line.commands import files
+
+    typer.echo(files.schema_text(), nl=False)
 
 
 @app.command(short_help="Show a mechanism's thread feed.")
@@ -103,7 +148,7 @@ def thread(
 
     MECHANISM is a name in the catalogue or the path of a .toml file with a [thread].
     """
-    from reports.command_line import mechanisms
+    from reports.command_line.commands import mechanisms
 
     mechanisms.thread(mechanism, variant, required, _destination(json))
 
@@ -114,9 +159,54 @@ def published(mechanisms: options.Mechanisms = None, json: options.Json = None) 
 
     MECHANISM is a name in the catalogue or the path of a .toml file; default: the whole catalogue.
     """
-    from reports.command_line import compare
+    from reports.command_line.commands import compare
 
     raise typer.Exit(compare.published(mechanisms or [], _destination(json)))
+
+
+@app.command(short_help="Peaks, bearing forces and every signal of one linkage, without an engine.")
+def results(
+    mechanism: options.Mechanism,
+    variant: options.Variant = None,
+    regime: Annotated[
+        str | None,
+        valued(
+            "NAME",
+            "Motion of the crank, as for compare, or one of the file's own; default: one turn at constant speed, or "
+            "the range of a crank that makes none.",
+            names=completion.regimes,
+        ),
+    ] = None,
+    speed: options.Speed = None,
+    ramp_time: options.RampTime = 0.6,
+    hold_time: options.HoldTime = 0.1,
+    start_angle: options.StartAngle = 0.0,
+    from_angle: options.FromAngle = None,
+    to_angle: options.ToAngle = None,
+    clockwise: options.Clockwise = False,
+    no_gravity: options.NoGravity = False,
+    at: Annotated[str | None, valued("DEGREES", "Every signal at these crank angles: 0,30,60.")] = None,
+    time: Annotated[str | None, valued("SECONDS", "Every signal at these times: 0.1,0.2.")] = None,
+    csv: Annotated[str | None, valued("FILE|-", "Write every signal as a table, in the file's units.")] = None,
+    json: options.Json = None,
+    svg: Annotated[str | None, valued("FILE|-", "Draw scheme, coupler curves, torque, bearing forces.")] = None,
+    quiet: options.Quiet = False,
+) -> None:
+    """Work out what a designer needs of one linkage: torque, power, bearing forces, positions; needs no engine.
+
+    MECHANISM is a name in the catalogue or the path of a .toml file.
+
+    Tables, CSV and SVG are in the units of the file, JSON is in SI with angles in rad.
+    """
+    from reports.command_line.commands import results
+    from reports.command_line.commands.results import ResultsChoice
+
+    choice = ResultsChoice(
+        mechanism=mechanism, variant=variant, regimes=(regime,) if regime else (), **_speed(speed), ramp_time=ramp_time,
+        hold_time=hold_time, start_angle=start_angle, clockwise=clockwise, from_angle=from_angle, to_angle=to_angle,
+        gravity=not no_gravity, at=at, time=time, csv=csv, json=json, svg=svg,
+    )  # fmt: skip
+    results.results(choice, quiet=quiet)
 
 
 @app.command(short_help="List the engines, what they can do and where their figures come from.")
@@ -124,7 +214,7 @@ def engines(
     names: Annotated[list[str] | None, typer.Argument(metavar="[ENGINE]...")] = None, json: options.Json = None
 ) -> None:
     """List the engines: what each can hold, what it offers, and what its figures are in the engine itself."""
-    from reports.command_line import engines
+    from reports.command_line.commands import engines
 
     engines.list_engines(_names(names), _destination(json))
 
@@ -137,10 +227,12 @@ def compare(
     engine: options.Engines = None,
     setting: options.Settings = None,
     quantity: options.Quantities = None,
-    speed: options.Speed = 1000.0,
+    speed: options.Speed = None,
     ramp_time: options.RampTime = 0.6,
     hold_time: options.HoldTime = 0.1,
     start_angle: options.StartAngle = 0.0,
+    from_angle: options.FromAngle = None,
+    to_angle: options.ToAngle = None,
     clockwise: options.Clockwise = False,
     no_gravity: options.NoGravity = False,
     full: Annotated[bool, flag("Run the files' own regimes in every setting, not tuned alone.", "--full")] = False,
@@ -167,24 +259,79 @@ def compare(
 
     if jobs != 0:
         start_server(["comparisons.campaign.campaign"])  # its imports run beside ours
-    from reports.command_line import compare
+    from reports.command_line.commands import compare
     from reports.command_line.requests import CampaignChoice, RunLimits
 
     choice = CampaignChoice(
-        _names(mechanisms), variant, _names(regime), _names(engine), _names(setting), _names(quantity),
-        speed, ramp_time, hold_time, start_angle, clockwise, not no_gravity, full,
+        _names(mechanisms), _names(engine), _names(setting), _names(quantity), not no_gravity, full,
+        variant=variant, regimes=_names(regime), **_speed(speed), ramp_time=ramp_time, hold_time=hold_time,
+        start_angle=start_angle, clockwise=clockwise, from_angle=from_angle, to_angle=to_angle,
     )  # fmt: skip
     destination = _destination(json, out, resume, quiet, verbose)
     limits = RunLimits(time_limit, memory_limit, jobs)
     raise typer.Exit(compare.compare(choice, destination, limits, record_baseline=record_baseline))
 
 
+@app.command(short_help="Judge the results of another tool: right or not, and what is likely wrong.")
+def judge(
+    mechanism: options.Mechanism,
+    results: Annotated[list[Path], typer.Argument(metavar="RESULTS...", hidden=True)],
+    mapping: Annotated[Path | None, valued("FILE", "What each column is, and which corrections are agreed to.")] = None,
+    write_mapping: Annotated[Path | None, valued("FILE", "Write the mapping as recognised.")] = None,
+    limit: Annotated[float, valued("SHARE", "Largest error allowed, as a share of the closed form's peak.")] = 0.01,
+    variant: options.Variant = None,
+    regime: options.Regimes = None,
+    speed: Annotated[
+        float | None, valued("RPM", "Crank speed, negative turns clockwise; default: 1000.", "--speed")
+    ] = None,
+    from_angle: options.FromAngle = None,
+    to_angle: options.ToAngle = None,
+    ramp_time: options.RampTime = 0.6,
+    hold_time: options.HoldTime = 0.1,
+    start_angle: options.StartAngle = 0.0,
+    clockwise: options.Clockwise = False,
+    no_gravity: options.NoGravity = False,
+    out: options.Out = None,
+    json: options.Json = None,
+    quiet: options.Quiet = False,
+    verbose: options.Verbose = False,
+) -> None:
+    """Judge results of a tool that cannot be called: SolidWorks Motion, Adams, Modelica, any CSV with a header.
+
+    MECHANISM is a name in the catalogue or the path of a .toml file, RESULTS are the tool's files.
+
+    The crank moves as the file's column of its angle or speed says, or as --regime does. Nothing in a file is
+    interpolated, smoothed or corrected unless the mapping says so.
+
+    Exit codes: 0 every signal within the limit, 1 one is not, 2 bad input or nothing to judge.
+    """
+    from reports.command_line.commands import judge
+    from reports.command_line.motion_choice import MotionChoice
+
+    motion = MotionChoice(
+        variant=variant, regimes=_names(regime), speed=1000.0 if speed is None else speed, ramp_time=ramp_time,
+        hold_time=hold_time, start_angle=start_angle, clockwise=clockwise, from_angle=from_angle, to_angle=to_angle,
+    )  # fmt: skip
+    choice = judge.JudgeChoice(
+        mechanism, tuple(results), motion, speed is not None, limit, mapping, write_mapping, not no_gravity
+    )
+    raise typer.Exit(judge.judge(choice, _destination(json, out, False, quiet, verbose)))
+
+
 @app.command(short_help="Measure error against run time, over a sweep of steps.")
 def bench(
     mechanisms: options.Mechanisms = None,
+    variant: options.Variant = None,
     regime: options.Regimes = None,
     engine: options.Engines = None,
     quantity: options.Quantities = None,
+    speed: options.Speed = None,
+    ramp_time: options.RampTime = 0.6,
+    hold_time: options.HoldTime = 0.1,
+    start_angle: options.StartAngle = 0.0,
+    from_angle: options.FromAngle = None,
+    to_angle: options.ToAngle = None,
+    clockwise: options.Clockwise = False,
     quick: Annotated[bool, flag("A coarser sweep of one regime: under a minute.", "--quick")] = False,
     costs: Annotated[bool, flag("Measure what each output and load costs too.", "--costs")] = False,
     out: options.Out = None,
@@ -202,9 +349,13 @@ def bench(
     from comparisons.runs.worker_process import start_server
 
     start_server(["comparisons.work_precision.measure"])  # its imports run beside ours
-    from reports.command_line import bench
+    from reports.command_line.commands import bench
 
-    choice = bench.BenchChoice(_names(mechanisms), _names(regime), _names(engine), _names(quantity), quick, costs)
+    choice = bench.BenchChoice(
+        _names(mechanisms), _names(engine), quantities=_names(quantity), quick=quick, costs=costs,
+        variant=variant, regimes=_names(regime), **_speed(speed), ramp_time=ramp_time, hold_time=hold_time,
+        start_angle=start_angle, clockwise=clockwise, from_angle=from_angle, to_angle=to_angle,
+    )  # fmt: skip
     raise typer.Exit(bench.bench(choice, _destination(json, out, resume, quiet, verbose)))
 
 
@@ -233,7 +384,7 @@ def stress(
     from comparisons.runs.worker_process import start_server
 
     start_server(["comparisons.stress.cells"])  # its imports run beside ours
-    from reports.command_line import stress
+    from reports.command_line.commands import stress
 
     choice = stress.StressChoice(_names(words), _names(engine), _names(setting), quick, time_limit)
     raise typer.Exit(stress.run(choice, _destination(json, out, resume, quiet, verbose), jobs))
@@ -255,7 +406,7 @@ def check_engine(
     from comparisons.runs.worker_process import start_server
 
     start_server(["comparisons.conformance.conformance"])  # its imports run beside ours
-    from reports.command_line import engines
+    from reports.command_line.commands import engines
 
     raise typer.Exit(engines.check(engine, _destination(json, None, False, quiet), jobs))
 
@@ -272,10 +423,12 @@ def export(
     cell: Annotated[
         str | None, valued("CELL", "Instead of a mechanism: a run of a stability map, AXIS/ROW/VALUE/ENGINE/USAGE.")
     ] = None,
-    speed: options.Speed = 1000.0,
+    speed: options.Speed = None,
     ramp_time: options.RampTime = 0.6,
     hold_time: options.HoldTime = 0.1,
     start_angle: options.StartAngle = 0.0,
+    from_angle: options.FromAngle = None,
+    to_angle: options.ToAngle = None,
     clockwise: options.Clockwise = False,
     no_gravity: options.NoGravity = False,
     out: Annotated[Path | None, valued("FILE", "Where to write it; default: stdout.")] = None,
@@ -286,13 +439,14 @@ def export(
 
     At its end the script prints what the engine says where it is furthest from the closed form, beside the latter.
     """
-    from reports.command_line import engines
+    from reports.command_line.commands import engines
     from reports.command_line.requests import CampaignChoice
 
-    one = [(name,) if name else () for name in (mechanism, regime, engine, setting)]
+    one = [(name,) if name else () for name in (mechanism, engine, setting, regime)]
     choice = CampaignChoice(
-        one[0], variant, one[1], one[2], one[3], (),
-        speed, ramp_time, hold_time, start_angle, clockwise, not no_gravity,
+        one[0], one[1], one[2], (), not no_gravity,
+        variant=variant, regimes=one[3], **_speed(speed), ramp_time=ramp_time, hold_time=hold_time,
+        start_angle=start_angle, clockwise=clockwise, from_angle=from_angle, to_angle=to_angle,
     )  # fmt: skip
     engines.export(choice, cell, out)
 
@@ -306,6 +460,6 @@ def report(
 
     DIR is the folder that compare --out wrote, or the curves.nc in it.
     """
-    from reports.command_line import compare
+    from reports.command_line.commands import compare
 
     compare.report(saved, out)

@@ -15,7 +15,7 @@ CATALOGUE = Path(__file__).parents[2] / "analytic" / "catalogue"
 def mechanisms(incomplete: str) -> list[str]:
     """The catalogue, and linkage files that lie where the words point."""
     files = Path().glob(f"{incomplete}*.toml") if incomplete and not Path(incomplete).is_absolute() else []
-    return [*_starting((path.stem for path in CATALOGUE.glob("*.toml")), incomplete), *sorted(map(str, files))]
+    return [*_starting((path.stem for path in CATALOGUE.rglob("*.toml")), incomplete), *sorted(map(str, files))]
 
 
 def variants(incomplete: str) -> list[str]:
@@ -26,10 +26,10 @@ def variants(incomplete: str) -> list[str]:
 
 def regimes(incomplete: str) -> list[str]:
     """The motions that every linkage can be given, and those of the files on the command line."""
-    from analytic.description.crank_motion import REGIMES
+    from analytic.description.crank_motion import LAWS, REGIMES
 
     own = [name for table in _tables() for name in table.get("regimes", {})]
-    return _starting([*REGIMES, *own, "own", "all"], incomplete)
+    return _starting([*REGIMES, *LAWS, *own, "own", "all"], incomplete)
 
 
 def engines(incomplete: str) -> list[str]:
@@ -69,7 +69,7 @@ def _tables() -> list[dict[str, Any]]:
     typed = os.environ.get("_TYPER_COMPLETE_ARGS") or os.environ.get("COMP_WORDS", "")
     found = []
     for word in typed.split()[2:]:
-        path = CATALOGUE / f"{word}.toml"
+        shelves = [path for path in CATALOGUE.rglob("*.toml") if path.stem == word]
         with contextlib.suppress(OSError, ValueError):
-            found.append(tomllib.loads((path if path.is_file() else Path(word)).read_text(encoding="utf-8-sig")))
+            found.append(tomllib.loads((shelves or [Path(word)])[0].read_text(encoding="utf-8-sig")))
     return found

@@ -66,9 +66,7 @@ class Destination:
     def write_json(self, document: Mapping[str, Any]) -> None:
         """Write JSON where it was asked for; JSON is UTF-8 whatever the character set of stdout."""
         if self.json == STDOUT:
-            if isinstance(sys.stdout, io.TextIOWrapper):
-                sys.stdout.reconfigure(encoding="utf-8")
-            write(to_json(document), sys.stdout)
+            write_out(to_json(document))
         elif self.json is not None:
             write_text(Path(self.json), to_json(document))
 
@@ -76,3 +74,10 @@ class Destination:
         """A remark on stderr, unless quiet."""
         if not self.quiet:
             show(line(text), stderr=True)
+
+
+def write_out(text: str) -> None:
+    """Write data to stdout, in UTF-8 whatever its character set."""
+    if isinstance(sys.stdout, io.TextIOWrapper):
+        sys.stdout.reconfigure(encoding="utf-8")
+    write(text, sys.stdout)

@@ -22,6 +22,7 @@ def main() -> None:
 
 def _run() -> None:
     _start_fast()
+    _open_closed_streams()
     from analytic.errors import LinkproofError
     from reports.command_line.app import InterruptedRunError, app
     from reports.text.characters import accept_any_text
@@ -67,6 +68,15 @@ def _start_fast() -> None:
 
     gc.set_threshold(50_000)
     os.environ.setdefault("PYDANTIC_DISABLE_PLUGINS", "__all__")  # else every installed package is searched for one
+
+
+def _open_closed_streams() -> None:
+    """Give a stream that was closed (>&-) somewhere to write to, or files opened later would take its place."""
+    import os
+
+    for name in ("stdout", "stderr"):
+        if getattr(sys, name) is None:
+            setattr(sys, name, open(os.devnull, "w", encoding="utf-8"))  # noqa: SIM115 - kept to the end
 
 
 def _discard_output() -> None:

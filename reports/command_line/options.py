@@ -41,7 +41,8 @@ Regimes = Annotated[
     valued(
         "NAME",
         "Motion of the crank: run-up, run-up-cubic, run-up-quintic, constant-speed, one of the file's own, own (all of "
-        "those), or all; repeatable; default: run-up (bench: run-up-quintic and run-up).",
+        "those), or all; with --from and --to: constant-speed, cubic, polynomial, cycloidal, modified-sine, or all; "
+        "repeatable; default: run-up (bench: run-up-quintic and run-up), with --from and --to constant-speed.",
         "--regime",
         names=completion.regimes,
     ),
@@ -75,9 +76,14 @@ Resume = Annotated[bool, flag("Finish what an interrupted run of the same comman
 Quiet = Annotated[bool, flag("No progress and no tables: the closing line alone.", "-q", "--quiet")]
 Verbose = Annotated[bool, flag("Add the details of every record.", "-v", "--verbose")]
 Jobs = Annotated[int | None, valued("N", "Worker processes; default: one per core; compare: 0 is none, no limits.")]
-Speed = Annotated[float, valued("RPM", "Final crank speed.")]
+Speed = Annotated[
+    float | None,
+    valued("RPM", "Final crank speed, of a swing the largest; negative turns clockwise; default: 1000.", "--speed"),
+]
 RampTime = Annotated[float, valued("SECONDS", "Time to reach it.")]
 HoldTime = Annotated[float, valued("SECONDS", "Time at that speed.")]
 StartAngle = Annotated[float, valued("DEGREES", "Crank angle at the start.")]
+FromAngle = Annotated[float | None, valued("DEGREES", "Crank angle at which a swing begins.", "--from")]
+ToAngle = Annotated[float | None, valued("DEGREES", "Crank angle at which it ends.", "--to")]
 Clockwise = Annotated[bool, flag("Turn the crank clockwise.", "--clockwise")]
 NoGravity = Annotated[bool, flag("Leave gravity out.", "--no-gravity")]

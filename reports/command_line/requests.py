@@ -4,50 +4,35 @@ from __future__ import annotations
 
 import math
 import shlex
+from collections import Counter
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from pathlib import Path
 
 from analytic.compiled.choice import cores
 from analytic.description.changes import without
-from analytic.description.crank_motion import LARGEST, RAMPS, REGIMES, RPM, CrankMotion, crank_motion
 from analytic.description.linkage import Linkage
-from analytic.description.loading import catalogue, read
-from analytic.errors import LinkproofError, UnknownNameError
+from analytic.description.loading import LinkageFile, catalogue, read
+from analytic.errors import LinkproofError, UnknownNameError, printable
 from comparisons.campaign.campaign import CampaignRequest
 from comparisons.runs.failures import GIB
 from comparisons.runs.workers import DEFAULT_BOUNDS, Bounds
 from engines.contract import Setting
 from engines.registry import engine, engine_names, why_unavailable
-
-EVERYTHING = "all"
-OWN = "own"  # every regime that a linkage defines for itself
+from reports.command_line.linear_drive import prescribed
+from reports.command_line.motion_choice import EVERYTHING, MotionChoice, own_regimes
 
 
 @dataclass(frozen=True)
-class CampaignChoice:
+class CampaignChoice(MotionChoice):
     """What was asked for, in the user's words: names, rpm, seconds and degrees; empty means the default."""
 
     mechanisms: tuple[str, ...] = ()
-    variant: str | None = None
-    regimes: tuple[str, ...] = ()
     engines: tuple[str, ...] = ()
     settings: tuple[str, ...] = ()
     quantities: tuple[str, ...] = ()
-    speed: float = 1000.0
-    ramp_time: float = 0.6
-    hold_time: float = 0.1
-    start_angle: float = 0.0
-    clockwise: bool = False
     gravity: bool = True
     full: bool = False
-
-    @property
-    def conditions(self) -> str:
-        """Speed, direction, times and start angle in words; gravity is the linkages'."""
-        direction = "clockwise" if self.clockwise else "counter-clockwise"
-        return (
-            f"{self.speed:g} rpm {direction}, {self.ramp_time:g} s + {self.hold_time:g} s, from {self.start_angle:g}°"
-        )
 
     @property
     def command(self) -> str:
@@ -57,36 +42,18 @@ class CampaignChoice:
     def written(self, command: str) -> str:
         """The same by another command."""
         lists = {
-            "variant": [self.variant] if self.variant else [],
-            "regime": self.regimes,
+            **{"variant": (), "regime": ()},  # which stand first
             "engine": self.engines,
             "setting": self.settings,
             "quantity": self.quantities,
+            **self.words,
         }
-        default = CampaignChoice()
-        for name in ("speed", "ramp_time", "hold_time", "start_angle"):
-            if getattr(self, name) != getattr(default, name):
-                lists[name.replace("_", "-")] = [repr(getattr(self, name)).removesuffix(".0")]
-        flags = {"clockwise": self.clockwise, "no-gravity": not self.gravity, "full": self.full}
-        return command_line(command, self.mechanisms, lists, flags)
+        return command_line(command, self.mechanisms, lists, self.flags)
 
-    def check(self) -> None:
-        """Raise LinkproofError for a speed, time or angle that cannot be, in the unit it is given in."""
-        ramps = EVERYTHING in self.regimes or not self.regimes or {*self.regimes} & {*RAMPS}
-        _check("--speed", self.speed, "rpm", 1.0 / LARGEST, LARGEST / RPM)
-        _check("--ramp-time", self.ramp_time, "s", 1.0 / LARGEST if ramps else 0.0)
-        _check("--hold-time", self.hold_time, "s", 0.0)
-        _check("--start-angle", self.start_angle, "degrees", -LARGEST)
-        if not ramps and "constant-speed" in self.regimes and self.ramp_time + self.hold_time <= 0.0:
-            raise LinkproofError("--hold-time: expected a positive number of s without a ramp time, got 0; correct it")
-
-
-def _check(option: str, value: float, unit: str, least: float, most: float = LARGEST) -> None:
-    if least <= value <= most:  # nan is not
-        return
-    kind = "positive finite" if least > 0.0 else "finite" if least else "finite, not negative"
-    bound = f" up to {most:.3g}" if most < value < math.inf else ""
-    raise LinkproofError(f"{option}: expected a {kind} number of {unit}{bound}, got {value:g}; correct it")
+    @property
+    def flags(self) -> dict[str, bool]:
+        """Options without a value, and whether they are set."""
+        return {"clockwise": self.clockwise, "no-gravity": not self.gravity, "full": self.full}
 
 
 def command_line(
@@ -143,12 +110,23 @@ class RunLimits:
 def linkages(choice: CampaignChoice) -> tuple[Linkage, ...]:
     """The linkages asked for; all of the catalogue that have the variant, where none is named."""
     names = tuple(dict.fromkeys(choice.mechanisms or catalogue()))
-    files = [read(name) for name in names]
+    files = _told_apart(names, [read(name) for name in names])
     if choice.variant is not None and not choice.mechanisms:
         files = [file for file in files if choice.variant in file.linkage().variants] or files
     chosen = [file.linkage(choice.variant) for file in files]
     _check_names_differ(chosen)
     return tuple(chosen if choice.gravity else [without(linkage, "gravity") for linkage in chosen])
+
+
+def _told_apart(names: Sequence[str], files: list[LinkageFile]) -> list[LinkageFile]:
+    """Files of one name from different folders, each with its folder's name before its own."""
+    counts = Counter(file.name for file in files)
+    return [
+        replace(file, name=printable(f"{Path(name).resolve().parent.name}-{file.name}"))
+        if counts[file.name] > 1 and Path(name).suffix
+        else file
+        for name, file in zip(names, files, strict=True)
+    ]
 
 
 def _check_names_differ(chosen: list[Linkage]) -> None:
@@ -157,34 +135,6 @@ def _check_names_differ(chosen: list[Linkage]) -> None:
         if linkage.name in seen:
             raise LinkproofError(f"two linkage files are both called '{linkage.name}': rename one of them")
         seen.add(linkage.name)
-
-
-def motions(choice: CampaignChoice) -> tuple[CrankMotion, ...]:
-    """The prescribed crank motions asked for."""
-    names = REGIMES if EVERYTHING in choice.regimes else choice.regimes or ("run-up",)
-    return tuple(
-        crank_motion(
-            name,
-            speed=choice.speed * RPM,
-            ramp_time=choice.ramp_time,
-            hold_time=choice.hold_time,
-            clockwise=choice.clockwise,
-            start_angle=math.radians(choice.start_angle),
-        )
-        for name in dict.fromkeys(names)
-        if name in REGIMES
-    )
-
-
-def own_regimes(choice: CampaignChoice, found: tuple[Linkage, ...]) -> tuple[str, ...]:
-    """Regimes asked for that the linkages define for themselves; ``own`` and ``all`` ask for every one of them."""
-    known = sorted({regime.name for linkage in found for regime in linkage.regimes})
-    for name in choice.regimes:
-        if name not in (*REGIMES, *known, OWN, EVERYTHING):
-            raise UnknownNameError("regime", name, [*REGIMES, *known, OWN, EVERYTHING])
-    if {OWN, EVERYTHING} & set(choice.regimes):
-        return tuple(known)
-    return tuple(name for name in known if name in choice.regimes)
 
 
 def installed(engines: Sequence[str]) -> list[str]:
@@ -224,10 +174,11 @@ def request(choice: CampaignChoice) -> CampaignRequest:
     """The campaign's request; raises LinkproofError for anything that does not exist or cannot be."""
     choice.check()
     found = linkages(choice)
+    motions, conditions = prescribed(choice, found)
     return CampaignRequest(
         linkages=found,
-        motions=motions(choice),
-        conditions=choice.conditions,
+        motions=motions,
+        conditions=conditions,
         engines=_engines(choice),
         settings=_settings(choice),
         quantities=tuple(dict.fromkeys(choice.quantities)),

@@ -79,32 +79,43 @@ def hodographs_figure(found: TurnForces) -> Figure:
 
 def draw_hodograph(axes: Axes, force: Array, ink: str) -> None:
     """Fx against Fy from the origin, a dot every 30° of the crank, the quarters of the turn named."""
+    half = draw_tips(axes, force, ink, "N")
+    axes.plot(*force[:, :-1:EVERY], linestyle="none", marker="o", markersize=2.4, color=ink, zorder=3.1)
+    _name_angles(axes, force, half)
+
+
+def draw_tips(axes: Axes, force: Array, ink: str, unit: str) -> float:
+    """Fx against Fy, (2, n), from the origin, in a square whose half side is returned."""
     axes.axhline(0.0, color=MUTED, linewidth=0.6)
     axes.axvline(0.0, color=MUTED, linewidth=0.6)
     axes.plot(*force, color=ink, linewidth=1.3, zorder=3.0)
-    axes.plot(*force[:, :-1:EVERY], linestyle="none", marker="o", markersize=2.4, color=ink, zorder=3.1)
     middle, half = _square(force)
     axes.set_xlim(middle[0] - half, middle[0] + half)
     axes.set_ylim(middle[1] - half, middle[1] + half)
     axes.set_aspect("equal")
-    _name_angles(axes, force, half)
     axes.xaxis.set_major_locator(MaxNLocator(4, steps=[1, 2, 5, 10]))
     axes.yaxis.set_major_locator(MaxNLocator(4, steps=[1, 2, 5, 10]))
-    axes.set_xlabel("Fx, N", labelpad=1.5)
-    axes.set_ylabel("Fy, N", labelpad=1.5)
+    axes.set_xlabel(f"Fx, {unit}", labelpad=1.5)
+    axes.set_ylabel(f"Fy, {unit}", labelpad=1.5)
+    return half
 
 
 def _square(force: Array) -> tuple[Array, float]:
-    """Middle and half side of the square that holds a hodograph and its origin, with room for names."""
-    low, high = np.minimum(force.min(axis=1), 0.0), np.maximum(force.max(axis=1), 0.0)
+    """Middle and half side of the square that holds a hodograph and its origin, with room for names.
+
+    At a change point a force is not a number, and is left out.
+    """
+    low, high = np.fmin.reduce(force, axis=1, initial=0.0), np.fmax.reduce(force, axis=1, initial=0.0)
     return 0.5 * (low + high), 0.64 * (float(np.max(high - low)) or 1.0)
 
 
 def _name_angles(axes: Axes, force: Array, half: float) -> None:
     """Crank angles beside the curve on its outer side, but where one would hide another."""
-    centre, taken = force.mean(axis=1), np.full((1, 2), np.inf)
+    centre, taken = np.mean(force, axis=1, where=np.isfinite(force)), np.full((1, 2), np.inf)
     for degrees in range(0, 360, MARKED):
         tip = force[:, degrees]
+        if not np.isfinite(tip).all():
+            continue
         along = force[:, (degrees + 1) % (POINTS - 1)] - force[:, degrees - 1 if degrees else POINTS - 2]
         across = np.array([-along[1], along[0]]) / (float(np.hypot(*along)) or 1.0)
         away = across if float(across @ (tip - centre)) >= 0.0 else -across

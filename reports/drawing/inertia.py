@@ -72,7 +72,7 @@ def draw_groups(axes: Axes, view: View) -> None:
         axes.plot(degrees, edges[number + 1], color="white", linewidth=0.6, zorder=2.1)
         ends.append((0.5 * float(edges[number, -1] + edges[number + 1, -1]), _share(name, parts[name], total), INK))
     axes.plot(degrees, factor * total, color=INK, linewidth=1.2, zorder=3.0)
-    axes.set_ylim(0.0, 1.06 * factor * float(np.max(total)))
+    axes.set_ylim(0.0, 1.06 * factor * float(np.max(total)) or 1.0)
     label_values(axes, f"Jeq, {prefix}kg m²")
     over_turn(axes)
     label_ends(axes, ends, lines=2)
@@ -99,7 +99,8 @@ def draw_links(axes: Axes, view: View) -> None:
 def links_inertia(view: View, angle: Array) -> dict[str, Array]:
     """Jeq of every link, kg m², at these crank angles, rad; the crank first, then as the groups follow."""
     sweep = view.mechanism.sweep(angle)
-    order = [view.linkage.crank, *(name for d in view.mechanism.structure.dyads for name in (d.first, d.second))]
+    crank = [view.linkage.crank] if view.linkage.crank else []
+    order = [*crank, *(name for group in view.mechanism.structure.groups for name in group.links)]
     return {name: link_inertia(sweep, name) for name in order if name in view.linkage.links}
 
 
@@ -109,4 +110,4 @@ def varies(values: Array) -> bool:
 
 
 def _share(name: str, values: Array, total: Array) -> str:
-    return f"{name.replace('_', ' ')}\n{100.0 * float(np.mean(values) / np.mean(total)):.1f} % of mean"
+    return f"{name.replace('_', ' ')}\n{100.0 * float(np.mean(values)) / (float(np.mean(total)) or 1.0):.1f} % of mean"

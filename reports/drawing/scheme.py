@@ -14,6 +14,8 @@ from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
 from analytic.description.linkage import GROUND, Guide, Linkage, Vector
+from analytic.kinematics.crank_range import crank_range
+from analytic.kinematics.mechanism import Mechanism
 from analytic.kinematics.sweep import Sweep
 from reports.drawing import symbols
 from reports.drawing.style import INK, MUTED, plane, scaled_figure
@@ -23,6 +25,7 @@ Array = NDArray[np.float64]
 
 POSITIONS = 12
 TURN_POINTS = 361
+INSET = 1e-9  # of a range that ends in dead positions, so that its ends are assembled
 MILLIMETRE = 1e3
 GHOST, PATH = "#a8b8c8", "#0072b2"
 LARGEST_WIDTH, LARGEST_HEIGHT, SMALLEST_WIDTH = 6.2, 5.6, 2.4
@@ -38,16 +41,20 @@ NAME_STYLE = {
 
 @dataclass(frozen=True)
 class KinematicScheme:
-    """Where everything is, in mm: over the twelve positions and over the whole turn."""
+    """Where everything is: over twelve positions, and over the whole turn or motion.
+
+    ``scale`` is what a metre measures in the drawing's unit, which is mm unless it says otherwise.
+    """
 
     linkage: Linkage
     few: Sweep
     turn: Sweep
+    scale: float = MILLIMETRE
 
     def places(self, sweep: Sweep, body: str, locals_: Iterable[Vector]) -> Array:
         """Points of a body, (points, 2, positions)."""
         parts = [np.broadcast_arrays(*sweep.local_point(body, local), sweep.angle)[:2] for local in locals_]
-        return MILLIMETRE * np.array(parts, dtype=float)
+        return self.scale * np.array(parts, dtype=float)
 
     def link_points(self, link: str) -> list[Vector]:
         """The named points that make a link's shape."""
@@ -61,7 +68,7 @@ class KinematicScheme:
     def spots(self) -> dict[str, Array]:
         """Every named point in the position drawn out."""
         names = {p for link in self.linkage.links.values() for p in link.points} | set(self.linkage.ground)
-        return {name: MILLIMETRE * self.few.point(name)[:, self.shown] for name in sorted(names)}
+        return {name: self.scale * self.few.point(name)[:, self.shown] for name in sorted(names)}
 
     def direction(self, guide: Guide) -> Array:
         """Unit vector of a guide in the position drawn out."""
@@ -73,7 +80,7 @@ class KinematicScheme:
         (x, y), (u, v) = guide.through, guide.along
         ends = self.places(self.turn, guide.host, [guide.through, (x + u, y + v)])
         pin = self.places(self.turn, body, [self.linkage.local(point, body)])[0]
-        along = np.sum((pin - ends[0]) * (ends[1] - ends[0]), axis=0) / MILLIMETRE**2
+        along = np.sum((pin - ends[0]) * (ends[1] - ends[0]), axis=0) / self.scale**2
         low, high = float(np.min(along)), float(np.max(along))
         return (x + low * u, y + low * v), (x + high * u, y + high * v)
 
@@ -81,7 +88,7 @@ class KinematicScheme:
     def shown(self) -> int:
         """The position to draw out: the one whose points lie farthest apart."""
         names = {point for link in self.linkage.links.values() for point in link.points}
-        places = MILLIMETRE * np.array([self.few.point(name) for name in sorted(names)])
+        places = self.scale * np.array([self.few.point(name) for name in sorted(names)])
         apart = np.hypot(*np.moveaxis(places[:, None] - places[None, :], 2, 0))
         apart[np.arange(len(names)), np.arange(len(names))] = np.inf
         return int(np.argmax(np.min(apart, axis=(0, 1))))
@@ -91,25 +98,34 @@ class KinematicScheme:
         """Lowest and highest x and y ever reached, mm."""
         moving = [self.places(self.turn, name, link.points.values()) for name, link in self.linkage.links.items()]
         spots = np.concatenate([part.transpose(0, 2, 1).reshape(-1, 2) for part in moving])
-        spots = np.concatenate([spots, MILLIMETRE * np.array(list(self.linkage.ground.values())).reshape(-1, 2)])
+        spots = np.concatenate([spots, self.scale * np.array(list(self.linkage.ground.values())).reshape(-1, 2)])
         return spots.min(axis=0), spots.max(axis=0)
 
 
-def scheme_of(view: View) -> KinematicScheme:
-    """The scheme of a mechanism at every 30° from φ = 0."""
-    few = view.mechanism.sweep(np.linspace(0.0, 2.0 * np.pi, POSITIONS, endpoint=False))
-    return KinematicScheme(view.linkage, few, view.mechanism.sweep(np.linspace(0.0, 2.0 * np.pi, TURN_POINTS)))
+def scheme_of(mechanism: Mechanism) -> KinematicScheme:
+    """The scheme of a mechanism at every 30° from φ = 0, or in twelve positions of the range it reaches."""
+    reach = crank_range(mechanism)
+    low, high = (0.0, 2.0 * np.pi) if reach.is_full_turn else reach.limits
+    inset = 0.0 if reach.is_full_turn else INSET * (high - low)
+    few = np.linspace(low + inset, high - inset, POSITIONS, endpoint=not reach.is_full_turn)
+    many = np.linspace(low + inset, high - inset, TURN_POINTS)
+    return KinematicScheme(mechanism.linkage, mechanism.sweep(few), mechanism.sweep(many))
 
 
 def scheme_figure(view: View) -> Figure:
     """The scheme on a page of its own, to scale in both directions."""
-    largest, draw = (LARGEST_WIDTH, LARGEST_HEIGHT), partial(draw_scheme, view=view)
-    return scaled_figure(scheme_of(view).extent, 0.42, largest, SMALLEST_WIDTH, draw)
+    return mechanism_figure(view.mechanism)
 
 
-def draw_scheme(axes: Axes, view: View, size: float) -> None:
+def mechanism_figure(mechanism: Mechanism) -> Figure:
+    """The scheme of a mechanism, to scale in both directions."""
+    scheme = scheme_of(mechanism)
+    largest, draw = (LARGEST_WIDTH, LARGEST_HEIGHT), partial(draw_scheme, scheme=scheme)
+    return scaled_figure(scheme.extent, 0.42, largest, SMALLEST_WIDTH, draw)
+
+
+def draw_scheme(axes: Axes, scheme: KinematicScheme, size: float) -> None:
     """All positions faintly, one drawn out; ``size`` is a pin's radius in mm. The axes' limits are the caller's."""
-    scheme = scheme_of(view)
     plane(axes, 4, 8)
     _ghosts(axes, scheme)
     _paths(axes, scheme)
@@ -140,10 +156,10 @@ def _paths(axes: Axes, scheme: KinematicScheme) -> None:
     """The circle or curve of every moving pin, the output's in colour."""
     output = scheme.linkage.output.point if scheme.linkage.output else None
     for point in sorted({point for link in scheme.linkage.links.values() for point in link.points}):
-        path = MILLIMETRE * scheme.turn.point(point)
+        path = scheme.scale * scheme.turn.point(point)
         if point == output:
             axes.plot(*path, color=PATH, linewidth=2.4, alpha=0.75, solid_capstyle="round", zorder=3.0)
-            spots = MILLIMETRE * scheme.few.point(point)
+            spots = scheme.scale * scheme.few.point(point)
             axes.plot(*spots, linestyle="none", marker="o", markersize=2.2, color=PATH, zorder=3.1)
         elif float(np.max(np.ptp(path, axis=1))) > 1e-6:
             axes.plot(*path, color=GHOST, linewidth=0.7, linestyle=(0, (2, 2)), zorder=1.8)
@@ -151,12 +167,14 @@ def _paths(axes: Axes, scheme: KinematicScheme) -> None:
 
 def _crank_numbers(axes: Axes, scheme: KinematicScheme, size: float, taken: Array) -> None:
     """0 to 11 around the crank pin's circle, but for the position drawn out and where a name is in the way."""
+    if scheme.linkage.is_linear:
+        return
     link = scheme.linkage.links[scheme.linkage.crank]
     pivot = next(p.point for p in scheme.linkage.pins if {GROUND, link.name} <= set(p.links))
     far = max(link.points, key=lambda name: float(np.hypot(*np.subtract(link.points[name], link.points[pivot]))))
     if far == pivot:  # a crank that is nothing but a slot has no pin to number
         return
-    spots, centre = MILLIMETRE * scheme.few.point(far), MILLIMETRE * scheme.few.point(pivot)
+    spots, centre = scheme.scale * scheme.few.point(far), scheme.scale * scheme.few.point(pivot)
     arm = spots - centre
     places = centre + arm * (1.0 + 2.4 * size / np.hypot(*arm))
     for number in sorted(set(range(POSITIONS)) - {scheme.shown}):
@@ -193,6 +211,10 @@ def _links(axes: Axes, scheme: KinematicScheme, size: float) -> None:
         ends = zip(spring.links, spring.points, strict=True)
         start, end = (scheme.shown_places(body, [linkage.local(point, body)])[0] for body, point in ends)
         symbols.spring(axes, start, end, size)
+    if linkage.cylinder is not None:
+        ends = zip(linkage.cylinder.links, linkage.cylinder.points, strict=True)
+        start, end = (scheme.shown_places(body, [linkage.local(point, body)])[0] for body, point in ends)
+        symbols.cylinder(axes, start, end, size)
     for slider in linkage.sliders:
         symbols.slider(axes, scheme.spots[slider.point], scheme.direction(slider.guide), size)
     _mass_centres(axes, scheme, size)

@@ -63,13 +63,14 @@ def dashes(engine: str, engines: Sequence[str]) -> Dashes:
 
 
 @cache
-def _style() -> Any:  # noqa: ANN401  which keys matplotlib's stubs know changes from release to release
+def house_style() -> Any:  # noqa: ANN401  which keys matplotlib's stubs know changes from release to release
+    """How figures look, and how they are written: colours, sizes, fonts."""
     return matplotlib.rc_params_from_file(FOLDER / "figures.mplstyle", use_default_template=False)
 
 
 def drawn(width: float, height: float, draw: Callable[[Figure], None]) -> Figure:
     """A figure of so many inches, drawn in the house style."""
-    with matplotlib.rc_context(_style()):
+    with matplotlib.rc_context(house_style()):
         figure = Figure(figsize=(width, height))
         draw(figure)
     return figure
@@ -133,7 +134,7 @@ class ReportFigure:
 
 def picture(figure: Figure, key: str, description: str) -> Markup:
     """The figure for a page: an inline drawing, or a picture where the drawing would be too large."""
-    with matplotlib.rc_context(_style()):
+    with matplotlib.rc_context(house_style()):
         drawing = _drawing(figure, key, description)
         if len(drawing) <= LARGEST_DRAWING:
             return Markup(drawing)
@@ -142,6 +143,14 @@ def picture(figure: Figure, key: str, description: str) -> Markup:
     data = base64.b64encode(buffer.getvalue()).decode("ascii")
     width = figure.get_figwidth() * 96.0
     return Markup(f'<img width="{width:.0f}" alt="{escape(description)}" src="data:image/png;base64,{data}">')
+
+
+def svg_text(figure: Figure) -> str:
+    """The figure as an SVG file of its own, on white, the same for the same figure."""
+    buffer = io.StringIO()
+    with matplotlib.rc_context(house_style()):
+        figure.savefig(buffer, format="svg", facecolor="white", metadata={"Date": None, "Creator": None})
+    return buffer.getvalue()
 
 
 def _drawing(figure: Figure, key: str, description: str) -> str:

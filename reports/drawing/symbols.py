@@ -52,6 +52,15 @@ def bar(axes: Axes, points: Array, width: float, ink: str, layer: float) -> None
         axes.plot(*corners.T, color=ink, linewidth=width, solid_capstyle="round", zorder=layer)
 
 
+def cylinder(axes: Axes, start: Array, end: Array, size: float) -> None:
+    """A driver between two points: its barrel from the first to the middle, its rod to the second."""
+    along = (end - start) / (float(np.hypot(*(end - start))) or 1.0)
+    across, middle = size * np.array([-along[1], along[0]]), 0.5 * (start + end)
+    axes.plot(*np.array([start, end]).T, color=INK, linewidth=1.6, zorder=6.0)
+    corners = np.array([start + across, middle + across, middle - across, start - across])
+    axes.add_patch(Polygon(corners, closed=True, facecolor=PAPER, edgecolor=INK, linewidth=1.2, zorder=6.1))
+
+
 def pin(axes: Axes, place: ArrayLike, size: float, layer: float = 8.0) -> None:
     """A revolute joint."""
     axes.add_patch(Circle(tuple(np.asarray(place)), size, facecolor=PAPER, edgecolor=INK, linewidth=1.0, zorder=layer))

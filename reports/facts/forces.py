@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from analytic.dynamics.joint_forces import joint_forces, shaking_force, shaking_moment
+from analytic.kinematics.structure import Revolute
 from reports.facts.views import View
 from reports.text.templates import sentence
 
@@ -45,13 +46,14 @@ class TurnForces:
 
     @cached_property
     def pivot(self) -> str:
-        """The crank's pivot, about which the moment is taken."""
-        return self.view.mechanism.structure.pivot.point
+        """The crank's pivot, about which the moment is taken; of another driver the drawing's origin."""
+        pivot = self.view.mechanism.structure.pivot
+        return pivot.point if isinstance(pivot, Revolute) else "the origin"
 
     @cached_property
     def moment(self) -> Array:
         """Moment on the frame about the crank's pivot, N m, (n,)."""
-        about = self.view.linkage.ground[self.pivot]
+        about = self.view.linkage.ground.get(self.pivot, (0.0, 0.0))
         return shaking_moment(self.view.mechanism.sweep(self.angle), self.view.final_speed, 0.0, about)
 
     def _peak(self, values: Array) -> tuple[float, float]:

@@ -8,7 +8,7 @@ from itertools import groupby
 
 from comparisons.campaign.results import Results
 from comparisons.judging.limits import limit
-from comparisons.judging.records import CONTROL, Record, Verdict
+from comparisons.judging.records import CONTROL, IMPORTED, Record, Verdict
 from reports.facts.origins import control_last, exceptions, origin_words
 from reports.facts.views import SETTINGS, anchor, columns, family, ordered, worst
 from reports.text.numbers import bound
@@ -173,14 +173,21 @@ def past_baseline(results: Results) -> tuple[str, ...]:
     )
 
 
+def _limit(record: Record) -> tuple[float, str]:
+    """The limit of a record and its reason; that of another tool's results is what the user asked for."""
+    if record.origin == IMPORTED and record.limit is not None:
+        return record.limit, "as asked for, or of a check the rounding of its columns"
+    table = limit(record.quantity, record.setting, record.regime)
+    value = record.limit if record.limit is not None else table.value
+    return value, table.reason if value == table.value else "as the table of limits stood when the campaign ran"
+
+
 def limit_table(results: Results) -> ReportTable:
     """The limits these records are held against, largest first within the order of the quantities."""
     names = [name for part in columns(results) for name in part]
     groups: dict[tuple[float, str], list[Record]] = {}
     for record in every_record(results):
-        table = limit(record.quantity, record.setting, record.regime)
-        value = record.limit if record.limit is not None else table.value
-        reason = table.reason if value == table.value else "as the table of limits stood when the campaign ran"
+        value, reason = _limit(record)
         groups.setdefault((value, reason), []).append(record)
     rows = []
     for (value, reason), records in groups.items():

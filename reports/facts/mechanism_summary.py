@@ -11,16 +11,21 @@ from analytic.description.linkage import Linkage
 from analytic.description.thread_path import ThreadPath
 from analytic.dynamics import reduced
 from analytic.dynamics.equilibrium import equilibria
+from analytic.kinematics.crank_range import crank_range
 from analytic.kinematics.mechanism import Mechanism
 from analytic.numerics.extremes import Extremes, extremes, periodic_mean
 from analytic.turn.thread_feed import eye_travel, feed_diagram
 from analytic.turn.unit_functions import bottom_dead_centre, stroke, top_dead_centre
+from reports.facts.linkage_check import accuracy, range_facts
 
 
 def portrait(linkage: Linkage) -> dict[str, Any]:
-    """Structure, inertia and accuracy of a linkage in SI units and degrees, ready for JSON."""
+    """Structure, inertia and accuracy of a linkage in SI units and degrees, ready for JSON.
+
+    Where the crank cannot turn fully, or passes change points, its range stands in place of the figures of a turn.
+    """
     mechanism = Mechanism(linkage)
-    mechanism.check_full_turn()
+    reach = crank_range(mechanism)
     facts: dict[str, Any] = {
         "mechanism": linkage.name,
         "title": linkage.title,
@@ -29,12 +34,22 @@ def portrait(linkage: Linkage) -> dict[str, Any]:
         "variants": list(linkage.variants),
         "structure": mechanism.structure.formula,
         "signs": {dyad.name: dyad.sign for dyad in mechanism.structure.dyads if dyad.sign},
-        "Jeq": _extremes(extremes(lambda phi: reduced.reduced_inertia(mechanism.sweep(phi)))),
-        "links": {name: _link(mechanism, name) for name in linkage.links},
+        "links": {name: _link(linkage, name) for name in linkage.links},
         "notes": list(linkage.notes),
-        "closure_error": float(np.max(mechanism.turn.closure_error())),
-        "error_bound": dict(zip(("position", "first", "second"), mechanism.error_bound(), strict=True)),
     }
+    if reach.is_full_turn:
+        return facts | _turn(mechanism, facts["links"])
+    return facts | {"range": range_facts(mechanism, reach)}
+
+
+def _turn(mechanism: Mechanism, links: dict[str, dict[str, Any]]) -> dict[str, Any]:
+    """Figures of a full turn; each link's mean Jeq is added to ``links``."""
+    linkage = mechanism.linkage
+    for name, link in links.items():
+        link["Jeq_mean"] = periodic_mean(reduced.link_inertia(mechanism.turn, name))
+    facts = accuracy(mechanism)
+    if not linkage.is_massless:
+        facts["Jeq"] = _extremes(extremes(lambda phi: reduced.reduced_inertia(mechanism.sweep(phi))))
     if any(linkage.gravity) or linkage.springs:
         facts["equilibria"] = [
             {"angle": math.degrees(found.angle), "stable": bool(found.stable)} for found in equilibria(mechanism)
@@ -77,12 +92,11 @@ def _extremes(found: Extremes) -> dict[str, float]:
     }
 
 
-def _link(mechanism: Mechanism, name: str) -> dict[str, Any]:
-    link = mechanism.linkage.links[name]
+def _link(linkage: Linkage, name: str) -> dict[str, Any]:
+    link = linkage.links[name]
     return {
         "points": {point: list(local) for point, local in link.points.items()},
         "mass": link.mass,
         "centre": list(link.centre),
         "inertia": link.inertia,
-        "Jeq_mean": periodic_mean(reduced.link_inertia(mechanism.turn, name)),
     }

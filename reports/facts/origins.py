@@ -4,17 +4,17 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 
-from comparisons.judging.records import CONTROL, Record
+from comparisons.judging.records import CONTROL, IMPORTED, Record
 from engines.contract import Origin
 
 
 def origin_words(records: Sequence[Record]) -> str:
-    """Of the records of one run: "1 run, read", "4 runs, extrapolated", "control"."""
+    """Of the records of one run: "1 run, read", "4 runs, extrapolated", "control", "imported"."""
     told = [record for record in records if record.origin]
     if not told:
         return ""
-    if told[0].origin == CONTROL:
-        return CONTROL
+    if told[0].origin in (CONTROL, IMPORTED):
+        return told[0].origin
     runs = max(record.runs for record in told)
     return f"{runs} runs, {Origin.EXTRAPOLATED}" if runs > 1 else f"1 run, {Origin.READ}"
 

@@ -31,10 +31,15 @@ STEPS = f"{PUBLISHED_STEPS} Runge-Kutta steps"
 
 @dataclass(frozen=True)
 class Released:
-    """A regime of the linkage's own: the crank is released to a constant torque and the loads."""
+    """A regime of the linkage's own: the crank is released to a torque and the loads."""
 
     mechanism: Mechanism
     own: ReleasedRegime
+
+    @property
+    def is_steady(self) -> bool:
+        """Whether the torque is constant, as the articles' and that of an angle of rest is."""
+        return self.own.over_angle is None and self.own.over_time is None
 
     @cached_property
     def motion(self) -> FreeMotion:
@@ -43,8 +48,10 @@ class Released:
 
     @cached_property
     def coarse(self) -> FixedStepMotion | None:
-        """The motion as articles 000 and 001 integrate it; None where that integration breaks down."""
+        """The motion as articles 000 and 001 integrate it; None where that breaks down or has no such torque."""
         own = self.own
+        if not self.is_steady:
+            return None
         try:
             return fixed_step(
                 self.mechanism,
@@ -94,7 +101,7 @@ class Released:
 
 def released(view: View, regime: Regime) -> Released | None:
     """The released crank of a regime; None where the motion is prescribed or the linkage has no such regime."""
-    if regime.motion is not None or all(own.name != regime.name for own in view.linkage.regimes):
+    if regime.motion is not None or regime.name not in view.linkage.released:
         return None
     linkage = view.linkage
     return _released(linkage.text, linkage.name, linkage.variant, linkage.gravity, regime.name)
@@ -104,7 +111,7 @@ def released(view: View, regime: Regime) -> Released | None:
 def _released(text: str, name: str, variant: str, gravity: tuple[float, float], regime: str) -> Released:
     """Kept by what decides it, since the page and the summary both tell of the same seconds of integration."""
     linkage = replace(parse(text, name, name, variant), gravity=gravity)
-    own = next(own for own in linkage.regimes if own.name == regime)
+    own = linkage.released[regime]
     return Released(Mechanism(linkage), own)
 
 

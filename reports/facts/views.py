@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from analytic.description.crank_motion import RPM, CrankMotion
-from analytic.description.linkage import Linkage
+from analytic.description.linkage import Linkage, PrescribedRegime
 from analytic.errors import LinkproofError
 from analytic.kinematics.mechanism import Mechanism
 from analytic.turn.unit_functions import top_dead_centre
@@ -82,6 +82,8 @@ class View:
     @cached_property
     def makes_full_turn(self) -> bool:
         """Whether the crank turns right round, so that curves over a turn exist."""
+        if self.linkage.is_linear:
+            return False
         try:
             self.mechanism.check_full_turn()
         except LinkproofError:
@@ -110,6 +112,7 @@ class View:
     def regimes(self) -> tuple[Regime, ...]:
         """The regimes this mechanism ran through, those that prescribe the crank's motion first."""
         motions = {motion.regime: motion for motion in self.results.motions}
+        motions |= {own.name: own.motion for own in self.linkage.regimes if isinstance(own, PrescribedRegime)}
         conditions = {record.regime: record.conditions for record in self.records}
         return tuple(Regime(name, words, motions.get(name)) for name, words in conditions.items())
 

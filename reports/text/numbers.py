@@ -63,8 +63,10 @@ def decade(value: float) -> str:
     return f"1e{math.ceil(math.log10(max(value, ROUND_OFF)))}"
 
 
-def per_cent(ratio: float) -> str:
+def per_cent(ratio: float | None) -> str:
     """A signed ratio in per cent to one decimal: +4.2 %, −0.3 %."""
+    if ratio is None:
+        return ABSENT
     return f"{100.0 * ratio:+.1f} %".replace("-", "−")
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 import tomllib
 from collections.abc import Mapping
 from functools import cache
@@ -15,6 +16,8 @@ from markupsafe import Markup
 from reports.text import numbers
 
 FOLDER = Path(__file__).parents[1] / "templates"
+# A signal of a part of the linkage.
+SIGNAL = re.compile(r"(?P<kind>point|link|joint_force):(?P<owner>.+):(?P<what>\w+)")
 
 
 def render(template: str, **values: object) -> Markup:
@@ -72,5 +75,20 @@ def plain(name: str) -> str:
 
 
 def worded(quantity: str) -> str:
-    """A quantity's name for a reader: "Jeq:needle_bar.mean" is "Jeq of needle bar, mean"."""
-    return plain(quantity.replace(":", " of ").replace(".", ", "))
+    """A quantity's name for a reader.
+
+    "Jeq:needle_bar.mean" is "Jeq of needle bar, mean", "point:F:x@5" is "x of point F at 5°".
+    """
+    names, at, place = quantity.rpartition("@")
+    if at:
+        number, timed, regime = place.partition("s:")
+        angle = place.replace("rad", " rad") if place.endswith("rad") else f"{place.removesuffix('deg')}°"
+        where = f"{number} s of {regime}" if timed else angle
+        return plain(f"{' − '.join(map(_signal, names.split(' - ')))} at {where}")
+    name, dot, what = quantity.rpartition(".")
+    return plain(f"{_signal(name)}, {what}" if dot else _signal(quantity))
+
+
+def _signal(name: str) -> str:
+    part = SIGNAL.fullmatch(name)
+    return f"{part['what']} of {part['kind']} {part['owner']}" if part else name.replace(":", " of ")

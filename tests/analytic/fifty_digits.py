@@ -178,7 +178,19 @@ def equations(frames: Frames, angle: mpf) -> Iterator[mpf]:
         carriers = [name for name, link in linkage.links.items() if slot.point in link.points]
         carrier = GROUND if slot.point in linkage.ground else carriers[0]
         yield _off(frames, frames.named(slot.point, carrier), slot.guide)
-    yield frames.angle(linkage.crank) - angle
+    yield _driven(frames) - angle
+
+
+def _driven(frames: Frames) -> mpf:
+    """The coordinate of the driver: a crank's angle, a slider's travel, a cylinder's length."""
+    linkage = frames.linkage
+    if getattr(linkage, "cylinder", None) is not None:
+        return frames.length(linkage.cylinder.points, linkage.cylinder.links)
+    slider = next((s for s in linkage.sliders if s.link == linkage.crank and s.guide.host == GROUND), None)
+    if slider is None:
+        return frames.angle(linkage.crank)
+    (x, y), (c, s) = frames.named(slider.point, slider.link), map(mpf, slider.guide.along)
+    return ((x - mpf(slider.guide.through[0])) * c + (y - mpf(slider.guide.through[1])) * s) / mp.hypot(c, s)
 
 
 def _off(frames: Frames, place: tuple[mpf, mpf], guide: Guide) -> mpf:
@@ -193,7 +205,8 @@ def _start(sweep: Sweep) -> list[float]:
     start: list[float] = []
     for name in sweep.linkage.links:
         x, y, c, s = (float(part) for part in sweep.poses(name))
-        angle = float(sweep.angle) if name == sweep.linkage.crank else np.arctan2(s, c)
+        turns = name == sweep.linkage.crank and not sweep.linkage.is_linear
+        angle = float(sweep.angle) if turns else np.arctan2(s, c)
         start += [float(np.float32(part)) for part in (x, y, angle)]
     return start
 

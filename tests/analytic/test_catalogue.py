@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from mpmath import mp, mpf
 
-from analytic.description.loading import catalogue, load
+from analytic.description.loading import catalogue, literature, load
 from analytic.dynamics import reduced
 from analytic.numerics.extremes import zeros
 from tests.analytic.articles import FORMULAS, reduced_inertia
@@ -22,6 +22,11 @@ def test_every_file_and_variant_has_its_formulas():
     # y-along is a second reading of Table 1 that leaves Jeq and all positions as they are.
     known = {(name, variant) for name in catalogue() for variant in load(name).variants}
     assert known - set(FORMULAS) == {("rimoldi-164", "y-along")}
+
+
+@pytest.mark.parametrize("name", [*catalogue(), *literature()])
+def test_every_file_names_its_source(name):
+    assert all(load(name, variant).source for variant in load(name).variants)
 
 
 @pytest.mark.parametrize(("name", "variant"), FORMULAS)

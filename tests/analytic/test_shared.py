@@ -16,6 +16,7 @@ from analytic.description.law import Law
 from analytic.dynamics import reduced
 from analytic.turn import thread_feed, unit_functions
 from comparisons.judging import quantities
+from comparisons.reference import farthest
 from comparisons.reference.case import Case
 from engines.scene import Channel
 from tests.analytic.linkages import from_text
@@ -170,7 +171,7 @@ def _scaled(module, name, share):
 
 def _top(monkeypatch):
     true = unit_functions.bottom_dead_centre
-    monkeypatch.setattr(quantities, "top_dead_centre", true)
+    monkeypatch.setattr(farthest, "top_dead_centre", true)
 
 
 MUTANTS = {

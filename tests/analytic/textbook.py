@@ -64,3 +64,18 @@ inertia = 1e-4
 angle = 70
 points = { C = [86, 90] }
 """
+
+
+def four_bar(ground, crank, coupler, rocker, start):
+    """The text of a four-bar in m that is sketched at a crank angle, rad, with C left of A→B."""
+    x, y = crank * math.cos(start), crank * math.sin(start)
+    gap = math.hypot(ground - x, y)
+    along = (gap**2 + coupler**2 - rocker**2) / (2 * gap)
+    across = math.sqrt(max(coupler**2 - along**2, 0.0))
+    c = (x + (along * (ground - x) + across * y) / gap, y + (-along * y + across * (ground - x)) / gap)
+    text = DOUBLE_ROCKER.replace('"mm"', '"m"').replace('angle = "deg"', 'angle = "rad"')
+    numbers = {"B = [100": ground, "A = [80": crank, "C = [60": coupler, "C = [90": rocker}
+    for old, new in numbers.items():
+        text = text.replace(f"{old}, 0]", f"{old.split('[')[0]}[{new!r}, 0]")
+    text = text.replace("angle = 70", f"angle = {start!r}").replace("[86, 90]", repr(list(c)))
+    return text

@@ -120,6 +120,15 @@ def test_a_joint_force_acts_on_the_body_that_the_scene_names_first():
     np.testing.assert_allclose(other.torque.values, as_given.torque.values, rtol=1e-6, atol=1e-9)
 
 
+def test_a_flywheel_without_mass_is_refused_since_opensim_would_drop_its_inertia():
+    linkage, motion = mechanism("juki-mf7923d"), crank_motion("constant-speed", ramp_time=0.02, hold_time=0.0)
+    given = scene(linkage, Prescribed(motion), frozenset(Channel))
+    bodies = tuple(dataclasses.replace(body, mass=0.0) if body.name == given.crank else body for body in given.bodies)
+    run = ENGINE.run(dataclasses.replace(given, bodies=bodies), Setting.TUNED)
+    assert run.outcome is Outcome.UNSUPPORTED
+    assert run.reason == "it takes no inertia of a body without mass, as 'crank' has"
+
+
 def test_a_mass_on_a_pin_may_carry_another_body():
     linkage, motion = mechanism("slotted-takeup"), crank_motion("constant-speed", ramp_time=0.06, hold_time=0.0)
     given = scene(linkage, Prescribed(motion), frozenset(Channel))

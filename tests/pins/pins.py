@@ -55,8 +55,9 @@ def said(*words: str) -> Any:
 
 
 def variants() -> list[tuple[str, str]]:
-    """Every mechanism of the catalogue with each of its variants."""
-    names = [(row["mechanism"], variant) for row in said("list")["records"] for variant in row["variants"]]
+    """Every sewing mechanism of the catalogue with each of its variants."""
+    shelf = [row for row in said("list")["records"] if row["shelf"] == "catalogue"]
+    names = [(row["mechanism"], variant) for row in shelf for variant in row["variants"]]
     return [name for name in names if not ONLY or any(part in " ".join(name) for part in ONLY)]
 
 

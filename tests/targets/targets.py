@@ -24,6 +24,7 @@ from analytic.description.loading import catalogue, load
 from analytic.dynamics.reduced import damping_coefficient
 from analytic.evaluation import evaluate
 from analytic.kinematics.mechanism import Mechanism
+from analytic.motion.released import free_motion
 from analytic.motion.steady_rotation import steady_state
 from comparisons.campaign.campaign import CampaignRequest, RunResult, compare
 from comparisons.judging.records import Record
@@ -100,6 +101,7 @@ def measure(linkages: Sequence[Linkage], engines: Sequence[str]) -> Iterator[Fig
         "six_bar": _six_bar,
         "designs": _designs,
         "forward": _forward,
+        "forward_alone": lambda target: _forward_alone(target, linkages),
         "savings": lambda target: _studied(target, studies.savings, engines),
         "long_turns": lambda target: _studied(target, studies.long_turns, engines),
         "random": lambda target: _studied(target, studies.random, engines),
@@ -239,6 +241,18 @@ def _forward(target: Target) -> Iterator[Figure]:
     """Time of a released crank's motion over a baseline's."""
     contest = speed.forward_contest(target.arguments["mechanism"], target.arguments["regime"])
     yield _figure(target, speed.over(contest, speed.OURS, target.arguments["baseline"], "s", 1.0))
+
+
+def _forward_alone(target: Target, linkages: Sequence[Linkage]) -> Iterator[Figure]:
+    """Time of a released crank's motion by a path, ms; infinite where its angle is not within ``speed.WITHIN``."""
+    for mechanism, own in _named(target, linkages):
+        start = {"torque": own.torque, "start_angle": own.start_angle, "start_speed": own.start_speed}
+        release = partial(free_motion, mechanism, **start, duration=own.duration)
+        quick = partial(release, tolerance=speed.TOLERANCE, path=target.arguments["path"])
+        instants = np.linspace(0.0, own.duration, 2001)
+        error = float(np.max(np.abs(quick().angle(instants) - release().angle(instants))))
+        spent = tuple(1e3 * seconds for seconds in _timed(quick))
+        yield Figure(target, target.arguments["path"], min(spent) if error <= speed.WITHIN else np.inf, spent)
 
 
 def _studied(

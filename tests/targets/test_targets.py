@@ -24,6 +24,7 @@ def test_every_target_can_be_measured_and_has_a_goal_within_its_minimum():
             "six_bar",
             "designs",
             "forward",
+            "forward_alone",
             "savings",
             "long_turns",
             "random",

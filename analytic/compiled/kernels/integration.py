@@ -1,8 +1,8 @@
 """Gauss collocation of the equation of motion in adaptive windows, compiled once for all linkages.
 
 The steps are those of ``analytic.numerics.integration.integrate``, taken in the same order; what its comments say holds
-here. The scheme comes with its matrices transposed: a product runs down their rows. The terms of the equation come from
-the linkage's own kernels at every node, not from a table.
+here. The scheme comes with its matrices transposed: a product runs down their rows. The terms of the equation are read
+from a table; where the crank cannot turn fully there is none, and they come from the linkage's own kernels.
 """
 
 from __future__ import annotations
@@ -22,6 +22,14 @@ from analytic.numerics.step_control import State
 
 Array = NDArray[np.float64]
 LOST: Final = -1
+
+
+class Cells(NamedTuple):
+    """A ``PeriodicTable`` of moment, damping and slope over the inertia; without coefficients there is none."""
+
+    edges: Array
+    period: float
+    coefficients: Array
 
 
 class Space(NamedTuple):
@@ -48,8 +56,39 @@ def product(n: int, rows: int, matrix: Array, vector: Array, result: Array) -> N
 
 
 @kernel
-def accelerations(tables: Tables, design: Array, n: int, speeds: Array, result: Array, work: Array) -> float:
+def read(cells: Cells, n: int, speeds: Array, result: Array, work: Array) -> None:
+    """φ̈ from the table; the next angle is searched for from the cell of the one before."""
+    edges, cell = cells.edges, 0
+    last = cells.coefficients.shape[1] - 1
+    whole = cells.period * np.floor((work[ANGLE] - edges[0]) / cells.period)
+    for i in range(n):
+        turned = work[ANGLE + i] - whole
+        if not edges[0] <= turned < edges[-1]:
+            whole = cells.period * np.floor((work[ANGLE + i] - edges[0]) / cells.period)
+            turned = work[ANGLE + i] - whole
+        while cell > 0 and turned < edges[cell]:
+            cell -= 1
+        while cell < len(edges) - 2 and turned >= edges[cell + 1]:
+            cell += 1
+        place = (2.0 * turned - edges[cell] - edges[cell + 1]) / (edges[cell + 1] - edges[cell])
+        terms = cells.coefficients[cell]
+        moment, damping, slope = terms[last, 0], terms[last, 1], terms[last, 2]
+        for order in range(last - 1, -1, -1):
+            moment = moment * place + terms[order, 0]
+            damping = damping * place + terms[order, 1]
+            slope = slope * place + terms[order, 2]
+        w = speeds[i]
+        result[i] = moment - w * (damping + slope * w)
+
+
+@kernel
+def accelerations(
+    tables: Tables, design: Array, cells: Cells, n: int, speeds: Array, result: Array, work: Array
+) -> float:
     """φ̈ at the angles in the scratch memory and the speeds given; how many of them have no motion."""
+    if len(cells.coefficients):
+        read(cells, n, speeds, result, work)
+        return 0.0
     faults = equation_rows(tables, design, n, work)
     terms = work[SUMS:]
     for i in range(n):
@@ -59,12 +98,12 @@ def accelerations(tables: Tables, design: Array, n: int, speeds: Array, result: 
 
 
 @kernel
-def stay(tables: Tables, design: Array, n: int, angle: float, speed: float, space: Space) -> None:
+def stay(tables: Tables, design: Array, cells: Cells, n: int, angle: float, speed: float, space: Space) -> None:
     """Predict the window with the acceleration of an angle and a speed kept constant; nan if there is no motion."""
     for i in range(n):
         space.work[ANGLE + i] = angle
         space.speeds[i] = speed
-    faults = accelerations(tables, design, n, space.speeds, space.guess, space.work)
+    faults = accelerations(tables, design, cells, n, space.speeds, space.guess, space.work)
     for i in range(n):
         space.guess[i] = space.guess[i] if faults == 0.0 else np.nan
 
@@ -73,6 +112,7 @@ def stay(tables: Tables, design: Array, n: int, angle: float, speed: float, spac
 def settles(
     tables: Tables,
     design: Array,
+    cells: Cells,
     scheme: GaussScheme,
     window: tuple[float, float, float],
     rounding: float,
@@ -91,7 +131,7 @@ def settles(
         for i in range(n):
             space.work[ANGLE + i] = angle + speed * length * scheme.nodes[i] + square * turned[i]
             speeds[i] = speed + length * speeds[i]
-        if accelerations(tables, design, n, speeds, following, space.work) > 0.0:
+        if accelerations(tables, design, cells, n, speeds, following, space.work) > 0.0:
             return False
         change = peak = 0.0
         for i in range(n):
@@ -161,6 +201,7 @@ def write(scheme: GaussScheme, state: State, length: float, space: Space, angles
 def advance(
     tables: Tables,
     design: Array,
+    cells: Cells,
     scheme: GaussScheme,
     start: tuple[float, float],
     duration: float,
@@ -179,14 +220,14 @@ def advance(
     ``analytic.numerics.collocation.Windows`` has them one a column.
     """
     state = start[0], 0.0, start[1], 0.0, 0.0
-    stay(tables, design, len(scheme.nodes), start[0], start[1], space)
+    stay(tables, design, cells, len(scheme.nodes), start[0], start[1], space)
     length = step_control.first_window(start[1], space.guess[0], duration)
     longest, time, done, starts[0] = length, 0.0, 0, 0.0
     while time < duration:
         last = length >= step_control.ALL_BUT * (duration - time)
         length = duration - time if last else length
         angle, _, speed, _, turns = state
-        settled = settles(tables, design, scheme, (angle, speed, length), rounding, space)
+        settled = settles(tables, design, cells, scheme, (angle, speed, length), rounding, space)
         error = error_of(scheme, speed, length, rounding, space) if settled else np.inf
         factor = step_control.growth(error, tolerance, len(scheme.nodes))
         if error <= tolerance:
@@ -199,7 +240,7 @@ def advance(
             longest = max(longest, length)
         else:
             factor = min(factor, step_control.MOST_RETRY)
-            stay(tables, design, len(scheme.nodes), angle, speed, space)
+            stay(tables, design, cells, len(scheme.nodes), angle, speed, space)
         length *= factor
         if done == len(base) or step_control.is_lost(starts, done, length, longest):
             return done if time >= duration else LOST

@@ -15,6 +15,8 @@ differentiating the closure equations once and twice, which are linear in the un
     The determinant up to which it stands in a dead position, so that its derivatives are undefined.
 ``missing(k, near, closure)``
     Length by which the links fail to meet, m (negative where they do not meet), and the lengths it was computed from.
+``toggle(dyad, closure)``
+    How its links stand in a dead position, for a reader.
 ``shortfall(dyad, k, near, at, written)``
     What is wrong, which link misses by how much, and what to do; ``at`` picks the value at one crank angle, ``written``
     writes a length.

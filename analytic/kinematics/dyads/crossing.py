@@ -31,6 +31,11 @@ def missing(k: Constants, near: Poses, closure: Closure) -> tuple[Scalar, Scalar
     return np.sign(abs(closure.determinant) - LEAST_SINE), 0.0
 
 
+def toggle(dyad: Dyad, closure: Closure) -> str:
+    """The lines are parallel."""
+    return f"the guides of '{dyad.first}' and '{dyad.second}' parallel"
+
+
 def shortfall(dyad: Dyad, k: Constants, near: Poses, at: At, written: Written) -> Shortfall:
     """The lines are parallel."""
     return UNDETERMINED, (

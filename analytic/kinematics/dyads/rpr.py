@@ -107,6 +107,22 @@ def missing(k: RPRConstants, near: Poses, closure: Closure) -> tuple[Scalar, Sca
     return np.sqrt(frames.dot(closure.v, closure.v)) - needed, pins + offset
 
 
+def toggle(dyad: Dyad, closure: Closure) -> str:
+    """A is at the foot of the perpendicular from B to the line."""
+    return f"the slide square to the line of '{dyad.first_joint.name}' and '{dyad.second_joint.name}'"
+
+
+def gap(k: RPRConstants, near: Poses) -> Scalar:
+    """Distance of the outer pins."""
+    d = frames.minus(frames.point(near[0], k.a), frames.point(near[1], k.b))
+    return np.sqrt(frames.dot(d, d))
+
+
+def touching(k: RPRConstants, margin: Scalar, gap: Scalar) -> RPRConstants:
+    """The line's offset is the distance of the pins."""
+    return k._replace(line=(k.line[0] + np.sign(k.line[0]) * margin, k.line[1]))
+
+
 def shortfall(dyad: Dyad, k: RPRConstants, near: Poses, at: At, written: Written) -> Shortfall:
     """The offset is too large, or A is on B."""
     assert isinstance(dyad.first_joint, Revolute)

@@ -5,8 +5,6 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
-import numpy as np
-
 from analytic.description.linkage import Vector
 from analytic.kinematics import frames
 from analytic.kinematics.dyads.arms import LEAST_SINE, UNASSEMBLED, direction, on_rail, over_square, size
@@ -109,10 +107,25 @@ def least(k: RRPConstants, closure: Closure) -> Scalar:
 
 
 def missing(k: RRPConstants, near: Poses, closure: Closure) -> tuple[Scalar, Scalar]:
-    """The arm less A's distance from the line, which is |r| where the circle misses it."""
+    """The arm less A's distance from the line."""
     length = k.reach[0]
     a, base = frames.point(near[0], k.a), frames.point(near[1], k.base)
-    return length - np.sqrt(frames.dot(closure.u, closure.u)), size(a, base) + length
+    return length - abs(frames.cross(closure.v, frames.minus(base, a))), size(a, base) + length
+
+
+def toggle(dyad: Dyad, closure: Closure) -> str:
+    """The arm is square to the line."""
+    return f"'{dyad.first}' square to the guide of '{dyad.second}'"
+
+
+def gap(k: RRPConstants, near: Poses) -> Scalar:
+    """There are no two outer pins to meet."""
+    return math.inf
+
+
+def touching(k: RRPConstants, margin: Scalar, gap: Scalar) -> RRPConstants:
+    """The arm reaches the line."""
+    return k._replace(reach=(k.reach[0] - margin, k.reach[1]))
 
 
 def shortfall(dyad: Dyad, k: RRPConstants, near: Poses, at: At, written: Written) -> Shortfall:

@@ -9,7 +9,7 @@ import numpy as np
 
 from analytic.description.linkage import Vector
 from analytic.kinematics import frames
-from analytic.kinematics.dyads.arms import LEAST_SINE, UNASSEMBLED, UNDETERMINED, direction, over_square, size
+from analytic.kinematics.dyads.arms import LEAST_SINE, ROUNDING, UNASSEMBLED, UNDETERMINED, direction, over_square, size
 from analytic.kinematics.dyads.closure import At, Closure, Hosts, Links, Poses, Rates, Shortfall, Travel, Written
 from analytic.kinematics.frames import Scalar
 from analytic.kinematics.structure import Dyad, Revolute
@@ -106,6 +106,29 @@ def missing(k: RRRConstants, near: Poses, closure: Closure) -> tuple[Scalar, Sca
     d = frames.minus(b, a)
     gap = np.sqrt(frames.dot(d, d))
     return np.minimum(one + two - gap, gap - abs(one - two)), size(a, b) + one + two
+
+
+def toggle(dyad: Dyad, closure: Closure) -> str:
+    """A, B and C are in one line."""
+    return "stretched in one line" if np.all(frames.dot(closure.u, closure.v) < 0.0) else "folded in one line"
+
+
+def gap(k: RRRConstants, near: Poses) -> Scalar:
+    """Distance of the outer pins."""
+    d = frames.minus(frames.point(near[1], k.b), frames.point(near[0], k.a))
+    return np.sqrt(frames.dot(d, d))
+
+
+def touching(k: RRRConstants, margin: Scalar, gap: Scalar) -> RRRConstants:
+    """The sum of the arms is the gap, or their difference is."""
+    total, difference = k.lengths[0] + k.lengths[1], k.lengths[0] - k.lengths[1]
+    if abs(total - gap) < abs(gap - abs(difference)):
+        total = gap
+    elif gap <= ROUNDING * total:  # pins on top of each other: the gap's own rounding is no length
+        difference = 0.0
+    else:
+        difference = gap if difference > 0.0 else -gap
+    return k._replace(lengths=(0.5 * (total + difference), 0.5 * (total - difference)))
 
 
 def shortfall(dyad: Dyad, k: RRRConstants, near: Poses, at: At, written: Written) -> Shortfall:

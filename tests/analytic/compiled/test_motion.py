@@ -72,6 +72,21 @@ def test_any_start_agrees_with_numpy(name, angle, speed, torque):
     assert _difference(plain, quick) < SHORT * max(1.0, plain.peak_speed)
 
 
+@pytest.mark.parametrize("name", [*catalogue(), "force-over-angle"])
+def test_the_table_and_the_linkage_s_own_kernels_are_one_equation(name):
+    """Backwards, over the table's edges; the crank's torque is a load in the one, and in the other's table."""
+    equation = equation_of_motion(mechanism(name), 0.02)
+    plain, tabled = (
+        compiled_motion.integrate(each, (0.4, -60.0), 0.3, tolerance=1e-12, rounding=2e-14 * equation.peak_moment)
+        for each in (equation, equation.tabulated())
+    )
+    time = np.linspace(0.0, 0.3, 301)
+    assert np.ptp(tabled.angle_at(time)) > 2.0 * math.pi
+    assert np.max(np.abs(plain.angle_at(time) - tabled.angle_at(time))) < SHORT * max(
+        1.0, np.ptp(tabled.angle_at(time))
+    )
+
+
 @pytest.mark.parametrize("name", catalogue())
 def test_energy_is_conserved_without_damping(name):
     linkage = dataclasses.replace(load(name), dampers=(), springs=())

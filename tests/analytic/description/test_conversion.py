@@ -1,13 +1,14 @@
 """From a file to a linkage: SI units, joints from shared names, and faults that only meaning shows."""
 
 import math
+import re
 
 import pytest
 
 from analytic.description.linkage import GROUND
 from analytic.description.loading import parse
 from tests.analytic.faults import JUKI, message_of
-from tests.analytic.linkages import mechanism, text_of
+from tests.analytic.linkages import from_text, mechanism, text_of
 from tests.analytic.tolerances import EPS
 
 SLOT = '\n[[slots]]\npoint = "D"\non = "crank"\nthrough = [0, 0]\nalong = [1, 0]\n'
@@ -60,6 +61,17 @@ def test_only_what_can_turn_needs_an_inertia():
     text = text_of("carried-slider").replace("inertia = 0.2e-4", "")
     assert "links.slider.inertia is missing" in message_of(text)
     assert mechanism("juki-mf7923d").linkage.links["needle_bar"].inertia is None
+
+
+def test_a_link_without_a_mass_has_no_inertia_and_a_point_mass_says_so():
+    text = text_of("double-crank")
+    bare = re.sub(r"(?m)^(mass|centre|inertia) .*\n", "", text)
+    assert {(link.mass, link.inertia) for link in from_text(bare).linkage.links.values()} == {(0.0, 0.0)}
+    assert from_text(bare).linkage.is_massless
+    assert not mechanism("double-crank").linkage.is_massless
+    points = from_text(re.sub(r"(?m)^inertia .*$", "inertia = 0", text)).linkage.links
+    assert {link.inertia for link in points.values()} == {0.0}
+    assert "links.coupler.inertia is missing" in message_of(re.sub(r"(?m)^inertia .*$", "", text))
 
 
 def test_sliders_that_carry_each_other():

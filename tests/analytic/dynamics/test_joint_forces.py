@@ -10,12 +10,13 @@ from analytic.description.law import Law
 from analytic.description.linkage import GROUND, LinkTorque, PointForce, Spring
 from analytic.dynamics import joint_forces, reduced
 from analytic.errors import AssemblyError
+from analytic.kinematics.crank_range import crank_range
 from analytic.kinematics.mechanism import Mechanism
 from comparisons.reference.start_state import scene
 from engines.contract import Outcome, Setting
 from engines.direct_adapter.adapter import DirectEngine
 from engines.scene import Channel, Prescribed
-from tests.analytic.linkages import CATALOGUE, angles, mechanism
+from tests.analytic.linkages import CATALOGUE, angles, from_text, mechanism, text_of
 from tests.analytic.loaded_linkages import ALL, on_trial
 from tests.analytic.newton_euler import Balance, scene_at
 from tests.analytic.tolerances import FEW_ROUNDINGS
@@ -242,5 +243,18 @@ def test_static_forces_need_no_second_derivative(monkeypatch):
 
 @pytest.mark.parametrize("speed", [0.0, 5.0])
 def test_dead_position_is_refused(speed):
+    toggle = from_text(text_of("double-crank").replace("B = [28, 0]", "B = [15, 0]"))
+    limit = crank_range(toggle).high.angle
     with pytest.raises(AssemblyError, match="dead position"):
-        joint_forces.joint_forces(mechanism("parallelogram").sweep(np.array([0.5, 0.0])), speed, 0.0)
+        joint_forces.joint_forces(toggle.sweep(np.array([toggle.linkage.sketch_angle, limit])), speed, 0.0)
+
+
+@pytest.mark.parametrize("speed", [0.0, 5.0])
+def test_at_a_change_point_joint_forces_have_no_value_and_beside_it_none_but_large_ones(speed):
+    """They are those of a beam on two supports beside it, whose lever vanishes with the sine of the crank angle."""
+    sweep = mechanism("parallelogram").sweep(np.array([0.5, 0.0, np.pi]))
+    forces = joint_forces.joint_forces(sweep, speed, 1.0)
+    assert all(np.isfinite(force[:, 0]).all() and np.isnan(force[:, 1:]).all() for force in forces.values())
+    assert np.all(np.isfinite(reduced.drive_torque(sweep, speed, 1.0)))
+    near = joint_forces.joint_forces(mechanism("parallelogram").sweep(np.array([1e-3, 2e-3])), speed, 1.0)["B"]
+    assert np.hypot(*near[:, 0]) / np.hypot(*near[:, 1]) == pytest.approx(2.0, rel=1e-2)

@@ -2,13 +2,16 @@
 
 import dataclasses
 import math
+import re
 
+import mpmath as mp
 import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 from scipy.special import ellipj, ellipk
 
-from analytic.description.law import Law
+from analytic.description.law import Law, TimeLaw
+from analytic.description.loading import load, parse
 from analytic.dynamics import reduced
 from analytic.dynamics.equation_of_motion import equation_of_motion
 from analytic.errors import AssemblyError, LinkproofError, UnknownNameError
@@ -17,7 +20,8 @@ from analytic.motion.energy import energy_imbalance
 from analytic.motion.released import free_motion
 from analytic.motion.rkfixed import fixed_step
 from tests.analytic import article_000
-from tests.analytic.linkages import from_text, mechanism
+from tests.analytic.linkages import FOLDER, from_text, mechanism, text_of
+from tests.analytic.swinging import double_rocker_text
 from tests.analytic.textbook import (
     DOUBLE_ROCKER,
     PENDULUM,
@@ -29,6 +33,7 @@ from tests.analytic.textbook import (
 # rad. What the reference aims at over the published 10 s; the engines it judges reach 5e-7 and 1e-6.
 FREE, DRIVEN = 1e-11, 1e-8
 # rad. Exact solutions of a few turns, and what of them a start next to the upper equilibrium leaves.
+COUPLED = 1e-11
 EXACT, AFTER_A_DWELL = 1e-12, 1e-9
 # rad. The second integrator's own error over a few turns at its tightest tolerance.
 SECOND_INTEGRATOR = 1e-9
@@ -266,3 +271,74 @@ def test_bad_input_is_told_in_one_sentence():
         fixed_step(_undamped(mechanism("two-crank-takeup")), duration=100.0, steps=400, torque=500.0)
     with pytest.raises(AssemblyError):
         free_motion(from_text(DOUBLE_ROCKER), start_angle=math.pi, duration=1.0)
+
+
+def test_a_crank_that_nothing_resists_is_not_released():
+    text = text_of("centric-slider-crank")
+    bare = re.sub(r"(?m)^(mass|centre|inertia) .*\n", "", text)
+    tipped = bare.replace("[links.piston]", "[links.piston]\nmass = 0.2")  # it has no speed at its dead centres
+    for sample in (from_text(bare), from_text(tipped)):
+        with pytest.raises(LinkproofError, match="where its reduced inertia Jeq is 0"):
+            free_motion(sample, start_angle=1.0, duration=0.1)
+    weightless = re.sub(r"(?m)^(mass|inertia) .*\n", "", text.partition("[links.rod]")[0])
+    motion = free_motion(from_text(weightless + text[text.index("[links.rod]") :]), start_speed=5.0, duration=0.1)
+    assert energy_imbalance(motion) < BALANCE
+
+
+def test_a_torque_over_time_turns_a_flywheel_as_its_integral_says():
+    """Nothing but the crank has a mass, so Jeq is its inertia J: J ω is the integral of the torque, a broken line."""
+    linkage = parse(double_rocker_text().replace("gravity = [0, -9.81]", ""), "bare", "bare.toml", None)
+    crank = dataclasses.replace(linkage.links["crank"], mass=0.0, inertia=0.01)
+    bare = {name: dataclasses.replace(link, mass=0.0, inertia=0.0) for name, link in linkage.links.items()}
+    mechanism = Mechanism(dataclasses.replace(linkage, links={**bare, "crank": crank}))
+    law = TimeLaw((0.1, 0.3, 0.35), (0.0, 0.02, -0.05))
+    motion = free_motion(mechanism, over_time=law, start_angle=0.5, start_speed=-0.5, duration=0.5)
+    corners = np.array([0.0, 0.1, 0.3, 0.35, 0.5])
+    speed = -0.5 + np.array([0.0, 0.0, 0.2, 0.2 - 0.075, 0.2 - 0.075 - 0.75])
+    assert motion.regime == "driven"
+    assert motion.speed(corners) == pytest.approx(speed, abs=1e-14)
+    assert motion.acceleration(corners) == pytest.approx(law(corners) / 0.01, abs=1e-12)
+    assert motion.error_bound < 1e-12
+
+
+def test_a_torque_over_time_makes_no_energy():
+    law = TimeLaw((0.1, 0.3, 0.9, 1.2), (0.0, 0.05, 0.05, -0.03))
+    motion = free_motion(Mechanism(load("slotted-takeup")), over_time=law, start_angle=4.7, duration=1.5)
+    assert energy_imbalance(motion) < 1e-6
+    with pytest.raises(LinkproofError, match="compiled"):
+        free_motion(motion.equation.mechanism, over_time=law, start_angle=4.7, duration=0.1, path="compiled")
+
+
+RODS, COUPLERS = 11, 10
+COUPLED_CRANKS = {  # start angle, rad, and speed, rad/s; moment of the weights at φ = 0 over Jeq, 1/s²
+    "change-points/ten-four-bars": (
+        math.pi / 2, 1.0, mp.mpf("9.81") * (mp.mpf(RODS) / 2 + COUPLERS) / (mp.mpf(RODS) / 3 + COUPLERS),
+    ),
+    "parallelogram": (
+        0.7, 30.0, mp.mpf("0.15") * mp.mpf("9.81") * mp.mpf("0.025") / (mp.mpf("1.3e-4") + mp.mpf("0.15") / 1600),
+    ),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", COUPLED_CRANKS)
+def test_coupled_cranks_are_one_pendulum_through_their_change_points(name):
+    """All rods turn alike, so that Jeq is constant, φ̈ = -w/J cos φ, and the time of an angle is a quadrature."""
+    start, speed, rate = COUPLED_CRANKS[name]
+    sample = Mechanism(load(str(FOLDER / f"{name}.toml")))
+    motion = free_motion(sample, start_angle=start, start_speed=speed, duration=10.0)
+
+    def swiftness(angle):
+        return mp.sqrt(mp.mpf(speed) ** 2 + 2 * rate * (mp.sin(mp.mpf(start)) - mp.sin(angle)))
+
+    def time_between(first, last):
+        parts = mp.linspace(first, last, 1 + math.ceil((last - first) / 0.5))
+        return mp.quad(lambda angle: 1 / swiftness(angle), parts)
+
+    with mp.workdps(25):
+        turn = time_between(mp.mpf(start), start + 2 * mp.pi)
+        for time in (1.0, 2.5, 5.0, 10.0):
+            angle = mp.mpf(float(motion.angle(time)))
+            turns = mp.floor((angle - start) / (2 * mp.pi))
+            late = turns * turn + time_between(mp.mpf(start), angle - 2 * mp.pi * turns) - time
+            assert abs(late * swiftness(angle)) < COUPLED
+            assert abs(float(motion.speed(time)) - swiftness(angle)) < 10 * COUPLED

@@ -1,6 +1,7 @@
 """The invariants never fail a true motion, and whatever is done to one they notice, without any closed form."""
 
 import dataclasses
+import math
 from functools import cache
 from pathlib import Path
 
@@ -9,7 +10,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from analytic.description.crank_motion import REGIMES, crank_motion
+from analytic.description.crank_motion import REGIMES, CrankMotion, Segment, crank_motion
 from analytic.description.linkage import ReleasedRegime, RotaryDamper
 from analytic.description.loading import catalogue, load
 from analytic.kinematics.mechanism import Mechanism
@@ -24,8 +25,10 @@ from comparisons.observation.observed_motion import ObservedMotion
 from comparisons.reference.case import Case, own_case
 from comparisons.stress.scenes import LINKAGES, Conditions, case, reversal
 from comparisons.stress.verdict import SAID, StressVerdict
-from engines.contract import Signal
+from engines.contract import Setting, Signal
+from engines.direct_adapter.adapter import DirectEngine
 from engines.scene import Channel
+from tests.analytic.linkages import mechanism as sample
 from tests.comparisons.perfect_engine import perfect_motion
 from tests.comparisons.true_motions import EVERYTHING, cut, judgement, true_history, with_signal
 
@@ -317,13 +320,16 @@ def test_a_linkage_that_takes_the_smooth_way_through_a_change_point_is_caught_by
     assert "assembly_mode" in found.alarms
 
 
-def test_at_the_change_point_itself_no_success_is_right():
+def test_of_equal_lengths_the_smooth_way_is_the_right_one_and_the_other_is_caught():
     one = _unequal(0.0)
+    found = judgement(one, _parallel(one))
+    assert found.verdict is StressVerdict.WITHIN
+    turned_back = Mechanism(one.mechanism.linkage)
+    turned_back.structure = turned_back.structure.with_signs((1,))
     with np.errstate(all="ignore"):
-        near = _unequal(1e-9)
-    found = judgement(one, _parallel(near))
+        found = judgement(one, true_history(one, 1200, mechanism=turned_back))
     assert found.verdict is StressVerdict.CAUGHT
-    assert "no one motion" in found.reason
+    assert "assembly_mode" in found.alarms
 
 
 def test_two_groups_in_their_other_modes_do_not_hide_each_other():
@@ -472,3 +478,34 @@ def test_the_stress_maps_own_linkages_are_all_tried():
     assert {path.stem for path in LINKAGES.glob("*.toml")} >= {"slider-crank", "parallel-cranks"}
     assert set(SAID) >= {"closure", "assembly_mode", "crank_phase", "force_balance"}
     assert KINEMATICS == ["position", "velocity", "acceleration"]
+
+
+def test_where_a_change_point_is_passed_no_joint_force_is_held_against_a_balance():
+    one = _unequal(0.0)
+    motion = ObservedMotion(one.scene(EVERYTHING), _parallel(one))
+    records = {record.quantity: record for record in checks(one, motion, blank_record(one, "tuned"))}
+    assert records["force_balance"].outcome == Verdict.UNDEFINED
+    assert "no bound where the linkage passes its change point at" in records["force_balance"].detail
+    assert records["assembly_mode"].outcome == Verdict.PASSED
+
+
+@pytest.mark.parametrize("beside", [0.0, 1e-9, 1e-5, 1e-4])  # rad from the change point to the nearest sample
+def test_the_smooth_way_through_change_points_raises_no_alarm(beside):
+    motion = CrankMotion("constant-speed", (Segment(0.0, 0.1, (math.pi - 3.0 + beside, 60.0)),))
+    one = Case(sample("parallelogram"), motion)
+    run = DirectEngine().run(one.scene(EVERYTHING), Setting.TUNED)
+    records = checks(one, ObservedMotion(one.scene(EVERYTHING), run.history), blank_record(one, "tuned"))
+    assert {record.quantity for record in records if record.outcome != Verdict.PASSED} == {"force_balance"}
+
+
+def test_a_wrong_torque_at_a_change_point_is_caught_by_the_smooth_curve_over_it():
+    one = Case(sample("parallelogram"), CrankMotion("constant-speed", (Segment(0.0, 0.1, (math.pi - 3.0, 60.0)),)))
+    run = DirectEngine().run(one.scene(EVERYTHING), Setting.TUNED)
+    beside = np.abs(one.motion.angle(run.history.torque.time) - math.pi) < 0.02
+    peak = np.max(np.abs(run.history.torque.values))
+    wrong = with_signal(run.history, "torque", lambda values, _: values + np.where(beside, 0.01 * peak, 0.0))
+    records = {
+        r.quantity: r for r in checks(one, ObservedMotion(one.scene(EVERYTHING), wrong), blank_record(one, "tuned"))
+    }
+    assert records["torque_two_routes"].error_max == pytest.approx(0.01, rel=0.02)
+    assert abs(one.motion.angle(records["torque_two_routes"].worst_time) - math.pi) < 0.02

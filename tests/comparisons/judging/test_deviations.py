@@ -8,8 +8,11 @@ import pytest
 
 from analytic.description.crank_motion import CrankMotion, Segment, crank_motion
 from analytic.description.loading import load
+from analytic.description.schema import EyeReference
+from analytic.description.thread_path import ThreadEye, ThreadGuide, ThreadPath
 from analytic.kinematics.mechanism import Mechanism
-from comparisons.judging.deviations import deviation, near_jumps
+from comparisons.invariants.checks import checks
+from comparisons.judging.deviations import NoSampleError, deviation, near_jumps
 from comparisons.judging.quantities import QUANTITIES
 from comparisons.judging.records import Verdict, blank_record
 from comparisons.judging.verdicts import judge
@@ -32,6 +35,16 @@ def motion(case):
 def _with_torque(motion, torque):
     history = dataclasses.replace(motion.history, torque=Signal(motion.history.torque.time, torque))
     return ObservedMotion(motion.scene, history)
+
+
+def test_a_thread_whose_feed_takes_a_full_turn_is_not_judged_on_a_swing():
+    """The eye's lowest place is told by a full turn, which Watt's six-bar cannot make."""
+    watt = load("watt-six-bar")
+    guide = ThreadGuide("N", (0.0, 0.0, 0.0))
+    thread = ThreadPath((guide, ThreadEye("E")), 0.0, "lengthening", EyeReference(eye="E", extreme="lowest"))
+    case = Case(Mechanism(replace(watt, thread=thread)), watt.regimes[0].motion)
+    with pytest.raises(NoSampleError, match="which it cannot make; give a crank angle as the reference"):
+        deviation(case, QUANTITIES["thread_feed"], perfect_motion(case.mechanism, case.motion))
 
 
 def test_a_known_error_is_found_where_it_is(case, motion):
@@ -118,3 +131,18 @@ def test_each_side_of_a_jump_has_its_own_step():
 def test_jumps_are_two_steps_wide():
     time = np.arange(11.0)
     assert np.flatnonzero(near_jumps(time, (5.0,))).tolist() == [3, 4, 5, 6, 7]
+
+
+def test_what_is_zero_for_want_of_any_mass_is_not_judged(case, motion):
+    links = {name: dataclasses.replace(link, mass=0.0) for name, link in case.mechanism.linkage.links.items()}
+    for name, link in links.items():
+        links[name] = dataclasses.replace(link, inertia=None if link.inertia is None else 0.0)
+    bare = Case(Mechanism(dataclasses.replace(case.mechanism.linkage, links=links)), case.motion)
+    still = perfect_motion(bare.mechanism, bare.motion)
+    for name in ("Jeq", "Teq", "Mkr", "Peq"):
+        with pytest.raises(NoSampleError, match="is zero throughout, as no link has a mass"):
+            deviation(bare, QUANTITIES[name], still)
+    assert deviation(bare, QUANTITIES["S"], still).error_max < 1e-9
+    records = {record.quantity: record for record in checks(bare, still, blank_record(bare, "tuned"))}
+    undefined = {name for name, record in records.items() if record.outcome == Verdict.UNDEFINED}
+    assert undefined == {"energy_balance", "torque_two_routes", "force_balance"}

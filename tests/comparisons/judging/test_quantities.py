@@ -75,7 +75,7 @@ def test_zeros_come_from_the_engines_own_motion_where_its_samples_show_them(samp
     assert own == (samples == 1401)
     for name in ("S", "thread_feed"):
         quantity = QUANTITIES[name]
-        assert bool(quantity.shared(motion)) != own
+        assert bool(quantity.shared(case, motion)) != own
         assert deviation(case, quantity, motion).error_max < 1e-11
     moved = dataclasses.replace(
         motion.history.position, values=motion.history.position.values + np.array([0.0, 1e-3, 0.0])

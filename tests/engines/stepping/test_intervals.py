@@ -3,9 +3,11 @@
 import math
 from itertools import pairwise
 
+import numpy as np
 import pytest
 
-from analytic.description.crank_motion import CrankMotion, Segment, crank_motion
+from analytic.description.crank_motion import CrankMotion, Segment, crank_motion, swing
+from analytic.description.crank_motion.table import table_motion
 from analytic.description.law import FULL_TURN
 from engines.stepping.intervals import Pace, intervals
 
@@ -69,3 +71,11 @@ def test_a_slow_part_is_given_fewer_steps():
     graded = sum(part.samples for part in _cut(motion, steps_per_turn=STEPS))
     even = sum(part.samples for part in _cut(motion, step=FULL_TURN / STEPS / motion.peak_speed))
     assert graded < 0.8 * even
+
+
+def test_a_table_of_many_pieces_takes_no_more_steps_for_them():
+    time = np.linspace(0.0, 1.0, 401)
+    dense = table_motion("dense", time.tolist(), np.sin(time).tolist())
+    coarse = swing("modified-sine", 0.0, 1.0, time=1.0)
+    steps = [sum(part.samples for part in intervals(motion, Pace(least_steps=100))) for motion in (coarse, dense)]
+    assert steps == [800, 400 * 5]

@@ -9,12 +9,17 @@ from pathlib import Path
 
 import pytest
 
-from analytic.description.loading import load
+from analytic.description.loading import load, parse
 from analytic.errors import LinkproofError
 from comparisons.campaign.results import RECORDS, Results
 from comparisons.judging.records import Verdict, to_json
 from engines.contract import Setting
 from reports.campaign.page import page, write_page
+from reports.campaign.sections import mechanism_section
+from reports.facts.views import View
+from tests.analytic.drives import driven
+from tests.analytic.linkages import from_text
+from tests.analytic.textbook import DOUBLE_ROCKER
 from tests.reports.made_up_results import made_up_results
 
 LINKAGES = Path(__file__).parents[2] / "linkages"
@@ -136,7 +141,6 @@ def test_a_linkage_without_output_or_published_figures_has_its_own_page():
 
 
 def load_text(source, name):
-    from analytic.description.loading import parse  # noqa: PLC0415
 
     return parse(source, name, name)
 
@@ -161,10 +165,10 @@ def test_a_regime_that_prescribes_nothing_and_a_campaign_that_gave_nothing_have_
 
 
 def test_dead_positions_are_told_not_raised():
-    path = LINKAGES / "parallelogram.toml"
+    text = (LINKAGES / "parallelogram.toml").read_text(encoding="utf-8")
+    stuck = parse(text.replace("B = [25, 0]", "B = [15, 0]"), "sample", "sample.toml")
     broken = {"alpha": Verdict.DIVERGED, "beta": Verdict.DIVERGED}
-    text = page(made_up_results([load(str(path))], broken=broken, quantities=("Mkr",)))
-    assert "dead position at 0°" in text
+    assert "cannot be assembled at" in page(made_up_results([stuck], broken=broken, quantities=("Mkr",)))
 
 
 def test_a_saved_campaign_becomes_a_page_with_no_engine_imported(results, tmp_path):
@@ -212,3 +216,10 @@ def test_a_file_with_a_byte_order_mark_has_its_page():
     linkage = dataclasses.replace(linkage, text="\ufeff" + linkage.text)
     results = made_up_results([linkage], samples=21, settings=[Setting.TUNED], quantities=("Jeq",))
     assert "Regime run-up" in page(results, processes=0)
+
+
+@pytest.mark.parametrize("linkage", [from_text(DOUBLE_ROCKER).linkage, driven("linear-motor").linkage])
+def test_a_linkage_that_makes_no_turn_is_drawn_over_its_range(linkage):
+    section = mechanism_section(View(made_up_results(samples=21), linkage), None)
+    assert "positions of the range that it reaches" in section["scheme"].lead
+    assert section["parts"] == []

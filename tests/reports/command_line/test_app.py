@@ -8,14 +8,15 @@ from pathlib import Path
 
 import pytest
 
-from analytic.description.crank_motion import REGIMES
+from analytic.description.crank_motion import LAWS, REGIMES
 from comparisons.judging.quantities import QUANTITIES
 from comparisons.stress.axes import axes
 from engines.contract import Setting
 from engines.registry import engine_names
 from reports.command_line.app import GLOSSARY
 
-COMMANDS = ("list", "show", "thread", "published", "compare", "bench", "stress", "export", "report")
+COMMANDS = ("list", "new", "check", "schema", "show", "results", "thread", "published", "compare", "bench", "stress")
+COMMANDS += ("export", "report")
 
 
 def linkproof(*words, **environment):
@@ -66,16 +67,18 @@ def test_version():
 
 def test_names_are_completed():
     assert completed("show", "ju") == ["juki-mf7923d"]
+    assert completed("show", "andr") == ["andrews-squeezer"]
     assert completed("compare", "--engine", "") == list(engine_names())
     assert completed("compare", "--setting", "") == sorted([*Setting, "all"])
     assert completed("bench", "--quantity", "") == sorted(QUANTITIES)
-    assert set(completed("compare", "--regime", "")) == {*REGIMES, "own", "all"}
+    assert set(completed("compare", "--regime", "")) == {*REGIMES, *LAWS, "own", "all"}
     assert set(completed("stress", "")) == set(axes())
 
 
 def test_variants_and_regimes_of_the_file_that_is_named_are_completed():
     assert completed("show", "juki-mf7923d", "--variant", "as-") == ["as-built", "as-printed"]
     assert completed("compare", "slotted-takeup", "--regime", "dr") == ["driven"]
+    assert completed("compare", "watt-six-bar", "--regime", "near") == ["near-toggles"]
 
 
 def test_a_file_is_completed_from_where_it_lies(tmp_path, monkeypatch):

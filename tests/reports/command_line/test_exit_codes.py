@@ -100,7 +100,8 @@ def test_a_working_folder_that_was_deleted_is_one_sentence(tmp_path):
 def test_a_fault_of_ours_is_one_sentence_and_exit_code_3():
     script = (
         "import sys; sys.argv = ['linkproof', 'list']\n"
-        "from reports.command_line import main, mechanisms\n"
+        "from reports.command_line import main\n"
+        "from reports.command_line.commands import mechanisms\n"
         "def fail(target): raise TypeError('a slip')\n"
         "mechanisms.list_mechanisms = fail\n"
         "main.main()"

@@ -15,7 +15,7 @@ from comparisons.runs.failures import GIB
 from comparisons.runs.workers import DEFAULT_BOUNDS
 from engines.contract import Setting
 from engines.registry import engine_names
-from reports.command_line import requests
+from reports.command_line.motion_choice import motions
 from reports.command_line.requests import CampaignChoice, RunLimits, linkages, request
 from tests.counting import calls
 
@@ -31,7 +31,7 @@ def test_no_words_mean_everything_tuned_on_the_default_ramp():
 
 def test_words_become_si():
     choice = CampaignChoice(speed=3000.0, ramp_time=0.2, hold_time=0.3, start_angle=90.0, clockwise=True)
-    (motion,) = requests.motions(choice)
+    (motion,) = motions(choice)
     assert motion.angle(0.0) == pytest.approx(math.pi / 2)
     assert motion.speed(0.5) == pytest.approx(-100.0 * math.pi)
     assert motion.duration == pytest.approx(0.5)
@@ -51,11 +51,21 @@ def test_gravity_can_be_left_out():
     assert all(linkage.gravity == (0.0, 0.0) for linkage in request(CampaignChoice(gravity=False)).linkages)
 
 
-def test_two_files_of_one_name_are_refused(tmp_path):
-    copy = tmp_path / "juki-mf7923d.toml"
-    copy.write_text(find("juki-mf7923d").read_text())
-    with pytest.raises(LinkproofError, match="both called 'juki-mf7923d'"):
-        request(CampaignChoice(("juki-mf7923d", str(copy))))
+def test_two_files_of_one_name_bear_the_names_of_their_folders(tmp_path):
+    paths = [tmp_path / folder / "juki-mf7923d.toml" for folder in ("old", "new")]
+    for path in paths:
+        path.parent.mkdir()
+        path.write_text(find("juki-mf7923d").read_text())
+    names = [linkage.name for linkage in request(CampaignChoice(("juki-mf7923d", *map(str, paths)))).linkages]
+    assert names == ["juki-mf7923d", "old-juki-mf7923d", "new-juki-mf7923d"]
+
+
+def test_a_file_that_is_named_twice_is_refused(tmp_path, monkeypatch):
+    path = tmp_path / "mine.toml"
+    path.write_text(find("juki-mf7923d").read_text())
+    monkeypatch.chdir(tmp_path)
+    with pytest.raises(LinkproofError, match=r"both called '.*-mine'"):
+        request(CampaignChoice(("mine.toml", str(path))))
 
 
 def test_a_quantity_leaves_the_invariants_out():
@@ -67,7 +77,12 @@ def test_a_quantity_leaves_the_invariants_out():
     [
         CampaignChoice(),
         CampaignChoice(
-            ("juki-mf7923d",), "as-printed", ("run-up", "constant-speed"), ("direct",), ("naive", "best"), ("Mkr",)
+            ("juki-mf7923d",),
+            ("direct",),
+            ("naive", "best"),
+            ("Mkr",),
+            variant="as-printed",
+            regimes=("run-up", "constant-speed"),
         ),
         CampaignChoice(speed=50.0, ramp_time=1.5, hold_time=0.0, start_angle=-30.0, clockwise=True, gravity=False),
         CampaignChoice(("path with spaces/mine.toml",)),
@@ -127,8 +142,11 @@ def test_impossible_limits_are_refused(limits, words):
 @pytest.mark.parametrize(
     ("choice", "words"),
     [
-        (CampaignChoice(speed=-5.0), "--speed: expected a positive finite number of rpm, got -5"),
-        (CampaignChoice(speed=1e14), "--speed: expected a positive finite number of rpm up to 9.55e\\+12, got 1e\\+14"),
+        (CampaignChoice(speed=0.0), "--speed: expected a finite number of rpm other than 0, got 0"),
+        (
+            CampaignChoice(speed=1e14),
+            "--speed: expected a finite number of rpm other than 0 up to 9.55e\\+12, got 1e\\+14",
+        ),
         (CampaignChoice(ramp_time=0.0), "--ramp-time: expected a positive finite number of s, got 0"),
         (CampaignChoice(hold_time=-1.0), "--hold-time: expected a finite, not negative number of s, got -1"),
         (CampaignChoice(start_angle=math.inf), "--start-angle: expected a finite number of degrees, got inf"),

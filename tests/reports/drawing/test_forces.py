@@ -5,6 +5,7 @@ from dataclasses import asdict, replace
 
 import numpy as np
 import pytest
+from matplotlib.figure import Figure
 
 from analytic.description.loading import load
 from comparisons.campaign.results import Results
@@ -90,3 +91,13 @@ def test_no_rows_without_joint_forces():
     (bare,) = views(made_up_results(samples=21, quantities=("Jeq",)))
     assert joint_table(bare, bare.regimes[0]) is None
     assert worst_joint(bare, bare.regimes[0]) == []
+
+
+def test_a_hodograph_leaves_out_what_has_no_bound():
+    angle = np.linspace(0.0, 2.0 * np.pi, forces.POINTS)
+    force = np.stack([np.cos(angle), np.sin(angle)])
+    force[:, [0, 180]] = np.nan
+    axes = Figure().subplots()
+    forces.draw_hodograph(axes, force, "k")
+    assert np.isfinite([axes.get_xlim(), axes.get_ylim()]).all()
+    assert {"0", "180"}.isdisjoint(text.get_text() for text in axes.texts)

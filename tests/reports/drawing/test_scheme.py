@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from analytic.description.loading import catalogue, load
+from analytic.kinematics.mechanism import Mechanism
 from reports.drawing import scheme, symbols
 from reports.facts.views import View
 
@@ -20,7 +21,7 @@ def test_every_linkage_can_be_drawn_to_scale(name):
     figure = scheme.scheme_figure(view)
     (axes,) = figure.axes
     assert axes.get_aspect() == 1.0
-    low, high = scheme.scheme_of(view).extent
+    low, high = scheme.scheme_of(view.mechanism).extent
     assert np.all(low > [axes.get_xlim()[0], axes.get_ylim()[0]])
     assert np.all(high < [axes.get_xlim()[1], axes.get_ylim()[1]])
     names = {point for link in view.linkage.links.values() for point in link.points} | set(view.linkage.ground)
@@ -28,13 +29,13 @@ def test_every_linkage_can_be_drawn_to_scale(name):
 
 
 def test_the_extent_is_that_of_the_crank_slider():
-    low, high = scheme.scheme_of(View(None, load("juki-mf7923d"))).extent
+    low, high = scheme.scheme_of(Mechanism(load("juki-mf7923d"))).extent
     np.testing.assert_allclose(low, [-15.5, -70.0], atol=1e-9)
     np.testing.assert_allclose(high, [15.5, 15.5], atol=1e-9)
 
 
 def test_a_guide_covers_the_travel_of_its_slider():
-    found = scheme.scheme_of(View(None, load("juki-mf7923d")))
+    found = scheme.scheme_of(Mechanism(load("juki-mf7923d")))
     slider = found.linkage.sliders[0]
     ends = np.array(found.travel(slider.guide, slider.link, slider.point))
     np.testing.assert_allclose(ends, [[0.0, -0.070], [0.0, -0.039]], atol=1e-12)

@@ -1,11 +1,11 @@
 """The portrait of a mechanism: figures of an independent closed form, and structure in words."""
 
 import json
+import math
 
 import pytest
 
 from analytic.description.loading import find, load, parse
-from analytic.errors import AssemblyError
 from analytic.kinematics.mechanism import Mechanism
 from reports.facts.mechanism_summary import portrait
 from tests.analytic.chains import chain_of_dyads
@@ -35,10 +35,20 @@ def test_link_inertias_add_up():
     assert sum(link["Jeq_mean"] for link in facts["links"].values()) == pytest.approx(facts["Jeq"]["mean"], rel=1e-12)
 
 
-def test_a_linkage_that_cannot_turn_is_refused():
+def test_a_linkage_that_cannot_turn_has_a_range_in_place_of_the_figures_of_a_turn():
     text = find("juki-mf7923d").read_text().replace("D = [54.5, 0]", "D = [10, 0]")
-    with pytest.raises(AssemblyError):
-        portrait(parse(text.replace("angle  = 0", "angle  = 90"), "short", "short.toml"))
+    facts = portrait(parse(text.replace("angle  = 0", "angle  = 90"), "short", "short.toml"))
+    assert math.cos(facts["range"]["low"]) == pytest.approx(10.0 / 15.5)
+    assert not {"Jeq", "output", "equilibria", "closure_error"} & set(facts)
+    assert facts["links"]["crank"]["mass"] == 0.64
+
+
+def test_a_linkage_without_masses_has_no_reduced_inertia():
+    text = find("juki-mf7923d").read_text()
+    massless = "\n".join(line for line in text.splitlines() if not line.startswith(("mass ", "inertia ")))
+    facts = portrait(parse(massless, "light", "light.toml"))
+    assert "Jeq" not in facts
+    assert facts["output"]["stroke"] == pytest.approx(31e-3)
 
 
 def test_a_turn_is_swept_as_often_however_many_links_there_are(monkeypatch):

@@ -5,7 +5,7 @@ from dataclasses import asdict, replace
 import numpy as np
 import pytest
 
-from analytic.description.loading import load
+from analytic.description.loading import find, load, parse
 from analytic.kinematics.mechanism import Mechanism
 from comparisons.campaign.campaign import RunResult
 from comparisons.campaign.results import Results, dataset
@@ -129,3 +129,13 @@ def test_the_coarse_integrator_stands_beside_the_engines(ran):
     assert len(upper.lines) == 4  # the closed form, two engines, the integrator
     (scale,) = upper.child_axes
     assert scale.get_ylabel() == "n, rpm"
+
+
+@pytest.mark.parametrize(("axis", "words"), [("time = [0, 1, 2]", "time"), ("angle = [0, 90, 180]", "the crank angle")])
+def test_a_torque_that_changes_has_no_angle_of_rest_and_no_printed_integrator(axis, words):
+    text = f"[regimes.mine]\ntorque = [0.01, 0.02, 0.01]\n{axis}\nstart_angle = 200\nduration = 0.05\n"
+    linkage = parse(f"{find('juki-mf7923d').read_text()}\n{text}", "mine", "mine.toml", None)
+    found = Released(Mechanism(linkage), linkage.released["mine"])
+    told = sentences(found)
+    assert told[0] == f"Its torque changes with {words}."
+    assert not any("rest" in line or "fixed step" in line for line in told)

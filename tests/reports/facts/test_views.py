@@ -5,10 +5,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from analytic.description.loading import load
+from analytic.description.loading import parse
 from comparisons.campaign.results import Results
 from engines.contract import Setting
 from reports.facts.views import NOMINAL_SPEED, View, anchor, engines, views
+from tests.analytic.drives import driven
 from tests.reports.made_up_results import made_up_results
 
 LINKAGES = Path(__file__).parents[2] / "linkages"
@@ -49,9 +50,11 @@ def test_a_regime_may_leave_the_crank_free(results):
 
 
 def test_full_turns_and_outputs_are_known(results):
-    rocker = load(str(LINKAGES / "parallelogram.toml"))
+    text = (LINKAGES / "parallelogram.toml").read_text(encoding="utf-8")
+    rocker = parse(text.replace("B = [25, 0]", "B = [15, 0]"), "sample", "sample.toml")  # it turns instead of the crank
     assert not View(results, rocker).has_output
     assert views(results)[0].has_output
+    assert not View(results, driven("linear-motor").linkage).makes_full_turn
 
 
 def test_anchors_hold_no_character_that_a_link_cannot():

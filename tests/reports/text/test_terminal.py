@@ -1,6 +1,6 @@
 """Tables of mechanisms hold what they should."""
 
-from analytic.description.loading import catalogue, load
+from analytic.description.loading import catalogue, literature, load
 from comparisons.reference.published import all_variants, compare_published
 from reports.facts.mechanism_summary import portrait
 from reports.text import terminal
@@ -8,8 +8,10 @@ from reports.text.screen import rendered
 
 
 def test_catalogue_portrait_and_published_name_their_mechanism():
-    linkages = [load(name) for name in catalogue()]
-    assert all(linkage.name in rendered(terminal.catalogue(linkages)) for linkage in linkages)
+    sewing, others = ([load(name) for name in names] for names in (catalogue(), literature()))
+    text = rendered(terminal.catalogue(sewing, others))
+    assert all(linkage.name in text for linkage in sewing + others)
+    assert text.index(sewing[-1].name) < text.index("Linkages of the literature") < text.index(others[0].name)
     assert "juki-mf7923d (as-built)" in rendered(terminal.portrait(portrait(load("juki-mf7923d"))))
     text = rendered(terminal.published(compare_published(all_variants("juki-mf7923d"))))
     assert "9.127e-05 ✓ +0.3%" in text

@@ -1,0 +1,229 @@
+"""The range of φ, a crank angle or a travel, in which a linkage keeps its assembly mode, and what limits it."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from analytic.errors import AssemblyError
+from analytic.kinematics.change_points import TOUCHING, is_followed
+from analytic.kinematics.dyad_solver import DyadSolver
+from analytic.kinematics.dyads.arms import ROUNDING
+from analytic.kinematics.groups.solver import DEAD, GroupSolver
+from analytic.kinematics.mechanism import FULL_TURN, Mechanism
+from analytic.kinematics.structure import AnyGroup
+from analytic.kinematics.sweep import placed, solver_of
+from analytic.numerics.roots import root
+
+Array = NDArray[np.float64]
+
+# The margin is looked at in steps of half a degree, and in ever finer ones towards the start, for ranges narrower than
+# that; each of its minima is then closed in on, for gaps between two steps.
+STEP: Final = FULL_TURN / 720
+NEAREST, NEAR_STEPS = 1e-13, 80
+SPAN: Final = 8.0  # of the drawing's size: how far a driver that does not turn is followed to either side
+DIGITS: Final = 8  # of a change point that several dyads have
+LOOK, LOOKS = 33, 12  # each look at a minimum shrinks its bracket 16-fold
+
+
+@dataclass(frozen=True)
+class Toggle:
+    """A crank angle, rad, or a travel, m, at which a dyad comes to the end of its assembly mode, and how it stands."""
+
+    angle: float
+    dyad: AnyGroup
+    reason: str
+
+    @property
+    def sentence(self) -> str:
+        """Which links, and how they stand."""
+        return f"{self.dyad.name}: {self.reason}"
+
+
+@dataclass(frozen=True)
+class CrankRange:
+    """The crank angles from ``low`` to ``high`` around ``start``, rad; both are None where the crank turns fully.
+
+    Of a driver that is pushed they are travels or lengths, m, and an end is None where nothing limits it within
+    ``reach`` of the start. ``place`` writes a value for a reader.
+    ``change_points`` are the angles within it at which two assembly modes meet and neither ends: the crank passes them.
+    """
+
+    start: float
+    low: Toggle | None
+    high: Toggle | None
+    change_points: tuple[Toggle, ...]
+    reach: float = FULL_TURN
+    place: Callable[[float], str] = lambda angle: f"{math.degrees(angle):.6g}°"
+    is_linear: bool = False
+
+    @property
+    def is_full_turn(self) -> bool:
+        """Whether the driver is a crank that nothing limits."""
+        return self.low is None and not self.is_linear
+
+    @property
+    def limits(self) -> tuple[float, float]:
+        """The lowest and the highest crank angle, rad; of a full turn, the turn that begins at ``start``."""
+        if self.is_linear:
+            low = self.start - self.reach if self.low is None else self.low.angle
+            return low, self.start + self.reach if self.high is None else self.high.angle
+        if self.low is None or self.high is None:
+            return self.start, self.start + FULL_TURN
+        return self.low.angle, self.high.angle
+
+    def check(self, first: float, last: float, linkage: str) -> None:
+        """Raise AssemblyError where a motion from one crank angle to another, rad, leaves the range."""
+        if self.is_full_turn:
+            return
+        low, high = self.limits
+        if min(first, last) < low or max(first, last) > high:
+            limit = self.low if min(first, last) < low else self.high
+            cause = f"at {self.place(limit.angle)} {limit.sentence}" if limit else "farther it is not followed"
+            driver = "drive" if self.is_linear else "crank"
+            raise AssemblyError(
+                f"'{linkage}' cannot be moved from {self.place(first)} to {self.place(last)}: its {driver} reaches "
+                f"{self.place(low)} to {self.place(high)} ({cause}); stay within, "
+                "with --from and --to or a regime of its file"
+            )
+
+
+def crank_range(mechanism: Mechanism, start: float | None = None) -> CrankRange:
+    """The range around a crank angle, rad, the sketch's if None.
+
+    The limits are roots of the length by which a dyad's links reach each other, to rounding; where that length touches
+    zero, and the linkage is not followed on, the root of rounding. Raises AssemblyError where it cannot be assembled at
+    the start.
+    """
+    search = _Search(mechanism, mechanism.linkage.sketch_angle if start is None else start)
+    low, high = search.first_fault(-1.0), search.first_fault(1.0)
+    linkage, changes = mechanism.linkage, search.change_points(low, high)
+    if linkage.is_linear:
+        return CrankRange(search.start, low, high, changes, FULL_TURN * search.radian, linkage.written, is_linear=True)
+    return CrankRange(search.start, low, high, changes)
+
+
+class _Search:
+    """The margin of a linkage over the crank angle: what its worst dyad has left before its links fail to meet."""
+
+    def __init__(self, mechanism: Mechanism, start: float) -> None:
+        self.mechanism = mechanism
+        self.start = start
+        sweep = mechanism.sweep(np.array([start]))
+        for body in mechanism.structure.bodies:
+            sweep.poses(body)  # raises where it is not assembled
+        self.signs = [
+            1.0 if isinstance(solver, GroupSolver) else np.sign(solver.closure.determinant)
+            for solver in self.solvers(np.array([start]))
+        ]
+        linkage = mechanism.linkage
+        self.radian = SPAN * linkage.extent() / FULL_TURN if linkage.is_linear else 1.0  # what angles are counted in
+        steps = [np.zeros(1), np.geomspace(NEAREST, STEP, NEAR_STEPS)[:-1], np.arange(1, 721) * STEP]
+        self.offsets = self.radian * np.concatenate(steps)
+
+    def solvers(self, angle: Array) -> list[DyadSolver | GroupSolver]:
+        """Every group placed at crank angles, assembled or not."""
+        structure = self.mechanism.structure
+        poses = placed(structure, angle)
+        solvers = [solver_of(group, angle) for group in structure.groups]
+        for solver in solvers:
+            poses.update(zip(solver.dyad.links, solver.poses(poses), strict=True))
+        return solvers
+
+    def margins(self, offset: Array) -> Array:
+        """Of each dyad the length it has left over the lengths it comes from, negative where it fails; (dyads, n).
+
+        Two crossing lines have the sine of their angle left. Behind a dyad that fails the others have nothing to say.
+        """
+        rows = [np.full(offset.shape, np.inf)]
+        fails = np.zeros(offset.shape, dtype=bool)
+        with np.errstate(invalid="ignore", divide="ignore"):
+            for solver, sign in zip(self.solvers(self.start + offset), self.signs, strict=True):
+                if isinstance(solver, GroupSolver):
+                    missing, lengths = solver.margin(), 1.0
+                else:
+                    parallel = (solver.closure.determinant, sign)
+                    missing, lengths = solver.missing() if solver.dyad.has_two_modes else parallel
+                row = np.where(fails, np.inf, missing / lengths)
+                rows.append(np.where(np.isnan(row), -1.0, row))
+                fails |= rows[-1] < -ROUNDING
+        return np.array(rows)[1:]
+
+    def margin(self, offset: Array) -> Array:
+        """The least margin, (n,)."""
+        return np.asarray(np.min(self.margins(offset), axis=0, initial=np.inf))
+
+    def toggle(self, offset: float, row: int) -> Toggle:
+        """How a dyad stands at an angle."""
+        solver = self.solvers(np.array([self.start + offset]))[row]
+        if isinstance(solver, GroupSolver):
+            return Toggle(self.start + offset, solver.dyad, f"its links stand {DEAD}")
+        return Toggle(self.start + offset, solver.dyad, solver.formulas.toggle(solver.dyad, solver.closure))
+
+    def worst(self, offset: float) -> int:
+        """The dyad with the least margin at an angle."""
+        return int(np.argmin(self.margins(np.array([offset]))[:, 0]))
+
+    def minima(self, offsets: Array) -> tuple[Array, Array]:
+        """Where the margin has its local minima among ordered offsets, each closed in on, and its values there."""
+        values = self.margin(offsets)
+        inner = np.flatnonzero((values[1:-1] < values[:-2]) & (values[1:-1] <= values[2:])) + 1
+        spot, height, rows = offsets[inner], values[inner], np.arange(len(inner))
+        left, right = offsets[inner - 1], offsets[inner + 1]
+        for _ in range(LOOKS if len(inner) else 0):
+            near = left[:, None] + (right - left)[:, None] * np.linspace(0.0, 1.0, LOOK)
+            seen = self.margin(near.ravel()).reshape(near.shape)
+            best = np.argmin(seen, axis=1)
+            lower = seen[rows, best] < height
+            spot, height = np.where(lower, near[rows, best], spot), np.where(lower, seen[rows, best], height)
+            step = (right - left) / (LOOK - 1)
+            left, right = spot - step, spot + step
+        return spot, height
+
+    def first_fault(self, direction: float) -> Toggle | None:
+        """The nearest end of the range in a direction; None after a whole turn."""
+        offsets = direction * self.offsets
+        spots, heights = self.minima(offsets)
+        least = -ROUNDING if is_followed(self.mechanism.structure) else TOUCHING
+        bad = np.concatenate([offsets[self.margin(offsets) < -ROUNDING], spots[heights < least]])
+        if not len(bad):
+            return None
+        end = float(bad[np.argmin(np.abs(bad))])
+        good = float(offsets[np.abs(offsets) < abs(end)][-1])
+        for _ in self.signs:
+            row = self.worst(end)
+            at = self._end(row, good, end)
+            margins = self.margins(np.array([at]))[:, 0]
+            margins[row] = 0.0
+            if np.min(margins) >= -ROUNDING:
+                break
+            end = at  # a group before it comes to its end nearer to the start
+        return self.toggle(at, row)
+
+    def _end(self, row: int, good: float, end: float) -> float:
+        """Where a group's margin is zero between an offset where it has some and one where it has none, or touches."""
+
+        def margin(offset: float) -> float:
+            return float(self.margins(np.array([offset]))[row, 0])
+
+        if margin(end) >= 0.0:
+            return end
+        return root(margin, good, end) if margin(good) > 0.0 else good
+
+    def change_points(self, low: Toggle | None, high: Toggle | None) -> tuple[Toggle, ...]:
+        """Those of the mechanism within the range, in their order; where several dyads have one, that of the first."""
+        structure = self.mechanism.structure
+        known = [(angle, dyad) for dyad in structure.dyads if dyad.changes for angle in dyad.changes.angles]
+        known += [(angle, dyad) for dyad, angle, _ in self.mechanism.undetermined]
+        first, last = (low.angle, high.angle) if low and high else (self.start, self.start + FULL_TURN)
+        points: dict[float, Toggle] = {}
+        for angle, dyad in known:
+            offset = first - self.start + (angle - first) % FULL_TURN
+            if offset <= last - self.start:
+                points.setdefault(round(offset, DIGITS), self.toggle(offset, structure.groups.index(dyad)))
+        return tuple(points[offset] for offset in sorted(points))

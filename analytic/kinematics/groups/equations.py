@@ -1,0 +1,198 @@
+"""The joints of a group as equations between poses, with two derivatives over φ and their Jacobian.
+
+A pin holds two points together, a slide keeps a frame on a line and its angle, a cylinder's length is φ. The unknowns
+are x, y and θ of the group's links. All three orders have one Jacobian, Φ_q: with the unknowns of an order left at zero
+an equation of that order is what the terms already known bring, so Φ_q q' = −Φ' and Φ_q q'' = −Φ''.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from analytic.kinematics import frames
+from analytic.kinematics.frames import Pair, Pose, Rate, Scalar
+from analytic.kinematics.structure import DrivenDistance, GroupJoint, Revolute
+
+Array = NDArray[np.float64]
+Motion = tuple[Pose, Rate, Rate]
+Motions = Mapping[str, Motion]
+
+
+def values(joints: Sequence[GroupJoint], motions: Motions, order: int, coordinate: Scalar) -> list[Scalar]:
+    """Every equation of an order, 0 where it is met: lengths in m, angles by their sine."""
+    rows: list[Scalar] = []
+    for joint in joints:
+        near, far = motions[joint.near], motions[joint.far]
+        if isinstance(joint, Revolute):
+            rows += frames.minus(_point(far, joint.far_local, order), _point(near, joint.near_local, order))
+        elif isinstance(joint, DrivenDistance):
+            rows.append(_length(joint, near, far, order, coordinate))
+        else:
+            offsets = [
+                frames.minus(_point(far, (0.0, 0.0), k), _point(near, joint.origin, k)) for k in range(order + 1)
+            ]
+            lines = _line(near, joint.along, order)
+            across = [frames.cross(lines[k], offsets[order - k]) for k in range(order + 1)]
+            rows.append(sum(across) if order < 2 else across[0] + 2.0 * across[1] + across[2])
+            rows.append(_turn(near, far, joint.turn, order))
+    return rows
+
+
+def _point(motion: Motion, local: Pair, order: int) -> Pair:
+    if order == 0:
+        return frames.point(motion[0], local)
+    if order == 1:
+        return frames.point_rate(motion[0], motion[1], local)
+    return frames.point_acceleration(motion[0], motion[1], motion[2], local)
+
+
+def _spans(far: Motion, there: Pair, near: Motion, here: Pair, order: int) -> list[Pair]:
+    """From a point of the near body to one of the far body, and the derivatives up to an order."""
+    return [frames.minus(_point(far, there, k), _point(near, here, k)) for k in range(order + 1)]
+
+
+def _line(near: Motion, along: Pair, order: int) -> list[Pair]:
+    """A direction fixed in a body, and its derivatives up to an order."""
+    e = frames.arm(near[0], along)
+    lines = [e]
+    if order:
+        w = near[1][2]
+        lines.append((-w * e[1], w * e[0]))
+    if order > 1:
+        a = near[2][2]
+        lines.append((-a * e[1] - w * w * e[0], a * e[0] - w * w * e[1]))
+    return lines
+
+
+def _turn(near: Motion, far: Motion, turn: Pair, order: int) -> Scalar:
+    """The far frame's angle less the near one's and a constant: its sine, then its derivatives."""
+    if order:
+        return far[order][2] - near[order][2]
+    c, s = frames.turned(near[0], turn)
+    return far[0][3] * c - far[0][2] * s
+
+
+def _length(joint: DrivenDistance, near: Motion, far: Motion, order: int, coordinate: Scalar) -> Scalar:
+    """The distance of the cylinder's ends less φ, and its derivatives."""
+    spans = _spans(far, joint.far_local, near, joint.near_local, order)
+    length = np.sqrt(frames.dot(spans[0], spans[0]))
+    if order == 0:
+        return length - coordinate
+    u = (spans[0][0] / length, spans[0][1] / length)
+    if order == 1:
+        return frames.dot(u, spans[1]) - 1.0
+    return frames.dot(u, spans[2]) + frames.cross(u, spans[1]) ** 2 / length
+
+
+def jacobian(joints: Sequence[GroupJoint], links: Sequence[str], poses: Mapping[str, Pose], count: int) -> Array:
+    """Derivatives of the equations by x, y and θ of the links; (count, equations, 3 · links)."""
+    sizes = [1 if isinstance(joint, DrivenDistance) else 2 for joint in joints]
+    entries = np.zeros((count, sum(sizes), 3 * len(links)))
+    columns = {name: 3 * number for number, name in enumerate(links)}
+    top = 0
+    for joint, size in zip(joints, sizes, strict=True):
+        for body, sign in ((joint.near, -1.0), (joint.far, 1.0)):
+            if body in columns:
+                _enter(entries[:, top : top + size, columns[body] : columns[body] + 3], joint, body, sign, poses)
+        top += size
+    return entries
+
+
+def _enter(block: Array, joint: GroupJoint, body: str, sign: float, poses: Mapping[str, Pose]) -> None:
+    """A joint's rows for one of its bodies."""
+    if isinstance(joint, Revolute):
+        x, y = frames.arm(poses[body], joint.near_local if body == joint.near else joint.far_local)
+        block[:, 0, 0] = block[:, 1, 1] = sign
+        block[:, 0, 2], block[:, 1, 2] = -sign * y, sign * x
+        return
+    near, far = poses[joint.near], poses[joint.far]
+    if isinstance(joint, DrivenDistance):
+        span = frames.minus(frames.point(far, joint.far_local), frames.point(near, joint.near_local))
+        length = np.sqrt(frames.dot(span, span))
+        u = (span[0] / length, span[1] / length)
+        arm = frames.arm(poses[body], joint.near_local if body == joint.near else joint.far_local)
+        block[:, 0, 0], block[:, 0, 1], block[:, 0, 2] = sign * u[0], sign * u[1], sign * frames.cross(arm, u)
+        return
+    x, y = frames.arm(near, joint.along)
+    block[:, 0, 0], block[:, 0, 1], block[:, 1, 2] = -sign * y, sign * x, sign
+    if body == joint.near:
+        block[:, 0, 2] = -(x * (far[0] - near[0]) + y * (far[1] - near[1]))
+
+
+def poses_of(coordinates: Array) -> list[Pose]:
+    """Poses of links from x, y, θ (n, links, 3)."""
+    x, y, angle = np.moveaxis(coordinates, -1, 0)
+    return [(x[:, k], y[:, k], np.cos(angle[:, k]), np.sin(angle[:, k])) for k in range(coordinates.shape[1])]
+
+
+def rates_of(coordinates: Array) -> list[Rate]:
+    """Rates of links from x', y', θ' (n, links, 3)."""
+    return [(row[:, 0], row[:, 1], row[:, 2]) for row in np.moveaxis(coordinates, 1, 0)]
+
+
+def _scales(joint: GroupJoint, unit: float) -> tuple[float, ...]:
+    """Factors that bring a joint's equations into the unit."""
+    if isinstance(joint, DrivenDistance):
+        return (1.0 / unit,)
+    return (1.0 / unit, 1.0 / unit) if isinstance(joint, Revolute) else (1.0 / unit, 1.0)
+
+
+class GroupSystem:
+    """The equations of a group beside the motions of the bodies it hangs on, at n values of φ.
+
+    Lengths are counted in ``unit``, m, in what is solved, so that lengths and angles weigh alike.
+    """
+
+    def __init__(
+        self, joints: Sequence[GroupJoint], links: Sequence[str], hosts: Motions, coordinate: Array, unit: float
+    ) -> None:
+        self.joints, self.links, self.hosts, self.coordinate = joints, links, hosts, coordinate
+        self.count = len(coordinate)
+        self.columns = np.tile([unit, unit, 1.0], len(links))
+        self.rows = np.array([scale for joint in joints for scale in _scales(joint, unit)])
+
+    def motions(self, *orders: Array) -> dict[str, Motion]:
+        """Of all bodies, the group's links by their coordinates and derivatives (n, links, 3); zero where not given."""
+        still = np.zeros((self.count, len(self.links), 3))
+        rates = [rates_of(orders[k] if k < len(orders) else still) for k in (1, 2)]
+        own = zip(poses_of(orders[0]), *rates, strict=True)
+        return {**self.hosts, **dict(zip(self.links, own, strict=True))}
+
+    def residual(self, motions: Motions, order: int) -> Array:
+        """The equations of an order in the system's unit, (n, equations)."""
+        rows = values(self.joints, motions, order, self.coordinate)
+        return np.asarray(np.stack([np.broadcast_to(row, (self.count,)) for row in rows], axis=1) * self.rows)
+
+    def matrix(self, motions: Motions) -> Array:
+        """The Jacobian in the system's unit, (n, equations, unknowns)."""
+        poses = {body: motion[0] for body, motion in motions.items()}
+        return np.asarray(jacobian(self.joints, self.links, poses, self.count) * self.rows[:, None] * self.columns)
+
+    def step(self, matrix: Array, residual: Array) -> Array:
+        """What the unknowns lack, (n, links, 3), m and rad; nan where the matrix is singular."""
+        solution = _solved(matrix, -residual) * self.columns
+        return np.asarray(solution.reshape(self.count, -1, 3))
+
+    def derivatives(self, coordinates: Array) -> tuple[Array, Array]:
+        """Q' and q'' of links that meet, each (n, links, 3)."""
+        matrix = self.matrix(self.motions(coordinates))
+        first = self.step(matrix, self.residual(self.motions(coordinates), 1))
+        return first, self.step(matrix, self.residual(self.motions(coordinates, first), 2))
+
+
+def _solved(matrix: Array, right: Array) -> Array:
+    try:
+        return np.asarray(np.linalg.solve(matrix, right[..., None])[..., 0])
+    except np.linalg.LinAlgError:
+        return np.stack([_alone(one, side) for one, side in zip(matrix, right, strict=True)])
+
+
+def _alone(matrix: Array, right: Array) -> Any:  # noqa: ANN401 - an array of the right side's shape
+    try:
+        return np.linalg.solve(matrix, right)
+    except np.linalg.LinAlgError:
+        return np.full(right.shape, np.nan)

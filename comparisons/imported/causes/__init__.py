@@ -1,0 +1,1 @@
+"""Likely causes of a difference: the closed form with one thing changed, fitted to the file."""

@@ -1,0 +1,186 @@
+"""Results of a tool that cannot be called, judged: aligned with the crank's motion, compared, their causes named."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from analytic.description.linkage import Linkage
+from analytic.errors import LinkproofError
+from comparisons.imported.causes.corrections import proposals
+from comparisons.imported.causes.search import Explanation, explain
+from comparisons.imported.columns import Column, Correction, ImportedResults, ImportedSignal
+from comparisons.imported.judging.column_checks import ColumnCheck, column_checks
+from comparisons.imported.judging.crank_column import (
+    ColumnMotion,
+    motion_of_angles,
+    motion_of_speeds,
+    regular,
+    unwrapped,
+)
+from comparisons.imported.judging.judgement import DEFAULT_LIMIT, SignalVerdict, verdicts
+from comparisons.imported.judging.samples import JudgedModel, Samples, floor, is_angle
+from comparisons.judging.records import Verdict
+from comparisons.reference.case import Case, Motion
+from comparisons.reference.signals import names
+
+Array = NDArray[np.float64]
+
+FEWEST: Final = 2  # samples of a signal that can be judged
+STILL: Final = frozenset(("phi", "S", "Jeq"))  # signals of the linkage at rest: no speed is needed over the angle
+FINE: Final = 2000  # instants by which a curve is looked at between few samples
+SPARSE: Final = 1.0  # of the limit: a peak that the file's samples miss by more is said
+
+
+@dataclass(frozen=True)
+class ImportedJudgement:
+    """What came of a judgement; ``motion_source`` says where the crank's motion comes from.
+
+    ``missed`` are signals whose peak lies between the file's samples, each with the share of it that is missed.
+    """
+
+    model: JudgedModel
+    verdicts: tuple[SignalVerdict, ...]
+    explanation: Explanation
+    checks: tuple[ColumnCheck, ...]
+    not_judged: tuple[tuple[Column, str], ...]
+    imported: ImportedResults
+    motion_source: str
+    limit: float
+    missed: tuple[tuple[str, float], ...] = ()
+
+    @property
+    def proposals(self) -> dict[str, Correction]:
+        """Corrections by the names of signals that would make them right, to be agreed to in the mapping."""
+        columns = {one.name for one in self.imported.signals} | {one.axis for one in self.imported.signals}
+        return proposals(self.explanation, columns, self.imported.corrections)
+
+    @property
+    def passed(self) -> bool:
+        """Whether every signal is within the limit: one that the file leaves open has not passed."""
+        return all(verdict.outcome is Verdict.PASSED for verdict in self.verdicts)
+
+
+def judge(
+    linkage: Linkage,
+    imported: ImportedResults,
+    motion: Motion | None = None,
+    *,
+    limit: float = DEFAULT_LIMIT,
+    start_angle: float = 0.0,
+    gives_speed: bool = True,
+) -> ImportedJudgement:
+    """Compare every imported signal with the closed form at the file's own instants.
+
+    Without a ``motion`` the crank follows the file's column of its angle, or of its speed from ``start_angle``, rad.
+    ``gives_speed`` is False where the user states no speed, which moving signals over the crank angle need.
+    """
+    sampled, source_motion, source, given = _motion(imported, motion, start_angle)
+    model = JudgedModel(linkage, source_motion)
+    signals = [_sampled(one, source_motion) for one in sampled if one.name not in given]
+    _check_speed(signals, gives_speed=gives_speed)
+    short = [one for one in signals if len(one.time) < FEWEST]
+    signals = [one for one in signals if len(one.time) >= FEWEST]
+    if not signals:
+        raise LinkproofError(
+            f"expected a signal to judge, got none besides the crank's motion ({source}): export more columns, or name "
+            "them in a mapping"
+        )
+    truth = model.predicted(signals)
+    signals = [_without_turns(one, values) for one, values in zip(signals, truth, strict=True)]
+    judged = verdicts(model, signals, truth, floor(model, signals, truth), limit)
+    known = names(Case(model.mechanism, source_motion))
+    return ImportedJudgement(
+        model,
+        tuple(judged),
+        explain(model, judged, known),
+        tuple(column_checks(model, signals, imported)),
+        (*imported.not_judged, *((one.imported.column, "a single sample") for one in short)),
+        imported,
+        source,
+        limit,
+        tuple(_missed(model, judged)),
+    )
+
+
+def _motion(
+    imported: ImportedResults, motion: Motion | None, start_angle: float
+) -> tuple[tuple[ImportedSignal, ...], Motion, str, frozenset[str]]:
+    """The signals, the crank's motion, where it comes from, and the signals that it takes up."""
+    signals = imported.signals
+    if motion is not None:
+        return signals, motion, f"regime {motion.regime}", frozenset()
+    over_time = {one.name: one for one in signals if one.axis == "time"}
+    angle, speed = over_time.get("phi"), over_time.get("omega")
+    made = [(motion_of_angles(*_at(angle)), angle)] if angle else []
+    if speed and not (made and made[0][0].is_known):
+        made += [(motion_of_speeds(*_at(speed), float(angle.values[0]) if angle else start_angle), speed)]
+    if made:
+        best, column = min(made, key=lambda pair: pair[0].doubt)
+        return signals, best, f"column '{column.column.header}'", frozenset((column.name,))
+    kind = "over the crank angle" if signals and all(one.axis == "phi" for one in signals) else "over time"
+    cure = "--speed" if kind.endswith("angle") else "--regime"
+    raise LinkproofError(
+        f"crank's motion: expected a column of the crank's angle or speed, got signals {kind} without one; say how the "
+        f"crank moves with {cure}, or name the column in a mapping"
+    )
+
+
+def _at(one: ImportedSignal) -> tuple[Array, Array, Array]:
+    """Times, values and roundings of a column of the crank's motion, whose times are rounded too."""
+    time, open_ = regular(one.at, one.at_resolution)
+    values = unwrapped(one.values) if one.name == "phi" else one.values
+    return time, values, one.resolution + open_ * np.abs(np.gradient(values, time))
+
+
+def _sampled(one: ImportedSignal, motion: Motion) -> Samples:
+    """A signal at its times; over the crank angle those of a constant speed."""
+    at, rounding = regular(one.at, one.at_resolution)
+    if one.axis == "phi":
+        speed = float(motion.speed(0.0))
+        at, rounding = (at - float(motion.angle(0.0))) / speed, rounding / abs(speed)
+        order = np.argsort(at, kind="stable")
+        return Samples(one.name, at[order], one.values[order], one.resolution[order], rounding[order], one)
+    return Samples(one.name, at, one.values, one.resolution, rounding, one)
+
+
+def _check_speed(signals: Sequence[Samples], *, gives_speed: bool) -> None:
+    moving = [one.name for one in signals if one.imported.axis == "phi" and not _is_still(one.name)]
+    if moving and not gives_speed:
+        raise LinkproofError(
+            f"{moving[0]} over the crank angle: expected the crank's speed, got none; say it with --speed, in rpm"
+        )
+
+
+def _is_still(name: str) -> bool:
+    return name in STILL or is_angle(name) or (name.startswith("point:") and name.endswith((":x", ":y")))
+
+
+def _without_turns(one: Samples, truth: Array) -> Samples:
+    """An angle without the whole turns that a tool adds or takes away."""
+    if not is_angle(one.name):
+        return one
+    values = unwrapped(one.values)
+    turns = np.round(np.median(truth - values) / (2.0 * np.pi))
+    return replace(one, values=values + 2.0 * np.pi * turns)
+
+
+def _missed(model: JudgedModel, judged: Sequence[SignalVerdict]) -> list[tuple[str, float]]:
+    """Signals whose closed form peaks between the samples by more than the limit."""
+    found = []
+    for verdict in judged:
+        time = verdict.samples.time
+        if len(time) > 2000 or (isinstance(model.motion, ColumnMotion) and len(time) < 4):
+            continue
+        between = np.linspace(0.0, 1.0, max(9, FINE // len(time)))[:-1]
+        fine = (time[:-1, None] + np.diff(time)[:, None] * between).ravel()
+        whole = model.predicted([replace(verdict.samples, time=fine)])[0]
+        peak = float(np.max(np.abs(whole)))
+        share = 1.0 - float(np.max(np.abs(verdict.truth))) / peak if peak else 0.0
+        if share > SPARSE * verdict.limit and not verdict.near_zero:
+            found.append((verdict.name, share))
+    return found

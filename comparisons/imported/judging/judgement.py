@@ -1,0 +1,219 @@
+"""The verdict of each signal: its error against a limit, with the file's own rounding as the floor."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from comparisons.imported.judging.samples import JudgedModel, Samples, is_angle, is_force, jumps_of
+from comparisons.judging.deviations import Deviation
+from comparisons.judging.records import IMPORTED, Record, Verdict
+from comparisons.reference.case import Motion
+from comparisons.reference.signals import unit
+
+Array = NDArray[np.float64]
+
+DEFAULT_LIMIT: Final = 0.01
+# A signal whose peak is below this share of its natural scale is judged by that share: a reaction that symmetry makes
+# zero has no peak of its own.
+NEAR_ZERO: Final = 0.01
+SETTING: Final = IMPORTED
+
+
+@dataclass(frozen=True)
+class SignalVerdict:
+    """One signal beside the closed form; ``error_max`` and ``error_rms`` are over ``scale``, in ``unit``.
+
+    ``scale`` is the closed form's peak, or where that is ``near_zero`` a share of the signal's natural scale. ``floor``
+    is the largest that the file's rounding leaves open; ``worst`` is the sample with the largest error. Samples at a
+    jump of the crank's acceleration are not ``kept``: their errors count beyond the jump's size.
+    """
+
+    samples: Samples
+    truth: Array
+    open: Array
+    kept: NDArray[np.bool_]
+    unit: str
+    scale: float
+    near_zero: bool
+    limit: float
+    error_max: float
+    error_rms: float
+    worst: int
+    worst_angle: float
+    outcome: Verdict
+
+    @property
+    def name(self) -> str:
+        """The signal's name."""
+        return self.samples.name
+
+    @property
+    def floor(self) -> float:
+        """The rounding over the scale."""
+        return float(np.max(self.open[self.kept], initial=0.0)) / self.scale
+
+    def thinned(self, most: int) -> SignalVerdict:
+        """With at most so many of its samples, equally spread: enough to fit a cause to."""
+        every = -(-len(self.truth) // most)
+        parts = {part: getattr(self, part)[::every] for part in ("truth", "open", "kept")}
+        return replace(self, samples=self.samples.thinned(most), **parts)
+
+    @property
+    def residual(self) -> Array:
+        """Value less truth, (n,)."""
+        return self.samples.values - self.truth
+
+    @property
+    def worst_time(self) -> float:
+        """Instant of the largest error, s."""
+        return float(self.samples.time[self.worst])
+
+    @property
+    def value_there(self) -> float:
+        """The file's value there."""
+        return float(self.samples.values[self.worst])
+
+    @property
+    def truth_there(self) -> float:
+        """The closed form there."""
+        return float(self.truth[self.worst])
+
+    @property
+    def left_out(self) -> int:
+        """Samples at a jump, whose errors count beyond its size."""
+        return int(np.sum(~self.kept))
+
+    @property
+    def detail(self) -> str:
+        """Why it did not pass."""
+        if self.outcome is Verdict.PASSED:
+            return ""
+        if self.outcome is Verdict.UNDEFINED:
+            if not self.kept.any():
+                return "every sample lies at a jump of the crank's acceleration: export a longer run"
+            return (
+                "the rounding of the crank's motion leaves more than the limit open: export its angle with more "
+                "digits, or say how it moves with --regime"
+            )
+        return f"error {self.error_max:.2g} of peak is over its limit {self.limit:.2g}"
+
+    def deviation(self, motion: Motion) -> Deviation:
+        """The curves behind the record."""
+        time = self.samples.time
+        return Deviation(
+            time, motion.angle(time), self.samples.values, self.truth, self.scale, self.error_max, self.error_rms,
+            self.worst_time, int(np.sum(self.kept)), self.left_out,
+        )  # fmt: skip
+
+    def record(self, blank: Record) -> Record:
+        """The record of a campaign's tables."""
+        judged = self.outcome is not Verdict.UNDEFINED
+        return replace(
+            blank,
+            quantity=self.name,
+            unit=self.unit,
+            error_max=self.error_max if judged else None,
+            error_rms=self.error_rms if judged else None,
+            limit=self.limit,
+            outcome=self.outcome.value,
+            detail=self.detail,
+            peak=self.scale,
+            worst_time=self.worst_time,
+            samples=int(np.sum(self.kept)),
+            left_out=self.left_out,
+            origin=IMPORTED,
+            runs=1,
+        )
+
+
+def verdicts(
+    model: JudgedModel, samples: Sequence[Samples], truth: Sequence[Array], floors: Sequence[Array], limit: float
+) -> list[SignalVerdict]:
+    """Every signal judged. At a jump of the crank's acceleration a sample may be off by the jump besides."""
+    scales = natural_scales(model, samples, truth)
+    return [
+        _verdict(model, one, values, open_, limit=limit, natural=natural)
+        for one, values, open_, natural in zip(samples, truth, floors, scales, strict=True)
+    ]
+
+
+def _verdict(
+    model: JudgedModel, one: Samples, truth: Array, open_: Array, *, limit: float, natural: float
+) -> SignalVerdict:
+    jump = jumps_of(model, one)
+    kept = jump == 0.0
+    peak = float(np.max(np.abs(truth[kept] if kept.any() else truth)))
+    least = NEAR_ZERO * natural
+    near_zero = peak < least
+    scale = (least if near_zero else peak) or 1.0
+    error = np.maximum(np.abs(one.values - truth) - jump, 0.0)
+    worst = int(np.argmax(error))
+    over = error > limit * scale
+    outcome = Verdict.PASSED
+    if np.any(over & (error > open_)):
+        outcome = Verdict.OVER_LIMIT
+    elif np.any(over & (error > one.rounding)) or not kept.any():
+        outcome = Verdict.UNDEFINED  # what the rounding of the crank's motion leaves open is over the limit
+    return SignalVerdict(
+        samples=one,
+        truth=truth,
+        open=open_,
+        kept=kept,
+        unit=_unit(one.name, model),
+        scale=scale,
+        near_zero=near_zero,
+        limit=limit,
+        error_max=float(error[worst]) / scale,
+        error_rms=float(np.sqrt(np.sum(error**2) / max(1, np.sum(kept)))) / scale,
+        worst=worst,
+        worst_angle=float(model.motion.angle(one.time[worst])),
+        outcome=outcome,
+    )
+
+
+def _unit(name: str, model: JudgedModel) -> str:
+    return "N" if name.startswith("joint_force") else unit(name, model.linkage)
+
+
+def natural_scales(model: JudgedModel, samples: Sequence[Samples], truth: Sequence[Array]) -> list[float]:
+    """Of each signal what is large for its kind in this linkage and motion: a length, a force, a torque.
+
+    A length is the linkage's largest coordinate, a speed that times the crank's; a force is the largest of all signals
+    that are forces, and of the weights.
+    """
+    linkage, motion = model.linkage, model.motion
+    length, speed = linkage.extent(), motion.peak_speed
+    time = np.linspace(0.0, motion.duration, 101)
+    hardest = float(np.max(np.abs(motion.acceleration(time)))) + speed**2
+    weight = sum(link.mass for link in linkage.links.values()) * float(np.hypot(*linkage.gravity))
+    mass = sum(link.mass for link in linkage.links.values())
+    force = max(weight, mass * length * hardest * 0.1, *(p for p, n in _peaks(samples, truth) if "force" in n), 0.0)
+    scales = []
+    for one in samples:
+        name = one.name
+        part = name.rpartition(":")[2]
+        if is_angle(name):
+            scales.append(1.0)
+        elif is_force(name) and "force" in name:
+            scales.append(force)
+        elif name in ("Mkr", "shaking_moment", "Teq"):
+            scales.append(force * length * 0.1)
+        elif name == "Peq":
+            scales.append(force * length * speed * 0.1)
+        elif name in ("omega", "epsilon") or part in ("omega", "alpha"):
+            scales.append(speed if name == "omega" or part == "omega" else hardest)
+        elif name == "Jeq":
+            scales.append(0.0)
+        else:
+            order = 2 if name == "a" or part in ("ax", "ay") else 1 if name == "v" or part in ("vx", "vy") else 0
+            scales.append(length * (1.0, speed, hardest)[order])
+    return scales
+
+
+def _peaks(samples: Sequence[Samples], truth: Sequence[Array]) -> list[tuple[float, str]]:
+    return [(float(np.max(np.abs(t))), s.name) for s, t in zip(samples, truth, strict=True)]

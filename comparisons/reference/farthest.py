@@ -1,0 +1,47 @@
+"""Where S counts from: the top dead centre, or the farthest place that a crank which cannot turn fully brings it to."""
+
+from __future__ import annotations
+
+from functools import lru_cache
+
+import numpy as np
+from numpy.typing import NDArray
+
+from analytic.errors import AssemblyError
+from analytic.kinematics.mechanism import Mechanism
+from analytic.numerics.peaks import highest
+from analytic.turn.unit_functions import top_dead_centre
+from comparisons.reference.case import INSTANTS, Motion
+
+Array = NDArray[np.float64]
+
+
+def farthest(mechanism: Mechanism, motion: Motion) -> float:
+    """The output's coordinate at which S is 0, m.
+
+    It is that of the top dead centre where the crank can turn fully, else of the farthest point the motion reaches,
+    between instants too. Raises LinkproofError where the output of a full turn stands still along its direction.
+    """
+    top = top_of_turn(mechanism)
+    return _reached(mechanism, motion) if top is None else top
+
+
+@lru_cache(maxsize=64)
+def top_of_turn(mechanism: Mechanism) -> float | None:
+    """The output's coordinate at the top dead centre, m; None where the crank cannot turn fully to show it."""
+    if mechanism.linkage.is_linear:
+        return None
+    try:
+        mechanism.check_full_turn()
+        return top_dead_centre(mechanism).coordinate
+    except AssemblyError:
+        return None
+
+
+def _reached(mechanism: Mechanism, motion: Motion) -> float:
+    time = np.linspace(0.0, motion.duration, INSTANTS)
+
+    def coordinate(instants: Array) -> Array:
+        return mechanism.sweep(motion.angle(instants)).output()[None]
+
+    return float(highest(coordinate, time, coordinate(time))[0][0])

@@ -1,0 +1,133 @@
+"""What ``linkproof bench`` does, once its words are parsed: measure, print, write."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from dataclasses import asdict, dataclass, replace
+from typing import Any
+
+from analytic.description.linkage import Linkage
+from analytic.errors import LinkproofError, UnknownNameError
+from comparisons.campaign.campaign import CampaignRequest, cases
+from comparisons.judging.quantities import QUANTITIES as COMPARED
+from comparisons.judging.quantities import check_defined
+from comparisons.reference.case import Case
+from comparisons.runs.environment import environment
+from comparisons.runs.timing import WORK, first_use_seconds
+from comparisons.work_precision import costs
+from comparisons.work_precision.measure import JOINTS, chosen
+from comparisons.work_precision.points import FULL, QUICK, Extent
+from comparisons.work_precision.records import FILE, FORMAT, Bench, rows, save
+from comparisons.work_precision.study import QUANTITIES, BenchRequest, Measured, methods_told
+from comparisons.work_precision.study import bench as measure_all
+from reports.command_line.destination import Destination
+from reports.command_line.exit_codes import bench_exit_code
+from reports.command_line.interruption import interruptible, journal
+from reports.command_line.requests import CampaignChoice, installed, request
+from reports.work_precision.terminal import printout
+
+REGIMES, QUICK_REGIMES = ("run-up-quintic", "run-up"), ("run-up-quintic",)
+
+
+@dataclass(frozen=True)
+class BenchChoice(CampaignChoice):
+    """What was asked for, in the user's words; empty means the default."""
+
+    quick: bool = False
+    costs: bool = False
+
+    @property
+    def campaign(self) -> CampaignChoice:
+        """The same as a campaign's choice."""
+        usual = () if self.swings else QUICK_REGIMES if self.quick else REGIMES
+        return replace(self, regimes=self.regimes or usual, quantities=())
+
+    @property
+    def extent(self) -> Extent:
+        """How far to go."""
+        return QUICK if self.quick else FULL
+
+    @property
+    def command(self) -> str:
+        """The command that asks for the same."""
+        return self.written("bench")
+
+    @property
+    def flags(self) -> dict[str, bool]:
+        """Options without a value."""
+        return {**super().flags, "quick": self.quick, "costs": self.costs}
+
+
+def bench(choice: BenchChoice, destination: Destination) -> int:
+    """Measure, write what was asked for, print the tables; returns the exit code.
+
+    Raises LinkproofError for anything that does not exist or cannot be, before any run is made.
+    """
+    out = destination.folder
+    destination.check(FILE)
+    asked = request(choice.campaign)
+    wanted = _request(choice, asked)
+    kept = journal(out, choice.command, asked.engines, asked.linkages, resume=destination.resume) if out else None
+    with interruptible(out) as counting:
+        with destination.progress() as announce:
+            measured = measure_all(wanted, counting(announce), kept)
+        found = Bench(_document(choice, wanted, measured))
+        destination.write_json(found.document)
+        if out:
+            save(out / FILE, found.document)
+            from reports.work_precision.page import write  # noqa: PLC0415  plots cost seconds that a table does not pay
+
+            destination.say(f"benchmark: {write(found, out)}")
+        if kept:
+            kept.clear()
+    destination.print_out(printout(found, choice.quantities))
+    return bench_exit_code(measured.records, wanted.engines)
+
+
+def _request(choice: BenchChoice, asked: CampaignRequest) -> BenchRequest:
+    every = tuple(cases(asked))
+    quantities = tuple(dict.fromkeys(choice.quantities)) or QUANTITIES
+    for name in quantities:
+        if name not in (*COMPARED, JOINTS):
+            raise UnknownNameError("quantity", name, (*COMPARED, JOINTS))
+    for case in every:
+        found = chosen(case, quantities)
+        if not found:
+            raise LinkproofError(_nothing_to_measure(case, quantities))
+        check_defined(case, [quantity for family in found.values() for quantity in family])
+    return BenchRequest(every, asked.engines, quantities, extent=choice.extent)
+
+
+def _nothing_to_measure(case: Case, quantities: Iterable[str]) -> str:
+    return (
+        f"none of {', '.join(quantities)} is a result of '{case.mechanism.linkage.name}' in regime "
+        f"'{case.motion.regime}': ask for another quantity, or leave the regime out"
+    )
+
+
+def _document(choice: BenchChoice, wanted: BenchRequest, measured: Measured) -> dict[str, Any]:
+    """Everything of a finished benchmark, ready for JSON."""
+    noise = measured.noise
+    linkages = {case.mechanism.linkage.name: case.mechanism.linkage for case in wanted.cases}
+    extent = {name: value for name, value in asdict(wanted.extent).items() if value != float("inf")}
+    return {
+        "format": FORMAT,
+        "command": choice.command,
+        "conditions": "; ".join(dict.fromkeys(case.conditions for case in wanted.cases)),
+        "environment": environment(),
+        "extent": extent,
+        "noise": {"work": WORK, "samples": [round(one, 9) for one in noise.samples]},
+        "first_use": [
+            {"engine": name, "seconds": first_use_seconds(name, 1 if choice.quick else 3)} for name in wanted.engines
+        ],
+        "mechanisms": [{"name": one.name, "title": one.title, "variant": one.variant} for one in linkages.values()],
+        "methods": methods_told(wanted),
+        "costs": _costs(list(linkages.values()), wanted.engines) if choice.costs else [],
+        "quantities": list(measured.quantities),
+        "records": rows(measured.points),
+    }
+
+
+def _costs(linkages: Sequence[Linkage], engines: Sequence[str]) -> list[dict[str, Any]]:
+    """What each output and load costs, in the linkage with most to leave out and the engines that are installed."""
+    return rows(costs.measure(costs.most_reducible(linkages), installed(engines)))

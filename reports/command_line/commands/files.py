@@ -1,0 +1,81 @@
+"""What ``linkproof new``, ``schema`` and ``check`` do: begin a linkage file, help an editor with it, look it over."""
+
+from __future__ import annotations
+
+import json
+import shlex
+from pathlib import Path
+from typing import Final
+
+from analytic.description.format.json_schema import TITLE, json_schema
+from analytic.description.linkage import Linkage
+from analytic.description.loading import load
+from analytic.errors import LinkproofError, is_safe
+from analytic.kinematics.mechanism import Mechanism
+from comparisons.runs.files import check_writable, write_text
+from reports.command_line.destination import Destination
+from reports.facts import linkage_check
+from reports.text.linkage_check import printed
+from reports.text.screen import line
+
+TEMPLATE: Final = Path(json_schema.__code__.co_filename).with_name("new.toml")
+SCHEMA_FILE: Final = "linkproof.schema.json"
+
+
+def new(name: str, destination: Destination) -> None:
+    """Write a linkage file to fill in, and beside it the schema by which an editor completes and checks it."""
+    path = Path(name if name.lower().endswith(".toml") else f"{name}.toml")
+    if path.suffix.lower() != ".toml" or not all(map(is_safe, name)):
+        raise LinkproofError(f"expected a name for the new file, got '{name}': give one of letters and digits")
+    if path.exists() or path.is_symlink():
+        raise LinkproofError(f"'{path}' is there already: give another name, for new files overwrite nothing")
+    check_writable(path)
+    schema = path.with_name(SCHEMA_FILE)
+    title = json.dumps(path.stem, ensure_ascii=False)[1:-1]
+    write_text(path, TEMPLATE.read_text(encoding="utf-8").replace("{title}", title))
+    beside = ""
+    if _is_ours(schema):
+        write_text(schema, schema_text())
+        beside = f" and {schema}, by which editors complete and check it"
+    argument = shlex.quote(f"./{path}" if str(path).startswith("-") else str(path))
+    destination.print(line(f"wrote {path}{beside}; next: linkproof check {argument}"))
+
+
+def _is_ours(path: Path) -> bool:
+    """Whether a schema file can be written: there is none yet, or one of ours, which may be of an older version."""
+    try:
+        return bool(json.loads(path.read_text(encoding="utf-8")).get("title") == TITLE)
+    except FileNotFoundError:
+        return True
+    except (OSError, ValueError, AttributeError):
+        return False
+
+
+def check(name: str, variant: str | None, svg: Path | None, destination: Destination) -> None:
+    """Print or write all that is right with a linkage, draw it, and raise the fault that is left."""
+    linkage = load(name, variant)
+    if svg is not None:
+        check_writable(svg)
+    facts, fault = linkage_check.check(linkage)
+    destination.print(printed(facts, linkage.written))
+    destination.write_json(facts)
+    if fault is not None:
+        raise fault
+    if svg is not None:
+        write_text(svg, drawing(linkage))
+        destination.print(line(f"wrote {svg}"))
+    else:
+        destination.print(line(f"scheme       linkproof check {shlex.quote(name)} --svg scheme.svg draws it"))
+
+
+def drawing(linkage: Linkage) -> str:
+    """The scheme of a linkage as SVG, in twelve positions of its range."""
+    from reports.drawing.scheme import mechanism_figure  # noqa: PLC0415 - matplotlib takes a second to import
+    from reports.drawing.style import svg_text  # noqa: PLC0415
+
+    return svg_text(mechanism_figure(Mechanism(linkage)))
+
+
+def schema_text() -> str:
+    """The JSON schema of linkage files."""
+    return json.dumps(json_schema(), indent=1, ensure_ascii=False) + "\n"

@@ -1,0 +1,153 @@
+"""What ``linkproof judge`` does: read another tool's results, compare them with the closed form, say what is wrong."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+from analytic.description.changes import without
+from analytic.description.crank_motion import RPM, CrankMotion, crank_motion
+from analytic.description.linkage import Linkage
+from analytic.description.loading import load
+from analytic.errors import LinkproofError
+from analytic.kinematics.mechanism import Mechanism
+from comparisons.campaign.campaign import CampaignRequest
+from comparisons.campaign.results import document as saved_document
+from comparisons.campaign.results import save
+from comparisons.imported.columns import ImportedResults, MappingNeededError
+from comparisons.imported.judge import ImportedJudgement
+from comparisons.imported.judge import judge as judge_results
+from comparisons.imported.mapping.writing import with_proposals
+from comparisons.imported.reading import read_results
+from comparisons.judging.records import Verdict
+from comparisons.judging.run_result import RunResult
+from comparisons.reference.case import Motion, own_case
+from comparisons.runs.files import check_writable, write_text
+from reports.command_line import FAILED, PASSED
+from reports.command_line.commands.compare import rebuild
+from reports.command_line.destination import Destination
+from reports.command_line.motion_choice import MotionChoice, motions, own_regimes
+from reports.command_line.requests import command_line
+from reports.imported.document import blank_of, document, with_cause
+from reports.imported.terminal import printout, sentence, sentences
+from reports.text.screen import line
+
+PAGE = "index.html"
+USUAL_SPEED = 1000.0  # rpm
+
+
+@dataclass(frozen=True)
+class JudgeChoice:
+    """What to judge, in the user's words. ``speed`` is None where none is given, ``limit`` a share of the peak."""
+
+    mechanism: str
+    results: tuple[Path, ...]
+    motion: MotionChoice
+    gives_speed: bool
+    limit: float
+    mapping: Path | None = None
+    write_mapping: Path | None = None
+    gravity: bool = True
+
+    @property
+    def command(self) -> str:
+        """The command that asks for the same."""
+        options = {
+            **self.motion.words,
+            "mapping": [str(self.mapping)] if self.mapping else [],
+            "limit": [f"{self.limit:g}"],
+        }
+        flags = {"clockwise": self.motion.clockwise, "no-gravity": not self.gravity}
+        return command_line("judge", (self.mechanism, *map(str, self.results)), options, flags)
+
+
+def judge(choice: JudgeChoice, destination: Destination) -> int:
+    """Judge result files, print and write what came of it; returns the exit code."""
+    destination.check(PAGE)
+    choice.motion.check()
+    if not 0.0 < choice.limit < math.inf:
+        raise LinkproofError(f"--limit: expected a positive share of the peak, such as 0.01, got {choice.limit:g}")
+    if choice.write_mapping is not None:
+        _check_is_new(choice.write_mapping, choice.mapping)
+    found = load(choice.mechanism, choice.motion.variant)
+    linkage = found if choice.gravity else without(found, "gravity")
+    imported = _read(choice, linkage, destination)
+    judgement = judge_results(
+        linkage,
+        imported,
+        _motion(choice, linkage, imported),
+        limit=choice.limit,
+        start_angle=math.radians(choice.motion.start_angle),
+        gives_speed=choice.gives_speed,
+    )
+    if choice.write_mapping is not None:
+        write_text(choice.write_mapping, with_proposals(imported.mapping_text, judgement.proposals))
+        destination.say(f"mapping: {choice.write_mapping}")
+    if destination.folder is not None:
+        _write_page(choice, judgement, destination.folder, destination)
+    files = ", ".join(str(path) for path in choice.results)
+    destination.write_json(document(judgement, blank_of(judgement, files), choice.command, sentence(judgement)))
+    if destination.quiet:
+        destination.print(line(sentence(judgement)))
+    destination.print_out(printout(judgement, f"{linkage.name} ({linkage.variant}) against {files}"))
+    if all(verdict.outcome is Verdict.UNDEFINED for verdict in judgement.verdicts):
+        raise LinkproofError(f"expected a signal to judge, got none: {judgement.verdicts[0].detail}")
+    return PASSED if judgement.passed else FAILED
+
+
+def _check_is_new(path: Path, mapping: Path | None) -> None:
+    """Raise LinkproofError where a mapping, in which a user may have agreed to something, would be overwritten."""
+    check_writable(path)
+    if path.exists() and (mapping is None or path.resolve() != mapping.resolve()):
+        raise LinkproofError(
+            f"--write-mapping: '{path}' is there already: take it with --mapping, or give another name"
+        )
+
+
+def _read(choice: JudgeChoice, linkage: Linkage, destination: Destination) -> ImportedResults:
+    """The results; where the user has to tell what a column is, the mapping to fill in is written."""
+    try:
+        return read_results(choice.results, linkage, choice.mapping)
+    except MappingNeededError as error:
+        if choice.write_mapping is None:
+            raise LinkproofError(f"{error}; --write-mapping FILE writes one to fill in") from error
+        write_text(choice.write_mapping, error.mapping_text)
+        destination.say(f"mapping to fill in: {choice.write_mapping}")
+        raise
+
+
+def _motion(choice: JudgeChoice, linkage: Linkage, imported: ImportedResults) -> Motion | None:
+    """The regime asked for; over the crank angle a constant speed; else None: the file's own columns tell it."""
+    asked = choice.motion
+    if len(asked.regimes) > 1:
+        raise LinkproofError(f"--regime: expected one motion of the crank, got {', '.join(asked.regimes)}; name one")
+    own = own_regimes(asked, [linkage])
+    if own:
+        regime = next(regime for regime in linkage.regimes if regime.name == own[0])
+        return own_case(Mechanism(linkage), regime).motion
+    if asked.regimes or asked.swings:
+        return motions(asked)[0]
+    if imported.signals and all(one.axis == "phi" for one in imported.signals):
+        speed = (asked.speed if choice.gives_speed else USUAL_SPEED) * RPM
+        clockwise = asked.clockwise or speed < 0.0
+        return crank_motion("constant-speed", speed=abs(speed), clockwise=clockwise)
+    return None
+
+
+def _write_page(choice: JudgeChoice, judgement: ImportedJudgement, folder: Path, destination: Destination) -> None:
+    """The records, curves and page of a campaign, with the files in an engine's place."""
+    linkage, motion = judgement.model.linkage, judgement.model.motion
+    blank = blank_of(judgement, ", ".join(path.name for path in choice.results))
+    blank = replace(blank, steps=max(len(verdict.truth) for verdict in judgement.verdicts))
+    result = RunResult(
+        tuple(with_cause(verdict.record(blank), judgement) for verdict in judgement.verdicts),
+        tuple(check.record(blank) for check in judgement.checks),
+        {verdict.name: verdict.deviation(motion) for verdict in judgement.verdicts},
+        {f"cause {n}": finding.likeliest.words for n, finding in enumerate(judgement.explanation.findings, start=1)},
+    )
+    motions = (motion,) if isinstance(motion, CrankMotion) else ()
+    request = CampaignRequest((linkage,), motions, blank.conditions, (blank.engine,))
+    told = {**saved_document(request, [result], choice.command), "judgement": sentences(judgement)}
+    save(folder, [result], told)
+    destination.say(f"report: {rebuild(folder, processes=0)}")

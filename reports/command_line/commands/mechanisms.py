@@ -1,0 +1,51 @@
+"""What ``linkproof list``, ``show`` and ``thread`` do: read linkages, print or write what is known of them."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+
+from analytic.description.linkage import Linkage
+from analytic.description.loading import catalogue, literature, load
+from analytic.errors import LinkproofError
+from analytic.kinematics.mechanism import Mechanism
+from analytic.turn.required_feed import compare_feed, read_required_feed
+from reports.command_line.destination import Destination
+from reports.facts.mechanism_summary import portrait, thread_facts
+from reports.text import terminal
+
+
+def list_mechanisms(destination: Destination) -> None:
+    """Print or write the catalogue, the linkages of the literature in a part of their own."""
+    sewing, others = ([load(name) for name in names] for names in (catalogue(), literature()))
+    destination.print(terminal.catalogue(sewing, others))
+    shelves = {"catalogue": sewing, "literature": others}
+    destination.write_json({"records": [_entry(each, shelf) for shelf in shelves for each in shelves[shelf]]})
+
+
+def _entry(linkage: Linkage, shelf: str) -> dict[str, object]:
+    facts = {"title": linkage.title, "source": linkage.source, "variants": list(linkage.variants)}
+    return {"mechanism": linkage.name, "shelf": shelf, **facts}
+
+
+def show(name: str, variant: str | None, destination: Destination) -> None:
+    """Print or write the structure and figures of a mechanism."""
+    facts = portrait(load(name, variant))
+    destination.print(terminal.portrait(facts))
+    destination.write_json(facts)
+
+
+def thread(name: str, variant: str | None, required: Path | None, destination: Destination) -> None:
+    """Print or write contour and feed of a mechanism's thread, and its difference from a required curve."""
+    linkage = load(name, variant)
+    if linkage.thread is None:
+        raise LinkproofError(f"'{linkage.name}' has no thread: add a [thread] with its stops to its file")
+    mechanism = Mechanism(linkage)
+    facts = {"mechanism": linkage.name, "variant": linkage.variant, **thread_facts(mechanism, linkage.thread)}
+    held = compare_feed(mechanism, linkage.thread, read_required_feed(required)) if required else None
+    destination.print(terminal.thread(facts, held))
+    if held is not None:
+        curves = {name: getattr(held, name).tolist() for name in ("required", "actual", "difference")}
+        facts["comparison"] = {"angle": np.degrees(held.angle).tolist(), **curves}
+    destination.write_json(facts)

@@ -1,0 +1,174 @@
+"""What ``linkproof results`` does: the closed form of one linkage over one motion, for its designer."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from analytic.description.changes import without
+from analytic.description.crank_motion import RPM, CrankMotion, Segment, swing
+from analytic.description.law import FULL_TURN
+from analytic.description.loading import load
+from analytic.errors import LinkproofError
+from analytic.kinematics.crank_range import crank_range
+from analytic.kinematics.mechanism import Mechanism
+from comparisons.reference.case import Case, own_case
+from comparisons.runs.files import check_writable, write_text
+from reports.command_line.destination import STDOUT, write_out
+from reports.command_line.linear_drive import prescribed, within
+from reports.command_line.motion_choice import EVERYTHING, OWN, MotionChoice, own_regimes
+from reports.results.designer_results import DesignerResults
+from reports.results.files import csv_table, json_text
+from reports.results.instants import Instants
+from reports.results.units import file_unit
+from reports.text.screen import show
+
+Array = NDArray[np.float64]
+
+STEADY = "constant-speed"
+
+
+@dataclass(frozen=True, kw_only=True)
+class ResultsChoice(MotionChoice):
+    """What was asked for, in the user's words; ``at`` are degrees and ``time`` seconds, with commas between them.
+
+    ``csv``, ``json`` and ``svg`` are files, or "-" for stdout, which then holds nothing else.
+    """
+
+    mechanism: str
+    gravity: bool = True
+    at: str | None = None
+    time: str | None = None
+    csv: str | None = None
+    json: str | None = None
+    svg: str | None = None
+
+    @property
+    def files(self) -> dict[str, str]:
+        """Files to be written, by option."""
+        named = {"--csv": self.csv, "--json": self.json, "--svg": self.svg}
+        return {option: file for option, file in named.items() if file is not None}
+
+    def check(self) -> None:
+        """Raise LinkproofError for what cannot be, before anything is worked out."""
+        super().check()
+        if self.at is not None and self.time is not None:
+            raise LinkproofError("--at and --time both choose the instants of the table: leave one of the two out")
+        seen: dict[str, str] = {}
+        for option, file in self.files.items():
+            if file in seen:
+                place = "stdout" if file == STDOUT else f"'{file}'"
+                raise LinkproofError(f"{seen[file]} and {option} cannot both go to {place}: give one of them a file")
+            seen[file] = option
+            if file != STDOUT:
+                check_writable(Path(file))
+                _check_is_other(option, Path(file), Path(self.mechanism))
+
+
+def _check_is_other(option: str, file: Path, linkage: Path) -> None:
+    if file.resolve() == linkage.resolve():
+        raise LinkproofError(f"{option} '{file}' would take the place of the linkage's file: give another name")
+
+
+def results(choice: ResultsChoice, *, quiet: bool = False) -> None:
+    """Print the key figures of a linkage, or its signals at chosen instants, and write the files asked for."""
+    choice.check()
+    linkage = load(choice.mechanism, choice.variant)
+    mechanism = Mechanism(linkage if choice.gravity else without(linkage, "gravity"))
+    case = chosen_case(mechanism, choice)
+    case.check_motion()
+    found = DesignerResults(case, _instants(case, choice))
+    texts = {file: _text(option, found) for option, file in choice.files.items()}
+    for file, text in texts.items():
+        if file != STDOUT:
+            write_text(Path(file), text)
+    if STDOUT in texts:
+        write_out(texts[STDOUT])
+    elif not quiet:
+        from reports.results import terminal  # noqa: PLC0415 - JSON and CSV need no tables
+
+        show(terminal.key_figures(found) if found.instants.chosen is None else terminal.at_instants(found))
+
+
+def _text(option: str, found: DesignerResults) -> str:
+    if option == "--svg":
+        from reports.results.drawing import svg_text  # noqa: PLC0415 - half a second that nothing else pays for
+
+        return svg_text(found)
+    return csv_table(found) if option == "--csv" else json_text(found)
+
+
+def chosen_case(mechanism: Mechanism, choice: MotionChoice) -> Case:
+    """The linkage under the one motion asked for: by default a turn at constant speed, or the range of the crank."""
+    linkage = mechanism.linkage
+    own = own_regimes(choice, [linkage])
+    if len(choice.regimes) > 1 or {EVERYTHING, OWN} & {*choice.regimes}:
+        raise LinkproofError(f"expected one motion, got --regime {', '.join(choice.regimes)}: choose one of them")
+    if own:
+        case = own_case(mechanism, next(regime for regime in linkage.regimes if regime.name == own[0]))
+        return replace(case, mechanism=mechanism)  # a torque over the angle is the drive's, not a load
+    if linkage.is_linear or choice.swings or choice.regimes not in ((), (STEADY,)) or _is_timed(choice):
+        ((motion,), _) = prescribed(choice, [linkage])
+        return Case(mechanism, motion)
+    return _usual_case(mechanism, choice)
+
+
+def _is_timed(choice: MotionChoice) -> bool:
+    """Whether the time of a motion was given."""
+    default = MotionChoice()
+    times = (choice.ramp_time, choice.hold_time) != (default.ramp_time, default.hold_time)
+    if times and not choice.regimes:
+        raise LinkproofError(
+            "--ramp-time and --hold-time belong to a motion over time, and none is asked for: add --regime run-up, or "
+            "leave them out for a turn at constant speed"
+        )
+    return times
+
+
+def _usual_case(mechanism: Mechanism, choice: MotionChoice) -> Case:
+    """Constant speed over a full turn, or over the range of a crank that makes none, short of its limits."""
+    start = math.radians(choice.start_angle)
+    speed = abs(choice.speed) * RPM
+    backwards = choice.clockwise or choice.speed < 0.0
+    reach = crank_range(mechanism, start if choice.start_angle else None)
+    if reach.is_full_turn:
+        motion = CrankMotion(STEADY, (Segment(0.0, FULL_TURN / speed, (start, -speed if backwards else speed)),))
+        return Case(mechanism, motion)
+    motion = swing(STEADY, *within(reach, backwards=backwards), speed=speed)
+    return Case(mechanism, replace(motion, regime=f"{STEADY} over its range"))
+
+
+def _instants(case: Case, choice: ResultsChoice) -> Instants:
+    """All of the motion, or the instants asked for."""
+    linkage = case.mechanism.linkage
+    instants = Instants(case.motion, turns=not linkage.is_linear)
+    if choice.at is not None:
+        length = file_unit("m", linkage)
+        unit, size = (f" {length.name}", length.size) if linkage.is_linear else ("°", math.radians(1.0))
+        return instants.at_angles(
+            _numbers("--at", choice.at, length.name if linkage.is_linear else "degrees"), unit, size
+        )
+    if choice.time is not None:
+        return instants.at_times(_numbers("--time", choice.time, "seconds"))
+    return instants
+
+
+def _numbers(option: str, text: str, unit: str) -> Array:
+    """Numbers with commas between them."""
+    numbers = []
+    for word in text.split(","):
+        try:
+            number = float(word)
+        except ValueError:
+            number = math.nan
+        if not math.isfinite(number):
+            raise LinkproofError(
+                f"{option}: expected finite numbers of {unit} with commas between them, such as 0,30,60, got "
+                f"'{word.strip()}'; correct it"
+            )
+        numbers.append(number)
+    return np.array(numbers)

@@ -1,0 +1,1 @@
+"""Judgements of other tools' results, in words, tables and JSON."""

@@ -1,0 +1,199 @@
+"""A judgement of another tool's results for a terminal: verdict, signals, causes, what to agree to."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Sequence
+
+import numpy as np
+from rich.console import RenderableType
+
+from analytic.description.law import FULL_TURN
+from comparisons.imported.causes.corrections import written
+from comparisons.imported.causes.search import FaultFinding
+from comparisons.imported.judge import ImportedJudgement
+from comparisons.imported.judging.judgement import NEAR_ZERO, SignalVerdict
+from comparisons.judging.records import Verdict
+from reports.text.numbers import figure
+from reports.text.screen import Cell, Printout, line, table
+from reports.text.signs import RUNS
+
+HEAD = ("signal", "error over peak", "rounding", "worst at", "crank", "file", "closed form", "unit")
+NOTHING = 1e-12  # a ratio that is rounding of our own
+MOST_OTHERS = 4  # causes listed besides the likeliest
+
+
+def share(value: float) -> str:
+    """A ratio in per cent: 13 %, 0.0021 %."""
+    if value < NOTHING:
+        return "0 %"
+    digits = max(0, 1 - math.floor(math.log10(100.0 * value)))
+    return f"{100.0 * value:.{digits}f} %" if digits <= 6 else f"{100.0 * value:.1e} %"
+
+
+def printout(judgement: ImportedJudgement, title: str) -> Printout:
+    """What ``judge`` prints; ``title`` names linkage and files."""
+    parts: list[RenderableType] = [line(title, "bold"), *_causes_in_short(judgement), line("")]
+    limit = f"The limit is {share(judgement.limit)} of a signal's peak."
+    parts += [line(f"The crank moves as {judgement.motion_source} says. {limit}")]
+    linkage = judgement.model.linkage
+    head = [name.replace("crank", "drive") for name in HEAD] if linkage.is_linear else HEAD
+    rows = [_row(verdict, _place(judgement, verdict)) for verdict in judgement.verdicts]
+    parts += [table(head, rows, align="lrrrrrrl"), *_notes(judgement)]
+    for part in (_causes(judgement), _corrections(judgement), _checks(judgement), _not_judged(judgement)):
+        lines = list(part)
+        parts += [line(""), *lines] if lines else []
+    return Printout(parts, [])
+
+
+def sentence(judgement: ImportedJudgement) -> str:
+    """The verdict in one sentence."""
+    count, limit = len(judgement.verdicts), f"{share(judgement.limit)} of the closed form's peak"
+    over, open_ = (_with(judgement, outcome) for outcome in (Verdict.OVER_LIMIT, Verdict.UNDEFINED))
+    still_open = f"; {len(open_)} open: {_few(open_)}" if open_ else ""
+    if len(open_) == count:
+        return "Nothing could be judged."
+    if over:
+        return f"Not right: {len(over)} of {count} signals over {limit}: {_few(over)}{still_open}."
+    if open_:
+        return f"Right as far as the file tells: {count - len(open_)} of {count} signals within {limit}{still_open}."
+    return f"Right: {'the signal is' if count == 1 else f'all {count} signals are'} within {limit}."
+
+
+def sentences(judgement: ImportedJudgement) -> list[str]:
+    """What stands at the head of a page: the verdict, the causes, what to agree to, what is not judged."""
+    found = [sentence(judgement), *_open(judgement), f"The crank moves as {judgement.motion_source} says."]
+    found += [_cause_in_a_sentence(finding) for finding in judgement.explanation.findings]
+    found += [
+        f"If that is how the file was meant, agree in the mapping to {name}: {written(correction)}."
+        for name, correction in judgement.proposals.items()
+    ]
+    found += [
+        f"Agreed in the mapping and applied: {name}: {written(agreed)}."
+        for name, agreed in judgement.imported.corrections.items()
+    ]
+    return found + [f"Not judged: column '{column.header}', for {reason}." for column, reason in judgement.not_judged]
+
+
+def _cause_in_a_sentence(finding: FaultFinding) -> str:
+    aligned = "".join(f"with {name} corrected first ({written(c)}) " for name, c in finding.aligned.items())
+    words = "; or ".join([finding.likeliest.words, *(other.words for other in finding.others[:MOST_OTHERS])])
+    return f"Likely cause of the difference in {', '.join(finding.signals)}: {aligned}{words}. {_left(finding)}"
+
+
+def _with(judgement: ImportedJudgement, outcome: Verdict) -> list[str]:
+    return [verdict.name for verdict in judgement.verdicts if verdict.outcome is outcome]
+
+
+def _open(judgement: ImportedJudgement) -> list[str]:
+    """Why signals are open, those with the same cure together."""
+    reasons: dict[str, list[str]] = {}
+    for verdict in judgement.verdicts:
+        if verdict.outcome is Verdict.UNDEFINED:
+            reasons.setdefault(verdict.detail, []).append(verdict.name)
+    return [f"{_few(names)} {'is' if len(names) == 1 else 'are'} open: {why}." for why, names in reasons.items()]
+
+
+def _few(names: Sequence[str]) -> str:
+    return ", ".join(names[:5]) + (f" and {len(names) - 5} more" if len(names) > 5 else "")
+
+
+def _causes_in_short(judgement: ImportedJudgement) -> list[RenderableType]:
+    over = _with(judgement, Verdict.OVER_LIMIT)
+    style = "green" if judgement.passed else "red" if over else "yellow"
+    lines: list[RenderableType] = [line(sentence(judgement), style)]
+    findings = judgement.explanation.findings
+    if findings:
+        finding = findings[0]
+        others = f" (or {len(finding.others)} more that cannot be told apart)" if finding.others else ""
+        aligned = "".join(f", besides {name}: {written(c)}" for name, c in finding.aligned.items())
+        lines.append(line(f"Likeliest cause: {finding.likeliest.words}{aligned}{others}."))
+    elif judgement.explanation.unexplained and over:
+        lines.append(line("No single cause explains the difference."))
+    lines += [line(words) for words in _open(judgement)]
+    return lines
+
+
+def _place(judgement: ImportedJudgement, verdict: SignalVerdict) -> str:
+    """Where the crank is at the largest error, within a turn where it makes one; of a drive along a line its travel."""
+    angle = verdict.worst_angle
+    if judgement.model.linkage.is_linear:
+        return judgement.model.linkage.place(angle)
+    degrees = round(math.degrees(angle), 1) + 0.0
+    makes_a_turn = np.ptp(judgement.model.motion.angle(verdict.samples.time)) > FULL_TURN * (1.0 - NOTHING)
+    return f"{degrees % 360.0 if makes_a_turn else degrees:.1f}°"
+
+
+def _row(verdict: SignalVerdict, place: str) -> tuple[Cell, ...]:
+    sign = RUNS[verdict.outcome.value]
+    error = f"{share(verdict.error_max)} {sign.symbol}" if verdict.outcome is not Verdict.UNDEFINED else sign.word
+    moment = verdict.worst_time if abs(verdict.worst_time) > NOTHING * np.ptp(verdict.samples.time) else 0.0
+    return (
+        verdict.name + ("*" if verdict.near_zero else ""), (error, sign.colour), share(verdict.floor),
+        f"{moment:.5g} s", place, figure(verdict.value_there, 5), figure(verdict.truth_there, 5),
+        verdict.unit,
+    )  # fmt: skip
+
+
+def _notes(judgement: ImportedJudgement) -> Iterator[RenderableType]:
+    if any(verdict.near_zero for verdict in judgement.verdicts):
+        yield line(f"* near zero: judged over {share(NEAR_ZERO)} of what is large for its kind in this linkage")
+    left_out = sum(verdict.left_out for verdict in judgement.verdicts)
+    if left_out:
+        yield line(f"{left_out} samples at jumps of the crank's acceleration may be off by the jump besides.")
+    for name, missed in judgement.missed:
+        yield line(
+            f"The sample rate is too low to show the peak of {name}: {share(missed)} of it lies between samples."
+        )
+
+
+def _causes(judgement: ImportedJudgement) -> Iterator[RenderableType]:
+    for finding in judgement.explanation.findings:
+        yield line(f"Likely cause of the difference in {', '.join(finding.signals)}:")
+        for name, correction in finding.aligned.items():
+            yield line(f"  with {name} corrected first: {written(correction)}")
+        yield line(f"  {finding.likeliest.words}")
+        for other in finding.others[:MOST_OTHERS]:
+            yield line(f"  or: {other.words}")
+        more = len(finding.others) - MOST_OTHERS
+        if more > 0:
+            yield line(
+                f"  or one of {more} more: {', '.join(other.cause.kind for other in finding.others[MOST_OTHERS:])}"
+            )
+        yield line(f"  {_left(finding)}")
+    unexplained = judgement.explanation.unexplained
+    if unexplained:
+        yield line(f"No cause that is known here explains the difference in {', '.join(unexplained)}.")
+
+
+def _left(finding: FaultFinding) -> str:
+    apart = " The file's rounding cannot tell these apart." if finding.others else ""
+    if finding.fully:
+        return f"This explains the difference down to the file's rounding.{apart}"
+    return f"This explains most of the difference; {share(finding.left)} of a peak is left.{apart}"
+
+
+def _corrections(judgement: ImportedJudgement) -> Iterator[RenderableType]:
+    proposals = judgement.proposals
+    if proposals:
+        yield line("If that is how the file was meant, agree in the mapping (--write-mapping FILE writes it):")
+    for name, correction in proposals.items():
+        yield line(f"  {name}: {written(correction)}")
+    for name, agreed in judgement.imported.corrections.items():
+        yield line(f"Agreed in the mapping and applied: {name}: {written(agreed)}")
+
+
+def _checks(judgement: ImportedJudgement) -> Iterator[RenderableType]:
+    if judgement.checks:
+        yield line("The columns among themselves:")
+        rows: list[Sequence[Cell]] = []
+        for check in judgement.checks:
+            sign = RUNS[Verdict.PASSED.value if check.passed else Verdict.OVER_LIMIT.value]
+            rows.append((check.words, (f"{share(check.error)} {sign.symbol}", sign.colour), share(check.floor)))
+        yield table(("check", "off by", "floor"), rows, align="lrr")
+
+
+def _not_judged(judgement: ImportedJudgement) -> Iterator[RenderableType]:
+    if judgement.not_judged:
+        yield line("Not judged:")
+        yield table(("column", "why"), [(f"'{c.header}' ({c.place})", why) for c, why in judgement.not_judged])

@@ -1,0 +1,39 @@
+"""The units of a linkage's file for what is shown to its author."""
+
+from __future__ import annotations
+
+from typing import Final, NamedTuple
+
+from analytic.description.linkage import Linkage
+from analytic.description.units import factor
+
+# SI unit: the kind of unit that a file states for it, and what follows that unit's name.
+KINDS: Final = {
+    "m": ("length", ""),
+    "m/s": ("length", "/s"),
+    "m/s²": ("length", "/s^2"),
+    "rad": ("angle", ""),
+    "rad/s": ("angle", "/s"),
+    "rad/s²": ("angle", "/s^2"),
+    "N": ("force", ""),
+    "N m": ("torque", ""),
+    "kg": ("mass", ""),
+    "kg m²": ("inertia", ""),
+}
+SI: Final = {"length": "m", "angle": "rad", "force": "N", "torque": "N*m", "mass": "kg", "inertia": "kg*m^2"}
+
+
+class FileUnit(NamedTuple):
+    """A unit as it is written in files, and its size in SI."""
+
+    name: str
+    size: float
+
+
+def file_unit(si: str, linkage: Linkage) -> FileUnit:
+    """The file's unit for an SI unit; s, J and W stay what they are."""
+    if si not in KINDS:
+        return FileUnit(si, 1.0)
+    kind, rest = KINDS[si]
+    name = linkage.units.get(kind, SI[kind])
+    return FileUnit(name + rest, factor(kind, name))

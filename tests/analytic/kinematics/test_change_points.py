@@ -1,0 +1,200 @@
+"""Linkages followed through change points: exact motions of change-point four-bars, and what is not followed."""
+
+import mpmath as mp
+import numpy as np
+import pytest
+
+from analytic.description.loading import load
+from analytic.errors import AssemblyError
+from analytic.kinematics.error_bounds import ErrorBounds
+from analytic.kinematics.mechanism import Mechanism
+from analytic.kinematics.structure import Structure
+from tests.analytic.linkages import FOLDER, from_text, mechanism
+
+# Of poses (m, and cosines), first and second derivatives, beside change points and away from them.
+EXACT = (4e-15, 2e-14, 1e-13)
+# The same at the end of ten groups, each on the one before it.
+CHAINED = (3e-14, 1e-12, 1e-10)
+DIGITS = 120
+ANGLE = np.concatenate([np.linspace(-13.0, 13.0, 977), [0.0, np.pi, 1e-9, -1e-7, np.pi - 1e-5, np.pi + 0.3, 7.0]])
+FOUR_BAR = """
+title = "change-point four-bar"
+units = {{ length = "m", mass = "kg", inertia = "kg*m^2", angle = "rad" }}
+crank = "crank"
+ground = {{ O1 = [0, 0], O2 = [{g}, 0] }}
+[links.crank]
+points = {{ O1 = [0, 0], A = [{a}, 0] }}
+[links.coupler]
+points = {{ A = [0, 0], B = [{b}, 0] }}
+[links.rocker]
+points = {{ O2 = [0, 0], B = [{c}, 0] }}
+[sketch]
+angle = {angle}
+points = {{ B = [{x}, {y}] }}
+"""
+
+
+def four_bar(lengths, angle, place):
+    g, a, b, c = lengths
+    return from_text(FOUR_BAR.format(g=g, a=a, b=b, c=c, angle=angle, x=place[0], y=place[1]))
+
+
+def turn_of(sweep):
+    """Sine and cosine of the rocker's angle and its derivatives."""
+    return sweep.poses("rocker")[2:], sweep.rates("rocker")[2], sweep.accelerations("rocker")[2]
+
+
+def followed(lengths, side):
+    """The rocker's angle and derivatives over ANGLE in 120 digits, from the tangent form of the closure equation.
+
+    With t = tan(ψ/2): (p - q) t² + 2 r t + (p + q) = 0 (F. Freudenstein), whose discriminant has double roots where
+    the linkage passes change points. Its root is signed by the half angles that vanish there, so that it is smooth.
+    """
+    mp.mp.dps = DIGITS
+    g, a, b, c = map(mp.mpf, lengths)
+
+    def angle(phi):
+        p = g * g + a * a + c * c - b * b - 2 * g * a * mp.cos(phi)
+        u, v = 2 * c * (g - a * mp.cos(phi)), -2 * c * a * mp.sin(phi)  # p + u cos ψ + v sin ψ = 0
+        root = side * signed(phi, g, a, b, c)
+        return mp.atan2(-v * p - u * root, -u * p + v * root)
+
+    return angle
+
+
+def signed(phi, g, a, b, c):
+    """The root of u² + v² - p², smooth through its double roots."""
+    gap, total, least = g * g + a * a - 2 * g * a * mp.cos(phi), b + c, abs(b - c)
+    factors = [4 * g * a * mp.cos(phi / 2) ** 2] if total == g + a else [total**2 - gap]
+    root = 2 * mp.sqrt(g * a) * mp.cos(phi / 2) if total == g + a else mp.sqrt(factors[0])
+    low = 2 * mp.sqrt(g * a) * mp.sin(phi / 2) if least == abs(g - a) else mp.sqrt(gap - least**2)
+    return root * low
+
+
+CASES = {
+    "parallelogram": ("0.06", "0.025", "0.06", "0.025", 1.5, 0.06, 0.025, 2),
+    "antiparallelogram": ("0.06", "0.025", "0.06", "0.025", 1.5, 0.04, -0.015, 2),
+    "crank shortest": ("4", "1", "2", "3", 1.5, 3.2, 1.8, 1),
+    "frame shortest": ("1", "3", "2.5", "1.5", 1.5, 1.0, 1.5, 1),
+    "rhombus": ("1", "1", "1", "1", 1.5, 1.0, 1.0, 2),
+}
+
+
+@pytest.mark.parametrize("name", CASES)
+def test_motion_through_change_points_is_that_of_a_hundred_digits(name):
+    *lengths, start, x, y, points = CASES[name]
+    sample = four_bar(lengths, start, (x, y))
+    sweep = sample.sweep(ANGLE)
+    (c, s), first, second = turn_of(sweep)
+    ways = [followed(lengths, side) for side in (1, -1)]
+    here = sample.sweep(np.array(start)).poses("rocker")[2:]
+    truth = next(way for way in ways if abs(mp.cos(way(start)) - here[0]) + abs(mp.sin(way(start)) - here[1]) < 1e-9)
+    assert len(sample.changes) == points
+    assert round(sample.period / (2 * np.pi)) == (1 if points == 2 else 2)
+    errors = np.zeros((3, len(ANGLE)))
+    for number, phi in enumerate(ANGLE):
+        at = mp.mpf(float(phi)) + mp.mpf(10) ** -30  # off what is 0/0 at the point itself
+        psi = truth(at)
+        h = mp.mpf(10) ** -12
+        around = [truth(at + k * h) for k in (-1, 1)]
+        around = [value + 2 * mp.pi * mp.nint((psi - value) / (2 * mp.pi)) for value in around]
+        errors[0, number] = max(abs(mp.cos(psi) - c[number]), abs(mp.sin(psi) - s[number]))
+        errors[1, number] = abs((around[1] - around[0]) / (2 * h) - first[number])
+        errors[2, number] = abs((around[1] - 2 * psi + around[0]) / h**2 - second[number])
+    peaks = [1.0, max(1.0, np.max(np.abs(first))), max(1.0, np.max(np.abs(second)))]
+    assert np.all(errors.max(axis=1) / peaks <= EXACT), errors.max(axis=1) / peaks
+    bound = np.array([ErrorBounds(sweep).errors["rocker"].turn[order] for order in range(3)])
+    assert np.all(errors <= 2.0 * bound + 1e-30)
+
+
+def test_ten_coupled_four_bars_turn_alike():
+    sample = Mechanism(load(str(FOLDER / "change-points" / "ten-four-bars.toml")))
+    assert sample.changes == pytest.approx((0.0, np.pi), abs=1e-8)
+    sample.check_full_turn()
+    sweep = sample.sweep(ANGLE)
+    for number in range(1, 11):
+        c, s = sweep.poses(f"rocker{number}")[2:]
+        turned = max(np.max(np.abs(c - np.cos(ANGLE))), np.max(np.abs(s - np.sin(ANGLE))))
+        rates = np.max(np.abs(sweep.rates(f"rocker{number}")[2] - 1.0))
+        bends = np.max(np.abs(sweep.accelerations(f"rocker{number}")[2]))
+        assert np.all(np.array([turned, rates, bends]) <= CHAINED)
+
+
+def test_pins_that_cross_in_every_window_add_up_no_rounding():
+    """At 0° the outer pins of all forty windows lie on top of each other; each window is driven by the one before."""
+    sample = mechanism("n-four-bar")
+    assert sample.changes == pytest.approx((0.0, np.pi), abs=1e-8)
+    sweep = sample.sweep(np.array([-13.0, -1e-7, 0.0, 1e-9, 0.3, np.pi - 1e-5, np.pi, 7.0]))
+    c, s = sweep.poses("rocker40")[2:]
+    assert max(np.max(np.abs(c - np.cos(sweep.angle))), np.max(np.abs(s - np.sin(sweep.angle)))) <= CHAINED[0]
+    assert np.max(np.abs(sweep.rates("rocker40")[2] - 1.0)) <= CHAINED[1]
+    assert np.max(np.abs(sweep.accelerations("rocker40")[2])) <= CHAINED[2]
+
+
+@pytest.mark.parametrize("share", [1e-6, -1e-6, 1e-9, 1e-12])
+def test_a_miss_is_no_change_point(share):
+    """A rocker longer than the crank all but closes the linkage; a shorter one cannot be assembled there."""
+    sample = four_bar((0.06, 0.025, 0.06, repr(0.025 * (1.0 + share))), 1.5, (0.06, 0.025))
+    assert sample.changes == ()
+    if abs(share) > 1e-7:
+        lows = sample.sweep(np.linspace(3.0, 3.3, 3)).rates("rocker")[2] if share > 0 else None
+        assert lows is None or np.ptp(lows) > 0.0
+
+
+def test_lengths_that_rounding_makes_unequal_are_equal():
+    sample = four_bar((repr(0.1 + 0.2), 0.1, 0.3, 0.1), 1.5, (0.3, 0.1))
+    assert len(sample.changes) == 2
+
+
+def test_a_folded_kite_is_undetermined():
+    kite = four_bar((1, 1, 0.75, 0.75), 1.0, (1.2, 0.7))
+    assert kite.changes == ()
+    with pytest.raises(AssemblyError, match=r"is undetermined at 0°: .* outer pins on top of each other"):
+        kite.check_determined(-1.0, 1.0)
+    kite.check_determined(0.5, 1.0)
+
+
+def test_on_a_change_point_nothing_may_rest():
+    sample = mechanism("parallelogram")
+    with pytest.raises(AssemblyError, match=r"is at rest on a change point at 180°, from which 'coupler' and 'rocker'"):
+        sample.check_rest(-np.pi)
+    sample.check_rest(0.01)
+
+
+def test_the_modes_of_the_sketch_stay_fixed_where_they_are_set():
+    structure: Structure = mechanism("parallelogram").structure
+    assert all(dyad.changes is None for dyad in structure.with_signs((1,)).dyads)
+
+
+TURNED_ROUND = """
+[links.second]
+points = {{ D = [0, 0], E = [3, 0] }}
+[links.third]
+points = {{ O3 = [0, 0], E = [1, 0] }}
+"""
+
+
+@pytest.mark.parametrize(("over", "points"), [(1e-2, 0), (1e-4, 0), (-1e-4, 2), (-1e-2, 2), (0.0, None), (-1e-5, None)])
+def test_a_rocker_that_turns_round_at_a_change_point_of_the_next_dyad_is_followed_or_refused(over, points):
+    """Its rocker drives a parallelogram and turns round ``over`` before its change point, rad, or beyond it."""
+    most = mp.mpf("4.5")  # crank and coupler in one line
+    turn = float(mp.atan2(mp.sqrt(most**2 - ((most**2 + 9.75) / 8) ** 2), (most**2 + 9.75) / 8 - 4))
+    text = FOUR_BAR.format(g=4, a=1, b=3.5, c=2.5, angle=1.5, x=3.2, y=2.4) + TURNED_ROUND.format()
+    text = text.replace("B = [2.5, 0] }", f"B = [2.5, 0], D = [{np.cos(over - turn)}, {np.sin(over - turn)}] }}", 1)
+    text = text.replace("O2 = [4, 0] }", "O2 = [4, 0], O3 = [7, 0] }")
+    theta = float(
+        from_text(FOUR_BAR.format(g=4, a=1, b=3.5, c=2.5, angle=1.5, x=3.2, y=2.4)).sweep(1.5).angles("rocker")
+    )
+    place = 7.0 + np.cos(theta + over - turn), np.sin(theta + over - turn)
+    sample = from_text(
+        text.replace("points = { B = [3.2, 2.4] }", f"points = {{ B = [3.2, 2.4], E = [{place[0]}, {place[1]}] }}")
+    )
+    if points is None:
+        with pytest.raises(AssemblyError, match="is undetermined at 33"):
+            sample.check_full_turn()
+        return
+    assert len(sample.changes) == points
+    sweep = sample.sweep(np.linspace(-13.0, 13.0, 3001))
+    assert np.max(np.abs(np.subtract(sweep.rates("third")[2], sweep.rates("rocker")[2]))) < 1e-7
+    off = np.angle(np.exp(1j * (sweep.angles("third") - sweep.angles("rocker") - over + turn)))
+    assert np.max(np.abs(off)) < 1e-10

@@ -1,0 +1,69 @@
+"""Grübler's count and Grashof's classes of linkages that are known by name."""
+
+import math
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from analytic.description.loading import parse
+from analytic.kinematics.crank_range import crank_range
+from analytic.kinematics.decomposition import find_structure
+from analytic.kinematics.mobility import grashof, loose_points, mobility
+from analytic.kinematics.structure import Dyad
+from tests.analytic.linkages import EVERY, from_text, mechanism
+from tests.analytic.textbook import DOUBLE_ROCKER, four_bar
+
+
+def _grashof(sample):
+    return grashof(sample.linkage, sample.structure)
+
+
+@pytest.mark.parametrize(("name", "variant"), EVERY)
+def test_every_linkage_that_works_has_mobility_1(name, variant):
+    count = mobility(mechanism(name, variant).linkage)
+    assert count.degrees == 1
+    assert 3 * count.links - 2 * count.joints - count.slots == 1
+
+
+def test_the_count_written_out():
+    assert (
+        mobility(mechanism("slot-without-mass").linkage).formula
+        == "1 = 3·2 links - 2·2 pins and slides - 1 pin in slots"
+    )
+    loose = parse(DOUBLE_ROCKER.replace("C = [60, 0]", "c = [60, 0]"), "loose", "loose.toml")
+    assert mobility(loose).formula == "3 = 3·3 links - 2·3 pins and slides"
+    assert loose_points(loose) == ("C", "c")
+
+
+@pytest.mark.parametrize(
+    ("lengths", "angle", "kind"),
+    [
+        ((60, 20, 60, 45), 60, "Grashof crank-rocker (shortest + longest 0.08 m, the other two 0.105 m; the crank is"),
+        ((20, 60, 45, 60), 60, "Grashof double-crank"),
+        ((60, 45, 20, 60), 60, "Grashof double-rocker"),
+        ((60, 60, 45, 20), 30, "Grashof rocker-crank"),
+        ((60, 25, 60, 25), 60, "change-point four-bar (shortest + longest 0.085 m, the other two 0.085 m)"),
+        ((80, 50, 50, 50), 60, "four-bar in which nothing turns fully, a triple rocker (shortest + longest 0.13 m"),
+    ],
+)
+def test_classes_of_four_bars(lengths, angle, kind):
+    assert _grashof(from_text(four_bar(*(0.001 * length for length in lengths), math.radians(angle)))).startswith(kind)
+
+
+def test_other_linkages_have_no_class():
+    others = [name for name, variant in EVERY if _grashof(mechanism(name, variant)) is None]
+    assert "juki-mf7923d" in others
+    assert "rimoldi-164" in others
+
+
+@given(st.tuples(*[st.integers(10, 99)] * 4), st.integers(1, 179))
+def test_the_crank_turns_fully_where_grashof_says_so(lengths, angle):
+    try:
+        sample = from_text(four_bar(*lengths, math.radians(angle)))
+        assert all(isinstance(dyad, Dyad) for dyad in find_structure(sample.linkage).dyads)
+    except Exception:
+        return
+    kind = _grashof(sample)
+    if "change-point" not in kind:
+        assert crank_range(sample).is_full_turn == kind.startswith(("Grashof crank-rocker", "Grashof double-crank"))

@@ -1,0 +1,75 @@
+"""The linkages of the literature against their sources, evaluated by themselves in 50 digits."""
+
+import numpy as np
+import pytest
+from mpmath import mp, mpc, mpf
+
+from analytic.description.loading import literature
+from analytic.kinematics.crank_range import crank_range
+from analytic.motion.released import free_motion
+from tests.analytic.andrews import accelerations, state_after
+from tests.analytic.fifty_digits import DIGITS
+from tests.analytic.linkages import mechanism
+from tests.analytic.literature import FORMULAS
+
+# A hundredth of a degree from a toggle rounding errors of the lengths grow some thousandfold.
+NEAR_TOGGLE = 1e-12
+# rad: to which the end of a crank's range is known.
+TOGGLE = mpf("1e-13")
+
+
+@pytest.fixture(autouse=True)
+def _fifty_digits():
+    mp.dps = DIGITS
+
+
+def test_every_linkage_has_its_formulas():
+    assert set(FORMULAS) == set(literature())
+
+
+@pytest.mark.parametrize("name", FORMULAS)
+def test_points_are_the_sources(name):
+    formula, unit, degrees = FORMULAS[name]
+    limit = NEAR_TOGGLE * mechanism(name).linkage.extent()
+    for angle in np.radians(degrees):
+        sweep = mechanism(name).sweep(angle)
+        for point, place in formula(mpf(float(angle))).items():
+            x, y = map(float, sweep.point(point))
+            assert abs(place * mpf(unit) - mpc(x, y)) <= limit, (point, angle)
+
+
+@pytest.mark.parametrize("name", ["watt-six-bar", "stephenson-six-bar"])
+def test_a_toggle_is_where_two_links_of_the_source_are_in_line(name):
+    formula = FORMULAS[name][0]
+    low, high = crank_range(mechanism(name)).limits
+    for end, outward in ((low, -1), (high, 1)):
+        formula(mpf(end) - outward * TOGGLE)
+        with pytest.raises(ValueError, match="do not meet"):
+            formula(mpf(end) + outward * TOGGLE)
+
+
+def test_andrews_mechanism_moves_as_by_the_seven_equations_of_its_source():
+    sample = mechanism("andrews-squeezer")
+    (regime,) = sample.linkage.regimes
+    motion = free_motion(
+        sample, torque=regime.torque, start_angle=regime.start_angle, start_speed=0.0, duration=regime.duration
+    )
+    angles, rates = state_after(regime.duration)
+    assert motion.angle(regime.duration) == pytest.approx(angles[0], rel=1e-13)
+    assert motion.speed(regime.duration) == pytest.approx(rates[0], rel=1e-12)
+    assert motion.acceleration(regime.duration) == pytest.approx(accelerations(angles, rates)[0][0], rel=1e-10)
+    sweep = sample.sweep(motion.angle(regime.duration))
+    absolute = {"K3": angles[2], "K4": angles[3] + angles[4], "K5": angles[4], "K6": angles[5] + angles[6]}
+    for link, angle in absolute.items():
+        assert sweep.angles(link) == pytest.approx(angle, rel=1e-12)
+
+
+def test_the_reference_solution_of_andrews_mechanism_contradicts_its_own_equations_in_the_sixth_digit():
+    # Test Set for IVP Solvers, reference solution at 0.03 s: y1 to y7, y8 to y14, and y16 of the accelerations.
+    angles = np.array(
+        [15.81077119629904, -15.75637105984298, 0.04082224013073101, -0.5347301163226948, 0.5244099658805304]
+    )
+    angles = np.append(angles, [0.5347301163226948, 1.048080741042263])
+    rates = np.array([1139.920302151208, -1424.379294994111, 11.03291221937134, 19.29337464421385, 0.5735699284790808])
+    rates = np.append(rates, [-19.29337464421385, 0.3231791658026955])
+    assert 0.05 < 51850.37701610329 - accelerations(angles, rates)[0][1] < 0.06

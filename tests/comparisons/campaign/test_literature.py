@@ -1,0 +1,35 @@
+"""The linkages of the literature in the suite's second derivation, in their own regimes or a quintic run-up."""
+
+import numpy as np
+import pytest
+
+from analytic.description.loading import literature, load
+from comparisons.campaign.campaign import compare
+from comparisons.judging.records import Verdict
+from reports.command_line.requests import CampaignChoice, request
+from tests.analytic.linkages import FOLDER
+
+# Of peak; the energy balance is left out, an integral over samples.
+SECOND_DERIVATION = 1e-12
+# At change points joint forces have no bound, and forty windows take `direct` half a minute: ten between two of them.
+THROUGH_CHANGE_POINTS = {"n-four-bar": str(FOLDER / "change-points" / "ten-four-bars.toml")}
+VARIANTS = [(name, variant) for name in literature() for variant in load(name).variants]
+
+
+def _choice(name: str, variant: str) -> CampaignChoice:
+    if name in THROUGH_CHANGE_POINTS:  # between two of them
+        ten = (THROUGH_CHANGE_POINTS[name],)
+        return CampaignChoice(
+            ten, engines=("direct",), regimes=("cycloidal",), from_angle=90.0, to_angle=30.0, speed=30.0
+        )
+    regimes = ("own",) if load(name).regimes else ("run-up-quintic",)
+    return CampaignChoice((name,), engines=("direct",), regimes=regimes, variant=variant, speed=100.0)
+
+
+@pytest.mark.parametrize(("name", "variant"), VARIANTS)
+def test_the_second_derivation_agrees_to_rounding(name, variant):
+    for result in compare(request(_choice(name, variant)), processes=0):
+        records = [*result.records, *result.invariants]
+        assert {record.outcome for record in records} == {Verdict.PASSED}
+        held = [record.error_max for record in records if record.quantity != "energy_balance"]
+        assert np.max(held) <= SECOND_DERIVATION

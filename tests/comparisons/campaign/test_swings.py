@@ -1,0 +1,135 @@
+"""Cranks that swing: every installed engine within its limits, S counted from the farthest point, and the way there."""
+
+from pathlib import Path
+
+import pytest
+
+from analytic.errors import AssemblyError, LinkproofError
+from comparisons.campaign.campaign import cases, compare
+from comparisons.exported_run import exported
+from comparisons.judging.records import Verdict
+from engines.contract import Outcome, Setting
+from engines.registry import engine, engine_names, why_unavailable
+from reports.command_line.requests import CampaignChoice, request
+from tests.analytic.swinging import double_rocker_text
+
+REGIMES = """
+[regimes.rocking]
+from = 65
+to = -10
+time = 0.3
+law = "cycloidal"
+back = true
+dwell = 0.1
+
+[regimes.servo]
+time  = [0, 0.05, 0.1, 0.15, 0.2, 0.25, 0.3]
+angle = [40, 41, 45, 52, 59, 63, 64]
+"""
+LINKAGES = Path(__file__).parents[2] / "linkages"
+INSTALLED = [name for name in engine_names() if why_unavailable(engine(name)) is None]
+
+
+@pytest.fixture
+def rocker(tmp_path):
+    path = tmp_path / "rocker.toml"
+    path.write_text(double_rocker_text(regimes=REGIMES))
+    return str(path)
+
+
+@pytest.mark.parametrize("name", INSTALLED)
+def test_a_rocker_that_cannot_turn_swings_within_the_limits(rocker, name):
+    choice = CampaignChoice((rocker,), engines=(name,), regimes=("rocking", "servo"))
+    results = list(compare(request(choice), processes=0))
+    assert [result.records[0].regime for result in results] == ["rocking", "servo"]
+    for result in results:
+        verdicts = {record.quantity: record.outcome for record in (*result.records, *result.invariants)}
+        assert {verdicts[quantity] for quantity in ("S", "v", "a", "Mkr", "Jeq")} == {Verdict.PASSED}
+        assert not set(verdicts.values()) & {Outcome.DIVERGED, Verdict.OVER_LIMIT}
+        shared = {record.quantity: record.shared for record in result.records}
+        assert shared["S"] == ""
+
+
+@pytest.mark.parametrize(("start", "end"), [(30.0, -60.0), (-60.0, 30.0)])
+def test_constant_speed_both_ways_from_the_command_line(rocker, start, end):
+    choice = CampaignChoice((rocker,), engines=("direct",), from_angle=start, to_angle=end, speed=120.0)
+    (result,) = compare(request(choice), processes=0)
+    assert {record.outcome for record in (*result.records, *result.invariants)} == {Verdict.PASSED}
+
+
+def test_a_swing_beyond_a_toggle_says_where_it_ends_and_what_to_do(rocker):
+    choice = CampaignChoice((rocker,), engines=("direct",), from_angle=0.0, to_angle=80.0)
+    with pytest.raises(AssemblyError, match=r"reaches -74.41.* to 74.41.*stretched in one line.; stay within"):
+        list(compare(request(choice), processes=0))
+
+
+RELEASED = """
+[regimes.timed]
+torque = [0.0, 1.0, -1.0]
+time = [0.01, 0.02, 0.04]
+start_angle = 30
+duration = 0.05
+
+[regimes.angled]
+torque = [1.5, 2.5, 1.0]
+angle = [-60, 0, 60]
+start_angle = 30
+duration = 0.05
+"""
+
+
+@pytest.mark.parametrize("name", INSTALLED)
+def test_a_torque_over_time_or_angle_moves_every_engine_that_takes_it(tmp_path, name):
+    path = tmp_path / "rocker.toml"
+    path.write_text(double_rocker_text(regimes=RELEASED))
+    choice = CampaignChoice((str(path),), engines=(name,), regimes=("own",), quantities=("phi", "omega", "S", "a"))
+    for result in compare(request(choice), processes=0):
+        outcomes = {record.outcome for record in result.records}
+        if outcomes == {Verdict.UNSUPPORTED}:
+            assert result.records[0].regime == "angled" or not engine(name).abilities.timed_torque
+        else:
+            assert outcomes == {Verdict.PASSED}
+
+
+def test_a_script_has_no_torque_over_time(tmp_path):
+    path = tmp_path / "rocker.toml"
+    path.write_text(double_rocker_text(regimes=RELEASED))
+    (case, *_) = cases(request(CampaignChoice((str(path),), regimes=("timed",))))
+    with pytest.raises(LinkproofError, match="got one over time in 'timed'"):
+        exported(case, "exudyn", Setting.TUNED, "")
+
+
+LINEAR = """
+[regimes.lift]
+from = 260
+to = 500
+speed = 800
+law = "modified-sine"
+back = true
+
+[regimes.push]
+torque = [0, 900, 900]
+time = [0, 0.1, 0.2]
+start_angle = 300
+duration = 0.15
+
+[regimes.too-far]
+from = 260
+to = 600
+time = 1
+"""
+
+
+def test_a_cylinder_follows_a_law_in_millimetres_and_a_force_over_time(tmp_path):
+    path = tmp_path / "boom.toml"
+    path.write_text((LINKAGES / "drives" / "boom.toml").read_text() + LINEAR)
+    choice = CampaignChoice((str(path),), engines=("direct",), regimes=("lift", "push"))
+    lift, push = compare(request(choice), processes=0)
+    assert lift.records[0].conditions.startswith(
+        "modified-sine from 260 mm to 500 mm and back, at most 800 mm/s, gravity on"
+    )
+    for result in (lift, push):
+        assert {record.outcome for record in (*result.records, *result.invariants)} == {Verdict.PASSED}
+    too_far = CampaignChoice((str(path),), engines=("direct",), regimes=("too-far",))
+    with pytest.raises(AssemblyError, match="its drive reaches 232 mm to 572 mm"):
+        list(compare(request(too_far), processes=0))

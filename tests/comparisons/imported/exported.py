@@ -1,0 +1,43 @@
+"""Curves as another tool would export them, with a fault planted: made from the closed form or an engine, rounded."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from comparisons.imported.columns import Column, ImportedResults, ImportedSignal
+from comparisons.imported.judging.samples import JudgedModel, Samples
+
+
+def samples(name, time):
+    """A place for a signal's values."""
+    nothing = np.zeros(len(time))
+    return Samples(name, time, nothing, nothing, nothing, None)
+
+
+def rounded(values, digits):
+    """Values to so many significant digits, and half a unit of the last one of each."""
+    texts = [f"{value:.{digits - 1}e}" for value in values]
+    exponents = np.array([int(text.partition("e")[2]) for text in texts])
+    return np.array([float(text) for text in texts]), 0.5 * 10.0 ** (exponents - digits + 1)
+
+
+def exported(linkage, motion, names, time, *, digits=6, change=None, model=None):
+    """Imported results of a model, the true one by default; ``change`` alters values by name."""
+    model = model or JudgedModel(linkage, motion)
+    values = dict(zip(names, model.predicted([samples(name, time) for name in names]), strict=True))
+    values = change(values, time) if change else values
+    signals = []
+    for name in names:
+        printed, half = rounded(values[name], digits)
+        at, at_half = rounded(time, 10)
+        column = Column(name, "", printed, half, "made up")
+        signals.append(ImportedSignal(name, "time", at, printed, half, column, at_half))
+    return ImportedResults(tuple(signals), (), {}, "")
+
+
+def with_link(linkage, name, **changes):
+    """A linkage with a link changed."""
+    link = replace(linkage.links[name], **changes)
+    return replace(linkage, links={**linkage.links, name: link})

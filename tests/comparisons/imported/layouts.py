@@ -1,0 +1,99 @@
+"""Writers of the layouts in which other tools export their results, for tests: from a small table to a file's text.
+
+They follow files of the tools themselves: Adams ``.res`` as Adams/Solver 2022 writes it, ``.tab`` as
+Adams/PostProcessor does, OpenModelica's CSV, and SolidWorks Motion's export of plots.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+
+@dataclass(frozen=True)
+class Channel:
+    """A column to be written: what its tool would call it, its unit there, and values (n,) in that unit."""
+
+    header: str
+    unit: str
+    values: np.ndarray
+
+
+def _rows(channels, write):
+    return [[write(x) for x in row] for row in np.column_stack([c.values for c in channels]).tolist()]
+
+
+def csv(
+    channels,
+    *,
+    delimiter=",",
+    decimal=".",
+    digits=6,
+    quotes=False,
+    title="",
+    trailing=False,
+    unit_row=False,
+    decimals=None,
+):
+    """A CSV with units in brackets behind the headers, or in a row below; ``digits`` or ``decimals``."""
+    headers = [f"{c.header} [{c.unit}]" if c.unit and not unit_row else c.header for c in channels]
+    headers = [f'"{header}"' for header in headers] if quotes else headers
+    form = f".{digits}g" if decimals is None else f".{decimals}f"
+    rows = _rows(channels, lambda x: format(x, form).replace(".", decimal))
+    rows = [[c.unit for c in channels], *rows] if unit_row else rows
+    end = delimiter if trailing else ""
+    return "\n".join([*([title] if title else []), *(delimiter.join(row) + end for row in [headers, *rows])]) + "\n"
+
+
+def solidworks(plots, *, digits=6):
+    """SolidWorks Motion: every plot with a title line, quoted headers with the unit in round brackets.
+
+    ``plots`` are pairs of a title and its channels, the time first.
+    """
+    parts = []
+    for title, channels in plots:
+        headers = ",".join(f'"{c.header} ({c.unit})"' for c in channels)
+        rows = [",".join(row) for row in _rows(channels, lambda x: format(x, f".{digits}g"))]
+        parts.append("\n".join([f'"{title}"', headers, *rows]))
+    return "\n\n".join(parts) + "\n"
+
+
+def adams_table(channels, *, model="MODEL_1", decimals=4):
+    """Adams ``.tab``: the model's name, an empty line, padded headers without units, fixed decimals, tabs."""
+    headers = "\t".join(f"{c.header:<10}" for c in channels)
+    rows = ["\t".join(f"{x} " for x in row) for row in _rows(channels, lambda x: format(x, f".{decimals}f"))]
+    return "\n".join([f"      {model}" + "\t" * len(channels), "\t" * len(channels), headers, *rows]) + "\n"
+
+
+def adams_results(channels, *, digits=17):
+    """Adams ``.res``: every header is ``ENTITY.COMPONENT``, but the time's, which comes first."""
+    components = "\n".join(
+        f'<Entity name="{entity}"{kind}>\n<Component name="{component}" unitsValue="{c.unit}" id="{number}" />\n'
+        "</Entity>"
+        for number, c in enumerate(channels, start=1)
+        for entity, component, kind in [_entity(c.header)]
+    )
+    rows = _rows(channels, lambda x: format(x, f".{digits}g"))
+    steps = [f'<Step type="dynamic">\n{row[0]}\n{" ".join(row[1:])}\n</Step>' for row in rows]
+    return (
+        '<?xml version="1.0" encoding="UTF-8"?>\n<Results xmlns="http://www.mscsoftware.com/:xrf10">\n'
+        '<Analysis name="ANALYSIS_01">\n<Units angle="rad" length="meter" mass="kg" time="sec" />\n'
+        f'<StepMap name="map_001">\n{components}\n</StepMap>\n'
+        '<Data name="modelInput_001" id="1">\n<Step type="input">\n0\n0\n</Step>\n</Data>\n'
+        '<Data name="dynamic_001" id="2">\n' + "\n".join(steps) + "\n</Data>\n</Analysis>\n</Results>\n"
+    )
+
+
+def _entity(header):
+    entity, _, component = header.rpartition(".")
+    return (entity, component, f' entity="{entity}" entType="Joint"') if entity else ("time", header.upper(), "")
+
+
+def robotran(channels, *, digits=9):
+    """Robotran ``.res``: numbers alone, the time first, in SI units."""
+    return "\n".join(" ".join(row) for row in _rows(channels, lambda x: format(x, f".{digits}e"))) + "\n"
+
+
+def modelica(channels, *, digits=16):
+    """OpenModelica's CSV: quoted names of variables, the first of them ``time``, in SI units."""
+    headers = ",".join(f'"{c.header}"' for c in channels)
+    return "\n".join([headers, *(",".join(row) for row in _rows(channels, lambda x: format(x, f".{digits}g")))]) + "\n"

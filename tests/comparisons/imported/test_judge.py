@@ -1,0 +1,238 @@
+"""Exported curves judged: planted faults named, clean ones passed, corrections said and never hidden."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from analytic.description.crank_motion import RPM, crank_motion
+from analytic.description.crank_motion.table import table_motion
+from analytic.description.loading import load
+from analytic.errors import LinkproofError
+from analytic.kinematics.mechanism import Mechanism
+from comparisons.imported.causes.signal_changes import signal_changes
+from comparisons.imported.columns import Correction
+from comparisons.imported.judge import judge
+from comparisons.imported.judging.samples import JudgedModel
+from comparisons.imported.reading import read_results
+from comparisons.judging.records import Verdict
+from comparisons.reference.case import Case, own_case
+from comparisons.reference.signals import names as signal_names
+from engines.registry import engine, why_unavailable
+from tests.comparisons.imported.campaign import CLEAN, PLANTED, Export, is_right, judged
+from tests.comparisons.imported.engine_curves import curves
+from tests.comparisons.imported.exported import exported, samples, with_link
+from tests.comparisons.imported.layouts import Channel, csv
+
+JUKI = load("juki-mf7923d")
+QUINTIC = crank_motion("run-up-quintic")
+TIME = np.linspace(0.0, 0.7, 351)
+
+
+@pytest.fixture(scope="module")
+def judgements():
+    """Of every planted fault and every clean export, from files of several tools' layouts and of real engines' runs."""
+    return {export: judged(export) for export in (*PLANTED, *CLEAN) if why_unavailable(engine(export.engine)) is None}
+
+
+def test_every_planted_fault_is_the_likeliest_cause_and_fails_but_where_it_is_within_the_limit(judgements):
+    planted = {export: judgement for export, judgement in judgements.items() if export.expected}
+    assert [export.name for export, judgement in planted.items() if not is_right(export, judgement)] == []
+    over = {e.name: any(v.error_max > 0.01 for v in judgement.verdicts) for e, judgement in planted.items()}
+    assert {export.name: not judgement.passed for export, judgement in planted.items()} == over
+
+
+def test_no_clean_export_raises_an_alarm(judgements):
+    clean = {export: judgement for export, judgement in judgements.items() if not export.expected}
+    assert [export.name for export, judgement in clean.items() if not is_right(export, judgement)] == []
+    assert [e.name for e, judgement in clean.items() if not all(check.passed for check in judgement.checks)] == []
+
+
+def test_errors_worst_places_and_left_out_samples_are_those_of_the_columns():
+    linear = crank_motion("run-up")
+
+    def change(values, time):
+        wrong = values["Mkr"].copy()
+        wrong[100] += 0.5 * np.max(np.abs(wrong))
+        return {**values, "Mkr": wrong}
+
+    names = ("Mkr", "S")
+    judgement = judge(JUKI, exported(JUKI, linear, names, TIME, change=change), linear)
+    torque, stroke = judgement.verdicts
+    assert (torque.outcome, stroke.outcome) == (Verdict.OVER_LIMIT, Verdict.PASSED)
+    assert torque.error_max == pytest.approx(0.5, rel=0.02)
+    assert torque.worst_time == pytest.approx(TIME[100])
+    assert torque.worst_angle == pytest.approx(float(linear.angle(TIME[100])))
+    assert torque.value_there - torque.truth_there == pytest.approx(0.5 * torque.scale, rel=0.02)
+    assert torque.left_out == 5  # two at the start of the ramp, three about its end
+    assert stroke.left_out == 0
+
+
+def test_at_a_jump_of_the_acceleration_a_torque_may_be_off_by_the_jump_and_no_more():
+    linear, at = crank_motion("run-up"), 300
+    sides = [np.array([np.nextafter(0.6, 0.0)]), np.array([0.6])]
+    before, after = (JudgedModel(JUKI, linear).predicted([samples("Mkr", side)])[0][0] for side in sides)
+    outcomes, worst = {}, 0.0
+    for factor in (-1.0, 0.0, 0.5, 1.0, 3.0):
+
+        def change(values, _, factor=factor):
+            torque = values["Mkr"].copy()
+            torque[at] = after + factor * (before - after)
+            return {**values, "Mkr": torque}
+
+        torque = judge(JUKI, exported(JUKI, linear, ("Mkr", "S"), TIME, change=change), linear).verdicts[0]
+        outcomes[factor], worst = torque.outcome, torque.error_max * torque.scale
+    passed, over = Verdict.PASSED, Verdict.OVER_LIMIT
+    assert outcomes == {-1.0: passed, 0.0: passed, 0.5: passed, 1.0: passed, 3.0: over}
+    assert worst == pytest.approx(2.0 * abs(before - after), rel=1e-3)
+
+
+def test_what_the_rounding_of_the_crank_leaves_open_has_not_passed():
+    time = np.linspace(0.0, 1.0, 401)
+    wandering = table_motion("wandering", time[::25], 3.0 * time[::25] + 0.2 * np.sin(40.0 * time[::25]))
+    judgement = judge(JUKI, exported(JUKI, wandering, ("phi", "Mkr", "S"), time, digits=3))
+    outcomes = {verdict.name: verdict.outcome for verdict in judgement.verdicts}
+    assert outcomes == {"Mkr": Verdict.UNDEFINED, "S": Verdict.PASSED}
+    assert not judgement.passed
+    by_speed = judge(JUKI, exported(JUKI, wandering, ("phi", "omega", "S"), time, digits=3))  # which leaves less open
+    assert by_speed.passed
+    assert by_speed.motion_source == "column 'omega'"
+
+
+@pytest.mark.parametrize(
+    ("path", "regime", "body"),
+    [
+        ("comparisons/conformance/linkages/driven-slider.toml", "stroke", "rod"),
+        ("comparisons/conformance/linkages/cylinder.toml", "raise", "boom"),
+        ("tests/linkages/parallelogram.toml", "", "coupler"),
+        ("andrews-squeezer", "squeezing", "K4"),
+    ],
+)
+def test_pushed_linkages_change_points_and_released_cranks_are_judged(path, regime, body):
+    linkage = load(path)
+    mechanism = Mechanism(linkage)
+    case = next((own_case(mechanism, own) for own in linkage.regimes if own.name == regime), None)
+    motion = case.motion if case else crank_motion("constant-speed")
+    time = np.linspace(0.0, motion.duration, 301)
+    told = motion if regime == "squeezing" else None
+    names = [name for name in signal_names(Case(mechanism, motion)) if "force" not in name and "shaking" not in name]
+    assert judge(linkage, exported(linkage, motion, names, time), told).passed
+    heavier = with_link(linkage, body, mass=1.5 * linkage.links[body].mass)
+    torque = ("phi", "Peq" if regime == "squeezing" else "Mkr", "Teq")
+    wrong = exported(linkage, motion, torque, time, model=JudgedModel(heavier, motion))
+    (finding,) = judge(linkage, wrong, told).explanation.findings
+    assert f"mass:{body}" in {fit.cause.kind for fit in finding.every}
+
+
+def test_a_reaction_that_is_zero_has_the_natural_scale_of_forces():
+    steady = crank_motion("constant-speed")
+    name = "joint_force:needle_bar on ground:y"  # the guide is vertical: it takes no force along itself
+    judgement = judge(
+        JUKI,
+        exported(JUKI, steady, (name, "joint_force:A:x"), TIME, change=lambda v, _: {**v, name: v[name] + 1e-5}),
+        steady,
+    )
+    near_zero, other = judgement.verdicts
+    assert near_zero.near_zero
+    assert not other.near_zero
+    assert near_zero.outcome is Verdict.PASSED
+
+
+def test_a_correction_is_estimated_and_applied_only_where_the_mapping_agrees(tmp_path):
+    time, values = curves(JUKI, QUINTIC, every=4)
+    channels = [
+        Channel("time", "s", time),
+        Channel("phi", "deg", 180.0 / np.pi * values["phi"]),
+        Channel("Mkr", "N*m", -values["Mkr"]),
+    ]
+    (tmp_path / "run.csv").write_text(csv(channels))
+    first = judge(JUKI, read_results([tmp_path / "run.csv"], JUKI))
+    assert not first.passed
+    assert first.proposals == {"Mkr": Correction(sign=-1)}
+    mapping = tmp_path / "mapping.toml"
+    mapping.write_text('[[column]]\nheader = "Mkr [N*m]"\nsignal = "Mkr"\nunit = "N*m"\nsign = -1\n')
+    again = judge(JUKI, read_results([tmp_path / "run.csv"], JUKI, mapping))
+    assert again.passed
+    assert not again.explanation.findings
+    assert again.imported.corrections == {"Mkr": Correction(sign=-1)}
+
+
+def test_a_fault_behind_a_sign_is_named_with_the_sign_said():
+    heavier = replace(JUKI.links["coupler"], mass=1.4 * JUKI.links["coupler"].mass)
+    other = replace(JUKI, links={**JUKI.links, "coupler": heavier})
+    results = exported(other, QUINTIC, ("Mkr",), TIME, change=lambda v, _: {"Mkr": -v["Mkr"]})
+    (finding,) = judge(JUKI, results, QUINTIC).explanation.findings
+    assert finding.likeliest.cause.kind == "mass:coupler"
+    assert finding.likeliest.numbers[0] == pytest.approx(1.4, rel=1e-3)
+    assert finding.corrections == {"Mkr": Correction(sign=-1)}
+
+
+def test_signals_over_the_crank_angle_need_a_speed_where_they_move():
+    steady = crank_motion("constant-speed", speed=500.0 * RPM)
+    results = exported(JUKI, steady, ("S", "Mkr"), TIME)
+    over_angle = replace(
+        results,
+        signals=tuple(replace(s, axis="phi", at=steady.angle(s.at), at_resolution=0.0 * s.at) for s in results.signals),
+    )
+    assert judge(JUKI, over_angle, steady).passed
+    with pytest.raises(LinkproofError, match=r"Mkr over the crank angle: .* say it with --speed"):
+        judge(JUKI, over_angle, steady, gives_speed=False)
+    still = replace(over_angle, signals=over_angle.signals[:1])
+    assert judge(JUKI, still, crank_motion("constant-speed"), gives_speed=False).passed
+
+
+def test_without_a_motion_the_regime_is_asked_for():
+    with pytest.raises(LinkproofError, match=r"over time without one; say how the crank moves with --regime"):
+        judge(JUKI, exported(JUKI, QUINTIC, ("Mkr",), TIME))
+
+
+def test_a_peak_between_the_samples_is_said():
+    steady = crank_motion("constant-speed")
+    time = np.linspace(0.0, 0.7, 57)  # five samples a turn
+    judgement = judge(JUKI, exported(JUKI, steady, ("Mkr", "S"), time), steady)
+    assert judgement.passed
+    assert {name for name, _ in judgement.missed} == {"Mkr"}
+
+
+def test_columns_that_do_not_agree_with_one_another_are_said():
+    def change(values, _):
+        return {**values, "v": 1.2 * values["v"], "Peq": 0.5 * values["Peq"]}
+
+    names = ("phi", "omega", "Mkr", "Peq", "S", "v", "point:A:x", "point:A:y")
+    judgement = judge(JUKI, exported(JUKI, QUINTIC, names, TIME, change=change))
+    passed = {check.name: check.passed for check in judgement.checks}
+    assert passed == {
+        "omega = dphi/dt": True,
+        "v = dS/dt": False,
+        "Peq = Mkr omega": False,
+        "length of crank from A to O1": True,
+    }
+
+
+def test_a_mirrored_export_of_a_regime_is_not_hidden():
+    export = Export("", motion=crank_motion("run-up", clockwise=True), true_motion=crank_motion("run-up"))
+    judgement = judged(replace(export, signals=("Mkr", "S")))
+    assert not judgement.passed
+
+
+def test_a_narrow_peak_between_few_samples_is_seen():
+    time = np.linspace(0.0, 0.06, 11)  # 36° a sample: the torque's peaks lie between them
+    steady = crank_motion("constant-speed", speed=1000 * RPM, ramp_time=0.06, hold_time=0.0)
+    judgement = judge(JUKI, exported(JUKI, steady, ("Mkr",), time), steady)
+    dense = judge(JUKI, exported(JUKI, steady, ("Mkr",), np.linspace(0.0, 0.06, 20_001)), steady)
+    (verdict,), (every,) = judgement.verdicts, dense.verdicts
+    lost = 1.0 - np.max(np.abs(verdict.truth)) / np.max(np.abs(every.truth))
+    assert dict(judgement.missed)["Mkr"] == pytest.approx(lost, rel=1e-3)
+
+
+def test_a_thousandth_is_taken_for_no_unit_of_another_ratio():
+    steady = crank_motion("constant-speed", speed=1000 * RPM, ramp_time=0.06, hold_time=0.0)
+    time = np.linspace(0.0, 0.06, 241)
+    (right,) = judge(JUKI, exported(JUKI, steady, ("S",), time), steady).verdicts
+    small = replace(right, samples=replace(right.samples, values=1e-3 * right.samples.values))
+    words = [
+        cause.words(np.ones(0))
+        for cause in signal_changes(JudgedModel(JUKI, steady), small, ())
+        if "unit" in cause.kind
+    ]
+    assert words == ["S is 0.001 times the closed form's: a unit taken for another (1000)"]

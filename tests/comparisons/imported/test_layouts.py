@@ -1,0 +1,167 @@
+"""Every layout read back: what was written comes out, as sharp as it was printed; and no bytes end in a traceback."""
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from analytic.description.loading import load
+from analytic.errors import LinkproofError
+from comparisons.imported.columns import MappingNeededError
+from comparisons.imported.files.result_files import result_tables
+from comparisons.imported.reading import read_results
+from tests.comparisons.imported import layouts
+from tests.comparisons.imported.layouts import Channel
+
+JUKI = load("juki-mf7923d")
+NUMBERS = st.floats(-1e6, 1e6, allow_nan=False).filter(lambda x: x == 0.0 or abs(x) > 1e-6)
+ENCODINGS = ("utf-8", "utf-8-sig", "utf-16", "utf-16-le", "cp1252")
+
+
+@st.composite
+def curves(draw):
+    values = np.array(draw(st.lists(NUMBERS, min_size=4, max_size=12)))
+    return np.arange(len(values)) * 0.5, values
+
+
+@settings(max_examples=150)
+@given(
+    curve=curves(),
+    signs=st.sampled_from([",.", ";.", ";,", "\t.", "\t,", "|.", " .", " ,"]),
+    digits=st.integers(3, 15),
+    looks=st.fixed_dictionaries({"quotes": st.booleans(), "trailing": st.booleans(), "unit_row": st.booleans()}),
+    title=st.sampled_from(["", "Run 3", "# exported, with a comma; and more"]),
+    coded=st.tuples(st.sampled_from(ENCODINGS), st.sampled_from(["\n", "\r\n", "\r"])),
+)
+def test_a_csv_comes_back_to_half_a_unit_of_its_last_digit(  # noqa: PLR0917
+    tmp_path_factory, curve, signs, digits, looks, title, coded
+):
+    time, values = curve
+    delimiter, decimal = signs
+    if delimiter == " ":
+        looks = {"quotes": True}
+    channels = [Channel("t", "s", time), Channel("x", "°", values)]
+    text = layouts.csv(channels, delimiter=delimiter, decimal=decimal, digits=digits, title=title, **looks)
+    path = tmp_path_factory.mktemp("csv") / "run.csv"
+    path.write_bytes(text.replace("\n", coded[1]).encode(coded[0]))
+    (table,) = result_tables(path)
+    assert [column.header.split(" ")[0] for column in table.columns] == ["t", "x"]
+    read = table.columns[1]
+    printed = np.array([float(f"{x:.{digits}g}") for x in values])
+    np.testing.assert_array_equal(read.values, printed)
+    assert np.all(np.abs(read.values - values) <= read.resolution * (1.0 + 1e-9) + 1e-16 * np.abs(values))
+
+
+@pytest.mark.parametrize("decimals", [0, 2, 4])
+def test_fixed_decimals_are_half_a_unit_sharp_everywhere(tmp_path, decimals):
+    values = np.array([0.0, 0.5, -123.456, 7.0, 1e4])
+    path = tmp_path / "run.csv"
+    path.write_text(layouts.csv([Channel("t", "s", np.arange(5)), Channel("x", "m", values)], decimals=decimals))
+    read = result_tables(path)[0].columns[1]
+    np.testing.assert_allclose(read.resolution, 0.5 * 10.0**-decimals)
+
+
+def test_scientific_numbers_are_half_a_unit_of_their_last_digit_sharp(tmp_path):
+    path = tmp_path / "run.csv"
+    path.write_text("t;x\n0;1.25e-3\n1;1.25E+3\n2;0.00e0\n3;-2.50D-1\n")
+    read = result_tables(path)[0].columns[1]
+    np.testing.assert_array_equal(read.values, [1.25e-3, 1.25e3, 0.0, -0.25])
+    np.testing.assert_allclose(read.resolution, [5e-6, 5.0, 5e-6, 5e-4])
+
+
+def _torque(tmp_path, name, text):
+    path = tmp_path / name
+    path.write_text(text)
+    return path
+
+
+def test_adams_results_say_their_units(tmp_path):
+    time = np.linspace(0.0, 1.0, 6)
+    channels = [
+        Channel("time", "sec", time),
+        Channel("JOINT_A.FX", "newton", np.cos(time)),
+        Channel("MOTION_1.TZ", "newton-millimeter", np.sin(time)),
+        Channel("JOINT_7.FX", "newton", time),
+    ]
+    results = read_results([_torque(tmp_path, "run.res", layouts.adams_results(channels))], JUKI)
+    force, torque = results.signals
+    assert (force.name, torque.name) == ("joint_force:A:x", "Mkr")
+    np.testing.assert_allclose(force.values, np.cos(time), rtol=1e-15)
+    np.testing.assert_allclose(torque.values, 1e-3 * np.sin(time), rtol=1e-15)
+    assert [column.header for column, _ in results.not_judged] == ["JOINT_7.FX"]
+
+
+def test_adams_tables_have_no_units_and_write_the_time_again(tmp_path):
+    time = np.linspace(0.0, 1.0, 6)
+    channels = [Channel("Time", "", time), Channel("MOTION_1_TZ", "", np.cos(time)), Channel("", "", time)]
+    channels.append(Channel("crank.WZ", "", np.sin(time)))
+    path = _torque(tmp_path, "run.tab", layouts.adams_table(channels))
+    first, second = result_tables(path)
+    assert [[column.header for column in table.columns] for table in (first, second)] == [
+        ["Time", "MOTION_1_TZ"],
+        ["Time", "crank.WZ"],
+    ]
+    assert first.tool == "Adams"
+    np.testing.assert_allclose(second.columns[1].resolution, 5e-5)
+    with pytest.raises(MappingNeededError, match="expected a unit of time in the header 'Time' and 3 more"):
+        read_results([path], JUKI)
+
+
+def test_robotran_numbers_are_named_after_their_file_and_wait_for_a_mapping(tmp_path):
+    time = np.linspace(0.0, 1.0, 6)
+    text = layouts.robotran([Channel("", "", time), Channel("", "", np.cos(time))])
+    path = _torque(tmp_path, "invdyn_Qq.res", text)
+    with pytest.raises(MappingNeededError, match="'invdyn_Qq 1' is not judged"):
+        read_results([path], JUKI)
+    mapping = _torque(tmp_path, "mapping.toml", '[[column]]\nheader = "invdyn_Qq 1"\nsignal = "Mkr"\n')
+    (signal,) = read_results([path], JUKI, mapping).signals
+    np.testing.assert_allclose(signal.values, np.cos(time), atol=1e-9)
+    assert signal.taken == "no unit: in SI units, as Robotran writes it"
+
+
+def test_comments_between_rows_do_not_end_a_table_and_a_header_begins_another(tmp_path):
+    text = "# t [s], x [m]\n0,1\n1,2\n# a comment\n2,3\n3,4\nt [s],y [m]\n0,1\n1,2\n"
+    first, second = result_tables(_torque(tmp_path, "run.csv", text))
+    assert (first.line, second.line) == (1, 7)
+    assert first.columns[1].values.tolist() == [1.0, 2.0, 3.0, 4.0]
+    assert second.columns[1].header == "y [m]"
+
+
+def test_columns_that_end_before_others_are_cut_to_what_they_have(tmp_path):
+    text = "t [s];Drehmoment [Nm];t [s];S [mm]\n" + "".join(f"{n};{n};{n};{n}\n" for n in range(4)) + "4;4;;\n5;5;;\n"
+    torque, stroke = read_results([_torque(tmp_path, "run.csv", text)], JUKI).signals
+    assert (len(torque.values), len(stroke.values)) == (6, 4)
+
+
+CELLS = ['"Time (sec)"', "t [s]", "M (Nm)", "0", "1.5", "2,5", "nan", "", "\n", ";", ",", "\t", " "]
+TAGS = [
+    '<Entity name="A">', '<Component name="X" id="1"/>', '<Component name="TIME" id="2"/>', "<StepMap>", "</StepMap>",
+    "<Step>", "0 ", "</Step>", "</Entity>", "</Results>",
+]  # fmt: skip
+
+
+@settings(max_examples=300)
+@given(
+    content=st.one_of(
+        st.binary(max_size=300),
+        st.text(alphabet="0123456789.,;\t\n eE+-\"'#[]<>/nanifst", max_size=300).map(str.encode),
+        st.lists(st.sampled_from(CELLS)).map(lambda words: "".join(words).encode()),
+        st.lists(st.sampled_from(TAGS)).map(lambda tags: "".join(["<Results>", *tags]).encode()),
+    ),
+    name=st.sampled_from(["run.csv", "run.res", "run.tab"]),
+)
+def test_no_bytes_end_in_a_traceback(tmp_path_factory, content, name):
+    path = tmp_path_factory.getbasetemp() / name
+    path.write_bytes(content)
+    try:
+        results = read_results([path], JUKI)
+    except LinkproofError:
+        return
+    assert results.signals
+
+
+def test_a_fault_far_down_a_long_file_is_told_by_its_line(tmp_path):
+    rows = "0.0001;-12.3456;1.25e-3\n" * 20_000
+    text = "t;x;y\n" + rows + "not a number;1;2\n" * 2_000
+    with pytest.raises(LinkproofError, match=r"run.csv:20002: expected a finite number in column 1"):
+        result_tables(_torque(tmp_path, "run.csv", text))

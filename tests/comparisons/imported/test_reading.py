@@ -1,0 +1,196 @@
+"""Result files read as signals of a linkage: what is taken, what is asked for, what is refused, with which cure."""
+
+import re
+
+import numpy as np
+import pytest
+
+from analytic.description.loading import load
+from analytic.errors import LinkproofError
+from comparisons.imported.columns import Correction, MappingNeededError
+from comparisons.imported.mapping.writing import with_proposals
+from comparisons.imported.reading import read_results
+from tests.comparisons.imported.layouts import Channel, csv, solidworks
+
+JUKI = load("juki-mf7923d")
+TIME = np.linspace(0.0, 1.0, 6)
+ROWS = "0,1.5\n0.1,2.25\n0.2,3\n0.3,4\n"
+
+
+def read(tmp_path, text, mapping=None, name="run.csv"):
+    file = tmp_path / name
+    file.write_bytes(text if isinstance(text, bytes) else text.encode())
+    if mapping is not None:
+        (tmp_path / "mapping.toml").write_text(mapping)
+        mapping = tmp_path / "mapping.toml"
+    return read_results([file], JUKI, mapping)
+
+
+def message(tmp_path, text, mapping=None, name="run.csv"):
+    with pytest.raises(LinkproofError) as caught:
+        read(tmp_path, text, mapping, name)
+    return str(caught.value).replace(f"{tmp_path}/", "")
+
+
+def test_a_plain_table_becomes_signals_in_si_units(tmp_path):
+    text = csv([Channel("time", "s", TIME), Channel("Mkr", "N*mm", 1e3 * np.cos(TIME))], digits=17)
+    (signal,) = read(tmp_path, text).signals
+    assert (signal.name, signal.axis) == ("Mkr", "time")
+    np.testing.assert_allclose(signal.at, TIME, rtol=1e-15)
+    np.testing.assert_allclose(signal.values, np.cos(TIME), rtol=1e-15)
+
+
+def test_plots_of_solidworks_in_one_file_have_a_time_each(tmp_path):
+    torque = [Channel("Time", "sec", TIME), Channel("Motor Torque12", "newton-millimeter", 1e3 * TIME)]
+    angle = [Channel("Time", "sec", TIME[::2]), Channel("Angular Displacement1", "deg", 360.0 * TIME[::2])]
+    force = [Channel("Time", "sec", TIME), Channel("Reaction Force3", "newton", TIME)]
+    plots = [("Motor Torque12", torque), ("Angular Displacement1", angle), ("Reaction Force3", force)]
+    with pytest.raises(LinkproofError, match=r"run.csv:11 .*at least 4 instants, got 3"):
+        read(tmp_path, solidworks(plots))
+    angle = [Channel("Time", "sec", TIME), Channel("Angular Displacement1", "deg", 360.0 * TIME)]
+    results = read(tmp_path, solidworks([plots[0], ("Angular Displacement1", angle), plots[2]]))
+    assert [(s.name, s.at[-1], s.values[-1]) for s in results.signals] == [("Mkr", 1.0, 1.0), ("phi", 1.0, 2.0 * np.pi)]
+    assert results.signals[1].taken == "its name has no link: taken as the crank's"
+    ((column, reason),) = results.not_judged
+    assert column.header == "Reaction Force3 (newton)"
+    assert "joints are A, D, O1, needle_bar on ground" in reason
+
+
+def test_modelica_files_are_in_si_units_and_that_is_said(tmp_path):
+    text = "time,crank.phi,motor.tau,valve.x\n0,0,1,3\n1,2,3,4\n2,3,4,5\n3,4,5,6\n3,4,9,6\n"
+    results = read(tmp_path, text)
+    assert [signal.name for signal in results.signals] == ["phi", "Mkr"]
+    assert results.signals[1].values.tolist() == [1.0, 3.0, 4.0, 9.0]
+    assert results.signals[1].taken == (
+        "no unit: in SI units, as Modelica writes it; of instants written more than once the last is taken (1 left out)"
+    )
+
+
+def test_the_crank_angle_is_the_axis_where_there_is_no_time(tmp_path):
+    (signal,) = read(tmp_path, "Kurbelwinkel [°];Antriebsmoment [Nm]\n0;1,5\n-10;2,5\n-20;3\n-30;4\n").signals
+    assert (signal.name, signal.axis) == ("Mkr", "phi")
+    np.testing.assert_allclose(signal.at, -np.radians([0.0, 10.0, 20.0, 30.0]))
+    np.testing.assert_allclose(signal.resolution, 0.05)
+
+
+def test_what_only_the_user_can_tell_is_asked_for_with_a_mapping_to_fill_in(tmp_path):
+    with pytest.raises(MappingNeededError, match="expected a unit of time in the header 'Time' and 1 more") as caught:
+        read(tmp_path, f"Time,Torque\n{ROWS}")
+    text = caught.value.mapping_text
+    assert text.count('unit = ""  # fill in') == 2
+    assert "expected the name of the column's unit" in message(tmp_path, f"Time,Torque\n{ROWS}", text)
+    filled = text.replace('""  # fill in', '"s"', 1).replace('""  # fill in', '"N*mm"', 1)
+    (signal,) = read(tmp_path, f"Time,Torque\n{ROWS}", filled).signals
+    np.testing.assert_allclose(signal.values, [1.5e-3, 2.25e-3, 3e-3, 4e-3])
+
+
+def test_the_mapping_of_a_reading_reads_the_same(tmp_path):
+    text = f"Zeit [s],Moment [Nm]\n{ROWS}"
+    first = read(tmp_path, text)
+    second = read(tmp_path, text, first.mapping_text)
+    assert [s.name for s in first.signals] == [s.name for s in second.signals] == ["Mkr"]
+    assert second.mapping_text == first.mapping_text
+    assert not second.corrections
+
+
+def test_corrections_count_only_once_their_comment_sign_is_taken_away(tmp_path):
+    text = f"Zeit [s],Moment [Nm]\n{ROWS}"
+    plain = read(tmp_path, text)
+    proposed = with_proposals(plain.mapping_text, {"Mkr": Correction(-1, 2.0, 0.25)})
+    assert not read(tmp_path, text, proposed).corrections
+    agreed = read(tmp_path, text, re.sub(r"(?m)^# (?=(?:sign|factor|time_shift) =)", "", proposed))
+    assert agreed.corrections == {"Mkr": Correction(-1, 2.0, 0.25)}
+    np.testing.assert_allclose(agreed.signals[0].values, -2.0 * plain.signals[0].values)
+    np.testing.assert_allclose(agreed.signals[0].at, plain.signals[0].at + 0.25)
+    np.testing.assert_allclose(agreed.signals[0].resolution, 2.0 * plain.signals[0].resolution)
+
+
+def test_a_shift_of_all_curves_stands_with_the_time(tmp_path):
+    text = f"Zeit [s],Moment [Nm]\n{ROWS}"
+    proposed = with_proposals(read(tmp_path, text).mapping_text, {"*": Correction(time_shift=0.5)})
+    (signal,) = read(tmp_path, text, proposed.replace("# time_shift", "time_shift")).signals
+    np.testing.assert_allclose(signal.at, [0.5, 0.6, 0.7, 0.8])
+
+
+def test_an_angle_may_be_offset_and_mirrored(tmp_path):
+    text = f"Zeit [s],Kurbelwinkel [deg]\n{ROWS}"
+    mapping = '[[column]]\nheader = "Kurbelwinkel [deg]"\nsign = -1\nangle_offset = 90.0\n'
+    results = read(tmp_path, text, mapping)
+    np.testing.assert_allclose(results.signals[0].values, np.radians([88.5, 87.75, 87.0, 86.0]))
+    assert results.corrections["phi"].angle_offset == np.radians(90.0)
+
+
+@pytest.mark.parametrize(
+    ("text", "expected"),
+    [
+        ("Time [s],Torque [Nm],Moment [Nmm]\n" + "0,1,2\n1,2,3\n2,3,4\n3,4,5\n", "expected one column for Mkr, got"),
+        (f"foo,Torque [Nm]\n{ROWS}", "run.csv:1: expected a column of time or crank angle, got foo, Torque [Nm]; name"),
+        (f"Time [s],foo\n{ROWS}", "run.csv:1: expected a column that is a signal of juki-mf7923d, got none: 'foo'"),
+        ("Time [s],Torque [Nm]\n0,1\n1,2\n0.5,3\n2,3\n", "(column 1): expected a time that grows in 'Time [s]'"),
+        ("Winkel [deg],Torque [Nm]\n0,1\n1,2\n0.5,3\n2,3\n", "expected a crank angle that runs one way"),
+        ("Time [s],Torque [Nm]\n0,1\n1,2\n", "expected a curve of at least 4 instants, got 2"),
+        (f"Time [s],Torque [furlong]\n{ROWS}", "run.csv:1 (column 2): unknown unit of 'Torque' 'furlong'"),
+        ("Time [s],Torque [Nm]\n", "run.csv:1: expected rows of numbers below a header"),
+        ("Time [s],Torque [Nm]\n0,1\n1,nan\n2,3\n", "run.csv:3: expected a finite number in column 2, got 'nan'"),
+        ("Time [s],Torque [Nm]\n0,1\n1,inf\n", "run.csv:3: expected a finite number in column 2, got 'inf'"),
+        ("Time [s],Torque [Nm]\n0,nan\n1,nan\n", "run.csv:2: expected a finite number in column 2, got 'nan'"),
+        ("Time [s],Torque [Nm]\n0,1\n1,1e999\n", "run.csv:3: expected a finite number in column 2, got '1e999'"),
+        ("Time [s],Torque [Nm]\n0,1\n1,abc\n", "run.csv:3: expected a finite number in column 2, got 'abc'"),
+        ("Time [s],Torque [Nm]\n0,1\n1,\n2,3\n", "run.csv:3: expected a finite number in column 2, got an empty cell"),
+        ("Time [s],Torque [Nm]\n0,1\n1,2,3\n", "run.csv:3: expected 2 columns, as the header of line 1 has, got 3"),
+        ("Time [s],Torque [Nm]\n0,0,1,0\n0,1,1,0\n", "with decimal commas columns are parted by semicolons or tabs"),
+        ("0,1\n1,2\n", "run.csv:1: expected a header above the numbers, got none"),
+        ("0\n1\n", "run.csv:1: expected a header above the numbers"),
+        ("", "run.csv:1: expected a table of results, got an empty file"),
+        (b"PK\x03\x04rest", "or another zip archive; export the results as CSV"),
+        (b"MATLAB 5.0 MAT-file", "got a MATLAB file"),
+        (bytes(range(256)), "got a binary file"),
+        (b"Time [s],M [Nm]\n0,1\n\x81\x8d,3\n", "run.csv:3: expected text in CP1252, got other bytes"),
+    ],
+)  # fmt: skip
+def test_bad_files_are_told_in_one_sentence(tmp_path, text, expected):
+    assert expected in message(tmp_path, text)
+
+
+@pytest.mark.parametrize(
+    ("mapping", "expected"),
+    [
+        ("", "mapping.toml:1: expected a mapping that names a column"),
+        ("# nothing\n", "got one that names nothing"),
+        ('[[column]]\nheader = "Tim"\n', "mapping.toml:2: column #1.header: unknown column 'Tim': did"),
+        ('ignore = ["Tim"]\n', "mapping.toml:1: ignore #1: unknown column 'Tim'"),
+        ('[[column]]\nheader = "Time"\nsgn = 1\n', "mapping.toml:3: column #1.sgn: unknown key 'sgn': did"),
+        ('[[column]]\nheader = "Time"\nunit = "mm"\n', "mapping.toml:3: column #1.unit: expected a unit of time"),
+        ('[[column]]\nheader = "Time"\nunit = "sek."\n', "mapping.toml:3: column #1.unit: unknown unit 'sek.'"),
+        ('[[column]]\nheader = "Torque"\nsignal = "Mk"\n', "column #1.signal: unknown signal 'Mk': did you"),
+        ('[[column]]\nheader = "Torque"\nfactor = 0.0\n', "column #1.factor: expected a positive finite number, got 0"),
+        ('[[column]]\nheader = "Torque"\nsign = 2\n', "column #1.sign: expected 1 or -1, got 2"),
+        ('[[column]]\nheader = "Torque"\ntable = 2\n', "mapping.toml:1: column #1: expected a column 'Torque'"),
+        ('[[column]]\nheader = "Torque"\nangle_offset = 1.0\n', "expected an offset of an angle, got one of Mkr"),
+        ('[[column]]\nheader = "Torque"\n[[column]]\nheader = "Torque"\n', "expected one [[column]] for 'Torque'"),
+        ('axis = "t"\n', 'mapping.toml:1: axis: expected "time" or "phi"'),
+        ("[[column]\n", "mapping.toml:1: not valid TOML"),
+    ],
+)  # fmt: skip
+def test_bad_mappings_are_told_with_file_and_line(tmp_path, mapping, expected):
+    assert expected in message(tmp_path, f"Time,Torque\n{ROWS}", mapping)
+
+
+@pytest.mark.parametrize("encoding", ["cp1251", "utf-16", "utf-8"])
+def test_files_in_the_encoding_of_their_country_are_read(tmp_path, encoding):
+    text = "sep=;\nвремя, с;Момент двигателя, Н·м\n0;1,5\n1;2,5\n2;3,5\n3;4,5\n"
+    (signal,) = read(tmp_path, text.encode(encoding)).signals
+    assert (signal.name, signal.values[-1], signal.column.unit) == ("Mkr", 4.5, "Н·м")
+
+
+def test_equal_headers_are_numbered_so_that_a_mapping_can_name_each(tmp_path):
+    text = "t [s],Torque [Nm],Torque [Nm]\n0,1,2\n1,2,3\n2,3,4\n3,4,6\n"
+    assert "got 'Torque [Nm]' (run.csv:1 (column 2)) and 'Torque [Nm] #2'" in message(tmp_path, text)
+    (signal,) = read(tmp_path, text, 'ignore = ["Torque [Nm]"]\n').signals
+    assert signal.values[-1] == 6.0
+
+
+def test_folders_and_missing_files_are_told(tmp_path):
+    for path, expected in ((tmp_path, "got the folder"), (tmp_path / "no.csv", "No such file or directory")):
+        with pytest.raises(LinkproofError, match=expected):
+            read_results([path], JUKI)

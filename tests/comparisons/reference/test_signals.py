@@ -1,0 +1,172 @@
+"""Signals by name: their units, and their values against textbook formulas and a second Newton-Euler balance."""
+
+import math
+from dataclasses import replace
+
+import mpmath as mp
+import numpy as np
+import pytest
+
+from analytic.description.changes import without
+from analytic.description.crank_motion import CrankMotion, Segment, crank_motion
+from analytic.dynamics.joint_forces import reactions
+from analytic.errors import UnknownNameError
+from analytic.kinematics.mechanism import Mechanism
+from comparisons.reference.case import Case
+from comparisons.reference.signals import names, signal, unit
+from tests.analytic.linkages import EVERY, from_text, mechanism
+from tests.analytic.newton_euler import Balance, scene_at
+from tests.analytic.textbook import DOUBLE_ROCKER
+from tests.analytic.tolerances import FIFTY_DIGITS, SAME_FIGURES
+
+MOTION = CrankMotion("test", (Segment(0.0, 0.3, (0.4, 21.0, 35.0)),))
+TIMES = np.linspace(0.0, 0.3, 7)
+
+CRANK, ROD, SHIFT = 0.03, 0.11, 0.008  # m
+SLIDER_CRANK = """
+title = "offset slider-crank"
+units = { length = "LENGTH", mass = "kg", inertia = "kg*m^2", angle = "deg" }
+source = "textbook"
+crank = "crank"
+ground = { O = [0, 0] }
+output = { point = "B" }
+[links.crank]
+points = { O = [0, 0], A = [@0.03, 0] }
+mass = 0.5
+inertia = 1e-4
+[links.rod]
+points = { A = [0, 0], B = [@0.11, 0] }
+mass = 0.2
+centre = [@0.04, 0]
+inertia = 3e-4
+[links.piston]
+slides = { point = "B", through = [0, @0.008], along = [1, 0] }
+mass = 0.3
+[sketch]
+angle = 0
+points = { B = [@0.14, 0] }
+"""
+
+
+def slider_crank(length="m", metres=1.0):
+    text = SLIDER_CRANK.replace("LENGTH", length)
+    for number in ("0.03", "0.11", "0.008", "0.04", "0.14"):
+        text = text.replace(f"@{number}", repr(float(number) / metres))
+    return from_text(text)
+
+
+def _textbook(time):
+    """Place of the piston and angle of the rod, to 50 digits, by the law of sines."""
+    phi = mp.mpf(0.4) + 21 * time + 35 * time**2
+    angle = mp.asin((mp.mpf(SHIFT) - mp.mpf(CRANK) * mp.sin(phi)) / mp.mpf(ROD))
+    return mp.mpf(CRANK) * mp.cos(phi) + mp.mpf(ROD) * mp.cos(angle), angle
+
+
+def test_a_slider_crank_moves_as_the_textbook_says_whatever_the_unit_of_its_file():
+    place = [lambda t: _textbook(t)[0], lambda t: _textbook(t)[1]]
+    with mp.workdps(50):
+        exact = [[[float(mp.diff(one, mp.mpf(float(t)), k)) for t in TIMES] for k in range(3)] for one in place]
+        far = mp.sqrt(mp.mpf(CRANK + ROD) ** 2 - mp.mpf(SHIFT) ** 2)
+    (x, vx, ax), (angle, omega, alpha) = exact
+    expected = {
+        **{"point:B:x": x, "point:B:vx": vx, "point:B:ax": ax, "point:B:y": [SHIFT] * len(TIMES)},
+        **{"S": float(far) - np.array(x), "v": -np.array(vx), "a": -np.array(ax)},
+        **{"link:rod:angle": angle, "link:rod:omega": omega, "link:rod:alpha": alpha},
+        "phi": 0.4 + 21 * TIMES + 35 * TIMES**2,
+        "transmission_angle:rod + piston (RRP)": np.pi / 2 + np.array(angle),
+    }
+    for sample in (slider_crank(), slider_crank("in", 0.0254), slider_crank("mm", 1e-3)):
+        truth = Case(sample, MOTION).at(TIMES)
+        for name, values in expected.items():
+            close = FIFTY_DIGITS * np.max(np.abs(values))
+            assert signal(truth, name) == pytest.approx(np.asarray(values), rel=0.0, abs=close), name
+
+
+def test_torque_power_and_energy_are_those_of_the_moving_masses():
+    """No gravity and no load: the power of the drive is the change of the kinetic energy."""
+    sample = slider_crank()
+    truth, step = Case(sample, MOTION).at(TIMES), 1e-5
+    ahead, behind = (signal(Case(sample, MOTION).at(TIMES + h), "Teq") for h in (step, -step))
+    assert signal(truth, "Peq") == pytest.approx((ahead - behind) / (2 * step), rel=1e-6)
+    assert signal(truth, "Mkr") * signal(truth, "omega") == pytest.approx(signal(truth, "Peq"), rel=SAME_FIGURES)
+    assert 2 * signal(truth, "Teq") / signal(truth, "omega") ** 2 == pytest.approx(signal(truth, "Jeq"))
+
+
+def _force(truth, joint):
+    return np.stack([signal(truth, f"joint_force:{joint}:{component}") for component in "xy"])
+
+
+def test_the_piston_pushes_on_its_guide_and_the_rod_as_newton_says():
+    """The sign of a joint force: on the slider, not on the ground; on the rod, the second of 'piston' and 'rod'."""
+    truth = Case(slider_crank(), MOTION).at(TIMES)
+    thrust = 0.3 * signal(truth, "a")  # S counts against x, so this is -m x''
+    assert _force(truth, "B")[0] == pytest.approx(thrust, rel=SAME_FIGURES)
+    assert _force(truth, "piston on ground")[1] == pytest.approx(_force(truth, "B")[1], rel=SAME_FIGURES)
+
+
+@pytest.mark.parametrize(("name", "variant"), EVERY)
+def test_joint_forces_hold_every_body_and_shaking_is_what_the_ground_bears(name, variant):
+    sample = mechanism(name, variant)
+    case = Case(sample, crank_motion("run-up", ramp_time=0.1, start_angle=0.3))
+    time = np.array([0.013])
+    truth = case.at(time)
+    model = scene_at(sample, float(truth.sweep.angle[0]), float(truth.speed[0]), float(truth.acceleration[0]))
+    balance = Balance(model)
+    forces = {joint: _force(truth, joint)[:, 0] for joint in case.joint_names()}
+    guides = reactions(truth.sweep, truth.speed, truth.acceleration).moments
+    moments = {slider.name: float(guides[slider.name][0]) for slider in model.sliders}
+    balance.joints(forces, moments, float(signal(truth, "Mkr")[0]))
+    balance.loads()
+    scale = 1e-9 * max(1.0, *(float(np.hypot(*force)) for force in forces.values()))
+    for left in balance.left_over().values():
+        assert left == pytest.approx([0.0, 0.0, 0.0], abs=scale)
+    shaking = [float(signal(truth, f"shaking_force:{component}")[0]) for component in "xy"]
+    (x, y), (px, py) = shaking, sample.linkage.ground[sample.structure.pivot.point]
+    assert shaking == pytest.approx(balance.sums["ground"][:2], abs=scale)
+    about_origin = float(signal(truth, "shaking_moment")[0]) + px * y - py * x
+    assert about_origin == pytest.approx(balance.sums["ground"][2], abs=scale)
+
+
+def test_every_name_has_a_unit_and_a_value_at_every_instant():
+    for name, variant in EVERY:
+        case = Case(mechanism(name, variant), crank_motion("run-up", ramp_time=0.1, start_angle=0.3, speed=30.0))
+        truth = case.at(np.array([0.0, 0.01]))
+        assert len(set(names(case))) == len(names(case))
+        for one in names(case):
+            assert unit(one, case.mechanism.linkage) in UNITS, one
+            values = signal(truth, one)
+            assert values.shape == (2,), one
+            assert np.all(np.isfinite(values)), one
+
+
+UNITS = {"rad", "rad/s", "rad/s²", "N m", "W", "J", "kg m²", "m", "m/s", "m/s²", "N"}
+
+
+def test_a_joint_of_several_links_and_a_slot_have_their_own_names():
+    on_one_pin = names(Case(mechanism("three-on-one-pin"), MOTION))
+    assert [n for n in on_one_pin if n.startswith("joint_force:") and n.count(":") == 3]
+    in_slot = names(Case(mechanism("ground-pin-in-slot"), MOTION))
+    assert any(" in " in name and name.startswith("joint_force:") for name in in_slot)
+
+
+def test_without_an_output_there_is_no_s_and_a_swinging_crank_counts_it_from_where_it_gets_to():
+    rocker = from_text(DOUBLE_ROCKER)
+    swing = CrankMotion("swing", (Segment(0.0, 0.1, (math.radians(60), math.radians(200))),))
+    assert not {"S", "v", "a"} & {*names(Case(rocker, swing))}
+    with_output = from_text('output = { point = "C", along = [1, 0] }\n' + DOUBLE_ROCKER)
+    displacement = signal(Case(with_output, swing).at(np.linspace(0.0, 0.1, 2001)), "S")
+    assert np.min(displacement) == 0.0
+    assert np.max(displacement) > 0.0
+
+
+def test_a_linkage_without_mass_and_loads_has_no_torques_and_forces():
+    linkage = without(slider_crank().linkage, "gravity")
+    bare = {name: replace(link, mass=0.0, inertia=None) for name, link in linkage.links.items()}
+    found = names(Case(Mechanism(replace(linkage, links=bare)), MOTION))
+    assert not [n for n in found if n.startswith(("joint", "shaking")) or n in ("Mkr", "Peq", "Teq", "Jeq")]
+    assert {"phi", "S", "point:A:x", "link:rod:alpha"} <= {*found}
+
+
+def test_an_unknown_signal_is_refused_by_name():
+    with pytest.raises(UnknownNameError, match="unknown signal 'point:Q:x'"):
+        signal(Case(slider_crank(), MOTION).at(TIMES), "point:Q:x")

@@ -1,0 +1,191 @@
+"""Drivers that are not cranks: the closed form against ``direct``, virtual work against forces, units and words."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from analytic.description.crank_motion import CrankMotion, Segment, crank_motion
+from analytic.description.linkage import DriverKind
+from analytic.designs import evaluate_designs
+from analytic.dynamics.equation_of_motion import equation_of_motion
+from analytic.dynamics.equilibrium import equilibria
+from analytic.dynamics.joint_forces import reactions
+from analytic.dynamics.reduced import drive_torque
+from analytic.errors import AssemblyError, LinkproofError
+from analytic.evaluation import evaluate
+from analytic.kinematics.crank_range import crank_range
+from analytic.motion.energy import energy_imbalance
+from analytic.motion.released import free_motion
+from comparisons.invariants.checks import checks
+from comparisons.judging.quantities import all_quantities
+from comparisons.judging.records import Record
+from comparisons.observation.observed_motion import ObservedMotion
+from comparisons.reference.case import Case
+from comparisons.reference.channels import truth
+from engines.contract import History, Setting
+from engines.direct_adapter.adapter import DirectEngine
+from engines.mechanics.start_check import ability_obstacle
+from engines.scene import Channel, Free, Prescribed, Scene
+from engines.stepping.own_units import own_units, restored, scaled
+from tests.analytic.drives import driven
+
+MOTIONS = {
+    "boom": CrankMotion("there", (Segment(0.0, 0.8, (0.3, 0.05, 0.2, -0.1)),)),
+    "cylinder-in-the-loop": CrankMotion("there", (Segment(0.0, 0.3, (0.08, 0.05, 0.3, -0.1)),)),
+    "ternary-on-rods": crank_motion("run-up", start_angle=0.3),
+    "linear-motor": CrankMotion("there", (Segment(0.0, 0.3, (0.0, 0.1, 1.5, -3.0)),)),
+}
+LINEAR = [name for name in MOTIONS if driven(name).linkage.is_linear]
+RELEASED = {
+    "boom": (0.36, 0.0, 2500.0, 0.15),
+    "cylinder-in-the-loop": (0.08, 0.02, 10.0, 0.1),
+    "ternary-on-rods": (0.3, 1.0, 0.05, 0.5),
+    "linear-motor": (0.02, 0.0, 4.0, 0.12),
+}  # start, speed, force, duration
+LEVELS = (Channel.POSITION, Channel.VELOCITY, Channel.ACCELERATION)
+BLANK = Record("sample", "base", "there", "", "direct", "", "tuned", "")
+
+
+def ran(case: Case) -> tuple[Scene, History]:
+    scene = case.scene(Channel)
+    run = DirectEngine().run(scene, Setting.TUNED)
+    assert run.history is not None, run.reason
+    return scene, run.history
+
+
+def deviation(case: Case, scene: Scene, history: History) -> float:
+    """Largest deviation of any channel of direct, over its peak."""
+    worst = 0.0
+    for channel in LEVELS:
+        signal = getattr(history, channel.value)
+        for number, body in enumerate(scene.bodies):
+            true = truth(case, channel, body.name, signal.time)[:, : 3 if scene.can_turn(body) else 2]
+            seen = signal.values[:, number, : true.shape[1]]
+            worst = max(worst, float(np.max(np.abs(seen - true)) / np.max(np.abs(true))))
+    for joint, signal in history.joint_force.items():
+        true = truth(case, Channel.JOINT_FORCE, joint, signal.time)
+        worst = max(worst, float(np.max(np.abs(signal.values - true)) / np.max(np.abs(true))))
+    if history.torque and case.is_prescribed:
+        true = truth(case, Channel.TORQUE, "", history.torque.time)
+        worst = max(worst, float(np.max(np.abs(history.torque.values - true)) / np.max(np.abs(true))))
+    return worst
+
+
+@pytest.mark.parametrize("name", MOTIONS)
+def test_direct_agrees_with_a_prescribed_travel(name):
+    case = Case(driven(name), MOTIONS[name])
+    case.check_motion()
+    assert deviation(case, *ran(case)) < 1e-12
+
+
+@pytest.mark.parametrize("name", RELEASED)
+def test_direct_agrees_with_a_released_travel(name):
+    start, speed, force, duration = RELEASED[name]
+    motion = free_motion(driven(name), torque=force, start_angle=start, start_speed=speed, duration=duration)
+    case = Case(driven(name), motion, Free(force, duration))
+    assert deviation(case, *ran(case)) < 1e-11
+    assert motion.error_bound < 1e-10
+    assert energy_imbalance(motion) < 1e-11
+
+
+@pytest.mark.parametrize("name", LINEAR)
+def test_every_check_of_the_motion_passes_and_is_in_the_units_of_a_push(name):
+    case = Case(driven(name), MOTIONS[name])
+    records = {r.quantity: r for r in checks(case, ObservedMotion(*ran(case)), BLANK)}
+    assert {r.outcome for r in records.values()} == {"passed"}, records
+    assert (records["crank_phase"].unit, records["torque_two_routes"].unit) == ("m", "N")
+    assert {q.name: q.unit for q in all_quantities(case).values() if q.name in ("Jeq", "Mkr", "Teq")} == {
+        "Jeq": "kg", "Mkr": "N", "Teq": "J",
+    }  # fmt: skip
+
+
+@pytest.mark.parametrize("name", MOTIONS)
+def test_a_false_push_is_seen(name):
+    case = Case(driven(name), MOTIONS[name])
+    scene, history = ran(case)
+    assert history.torque is not None
+    wrong = replace(history, torque=replace(history.torque, values=1.01 * history.torque.values))
+    records = {r.quantity: r.outcome for r in checks(case, ObservedMotion(scene, wrong), BLANK)}
+    assert records["torque_two_routes"] == "over-limit"
+
+
+@pytest.mark.parametrize("name", MOTIONS)
+def test_the_force_of_the_drive_is_found_from_virtual_work_and_from_the_balance_of_the_links(name):
+    motion = MOTIONS[name]
+    time = np.linspace(0.0, motion.duration, 50)
+    speed, acceleration = motion.speed(time), motion.acceleration(time)
+    sweep = driven(name).sweep(motion.angle(time))
+    virtual = drive_torque(sweep, speed, acceleration)
+    assert reactions(sweep, speed, acceleration).torque == pytest.approx(virtual, rel=1e-11, abs=1e-12)
+    by_name = evaluate(driven(name), motion.angle(time), ["Mkr"], speed=speed, acceleration=acceleration, path="auto")
+    assert by_name["Mkr"] == pytest.approx(virtual, rel=1e-13)
+
+
+@pytest.mark.parametrize("name", LINEAR)
+def test_the_range_is_said_in_the_length_unit_of_the_file(name):
+    mechanism = driven(name)
+    limits = crank_range(mechanism)
+    low, high = limits.limits
+    with pytest.raises(AssemblyError, match=r"mm .*its drive reaches .* mm"):
+        limits.check(low, 2.0 * high, "sample")
+    with pytest.raises(AssemblyError, match=r"at .* mm:"):
+        mechanism.sweep(np.array([high + 1e-3])).poses(mechanism.structure.groups[-1].links[0])
+    assert max(mechanism.error_bound()) < 1e-8
+    equation = equation_of_motion(mechanism)
+    assert np.isfinite(equation.peak_moment)
+    assert equation.tabulated() is equation
+
+
+@pytest.mark.parametrize("name", LINEAR)
+def test_engines_that_turn_cranks_only_say_so(name):
+    scene = Case(driven(name), MOTIONS[name]).scene(Channel)
+    reason = ability_obstacle(scene, replace(DirectEngine.abilities, drivers=frozenset({DriverKind.CRANK})))
+    assert reason == f"it takes no {scene.driver_kind} as the driver, only a crank"
+
+
+@pytest.mark.parametrize("name", MOTIONS)
+def test_a_scene_in_units_of_its_own_moves_alike(name):
+    case = Case(driven(name), MOTIONS[name])
+    scene, history = ran(case)
+    units = own_units(scene)
+    run = DirectEngine().run(scaled(scene, units), Setting.TUNED)
+    assert run.history is not None
+    back = restored(run.history, units, scene.driver_kind)
+    assert back.torque is not None
+    assert history.torque is not None
+    assert back.torque.values == pytest.approx(history.torque.values, rel=1e-10, abs=1e-10)
+    assert back.position.values == pytest.approx(history.position.values, rel=1e-12, abs=1e-14)
+
+
+@pytest.mark.parametrize(("name", "force"), [("linear-motor", 5.0), ("boom", 1200.0), ("cylinder-in-the-loop", 12.0)])
+def test_a_pushed_driver_rests_where_its_force_holds_the_loads(name, force):
+    rests = equilibria(driven(name), force)
+    assert rests
+    for rest in rests:
+        beside = rest.angle + np.array([-1e-6, 0.0, 1e-6])
+        needed = drive_torque(driven(name).sweep(beside), 0.0, 0.0)
+        assert needed[1] == pytest.approx(force, abs=1e-9 * max(force, abs(needed[2] - needed[0]) * 1e6))
+        assert rest.stable == bool(needed[2] > needed[0])
+
+
+def test_many_designs_at_once_are_of_cranks_alone():
+    with pytest.raises(LinkproofError, match="expected a turning crank"):
+        evaluate_designs(driven("linear-motor"), {"rod.mass": [1.0]}, [0.0], ["Jeq"])
+
+
+def test_a_load_over_the_travel_is_a_spline_held_at_its_ends():
+    law = driven("linear-motor").linkage.forces[0].force
+    assert pytest.approx(law.values[[0, -1]]) == law(np.array([-1.0, 1.0])).T
+    assert pytest.approx(law.values) == law(law.angles).T
+    assert law(np.array([1.0]), 1) == pytest.approx(0.0)
+    plain = law.of_float()
+    for travel in (-0.02, -0.01, 0.003, 0.03, 0.04, 0.5):
+        assert plain(travel) == pytest.approx(law(travel), abs=1e-12)
+
+
+def test_the_drive_of_a_scene_is_what_its_motion_reads():
+    case = Case(driven("linear-motor"), MOTIONS["linear-motor"])
+    scene = case.scene(Channel)
+    assert isinstance(scene.drive, Prescribed)
+    assert scene.crank_angle == pytest.approx(float(scene.drive.motion.angle(0.0)), abs=1e-15)

@@ -1,0 +1,108 @@
+"""The command: what it asks for, refuses, writes and returns, with engines that are there."""
+
+import json
+from dataclasses import replace
+
+import pytest
+
+from analytic.errors import LinkproofError, UnknownNameError
+from comparisons.work_precision import costs
+from comparisons.work_precision.points import FULL, QUICK, Extent
+from comparisons.work_precision.records import load
+from reports.command_line.commands import bench as bench_command
+from reports.command_line.commands.bench import BenchChoice, bench
+from reports.command_line.destination import Destination
+from reports.command_line.requests import CampaignChoice
+
+SHORT = Extent((12.0, 24.0, 48.0), budget=0.1, repeats=2, patience=0.1, deadline=30.0)
+CHOICE = BenchChoice(("juki-mf7923d",), ("direct",), regimes=("run-up-quintic",), quantities=("Mkr",), quick=True)
+
+
+@pytest.fixture
+def short(monkeypatch):
+    """A benchmark of seconds: a short run-up, three steps, no interpreter started to time its imports."""
+    monkeypatch.setattr(bench_command, "QUICK", SHORT)
+    monkeypatch.setattr(bench_command, "first_use_seconds", lambda name, repeats: (0.1,) * repeats)
+    hurried = CampaignChoice(
+        ("juki-mf7923d",), regimes=("run-up-quintic",), engines=("direct",), ramp_time=0.1, hold_time=0.0
+    )
+    monkeypatch.setattr(BenchChoice, "campaign", property(lambda self: hurried))
+
+
+def test_defaults_are_both_run_ups_and_a_quick_one_the_smooth_alone():
+    assert BenchChoice().campaign.regimes == ("run-up-quintic", "run-up")
+    assert BenchChoice(quick=True).campaign.regimes == ("run-up-quintic",)
+    assert BenchChoice(regimes=("own",), quick=True).campaign.regimes == ("own",)
+    assert (BenchChoice().extent, BenchChoice(quick=True).extent) == (FULL, QUICK)
+
+
+def test_the_command_asks_for_the_same():
+    words = "linkproof bench juki-mf7923d --regime run-up-quintic --engine direct --quantity Mkr --quick"
+    assert CHOICE.command == words
+    assert BenchChoice().command == "linkproof bench"
+
+
+def test_a_benchmark_is_printed_written_and_read_back(short, tmp_path, capsys):
+    assert bench(CHOICE, Destination(str(tmp_path / "r.json"), tmp_path / "out")) == 0
+    text = capsys.readouterr().out
+    assert "juki-mf7923d (as-built), run-up-quintic: Mkr" in text
+    assert "to get" in text
+    rows = json.loads((tmp_path / "r.json").read_text())["records"]
+    assert {row["setting"] for row in rows} >= {"naive", "tuned", "best", "exact"}
+    assert {path.name for path in (tmp_path / "out").iterdir()} >= {"bench.json", "bench.html", "plotly.min.js"}
+    assert len(load(tmp_path / "out").records) == len(rows)
+    assert not (tmp_path / "out" / "unfinished").exists()
+
+
+def test_costs_are_measured_where_they_are_asked_for(short, monkeypatch, capsys, tmp_path):
+    monkeypatch.setattr(costs, "BUDGET", 0.0)
+    asked = replace(CHOICE, costs=True)
+    assert asked.command == f"{CHOICE.command} --costs"
+    assert bench(asked, Destination(str(tmp_path / "r.json"))) == 0
+    measured = load(tmp_path / "r.json").costs
+    assert {cost.solver for cost in measured} >= {"direct", "numpy"}
+    assert "motion alone" in capsys.readouterr().out
+
+
+def test_json_to_stdout_is_json_and_nothing_else(short, capsys):
+    assert bench(CHOICE, Destination("-")) == 0
+    found = json.loads(capsys.readouterr().out)
+    assert found["command"] == CHOICE.command
+    assert found["noise"]["samples"]
+    assert found["costs"] == []
+
+
+@pytest.mark.parametrize(
+    ("choice", "kind", "words"),
+    [
+        (BenchChoice(("jukki",)), UnknownNameError, "known are .*juki-mf7923d"),
+        (BenchChoice(engines=("exudin",)), UnknownNameError, "exudyn"),
+        (BenchChoice(regimes=("runup",)), UnknownNameError, "run-up"),
+        (BenchChoice(quantities=("torque",)), UnknownNameError, "Mkr"),
+        (
+            BenchChoice(("slotted-takeup",), regimes=("own",), quantities=("Mkr",)),
+            LinkproofError,
+            "none of Mkr is a result",
+        ),
+    ],
+)
+def test_what_cannot_be_is_refused_before_any_run(choice, kind, words, monkeypatch):
+    monkeypatch.setattr(bench_command, "measure_all", lambda *_: pytest.fail("something was run"))
+    with pytest.raises(kind, match=words):
+        bench(choice, Destination())
+
+
+def test_resuming_needs_a_folder():
+    with pytest.raises(LinkproofError, match="--resume needs the folder of the interrupted run"):
+        bench(CHOICE, Destination(resume=True))
+
+
+def test_an_engine_that_gives_nothing_at_all_fails(short, monkeypatch):
+    real = bench_command.measure_all
+
+    def failing(wanted, *rest):
+        measured = real(wanted, *rest)
+        return replace(measured, points=tuple(replace(one, outcome="diverged") for one in measured.points))
+
+    monkeypatch.setattr(bench_command, "measure_all", failing)
+    assert bench(CHOICE, Destination()) == 1

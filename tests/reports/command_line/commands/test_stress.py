@@ -1,0 +1,89 @@
+"""The stress command: names are checked before anything runs, cells are made alone, maps are written and resumed."""
+
+import json
+from dataclasses import replace
+
+import pytest
+
+from analytic.errors import LinkproofError
+from comparisons.stress import campaign
+from comparisons.stress.verdict import Judgement, StressVerdict
+from reports.command_line.commands import stress
+from reports.command_line.commands.stress import StressChoice, run
+from reports.command_line.destination import Destination
+
+CELL = "start/positions/1e-08/direct/tuned"
+
+
+@pytest.mark.parametrize(
+    ("choice", "options", "words"),
+    [
+        (StressChoice(("mas",)), {}, "mass"),
+        (StressChoice(("start/positions/1e-08/direct",)), {}, "AXIS/ROW/VALUE/ENGINE/USAGE"),
+        (StressChoice(("start/positions/much/direct/tuned",)), {}, "got 'much'"),
+        (StressChoice(("start", CELL)), {}, "either axes or cells"),
+        (StressChoice(engines=("nobody",)), {}, "nobody"),
+        (StressChoice(), {"destination": Destination(resume=True)}, "with --out"),
+        (StressChoice(), {"jobs": 0}, "--jobs"),
+        (StressChoice(time_limit=0.0), {}, "--time-limit"),
+    ],
+)
+def test_what_cannot_be_is_said_before_any_cell_is_made(choice, options, words, monkeypatch):
+    monkeypatch.setattr(stress, "stress", lambda *_: pytest.fail("cells were made"))
+    with pytest.raises(LinkproofError, match=words):
+        run(choice, **{"destination": Destination(), **options})
+
+
+def test_engines_that_are_all_absent_are_no_success(monkeypatch):
+    monkeypatch.setattr(stress, "installed", lambda engines: [])
+    monkeypatch.setattr(stress, "stress", lambda *_: pytest.fail("cells were made"))
+    with pytest.raises(LinkproofError, match="expected an installed engine, got pymunk: install it with"):
+        run(StressChoice(engines=("pymunk",)), Destination())
+
+
+def test_no_cell_at_all_is_no_success(tmp_path):
+    choice = StressChoice(("start",), ("direct",), ("no such setting",), quick=True)
+    with pytest.raises(LinkproofError, match="expected a cell to make, got none with no such setting"):
+        run(choice, Destination(folder=tmp_path))
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_a_cell_alone_is_told_in_full(capsys):
+    assert run(StressChoice((CELL,)), Destination()) == 0
+    told = " ".join(capsys.readouterr().out.split())
+    assert told.startswith(f"{CELL}: within limit")
+    assert "worst invariant:" in told
+
+
+def test_a_cell_may_take_as_long_as_it_is_given(capsys):
+    choice = StressChoice((CELL,), time_limit=1e-3)
+    assert choice.command == f"linkproof stress {CELL} --time-limit 0.001"
+    assert run(choice, Destination()) == 0
+    assert "took longer than 0.001 s" in " ".join(capsys.readouterr().out.split())
+
+
+def test_a_cell_alone_as_json(capsys):
+    assert run(StressChoice((CELL,)), Destination("-")) == 0
+    (cell,) = json.loads(capsys.readouterr().out)["cells"]
+    assert (cell["verdict"], cell["command"]) == ("within limit", f"linkproof stress '{CELL}'")
+
+
+def test_maps_are_written_and_the_journal_is_gone(tmp_path, capsys):
+    choice = StressChoice(("start",), ("direct",), ("tuned",), quick=True)
+    assert run(choice, Destination(folder=tmp_path)) == 0
+    assert {path.name for path in tmp_path.iterdir()} == {"stress.json", "stress.html"}
+    assert "missed 0" in " ".join(capsys.readouterr().out.split())
+
+
+def test_a_missed_cell_fails_the_command(monkeypatch, capsys):
+    def missed(*_):
+        found = campaign.make_cells([stress.find_cell(CELL)])
+        return [_as_missed(one) for one in found]
+
+    monkeypatch.setattr(stress, "make_cells", missed)
+    assert run(StressChoice((CELL,)), Destination()) == 1
+    assert "missed" in capsys.readouterr().out
+
+
+def _as_missed(result):
+    return replace(result, judgement=Judgement(StressVerdict.MISSED, "no invariant saw it"))

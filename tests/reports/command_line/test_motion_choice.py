@@ -1,0 +1,80 @@
+"""How the crank is to move, from words to polynomials of time and back, and what cannot be."""
+
+import math
+
+import pytest
+
+from analytic.description.crank_motion import LAWS, REGIMES, RPM
+from analytic.description.loading import load
+from analytic.errors import LinkproofError
+from reports.command_line.motion_choice import MotionChoice, motions, own_regimes
+
+SWING = {"from_angle": 20.0, "to_angle": 110.0}
+
+
+def test_a_negative_speed_turns_clockwise():
+    (back,) = motions(MotionChoice(speed=-300.0))
+    (clockwise,) = motions(MotionChoice(speed=300.0, clockwise=True))
+    assert back == clockwise
+    assert MotionChoice(speed=-300.0).conditions == MotionChoice(speed=300.0, clockwise=True).conditions
+
+
+def test_two_angles_alone_are_constant_speed_between_them():
+    (motion,) = motions(MotionChoice(from_angle=110.0, to_angle=20.0, speed=60.0))
+    assert motion.regime == "constant-speed"
+    assert (motion.angle(0.0), motion.speed(0.0)) == pytest.approx((math.radians(110.0), -60.0 * RPM))
+    assert motion.duration == pytest.approx(0.25)
+    assert motion.angle(0.25) == pytest.approx(math.radians(20.0))
+
+
+def test_the_speed_of_a_swing_is_its_largest():
+    found = motions(MotionChoice(regimes=("all",), speed=120.0, **SWING))
+    assert [motion.regime for motion in found] == list(LAWS)
+    assert [motion.peak_speed for motion in found] == pytest.approx([120.0 * RPM] * len(LAWS))
+    assert [motion.regime for motion in motions(MotionChoice(regimes=("all",)))] == list(REGIMES)
+
+
+@pytest.mark.parametrize(
+    ("given", "words"),
+    [
+        ({}, {}),
+        ({"speed": -300.0, "regimes": ("run-up",)}, {"regime": ("run-up",), "speed": ["-300"]}),
+        ({**SWING, "variant": "as-printed"}, {"variant": ["as-printed"], "from": ["20"], "to": ["110"]}),
+    ],
+)
+def test_the_words_ask_for_the_same(given, words):
+    assert {option: values for option, values in MotionChoice(**given).words.items() if values} == words
+
+
+def test_conditions_tell_motions_apart():
+    swings = [SWING, {"from_angle": 110.0, "to_angle": 20.0}, {**SWING, "speed": 50.0}]
+    assert len({MotionChoice(**given).conditions for given in [{}, {"speed": -1000.0}, *swings]}) == 5
+    assert MotionChoice(**SWING).conditions == "from 20° to 110°, at most 1000 rpm counter-clockwise"
+
+
+@pytest.mark.parametrize(
+    ("given", "words"),
+    [
+        ({"from_angle": 20.0}, "got --from alone: add --to"),
+        ({"to_angle": 20.0}, "got --to alone: add --from"),
+        ({"from_angle": 20.0, "to_angle": 20.0}, "got 20° twice"),
+        ({"from_angle": math.nan, "to_angle": 20.0}, "--from: expected a finite number of degrees, got nan"),
+        ({**SWING, "speed": -60.0}, "is counter-clockwise, and --speed -60 is not"),
+        ({**SWING, "clockwise": True}, "and --clockwise is not"),
+        ({**SWING, "start_angle": 5.0}, "--start-angle belongs to a crank that turns on"),
+        ({**SWING, "hold_time": 5.0}, "--hold-time belongs to a crank that turns on"),
+        ({**SWING, "regimes": ("run-up",)}, "--regime run-up has no angle at which it ends"),
+        ({"regimes": ("cycloidal",)}, "--regime cycloidal .* add --from and --to"),
+        ({"speed": -60.0, "clockwise": True}, "turns clockwise already"),
+        ({"speed": math.inf}, "--speed: expected a finite number"),
+    ],
+)
+def test_a_motion_that_contradicts_itself_is_one_sentence(given, words):
+    with pytest.raises(LinkproofError, match=words):
+        MotionChoice(**given).check()
+
+
+@pytest.mark.parametrize("name", ["free", "own"])
+def test_a_regime_of_the_file_takes_no_other_angles(name):
+    with pytest.raises(LinkproofError, match=f"--regime {name} says in its file how the crank moves"):
+        own_regimes(MotionChoice(regimes=(name,), **SWING), [load("slotted-takeup")])

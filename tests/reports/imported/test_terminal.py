@@ -1,0 +1,50 @@
+"""The places of a judgement's worst errors, as a reader knows them."""
+
+from io import StringIO
+
+import numpy as np
+import pytest
+from rich.console import Console, Group
+
+from analytic.description.crank_motion import RPM, crank_motion, swing
+from analytic.description.loading import load
+from comparisons.imported.judge import judge
+from reports.imported.terminal import printout
+from tests.analytic.drives import driven
+from tests.comparisons.imported.exported import exported
+
+JUKI = load("juki-mf7923d")
+
+
+def printed(linkage, motion, time, sample):
+    """What is printed of a velocity that is wrong at one sample."""
+
+    def change(values, _):
+        wrong = values["Teq"].copy()
+        wrong[sample] += 0.5 * np.max(np.abs(wrong))
+        return {"Teq": wrong}
+
+    judgement = judge(linkage, exported(linkage, motion, ("Teq",), time, change=change), motion)
+    screen = Console(width=200, file=StringIO())
+    screen.print(Group(*printout(judgement, "").tables))
+    return screen.file.getvalue()
+
+
+@pytest.mark.parametrize(("ends", "degrees"), [((-40.0, 40.0), "-24.0°"), ((0.0, 720.0), "144.0°")])
+def test_an_angle_is_within_a_turn_only_where_the_crank_makes_one(ends, degrees):
+    motion = swing("constant-speed", *np.radians(ends), speed=1000 * RPM)
+    assert f" {degrees} " in printed(JUKI, motion, np.linspace(0.0, motion.duration, 101), 20)
+
+
+def test_an_instant_that_is_nothing_but_rounding_is_zero():
+    motion = crank_motion("constant-speed", speed=1000 * RPM, ramp_time=0.06, hold_time=0.0)
+    time = np.linspace(0.0, 0.06, 101) - 6e-18
+    assert " 0 s " in printed(JUKI, motion, time, 0)
+
+
+def test_a_drive_along_a_line_is_at_a_length():
+    linkage = driven("linear-motor").linkage
+    motion = swing("constant-speed", 0.0, 0.1, speed=0.1)
+    said = printed(linkage, motion, np.linspace(0.0, 1.0, 101), 50)
+    assert " 50 mm " in said
+    assert " drive " in said

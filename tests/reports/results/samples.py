@@ -1,0 +1,48 @@
+"""Results of linkages of the tests, ready to be looked at."""
+
+import math
+
+from analytic.description.crank_motion import RPM, CrankMotion, Segment
+from comparisons.reference.case import Case
+from reports.results.designer_results import DesignerResults
+from reports.results.instants import Instants
+from tests.analytic.linkages import from_text
+
+SPEED = 1000.0 * RPM
+TURN = CrankMotion("constant-speed", (Segment(0.0, 2.0 * math.pi / SPEED, (0.0, SPEED)),))
+
+# Every figure of it is a formula: a massless rod, so that the piston's force goes along it.
+CRANK, ROD, MASS = 0.05, 0.2, 0.8  # m, m, kg
+PISTON = """
+title = "piston engine"
+units = { length = "LENGTH", mass = "kg", inertia = "kg*m^2", angle = "ANGLE", force = "FORCE", torque = "TORQUE" }
+crank = "crank"
+ground = { O = [0, 0] }
+output = { point = "B" }
+[links.crank]
+points = { O = [0, 0], A = [@0.05, 0] }
+inertia = 1e-3
+[links.rod]
+points = { A = [0, 0], B = [@0.2, 0] }
+[links.piston]
+slides = { point = "B", through = [0, 0], along = [1, 0] }
+mass = 0.8
+[sketch]
+angle = 0
+points = { B = [@0.25, 0] }
+"""
+
+
+def piston_text(length="m", metres=1.0, angle="rad", force="N", torque="N*m"):
+    text = PISTON.replace("LENGTH", length).replace("ANGLE", angle).replace("FORCE", force).replace("TORQUE", torque)
+    for number in ("0.05", "0.25", "0.2"):
+        text = text.replace(f"@{number}", repr(float(number) / metres))
+    return text
+
+
+def results(mechanism, motion=TURN, chosen=None):
+    return DesignerResults(Case(mechanism, motion), Instants(motion, not mechanism.linkage.is_linear, chosen))
+
+
+def piston(*units, motion=TURN, chosen=None):
+    return results(from_text(piston_text(*units)), motion, chosen)
