@@ -131,6 +131,7 @@ def _begin(file: ResultText, block: Block, current: RawTable | None, headless: s
     cells = layout.cells(layout.plain(first))
     header = _header(block.above, layout, cells)
     if header is not None:
+        _refuse_rows(file, [line for line in block.above if line.number > header.header.number], header)
         return header
     if current is not None:
         _refuse_rows(file, block.above, current)

@@ -136,6 +136,7 @@ def test_an_angle_may_be_offset_and_mirrored(tmp_path):
         ("Time [s],Torque [Nm]\n0,nan\n1,nan\n", "run.csv:2: expected a finite number in column 2, got 'nan'"),
         ("Time [s],Torque [Nm]\n0,1\n1,1e999\n", "run.csv:3: expected a finite number in column 2, got '1e999'"),
         ("Time [s],Torque [Nm]\n0,1\n1,abc\n", "run.csv:3: expected a finite number in column 2, got 'abc'"),
+        ("Time [s],Torque [Nm]\n0,abc\n1,2\n2,3\n", "run.csv:2: expected a finite number in column 2, got 'abc'"),
         ("Time [s],Torque [Nm]\n0,1\n1,\n2,3\n", "run.csv:3: expected a finite number in column 2, got an empty cell"),
         ("Time [s],Torque [Nm]\n0,1\n1,2,3\n", "run.csv:3: expected 2 columns, as the header of line 1 has, got 3"),
         ("Time [s],Torque [Nm]\n0,0,1,0\n0,1,1,0\n", "with decimal commas columns are parted by semicolons or tabs"),
