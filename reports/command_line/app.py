@@ -281,9 +281,7 @@ def judge(
     limit: Annotated[float, valued("SHARE", "Largest error allowed, as a share of the closed form's peak.")] = 0.01,
     variant: options.Variant = None,
     regime: options.Regimes = None,
-    speed: Annotated[
-        float | None, valued("RPM", "Crank speed, negative turns clockwise; default: 1000.", "--speed")
-    ] = None,
+    speed: options.Speed = None,
     from_angle: options.FromAngle = None,
     to_angle: options.ToAngle = None,
     ramp_time: options.RampTime = 0.6,
@@ -309,12 +307,10 @@ def judge(
     from reports.command_line.motion_choice import MotionChoice
 
     motion = MotionChoice(
-        variant=variant, regimes=_names(regime), speed=1000.0 if speed is None else speed, ramp_time=ramp_time,
-        hold_time=hold_time, start_angle=start_angle, clockwise=clockwise, from_angle=from_angle, to_angle=to_angle,
+        variant=variant, regimes=_names(regime), **_speed(speed), ramp_time=ramp_time, hold_time=hold_time,
+        start_angle=start_angle, clockwise=clockwise, from_angle=from_angle, to_angle=to_angle,
     )  # fmt: skip
-    choice = judge.JudgeChoice(
-        mechanism, tuple(results), motion, speed is not None, limit, mapping, write_mapping, not no_gravity
-    )
+    choice = judge.JudgeChoice(mechanism, tuple(results), motion, limit, mapping, write_mapping, not no_gravity)
     raise typer.Exit(judge.judge(choice, _destination(json, out, False, quiet, verbose)))
 
 

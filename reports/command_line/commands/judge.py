@@ -27,24 +27,23 @@ from comparisons.runs.files import check_writable, write_text
 from reports.command_line import FAILED, PASSED
 from reports.command_line.commands.compare import rebuild
 from reports.command_line.destination import Destination
-from reports.command_line.motion_choice import MotionChoice, motions, own_regimes
+from reports.command_line.linear_drive import prescribed
+from reports.command_line.motion_choice import MotionChoice, own_regimes
 from reports.command_line.requests import command_line
 from reports.imported.document import blank_of, document, with_cause
 from reports.imported.terminal import printout, sentence, sentences
 from reports.text.screen import line
 
 PAGE = "index.html"
-USUAL_SPEED = 1000.0  # rpm
 
 
 @dataclass(frozen=True)
 class JudgeChoice:
-    """What to judge, in the user's words. ``speed`` is None where none is given, ``limit`` a share of the peak."""
+    """What to judge, in the user's words; ``limit`` is a share of the peak."""
 
     mechanism: str
     results: tuple[Path, ...]
     motion: MotionChoice
-    gives_speed: bool
     limit: float
     mapping: Path | None = None
     write_mapping: Path | None = None
@@ -79,7 +78,7 @@ def judge(choice: JudgeChoice, destination: Destination) -> int:
         _motion(choice, linkage, imported),
         limit=choice.limit,
         start_angle=math.radians(choice.motion.start_angle),
-        gives_speed=choice.gives_speed,
+        gives_speed=choice.motion.gives_speed,
     )
     if choice.write_mapping is not None:
         write_text(choice.write_mapping, with_proposals(imported.mapping_text, judgement.proposals))
@@ -127,11 +126,11 @@ def _motion(choice: JudgeChoice, linkage: Linkage, imported: ImportedResults) ->
         regime = next(regime for regime in linkage.regimes if regime.name == own[0])
         return own_case(Mechanism(linkage), regime).motion
     if asked.regimes or asked.swings:
-        return motions(asked)[0]
+        ((motion, *_), _) = prescribed(asked, [linkage])
+        return motion
     if imported.signals and all(one.axis == "phi" for one in imported.signals):
-        speed = (asked.speed if choice.gives_speed else USUAL_SPEED) * RPM
-        clockwise = asked.clockwise or speed < 0.0
-        return crank_motion("constant-speed", speed=abs(speed), clockwise=clockwise)
+        clockwise = asked.clockwise or asked.speed < 0.0
+        return crank_motion("constant-speed", speed=abs(asked.speed) * RPM, clockwise=clockwise)
     return None
 
 

@@ -1,12 +1,13 @@
 """``linkproof judge`` as a user meets it: verdict first, causes, corrections, exit codes, JSON, the mapping."""
 
 import json
+from pathlib import Path
 
 import numpy as np
 import pytest
 from typer.testing import CliRunner
 
-from analytic.description.crank_motion import crank_motion
+from analytic.description.crank_motion import crank_motion, swing
 from analytic.description.crank_motion.table import table_motion
 from analytic.description.loading import load
 from analytic.errors import LinkproofError
@@ -16,6 +17,7 @@ from tests.comparisons.imported.exported import samples
 from tests.comparisons.imported.layouts import Channel, csv
 
 JUKI = load("juki-mf7923d")
+BOOM = str(Path(__file__).parents[3] / "linkages" / "drives" / "boom.toml")
 NAMES = {"Mkr": "N*m", "S": "m", "v": "m/s"}
 
 
@@ -124,3 +126,14 @@ def test_an_open_signal_is_in_the_headline_with_its_cure_and_the_exit_code_is_no
     )
     assert lines[2].startswith("Mkr is open: the rounding of the crank's motion leaves")
     assert lines[2].endswith("or say how it moves with --regime.")
+
+
+def test_a_swing_of_a_cylinder_is_asked_for_in_the_unit_of_its_file(tmp_path):
+    boom = load(BOOM)
+    time = np.linspace(0.0, 2.0, 101)  # a cycloidal law is twice as fast as its mean at most, which 1 s gives
+    (force,) = JudgedModel(boom, swing("cycloidal", 0.42, 0.45, speed=0.03)).predicted([samples("Mkr", time)])
+    (tmp_path / "run.csv").write_text(csv([Channel("time", "s", time), Channel("Mkr", "N", force)]))
+    words = ["--regime", "cycloidal", "--from", "420", "--to", "450"]
+    result = CliRunner().invoke(app, ["judge", BOOM, str(tmp_path / "run.csv"), *words])
+    assert result.exit_code == 0
+    assert "Right: the signal is within" in result.stdout
