@@ -167,10 +167,15 @@ class Case:
         """Crank speed, rad/s, below which quantities divided by ω are left out."""
         return SLOW_SHARE * self.motion.peak_speed
 
+    @cached_property
+    def reach(self) -> tuple[float, float]:
+        """The lowest and the highest φ of the motion, rad or m."""
+        angle = self.motion.angle(np.linspace(0.0, self.motion.duration, INSTANTS))
+        return float(np.min(angle)), float(np.max(angle))
+
     def check_motion(self) -> None:
         """Raise AssemblyError where the linkage cannot be assembled, or cannot move, at an angle the crank passes."""
-        angle = self.motion.angle(np.linspace(0.0, self.motion.duration, INSTANTS))
-        low, high = float(np.min(angle)), float(np.max(angle))
+        low, high = self.reach
         self._check_change_points(low, high)
         turns = not self.mechanism.linkage.is_linear
         look = LOOK * (1.0 if turns else self.mechanism.linkage.extent())
@@ -181,7 +186,7 @@ class Case:
                 for body in self.mechanism.structure.bodies:
                     sweep.rates(body)
         except AssemblyError:
-            crank_range(self.mechanism, float(angle[0])).check(low, high, self.mechanism.linkage.name)
+            crank_range(self.mechanism, float(self.motion.angle(0.0))).check(low, high, self.mechanism.linkage.name)
             raise
 
     def _check_change_points(self, low: float, high: float) -> None:
@@ -197,8 +202,7 @@ class Case:
     @property
     def unbounded_at(self) -> float | None:
         """A change point that the motion passes, rad: there joint forces have no bound; None if there is none."""
-        angle = self.motion.angle(np.linspace(0.0, self.motion.duration, INSTANTS))
-        low, high = float(np.min(angle)), float(np.max(angle))
+        low, high = self.reach
         return next((c for c in self.mechanism.changes if (c - low) % FULL_TURN <= high - low), None)
 
     def start(self) -> Sweep:
