@@ -6,8 +6,8 @@ import sys
 from pathlib import Path
 
 from engines.registry import engine, engine_names
-from reports.facts.readouts import readout_table
-from reports.text.tables import markdown
+from reports.document.tables import markdown
+from reports.records.readouts import readout_table
 
 MARK = "<!-- below: python -m docs.engines docs/engines.md -->"
 

@@ -12,12 +12,12 @@ from matplotlib.figure import Figure
 
 from comparisons.campaign.results import Results, load
 from comparisons.runs.files import write_file
-from reports.drawing.errors import draw_errors
-from reports.drawing.inertia import draw_inertia
-from reports.drawing.run_up import draw_history
-from reports.drawing.scheme import draw_scheme, scheme_of
-from reports.drawing.style import DOTS_PER_INCH, drawn
-from reports.facts.views import View, views
+from reports.charts.errors import draw_errors
+from reports.charts.inertia import draw_inertia
+from reports.charts.run_up import draw_history
+from reports.charts.scheme import draw_scheme, scheme_of
+from reports.charts.style import DOTS_PER_INCH, drawn
+from reports.records.views import View, views
 
 WIDTH, HEIGHT = 11.0, 7.0
 SCHEME_BOX = (0.05, 0.075, 0.205, 0.84)

@@ -19,15 +19,15 @@ from comparisons.runs.files import write_text
 from comparisons.runs.workers import run_jobs, usual_processes
 from reports.campaign.extra_sections import ExtraSection
 from reports.campaign.sections import mechanism_section
-from reports.facts import matrix
-from reports.facts.environment import environment_facts
+from reports.document import numbers
+from reports.document.signs import PUBLISHED
+from reports.document.tables import ReportTable
+from reports.document.templates import plain, render
 from reports.facts.readings import Readings, met, readings_of
-from reports.facts.readouts import readout_table
-from reports.facts.views import View, columns, family, title, views
-from reports.text import numbers
-from reports.text.signs import PUBLISHED
-from reports.text.tables import ReportTable
-from reports.text.templates import plain, render
+from reports.records import matrix
+from reports.records.environment import environment_facts
+from reports.records.readouts import readout_table
+from reports.records.views import View, columns, family, title, views
 
 
 def write_page(

@@ -10,16 +10,16 @@ from matplotlib.figure import Figure
 from analytic.dynamics.reduced import reduced_inertia
 from analytic.numerics.extremes import extremes
 from analytic.turn.unit_functions import stroke, unit_functions
-from reports.drawing import forces, inertia, kinematics, thread
-from reports.drawing.released import printed_figure
-from reports.drawing.style import ReportFigure, picture
+from reports.charts import forces, inertia, kinematics, thread
+from reports.charts.released import printed_figure
+from reports.charts.style import ReportFigure, picture
+from reports.document.tables import ReportTable
+from reports.document.templates import captions, filled, plain, sentence
 from reports.facts import forces as force_facts
 from reports.facts import thread as thread_facts
 from reports.facts.forces import TurnForces
 from reports.facts.printed_models import judged, judgements
-from reports.facts.views import Regime, View, anchor
-from reports.text.tables import ReportTable
-from reports.text.templates import captions, filled, plain, sentence
+from reports.records.views import Regime, View, anchor
 
 
 @dataclass(frozen=True)

@@ -9,16 +9,16 @@ from numpy.typing import NDArray
 
 from analytic.description.crank_motion import RPM
 from reports.campaign.parts import ReportPart, largest_errors, shown
-from reports.drawing import errors, run_up
-from reports.drawing.panels import LEAST_ERROR
-from reports.drawing.released import last_turn_figure
-from reports.drawing.style import ReportFigure
-from reports.facts.joint_rows import joint_table
+from reports.charts import errors, run_up
+from reports.charts.panels import LEAST_ERROR
+from reports.charts.released import last_turn_figure
+from reports.charts.style import ReportFigure
+from reports.document.numbers import ROUND_OFF
+from reports.document.numbers import figure as digits
+from reports.document.templates import sentence
 from reports.facts.released import STEPS, Released, released, sentences
-from reports.facts.views import Regime, View, family, title
-from reports.text.numbers import ROUND_OFF
-from reports.text.numbers import figure as digits
-from reports.text.templates import sentence
+from reports.records.joint_rows import joint_table
+from reports.records.views import Regime, View, family, title
 
 
 def regime_part(view: View, regime: Regime) -> ReportPart:

@@ -19,14 +19,14 @@ from reports.campaign.parts import (
     thread_part,
 )
 from reports.campaign.regime_part import regime_part
-from reports.drawing import inertia, scheme
-from reports.drawing.style import ReportFigure
+from reports.charts import inertia, scheme
+from reports.charts.style import ReportFigure
+from reports.document.numbers import ABSENT, printed
+from reports.document.tables import ReportTable
+from reports.document.templates import plain
 from reports.facts.printed_models import judgements
 from reports.facts.readings import Readings
-from reports.facts.views import View
-from reports.text.numbers import ABSENT, printed
-from reports.text.tables import ReportTable
-from reports.text.templates import plain
+from reports.records.views import View
 
 
 def mechanism_section(view: View, readings: Readings | None) -> dict[str, object]:

@@ -6,16 +6,16 @@ Same rows, same order, same digits; no date, machine or time. Those stand on the
 from __future__ import annotations
 
 from comparisons.campaign.results import Results
-from reports.facts import matrix
-from reports.facts.joint_rows import joint_table
-from reports.facts.matrix import EngineStanding, MatrixBlock, MatrixRow
+from reports.document.numbers import ROUND_OFF, bound, figure, per_cent, printed, steady_error
+from reports.document.tables import ReportTable
+from reports.document.tables import markdown as table
+from reports.document.templates import plain, worded
 from reports.facts.printed_models import judgements
 from reports.facts.readings import Readings, readings
-from reports.facts.views import columns, views
-from reports.text.numbers import ROUND_OFF, bound, figure, per_cent, printed, steady_error
-from reports.text.tables import ReportTable
-from reports.text.tables import markdown as table
-from reports.text.templates import plain, worded
+from reports.records import matrix
+from reports.records.joint_rows import joint_table
+from reports.records.matrix import EngineStanding, MatrixBlock, MatrixRow
+from reports.records.views import columns, views
 
 
 def markdown(results: Results) -> str:

@@ -11,11 +11,11 @@ from rich.text import Text
 
 from comparisons.campaign.campaign import RunResult
 from comparisons.judging.records import CONTROL, Record, Verdict
-from reports.facts.origins import exceptions, origin_words
-from reports.facts.views import family
-from reports.text.numbers import bound, error, figure
-from reports.text.screen import Cell, Printout, line, table
-from reports.text.signs import RUNS
+from reports.document.numbers import bound, error, figure
+from reports.document.screen import Cell, Printout, line, table
+from reports.document.signs import RUNS
+from reports.records.origins import exceptions, origin_words
+from reports.records.views import family
 
 ACROSS = 4  # runs side by side in a table of 80 columns
 DETAILS = (

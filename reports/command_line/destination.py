@@ -16,7 +16,7 @@ from analytic.errors import LinkproofError
 from comparisons.judging.records import to_json
 from comparisons.runs.files import check_writable, write_text
 from reports.command_line.progress import progress
-from reports.text.screen import Printout, line, show, write
+from reports.document.screen import Printout, line, show, write
 
 STDOUT = "-"
 

@@ -6,7 +6,7 @@ import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 
-from reports.text.screen import line
+from reports.document.screen import line
 
 
 @contextmanager

@@ -10,8 +10,8 @@ from numpy.typing import NDArray
 
 from analytic.dynamics.joint_forces import joint_forces, shaking_force, shaking_moment
 from analytic.kinematics.structure import Revolute
-from reports.facts.views import View
-from reports.text.templates import sentence
+from reports.document.templates import sentence
+from reports.records.views import View
 
 Array = NDArray[np.float64]
 

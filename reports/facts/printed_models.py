@@ -9,7 +9,7 @@ from analytic.description.schema import Erratum
 from comparisons.campaign.errata import printed_motion as by_erratum
 from comparisons.campaign.results import described
 from comparisons.reference.case import Spin
-from reports.facts.views import View
+from reports.records.views import View
 
 
 def judgements(view: View) -> list[dict[str, Any]]:

@@ -8,7 +8,7 @@ from analytic.description.linkage import Linkage
 from analytic.description.loading import parse
 from comparisons.campaign.results import Results
 from comparisons.reference.published import PublishedRecord, compare_published
-from reports.text.signs import PUBLISHED
+from reports.document.signs import PUBLISHED
 
 
 @dataclass(frozen=True)

@@ -21,8 +21,8 @@ from analytic.motion.rkfixed import PUBLISHED_STEPS, FixedStepMotion, fixed_step
 from analytic.motion.steady_rotation import Rotation, last_turns, steady_state
 from analytic.numerics.extremes import grid, periodic_mean
 from comparisons.reference.case import own_motion
-from reports.facts.views import Regime, View
-from reports.text.templates import lines
+from reports.document.templates import lines
+from reports.records.views import Regime, View
 
 Array = NDArray[np.float64]
 

@@ -5,8 +5,8 @@ from __future__ import annotations
 from analytic.description.schema import EyeReference
 from analytic.description.thread_path import ThreadPath
 from analytic.turn.thread_feed import EyeTravel, FeedDiagram, eye_travel, feed_diagram
-from reports.facts.views import View
-from reports.text.templates import sentence
+from reports.document.templates import sentence
+from reports.records.views import View
 
 MM = 1e3
 

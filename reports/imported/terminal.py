@@ -14,9 +14,9 @@ from comparisons.imported.causes.search import FaultFinding
 from comparisons.imported.judge import ImportedJudgement
 from comparisons.imported.judging.judgement import NEAR_ZERO, SignalVerdict
 from comparisons.judging.records import Verdict
-from reports.text.numbers import figure
-from reports.text.screen import Cell, Printout, line, table
-from reports.text.signs import RUNS
+from reports.document.numbers import figure
+from reports.document.screen import Cell, Printout, line, table
+from reports.document.signs import RUNS
 
 HEAD = ("signal", "error over peak", "rounding", "worst at", "crank", "file", "closed form", "unit")
 NOTHING = 1e-12  # a ratio that is rounding of our own

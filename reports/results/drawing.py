@@ -13,13 +13,13 @@ from numpy.typing import NDArray
 from analytic.description.law import FULL_TURN
 from analytic.description.linkage import Linkage
 from analytic.errors import printable
-from reports.drawing import style
-from reports.drawing.forces import draw_tips
-from reports.drawing.scheme import POSITIONS, KinematicScheme, draw_scheme
-from reports.drawing.style import FULL_WIDTH, INK, MUTED, PALETTE, PIN_INCHES, drawn, label_values
-from reports.results.designer_results import DesignerResults
-from reports.results.units import file_unit
-from reports.text.numbers import figure as digits
+from comparisons.datasheet.designer_results import DesignerResults
+from comparisons.datasheet.units import file_unit
+from reports.charts import style
+from reports.charts.forces import draw_tips
+from reports.charts.scheme import POSITIONS, KinematicScheme, draw_scheme
+from reports.charts.style import FULL_WIDTH, INK, MUTED, PALETTE, PIN_INCHES, drawn, label_values
+from reports.document.numbers import figure as digits
 
 Array = NDArray[np.float64]
 

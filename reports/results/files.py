@@ -11,9 +11,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from reports.results.curves import TIME
-from reports.results.designer_results import DesignerResults
-from reports.results.figures import stroke
+from comparisons.datasheet.curves import TIME
+from comparisons.datasheet.designer_results import DesignerResults
+from comparisons.datasheet.figures import stroke
 
 Array = NDArray[np.float64]
 

@@ -8,13 +8,13 @@ from typing import Final
 
 from rich.console import Group, RenderableType
 
+from comparisons.datasheet.curves import MAGNITUDE
+from comparisons.datasheet.designer_results import DesignerResults
+from comparisons.datasheet.figures import NEGLIGIBLE, stroke
+from comparisons.datasheet.units import FileUnit, file_unit
 from comparisons.reference.signals import COMPONENTS
-from reports.results.curves import MAGNITUDE
-from reports.results.designer_results import DesignerResults
-from reports.results.figures import NEGLIGIBLE, stroke
-from reports.results.units import FileUnit, file_unit
-from reports.text.numbers import ABSENT, figure
-from reports.text.screen import Cell, line, table
+from reports.document.numbers import ABSENT, figure
+from reports.document.screen import Cell, line, table
 
 CRANK: Final = (("omega", "epsilon", "Mkr", "Peq"), ("Teq", "Jeq", "S", "v", "a"))  # two tables of the crank's instants
 

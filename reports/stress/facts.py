@@ -15,8 +15,8 @@ from comparisons.stress.axes import axes
 from comparisons.stress.border import Border
 from comparisons.stress.cells import Cell, CellResult, from_document
 from comparisons.stress.verdict import StressVerdict
-from reports.text.numbers import ABSENT, bound, printed
-from reports.text.signs import TABLES
+from reports.document.numbers import ABSENT, bound, printed
+from reports.document.signs import TABLES
 
 FILE = "stress.json"
 Item = TypeVar("Item")

@@ -20,7 +20,7 @@ from comparisons.stress.axes import axes as axes_table
 from comparisons.stress.border import Border
 from comparisons.stress.cells import CellResult
 from comparisons.stress.verdict import StressVerdict
-from reports.drawing.style import FULL_WIDTH, INK, MUTED, drawn
+from reports.charts.style import FULL_WIDTH, INK, MUTED, drawn
 from reports.stress.facts import SIGNS, Stress, value_words
 
 # Inches: height of a line, widest cell, gaps between engines and between rows, room for labels, title and values.

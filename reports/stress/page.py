@@ -11,14 +11,14 @@ from comparisons.runs.files import write_text
 from comparisons.stress.axes import axes
 from comparisons.stress.cells import CellResult
 from comparisons.stress.verdict import StressVerdict
-from reports.drawing.style import picture
-from reports.facts.environment import environment_facts
-from reports.facts.views import anchor
+from reports.charts.style import picture
+from reports.document.tables import ReportTable
+from reports.document.templates import render
+from reports.records.environment import environment_facts
+from reports.records.views import anchor
 from reports.stress.facts import FILE, SIGNS, Stress, axis_title, value_words
 from reports.stress.figure import stress_figure
 from reports.stress.section import border_table, section
-from reports.text.tables import ReportTable
-from reports.text.templates import render
 
 PAGE = "stress.html"
 # Each with every cell and the command that makes it again; those that were caught are folded away.

@@ -9,6 +9,9 @@ from markupsafe import Markup
 from comparisons.stress.border import Border
 from comparisons.stress.cells import CellResult
 from comparisons.stress.verdict import StressVerdict
+from reports.document.numbers import ABSENT
+from reports.document.tables import ReportTable
+from reports.document.templates import render, sentence
 from reports.stress.facts import (
     APART,
     SIGNS,
@@ -19,9 +22,6 @@ from reports.stress.facts import (
     shown_verdicts,
     value_words,
 )
-from reports.text.numbers import ABSENT
-from reports.text.tables import ReportTable
-from reports.text.templates import render, sentence
 
 TITLE = "Where each engine fails"
 

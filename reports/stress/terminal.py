@@ -11,10 +11,10 @@ from rich.text import Text
 
 from comparisons.stress.cells import CellResult
 from comparisons.stress.verdict import StressVerdict
+from reports.document.numbers import bound, error, seconds
+from reports.document.screen import Cell, Printout, line, table
 from reports.stress.facts import SIGNS, Stress, axis_title, shown_verdicts, value_words
 from reports.stress.section import border_words, summary
-from reports.text.numbers import bound, error, seconds
-from reports.text.screen import Cell, Printout, line, table
 
 LOUD = (StressVerdict.MISSED, StressVerdict.ALARM)
 

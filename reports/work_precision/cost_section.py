@@ -10,9 +10,9 @@ from markupsafe import Markup
 
 from comparisons.work_precision.records import MeasuredCost
 from engines.contract import Outcome
-from reports.text.numbers import figure, seconds
-from reports.text.tables import ReportTable
-from reports.text.templates import render, sentence
+from reports.document.numbers import figure, seconds
+from reports.document.tables import ReportTable
+from reports.document.templates import render, sentence
 from reports.work_precision.facts import engine_label
 
 TITLE = "What each output and load costs"

@@ -17,7 +17,7 @@ from comparisons.work_precision.analysis import (
 )
 from comparisons.work_precision.records import SETTING, Bench, BenchRecord
 from comparisons.work_precision.step_sweep import falls_with_effort
-from reports.text.numbers import bound
+from reports.document.numbers import bound
 
 # The quantity a place is judged by, where the user names none: the first of these that it has.
 FOREMOST = ("Mkr", "phi")

@@ -21,7 +21,7 @@ from matplotlib.ticker import EngFormatter
 from comparisons.runs.files import write_file
 from comparisons.work_precision.analysis import apart, on_front
 from comparisons.work_precision.records import SETTING, Bench, BenchRecord
-from reports.drawing.style import (
+from reports.charts.style import (
     DOTS_PER_INCH,
     FULL_WIDTH,
     INK,

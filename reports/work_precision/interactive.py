@@ -11,8 +11,8 @@ from plotly.offline import get_plotlyjs
 from comparisons.work_precision.analysis import apart
 from comparisons.work_precision.records import SETTING, BenchRecord
 from comparisons.work_precision.step_sweep import pareto
-from reports.drawing.style import FAINT, INK, MUTED, REFERENCE
-from reports.text.templates import lines, plain
+from reports.charts.style import FAINT, INK, MUTED, REFERENCE
+from reports.document.templates import lines, plain
 from reports.work_precision.facts import EngineFacts, PlaceFacts, effort_words
 from reports.work_precision.figure import drawn_error
 from reports.work_precision.words import KINDS

@@ -9,11 +9,11 @@ from markupsafe import Markup
 from comparisons.runs.files import write_text
 from comparisons.work_precision.measure import JOINTS
 from comparisons.work_precision.records import FILE, Bench
-from reports.facts.environment import environment_facts
-from reports.facts.views import anchor
-from reports.text.numbers import seconds
-from reports.text.tables import ReportTable
-from reports.text.templates import lines, render
+from reports.document.numbers import seconds
+from reports.document.tables import ReportTable
+from reports.document.templates import lines, render
+from reports.records.environment import environment_facts
+from reports.records.views import anchor
 from reports.work_precision.facts import PlaceFacts, failed_methods, places
 from reports.work_precision.figure import inks, save_figure
 from reports.work_precision.interactive import SCRIPT, bench_html, script

@@ -10,11 +10,11 @@ from matplotlib.figure import Figure
 
 from comparisons.work_precision.analysis import WANTED
 from comparisons.work_precision.records import Bench
-from reports.drawing.style import ReportFigure, picture
-from reports.facts.views import anchor
-from reports.text.numbers import bound
-from reports.text.tables import ReportTable
-from reports.text.templates import plain, render
+from reports.charts.style import ReportFigure, picture
+from reports.document.numbers import bound
+from reports.document.tables import ReportTable
+from reports.document.templates import plain, render
+from reports.records.views import anchor
 from reports.work_precision.facts import EngineFacts, PlaceFacts, engine_labels, failed_methods, places
 from reports.work_precision.figure import bench_figure, inks
 from reports.work_precision.words import choice_words, noise_note

@@ -11,8 +11,8 @@ from rich.text import Text
 
 from comparisons.work_precision.analysis import WANTED
 from comparisons.work_precision.records import Bench
-from reports.text.numbers import bound, error, seconds
-from reports.text.screen import Printout, line, table
+from reports.document.numbers import bound, error, seconds
+from reports.document.screen import Printout, line, table
 from reports.work_precision.cost_section import cost_tables
 from reports.work_precision.facts import PlaceFacts, engine_label, failed_methods, places
 from reports.work_precision.words import choice_words, method_row, noise_note, noise_share, standing_words

@@ -10,9 +10,9 @@ from comparisons.work_precision.analysis import PointChoice, Standing, SweepFind
 from comparisons.work_precision.records import Bench, BenchRecord
 from comparisons.work_precision.step_sweep import SATURATED
 from engines.contract import Setting
-from reports.text.numbers import ABSENT, error, figure, seconds
-from reports.text.tables import ReportTable
-from reports.text.templates import sentence
+from reports.document.numbers import ABSENT, error, figure, seconds
+from reports.document.tables import ReportTable
+from reports.document.templates import sentence
 from reports.work_precision.facts import EngineFacts, effort_words, engine_labels
 
 # Of points that are no extrapolation, and of those that are one.

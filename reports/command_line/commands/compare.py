@@ -24,8 +24,8 @@ from reports.command_line.destination import Destination
 from reports.command_line.exit_codes import campaign_exit_code
 from reports.command_line.interruption import interruptible, journal
 from reports.command_line.requests import CampaignChoice, RunLimits, installed, request
-from reports.text import terminal
-from reports.text.screen import line, show
+from reports.document.screen import line, show
+from reports.mechanism import terminal
 
 PAGE, SUMMARY = "index.html", "RESULTS.md"
 

@@ -24,8 +24,8 @@ from engines.registry import Unusable, engine, engine_names, why_unavailable
 from reports.command_line import FAILED, PASSED
 from reports.command_line.destination import Destination
 from reports.command_line.requests import CampaignChoice, command_line, request
-from reports.facts.readouts import abilities_told, readout_table
-from reports.text.screen import Cell, Printout, line, table, write
+from reports.document.screen import Cell, Printout, line, table, write
+from reports.records.readouts import abilities_told, readout_table
 
 UNTESTED = (Finding.NOT_APPLICABLE, Finding.NOT_TESTED)
 STYLES = {Finding.PASSED: "green", Finding.FAILED: "bold red", Finding.EXPECTED: "yellow"}

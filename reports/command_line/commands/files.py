@@ -14,9 +14,9 @@ from analytic.errors import LinkproofError, is_safe
 from analytic.kinematics.mechanism import Mechanism
 from comparisons.runs.files import check_writable, write_text
 from reports.command_line.destination import Destination
+from reports.document.screen import line
 from reports.facts import linkage_check
-from reports.text.linkage_check import printed
-from reports.text.screen import line
+from reports.mechanism.check import printed
 
 TEMPLATE: Final = Path(json_schema.__code__.co_filename).with_name("new.toml")
 SCHEMA_FILE: Final = "linkproof.schema.json"
@@ -70,8 +70,8 @@ def check(name: str, variant: str | None, svg: Path | None, destination: Destina
 
 def drawing(linkage: Linkage) -> str:
     """The scheme of a linkage as SVG, in twelve positions of its range."""
-    from reports.drawing.scheme import mechanism_figure  # noqa: PLC0415 - matplotlib takes a second to import
-    from reports.drawing.style import svg_text  # noqa: PLC0415
+    from reports.charts.scheme import mechanism_figure  # noqa: PLC0415 - matplotlib takes a second to import
+    from reports.charts.style import svg_text  # noqa: PLC0415
 
     return svg_text(mechanism_figure(Mechanism(linkage)))
 

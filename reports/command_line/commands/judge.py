@@ -30,9 +30,9 @@ from reports.command_line.destination import Destination
 from reports.command_line.linear_drive import prescribed
 from reports.command_line.motion_choice import MotionChoice, own_regimes
 from reports.command_line.requests import command_line
+from reports.document.screen import line
 from reports.imported.document import blank_of, document, with_cause
 from reports.imported.terminal import printout, sentence, sentences
-from reports.text.screen import line
 
 PAGE = "index.html"
 

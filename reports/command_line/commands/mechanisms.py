@@ -13,7 +13,7 @@ from analytic.kinematics.mechanism import Mechanism
 from analytic.turn.required_feed import compare_feed, read_required_feed
 from reports.command_line.destination import Destination
 from reports.facts.mechanism_summary import portrait, thread_facts
-from reports.text import terminal
+from reports.mechanism import terminal
 
 
 def list_mechanisms(destination: Destination) -> None:

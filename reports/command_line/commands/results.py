@@ -16,16 +16,16 @@ from analytic.description.loading import load
 from analytic.errors import LinkproofError
 from analytic.kinematics.crank_range import crank_range
 from analytic.kinematics.mechanism import Mechanism
+from comparisons.datasheet.designer_results import DesignerResults
+from comparisons.datasheet.instants import Instants
+from comparisons.datasheet.units import file_unit
 from comparisons.reference.case import Case, own_case
 from comparisons.runs.files import check_writable, write_text
 from reports.command_line.destination import STDOUT, write_out
 from reports.command_line.linear_drive import prescribed, within
 from reports.command_line.motion_choice import EVERYTHING, OWN, MotionChoice, own_regimes
-from reports.results.designer_results import DesignerResults
+from reports.document.screen import show
 from reports.results.files import csv_table, json_text
-from reports.results.instants import Instants
-from reports.results.units import file_unit
-from reports.text.screen import show
 
 Array = NDArray[np.float64]
 

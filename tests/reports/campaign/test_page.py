@@ -16,7 +16,7 @@ from comparisons.judging.records import Verdict, to_json
 from engines.contract import Setting
 from reports.campaign.page import page, write_page
 from reports.campaign.sections import mechanism_section
-from reports.facts.views import View
+from reports.records.views import View
 from tests.analytic.drives import driven
 from tests.analytic.linkages import from_text
 from tests.analytic.textbook import DOUBLE_ROCKER

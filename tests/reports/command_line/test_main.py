@@ -427,7 +427,7 @@ main()
 """
 
 
-@pytest.mark.parametrize("module", ["typer", "analytic.errors", "numpy", "reports.text.terminal"])
+@pytest.mark.parametrize("module", ["typer", "analytic.errors", "numpy", "reports.mechanism.terminal"])
 def test_an_interruption_of_any_import_is_one_sentence(module):
     command = [sys.executable, "-c", PRESSED, module, "show", "juki-mf7923d"]
     done = subprocess.run(command, capture_output=True, text=True, timeout=60, check=False)

@@ -7,9 +7,9 @@ import pytest
 
 from analytic.description.loading import literature, load, parse
 from analytic.errors import AssemblyError, StructureError
+from reports.document.screen import rendered
 from reports.facts.linkage_check import check
-from reports.text.linkage_check import printed
-from reports.text.screen import rendered
+from reports.mechanism.check import printed
 from tests.analytic.chains import chain_of_dyads
 from tests.analytic.linkages import EVERY, text_of
 from tests.analytic.textbook import DOUBLE_ROCKER

@@ -10,7 +10,7 @@ from reports.campaign.parts import printed_part
 from reports.campaign.summary import markdown
 from reports.facts.printed_models import judged, judgements, printed_motion
 from reports.facts.released import released
-from reports.facts.views import Regime, views
+from reports.records.views import Regime, views
 from tests.reports.made_up_results import made_up_results
 
 NAME, ERRATUM = "two-crank-takeup", "S1 without US1"

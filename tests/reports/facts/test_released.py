@@ -12,10 +12,10 @@ from comparisons.campaign.results import Results, dataset
 from comparisons.judging.deviations import Deviation
 from engines.contract import Setting
 from reports.campaign.regime_part import regime_part
-from reports.drawing import run_up
-from reports.drawing.released import last_turn_figure
+from reports.charts import run_up
+from reports.charts.released import last_turn_figure
 from reports.facts.released import Released, released, sentences
-from reports.facts.views import Regime, views
+from reports.records.views import Regime, views
 from tests.reports.made_up_results import made_up_results
 
 TWO_CRANK, SLOTTED = "two-crank-takeup", "slotted-takeup"

@@ -5,7 +5,7 @@ from io import StringIO
 import numpy as np
 from rich.console import Console
 
-from reports.results.instants import Instants
+from comparisons.datasheet.instants import Instants
 from reports.results.terminal import at_instants, key_figures
 from tests.analytic.linkages import mechanism
 from tests.reports.results.samples import TURN, results

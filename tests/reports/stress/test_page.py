@@ -8,13 +8,13 @@ import pytest
 from analytic.errors import LinkproofError
 from comparisons.stress.border import Border
 from comparisons.stress.verdict import StressVerdict
+from reports.document.screen import rendered
+from reports.document.tables import markdown
 from reports.stress import page as stress_page
 from reports.stress.facts import FILE, SIGNS, Stress, load
 from reports.stress.figure import border_place, columns, layout, stress_figure
 from reports.stress.section import border_table, reach, section, summary, verdict_table
 from reports.stress.terminal import cell_details, printout
-from reports.text.screen import rendered
-from reports.text.tables import markdown
 from tests.reports.made_up_stress import border, made_up_cell, made_up_stress
 
 STRESS = made_up_stress()

@@ -4,7 +4,7 @@ import json
 import re
 
 from comparisons.work_precision.analysis import apart, on_front
-from reports.drawing.style import MUTED, REFERENCE
+from reports.charts.style import MUTED, REFERENCE
 from reports.work_precision.facts import places
 from reports.work_precision.figure import bench_figure, inks
 from reports.work_precision.interactive import AXES, bench_html

@@ -1,0 +1,131 @@
+"""Mechanisms, their thread and their published figures for a terminal."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from itertools import groupby
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from rich.console import Group, RenderableType
+from rich.table import Table
+
+from reports.document.screen import Cell, line, table
+from reports.document.signs import PUBLISHED
+from reports.document.templates import lines
+from reports.mechanism.check import range_lines
+
+if TYPE_CHECKING:
+    from analytic.description.linkage import Linkage
+    from analytic.turn.required_feed import FeedComparison
+    from comparisons.reference.published import PublishedRecord
+
+# A deviation from which on it is told in per cent with one decimal.
+VISIBLE = 5e-4
+
+
+def catalogue(sewing: Iterable[Linkage], literature: Iterable[Linkage]) -> Group:
+    """Mechanisms with their variants and sources: the sewing mechanisms, then the linkages of others."""
+    heading = line("Linkages of the literature, taken where they are named:", "bold")
+    return Group(_shelf(sewing), line(""), heading, _shelf(literature))
+
+
+def _shelf(linkages: Iterable[Linkage]) -> Table:
+    rows = [(one.name, one.title, ", ".join(one.variants), one.source) for one in linkages]
+    return table(("mechanism", "what", "variants", "source"), rows)
+
+
+def portrait(facts: Mapping[str, Any]) -> Group:
+    """A mechanism's source, variants and figures; what it is made of is ``linkproof check``'s to say."""
+    given = {"source": facts["source"], "variants": ", ".join(facts["variants"])}
+    if not facts["source"]:
+        del given["source"]
+    reach = range_lines(facts["range"]) if "range" in facts else []
+    return Group(
+        line(f"{facts['mechanism']} ({facts['variant']}): {facts['title']}", "bold"),
+        *map(_labelled, given, given.values()),
+        *(_labelled(*told) for told in reach),
+        *_facts("mechanism", facts=facts),
+        line(""),
+        table(("link", "mass kg", "inertia kg m²", "mean Jeq kg m²", "points"), list(_links(facts["links"]))),
+        *(line(f"note: {note}") for note in facts["notes"]),
+    )
+
+
+def _facts(macro: str, **values: object) -> list[RenderableType]:
+    """The lines of a macro of ``sentences.txt``, each with a name before its first colon."""
+    return [_labelled(name, fact) for name, _, fact in (told.partition(": ") for told in lines(macro, **values))]
+
+
+def _labelled(name: str, fact: str) -> RenderableType:
+    return line(f"{name:<10} {fact}")
+
+
+def _links(links: Mapping[str, Mapping[str, Any]]) -> Iterator[tuple[str, ...]]:
+    for name, link in links.items():
+        inertia = "-" if link["inertia"] is None else f"{link['inertia']:.4g}"
+        mean = f"{link['Jeq_mean']:.4g}" if "Jeq_mean" in link else "-"
+        yield name, f"{link['mass']:.4g}", inertia, mean, ", ".join(link["points"])
+
+
+def thread(facts: Mapping[str, Any], held: FeedComparison | None) -> Group:
+    """Contour, feed and eyes of a thread, and how far its feed is from a required one."""
+    return Group(*_facts("thread_facts", thread=facts), *(_feed(held) if held else []))
+
+
+def _feed(comparison: FeedComparison) -> list[RenderableType]:
+    """Required beside actual feed, and the largest difference."""
+    columns = (comparison.angle, comparison.required, comparison.actual, comparison.difference)
+    rows = [
+        (f"{math.degrees(angle):.1f}", *(f"{value * 1e3:.3f}" for value in values))
+        for angle, *values in zip(*columns, strict=True)
+    ]
+    worst = int(np.argmax(np.abs(comparison.difference)))
+    root_mean_square = float(np.sqrt(np.mean(comparison.difference**2)))
+    closing = (
+        f"largest difference {comparison.difference[worst] * 1e3:+.3f} mm at "
+        f"{math.degrees(comparison.angle[worst]):.1f}°, RMS {root_mean_square * 1e3:.3f} mm"
+    )
+    return [table(("φ °", "required mm", "actual mm", "difference mm"), rows, "lr"), line(closing)]
+
+
+def published(records: Sequence[PublishedRecord]) -> Group:
+    """Printed figures beside ours, a table per mechanism with a column per variant."""
+    blocks: list[RenderableType] = []
+    for mechanism, part in groupby(records, key=lambda record: record.mechanism):
+        together = list(part)
+        noted = dict.fromkeys(
+            f"{r.quantity} {_digits(r, r.published)} {r.unit}".rstrip() + f": {r.note}" for r in together if r.note
+        )
+        blocks += [line(mechanism, "bold"), _published_table(together), *map(line, noted), line("")]
+    signs = "; ".join(f"{sign.symbol} {sign.word}" for sign in PUBLISHED.values())
+    return Group(
+        *blocks,
+        line(f"{signs} (reproduced: to the printed digits, or to the source's own accuracy where that is known)"),
+    )
+
+
+def _published_table(records: Sequence[PublishedRecord]) -> Table:
+    variants = list(dict.fromkeys(record.variant for record in records))
+    rows: list[list[Cell]] = []
+    for quantity, value, source in dict.fromkeys((r.quantity, r.published, r.source) for r in records):
+        ours = {r.variant: r for r in records if (r.quantity, r.published, r.source) == (quantity, value, source)}
+        cells = [_ours(ours[variant]) if variant in ours else "" for variant in variants]
+        printed = next(f"{_digits(r, value)} {r.unit}".strip() for r in ours.values())
+        rows.append([quantity, printed, *cells, source])
+    return table(("quantity", "printed", *variants, "place"), rows)
+
+
+def _ours(record: PublishedRecord) -> Cell:
+    sign, deviation = PUBLISHED[record.verdict], record.deviation
+    if deviation is None:
+        return f"{_digits(record, record.ours)} {sign.symbol}", sign.colour
+    share = f"{deviation:+.1%}" if abs(deviation) >= VISIBLE or not deviation else f"{deviation:+.0e}"
+    return f"{_digits(record, record.ours)} {sign.symbol} {share}", sign.colour
+
+
+def _digits(record: PublishedRecord, value: float) -> str:
+    """A value with as many digits as were printed, four at least."""
+    shown = math.log10(abs(record.published) / record.half_digit) if record.published and record.half_digit else 0.0
+    return f"{value:.{min(max(4, math.ceil(shown)), 17)}g}"
