@@ -113,7 +113,9 @@ def browser() -> Iterator[Any]:
 
 
 @contextmanager
-def opened(found: Any, path: Path, width: int = WIDTHS[0], theme: str = "light", *, scripts: bool = True) -> Iterator[Look]:
+def opened(
+    found: Any, path: Path, width: int = WIDTHS[0], theme: str = "light", *, scripts: bool = True
+) -> Iterator[Look]:
     """A page of a report's folder, open and idle."""
     context = found.new_context(
         viewport={"width": width, "height": HEIGHT}, color_scheme=theme, java_script_enabled=scripts, offline=True
@@ -122,7 +124,10 @@ def opened(found: Any, path: Path, width: int = WIDTHS[0], theme: str = "light",
         look = Look(context.new_page())
         folder = _root(path)
         look.page.on("pageerror", lambda error: look.faults.append(f"error: {error}"))
-        look.page.on("console", lambda one: look.faults.append(f"{one.type}: {one.text}") if one.type in ("error", "warning") else None)
+        look.page.on(
+            "console",
+            lambda one: look.faults.append(f"{one.type}: {one.text}") if one.type in ("error", "warning") else None,
+        )
         look.page.on("requestfailed", lambda request: look.faults.append(f"failed: {request.url}"))
         look.page.on("request", lambda request: _note(look, request.url, folder))
         look.page.goto(path.resolve().as_uri(), wait_until="load")

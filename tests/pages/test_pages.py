@@ -35,7 +35,18 @@ def report(tmp_path_factory: pytest.TempPathFactory, worker_id: str = "") -> Pat
             out = ["--out", str(folder), "--quiet"]
             main(["bench", "slotted-takeup", "--quick", "--engine", "pymunk", "--engine", "direct", *out])
             main(["stress", "step", "--quick", "--engine", "pymunk", *out])
-            regimes = ["--regime", "run-up", "--regime", "own", "--setting", "all", "--engine", "pymunk", "--engine", "direct"]
+            regimes = [
+                "--regime",
+                "run-up",
+                "--regime",
+                "own",
+                "--setting",
+                "all",
+                "--engine",
+                "pymunk",
+                "--engine",
+                "direct",
+            ]
             main(["compare", *MECHANISMS, *regimes, *out])
             (folder / "done").touch()
     return folder
