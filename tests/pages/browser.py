@@ -1,4 +1,4 @@
-"""A report's pages in headless Chromium: what a page loads, how large it is, what it says of itself and what axe-core does."""
+"""A report's pages in headless Chromium: what a page loads, how large it is, and what axe-core says of it."""
 
 from __future__ import annotations
 
@@ -100,34 +100,31 @@ def executable() -> str | None:
 
 
 @contextmanager
-def browser() -> Iterator[Any]:
+def started() -> Iterator[Any]:
     """Headless Chromium."""
     from playwright.sync_api import sync_playwright
 
     with sync_playwright() as driver:
-        found = driver.chromium.launch(executable_path=executable(), args=["--no-sandbox", "--disable-gpu"])
+        browser = driver.chromium.launch(executable_path=executable(), args=["--no-sandbox", "--disable-gpu"])
         try:
-            yield found
+            yield browser
         finally:
-            found.close()
+            browser.close()
 
 
 @contextmanager
 def opened(
-    found: Any, path: Path, width: int = WIDTHS[0], theme: str = "light", *, scripts: bool = True
+    browser: Any, path: Path, width: int = 1400, theme: str = "light", *, scripts: bool = True
 ) -> Iterator[Look]:
     """A page of a report's folder, open and idle."""
-    context = found.new_context(
+    context = browser.new_context(
         viewport={"width": width, "height": HEIGHT}, color_scheme=theme, java_script_enabled=scripts, offline=True
     )
     try:
         look = Look(context.new_page())
         folder = _root(path)
         look.page.on("pageerror", lambda error: look.faults.append(f"error: {error}"))
-        look.page.on(
-            "console",
-            lambda one: look.faults.append(f"{one.type}: {one.text}") if one.type in ("error", "warning") else None,
-        )
+        look.page.on("console", lambda one: _hear(look, one.type, one.text))
         look.page.on("requestfailed", lambda request: look.faults.append(f"failed: {request.url}"))
         look.page.on("request", lambda request: _note(look, request.url, folder))
         look.page.goto(path.resolve().as_uri(), wait_until="load")
@@ -141,6 +138,11 @@ def _root(path: Path) -> Path:
     """The folder of the report that a page belongs to."""
     parent = path.resolve().parent
     return parent.parent if parent.name == "mechanisms" else parent
+
+
+def _hear(look: Look, kind: str, text: str) -> None:
+    if kind in ("error", "warning"):
+        look.faults.append(f"{kind}: {text}")
 
 
 def _note(look: Look, url: str, folder: Path) -> None:

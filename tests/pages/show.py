@@ -8,7 +8,7 @@ from __future__ import annotations
 import sys
 from pathlib import Path
 
-from tests.pages.browser import HEIGHT, THEMES, WIDTHS, browser, executable, opened, pages
+from tests.pages.browser import HEIGHT, THEMES, WIDTHS, executable, opened, pages, started
 
 HEAD = ("page", "screens", "nodes", "kB", "paint ms", "sheets", "faults", "axe")
 TALLEST = 16_000  # px of one picture: taller pages go on in the next
@@ -24,7 +24,7 @@ def main(words: list[str]) -> int:
     target.mkdir(parents=True, exist_ok=True)
     print("  ".join(HEAD))
     bad = 0
-    with browser() as found:
+    with started() as found:
         for page in pages(folder):
             with opened(found, page) as look:
                 facts, empty, grave = look.facts(), look.empty(), look.grave()

@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from reports.command_line.main import main
-from tests.pages.browser import WIDTHS, browser, executable, opened, pages
+from tests.pages.browser import WIDTHS, executable, opened, pages, started
 
 pytest.importorskip("playwright", reason="Playwright is not installed")
 pytest.importorskip("axe_playwright_python", reason="axe-core is not installed")
@@ -54,7 +54,7 @@ def report(tmp_path_factory: pytest.TempPathFactory, worker_id: str = "") -> Pat
 
 @pytest.fixture(scope="module")
 def chromium():
-    with browser() as found:
+    with started() as found:
         yield found
 
 
