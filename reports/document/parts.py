@@ -19,7 +19,7 @@ NOTHING: Final = Markup("")
 
 @dataclass(frozen=True)
 class Link:
-    """Words that lead somewhere: a file beside the page, or "#key" on it."""
+    """Words that lead somewhere: a path within the report's folder, "#key" on the page, or an address."""
 
     text: str
     href: str
@@ -122,8 +122,9 @@ class Figure:
 class Widget:
     """What moves and answers on a page: ``kind`` names its script, ``label`` says what it is.
 
-    ``data`` is JSON-ready and on the page; each of ``further`` is a file of its own, loaded when it is chosen.
-    ``markup`` stands in its place until the script runs, and ``instead`` everywhere else.
+    ``data`` is JSON-ready (no number that is not finite) and on the page; each of ``further`` is a file of its own,
+    loaded when it is chosen: ``name`` and keys are plain file names. ``markup`` stands in its place until the script
+    runs, and ``instead`` where no script runs.
     """
 
     kind: str
