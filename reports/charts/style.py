@@ -25,6 +25,7 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import FuncFormatter, LogLocator, MaxNLocator, MultipleLocator, NullLocator
 from numpy.typing import NDArray
 
+from reports.document.chart import Ink
 from reports.document.templates import FOLDER, captions
 
 # Okabe and Ito, the darker ones first; the closed form is always ink.
@@ -35,8 +36,23 @@ SETTING_LINES: dict[str, Any] = {"naive": (0, (1, 1.3)), "tuned": "-", "best": (
 INK, MUTED, FAINT, REFERENCE = "#1d2733", "#5b6673", "#d8dde3", "#a9b3bf"
 LIMIT_COLOUR = "#8a1c1c"
 
+# What each of a drawing's colours becomes where the reader's scheme is dark.
+DARK = {
+    INK: "#e4e8ee",
+    MUTED: "#9aa6b4",
+    FAINT: "#343c46",
+    REFERENCE: "#6f7b88",
+    LIMIT_COLOUR: "#ff8a80",
+    "#ffffff": "#14181d",
+    "#e4e9ef": "#2b333d",
+    "#a8b8c8": "#4d5a68",
+    **dict(zip(PALETTE, ("#4db1ee", "#ff9a4d", "#35c79c", "#e08ad8", "#8fd0f5", "#d9b53a"), strict=True)),
+}
+NAMED = {"ink": INK, "muted": MUTED, "faint": FAINT, "reference": REFERENCE, "limit": LIMIT_COLOUR}
+FONT, FONT_SIZE = "DejaVu Sans", 9.0
+
 # Inches of a figure that shares the page's width with another, and of one that has it to itself.
-WIDTH, FULL_WIDTH = 4.4, 9.2
+WIDTH, FULL_WIDTH = 5.4, 11.0
 # Of drawings to scale: inches for the ticks on the left and below, on the other two sides, and of a pin's radius.
 LEFT, BELOW, RIM = 0.55, 0.45, 0.08
 PIN_INCHES = 0.042
@@ -60,6 +76,11 @@ def colour(engine: str, engines: Sequence[str]) -> str:
 def dashes(engine: str, engines: Sequence[str]) -> Dashes:
     """An engine's dash pattern, by its place among the names, for readers without colour."""
     return DASHES[engines.index(engine) % len(DASHES)]
+
+
+def ink(name: Ink) -> str:
+    """A colour of the palette by its number, or one that has a name."""
+    return NAMED[name] if isinstance(name, str) else PALETTE[name % len(PALETTE)]
 
 
 @cache
