@@ -3,29 +3,100 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import Any
+from typing import Annotated, Any, NotRequired
 
 import numpy as np
 from numpy.typing import NDArray
+from pydantic import PlainSerializer, PlainValidator
+from typing_extensions import TypedDict
 
 from analytic.description.linkage import Linkage, Vector
+from analytic.description.loading import parse
 
-Array = NDArray[np.float64]
+DIGITS = 8  # of a number in an array
 
-FILE = "mechanisms.json"
+
+def _array(value: Any) -> NDArray[np.float64]:  # noqa: ANN401 - what a file holds
+    """Numbers in lists, nothing among them for what is not finite."""
+    try:
+        found = np.array(value, dtype=float)
+    except TypeError as error:
+        raise ValueError("expected lists of numbers") from error
+    if not found.ndim:
+        raise ValueError("expected a list of numbers")
+    return found
+
+
+def _listed(values: NDArray[np.float64]) -> list[Any]:
+    if values.ndim > 1:
+        return [_listed(row) for row in values]
+    return [float(f"{value:.{DIGITS}g}") if np.isfinite(value) else None for value in values.tolist()]
+
+
+Array = Annotated[NDArray[np.float64], PlainValidator(_array), PlainSerializer(_listed)]
+
+
+class Peak(TypedDict):
+    """A value and its place on the sheet's axis."""
+
+    value: float | None
+    at: float | None
+
+
+class DriveFigure(TypedDict):
+    """A point of the drive: torque, N m, speed, rad/s, power, W (of a linear drive N and m/s); the instant, s."""
+
+    what: str
+    torque: float | None
+    speed: float | None
+    power: float | None
+    time: float | None
+    at: float | None
+
+
+class ForceFigure(TypedDict):
+    """The largest force, N, of a joint on a link, or of the linkage on its ground; its direction, rad."""
+
+    joint: str
+    link: str
+    force: float | None
+    direction: float | None
+    time: float | None
+    at: float | None
+
+
+class ExtremeFigure(TypedDict):
+    """A named value of a signal."""
+
+    what: str
+    signal: str
+    value: float | None
+    time: float | None
+    at: float | None
+
+
+class Figures(TypedDict):
+    """What the table of ``linkproof results`` says; ``stroke``, m, where there is an output."""
+
+    drive: list[DriveFigure]
+    forces: list[ForceFigure]
+    transmission: list[ExtremeFigure]
+    output: list[ExtremeFigure]
+    stroke: NotRequired[float | None]
 
 
 @dataclass(frozen=True)
 class Positions:
-    """Where the bodies are at n instants, evenly spaced in the axis of the sheet: over one turn, or the whole motion.
+    """Where the bodies are at n instants, evenly spaced over one turn of φ or, where there is none, over the motion.
 
-    ``axis`` is φ, rad, or the time, s, (n,); ``angle`` φ or the travel, (n,). ``bodies`` has of each link, by name, the
-    origin of its frame x, y, m, and its angle, rad, unwrapped, (3, n). ``carriers`` names the link that carries each
-    point of a slot. ``closed``: the last instant is the first again.
+    ``over`` says which of the two ``axis`` is: "phi", rad, or "time", s, (n,); ``angle`` is φ or the travel, (n,).
+    ``bodies`` has of each link, by name, the origin of its frame x, y, m, and its angle, rad, unwrapped, (3, n).
+    ``carriers`` names the link that carries each point of a slot. ``closed``: the last instant is the first again.
     """
 
+    over: str
     axis: Array
     angle: Array
     bodies: Mapping[str, Array]
@@ -33,12 +104,19 @@ class Positions:
     closed: bool
 
 
+class Eye(TypedDict):
+    """Path of an eye, m, (3, n), and where it is highest and lowest, rad; None of one that does not go up and down."""
+
+    path: Array
+    top_angle: float | None
+    bottom_angle: float | None
+
+
 @dataclass(frozen=True)
 class ThreadSheet:
     """The thread over a turn: φ, rad, feed and contour length, m, (n,); contour (stops, 3) at the reference angle, m.
 
-    ``stops`` names the guides and eyes along the contour; ``eyes`` has of each eye its path (3, m), and the angles at
-    which it is highest and lowest, rad. ``figures`` are ``mechanism_summary``'s of the thread.
+    ``stops`` names the guides and eyes along the contour. ``figures`` are ``mechanism_summary``'s of the thread.
     """
 
     angle: Array
@@ -46,9 +124,23 @@ class ThreadSheet:
     length: Array
     contour: Array
     stops: tuple[str, ...]
-    eyes: Mapping[str, Mapping[str, Any]]
+    eyes: Mapping[str, Eye]
     reference_angle: float
     figures: Mapping[str, Any]
+
+
+@dataclass(frozen=True)
+class Normalised:
+    """Unit functions of the output over the ``phase`` from top dead centre, rad, both ends of the turn, (n,).
+
+    ``harmonics`` are ½(1 − cos), sin and cos, ``means`` the mean absolute differences from them over a turn, as ratios;
+    all three by "S", "v" and "a".
+    """
+
+    phase: Array
+    functions: Mapping[str, Array]
+    harmonics: Mapping[str, Array]
+    means: Mapping[str, float]
 
 
 @dataclass(frozen=True)
@@ -56,11 +148,12 @@ class Sheet:
     """All that a mechanism's page shows of the closed form, SI, angles in rad.
 
     ``conditions``, ``axis``, ``units``, ``values``, ``peaks`` and ``figures`` are what ``linkproof results --json``
-    writes, values as arrays (n,), not a number where there is none. ``shares`` has Jeq by Assur group ("groups") and by
-    link ("links") over the same instants, kg m². ``facts`` are those of ``linkproof show --json``. ``normalised`` has
-    the unit functions S, v, a over a turn, the harmonics, and their mean differences. ``published`` are the printed
-    figures of all variants (``PublishedRecord`` as dictionaries), ``released`` what there is to say of each released
-    regime, in sentences, and its curves; ``printed`` the motions of models as printed. ``missing`` says of a part why
+    writes; ``values``, without those of points and links, at as many of its instants as a curve needs (n,), φ
+    ascending where that is the axis, not a number where there is none. ``shares`` has Jeq by Assur group ("groups") and
+    by link ("links") over the same instants, kg m². ``moment_centre`` is the point that the shaking moment is about.
+    ``facts`` are those of ``linkproof show --json``. ``published`` are the printed figures of all variants
+    (``PublishedRecord`` as dictionaries), ``released`` by regime what there is to say of a released crank (``Released``
+    of ``comparisons.datasheet.released``), ``printed`` the motions of models as printed. ``missing`` says of a part why
     it cannot be derived.
     """
 
@@ -73,12 +166,13 @@ class Sheet:
     axis: str
     units: Mapping[str, str]
     values: Mapping[str, Array]
-    peaks: Mapping[str, Mapping[str, float | None]]
-    figures: Mapping[str, Any]
+    peaks: Mapping[str, Peak]
+    figures: Figures
     facts: Mapping[str, Any]
+    moment_centre: str = ""
     positions: Positions | None = None
     shares: Mapping[str, Mapping[str, Array]] = field(default_factory=dict)
-    normalised: Mapping[str, Any] = field(default_factory=dict)
+    normalised: Normalised | None = None
     thread: ThreadSheet | None = None
     published: tuple[Mapping[str, Any], ...] = ()
     released: Mapping[str, Mapping[str, Any]] = field(default_factory=dict)
@@ -88,4 +182,4 @@ class Sheet:
     @cached_property
     def linkage(self) -> Linkage:
         """The linkage as it was described."""
-        raise NotImplementedError
+        return replace(parse(self.text, self.name, self.name, self.variant), gravity=self.gravity)

@@ -12,10 +12,10 @@ from analytic.description.linkage import Linkage
 from analytic.description.loading import load
 from analytic.errors import LinkproofError, is_safe
 from analytic.kinematics.mechanism import Mechanism
+from comparisons.datasheet import linkage_check
 from comparisons.runs.files import check_writable, write_text
 from reports.command_line.destination import Destination
 from reports.document.screen import line
-from reports.facts import linkage_check
 from reports.mechanism.check import printed
 
 TEMPLATE: Final = Path(json_schema.__code__.co_filename).with_name("new.toml")

@@ -11,8 +11,8 @@ from analytic.description.loading import catalogue, literature, load
 from analytic.errors import LinkproofError
 from analytic.kinematics.mechanism import Mechanism
 from analytic.turn.required_feed import compare_feed, read_required_feed
+from comparisons.datasheet.mechanism_summary import portrait, thread_facts
 from reports.command_line.destination import Destination
-from reports.facts.mechanism_summary import portrait, thread_facts
 from reports.mechanism import terminal
 
 

@@ -1,9 +1,9 @@
 """Tables of mechanisms hold what they should."""
 
 from analytic.description.loading import catalogue, literature, load
+from comparisons.datasheet.mechanism_summary import portrait
 from comparisons.reference.published import all_variants, compare_published
 from reports.document.screen import rendered
-from reports.facts.mechanism_summary import portrait
 from reports.mechanism import terminal
 
 

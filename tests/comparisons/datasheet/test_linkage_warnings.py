@@ -3,7 +3,7 @@
 import pytest
 
 from analytic.description.loading import parse
-from reports.facts.linkage_warnings import warnings
+from comparisons.datasheet.linkage_warnings import warnings
 from tests.analytic.faults import JUKI
 
 SLIPS = {

@@ -7,7 +7,7 @@ import pytest
 
 from analytic.description.loading import find, load, parse
 from analytic.kinematics.mechanism import Mechanism
-from reports.facts.mechanism_summary import portrait
+from comparisons.datasheet.mechanism_summary import portrait
 from tests.analytic.chains import chain_of_dyads
 from tests.counting import calls
 

@@ -18,7 +18,7 @@ from analytic.kinematics.mobility import grashof, loose_points, mobility
 from analytic.kinematics.structure import Dyad
 from analytic.kinematics.transmission import transmission_angle
 from analytic.numerics.roots import root
-from reports.facts.linkage_warnings import warnings
+from comparisons.datasheet.linkage_warnings import warnings
 
 Array = NDArray[np.float64]
 Facts = dict[str, Any]

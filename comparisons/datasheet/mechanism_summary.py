@@ -16,7 +16,7 @@ from analytic.kinematics.mechanism import Mechanism
 from analytic.numerics.extremes import Extremes, extremes, periodic_mean
 from analytic.turn.thread_feed import eye_travel, feed_diagram
 from analytic.turn.unit_functions import bottom_dead_centre, stroke, top_dead_centre
-from reports.facts.linkage_check import accuracy, range_facts
+from comparisons.datasheet.linkage_check import accuracy, range_facts
 
 
 def portrait(linkage: Linkage) -> dict[str, Any]:

@@ -7,8 +7,8 @@ import pytest
 
 from analytic.description.loading import literature, load, parse
 from analytic.errors import AssemblyError, StructureError
+from comparisons.datasheet.linkage_check import check
 from reports.document.screen import rendered
-from reports.facts.linkage_check import check
 from reports.mechanism.check import printed
 from tests.analytic.chains import chain_of_dyads
 from tests.analytic.linkages import EVERY, text_of
