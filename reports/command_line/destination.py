@@ -10,13 +10,11 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from rich.console import RenderableType
-
 from analytic.errors import LinkproofError
 from comparisons.judging.records import to_json
 from comparisons.runs.files import check_writable, write_text
 from reports.command_line.progress import progress
-from reports.document.screen import Printout, line, show, write
+from reports.document.terminal import Printed, Printout, show, write
 
 STDOUT = "-"
 
@@ -53,7 +51,7 @@ class Destination:
         """A progress bar, if it is to be seen."""
         return progress(visible=not self.quiet)
 
-    def print(self, *parts: RenderableType) -> None:
+    def print(self, *parts: Printed) -> None:
         """Print, unless stdout is for JSON."""
         if self.json != STDOUT:
             show(*parts)
@@ -73,7 +71,7 @@ class Destination:
     def say(self, text: str) -> None:
         """A remark on stderr, unless quiet."""
         if not self.quiet:
-            show(line(text), stderr=True)
+            show(text, stderr=True)
 
 
 def write_out(text: str) -> None:

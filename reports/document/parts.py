@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, Final, Literal
 
@@ -36,12 +36,20 @@ Inline = str | Link | Mono
 Words = Inline | tuple[Inline, ...]
 
 
+def plain(words: Words) -> str:
+    """Words as plain text."""
+    if isinstance(words, tuple):
+        return "".join(map(plain, words))
+    return words if isinstance(words, str) else words.text
+
+
 @dataclass(frozen=True)
 class Paragraph:
-    """A paragraph; ``role`` says what it is for."""
+    """A paragraph; ``role`` says what it is for, ``colour`` is a style of the terminal."""
 
     words: Words
     role: Literal["", "lead", "verdict", "small"] = ""
+    colour: str = ""
 
 
 @dataclass(frozen=True)
@@ -91,8 +99,8 @@ class Table:
     """
 
     caption: str
-    head: tuple[Cell | Words, ...]
-    rows: tuple[tuple[Cell | Words, ...], ...]
+    head: Sequence[Cell | Words]
+    rows: Sequence[Sequence[Cell | Words]]
     align: str = "lr"
     note: str = ""
     groups: tuple[tuple[str, int], ...] = ()

@@ -3,39 +3,46 @@
 import io
 import sys
 
-from reports.document.screen import line, rendered, show, table
+from reports.document.parts import Cell, Link, Mono, Paragraph, Table
+from reports.document.terminal import rendered, show
 
 FOREIGN = "[/rod] [bold]x[/] :smile: \x1b[2J\x07 \u202e"
 
 
 def test_foreign_text_is_neither_markup_nor_obeyed():
     shown = "[/rod] [bold]x[/] :smile: \\x1b[2J\\x07 \\u202e"
-    assert rendered(line(FOREIGN)) == f"{shown}\n"
-    assert shown in rendered(table((FOREIGN,), [(FOREIGN,), ((FOREIGN, "red"),)]))
+    assert rendered(FOREIGN) == rendered(Paragraph(FOREIGN, colour="bold")) == f"{shown}\n"
+    table = rendered(Table(FOREIGN, (FOREIGN,), ((FOREIGN,), (Cell(FOREIGN, colour="red"),)), note=FOREIGN))
+    assert [line.strip() for line in table.splitlines()] == [shown] * 5
 
 
 def test_a_pipe_gets_every_column_whole_and_no_spaces_at_the_ends(capsys):
     wide = ["x" * 300, "a sentence that a terminal would fold " * 9, ""]
-    show(table(("a", "b", "c"), [wide]))
+    show(Table("", ("a", "b", "c"), [wide], "l"))
     head, row = capsys.readouterr().out.splitlines()
     assert row == f"{wide[0]}  {wide[1].rstrip()}"
     assert head == head.rstrip()
 
 
 def test_a_terminal_folds_and_cuts_nothing():
-    text = rendered(table(("a", "b"), [("x" * 50, "y" * 50)]), width=40)
+    text = rendered(Table("", ("a", "b"), [("x" * 50, "y" * 50)]), width=40)
     assert (text.count("x"), text.count("y")) == (50, 50)
     assert max(map(len, text.splitlines())) <= 40
 
 
 def test_figures_stand_to_the_right_of_words():
-    assert rendered(table(("name", "of", "n"), [("a", "b", "1"), ("a", "b", "10")], align="llr")).splitlines()[1:] == [
-        "a     b    1", "a     b   10",
-    ]  # fmt: skip
+    table = Table("", ("name", "of", "n"), (("a", "b", "1"), ("a", "b", "10")), align="llr")
+    assert rendered(table).splitlines()[1:] == ["a     b    1", "a     b   10"]
+
+
+def test_links_and_commands_are_their_words():
+    assert rendered(Paragraph(("see ", Link("the page", "x.html"), " or ", Mono("linkproof list")))) == (
+        "see the page or linkproof list\n"
+    )
 
 
 def test_remarks_go_to_stderr(capsys):
-    show(line("remark"), stderr=True)
+    show("remark", stderr=True)
     assert capsys.readouterr() == ("", "remark\n")
 
 
