@@ -12,10 +12,11 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
 from comparisons.judging.records import Record
-from reports.charts.panels import LEAST_ERROR
 from reports.charts.style import FAINT, FULL_WIDTH, INK, LIMIT_COLOUR, MUTED, colour, decades, drawn
 from reports.records.views import SETTINGS, Regime, View, columns, engines, family, worst
 
+# Nothing below round-off is worth a decade of the axis.
+LEAST_ERROR = 1e-16
 Filling = Literal["none", "left", "full"]
 FILLINGS: tuple[Filling, ...] = ("none", "left", "full")
 MARKERS = ("o", "s", "^", "D", "v", "P")
@@ -25,7 +26,7 @@ ROW, FRAME = 0.22, 1.0
 def errors_figure(view: View, regime: Regime) -> Figure:
     """Every deviation of a mechanism under a regime."""
     quantities, invariants = _rows(view, regime)
-    lanes = len({record.engine for record in view.records if record.error_max is not None})
+    lanes = len({record.engine for record in view.of(regime) if record.error_max is not None})
     height = ROW * (len(quantities) + len(invariants)) * (1.0 + 0.2 * max(lanes - 1, 0)) + FRAME
     edges = {"left": 0.135, "right": 0.985, "top": 1.0 - 0.34 / height, "bottom": 0.42 / height}
     return drawn(FULL_WIDTH, height, lambda figure: draw_errors(figure.subplots(gridspec_kw=edges), view, regime))
@@ -35,14 +36,14 @@ def draw_errors(axes: Axes, view: View, regime: Regime) -> None:
     """One row per quantity, one lane per engine within it, the marker's filling for the setting."""
     quantities, invariants = _rows(view, regime)
     rows = [*quantities, *invariants]
-    records = worst_of_families([r for r in view.records if r.regime == regime.name and r.error_max is not None])
+    records = worst_of_families([r for r in view.of(regime) if r.error_max is not None])
     lanes = sorted({record.engine for record in records})
     many = len({record.setting for record in records}) > 1
 
     def height(record: Record) -> float:
         return rows.index(family(record.quantity)) + 0.72 * ((lanes.index(record.engine) + 0.5) / len(lanes) - 0.5)
 
-    _draw_limits(axes, [record for record in records if record.setting == view.setting], height)
+    _draw_limits(axes, [record for record in records if record.setting == view.standing(regime)], height)
     for _, run in groupby(records, key=lambda record: record.run):
         _draw_run(axes, view, list(run), height, many)
     for row in range(1, len(rows), 2):
@@ -50,7 +51,7 @@ def draw_errors(axes: Axes, view: View, regime: Regime) -> None:
     if invariants:
         axes.axhline(len(quantities) - 0.5, color=MUTED, linewidth=0.8)
     _scales(axes, rows)
-    _key(axes, view, many)
+    _key(axes, view, regime, many)
 
 
 def _scales(axes: Axes, rows: list[str]) -> None:
@@ -66,7 +67,7 @@ def _scales(axes: Axes, rows: list[str]) -> None:
 
 def _rows(view: View, regime: Regime) -> tuple[list[str], list[str]]:
     """The families of quantities and the invariants that a regime has records of."""
-    held = {family(record.quantity) for record in view.records if record.regime == regime.name}
+    held = {family(record.quantity) for record in view.of(regime)}
     quantities, invariants = columns(view.results)
     return [name for name in quantities if name in held], [name for name in invariants if name in held]
 
@@ -112,9 +113,9 @@ def _filling(setting: str, many: bool) -> Filling:
     return FILLINGS[SETTINGS.index(setting)]
 
 
-def _key(axes: Axes, view: View, many: bool) -> None:
+def _key(axes: Axes, view: View, regime: Regime, many: bool) -> None:
     """Engines by colour and shape, settings by filling."""
-    shown = {record.engine for record in view.records if record.error_max is not None}
+    shown = {record.engine for record in view.of(regime) if record.error_max is not None}
     names = engines(view.results)
     handles = [
         Line2D([], [], linestyle="none", marker=MARKERS[i % len(MARKERS)], color=colour(name, names), markersize=5.4,
@@ -122,7 +123,7 @@ def _key(axes: Axes, view: View, many: bool) -> None:
         for i, name in enumerate(names) if name in shown
     ]  # fmt: skip
     if many:
-        ran = {record.setting for record in view.records}
+        ran = {record.setting for record in view.of(regime) if record.error_max is not None}
         handles += [
             Line2D([], [], linestyle="none", marker="o", color=INK, markerfacecoloralt="white", markersize=5.4,
                    fillstyle=_filling(s, True), label=s)
@@ -130,7 +131,7 @@ def _key(axes: Axes, view: View, many: bool) -> None:
         ]  # fmt: skip
     handles.append(
         Line2D([], [], linestyle="none", marker="|", color=LIMIT_COLOUR, markersize=8, markeredgewidth=1.4,
-               label=f"limit ({view.setting})")
+               label=f"limit ({view.standing(regime)})")
     )  # fmt: skip
     axes.legend(handles=handles, loc="lower left", bbox_to_anchor=(-0.01, 1.0), ncols=len(handles), handletextpad=0.2,
                 columnspacing=1.4, borderaxespad=0.2)  # fmt: skip

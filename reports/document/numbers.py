@@ -39,7 +39,7 @@ def error(value: float | None) -> str:
     """A deviation to two digits, with an exponent below one: 1.2e-5, 1.9."""
     if value is None or not math.isfinite(value):
         return ABSENT
-    if value == 0.0 or 1.0 <= value < 100.0:
+    if value == 0.0 or 0.995 <= value < 100.0:
         return f"{value:#.2g}".removesuffix(".") if value else "0"
     mantissa, exponent = f"{value:.1e}".split("e")
     return f"{mantissa}e{int(exponent)}"

@@ -17,11 +17,12 @@ from analytic.kinematics.mechanism import Mechanism
 from analytic.turn.unit_functions import top_dead_centre
 from comparisons.campaign.results import Results
 from comparisons.judging.deviations import near_jumps
-from comparisons.judging.quantities import QUANTITIES
+from comparisons.judging.quantities import JOINT_FORCE, LINEAR_TITLES, QUANTITIES
 from comparisons.judging.records import Record
 from engines.contract import Setting
 
 Array = NDArray[np.float64]
+SYMBOLS = {"phi": "φ", "omega": "ω", "epsilon": "ε"}
 SETTINGS = tuple(setting.value for setting in Setting)
 # Speed at which the output's motion is shown where no regime prescribes one.
 NOMINAL_SPEED = 1000.0 * RPM
@@ -127,6 +128,32 @@ class View:
         """The final speed for a reader: "1000 rpm clockwise"."""
         return f"{abs(self.final_speed) / RPM:.4g} rpm" + (" clockwise" if self.final_speed < 0.0 else "")
 
+    def of(self, regime: Regime) -> tuple[Record, ...]:
+        """Records and invariants of a regime."""
+        return tuple(record for record in self.records if record.regime == regime.name)
+
+    def quantities(self, regime: Regime) -> tuple[str, ...]:
+        """Names of the quantities and then of the invariants of a regime."""
+        return tuple(dict.fromkeys(record.quantity for record in self.of(regime)))
+
+    def title(self, quantity: str) -> str:
+        """What a quantity or an invariant is, in words, with its symbol."""
+        words = LINEAR_TITLES.get(quantity, "") if self.linkage.is_linear else ""
+        symbol = short_title(quantity) if quantity in QUANTITIES and "_" not in quantity else ""
+        return " ".join(filter(None, (symbol, words or title(quantity))))
+
+    @cached_property
+    def curved(self) -> frozenset[tuple[str, str]]:
+        """Regime and name of every quantity that some run gave a curve of."""
+        mine = (self.linkage.name, self.linkage.variant)
+        compared = (r for r in self.results.records if r.run[:2] == mine and r.error_max is not None)
+        return frozenset((record.regime, record.quantity) for record in compared)
+
+    def standing(self, regime: Regime) -> str:
+        """The setting whose curves stand for an engine in a regime: tuned where any run at it gave one."""
+        ran = {record.setting for record in self.of(regime) if record.error_max is not None}
+        return next((name for name in (Setting.TUNED.value, *reversed(SETTINGS), *sorted(ran)) if name in ran), "")
+
     @cached_property
     def setting(self) -> str:
         """The setting whose curves stand for an engine: tuned where it ran."""
@@ -141,7 +168,8 @@ class View:
         """The curves of a quantity under a regime, of every run that gave one; read once."""
         key = (regime.name, quantity)
         if key not in self._kept:
-            records = [r for r in self.records if (r.regime, r.quantity) == key and r.error_max is not None]
+            mine = self.records if key in self.curved else ()
+            records = [r for r in mine if (r.regime, r.quantity) == key and r.error_max is not None]
             self._kept[key] = [self._trace(regime, record) for record in records]
         return self._kept[key]
 
@@ -172,6 +200,11 @@ def title(quantity: str) -> str:
     """What a quantity is, in words."""
     known = QUANTITIES.get(quantity)
     return known.title if known else quantity.replace("_", " ").replace(":", " in ")
+
+
+def short_title(quantity: str) -> str:
+    """A quantity's symbol, or a few words where it has none."""
+    return SYMBOLS.get(quantity, quantity.replace(JOINT_FORCE, "force in ").replace("_", " "))
 
 
 def holds_acceleration(quantity: str) -> bool:

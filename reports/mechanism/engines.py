@@ -1,0 +1,168 @@
+"""How the engines did on one mechanism: all errors and curves in one chart, and in folds the figures behind it."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from itertools import groupby
+from typing import Any
+
+from comparisons.judging.quantities import JOINT_FORCE, QUANTITIES
+from comparisons.judging.records import Record, Verdict
+from reports.charts.errors import errors_figure
+from reports.document import numbers
+from reports.document.parts import Bullets, Cell, Figure, Fold, Part, Section, Table, Widget
+from reports.document.signs import RUNS
+from reports.document.templates import plain, sentence
+from reports.mechanism.curves import chart_data, curves
+from reports.records.origins import control_last, exceptions, origin_words
+from reports.records.views import SETTINGS, Regime, View, anchor
+
+KEY = "engines"
+
+
+def engines_section(view: View) -> Section:
+    """The half of a mechanism's page that shows what was simulated, or what another tool's file says."""
+    imported = "judgement" in view.results.document
+    parts: list[Part] = [chart(view)]
+    parts += [errors_fold(view, regime) for regime in view.regimes]
+    parts += _printed_models(view)
+    if not imported:
+        parts.append(runs_fold(view))
+    return Section(KEY, "Every error" if imported else "How the engines did", tuple(parts))
+
+
+def chart(view: View) -> Widget:
+    """All errors and all curves: regime, quantity, engines and settings are chosen; curves are loaded when they are."""
+    further = curves(view)
+    first = next(iter(further), "")
+    data = {**chart_data(view), "first": first, "curves": further.pop(first, None)}
+    label = "Errors and curves of every engine"
+    figures = tuple(errors_of(view, regime) for regime in view.regimes if view.standing(regime))
+    return Widget("curves", "curves", label, data, further, instead=figures)
+
+
+def errors_of(view: View, regime: Regime) -> Figure:
+    """Every error of a regime as a figure."""
+    caption = sentence("errors", regime=regime, setting=view.standing(regime))
+    alt = f"{view.linkage.title} ({view.linkage.variant}): errors of every quantity and engine under {regime.name}"
+    return Figure(anchor("errors", regime.name), caption, alt, lambda: errors_figure(view, regime), wide=True)
+
+
+def errors_fold(view: View, regime: Regime) -> Fold:
+    """Every error of a regime in figures, and why there is none of a run."""
+    runs = [list(run) for _, run in groupby(view.of(regime), key=lambda record: record.run)]
+    shown = [run for run in control_last(runs) if any(record.error_max is not None for record in run)]
+    parts: list[Part] = [_matrix(view, regime, shown)] if shown else []
+    reasons = _reasons(runs)
+    return Fold(f"Every error under {regime.name} in figures", (*parts, *([Bullets(reasons)] if reasons else [])))
+
+
+def _matrix(view: View, regime: Regime, runs: Sequence[Sequence[Record]]) -> Table:
+    """Quantities, then invariants, down; engines and settings across."""
+    groups = tuple((name, len(list(part))) for name, part in groupby(runs, key=lambda run: run[0].engine))
+    found = [{record.quantity: record for record in run} for run in runs]
+    rows = tuple(
+        (*_row_head(view, [run[name] for run in found if name in run]), *(_cell(run.get(name)) for run in found))
+        for name in view.quantities(regime)
+        if any(name in run for run in found)
+    )
+    note = sentence("matrix_note") if regime == view.regimes[0] else ""
+    head = ("quantity", "limit", *(run[0].setting for run in runs))
+    caption = f"{regime.conditions[:1].upper()}{regime.conditions[1:]}. Largest error over the closed form's peak."
+    return Table(caption, head, rows, note=note, groups=(("", 2), *groups), style="matrix")
+
+
+def _row_head(view: View, records: Sequence[Record]) -> tuple[Cell, str]:
+    """The quantity with its peak, and the limits in the order of the settings."""
+    first = records[0]
+    peak = next((f"{numbers.figure(r.peak)} {r.unit}" for r in records if r.peak and _has_peak(first.quantity)), "")
+    limits = {r.setting: r.limit for r in records if r.limit}
+    in_order = sorted(limits, key=lambda name: SETTINGS.index(name) if name in SETTINGS else len(SETTINGS))
+    words = dict.fromkeys(numbers.bound(limits[name]) for name in in_order)
+    return Cell(view.title(first.quantity), note=peak), ", ".join(words)
+
+
+def _has_peak(quantity: str) -> bool:
+    """Whether the peak of a quantity is the closed form's: an invariant is measured against something else."""
+    return quantity in QUANTITIES or quantity.startswith(JOINT_FORCE)
+
+
+def _cell(record: Record | None) -> Cell | str:
+    """An error, with a sign where it is over its limit; what did not pass tells why."""
+    if record is None:
+        return numbers.ABSENT
+    sign = RUNS[record.outcome]
+    if record.outcome == Verdict.PASSED.value:
+        return Cell(numbers.error(record.error_max), style=sign.style)
+    words = sign.symbol if record.error_max is None else f"{numbers.error(record.error_max)} {sign.symbol}"
+    return Cell(words, style=sign.style, told=record.detail or sign.word)
+
+
+def _reasons(runs: Sequence[Sequence[Record]]) -> tuple[str, ...]:
+    """Why there is no error of a run or of a quantity of it, each reason once."""
+    told: dict[tuple[str, str], list[str]] = {}
+    for run in runs:
+        without = [record for record in run if record.error_max is None]
+        for record in without:
+            names = "" if len(without) == len(run) else f", {plain(record.quantity)}"
+            reason = f"{RUNS[record.outcome].word}: {record.detail}".removesuffix(": ")
+            who = told.setdefault((record.engine, reason), [])
+            who += [words] if (words := record.setting + names) not in who else []
+    return tuple(f"{engine} {'; '.join(who)} – {reason}." for (engine, reason), who in told.items())
+
+
+def _printed_models(view: View) -> list[Part]:
+    """What the engines say of the models that the source prints, which are held against the file's own values."""
+    if view.linkage.variant != view.linkage.variants[0]:
+        return []
+    rows = [row for row in view.results.document.get("errata", []) if row["mechanism"] == view.linkage.name]
+    tables = tuple(
+        _printed_model(list(part)) for _, part in groupby(rows, key=lambda row: (row["erratum"], row["regime"]))
+    )
+    return [Fold("Printed models put to the engines", tables)] if tables else []
+
+
+def _printed_model(rows: Sequence[Mapping[str, Any]]) -> Table:
+    """One model as printed: by how much every engine's crank speed is off it, and off the corrected one."""
+    head = ("engine", "off the corrected model", "off the printed model", "supports")
+    cells = tuple(
+        (
+            row["engine"],
+            numbers.error(row["deviation_corrected"]),
+            numbers.error(row["deviation_printed"]),
+            row["reason"] or row["supports"],
+        )
+        for row in rows
+    )
+    return Table(sentence("printed_model", row=rows[0]), head, cells, align="lrrl")
+
+
+def runs_fold(view: View) -> Fold:
+    """How every run was made, what it cost and where its figures come from."""
+    parts = tuple(_runs(view, regime) for regime in view.regimes)
+    return Fold("How each run was made, and what it cost", parts)
+
+
+def _runs(view: View, regime: Regime) -> Table:
+    details = view.results.document["details"]
+    runs = [list(run) for _, run in groupby(view.of(regime), key=lambda record: record.run)]
+    rows = tuple(
+        (
+            f"{run[0].engine} {run[0].setting}",
+            str(run[0].steps),
+            numbers.seconds(run[0].seconds),
+            numbers.seconds(run[0].setup_seconds),
+            "; ".join(filter(None, (origin_words(run), exceptions(run)))),
+            settings_words(details.get("/".join(run[0].run), {})),
+        )
+        for run in control_last(runs)
+        if run[0].steps
+    )
+    head = ("run", "steps", "stepping", "set-up", "figures of", "as its adapter states it")
+    return Table(f"{regime.name}: stepping alone, measured once, and set-up beside it.", head, rows, align="lrrrl")
+
+
+def settings_words(details: dict[str, Any]) -> str:
+    """Settings as an engine's adapter states them: "step 1e-4, scheme …"."""
+    said = {name: numbers.printed(value) if isinstance(value, float) else value for name, value in details.items()}
+    return ", ".join(f"{plain(name)} {value}" for name, value in said.items())
