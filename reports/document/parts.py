@@ -163,9 +163,10 @@ class Card:
 
 @dataclass(frozen=True)
 class Cards:
-    """Boxes beside each other, as many as there is room for."""
+    """Boxes beside each other, as many as there is room for; two if they are ``wide``."""
 
     cards: tuple[Card, ...]
+    wide: bool = False
 
 
 @dataclass(frozen=True)

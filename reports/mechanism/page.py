@@ -1,0 +1,60 @@
+"""The page of one mechanism: what its designer wants, then how the engines did."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from comparisons.campaign.results import Results
+from comparisons.datasheet.sheet import Sheet
+from reports.document.parts import NOTHING, Bullets, Card, Cards, Page, Paragraph, Section
+from reports.mechanism import designer
+from reports.mechanism.key_figures import key_table
+from reports.mechanism.player import player
+from reports.mechanism.published import published_section
+from reports.mechanism.shown import ShownSheet
+from reports.mechanism.thread_section import thread_section
+
+FOLDER = "mechanisms"
+
+
+def file_of(sheet: Sheet) -> str:
+    """Where the page is within a report's folder."""
+    return f"{FOLDER}/{sheet.name}.{sheet.variant}.html"
+
+
+def page(sheet: Sheet, results: Results | None = None) -> Page:
+    """The page; ``results`` are those of the campaign that its engines ran in, or of a file that was judged."""
+    shown = ShownSheet(sheet)
+    linkage = sheet.linkage
+    of = f" (of {', '.join(linkage.variants)})" if len(linkage.variants) > 1 else ""
+    source = f" Source: {linkage.source}." if linkage.source else ""
+    verdict = results.document.get("judgement", ()) if results else ()
+    return Page(
+        file=file_of(sheet),
+        title=f"{sheet.name} ({sheet.variant})" if len(linkage.variants) > 1 else sheet.name,
+        heading=linkage.title or sheet.name,
+        subtitle=f"{sheet.name}, variant {sheet.variant}{of}.{source}",
+        parts=(*((Bullets(tuple(verdict)),) if verdict else ()), _first_look(shown)),
+        sections=tuple(_sections(shown)),
+        charts=results is not None,
+    )
+
+
+def _first_look(shown: ShownSheet) -> Cards:
+    """The linkage in motion beside its key figures."""
+    sheet = shown.sheet
+    if sheet.axis not in sheet.values:
+        why = Paragraph(f"There is no motion to show: {sheet.missing.get('values', 'none is saved')}.")
+        return Cards((Card("The mechanism", (why, designer.facts(shown))),), wide=True)
+    conditions = sheet.conditions.partition(": ")[2]
+    motion = Card("In motion", (player(shown, NOTHING), designer.facts(shown)))
+    return Cards((motion, Card("Key figures", (Paragraph(f"{conditions}.", "small"), key_table(sheet)))), wide=True)
+
+
+def _sections(shown: ShownSheet) -> Iterator[Section]:
+    sheet = shown.sheet
+    yield from designer.sections(shown)
+    if sheet.thread:
+        yield thread_section(shown, sheet.thread)
+    if sheet.published:
+        yield published_section(sheet.published)

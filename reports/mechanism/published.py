@@ -1,0 +1,51 @@
+"""The figures printed in a mechanism's sources beside ours, a column for every variant."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+from reports.document.numbers import figure, per_cent, printed
+from reports.document.parts import Cell, Paragraph, Section, Table
+from reports.document.signs import PUBLISHED
+from reports.document.templates import worded
+
+Rows = Sequence[Mapping[str, Any]]
+
+
+def published_section(rows: Rows) -> Section:
+    """How many figures every variant meets, and all of them."""
+    variants = list(dict.fromkeys(row["variant"] for row in rows))
+    return Section("published", "Published figures against ours", (_met(rows, variants), _table(rows, variants)))
+
+
+def _met(rows: Rows, variants: list[str]) -> Paragraph:
+    said = []
+    for variant in variants:
+        signs = [PUBLISHED[row["verdict"]].style for row in rows if row["variant"] == variant]
+        near = f", {signs.count('near')} more are met within 6 %" if "near" in signs else ""
+        said.append(f"{variant}: {signs.count('pass')} of {len(signs)} to the last printed digit{near}")
+    return Paragraph(f"Reproduced in each reading of the source: {'; '.join(said)}.")
+
+
+def _table(rows: Rows, variants: list[str]) -> Table:
+    keys = dict.fromkeys((row["quantity"], row["unit"], row["published"], row["source"], row["note"]) for row in rows)
+    lines: list[tuple[Cell | str, ...]] = []
+    for key in keys:
+        quantity, unit, value, source, note = key
+        ours = {
+            row["variant"]: row
+            for row in rows
+            if (row["quantity"], row["unit"], row["published"], row["source"], row["note"]) == key
+        }
+        cells = [_cell(ours[variant]) if variant in ours else Cell("–", "absent") for variant in variants]
+        name = f"{worded(quantity)}, {unit}" if unit else worded(quantity)
+        lines.append((name, printed(value), *cells, Cell(source, note=note)))
+    align = "lr" + "r" * len(variants) + "l"
+    return Table("Every printed figure.", ("figure", "published", *variants, "place"), tuple(lines), align=align)
+
+
+def _cell(row: Mapping[str, Any]) -> Cell:
+    sign = PUBLISHED[row["verdict"]]
+    note = f"{per_cent(row['deviation'])}, {sign.word}" if row["deviation"] is not None else sign.word
+    return Cell(f"{sign.symbol} {figure(row['ours'])}", style=sign.style, colour=sign.colour, note=note)
