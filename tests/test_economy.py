@@ -18,7 +18,7 @@ from reports.command_line.requests import CampaignChoice, request
 
 ROOT = Path(__file__).parents[1]
 ENGINES = ("exudyn", "pymunk")
-PLOTTING = ("matplotlib", "plotly")
+PLOTTING = ("matplotlib",)
 HEAVY = (*ENGINES, *PLOTTING, "xarray", "numba", "pandas")
 
 

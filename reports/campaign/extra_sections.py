@@ -12,9 +12,7 @@ from comparisons.work_precision import records
 from reports.stress import facts as stress_facts
 from reports.stress import page as stress_page
 from reports.stress import section as stability
-from reports.work_precision import cost_section
 from reports.work_precision import page as bench_page
-from reports.work_precision import section as costs
 
 
 @dataclass(frozen=True)
@@ -43,10 +41,7 @@ def rebuild_pages(saved: Path, folder: Path) -> None:
 def _benchmark(folder: Path) -> Iterator[ExtraSection]:
     if not (folder / records.FILE).is_file():
         return
-    bench = records.load(folder)
-    yield ExtraSection("cost", costs.TITLE, costs.section(bench, only_first=True), bench_page.PAGE)
-    if bench.costs:
-        yield ExtraSection("costs", cost_section.TITLE, cost_section.section(bench.costs))
+    yield ExtraSection("cost", bench_page.TITLE, Markup("<h2>{}</h2>").format(bench_page.TITLE), bench_page.FILE_NAME)
 
 
 def _stability(folder: Path) -> Iterator[ExtraSection]:

@@ -145,6 +145,15 @@ def places(bench: Bench) -> tuple[PlaceFacts, ...]:
     )
 
 
+def regimes(bench: Bench) -> dict[str, list[PlaceFacts]]:
+    """The places of each regime where something finished, in the order measured."""
+    found: dict[str, list[PlaceFacts]] = {}
+    for place in places(bench):
+        if place.quantities:
+            found.setdefault(place.regime, []).append(place)
+    return found
+
+
 def engine_labels(bench: Bench) -> dict[str, str]:
     """What a reader is told of all engines of a benchmark, by name, the control last."""
     controls = {record.engine: record.is_control for record in bench.records}

@@ -5,17 +5,15 @@ from __future__ import annotations
 from collections.abc import Sequence
 from itertools import groupby
 
-from rich.console import RenderableType
-from rich.table import Table
-from rich.text import Text
-
 from comparisons.work_precision.analysis import WANTED
 from comparisons.work_precision.records import Bench
 from reports.document.numbers import bound, error, seconds
-from reports.document.screen import Printout, line, table
-from reports.work_precision.cost_section import cost_tables
+from reports.document.parts import Paragraph, Table
+from reports.document.templates import plain
+from reports.document.terminal import Printed, Printout
+from reports.work_precision.costs import cost_tables
 from reports.work_precision.facts import PlaceFacts, engine_label, failed_methods, places
-from reports.work_precision.words import choice_words, method_row, noise_note, noise_share, standing_words
+from reports.work_precision.words import choice_words, method_row, noise_note, noise_share, standing_lines
 
 CHOICES = ("engine", "to get", "time", "by")
 METHODS = ("engine", "method", "order", "least error", "steps/turn", "time", "what limits it")
@@ -27,13 +25,13 @@ POINTS = (
 
 def printout(bench: Bench, quantities: Sequence[str] = ()) -> Printout:
     """A block per mechanism, regime and quantity: those asked for, else the one each place is judged by."""
-    blocks: list[RenderableType] = []
+    blocks: list[Printed] = []
     for place in places(bench):
         for name in [name for name in quantities if name in place.quantities] or [place.foremost]:
             blocks += _block(place, name, noise_share(bench))
     for costs in cost_tables(bench.costs):
-        blocks += [costs, line("")]
-    return Printout(blocks, [line(noise_note(bench))], [_points(bench), line("")])
+        blocks += [costs, ""]
+    return Printout(blocks, [noise_note(bench)], [_points(bench), ""])
 
 
 def _points(bench: Bench) -> Table:
@@ -48,31 +46,31 @@ def _points(bench: Bench) -> Table:
         )
         for one in bench.records
     ]  # fmt: skip
-    return table(POINTS, rows)
+    return Table("", POINTS, tuple(rows), "l")
 
 
-def _block(place: PlaceFacts, quantity: str, noise: float) -> list[RenderableType]:
+def _block(place: PlaceFacts, quantity: str, noise: float) -> list[Printed]:
     words = f"{place.mechanism} ({place.variant}), {place.regime}"
     if not place.quantities:
-        return [line(f"{words}: nothing finished", "bold"), *_failures(place, quantity)]
-    title = line(f"{words}: {quantity.replace('_', ' ')}, largest error over the peak", "bold")
-    parts: list[RenderableType] = [title, _methods(place, quantity), line(""), _choices(place, quantity), line("")]
+        return [Paragraph(f"{words}: nothing finished", colour="bold"), *_failures(place, quantity)]
+    title = Paragraph(f"{words}: {plain(quantity)}, largest error over the peak", colour="bold")
+    parts: list[Printed] = [title, _methods(place, quantity), "", _choices(place, quantity), ""]
     for facts in place.engines(quantity):
-        parts += map(line, standing_words(facts, noise))
-    return [*parts, *_failures(place, quantity), line("")]
+        parts += standing_lines(facts, noise)
+    return [*parts, *_failures(place, quantity), ""]
 
 
-def _failures(place: PlaceFacts, quantity: str) -> list[Text]:
+def _failures(place: PlaceFacts, quantity: str) -> list[Paragraph]:
     return [
-        line(f"{facts.label} {reason}", "yellow")
+        Paragraph(f"{facts.label} {reason}", colour="yellow")
         for facts in place.engines(quantity)
         for reason in failed_methods(facts)
     ]
 
 
 def _methods(place: PlaceFacts, quantity: str) -> Table:
-    rows = [method_row(facts, sweep) for facts in place.engines(quantity) for sweep in facts.methods]
-    return table(METHODS, rows, align="llrrrrl")
+    rows = tuple(method_row(facts, sweep) for facts in place.engines(quantity) for sweep in facts.methods)
+    return Table("", METHODS, rows, "llrrrrl")
 
 
 def _choices(place: PlaceFacts, quantity: str) -> Table:
@@ -86,4 +84,4 @@ def _choices(place: PlaceFacts, quantity: str) -> Table:
             cost, way, step, _ = choice_words(choice, facts)
             turn = f" @ {step}" if step else ""
             rows.append((facts.label, span, cost or "–", f"{way}{turn}" if cost else f"not reached; {way}"))
-    return table(CHOICES, rows, align="llrl")
+    return Table("", CHOICES, tuple(rows), "llrl")

@@ -2,45 +2,47 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
-
-from markupsafe import Markup
-
 from comparisons.work_precision.analysis import PointChoice, Standing, SweepFinding
+from comparisons.work_precision.floor import Cause
 from comparisons.work_precision.records import Bench, BenchRecord
 from comparisons.work_precision.step_sweep import SATURATED
 from engines.contract import Setting
 from reports.document.numbers import ABSENT, error, figure, seconds
-from reports.document.tables import ReportTable
 from reports.document.templates import sentence
-from reports.work_precision.facts import EngineFacts, effort_words, engine_labels
-
-# Of points that are no extrapolation, and of those that are one.
-KINDS = ("1 run", "several runs extrapolated")
+from reports.work_precision.facts import EngineFacts
 
 
-def standing_words(facts: EngineFacts, noise: float) -> list[str]:
-    """How far off the methods' front each setting is; what the machine's noise, a share, may explain is on it.
+def standing_lines(facts: EngineFacts, noise: float) -> list[str]:
+    """How far off the methods' front each setting is, a line each, with the setting's error and time."""
+    return [
+        f"{facts.engine} {one.record.setting}: {error(one.record.error_max)} in "
+        f"{seconds(one.record.seconds_min or 0.0)}{told}"
+        for one, (_, told) in zip(facts.standings, standing_words(facts, noise), strict=True)
+    ]
+
+
+def standing_words(facts: EngineFacts, noise: float) -> list[tuple[str, str]]:
+    """How far off the methods' front each setting is, in short and in full; a share ``noise`` of its time is nothing.
 
     ``best`` is held against all methods, the others against those of a single run.
     """
-    return [f"{facts.engine} {one.record.setting}: {_standing(one, facts, noise)}" for one in facts.standings]
+    return [_standing(one, facts, noise) for one in facts.standings]
 
 
-def _standing(standing: Standing, facts: EngineFacts, noise: float) -> str:
+def _standing(standing: Standing, facts: EngineFacts, noise: float) -> tuple[str, str]:
     record, ratio = standing.record, standing.ratio
-    told = f"{error(record.error_max)} in {seconds(record.seconds_min or 0.0)}"
     if (record.error_max or 0.0) > SATURATED:
-        return f"{told}: no solution"
+        return "no solution", ": no solution"
     against_all = record.setting == Setting.BEST
     if ratio is None or standing.rival is None or standing.rival_seconds is None:
-        return f"{told}; no {'method' if against_all else 'single run'} measured gets there"
+        short = "nearer than any method" if facts.sweeps else "no method measured"
+        return short, f"; no {'method' if against_all else 'single run'} measured gets there"
     front = "the front" if against_all else "the front of single runs"
     beside = f"{facts.way(standing.rival)} takes {seconds(standing.rival_seconds)} to the same error"
     if ratio <= 1.0 / (1.0 + noise):
-        return f"{told}; ahead of {front}: {beside}, {figure(1.0 / ratio, 2)} × as long"
+        return "ahead of the front", f"; ahead of {front}: {beside}, {figure(1.0 / ratio, 2)} × as long"
     place = "on" if ratio <= 1.0 + noise else f"{figure(ratio, 2)} ×"
-    return f"{told}; {place} {front}: {beside}"
+    return f"{place} the front", f"; {place} {front}: {beside}"
 
 
 def choice_words(choice: PointChoice, facts: EngineFacts) -> tuple[str, str, str, str]:
@@ -59,6 +61,11 @@ def choice_words(choice: PointChoice, facts: EngineFacts) -> tuple[str, str, str
     return seconds(record.seconds_min or 0.0), way, step, told
 
 
+def way_words(facts: EngineFacts, record: BenchRecord) -> str:
+    """A point's way and, behind an @, its steps a turn: "trapezoidal x4 @ 48"."""
+    return " @ ".join(filter(None, (facts.way(record), _per_turn(record))))
+
+
 def _per_turn(record: BenchRecord) -> str:
     """Steps a turn; nothing for a setting, whose adapter fixes them."""
     return "" if record.steps_per_turn is None else f"{record.steps_per_turn:.0f}"
@@ -72,35 +79,11 @@ def method_row(facts: EngineFacts, sweep: SweepFinding) -> tuple[str, ...]:
     return facts.label, facts.way(sweep.first), order, floor, _per_turn(least), cost, sweep.floor.cause.value
 
 
-def floor_table(engines: Iterable[EngineFacts], caption: str) -> ReportTable:
-    """Order, floor and cause of every method at every effort, for a page."""
-    rows = tuple(
-        (*cells, _with_note(cause, sweep.floor.evidence))
-        for facts in engines
-        for sweep in facts.sweeps
-        for *cells, cause in [method_row(facts, sweep)]
-    )
-    head = ("Engine", "Method", "Order", "Floor", "at steps a turn", "in", "What limits the error")
-    return ReportTable(caption, head, rows, align="llrrrrl")
-
-
-def _with_note(words: str, note: str) -> str:
-    return Markup('{}<small class="note">{}</small>').format(words, note) if note else words
-
-
-def method_table(bench: Bench) -> ReportTable:
-    """Engine, method, what it is, of how many runs, and the solver effort it comes with."""
-    labels = engine_labels(bench)
-    rows = tuple(
-        (labels[told["engine"]], told["name"], told["about"], f"{told['runs']}",
-         effort_words(told["effort"], told["effort_unit"]))
-        for told in bench.document["methods"]
-    )  # fmt: skip
-    caption = (
-        "What an engine offers for study, each taking the step it is asked for; several runs, at fractions of that "
-        "step, are extrapolated. The steps per turn of a setting are fixed numbers in the adapter."
-    )
-    return ReportTable(caption, ("Engine", "Method", "What it is", "Runs", "Solver effort"), rows, align="lllrl")
+def limit_words(sweep: SweepFinding) -> str:
+    """The least error of a sweep, called a floor where a finer step does not lower it, and what limits it."""
+    least, cause = error(sweep.floor.error), sweep.floor.cause
+    open_end = cause in (Cause.FALLING, Cause.UNSETTLED)
+    return f"{least}, {cause.value}" if open_end else f"floor {least}: {cause.value}"
 
 
 # Times closer than this are the same time, however quiet the machine.

@@ -1,13 +1,12 @@
-"""The table of costs says what was measured, in HTML and on a terminal."""
+"""The tables of costs say what was measured, on a page and on a terminal."""
 
-import re
 from dataclasses import replace
 
 import pytest
-from rich.console import Console
 
 from comparisons.work_precision.records import MeasuredCost
-from reports.work_precision.cost_section import TITLE, cost_tables, section
+from reports.document.terminal import rendered
+from reports.work_precision.costs import cost_section, cost_tables
 
 
 def _run(engine, reduction, least, outcome="finished", reason=""):
@@ -70,24 +69,20 @@ def test_the_leads_say_how_often_and_what(tables):
     assert tables[1].note == "everything: S, Jeq."
 
 
-def test_the_page_has_every_cell_once_and_nothing_unescaped(tables):
-    found = section(COSTS)
-    assert found.startswith(f"<h2>{TITLE}</h2>")
-    assert "<alone>" not in found
-    cells = re.findall(r"<t[hd][^>]*>([^<]*)</t[hd]>", found)
-    wanted = [cell for table in tables for row in (table.head, *table.rows) for cell in row]
-    assert [cell.replace("&lt;", "<").replace("&gt;", ">") for cell in cells] == wanted
-    for tag in ("table", "tr", "thead", "tbody", "p", "div"):
-        assert len(re.findall(f"<{tag}[ >]", found)) == found.count(f"</{tag}>")
+def test_a_page_has_scenes_down_and_engines_across_each_with_its_share_of_the_whole():
+    _, runs, queries = cost_section(COSTS).parts
+    assert runs.head == ("scene", "first", "second")
+    (_, whole, _), (name, part, failed) = runs.rows
+    assert (whole.words, whole.note) == ("50.0 ms", "100 %")
+    assert (name, part.words, part.note) == ("Jeq <alone>", "20.0 ms", "40 %")
+    assert (failed.words, failed.told) == ("unsupported", "it will not")
+    assert queries.head == ("asked for", "by NumPy", "by the compiled path")
+    assert [cell if isinstance(cell, str) else cell.words for cell in queries.rows[1]] == ["S", "50.0 ns", ""]
 
 
 def test_a_terminal_of_100_columns_holds_it_uncut(tables):
-    console = Console(width=100)
-    with console.capture() as captured:
-        console.print(*tables)
-    lines = captured.get().splitlines()
+    lines = rendered(*tables, width=100).splitlines()
     assert max(map(len, lines)) <= 100
-    assert "…" not in captured.get()
     for table in tables:
         for row in table.rows:
             assert any(all(cell in line for cell in row) for line in lines)

@@ -1,0 +1,62 @@
+"""Choices, limits and standings in words."""
+
+from comparisons.work_precision.floor import Cause
+from comparisons.work_precision.records import Bench
+from reports.work_precision.facts import failed_methods, places
+from reports.work_precision.words import choice_words, limit_words, standing_lines
+from tests.comparisons.bench_rows import points, row, setting_row, sweep_rows
+from tests.reports.made_up_bench import document, made_up_bench
+
+BENCH = made_up_bench()
+
+
+def _facts(rows, quantity="Mkr"):
+    return places(Bench(document(points(rows), ("m",), ("alpha", "beta"))))[0].engines(quantity)
+
+
+def test_a_choice_names_its_way_its_step_and_its_price():
+    (alpha, _) = places(BENCH)[0].engines("Mkr")
+    cells = [choice_words(choice, alpha) for choice in alpha.choices]
+    assert cells[0][:3] == ("4.00 ms", "plain", "4")
+    assert cells[-1][0]
+    assert cells[-1][1] == "best x4"
+    assert "higher x2" in {way for _, way, *_ in cells}
+
+
+def test_floor_is_said_only_of_an_error_that_a_finer_step_does_not_lower():
+    def told(errors):
+        (facts,) = _facts(sweep_rows(errors))
+        (sweep,) = facts.sweeps
+        return sweep.floor.cause, limit_words(sweep)
+
+    assert told([1e-1, 1e-2, 1e-3]) == (Cause.FALLING, "1.0e-3, still falling")
+    assert told([1e-2]) == (Cause.UNSETTLED, "1.0e-2, undecided")
+    assert told([1e-1, 2e-3, 1.9e-3, 1.8e-3]) == (Cause.MODEL, "floor 1.8e-3: read-out or model")
+
+
+def test_what_an_engine_does_not_tell_is_said_once_where_it_is_missing():
+    told = {"left_out": {"Jeq": "Jeq computed by the adapter"}}
+    rows = [row(**told), setting_row("tuned", 1e-3, 1e-2, **told), row(quantity="Jeq", engine="beta")]
+    alpha, beta = _facts(rows, "Jeq")
+    assert failed_methods(alpha) == ("plain, tuned: not-provided: Jeq computed by the adapter",)
+    assert failed_methods(beta) == failed_methods(_facts(rows)[0]) == ()
+    (alpha,) = _facts(
+        [row(quantity="joint_force", left_out={"joint_force": "joint_force:A not offered"})], "joint_force"
+    )
+    assert failed_methods(alpha) == ("joint_force:A not offered",)
+
+
+def test_a_setting_is_said_to_be_on_ahead_of_or_off_the_front():
+    (alpha, _) = places(BENCH)[0].engines("Mkr")
+    told = {words.split()[1].rstrip(":"): words for words in standing_lines(alpha, 0.1)}
+    assert told["naive"].endswith(": no solution")
+    assert told["best"].endswith("no method measured gets there")
+    assert "x2" not in told["tuned"]
+    assert "on the front of single runs: plain takes 15.8 ms" in told["tuned"]
+    assert "1.1 × the front of single runs" in " ".join(standing_lines(alpha, 0.01))
+
+
+def test_the_control_is_held_against_nothing():
+    _, alpha = places(made_up_bench(control="alpha"))[0].engines("Mkr")
+    assert alpha.label == "alpha (control)"
+    assert standing_lines(alpha, 0.1) == []
