@@ -9,9 +9,9 @@ from pathlib import Path
 from markupsafe import Markup
 
 from comparisons.work_precision import records
+from reports.document import html
 from reports.stress import facts as stress_facts
 from reports.stress import page as stress_page
-from reports.stress import section as stability
 from reports.work_precision import page as bench_page
 
 
@@ -35,7 +35,7 @@ def rebuild_pages(saved: Path, folder: Path) -> None:
     if (saved / records.FILE).is_file():
         bench_page.write(records.load(saved), folder)
     if (saved / stress_facts.FILE).is_file():
-        stress_page.write(stress_facts.load(saved), folder)
+        html.write(stress_page.page(stress_facts.load(saved)), folder, [])
 
 
 def _benchmark(folder: Path) -> Iterator[ExtraSection]:
@@ -46,5 +46,6 @@ def _benchmark(folder: Path) -> Iterator[ExtraSection]:
 
 def _stability(folder: Path) -> Iterator[ExtraSection]:
     if (folder / stress_facts.FILE).is_file():
-        stress = stress_facts.load(folder)
-        yield ExtraSection("stability", stability.TITLE, stability.section(stress), stress_page.PAGE)
+        yield ExtraSection(
+            "stability", stress_page.TITLE, Markup("<h2>{}</h2>").format(stress_page.TITLE), stress_page.PAGE
+        )

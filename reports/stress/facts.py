@@ -15,7 +15,7 @@ from comparisons.stress.axes import axes
 from comparisons.stress.border import Border
 from comparisons.stress.cells import Cell, CellResult, from_document
 from comparisons.stress.verdict import StressVerdict
-from reports.document.numbers import ABSENT, bound, printed
+from reports.document.numbers import ABSENT, bound, error, printed
 from reports.document.signs import TABLES
 
 FILE = "stress.json"
@@ -73,6 +73,11 @@ class Stress:
         return tuple(dict.fromkeys(result.cell.axis for result in self.results))
 
     @cached_property
+    def columns(self) -> Mapping[str, tuple[float, ...]]:
+        """Of each axis the listed values that were run, without those of the bisection; all where none is listed."""
+        return {axis: _columns(axis, self.results, quick=bool(self.document["quick"])) for axis in self.axes}
+
+    @cached_property
     def engines(self) -> tuple[str, ...]:
         """Names of the engines, sorted: not every axis has all of them."""
         return tuple(sorted({result.cell.engine for result in self.results}))
@@ -94,6 +99,14 @@ def _grouped(pairs: Iterable[tuple[Line, Item]]) -> dict[Line, list[Item]]:
     for line, item in pairs:
         groups.setdefault(line, []).append(item)
     return groups
+
+
+def _columns(axis: str, results: Iterable[CellResult], *, quick: bool) -> tuple[float, ...]:
+    seen = {one.cell.value for one in results if one.cell.axis == axis}
+    known = axes().get(axis)
+    listed = seen.intersection(known.quick if quick else known.values) if known else set()
+    falling = known is not None and known.values[0] > known.values[-1]
+    return tuple(sorted(listed or seen, reverse=falling))
 
 
 def _place(cell: Cell) -> tuple[object, ...]:
@@ -142,6 +155,16 @@ def value_words(value: float | None) -> str:
         return ABSENT
     plain, short = printed(float(f"{value:.3g}")), bound(value)
     return short if len(short) + 1 < len(plain) and float(short) == float(plain) else plain
+
+
+def border_words(border: Border) -> str:
+    """``0.001, over limit at 7.2e-4``."""
+    return f"{value_words(border.inside)}, {border.verdict.value} at {value_words(border.outside)}"
+
+
+def against(name: str, found: float | None, limit: float | None) -> str:
+    """An error and its limit, both over the peak; "" where nothing was found."""
+    return "" if found is None else f"{name} {error(found)}, limit {bound(limit)}"
 
 
 def shown_verdicts(stress: Stress) -> tuple[StressVerdict, ...]:

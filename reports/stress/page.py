@@ -1,84 +1,88 @@
-"""The stress maps as one page: opens offline, and needs no engine."""
+"""The stability page: the verdict, the maps, their borders, and every incident with the command that repeats it."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable
-from pathlib import Path
-
-from markupsafe import Markup
-
-from comparisons.runs.files import write_text
-from comparisons.stress.axes import axes
-from comparisons.stress.cells import CellResult
 from comparisons.stress.verdict import StressVerdict
-from reports.charts.style import picture
-from reports.document.tables import ReportTable
-from reports.document.templates import render
+from reports.document.parts import (
+    Command,
+    Facts,
+    Figures,
+    Fold,
+    Link,
+    Page,
+    Paragraph,
+    Part,
+    Section,
+    Widget,
+)
+from reports.document.templates import sentence
 from reports.records.environment import environment_facts
-from reports.records.views import anchor
-from reports.stress.facts import FILE, SIGNS, Stress, axis_title, value_words
-from reports.stress.figure import stress_figure
-from reports.stress.section import border_table, section
+from reports.stress.facts import FILE, SIGNS, Stress, axis_title
+from reports.stress.figure import map_figure
+from reports.stress.maps import map_data, stress_map, widget_data
+from reports.stress.tables import border_table, count_table, incident_table, ranking, scope, verdict, verdict_table
 
 PAGE = "stress.html"
-# Each with every cell and the command that makes it again; those that were caught are folded away.
+TITLE = "Where each engine fails"
+# What stands open on the page; what was caught is folded away.
 INCIDENTS = (
     *(StressVerdict.SUITE_ERROR, StressVerdict.MISSED, StressVerdict.ALARM, StressVerdict.CRASHED),
     *(StressVerdict.ADAPTER_ERROR, StressVerdict.CAUGHT),
 )
 
 
-def write(stress: Stress, folder: Path) -> Path:
-    """Write the page into a folder; returns its path."""
-    write_text(folder / PAGE, page(stress))
-    return folder / PAGE
-
-
-def page(stress: Stress) -> str:
-    """The page's HTML."""
-    return render(
-        "stress.html",
-        facts=_facts(stress),
-        section=section(stress, with_borders=False),
-        signs=SIGNS,
-        count=stress.count(),
-        axes=[_axis_part(stress, name) for name in stress.axes],
-        incidents=[(verdict, anchor(verdict.value), incident_table(stress.of(verdict))) for verdict in INCIDENTS],
-        command=stress.document["command"],
-        file=FILE,
+def page(stress: Stress) -> Page:
+    """The page of a saved stress test."""
+    return Page(
+        file=PAGE,
+        title="Stability",
+        heading=TITLE,
+        subtitle=sentence("stress_subtitle"),
+        parts=(
+            Paragraph(verdict(stress), "verdict"),
+            Paragraph(ranking(stress), "lead"),
+            Paragraph(scope(stress), "small"),
+        ),
+        sections=(_counts(stress), _maps(stress), _borders(stress), _incidents(stress), _run(stress)),
     )
 
 
-def _facts(stress: Stress) -> list[tuple[str, str]]:
-    """Name and value of everything that decides a cell."""
+def _counts(stress: Stress) -> Section:
+    by_axis = count_table(stress, lambda axis: Link(axis_title(axis), f"#map-{axis}"), sentence("stress_counts"))
+    return Section("counts", "What the cells came to", (verdict_table(stress), by_axis))
+
+
+def _maps(stress: Stress) -> Section:
+    first, *others = stress.axes
+    figures = tuple(map_figure(stress, axis) for axis in stress.axes)
+    widget = Widget(
+        "maps",
+        "maps",
+        "Stability map of one axis",
+        widget_data(stress, first),
+        {axis: map_data(stress_map(stress, axis)) for axis in others},
+    )
+    every = Fold(f"Every map as a figure ({len(figures)})", (Figures(figures),))
+    return Section("maps", "Maps", (Paragraph(sentence("stress_maps")), widget, every))
+
+
+def _borders(stress: Stress) -> Section:
+    table = border_table(stress)
+    return Section("borders", "Borders", (Fold(f"How far each of {len(table.rows)} lines goes", (table,)),))
+
+
+def _incidents(stress: Stress) -> Section:
+    parts: list[Part] = [Paragraph(sentence("stress_incidents"))]
+    for found in INCIDENTS:
+        if cells := stress.of(found):
+            words = f"{found.value.capitalize()} ({len(cells)}): {SIGNS[found].meaning}"
+            parts.append(Fold(words, (incident_table(cells),), is_open=found is not StressVerdict.CAUGHT))
+    none = ", ".join(found.value for found in INCIDENTS if not stress.of(found))
+    return Section("incidents", "Incidents", (*parts, *([Paragraph(f"None: {none}.")] if none else [])))
+
+
+def _run(stress: Stress) -> Section:
     spent = sum(one.spent for one in stress.results)
-    return [
-        ("Command", stress.document["command"]),
-        *environment_facts(stress.document["environment"]),
-        ("Cells", f"{len(stress.results)}, {spent:.0f} s of work in all"),
-    ]
-
-
-def _axis_part(stress: Stress, name: str) -> dict[str, object]:
-    """One axis: what its cells came to, its map and its borders."""
-    known, key, title = axes().get(name), anchor("stress", name), axis_title(name)
-    return {
-        "key": key,
-        "title": title,
-        "about": known.about if known else "",
-        "count": stress.count(axis=name),
-        "drawing": picture(stress_figure(stress, name), f"{key}-map", f"verdicts over {title.lower()}, every engine"),
-        "borders": border_table(stress, [name]),
-    }
-
-
-def incident_table(results: Iterable[CellResult]) -> ReportTable:
-    """A row per cell, with its reason and its command."""
-    rows = tuple(_incident(one) for one in sorted(results, key=lambda one: one.cell.engine))
-    return ReportTable("", ("Engine", "Axis: row", "Value", "Usage", "Reason", "Again"), rows, align="llrl")
-
-
-def _incident(result: CellResult) -> tuple[str, ...]:
-    cell, command = result.cell, Markup("<code>{}</code>").format(result.document["command"])
-    place = f"{axis_title(cell.axis)}: {cell.row}"
-    return (cell.engine, place, value_words(cell.value), cell.usage, result.judgement.reason, command)
+    cells = ("Cells", f"{len(stress.results)}, {spent:.0f} s of work in all, each in {FILE}")
+    facts = Facts((*environment_facts(stress.document["environment"]), cells))
+    return Section("run", "What was run", (Command(stress.document["command"]), Fold("Where and with what", (facts,))))

@@ -64,9 +64,11 @@ def run(choice: StressChoice, destination: Destination, jobs: int | None = None)
         destination.write_json(maps.document)
         if out:
             write_text(out / FILE, to_json(maps.document))
-            from reports.stress.page import write  # noqa: PLC0415  pictures cost seconds that a table does not pay
+            from reports.document import html  # noqa: PLC0415  pages cost seconds that a table does not pay
+            from reports.stress.page import page  # noqa: PLC0415
 
-            destination.say(f"stability maps: {write(maps, out)}")
+            html.write_assets(out)
+            destination.say(f"stability maps: {html.write(page(maps), out, [])}")
         if kept:
             kept.clear()
     destination.print_out(printout(maps))
