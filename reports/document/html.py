@@ -6,6 +6,7 @@ import json
 import re
 import shutil
 from collections.abc import Callable, Iterator, Sequence
+from dataclasses import replace
 from functools import partial
 from pathlib import Path
 from typing import NamedTuple
@@ -18,6 +19,7 @@ from reports.document.parts import Figure, Link, Mono, Page, Widget, Words
 from reports.document.templates import FOLDER, render
 
 PLOTLY = "plotly-basic.min.js"
+PIXELS = 96  # of a style sheet, an inch
 LINKPROOF = ("linkproof.css", "linkproof.js")
 # A link that leaves the report's folder, or stays on its page.
 ELSEWHERE = re.compile(r"#|[a-z][a-z0-9+.-]*:")
@@ -107,25 +109,20 @@ def widgets(found: object) -> Iterator[Widget]:
 
 def _drawn(folder: Path, page: Page, png: bool, figure: Figure) -> Picture:
     """Draw a figure into its files."""
-    from matplotlib.figure import Figure as Drawing  # noqa: PLC0415  a page without figures needs no matplotlib
+    from reports.charts import draw  # noqa: PLC0415  a page without figures needs no matplotlib
 
     chart = figure.drawing
+    edges: tuple[float, ...] = ()
     if isinstance(chart, Chart):
-        drawing = Drawing(figsize=(9.2 if chart.wide or figure.wide else 4.4, chart.height), layout="constrained")
-        places = drawing.subplots(-(-len(chart.panels) // chart.columns), chart.columns, squeeze=False).flat
-        for axes, panel in zip(places, chart.panels, strict=False):
-            for curve in panel.curves:
-                axes.plot(curve.x, curve.y, curve.line or " ", marker=curve.marker)
-    else:
-        drawing = chart()
+        chart = replace(chart, wide=figure.wide)
+        edges = draw.edges(chart) if chart.axis else ()
+    drawing = draw.figure(chart) if isinstance(chart, Chart) else chart()
     path = folder / "figures" / _stem(page) / f"{figure.name}.svg"
-    path.parent.mkdir(parents=True, exist_ok=True)
-    drawing.savefig(path, transparent=True)
+    write_text(path, draw.svg(drawing))
     if png:
-        drawing.savefig(path.with_suffix(".png"), dpi=160)
-    width, height = drawing.get_size_inches()
-    edges = (0.1, 0.95) if isinstance(chart, Chart) and chart.axis else ()
-    return Picture(path.relative_to(folder).as_posix(), round(96 * width), round(96 * height), edges)
+        path.with_suffix(".png").write_bytes(draw.png(drawing))
+    width, height = drawing.get_size_inches() * PIXELS
+    return Picture(path.relative_to(folder).as_posix(), round(width), round(height), edges)
 
 
 def _stem(page: Page) -> str:
