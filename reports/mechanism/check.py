@@ -6,10 +6,9 @@ import math
 from collections.abc import Callable, Iterator, Mapping
 from typing import Any, Final
 
-from rich.console import Group
-
 from analytic.errors import listed
-from reports.document.screen import line
+from reports.document.parts import Paragraph
+from reports.document.terminal import Printed
 
 Facts = Mapping[str, Any]
 Written = Callable[[float], str]
@@ -22,11 +21,12 @@ FAR: Final = 0.2  # of the drawing's size: a sketched point farther off is worth
 TURNED_BY_SLIDES: Final = ("RPP", "PRP", "RPR")  # kinds to which that rule does not apply
 
 
-def printed(facts: Facts, written: Written) -> Group:
+def printed(facts: Facts, written: Written) -> list[Printed]:
     """Everything found out; ``written`` writes a length, m, in the file's unit."""
-    heading = line(f"{facts['mechanism']} ({facts['variant']}): {facts['title']}", "bold")
-    said = [line(f"{label:<13}{text}") for label, text in _lines(facts, written)]
-    return Group(heading, *said, *(line(f"warning: {text}", "yellow") for text in _warnings(facts, written)))
+    heading = Paragraph(f"{facts['mechanism']} ({facts['variant']}): {facts['title']}", colour="bold")
+    said = [f"{label:<13}{text}" for label, text in _lines(facts, written)]
+    warnings = [Paragraph(f"warning: {text}", colour="yellow") for text in _warnings(facts, written)]
+    return [heading, *said, *warnings]
 
 
 def _lines(facts: Facts, written: Written) -> Iterator[tuple[str, str]]:

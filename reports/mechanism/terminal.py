@@ -8,12 +8,11 @@ from itertools import groupby
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from rich.console import Group, RenderableType
-from rich.table import Table
 
-from reports.document.screen import Cell, line, table
+from reports.document.parts import Cell, Paragraph, Table, Words
 from reports.document.signs import PUBLISHED
 from reports.document.templates import lines
+from reports.document.terminal import Printed
 from reports.mechanism.check import range_lines
 
 if TYPE_CHECKING:
@@ -25,41 +24,41 @@ if TYPE_CHECKING:
 VISIBLE = 5e-4
 
 
-def catalogue(sewing: Iterable[Linkage], literature: Iterable[Linkage]) -> Group:
+def catalogue(sewing: Iterable[Linkage], literature: Iterable[Linkage]) -> list[Printed]:
     """Mechanisms with their variants and sources: the sewing mechanisms, then the linkages of others."""
-    heading = line("Linkages of the literature, taken where they are named:", "bold")
-    return Group(_shelf(sewing), line(""), heading, _shelf(literature))
+    heading = Paragraph("Linkages of the literature, taken where they are named:", colour="bold")
+    return [_shelf(sewing), "", heading, _shelf(literature)]
 
 
 def _shelf(linkages: Iterable[Linkage]) -> Table:
     rows = [(one.name, one.title, ", ".join(one.variants), one.source) for one in linkages]
-    return table(("mechanism", "what", "variants", "source"), rows)
+    return Table("", ("mechanism", "what", "variants", "source"), rows, "l")
 
 
-def portrait(facts: Mapping[str, Any]) -> Group:
+def portrait(facts: Mapping[str, Any]) -> list[Printed]:
     """A mechanism's source, variants and figures; what it is made of is ``linkproof check``'s to say."""
     given = {"source": facts["source"], "variants": ", ".join(facts["variants"])}
     if not facts["source"]:
         del given["source"]
     reach = range_lines(facts["range"]) if "range" in facts else []
-    return Group(
-        line(f"{facts['mechanism']} ({facts['variant']}): {facts['title']}", "bold"),
+    return [
+        Paragraph(f"{facts['mechanism']} ({facts['variant']}): {facts['title']}", colour="bold"),
         *map(_labelled, given, given.values()),
         *(_labelled(*told) for told in reach),
         *_facts("mechanism", facts=facts),
-        line(""),
-        table(("link", "mass kg", "inertia kg m²", "mean Jeq kg m²", "points"), list(_links(facts["links"]))),
-        *(line(f"note: {note}") for note in facts["notes"]),
-    )
+        "",
+        Table("", ("link", "mass kg", "inertia kg m²", "mean Jeq kg m²", "points"), list(_links(facts["links"])), "l"),
+        *(f"note: {note}" for note in facts["notes"]),
+    ]
 
 
-def _facts(macro: str, **values: object) -> list[RenderableType]:
+def _facts(macro: str, **values: object) -> list[Printed]:
     """The lines of a macro of ``sentences.txt``, each with a name before its first colon."""
     return [_labelled(name, fact) for name, _, fact in (told.partition(": ") for told in lines(macro, **values))]
 
 
-def _labelled(name: str, fact: str) -> RenderableType:
-    return line(f"{name:<10} {fact}")
+def _labelled(name: str, fact: str) -> str:
+    return f"{name:<10} {fact}"
 
 
 def _links(links: Mapping[str, Mapping[str, Any]]) -> Iterator[tuple[str, ...]]:
@@ -69,12 +68,12 @@ def _links(links: Mapping[str, Mapping[str, Any]]) -> Iterator[tuple[str, ...]]:
         yield name, f"{link['mass']:.4g}", inertia, mean, ", ".join(link["points"])
 
 
-def thread(facts: Mapping[str, Any], held: FeedComparison | None) -> Group:
+def thread(facts: Mapping[str, Any], held: FeedComparison | None) -> list[Printed]:
     """Contour, feed and eyes of a thread, and how far its feed is from a required one."""
-    return Group(*_facts("thread_facts", thread=facts), *(_feed(held) if held else []))
+    return [*_facts("thread_facts", thread=facts), *(_feed(held) if held else [])]
 
 
-def _feed(comparison: FeedComparison) -> list[RenderableType]:
+def _feed(comparison: FeedComparison) -> list[Printed]:
     """Required beside actual feed, and the largest difference."""
     columns = (comparison.angle, comparison.required, comparison.actual, comparison.difference)
     rows = [
@@ -87,42 +86,42 @@ def _feed(comparison: FeedComparison) -> list[RenderableType]:
         f"largest difference {comparison.difference[worst] * 1e3:+.3f} mm at "
         f"{math.degrees(comparison.angle[worst]):.1f}°, RMS {root_mean_square * 1e3:.3f} mm"
     )
-    return [table(("φ °", "required mm", "actual mm", "difference mm"), rows, "lr"), line(closing)]
+    return [Table("", ("φ °", "required mm", "actual mm", "difference mm"), rows), closing]
 
 
-def published(records: Sequence[PublishedRecord]) -> Group:
+def published(records: Sequence[PublishedRecord]) -> list[Printed]:
     """Printed figures beside ours, a table per mechanism with a column per variant."""
-    blocks: list[RenderableType] = []
+    blocks: list[Printed] = []
     for mechanism, part in groupby(records, key=lambda record: record.mechanism):
         together = list(part)
         noted = dict.fromkeys(
             f"{r.quantity} {_digits(r, r.published)} {r.unit}".rstrip() + f": {r.note}" for r in together if r.note
         )
-        blocks += [line(mechanism, "bold"), _published_table(together), *map(line, noted), line("")]
+        blocks += [Paragraph(mechanism, colour="bold"), _published_table(together), *noted, ""]
     signs = "; ".join(f"{sign.symbol} {sign.word}" for sign in PUBLISHED.values())
-    return Group(
+    return [
         *blocks,
-        line(f"{signs} (reproduced: to the printed digits, or to the source's own accuracy where that is known)"),
-    )
+        f"{signs} (reproduced: to the printed digits, or to the source's own accuracy where that is known)",
+    ]
 
 
 def _published_table(records: Sequence[PublishedRecord]) -> Table:
     variants = list(dict.fromkeys(record.variant for record in records))
-    rows: list[list[Cell]] = []
+    rows: list[list[Cell | Words]] = []
     for quantity, value, source in dict.fromkeys((r.quantity, r.published, r.source) for r in records):
         ours = {r.variant: r for r in records if (r.quantity, r.published, r.source) == (quantity, value, source)}
         cells = [_ours(ours[variant]) if variant in ours else "" for variant in variants]
         printed = next(f"{_digits(r, value)} {r.unit}".strip() for r in ours.values())
         rows.append([quantity, printed, *cells, source])
-    return table(("quantity", "printed", *variants, "place"), rows)
+    return Table("", ("quantity", "printed", *variants, "place"), rows, "l")
 
 
 def _ours(record: PublishedRecord) -> Cell:
     sign, deviation = PUBLISHED[record.verdict], record.deviation
     if deviation is None:
-        return f"{_digits(record, record.ours)} {sign.symbol}", sign.colour
+        return Cell(f"{_digits(record, record.ours)} {sign.symbol}", colour=sign.colour)
     share = f"{deviation:+.1%}" if abs(deviation) >= VISIBLE or not deviation else f"{deviation:+.0e}"
-    return f"{_digits(record, record.ours)} {sign.symbol} {share}", sign.colour
+    return Cell(f"{_digits(record, record.ours)} {sign.symbol} {share}", colour=sign.colour)
 
 
 def _digits(record: PublishedRecord, value: float) -> str:

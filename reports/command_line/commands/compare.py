@@ -24,7 +24,7 @@ from reports.command_line.destination import Destination
 from reports.command_line.exit_codes import campaign_exit_code
 from reports.command_line.interruption import interruptible, journal
 from reports.command_line.requests import CampaignChoice, RunLimits, installed, request
-from reports.document.screen import line, show
+from reports.document.terminal import show
 from reports.mechanism import terminal
 
 PAGE, SUMMARY = "index.html", "RESULTS.md"
@@ -75,7 +75,7 @@ def report(saved: Path, out: Path | None) -> None:
 
     page = rebuild(saved, out)
     rebuild_pages(saved if saved.is_dir() else saved.parent, page.parent)
-    show(line(f"report: {page}"), stderr=True)
+    show(f"report: {page}", stderr=True)
 
 
 def rebuild(saved: Path, out: Path | None = None, processes: int | None = None) -> Path:
@@ -105,7 +105,7 @@ def published(names: Sequence[str], destination: Destination) -> int:
         for number, record in enumerate(judged):
             announce(f"{record.mechanism}: {record.engine}", number, number + 1)
             errata.append(record)
-    destination.print(terminal.published(records), *(line(record.sentence) for record in errata))
+    destination.print(*terminal.published(records), *(record.sentence for record in errata))
     rows = [{**asdict(record), "sentence": record.sentence} for record in errata]
     destination.write_json({"records": [asdict(record) for record in records], "errata": rows})
     return SUITE_ERROR if any(record.outcome == Failure.SUITE_ERROR for record in errata) else PASSED

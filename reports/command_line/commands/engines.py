@@ -9,8 +9,6 @@ from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
-from rich.console import RenderableType
-
 from analytic.errors import LinkproofError
 from comparisons.campaign.campaign import cases
 from comparisons.conformance.conformance import INSTALLED, MUTANT, check_engine
@@ -24,7 +22,8 @@ from engines.registry import Unusable, engine, engine_names, why_unavailable
 from reports.command_line import FAILED, PASSED
 from reports.command_line.destination import Destination
 from reports.command_line.requests import CampaignChoice, command_line, request
-from reports.document.screen import Cell, Printout, line, table, write
+from reports.document.parts import Cell, Paragraph, Table, Words
+from reports.document.terminal import Printed, Printout, write
 from reports.records.readouts import abilities_told, readout_table
 
 UNTESTED = (Finding.NOT_APPLICABLE, Finding.NOT_TESTED)
@@ -45,15 +44,15 @@ def _told(adapter: Engine) -> dict[str, Any]:
     return {**abilities_told(adapter), "unusable": reason or ""}
 
 
-def _shown(told: Mapping[str, Any]) -> list[RenderableType]:
+def _shown(told: Mapping[str, Any]) -> list[Printed]:
     version = told["unusable"] or told["version"]
     control = ", the reference's control, no engine" if told["control"] else ""
     kinds = ("drives", "joints", "loads", "settings")
     return [
-        line(f"{told['engine']} ({version}{control})", "bold"),
-        *(line(f"  {kind}: {', '.join(told[kind])}") for kind in kinds),
+        Paragraph(f"{told['engine']} ({version}{control})", colour="bold"),
+        *(f"  {kind}: {', '.join(told[kind])}" for kind in kinds),
         readout_table(told["engine"], told["readouts"]),
-        line(""),
+        "",
     ]
 
 
@@ -106,12 +105,12 @@ def check(name: str, destination: Destination, processes: int | None = None) -> 
         raise LinkproofError(f"expected an engine to check, got none: {absent}")
     destination.write_json({"engine": name, "version": adapter.version(), "checks": [asdict(each) for each in found]})
     closing = f"{name}: " + ", ".join(f"{counts[finding]} {finding}" for finding in Finding if counts[finding])
-    shown = table(("check", "", ""), _rows(found))
-    destination.print_out(Printout([shown], [line(closing)]))
+    shown = Table("", ("check", "", ""), _rows(found), "l")
+    destination.print_out(Printout([shown], [closing]))
     return FAILED if counts[Finding.FAILED] else PASSED
 
 
-def _rows(found: Sequence[Found]) -> list[Sequence[Cell]]:
+def _rows(found: Sequence[Found]) -> list[Sequence[Cell | Words]]:
     """A line of every check; of mutants that say the same, one line."""
     groups: dict[tuple[str, Finding, str], int] = {}
     for each in found:
@@ -119,6 +118,10 @@ def _rows(found: Sequence[Found]) -> list[Sequence[Cell]]:
         key = ("mutants" if alike else each.check, each.finding, each.detail)
         groups[key] = groups.get(key, 0) + 1
     return [
-        (f"{count} {name}" if name == "mutants" else name, (finding.value, STYLES.get(finding, "dim")), detail)
+        (
+            f"{count} {name}" if name == "mutants" else name,
+            Cell(finding.value, colour=STYLES.get(finding, "dim")),
+            detail,
+        )
         for (name, finding, detail), count in groups.items()
     ]

@@ -15,7 +15,6 @@ from analytic.kinematics.mechanism import Mechanism
 from comparisons.datasheet import linkage_check
 from comparisons.runs.files import check_writable, write_text
 from reports.command_line.destination import Destination
-from reports.document.screen import line
 from reports.mechanism.check import printed
 
 TEMPLATE: Final = Path(json_schema.__code__.co_filename).with_name("new.toml")
@@ -38,7 +37,7 @@ def new(name: str, destination: Destination) -> None:
         write_text(schema, schema_text())
         beside = f" and {schema}, by which editors complete and check it"
     argument = shlex.quote(f"./{path}" if str(path).startswith("-") else str(path))
-    destination.print(line(f"wrote {path}{beside}; next: linkproof check {argument}"))
+    destination.print(f"wrote {path}{beside}; next: linkproof check {argument}")
 
 
 def _is_ours(path: Path) -> bool:
@@ -57,15 +56,15 @@ def check(name: str, variant: str | None, svg: Path | None, destination: Destina
     if svg is not None:
         check_writable(svg)
     facts, fault = linkage_check.check(linkage)
-    destination.print(printed(facts, linkage.written))
+    destination.print(*printed(facts, linkage.written))
     destination.write_json(facts)
     if fault is not None:
         raise fault
     if svg is not None:
         write_text(svg, drawing(linkage))
-        destination.print(line(f"wrote {svg}"))
+        destination.print(f"wrote {svg}")
     else:
-        destination.print(line(f"scheme       linkproof check {shlex.quote(name)} --svg scheme.svg draws it"))
+        destination.print(f"scheme       linkproof check {shlex.quote(name)} --svg scheme.svg draws it")
 
 
 def drawing(linkage: Linkage) -> str:

@@ -30,7 +30,6 @@ from reports.command_line.destination import Destination
 from reports.command_line.linear_drive import prescribed
 from reports.command_line.motion_choice import MotionChoice, own_regimes
 from reports.command_line.requests import command_line
-from reports.document.screen import line
 from reports.imported.document import blank_of, document, with_cause
 from reports.imported.terminal import printout, sentence, sentences
 
@@ -88,7 +87,7 @@ def judge(choice: JudgeChoice, destination: Destination) -> int:
     files = ", ".join(str(path) for path in choice.results)
     destination.write_json(document(judgement, blank_of(judgement, files), choice.command, sentence(judgement)))
     if destination.quiet:
-        destination.print(line(sentence(judgement)))
+        destination.print(sentence(judgement))
     destination.print_out(printout(judgement, f"{linkage.name} ({linkage.variant}) against {files}"))
     if all(verdict.outcome is Verdict.UNDEFINED for verdict in judgement.verdicts):
         raise LinkproofError(f"expected a signal to judge, got none: {judgement.verdicts[0].detail}")

@@ -24,7 +24,7 @@ from comparisons.runs.files import check_writable, write_text
 from reports.command_line.destination import STDOUT, write_out
 from reports.command_line.linear_drive import prescribed, within
 from reports.command_line.motion_choice import EVERYTHING, OWN, MotionChoice, own_regimes
-from reports.document.screen import show
+from reports.document.terminal import show
 from reports.results.files import csv_table, json_text
 
 Array = NDArray[np.float64]
@@ -91,7 +91,7 @@ def results(choice: ResultsChoice, *, quiet: bool = False) -> None:
     elif not quiet:
         from reports.results import terminal  # noqa: PLC0415 - JSON and CSV need no tables
 
-        show(terminal.key_figures(found) if found.instants.chosen is None else terminal.at_instants(found))
+        show(*(terminal.key_figures(found) if found.instants.chosen is None else terminal.at_instants(found)))
 
 
 def _text(option: str, found: DesignerResults) -> str:

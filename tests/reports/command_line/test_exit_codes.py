@@ -14,7 +14,7 @@ from comparisons.stress.cells import CellResult, find_cell
 from comparisons.stress.verdict import Judgement, StressVerdict
 from reports.campaign.terminal import printout
 from reports.command_line.exit_codes import bench_exit_code, campaign_exit_code, stress_exit_code
-from reports.document.screen import rendered
+from reports.document.terminal import rendered
 from tests.comparisons.bench_rows import row
 
 

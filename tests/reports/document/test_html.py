@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from markupsafe import Markup
 
+from reports.charts.style import DARK, INK, LIMIT_COLOUR, PALETTE, REFERENCE
 from reports.document import html
 from reports.document.chart import Chart, Curve, Panel
 from reports.document.parts import (
@@ -92,6 +93,7 @@ class Elements(HTMLParser):
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory):
     folder = tmp_path_factory.mktemp("report")
+    html.write_assets(folder)
     html.write(PAGE, folder, [Link("Index", "index.html"), Link("One", PAGE.file)], png=True)
     return folder
 
@@ -148,8 +150,37 @@ def test_data_of_a_widget_is_on_the_page_and_further_data_beside_it(folder):
 
 
 def test_assets_are_what_a_page_asks_for(page, folder):
-    html.write_assets(folder)
     asked = [one["href"] for one in page.of("link")][1:] + [one["src"] for one in page.of("script") if "src" in one]
     assert len(asked) == 2
     for file in asked:
         assert (folder / PAGE.file).parent.joinpath(file).resolve().is_file()
+
+
+def test_a_page_has_the_colours_of_its_figures_in_both_schemes(folder):
+    style = (folder / "assets/linkproof.css").read_text(encoding="utf-8")
+    light, dark = (dict(re.findall(r"--(\w+): (#\w{6});", part)) for part in style.split("@media", 2)[:2])
+    figures = dict(zip(("ink", "limit", "reference", *(f"c{n}" for n in range(6))),
+                       (INK, LIMIT_COLOUR, REFERENCE, *PALETTE), strict=True))  # fmt: skip
+    assert {name: light[name] for name in figures} == figures
+    assert {name: dark[name] for name in figures} == {name: DARK[colour] for name, colour in figures.items()}
+
+
+@pytest.mark.parametrize("scheme", [0, 1])
+def test_words_can_be_read_on_what_they_stand_on(scheme, folder):
+    style = (folder / "assets/linkproof.css").read_text(encoding="utf-8")
+    colours = dict(re.findall(r"--([\w-]+): (#\w{6});", style.split("@media", 2)[scheme]))
+    pairs = [(ink, paper) for ink in ("ink", "muted", "link") for paper in ("paper", "faint")]
+    pairs += [(f"{verdict}-ink", verdict) for verdict in ("pass", "near", "over", "failed", "absent")]
+    assert [pair for pair in pairs if contrast(*(colours[name] for name in pair)) < 4.5] == []
+
+
+def contrast(ink, paper):
+    """Contrast ratio of two colours as the accessibility guidelines (WCAG 2.2) define it."""
+    bright, dull = sorted((luminance(ink), luminance(paper)), reverse=True)
+    return (bright + 0.05) / (dull + 0.05)
+
+
+def luminance(colour):
+    parts = [int(colour[at : at + 2], 16) / 255.0 for at in (1, 3, 5)]
+    linear = [part / 12.92 if part <= 0.04045 else ((part + 0.055) / 1.055) ** 2.4 for part in parts]
+    return 0.2126 * linear[0] + 0.7152 * linear[1] + 0.0722 * linear[2]
