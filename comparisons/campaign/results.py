@@ -17,6 +17,9 @@ from analytic.description.loading import parse
 from analytic.errors import LinkproofError
 from comparisons.campaign.campaign import CampaignRequest, RunResult
 from comparisons.campaign.errata import ErratumRecord
+from comparisons.datasheet.saved import FILE as SHEETS
+from comparisons.datasheet.saved import load_sheets, save_sheets
+from comparisons.datasheet.sheet import Sheet
 from comparisons.judging.records import Record, from_rows, to_json
 from comparisons.judging.run_result import ARRAYS
 from comparisons.runs.environment import environment
@@ -32,10 +35,11 @@ LABELS = ("mechanism", "variant", "regime", "engine", "setting")
 
 @dataclass(frozen=True)
 class Results:
-    """A finished campaign: its document, and its ``curves`` as ``dataset`` lays them out."""
+    """A finished campaign: its document, its ``curves`` as ``dataset`` lays them out, a data sheet of each linkage."""
 
     document: dict[str, Any]
     curves: xarray.Dataset
+    sheets: tuple[Sheet, ...] = ()
 
     @cached_property
     def records(self) -> tuple[Record, ...]:
@@ -149,18 +153,19 @@ def dataset(results: Sequence[RunResult], told: dict[str, Any]) -> xarray.Datase
     )
 
 
-def save(folder: Path, results: Sequence[RunResult], told: dict[str, Any]) -> Results:
-    """Write ``curves.nc`` and ``records.json`` into a folder, each in one step.
+def save(folder: Path, results: Sequence[RunResult], told: dict[str, Any], sheets: Sequence[Sheet] = ()) -> Results:
+    """Write ``curves.nc``, ``records.json`` and ``mechanisms.json`` into a folder, each in one step.
 
     What a kill has left of earlier attempts at them is removed.
     """
-    for name in (DATASET, RECORDS):
+    for name in (DATASET, RECORDS, SHEETS):
         for half in folder.glob(f".{name}.*"):
             half.unlink(missing_ok=True)
     curves = dataset(results, told)
     write_file(folder / DATASET, lambda path: curves.to_netcdf(path, engine="scipy", format="NETCDF3_64BIT"))
     write_file(folder / RECORDS, lambda path: path.write_text(to_json(told), encoding="utf-8"))
-    return Results(told, curves)
+    save_sheets(folder, sheets)
+    return Results(told, curves, tuple(sheets))
 
 
 def load(folder: Path) -> Results:
@@ -177,4 +182,4 @@ def load(folder: Path) -> Results:
         _ = [curves[name] for name in ARRAYS if "run" in curves]
     except (OSError, ValueError, KeyError, TypeError) as error:
         raise LinkproofError(f"'{path}' is no dataset of a campaign ({error}); run compare with --out again") from error
-    return Results(told, curves)
+    return Results(told, curves, load_sheets(path.parent))

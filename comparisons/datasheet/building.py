@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import asdict, dataclass, field, replace
+from functools import partial
 from itertools import pairwise
-from typing import Any, Final, TypeVar
+from typing import Final, TypeVar, cast
 
 import numpy as np
 from numpy.typing import NDArray
@@ -25,7 +26,17 @@ from comparisons.datasheet.designer_results import DesignerResults
 from comparisons.datasheet.instants import Instants
 from comparisons.datasheet.mechanism_summary import portrait, thread_facts
 from comparisons.datasheet.plain_data import figures, peaks
-from comparisons.datasheet.sheet import Eye, Figures, Normalised, Positions, Sheet, ThreadSheet
+from comparisons.datasheet.released import printed, released
+from comparisons.datasheet.sheet import (
+    Eye,
+    Figures,
+    Normalised,
+    Positions,
+    PublishedFigure,
+    Released,
+    Sheet,
+    ThreadSheet,
+)
 from comparisons.reference.case import Case
 from comparisons.reference.published import compare_published
 
@@ -43,14 +54,17 @@ ROUNDS: Final = 6
 NOT_SAVED: Final = ("point:", "link:")  # they follow from the positions
 
 
-def usual_case(mechanism: Mechanism, prescribed: Sequence[CrankMotion] = ()) -> Case:
-    """A turn at the speed at which the first motion ends, by default at 1000 rpm; a motion or a swing where none is."""
+def usual_case(mechanism: Mechanism, prescribed: Sequence[CrankMotion] = (), regimes: Sequence[str] = ()) -> Case:
+    """A turn at the speed at which the first motion ends, else at 1000 rpm; the motion or a swing where none is made.
+
+    Motions of the linkage's own count by the names of their ``regimes``, after those ``prescribed``.
+    """
     reach = crank_range(mechanism)
-    own = [regime.motion for regime in mechanism.linkage.regimes if isinstance(regime, PrescribedRegime)]
-    motion = next(iter((*prescribed, *own)), None)
+    own = {one.name: one.motion for one in mechanism.linkage.regimes if isinstance(one, PrescribedRegime)}
+    asked = (*prescribed, *(motion for name, motion in own.items() if name in regimes))
     if not reach.is_full_turn:
-        return Case(mechanism, motion or range_motion(reach))
-    speed = float(motion.speed(motion.duration)) or motion.peak_speed if motion else USUAL_SPEED
+        return Case(mechanism, next(iter((*asked, *own.values())), None) or range_motion(reach))
+    speed = float(asked[0].speed(asked[0].duration)) or asked[0].peak_speed if asked else USUAL_SPEED
     start, duration = (mechanism.period if speed < 0.0 else 0.0), mechanism.period / abs(speed)
     return Case(mechanism, CrankMotion(STEADY, (Segment(0.0, duration, (start, speed)),)))
 
@@ -69,14 +83,38 @@ def within(reach: CrankRange, *, backwards: bool = False) -> tuple[float, float]
     return (high - margin, low + margin) if backwards else (low + margin, high - margin)
 
 
-def usual_sheet(linkage: Linkage, prescribed: Sequence[CrankMotion] = ()) -> Sheet:
-    """The sheet of a linkage under its usual motion."""
-    return sheet(usual_case(Mechanism(linkage), prescribed))
+def usual_sheet(linkage: Linkage, prescribed: Sequence[CrankMotion] = (), regimes: Sequence[str] = ()) -> Sheet:
+    """The sheet of a linkage under its usual motion, with what there is to say of those of these regimes it has."""
+    try:
+        return sheet(usual_case(Mechanism(linkage), prescribed, regimes), regimes)
+    except LinkproofError as error:
+        return bare_sheet(linkage, str(error))
 
 
-def sheet(case: Case) -> Sheet:
-    """The sheet of a case."""
-    return _Building(DesignerResults(case, Instants(case.motion, turns=not case.mechanism.linkage.is_linear))).sheet()
+def bare_sheet(linkage: Linkage, reason: str) -> Sheet:
+    """The sheet of a linkage of which nothing can be derived, with the reason."""
+    facts = {"mechanism": linkage.name, "title": linkage.title, "source": linkage.source, "variant": linkage.variant}
+    return Sheet(
+        name=linkage.name,
+        variant=linkage.variant,
+        text=linkage.text,
+        gravity=linkage.gravity,
+        formula="",
+        conditions="",
+        axis="phi",
+        units={},
+        values={},
+        peaks={},
+        figures={"drive": [], "forces": [], "transmission": [], "output": []},
+        facts=facts,
+        missing={"values": reason},
+    )
+
+
+def sheet(case: Case, regimes: Sequence[str] = ()) -> Sheet:
+    """The sheet of a case, with what there is to say of those of these regimes in which its crank is released."""
+    results = DesignerResults(case, Instants(case.motion, turns=not case.mechanism.linkage.is_linear))
+    return _Building(results, regimes).sheet()
 
 
 @dataclass(frozen=True)
@@ -84,6 +122,7 @@ class _Building:
     """A sheet in the making; ``missing`` says of each part that cannot be derived why."""
 
     results: DesignerResults
+    regimes: Sequence[str]
     missing: dict[str, str] = field(default_factory=dict)
 
     @property
@@ -120,6 +159,8 @@ class _Building:
             normalised=self.part("normalised", self.normalised, None),
             thread=self.part("thread", self.thread, None),
             published=self.part("published", self.published, ()),
+            released=self.released(),
+            printed=self.part("printed", lambda: printed(self.mechanism, self.regimes), {}),
             missing=self.missing,
         )
 
@@ -226,13 +267,22 @@ class _Building:
             return {"top_angle": None, "bottom_angle": None}
         return {"top_angle": travel.top_angle, "bottom_angle": travel.bottom_angle}
 
-    def published(self) -> tuple[dict[str, Any], ...]:
+    def released(self) -> dict[str, Released]:
+        """What there is to say of each regime in which the crank is released."""
+        own = {name: regime for name, regime in self.linkage.released.items() if name in self.regimes}
+        told = {
+            name: self.part(f"released.{name}", partial(released, self.mechanism, regime), None)
+            for name, regime in own.items()
+        }
+        return {name: one for name, one in told.items() if one is not None}
+
+    def published(self) -> tuple[PublishedFigure, ...]:
         """The printed figures in every variant of the file."""
         linkage = self.linkage
         if not linkage.published:
             return ()
         readings = [parse(linkage.text, linkage.name, linkage.name, variant) for variant in linkage.variants]
-        return tuple(asdict(record) for record in compare_published(readings))
+        return tuple(cast("PublishedFigure", asdict(record)) for record in compare_published(readings))
 
 
 def needed(axis: Array, curves: Array, few: int, most: int) -> NDArray[np.intp]:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import Annotated, Any, NotRequired
+from typing import Annotated, Any, Literal, NotRequired
 
 import numpy as np
 from numpy.typing import NDArray
@@ -143,6 +143,88 @@ class Normalised:
     means: Mapping[str, float]
 
 
+class PublishedFigure(TypedDict):
+    """A printed figure beside ours: the fields of ``PublishedRecord``."""
+
+    mechanism: str
+    variant: str
+    quantity: str
+    unit: str
+    published: float
+    half_digit: float
+    ours: float | None
+    deviation: float | None
+    verdict: str
+    source: str
+    note: str
+
+
+class Rest(TypedDict):
+    """An angle, rad, at which a crank can rest."""
+
+    angle: float
+    stable: bool
+
+
+class Speeds(TypedDict):
+    """A crank over whole turns: mean speed over time and over φ, rad/s, and coefficient of fluctuation."""
+
+    mean_speed: float
+    mean_speed_over_angle: float
+    fluctuation: float
+
+
+class Coarse(TypedDict):
+    """The articles' integrator in ``steps``: its largest errors of φ, rad, and ω, rad/s; None where it broke down.
+
+    ``errors`` are its errors by "phi" and "omega" over "time", s, (n,).
+    """
+
+    steps: int
+    phi: float | None
+    omega: float | None
+    errors: Mapping[str, Array]
+
+
+@dataclass(frozen=True)
+class Released:
+    """A released crank: ``torque``, N m, which besides changes ``over`` the "angle" or the "time", or does not ("").
+
+    ``rests`` are the angles at which it could rest, ``damping`` is the mean reduced coefficient, N m s/rad;
+    ``error_bound`` of φ, rad, and ``balance`` of energy are the closed form's own. ``ending`` is its last whole turn,
+    ``settled`` the rotation that would repeat itself, where there are such; ``end`` φ at the end within a turn, rad.
+    ``motion`` has "time", s, "phi", "omega", "epsilon" (n,), ``last_turn`` the last three over the last whole turn.
+    The macro ``released_crank`` puts it in words.
+    """
+
+    torque: float
+    over: Literal["", "angle", "time"]
+    rests: list[Rest]
+    damping: float
+    error_bound: float | None
+    balance: float | None
+    ending: Speeds | None
+    settled: Speeds | None
+    coarse: Coarse | None
+    end: float
+    motion: Mapping[str, Array]
+    last_turn: Mapping[str, Array]
+
+    @property
+    def is_steady(self) -> bool:
+        """Whether the torque is constant, as the articles' and that of an angle of rest is."""
+        return not self.over
+
+
+@dataclass(frozen=True)
+class Printed:
+    """Crank speed by a model as printed and by the corrected one, rad/s, over ``time``, s, (n,)."""
+
+    time: Array
+    corrected: Array
+    printed: Array
+
+
 @dataclass(frozen=True)
 class Sheet:
     """All that a mechanism's page shows of the closed form, SI, angles in rad.
@@ -151,10 +233,9 @@ class Sheet:
     writes; ``values``, without those of points and links, at as many of its instants as a curve needs (n,), φ
     ascending where that is the axis, not a number where there is none. ``shares`` has Jeq by Assur group ("groups") and
     by link ("links") over the same instants, kg m². ``moment_centre`` is the point that the shaking moment is about.
-    ``facts`` are those of ``linkproof show --json``. ``published`` are the printed figures of all variants
-    (``PublishedRecord`` as dictionaries), ``released`` by regime what there is to say of a released crank (``Released``
-    of ``comparisons.datasheet.released``), ``printed`` the motions of models as printed. ``missing`` says of a part why
-    it cannot be derived.
+    ``facts`` are those of ``linkproof show --json``. ``published`` are the printed figures of all variants,
+    ``released`` by regime what there is to say of a released crank, ``printed`` by erratum the motions of models as
+    printed, of regimes that a campaign ran. ``missing`` says of a part why it cannot be derived.
     """
 
     name: str
@@ -174,9 +255,9 @@ class Sheet:
     shares: Mapping[str, Mapping[str, Array]] = field(default_factory=dict)
     normalised: Normalised | None = None
     thread: ThreadSheet | None = None
-    published: tuple[Mapping[str, Any], ...] = ()
-    released: Mapping[str, Mapping[str, Any]] = field(default_factory=dict)
-    printed: tuple[Mapping[str, Any], ...] = ()
+    published: tuple[PublishedFigure, ...] = ()
+    released: Mapping[str, Released] = field(default_factory=dict)
+    printed: Mapping[str, Printed] = field(default_factory=dict)
     missing: Mapping[str, str] = field(default_factory=dict)
 
     @cached_property

@@ -6,9 +6,9 @@ from functools import lru_cache
 from typing import Any
 
 from analytic.description.schema import Erratum
-from comparisons.campaign.errata import printed_motion as by_erratum
 from comparisons.campaign.results import described
 from comparisons.reference.case import Spin
+from comparisons.reference.printed_models import printed_motion as by_erratum
 from reports.records.views import View
 
 

@@ -15,11 +15,11 @@ from analytic.dynamics import reduced
 from analytic.dynamics.equilibrium import Equilibrium, equilibria
 from analytic.errors import LinkproofError
 from analytic.kinematics.mechanism import Mechanism
-from analytic.motion.energy import energy_imbalance
 from analytic.motion.released import FreeMotion
 from analytic.motion.rkfixed import PUBLISHED_STEPS, FixedStepMotion, fixed_step
 from analytic.motion.steady_rotation import Rotation, last_turns, steady_state
 from analytic.numerics.extremes import grid, periodic_mean
+from comparisons.datasheet.released import released as saved
 from comparisons.reference.case import own_motion
 from reports.document.templates import lines
 from reports.records.views import Regime, View
@@ -117,5 +117,4 @@ def _released(text: str, name: str, variant: str, gravity: tuple[float, float], 
 
 def sentences(found: Released) -> list[str]:
     """What there is to say of a released crank, in this order: rest, rotation, own error, the articles' integrator."""
-    balance = energy_imbalance(found.motion)
-    return lines("released_crank", one=found, balance=balance, rpm=RPM, steps=PUBLISHED_STEPS)
+    return lines("released_crank", one=saved(found.mechanism, found.own), rpm=RPM)

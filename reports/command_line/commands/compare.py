@@ -13,6 +13,7 @@ from comparisons.campaign.campaign import compare as run_campaign
 from comparisons.campaign.errata import ErratumRecord, judge_errata
 from comparisons.campaign.results import document, save
 from comparisons.campaign.results import load as load_results
+from comparisons.campaign.sheets import sheets
 from comparisons.judging import baseline
 from comparisons.reference.published import all_variants, compare_published
 from comparisons.runs.failures import Failure
@@ -55,7 +56,7 @@ def compare(
             saved = document(wanted, results, command, errata, readouts)
             destination.write_json(saved)
             if out:
-                save(out, results, saved)
+                save(out, results, saved, sheets(wanted, bounds=limits.bounds, processes=limits.processes))
                 destination.say(f"report: {rebuild(out, processes=limits.processes)}")
         if kept:
             kept.clear()

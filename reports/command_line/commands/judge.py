@@ -15,6 +15,7 @@ from analytic.kinematics.mechanism import Mechanism
 from comparisons.campaign.campaign import CampaignRequest
 from comparisons.campaign.results import document as saved_document
 from comparisons.campaign.results import save
+from comparisons.datasheet.building import usual_sheet
 from comparisons.imported.columns import ImportedResults, MappingNeededError
 from comparisons.imported.judge import ImportedJudgement
 from comparisons.imported.judge import judge as judge_results
@@ -147,5 +148,5 @@ def _write_page(choice: JudgeChoice, judgement: ImportedJudgement, folder: Path,
     motions = (motion,) if isinstance(motion, CrankMotion) else ()
     request = CampaignRequest((linkage,), motions, blank.conditions, (blank.engine,))
     told = {**saved_document(request, [result], choice.command), "judgement": sentences(judgement)}
-    save(folder, [result], told)
+    save(folder, [result], told, [usual_sheet(linkage, motions, choice.motion.regimes)])
     destination.say(f"report: {rebuild(folder, processes=0)}")

@@ -5,7 +5,8 @@ import pytest
 from analytic.description.loading import load
 from analytic.description.schema import Erratum
 from comparisons.campaign import campaign, errata
-from comparisons.campaign.errata import judge_errata, printed_motion
+from comparisons.campaign.errata import judge_errata
+from comparisons.reference.printed_models import printed_motion
 
 DRIVEN = {"name": "", "place": "", "regime": "driven"}
 

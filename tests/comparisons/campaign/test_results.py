@@ -76,7 +76,7 @@ def test_the_dataset_is_labelled(saved):
 def test_the_json_beside_it_holds_the_same_records(saved):
     folder, result = saved
     assert from_rows(json.loads((folder / "records.json").read_text())["records"]) == result.records
-    assert sorted(path.name for path in folder.iterdir()) == ["curves.nc", "records.json"]
+    assert sorted(path.name for path in folder.iterdir()) == ["curves.nc", "mechanisms.json", "records.json"]
 
 
 def test_loading_imports_no_engine(saved):
