@@ -68,7 +68,7 @@ def _matrix(view: View, regime: Regime, runs: Sequence[Sequence[Record]]) -> Tab
     )
     note = sentence("matrix_note") if regime == view.regimes[0] else ""
     head = ("quantity", "limit", *(run[0].setting for run in runs))
-    caption = f"{regime.conditions[:1].upper()}{regime.conditions[1:]}. Largest error over the closed form's peak."
+    caption = f"{regime.name}: {regime.conditions}. Largest error over the closed form's peak."
     return Table(caption, head, rows, note=note, groups=(("", 2), *groups), style="matrix")
 
 
