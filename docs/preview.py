@@ -14,8 +14,8 @@ from comparisons.campaign.results import Results, load
 from comparisons.runs.files import write_file
 from reports.charts.errors import draw_errors
 from reports.charts.inertia import draw_inertia
+from reports.charts.old_scheme import draw_scheme, scheme_of
 from reports.charts.run_up import draw_history
-from reports.charts.scheme import draw_scheme, scheme_of
 from reports.charts.style import DOTS_PER_INCH, drawn
 from reports.records.views import View, views
 

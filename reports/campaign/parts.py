@@ -10,7 +10,8 @@ from matplotlib.figure import Figure
 from analytic.dynamics.reduced import reduced_inertia
 from analytic.numerics.extremes import extremes
 from analytic.turn.unit_functions import stroke, unit_functions
-from reports.charts import forces, inertia, kinematics, thread
+from reports.charts import forces, inertia, kinematics
+from reports.charts import old_thread as thread
 from reports.charts.released import printed_figure
 from reports.charts.style import ReportFigure, picture
 from reports.document.tables import ReportTable

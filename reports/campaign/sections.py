@@ -19,7 +19,8 @@ from reports.campaign.parts import (
     thread_part,
 )
 from reports.campaign.regime_part import regime_part
-from reports.charts import inertia, scheme
+from reports.charts import inertia
+from reports.charts import old_scheme as scheme
 from reports.charts.style import ReportFigure
 from reports.document.numbers import ABSENT, printed
 from reports.document.tables import ReportTable

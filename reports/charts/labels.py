@@ -104,6 +104,6 @@ def _cost(area: Array, spots: Array, taken: Sequence[Array], size: Array) -> flo
     """How bad words in an area are: on other words, out of the panel, on a curve's points."""
     low, high = area[:2], area[2:]
     touching = sum(bool(np.all(low < other[2:]) and np.all(high > other[:2])) for other in taken)
-    outside = float(np.sum(np.maximum(-low, 0.0)) + np.sum(np.maximum(high - size, 0.0)))
+    beside, above = np.maximum(-low, 0.0) + np.maximum(high - size, 0.0)
     hidden = int(np.sum(np.all((spots > low) & (spots < high), axis=1)))
-    return 1e6 * touching + 40.0 * outside + hidden
+    return float(1e6 * touching + 1e3 * beside + 40.0 * above + hidden)

@@ -1,8 +1,9 @@
-"""The kinematic scheme in twelve crank positions, one of them drawn out with its joints and guides."""
+"""The kinematic scheme in twelve positions, one of them drawn out with its joints and guides."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import cached_property, partial
 from typing import Any
@@ -11,187 +12,256 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.collections import LineCollection
 from matplotlib.figure import Figure
+from matplotlib.ticker import MaxNLocator
 from numpy.typing import NDArray
 
 from analytic.description.linkage import GROUND, Guide, Linkage, Vector
-from analytic.kinematics.crank_range import crank_range
-from analytic.kinematics.mechanism import Mechanism
-from analytic.kinematics.sweep import Sweep
+from comparisons.datasheet.sheet import Positions
+from comparisons.datasheet.units import file_unit
 from reports.charts import symbols
-from reports.charts.style import INK, MUTED, plane, scaled_figure
-from reports.records.views import View
+from reports.charts.style import FONT_SIZE, GHOST, INK, MUTED, PALETTE, PAPER, drawn
 
 Array = NDArray[np.float64]
 
 POSITIONS = 12
-TURN_POINTS = 361
-INSET = 1e-9  # of a range that ends in dead positions, so that its ends are assembled
-MILLIMETRE = 1e3
-GHOST, PATH = "#a8b8c8", "#0072b2"
-LARGEST_WIDTH, LARGEST_HEIGHT, SMALLEST_WIDTH = 6.2, 5.6, 2.4
-NUMBER_STYLE = {"fontsize": 6.5, "color": MUTED, "zorder": 4.0}
+STILL = np.zeros(3)  # the ground's frame
+# Inches: the largest drawing, the narrowest, room for pivots and names about the linkage, for words left and below.
+LARGEST, NARROWEST, ROOM, SIDE, BELOW, PIN = (5.4, 5.4), 2.4, 0.42, 0.6, 0.5, 0.042
+NUMBER_STYLE = {"color": MUTED, "zorder": 4.0}
 NAME_STYLE = {
-    "fontsize": 8.5,
     "fontstyle": "italic",
     "color": INK,
     "zorder": 12.0,
-    "bbox": {"boxstyle": "round,pad=0.12", "facecolor": "white", "edgecolor": "none", "alpha": 0.8},
+    "bbox": {"boxstyle": "round,pad=0.1", "facecolor": PAPER, "edgecolor": "none", "alpha": 0.8},
 }
+
+
+def placed(pose: Array, locals_: Iterable[Vector]) -> Array:
+    """Points of a body, (points, 2, …), whose frame has its origin at x, y and is turned by an angle, (3, …)."""
+    x, y, angle = pose
+    c, s = np.cos(angle), np.sin(angle)
+    return np.array([(x + c * u - s * v, y + s * u + c * v) for u, v in locals_]).reshape(-1, 2, *x.shape)
 
 
 @dataclass(frozen=True)
 class KinematicScheme:
-    """Where everything is: over twelve positions, and over the whole turn or motion.
+    """A linkage in its positions; ``where`` is the instant, on their axis, that is drawn out, the clearest if None.
 
-    ``scale`` is what a metre measures in the drawing's unit, which is mm unless it says otherwise.
+    All places are in the unit of length of the linkage's file.
     """
 
     linkage: Linkage
-    few: Sweep
-    turn: Sweep
-    scale: float = MILLIMETRE
+    positions: Positions
+    where: float | None = None
 
-    def places(self, sweep: Sweep, body: str, locals_: Iterable[Vector]) -> Array:
-        """Points of a body, (points, 2, positions)."""
-        parts = [np.broadcast_arrays(*sweep.local_point(body, local), sweep.angle)[:2] for local in locals_]
-        return self.scale * np.array(parts, dtype=float)
+    @cached_property
+    def scale(self) -> float:
+        """What a metre measures in the drawing."""
+        return 1.0 / file_unit("m", self.linkage).size
 
-    def link_points(self, link: str) -> list[Vector]:
-        """The named points that make a link's shape."""
-        return list(self.linkage.links[link].points.values())
+    @property
+    def few(self) -> NDArray[np.intp]:
+        """Indices of the positions that are shown, evenly spread."""
+        last = len(self.positions.axis) - 1
+        return np.rint(np.linspace(0, last, POSITIONS, endpoint=not self.positions.closed)).astype(np.intp)
 
-    def shown_places(self, body: str, locals_: Iterable[Vector]) -> Array:
+    @cached_property
+    def axis_shown(self) -> float:
+        """The instant that is drawn out."""
+        return float(self.positions.axis[self.few[self.clearest]]) if self.where is None else self.where
+
+    def pose(self, body: str) -> Array:
+        """Pose of a body over all positions, (3, n)."""
+        return self.positions.bodies.get(body, np.zeros((3, len(self.positions.axis))))
+
+    def pose_shown(self, body: str) -> Array:
+        """Pose of a body in the position drawn out, (3,)."""
+        return np.array([np.interp(self.axis_shown, self.positions.axis, row) for row in self.pose(body)])
+
+    def path(self, body: str, locals_: Iterable[Vector]) -> Array:
+        """Points of a body over all positions, (points, 2, n)."""
+        return self.scale * placed(self.pose(body), locals_)
+
+    def shown(self, body: str, locals_: Iterable[Vector]) -> Array:
         """Points of a body in the position drawn out, (points, 2)."""
-        return self.places(self.few, body, locals_)[:, :, self.shown]
+        return self.scale * placed(self.pose_shown(body), locals_)
+
+    @cached_property
+    def carriers(self) -> dict[str, str]:
+        """Of every named point a body that carries it: a moving link before the ground."""
+        moving = {point: name for name, link in self.linkage.links.items() for point in link.points}
+        return dict.fromkeys(self.linkage.ground, GROUND) | moving
+
+    @cached_property
+    def paths(self) -> dict[str, Array]:
+        """Every named point over all positions, (2, n)."""
+        return {p: self.path(b, [self.linkage.local(p, b)])[0] for p, b in sorted(self.carriers.items())}
 
     @cached_property
     def spots(self) -> dict[str, Array]:
         """Every named point in the position drawn out."""
-        names = {p for link in self.linkage.links.values() for p in link.points} | set(self.linkage.ground)
-        return {name: self.scale * self.few.point(name)[:, self.shown] for name in sorted(names)}
+        return {p: self.shown(b, [self.linkage.local(p, b)])[0] for p, b in sorted(self.carriers.items())}
+
+    @cached_property
+    def clearest(self) -> int:
+        """The one of the few positions whose moving points lie farthest apart."""
+        places = np.array([path[:, self.few] for point, path in self.paths.items() if self.carriers[point] != GROUND])
+        apart = np.hypot(*np.moveaxis(places[:, None] - places[None, :], 2, 0))
+        apart[np.arange(len(places)), np.arange(len(places))] = np.inf
+        return int(np.argmax(np.min(apart, axis=(0, 1))))
 
     def direction(self, guide: Guide) -> Array:
         """Unit vector of a guide in the position drawn out."""
-        start, end = self.shown_places(guide.host, [(0.0, 0.0), guide.along])
+        start, end = self.shown(guide.host, [(0.0, 0.0), guide.along])
         return np.asarray((end - start) / np.hypot(*(end - start)))
 
     def travel(self, guide: Guide, body: str, point: str) -> tuple[Vector, Vector]:
-        """The two ends, in the host's frame, between which a point moves along a guide over the turn."""
+        """The two ends, in the host's frame, m, between which a point moves along a guide over all positions."""
         (x, y), (u, v) = guide.through, guide.along
-        ends = self.places(self.turn, guide.host, [guide.through, (x + u, y + v)])
-        pin = self.places(self.turn, body, [self.linkage.local(point, body)])[0]
-        along = np.sum((pin - ends[0]) * (ends[1] - ends[0]), axis=0) / self.scale**2
+        start, end = placed(self.pose(guide.host), [(x, y), (x + u, y + v)])
+        pin = placed(self.pose(body), [self.linkage.local(point, body)])[0]
+        along = np.sum((pin - start) * (end - start), axis=0)
         low, high = float(np.min(along)), float(np.max(along))
         return (x + low * u, y + low * v), (x + high * u, y + high * v)
 
+    def stretched(self, points: tuple[str, str], bodies: tuple[str, str]) -> Array:
+        """The ends of a spring or a cylinder over all positions, (2, 2, n)."""
+        both = zip(points, bodies, strict=True)
+        return np.concatenate([self.path(body, [self.linkage.local(point, body)]) for point, body in both])
+
     @cached_property
-    def shown(self) -> int:
-        """The position to draw out: the one whose points lie farthest apart."""
-        names = {point for link in self.linkage.links.values() for point in link.points}
-        places = self.scale * np.array([self.few.point(name) for name in sorted(names)])
-        apart = np.hypot(*np.moveaxis(places[:, None] - places[None, :], 2, 0))
-        apart[np.arange(len(names)), np.arange(len(names))] = np.inf
-        return int(np.argmax(np.min(apart, axis=(0, 1))))
+    def stretches(self) -> dict[str, Array]:
+        """What is drawn between two points, by a name of its own: their places over all positions, (2, 2, n)."""
+        found = {f"spring:{n}": self.stretched(s.points, s.links) for n, s in enumerate(self.linkage.springs)}
+        cylinder = self.linkage.cylinder
+        return found | ({"cylinder": self.stretched(cylinder.points, cylinder.links)} if cylinder else {})
+
+    def ends_shown(self, name: str) -> Array:
+        """The ends of one of them in the position drawn out, (2, 2)."""
+        rows = self.stretches[name].reshape(4, -1)
+        return np.array([np.interp(self.axis_shown, self.positions.axis, row) for row in rows]).reshape(2, 2)
 
     @cached_property
     def extent(self) -> tuple[Array, Array]:
-        """Lowest and highest x and y ever reached, mm."""
-        moving = [self.places(self.turn, name, link.points.values()) for name, link in self.linkage.links.items()]
-        spots = np.concatenate([part.transpose(0, 2, 1).reshape(-1, 2) for part in moving])
-        spots = np.concatenate([spots, self.scale * np.array(list(self.linkage.ground.values())).reshape(-1, 2)])
+        """Lowest and highest x and y ever reached."""
+        spots = np.concatenate([path.T for path in self.paths.values()])
         return spots.min(axis=0), spots.max(axis=0)
 
 
-def scheme_of(mechanism: Mechanism) -> KinematicScheme:
-    """The scheme of a mechanism at every 30° from φ = 0, or in twelve positions of the range it reaches."""
-    reach = crank_range(mechanism)
-    low, high = (0.0, 2.0 * np.pi) if reach.is_full_turn else reach.limits
-    inset = 0.0 if reach.is_full_turn else INSET * (high - low)
-    few = np.linspace(low + inset, high - inset, POSITIONS, endpoint=not reach.is_full_turn)
-    many = np.linspace(low + inset, high - inset, TURN_POINTS)
-    return KinematicScheme(mechanism.linkage, mechanism.sweep(few), mechanism.sweep(many))
+@contextmanager
+def part_of(axes: Axes, mover: str) -> Iterator[None]:
+    """What is drawn meanwhile moves with a body, or between two points: its name is the label of what was drawn."""
+    before = set(axes.get_children())
+    yield
+    for artist in set(axes.get_children()) - before:
+        artist.set_label("" if mover == GROUND else mover)
 
 
-def scheme_figure(view: View) -> Figure:
-    """The scheme on a page of its own, to scale in both directions."""
-    return mechanism_figure(view.mechanism)
+def scheme_figure(linkage: Linkage, positions: Positions) -> Figure:
+    """The scheme in twelve positions, to scale in both directions."""
+    scheme = KinematicScheme(linkage, positions)
+    return scaled_figure(scheme, scheme.extent, partial(draw_scheme, scheme=scheme))
 
 
-def mechanism_figure(mechanism: Mechanism) -> Figure:
-    """The scheme of a mechanism, to scale in both directions."""
-    scheme = scheme_of(mechanism)
-    largest, draw = (LARGEST_WIDTH, LARGEST_HEIGHT), partial(draw_scheme, scheme=scheme)
-    return scaled_figure(scheme.extent, 0.42, largest, SMALLEST_WIDTH, draw)
+def scaled_figure(scheme: KinematicScheme, extent: tuple[Array, Array], draw: Any) -> Figure:  # noqa: ANN401
+    """A figure of the plane between two corners; ``draw`` is given the axes and ``size``, a pin's radius."""
+    (low, high), rims = extent, np.array([SIDE, BELOW])
+    span = np.maximum(high - low, 1e-9)
+    scale = float(np.min((np.array(LARGEST) - rims - 2.0 * ROOM) / span))
+    box = np.maximum(span * scale + 2.0 * ROOM, (NARROWEST, 0.0))
+    full = box + rims + 0.08
+
+    def draw_all(figure: Figure) -> None:
+        axes = figure.add_axes((SIDE / full[0], BELOW / full[1], box[0] / full[0], box[1] / full[1]))
+        fit(axes, scheme, (low, high), box / scale)
+        draw(axes, size=PIN / scale)
+
+    return drawn(float(full[0]), float(full[1]), draw_all)
+
+
+def fit(axes: Axes, scheme: KinematicScheme, extent: tuple[Array, Array], span: Array) -> None:
+    """Axes of the plane over a span about the middle of an extent, with their names."""
+    middle, unit = 0.5 * (extent[0] + extent[1]), file_unit("m", scheme.linkage).name
+    (left, bottom), (right, top) = middle - 0.5 * span, middle + 0.5 * span
+    axes.set(xlim=(left, right), ylim=(bottom, top), xlabel=f"x, {unit}", ylabel=f"y, {unit}")
+    for axis in (axes.xaxis, axes.yaxis):
+        axis.set_major_locator(MaxNLocator(6, steps=[1, 2, 5, 10]))
 
 
 def draw_scheme(axes: Axes, scheme: KinematicScheme, size: float) -> None:
-    """All positions faintly, one drawn out; ``size`` is a pin's radius in mm. The axes' limits are the caller's."""
-    plane(axes, 4, 8)
+    """All positions faintly, one drawn out; ``size`` is a pin's radius. The axes' limits are the caller's."""
     _ghosts(axes, scheme)
-    _paths(axes, scheme)
-    taken = draw_position(axes, scheme, size)
+    draw_paths(axes, scheme)
+    draw_position(axes, scheme, size)
+    taken = draw_names(axes, scheme, size)
     _crank_numbers(axes, scheme, size, taken)
 
 
-def draw_position(axes: Axes, scheme: KinematicScheme, size: float) -> Array:
-    """The position drawn out, with guides, links, joints and names; returns where the names stand, (names, 2), mm."""
+def draw_position(axes: Axes, scheme: KinematicScheme, size: float, *, masses: bool = True) -> None:
+    """The position drawn out: guides, links, springs, mass centres, joints."""
     _guides(axes, scheme, size)
     _links(axes, scheme, size)
+    if masses:
+        _mass_centres(axes, scheme, size)
     _joints(axes, scheme, size)
-    return _names(axes, scheme, size)
 
 
 def _ghosts(axes: Axes, scheme: KinematicScheme) -> None:
     """Every link in every position, as thin lines."""
     lines = []
-    for link in scheme.linkage.links:
-        places = scheme.places(scheme.few, link, scheme.link_points(link))
+    for name, link in scheme.linkage.links.items():
+        places = scheme.path(name, link.points.values())[:, :, scheme.few]
         for spots in places.transpose(2, 0, 1) if len(places) > 1 else ():
             corners = symbols.outline(spots)
             lines.append(corners if len(corners) == 2 else np.vstack([corners, corners[:1]]))
     axes.add_collection(LineCollection(lines, colors=GHOST, linewidths=0.7, zorder=2.0))
 
 
-def _paths(axes: Axes, scheme: KinematicScheme) -> None:
-    """The circle or curve of every moving pin, the output's in colour."""
-    output = scheme.linkage.output.point if scheme.linkage.output else None
-    for point in sorted({point for link in scheme.linkage.links.values() for point in link.points}):
-        path = scheme.scale * scheme.turn.point(point)
+def draw_paths(axes: Axes, scheme: KinematicScheme) -> None:
+    """The curve of every moving point: the output's broad, those of a coupler's own points in colour."""
+    linkage = scheme.linkage
+    output = linkage.output.point if linkage.output else None
+    joints = {p.point for p in linkage.pins} | {s.point for s in linkage.sliders} | {s.point for s in linkage.slots}
+    free = sorted(set(scheme.paths) - joints - set(linkage.ground) - {output})
+    for point, path in scheme.paths.items():
         if point == output:
-            axes.plot(*path, color=PATH, linewidth=2.4, alpha=0.75, solid_capstyle="round", zorder=3.0)
-            spots = scheme.scale * scheme.few.point(point)
-            axes.plot(*spots, linestyle="none", marker="o", markersize=2.2, color=PATH, zorder=3.1)
-        elif float(np.max(np.ptp(path, axis=1))) > 1e-6:
+            axes.plot(*path, color=PALETTE[0], linewidth=2.4, alpha=0.75, solid_capstyle="round", zorder=3.0)
+        elif point in free:
+            axes.plot(*path, color=PALETTE[1 + free.index(point) % (len(PALETTE) - 1)], linewidth=1.2, zorder=3.0)
+        elif float(np.max(np.ptp(path, axis=1))) > 1e-9 * scheme.scale:
             axes.plot(*path, color=GHOST, linewidth=0.7, linestyle=(0, (2, 2)), zorder=1.8)
 
 
 def _crank_numbers(axes: Axes, scheme: KinematicScheme, size: float, taken: Array) -> None:
     """0 to 11 around the crank pin's circle, but for the position drawn out and where a name is in the way."""
-    if scheme.linkage.is_linear:
+    linkage = scheme.linkage
+    if linkage.is_linear:
         return
-    link = scheme.linkage.links[scheme.linkage.crank]
-    pivot = next(p.point for p in scheme.linkage.pins if {GROUND, link.name} <= set(p.links))
+    link = linkage.links[linkage.crank]
+    pivot = next(p.point for p in linkage.pins if {GROUND, link.name} <= set(p.links))
     far = max(link.points, key=lambda name: float(np.hypot(*np.subtract(link.points[name], link.points[pivot]))))
     if far == pivot:  # a crank that is nothing but a slot has no pin to number
         return
-    spots, centre = scheme.scale * scheme.few.point(far), scheme.scale * scheme.few.point(pivot)
-    arm = spots - centre
-    places = centre + arm * (1.0 + 2.4 * size / np.hypot(*arm))
-    for number in sorted(set(range(POSITIONS)) - {scheme.shown}):
-        if np.min(np.hypot(*(taken - places[:, number]).T)) > 3.0 * size:
-            write(axes, places[:, number], str(number), NUMBER_STYLE)
+    spots = scheme.path(link.name, [link.points[far]])[0][:, scheme.few]
+    arm = spots - scheme.spots[pivot][:, None]
+    places = (spots + arm * (2.9 * size / np.hypot(*arm))).T
+    for number in range(POSITIONS):
+        clear = np.min(np.hypot(*(taken - places[number]).T)) > 3.5 * size
+        if clear and (scheme.where is not None or number != scheme.clearest):
+            write(axes, places[number], str(number), NUMBER_STYLE)
 
 
 def _guides(axes: Axes, scheme: KinematicScheme, size: float) -> None:
-    """Guides of sliders and slots in the position drawn out, over the travel they see."""
+    """Guides of sliders and slots, over the travel they see."""
     runs = [(s.guide, s.link, s.point) for s in scheme.linkage.sliders]
-    runs += [(s.guide, scheme.few.carrier(s.point), s.point) for s in scheme.linkage.slots]
+    runs += [(s.guide, scheme.positions.carriers[s.point], s.point) for s in scheme.linkage.slots]
     for guide, body, point in runs:
-        start, end = scheme.shown_places(guide.host, scheme.travel(guide, body, point))
-        if guide.host == GROUND:
-            symbols.guide(axes, start, end, _free_side(scheme, point, end - start), size)
-        else:
-            symbols.slot(axes, start, end, size)
+        start, end = scheme.shown(guide.host, scheme.travel(guide, body, point))
+        with part_of(axes, guide.host):
+            if guide.host == GROUND:
+                symbols.guide(axes, start, end, _free_side(scheme, point, end - start), size)
+            else:
+                symbols.slot(axes, start, end, size)
 
 
 def _free_side(scheme: KinematicScheme, point: str, along: Array) -> float:
@@ -201,23 +271,19 @@ def _free_side(scheme: KinematicScheme, point: str, along: Array) -> float:
 
 
 def _links(axes: Axes, scheme: KinematicScheme, size: float) -> None:
-    """The links of the position drawn out, springs, blocks of sliders, mass centres clear of the joints."""
-    linkage = scheme.linkage
-    for number, name in enumerate(linkage.links):
-        spots = scheme.shown_places(name, scheme.link_points(name))
+    """Links, springs, a cylinder, blocks of sliders."""
+    for number, (name, link) in enumerate(scheme.linkage.links.items()):
+        spots = scheme.shown(name, link.points.values())
         if len(spots) > 1:
-            symbols.bar(axes, spots, 2.6, INK, 5.0 + 0.01 * number)
-    for spring in linkage.springs:
-        ends = zip(spring.links, spring.points, strict=True)
-        start, end = (scheme.shown_places(body, [linkage.local(point, body)])[0] for body, point in ends)
-        symbols.spring(axes, start, end, size)
-    if linkage.cylinder is not None:
-        ends = zip(linkage.cylinder.links, linkage.cylinder.points, strict=True)
-        start, end = (scheme.shown_places(body, [linkage.local(point, body)])[0] for body, point in ends)
-        symbols.cylinder(axes, start, end, size)
-    for slider in linkage.sliders:
-        symbols.slider(axes, scheme.spots[slider.point], scheme.direction(slider.guide), size)
-    _mass_centres(axes, scheme, size)
+            with part_of(axes, name):
+                symbols.bar(axes, spots, 2.6, INK, 5.0 + 0.01 * number)
+    for name in scheme.stretches:
+        start, end = scheme.ends_shown(name)
+        with part_of(axes, name):
+            (symbols.cylinder if name == "cylinder" else symbols.spring)(axes, start, end, size)
+    for slider in scheme.linkage.sliders:
+        with part_of(axes, slider.link):
+            symbols.slider(axes, scheme.spots[slider.point], scheme.direction(slider.guide), size)
 
 
 def _mass_centres(axes: Axes, scheme: KinematicScheme, size: float) -> None:
@@ -225,10 +291,11 @@ def _mass_centres(axes: Axes, scheme: KinematicScheme, size: float) -> None:
     joints = np.array(list(scheme.spots.values()))
     for name, link in scheme.linkage.links.items():
         if link.inertia is not None and link.points:
-            start, spot = scheme.shown_places(name, [scheme.link_points(name)[0], link.centre])
+            start, spot = scheme.shown(name, [next(iter(link.points.values())), link.centre])
             if float(np.min(np.hypot(*(joints - spot).T))) > 1.6 * size:
-                symbols.leader(axes, start, spot)
-                symbols.mass_centre(axes, spot, size)
+                with part_of(axes, name):
+                    symbols.leader(axes, start, spot)
+                    symbols.mass_centre(axes, spot, size)
 
 
 def _joints(axes: Axes, scheme: KinematicScheme, size: float) -> None:
@@ -238,26 +305,23 @@ def _joints(axes: Axes, scheme: KinematicScheme, size: float) -> None:
     pivots = {pin.point for pin in linkage.pins if GROUND in pin.links} | (held & set(linkage.ground))
     pins = {pin.point for pin in linkage.pins} | {s.point for s in linkage.slots} | {s.point for s in linkage.sliders}
     for name, spot in scheme.spots.items():
-        if name in pivots:
-            symbols.fixed_pivot(axes, spot, size)
-        elif name in pins:
-            symbols.pin(axes, spot, size)
-        else:
-            symbols.eye(axes, spot, size)
+        draw = symbols.fixed_pivot if name in pivots else symbols.pin if name in pins else symbols.eye
+        with part_of(axes, GROUND if name in pivots else scheme.carriers[name]):
+            draw(axes, spot, size)
 
 
-def _names(axes: Axes, scheme: KinematicScheme, size: float) -> Array:
+def draw_names(axes: Axes, scheme: KinematicScheme, size: float) -> Array:
     """Names of the points beside them, on the side no link leaves from; returns where they stand, (names, 2)."""
     places = []
-    across = {s.point: _across(scheme.direction(s.guide)) for s in scheme.linkage.sliders}
+    across = {s.point: scheme.direction(s.guide)[::-1] * (-1.0, 1.0) for s in scheme.linkage.sliders}
     for name, spot in scheme.spots.items():
         away = -_pull(name, scheme)
         length = float(np.hypot(*away))
         away = away / length if length > 1e-6 else np.array([0.8, 0.6])
-        reach = 3.6 * size
+        reach = 3.8 * size
         if name in across:  # the rail is on the side away from the links, the name goes to theirs
             side = 1.0 if float(across[name] @ away) <= 0.0 else -1.0
-            away, reach = side * across[name], 4.0 * size
+            away, reach = side * across[name], 4.2 * size
         elif name in scheme.linkage.ground and away[1] < 0.2:  # the hatched foot hangs below
             away = np.array([np.copysign(0.95, away[0]), 0.3])
         places.append(spot + reach * away)
@@ -267,11 +331,7 @@ def _names(axes: Axes, scheme: KinematicScheme, size: float) -> Array:
 
 def write(axes: Axes, place: Array, text: str, style: dict[str, Any]) -> None:
     """Centred text."""
-    axes.text(float(place[0]), float(place[1]), text, ha="center", va="center", **style)
-
-
-def _across(along: Array) -> Array:
-    return np.array([-along[1], along[0]])
+    axes.text(float(place[0]), float(place[1]), text, ha="center", va="center", fontsize=FONT_SIZE, **style)
 
 
 def _pull(name: str, scheme: KinematicScheme) -> Array:

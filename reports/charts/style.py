@@ -29,24 +29,25 @@ from reports.document.chart import Ink
 from reports.document.templates import FOLDER, captions
 
 # Okabe and Ito, the darker ones first; the closed form is always ink.
-PALETTE = ("#0072b2", "#d55e00", "#009e73", "#aa4499", "#56b4e9", "#997700")
+PALETTE = ("#0072b2", "#c75300", "#00855f", "#aa4499", "#2f8fc4", "#8a6b00")
 Dashes = tuple[int, tuple[float, ...]]
 DASHES: tuple[Dashes, ...] = ((0, (5, 2.2)), (0, (1.4, 1.4)), (0, (7, 2, 1.4, 2)), (0, (3, 1, 1, 1, 1, 1)))
 SETTING_LINES: dict[str, Any] = {"naive": (0, (1, 1.3)), "tuned": "-", "best": (0, (5, 1.6))}
 INK, MUTED, FAINT, REFERENCE = "#1d2733", "#5b6673", "#d8dde3", "#a9b3bf"
-LIMIT_COLOUR = "#8a1c1c"
+LIMIT_COLOUR = "#a02020"
+PAPER, PLATE, GHOST = "#ffffff", "#e4e9ef", "#a8b8c8"  # behind a drawing, inside a link, what is faintly drawn
 
 # What each of a drawing's colours becomes where the reader's scheme is dark.
 DARK = {
-    INK: "#e4e8ee",
-    MUTED: "#9aa6b4",
-    FAINT: "#343c46",
+    INK: "#e4e8ed",
+    MUTED: "#a3aebb",
+    FAINT: "#37414d",
     REFERENCE: "#6f7b88",
-    LIMIT_COLOUR: "#ff8a80",
-    "#ffffff": "#14181d",
-    "#e4e9ef": "#2b333d",
-    "#a8b8c8": "#4d5a68",
-    **dict(zip(PALETTE, ("#4db1ee", "#ff9a4d", "#35c79c", "#e08ad8", "#8fd0f5", "#d9b53a"), strict=True)),
+    LIMIT_COLOUR: "#ff7b72",
+    PAPER: "#12171e",
+    PLATE: "#2b333d",
+    GHOST: "#4d5a68",
+    **dict(zip(PALETTE, ("#4aa8e8", "#f08a3c", "#33c79a", "#e08ad2", "#93d2f5", "#d9b93b"), strict=True)),
 }
 NAMED = {"ink": INK, "muted": MUTED, "faint": FAINT, "reference": REFERENCE, "limit": LIMIT_COLOUR}
 FONT, FONT_SIZE = "DejaVu Sans", 9.0

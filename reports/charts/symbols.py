@@ -7,16 +7,13 @@ from __future__ import annotations
 
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.collections import LineCollection
 from matplotlib.patches import Circle, Polygon, Wedge
 from numpy.typing import ArrayLike, NDArray
 
-from reports.charts.style import INK, MUTED
+from reports.charts.style import INK, MUTED, PAPER, PLATE
 
 Array = NDArray[np.float64]
-PLATE = "#e4e9ef"
-PAPER = "#ffffff"
-SLOT = "#ffffffb0"  # what passes behind a slot stays visible
+SLOT = (PAPER, 0.7)  # what passes behind a slot stays visible
 
 
 def outline(points: Array) -> Array:
@@ -83,8 +80,9 @@ def hatched_line(axes: Axes, start: ArrayLike, end: ArrayLike, size: float, ink:
     along = (b - a) / length
     across = np.array([along[1], -along[0]])
     feet = a + np.outer(np.arange(0.5 * size, length, 1.25 * size), along)
-    strokes = [np.array([foot, foot + 1.1 * size * (across - along)]) for foot in feet]
-    axes.add_collection(LineCollection(strokes, colors=ink, linewidths=0.6, zorder=6.0))
+    gap = np.full(2, np.nan)
+    strokes = np.array([point for foot in feet for point in (foot, foot + 1.1 * size * (across - along), gap)])
+    axes.plot(*strokes.reshape(-1, 2).T, color=ink, linewidth=0.6, zorder=6.0)
     axes.plot(*np.array([a, b]).T, color=ink, linewidth=0.9, zorder=6.0)
 
 

@@ -17,7 +17,7 @@ from comparisons.datasheet.designer_results import DesignerResults
 from comparisons.datasheet.units import file_unit
 from reports.charts import style
 from reports.charts.forces import draw_tips
-from reports.charts.scheme import POSITIONS, KinematicScheme, draw_scheme
+from reports.charts.old_scheme import POSITIONS, KinematicScheme, draw_scheme
 from reports.charts.style import FULL_WIDTH, INK, MUTED, PALETTE, PIN_INCHES, drawn, label_values
 from reports.document.numbers import figure as digits
 

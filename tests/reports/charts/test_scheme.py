@@ -7,37 +7,52 @@ import pytest
 
 from analytic.description.loading import catalogue, load
 from analytic.kinematics.mechanism import Mechanism
-from reports.charts import scheme, symbols
-from reports.records.views import View
+from comparisons.datasheet.positions import over_reach
+from reports.charts import symbols
+from reports.charts.scheme import KinematicScheme, scheme_figure
 
-LINKAGES = sorted((Path(__file__).parents[2] / "linkages").glob("*.toml"))
+LINKAGES = sorted((Path(__file__).parents[2] / "linkages").rglob("*.toml"))
+
+
+def scheme_of(name):
+    mechanism = Mechanism(load(name))
+    return KinematicScheme(mechanism.linkage, over_reach(mechanism))
 
 
 @pytest.mark.parametrize("name", [*catalogue(), *map(str, LINKAGES)], ids=lambda name: Path(name).stem)
 def test_every_linkage_can_be_drawn_to_scale(name):
-    view = View(None, load(name))
-    if not view.makes_full_turn:
-        pytest.skip("the crank cannot make a full turn")
-    figure = scheme.scheme_figure(view)
-    (axes,) = figure.axes
-    assert axes.get_aspect() == 1.0
-    low, high = scheme.scheme_of(view.mechanism).extent
+    scheme = scheme_of(name)
+    (axes,) = scheme_figure(scheme.linkage, scheme.positions).axes
+    box = axes.get_window_extent()
+    assert np.ptp(axes.get_xlim()) / box.width == pytest.approx(np.ptp(axes.get_ylim()) / box.height)
+    low, high = scheme.extent
     assert np.all(low > [axes.get_xlim()[0], axes.get_ylim()[0]])
     assert np.all(high < [axes.get_xlim()[1], axes.get_ylim()[1]])
-    names = {point for link in view.linkage.links.values() for point in link.points} | set(view.linkage.ground)
+    linkage = scheme.linkage
+    names = {point for link in linkage.links.values() for point in link.points} | set(linkage.ground)
     assert names <= {text.get_text() for text in axes.texts}
+    assert all(text.get_fontsize() * 96.0 / 72.0 >= 12.0 for text in axes.texts)
+
+
+def test_places_are_those_of_the_closed_form_in_the_files_unit():
+    mechanism = Mechanism(load("slotted-takeup"))
+    scheme = scheme_of("slotted-takeup")
+    sweep = mechanism.sweep(scheme.positions.angle)
+    for point, path in scheme.paths.items():
+        for ours, theirs in zip(path, sweep.point(point), strict=True):
+            np.testing.assert_allclose(ours, 1e3 * np.broadcast_to(theirs, sweep.angle.shape), atol=1e-9)
 
 
 def test_the_extent_is_that_of_the_crank_slider():
-    low, high = scheme.scheme_of(Mechanism(load("juki-mf7923d"))).extent
+    low, high = scheme_of("juki-mf7923d").extent
     np.testing.assert_allclose(low, [-15.5, -70.0], atol=1e-9)
     np.testing.assert_allclose(high, [15.5, 15.5], atol=1e-9)
 
 
 def test_a_guide_covers_the_travel_of_its_slider():
-    found = scheme.scheme_of(Mechanism(load("juki-mf7923d")))
-    slider = found.linkage.sliders[0]
-    ends = np.array(found.travel(slider.guide, slider.link, slider.point))
+    scheme = scheme_of("juki-mf7923d")
+    slider = scheme.linkage.sliders[0]
+    ends = np.array(scheme.travel(slider.guide, slider.link, slider.point))
     np.testing.assert_allclose(ends, [[0.0, -0.070], [0.0, -0.039]], atol=1e-12)
 
 

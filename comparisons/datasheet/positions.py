@@ -1,0 +1,34 @@
+"""Where a linkage's bodies are over a turn of its crank, or over the range that its driver reaches."""
+
+from __future__ import annotations
+
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from analytic.description.law import FULL_TURN
+from analytic.kinematics.crank_range import crank_range
+from analytic.kinematics.mechanism import Mechanism
+from comparisons.datasheet.sheet import Positions
+
+COUNT: Final = 121
+INSET: Final = 1e-9  # of a range that ends in dead positions, so that its ends are assembled
+
+
+def over_reach(mechanism: Mechanism) -> Positions:
+    """The positions from φ = 0 over a turn, or between the ends of the range."""
+    reach = crank_range(mechanism)
+    if reach.is_full_turn:
+        return at(mechanism, np.linspace(0.0, FULL_TURN, COUNT), closed=True)
+    low, high = reach.limits
+    inset = INSET * (high - low)
+    return at(mechanism, np.linspace(low + inset, high - inset, COUNT), closed=False)
+
+
+def at(mechanism: Mechanism, angle: NDArray[np.float64], *, closed: bool) -> Positions:
+    """The positions at these values of φ, rad, or of the travel, m."""
+    sweep, linkage = mechanism.sweep(angle), mechanism.linkage
+    bodies = {name: np.array(np.broadcast_arrays(*sweep.poses(name)[:2], sweep.angles(name))) for name in linkage.links}
+    carriers = {slot.point: sweep.carrier(slot.point) for slot in linkage.slots}
+    return Positions("phi", angle, angle, bodies, carriers, closed)
