@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from functools import partial
 from typing import Any, Final
 
 import numpy as np
@@ -10,10 +11,11 @@ from numpy.typing import NDArray
 
 from analytic.description.linkage import Link
 from comparisons.datasheet.sheet import Normalised
-from reports.document.chart import Chart, Curve, Mark, Note, Panel
+from reports.charts.scheme import scheme_figure
+from reports.document.chart import Chart, Curve, Note, Panel
 from reports.document.numbers import ABSENT, figure, printed
-from reports.document.parts import Bullets, Facts, Figure, Figures, Fold, Paragraph, Part, Section, Table
-from reports.document.templates import lines, plain
+from reports.document.parts import Bullets, Card, Cards, Facts, Figure, Figures, Fold, Paragraph, Part, Section, Table
+from reports.document.templates import lines, plain, sentence
 from reports.mechanism.key_figures import force_words
 from reports.mechanism.shown import ShownSheet
 
@@ -38,17 +40,12 @@ def _told(shown: ShownSheet, *keys: str) -> tuple[Part, ...]:
     return tuple(Paragraph(shown.sheet.missing[key], "small") for key in keys if key in shown.sheet.missing)
 
 
-def alt(shown: ShownSheet, what: str) -> str:
-    """What a figure is, for a reader without pictures."""
-    return f"{shown.sheet.linkage.title} ({shown.sheet.variant}): {what}"
-
-
 def _motion(shown: ShownSheet) -> Section:
     """S, v and a, and the normalised motion against harmonics."""
     figures = []
     if shown.has("S"):
         caption = "Displacement S, velocity v and acceleration a of the output; dots are peaks."
-        figures.append(Figure("output", caption, alt(shown, "S, v and a"), shown.stacked(OUTPUT, TALL)))
+        figures.append(Figure("output", caption, f"{shown.about}: S, v and a", shown.stacked(OUTPUT, TALL)))
     if shown.sheet.normalised:
         figures.append(_normalised(shown, shown.sheet.normalised))
     parts: tuple[Part, ...] = (Figures(tuple(figures)),) if figures else ()
@@ -68,7 +65,7 @@ def _normalised(shown: ShownSheet, found: Normalised) -> Figure:
         panels.append(Panel((harmonic, ours), label, words[number], turn=True))
     means = ", ".join(f"{name} {100.0 * found.means[name]:.2f} %" for name in OUTPUT)
     caption = f"Normalised motion against simple harmonic motion (dashed); mean difference over a turn: {means}."
-    return Figure("normalised", caption, alt(shown, "normalised motion"), Chart(tuple(panels), TALL))
+    return Figure("normalised", caption, f"{shown.about}: normalised motion", Chart(tuple(panels), TALL))
 
 
 def _drive(shown: ShownSheet) -> Section:
@@ -79,15 +76,16 @@ def _drive(shown: ShownSheet) -> Section:
         return Section("drive", "Drive", (Paragraph(sentence, "small"),))
     force = "force" if shown.sheet.linkage.is_linear else "torque"
     caption = f"Driving {force} Mkr, power Peq and kinetic energy Teq; dots are peaks."
-    drive = Figure("drive", caption, alt(shown, caption), shown.stacked(names, TALL))
-    lead = [text.partition(": ")[2] for text in lines("mechanism", facts=_of_turn(shown.sheet.facts)) if _is_jeq(text)]
-    words = [Paragraph(f"Reduced moment of inertia Jeq: {text}.") for text in lead]
+    drive = Figure("drive", caption, f"{shown.about}: {caption}", shown.stacked(names, TALL))
+    words = (Paragraph(_jeq(shown)),) if "Jeq" in shown.sheet.facts else ()
     figures = Figures((drive, *_inertia(shown)))
     return Section("drive", "Torque, power and inertia", (*words, figures, *_told(shown, "shares")))
 
 
-def _is_jeq(text: str) -> bool:
-    return text.startswith("Jeq: ")
+def _jeq(shown: ShownSheet) -> str:
+    """The reduced moment of inertia in words."""
+    found = {name: shown.value("Jeq", shown.sheet.facts["Jeq"][name]) for name in ("min", "max", "mean")}
+    return sentence("sheet_inertia", facts=shown.sheet.facts["Jeq"], **found)
 
 
 def _inertia(shown: ShownSheet) -> tuple[Figure, ...]:
@@ -107,12 +105,12 @@ def _inertia(shown: ShownSheet) -> tuple[Figure, ...]:
         for number, (name, values) in enumerate(varying.items())
     ]
     unit = shown.own("kg m²").name
-    panels = [shown.panel(stack, f"Jeq, {unit}", is_last=not curves, zero=False)]
-    panels += [shown.panel(curves, f"Jeq of a link, {unit}", zero=False)] if curves else []
+    panels = [shown.panel(stack, f"Jeq, {unit}", is_last=not curves)]
+    panels += [shown.panel(curves, f"Jeq of a link, {unit}")] if curves else []
     left_out = f"; constant and left out: {', '.join(constant)}" if constant else ""
     caption = "Where Jeq comes from: the crank and each Assur group, one on the other"
     caption += f", and beneath it every link by itself{left_out}. Per cent are of the mean." if curves else "."
-    return (Figure("inertia", caption, alt(shown, "Jeq by Assur group and by link"), shown.chart(panels, TALL)),)
+    return (Figure("inertia", caption, f"{shown.about}: Jeq by Assur group and by link", shown.chart(panels, TALL)),)
 
 
 def _share(name: str, values: Array, whole: float) -> str:
@@ -133,7 +131,12 @@ def _forces(shown: ShownSheet) -> Section:
     caption = f"Force{most}, named with its peak."
     magnitudes = shown.chart([shown.panel(curves, f"|F|, {unit}")], 3.2, wide=True)
     parts = (
-        Figures((Figure("joint-forces", caption, alt(shown, caption), magnitudes, wide=True), *_on_frame(shown, unit))),
+        Figures(
+            (
+                Figure("joint-forces", caption, f"{shown.about}: {caption}", magnitudes, wide=True),
+                *_on_frame(shown, unit),
+            )
+        ),
         _hodographs(shown, joints, unit),
         Fold("Largest force of every joint, in figures", (_force_table(shown),)),
     )
@@ -151,8 +154,8 @@ def _on_frame(shown: ShownSheet, unit: str) -> tuple[Figure, ...]:
     moment_caption = f"Shaking moment on the frame about {shown.sheet.moment_centre}, the drive's reaction included."
     over = shown.chart([shown.panel([moment], label)], 3.6)
     return (
-        Figure("shaking-force", force_caption, alt(shown, "hodograph of the shaking force"), tip),
-        Figure("shaking-moment", moment_caption, alt(shown, "shaking moment"), over),
+        Figure("shaking-force", force_caption, f"{shown.about}: hodograph of the shaking force", tip),
+        Figure("shaking-moment", moment_caption, f"{shown.about}: shaking moment", over),
     )
 
 
@@ -168,7 +171,7 @@ def _hodographs(shown: ShownSheet, joints: list[str], unit: str) -> Figure:
     which = f"the {MOST_HODOGRAPHS} joints with the largest forces" if len(joints) > MOST_HODOGRAPHS else "every joint"
     caption = f"Fx against Fy of {which}, each to its own scale{_dots(shown)}."
     chart = Chart(tuple(panels), 2.75 * rows, columns=min(PER_ROW, len(drawn)), wide=True)
-    return Figure("hodographs", caption, alt(shown, "hodographs of the joint forces"), chart, wide=True)
+    return Figure("hodographs", caption, f"{shown.about}: hodographs of the joint forces", chart, wide=True)
 
 
 def hodograph(shown: ShownSheet, vector: str, ink: int, unit: str) -> Panel:
@@ -183,8 +186,7 @@ def hodograph(shown: ShownSheet, vector: str, ink: int, unit: str) -> Panel:
         curves.append(Curve(dots[0], dots[1], ink=ink, line="", marker="o"))
         quarters = zip(degrees, dots.T, strict=True)
         notes = tuple(Note(float(x), float(y), f"{at}°") for at, (x, y) in quarters if not at % QUARTERS)
-    cross = (Mark(0.0, "x", ink="faint"), Mark(0.0, "y", ink="faint"))
-    return Panel(tuple(curves), f"Fx, {unit}", f"Fy, {unit}", cross, notes, "equal", names="", title=title)
+    return Panel(tuple(curves), f"Fx, {unit}", f"Fy, {unit}", (), notes, "equal", names="", title=title)
 
 
 def _force_table(shown: ShownSheet) -> Table:
@@ -205,20 +207,33 @@ def _force_table(shown: ShownSheet) -> Table:
 
 
 def _links(shown: ShownSheet) -> Section:
-    """The moving links in the file's units, with what each gives to the mean Jeq, and the file's notes."""
-    linkage, facts = shown.sheet.linkage, shown.sheet.facts["links"]
+    """The linkage in several positions, its links in the file's units with what each gives to the mean Jeq, notes."""
+    linkage, facts = shown.sheet.linkage, shown.sheet.facts.get("links", {})
     units = [shown.own(si) for si in ("kg", "kg m²", "m")]
     means = {name: link["Jeq_mean"] for name, link in facts.items() if "Jeq_mean" in link}
     whole = sum(means.values())
     head = ("link", *(f"{word}, {unit.name}" for word, unit in zip(("m", "J", "mass centre"), units, strict=True)))
-    rows = [_link_row(linkage.links[name], [unit.size for unit in units]) for name in facts]
+    rows = [_link_row(link, [unit.size for unit in units]) for link in linkage.links.values()]
     if whole:
         head += ("of mean Jeq",)
-        rows = [(*row, f"{100.0 * means.get(name, 0.0) / whole:.1f} %") for row, name in zip(rows, facts, strict=True)]
+        shares = [f"{100.0 * means.get(name, 0.0) / whole:.1f} %" for name in linkage.links]
+        rows = [(*row, share) for row, share in zip(rows, shares, strict=True)]
     note = f"Mass centres in the link's own frame; J about the mass centre, {ABSENT} where the link cannot turn."
     table = Table("The moving links as described.", head, tuple(rows), note=note)
-    notes = tuple(shown.sheet.facts.get("notes", ()))
-    return Section("made-of", "Links", (table, *((Bullets(notes),) if notes else ())))
+    notes = (Bullets(linkage.notes),) if linkage.notes else ()
+    cards = (*_scheme(shown), Card("Links", (table, *notes)))
+    return Section("made-of", "What it is made of", (Cards(cards, wide=True),))
+
+
+def _scheme(shown: ShownSheet) -> tuple[Card, ...]:
+    """The linkage to scale in positions of its motion."""
+    sheet, positions = shown.sheet, shown.sheet.positions
+    if positions is None:
+        return ()
+    output = f"; the blue line is the path of {sheet.linkage.output.point}" if sheet.linkage.output else ""
+    caption = f"To scale in several positions, one of them drawn out, quartered discs are mass centres{output}."
+    drawing = partial(scheme_figure, sheet.linkage, positions)
+    return (Card("Positions", (Figure("scheme", caption, f"{shown.about}: kinematic scheme", drawing),)),)
 
 
 def _link_row(link: Link, sizes: list[float]) -> tuple[str, ...]:

@@ -26,7 +26,8 @@ def key_figures(sheet: Sheet) -> tuple[Row, ...]:
 def key_table(sheet: Sheet) -> Table:
     """The same as a table."""
     head = ("", "value", "at t" if sheet.axis == "time" else "at φ")
-    return Table("Key figures of this motion.", head, key_figures(sheet), align="lrr", style="key")
+    conditions = sheet.conditions.partition(": ")[2]
+    return Table(f"{conditions[:1].upper()}{conditions[1:]}.", head, key_figures(sheet), align="lrr", style="key")
 
 
 def _drive(shown: ShownSheet) -> Iterator[Row]:

@@ -4,15 +4,20 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
+from analytic.description.linkage import Linkage
 from comparisons.campaign.results import Results
 from comparisons.datasheet.sheet import Sheet
+from reports.charts.moving import moving_scheme
 from reports.document.parts import NOTHING, Bullets, Card, Cards, Page, Paragraph, Section
 from reports.mechanism import designer
+from reports.mechanism.engines import engines_section
 from reports.mechanism.key_figures import key_table
 from reports.mechanism.player import player
 from reports.mechanism.published import published_section
+from reports.mechanism.released_section import released_section
 from reports.mechanism.shown import ShownSheet
 from reports.mechanism.thread_section import thread_section
+from reports.records.views import views
 
 FOLDER = "mechanisms"
 
@@ -35,7 +40,7 @@ def page(sheet: Sheet, results: Results | None = None) -> Page:
         heading=linkage.title or sheet.name,
         subtitle=f"{sheet.name}, variant {sheet.variant}{of}.{source}",
         parts=(*((Bullets(tuple(verdict)),) if verdict else ()), _first_look(shown)),
-        sections=tuple(_sections(shown)),
+        sections=tuple(_sections(shown, results)),
         charts=results is not None,
     )
 
@@ -46,15 +51,24 @@ def _first_look(shown: ShownSheet) -> Cards:
     if sheet.axis not in sheet.values:
         why = Paragraph(f"There is no motion to show: {sheet.missing.get('values', 'none is saved')}.")
         return Cards((Card("The mechanism", (why, designer.facts(shown))),), wide=True)
-    conditions = sheet.conditions.partition(": ")[2]
-    motion = Card("In motion", (player(shown, NOTHING), designer.facts(shown)))
-    return Cards((motion, Card("Key figures", (Paragraph(f"{conditions}.", "small"), key_table(sheet)))), wide=True)
+    drawing = moving_scheme(sheet.linkage, sheet.positions, "motion") if sheet.positions else NOTHING
+    motion = Card("In motion", (player(shown, drawing),))
+    return Cards((motion, Card("Key figures", (key_table(sheet), designer.facts(shown)))), wide=True)
 
 
-def _sections(shown: ShownSheet) -> Iterator[Section]:
+def _is_of(linkage: Linkage, sheet: Sheet) -> bool:
+    return (linkage.name, linkage.variant) == (sheet.name, sheet.variant)
+
+
+def _sections(shown: ShownSheet, results: Results | None) -> Iterator[Section]:
     sheet = shown.sheet
     yield from designer.sections(shown)
     if sheet.thread:
         yield thread_section(shown, sheet.thread)
+    if sheet.released:
+        yield released_section(shown)
     if sheet.published:
         yield published_section(sheet.published)
+    view = next((view for view in views(results) if _is_of(view.linkage, sheet)), None) if results else None
+    if view:
+        yield engines_section(view)

@@ -12,13 +12,13 @@ from numpy.typing import NDArray
 
 from comparisons.datasheet.sheet import Sheet
 from comparisons.datasheet.units import FileUnit, file_unit
-from reports.document.chart import Chart, Curve, Mark, Panel
+from reports.document.chart import Chart, Curve, Panel
 from reports.document.numbers import ABSENT, figure, within_turn
 
 Array = NDArray[np.float64]
 
 TURN: Final = 2.0 * np.pi
-ROUNDING: Final = 1e-9  # of a turn: what a sheet's digits leave of it
+ROUNDING: Final = 1e-6  # of a turn: what a sheet's digits leave of it
 JOINT, MAGNITUDE = "joint_force:", ":magnitude"
 NEGLIGIBLE: Final = 1e-9  # share of the largest value of a kind below which a value is zero but for a sheet's digits
 
@@ -28,6 +28,11 @@ class ShownSheet:
     """Values (n,) in the file's units, in ascending order of the axis."""
 
     sheet: Sheet
+
+    @property
+    def about(self) -> str:
+        """The mechanism in words, for who sees no pictures."""
+        return f"{self.sheet.linkage.title} ({self.sheet.variant})"
 
     def has(self, name: str) -> bool:
         """Whether the sheet has values of a signal."""
@@ -124,22 +129,27 @@ class ShownSheet:
         """The value of the largest magnitude of a signal, with its unit."""
         return self.value(name, self.sheet.peaks[name]["value"])
 
-    def panel(self, curves: Sequence[Curve], y_label: str, *, is_last: bool = True, zero: bool = True) -> Panel:
-        """Curves over the axis, with a line at zero."""
-        marks = (Mark(0.0, along="y", ink="faint"),) if zero else ()
-        label = self.axis_name if is_last else ""
-        return Panel(tuple(curves), label, y_label, marks, turn=self.is_turn)
+    def panel(self, curves: Sequence[Curve], y_label: str, *, is_last: bool = True) -> Panel:
+        """Curves over the axis."""
+        return Panel(tuple(curves), self.axis_name if is_last else "", y_label, turn=self.is_turn)
 
     def stacked(self, names: Sequence[str], height: float) -> Chart:
         """Signals one under the other over the axis, each with its peak marked."""
         panels = []
         for number, name in enumerate(names):
-            x, y = self.x, self.y(name)
-            top = int(np.nanargmax(np.abs(y)))
-            dot = Curve(x[top : top + 1], y[top : top + 1], ink=number, line="", marker="o")
+            curves = (Curve(self.x, self.y(name), ink=number), *self._dot(name, number))
             label = f"{'force' if name == 'Mkr' and self.sheet.linkage.is_linear else name}, {self.unit(name).name}"
-            panels.append(self.panel((Curve(x, y, ink=number), dot), label, is_last=number == len(names) - 1))
+            panels.append(self.panel(curves, label, is_last=number == len(names) - 1))
         return self.chart(panels, height)
+
+    def _dot(self, name: str, ink: int) -> tuple[Curve, ...]:
+        """A mark at the value of the largest magnitude of a signal."""
+        peak = self.sheet.peaks[name]
+        if peak["value"] is None or peak["at"] is None:
+            return ()
+        at = peak["at"] % TURN if self.is_turn else peak["at"]
+        place, value = np.array([at / self.axis.size]), np.array([peak["value"] / self.unit(name).size])
+        return (Curve(place, value, ink=ink, line="", marker="o"),)
 
     def chart(self, panels: Sequence[Panel], height: float, *, wide: bool = False) -> Chart:
         """Panels one under the other over the sheet's axis, on which a page shows where its mechanism is."""

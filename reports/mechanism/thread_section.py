@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+from functools import partial
+
 import numpy as np
 
 from comparisons.datasheet.sheet import ThreadSheet
+from reports.charts import thread as drawings
 from reports.document.chart import Chart, Curve, Mark, Panel
 from reports.document.parts import Figure, Figures, Section
 from reports.mechanism.shown import ShownSheet
@@ -12,19 +15,27 @@ from reports.mechanism.shown import ShownSheet
 
 def thread_section(shown: ShownSheet, thread: ThreadSheet) -> Section:
     """Contour and feed."""
-    about = f"{shown.sheet.linkage.title} ({shown.sheet.variant})"
-    figures = [
-        Figure(
-            "feed",
-            "Feed Pd, and beneath it the length of the contour; uprights mark where an eye turns round.",
-            f"{about}: thread feed and contour length over the crank angle",
-            feed_chart(shown, thread),
-        ),
-    ]
+    linkage, positions = shown.sheet.linkage, shown.sheet.positions
+    angle = f"{np.degrees(thread.reference_angle) % 360.0:.2f}°"
+    figures = []
+    if positions is not None:
+        caption = (
+            f"The contour at φ_ref = {angle}, where the feed counts from; rings are guides, dashed lines paths of eyes."
+        )
+        drawing = partial(drawings.plane_figure, linkage, positions, thread)
+        figures.append(Figure("contour", caption, f"{shown.about}: the thread's contour with the linkage", drawing))
+    is_spatial = positions is not None and drawings.is_spatial(thread)
+    if positions is not None and is_spatial:
+        caption = "The contour in space: z runs along the main shaft and is drawn to a larger scale."
+        drawing = partial(drawings.space_figure, linkage, positions, thread)
+        figures.append(Figure("contour-in-space", caption, f"{shown.about}: the thread in space", drawing))
+    caption = "Feed Pd, and beneath it the length of the contour; uprights mark where an eye turns round."
+    chart, alt = feed_chart(shown, thread, wide=is_spatial), f"{shown.about}: thread feed and contour length"
+    figures.append(Figure("feed", caption, alt, chart, wide=is_spatial))
     return Section("thread", "Thread", (Figures(tuple(figures)),))
 
 
-def feed_chart(shown: ShownSheet, thread: ThreadSheet) -> Chart:
+def feed_chart(shown: ShownSheet, thread: ThreadSheet, *, wide: bool) -> Chart:
     """Feed above, contour below, over a turn from 0° to 360°."""
     unit = shown.own("m")
     degrees = np.degrees(thread.angle)
@@ -41,4 +52,4 @@ def feed_chart(shown: ShownSheet, thread: ThreadSheet) -> Chart:
         Panel((feed,), "", f"Pd, {unit.name}", tuple(uprights), turn=True),
         Panel((length,), "crank angle φ, °", f"contour L, {unit.name}", plain, turn=True),
     )
-    return Chart(panels, 3.6, axis="phi" if shown.is_turn else "")
+    return Chart(panels, 3.6, wide=wide, axis="phi" if shown.is_turn else "")

@@ -65,7 +65,8 @@
 
   const told = (row, sample) => {
     const value = row.values[sample];
-    return value === null ? "–" : `${String(value).replace("-", "−")} ${row.unit}`;
+    const digits = value !== null && value !== 0 && Math.abs(value) < 1e-3 ? value.toExponential(3) : String(value);
+    return value === null ? "–" : `${digits.replace(/^-/, "−")} ${row.unit}`;
   };
 
   function addControls(element, data, last) {

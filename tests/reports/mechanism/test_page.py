@@ -18,7 +18,7 @@ def figures(found):
         return [found]
     if isinstance(found, Figures):
         return list(found.figures)
-    inner = found.sections if hasattr(found, "sections") else getattr(found, "parts", ())
+    inner = next((getattr(found, name) for name in ("sections", "parts", "cards") if hasattr(found, name)), ())
     return [figure for part in inner for figure in figures(part)]
 
 
