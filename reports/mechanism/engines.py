@@ -4,28 +4,35 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from itertools import groupby
-from typing import Any
+from types import MappingProxyType
+from typing import Any, Final
 
+from comparisons.datasheet.sheet import Printed
 from comparisons.judging.quantities import JOINT_FORCE, QUANTITIES
 from comparisons.judging.records import Record, Verdict
 from reports.charts.errors import errors_figure
 from reports.document import numbers
+from reports.document.chart import Chart, Curve, Panel
 from reports.document.parts import Bullets, Cell, Figure, Fold, Part, Section, Table, Widget
 from reports.document.signs import RUNS
 from reports.document.templates import plain, sentence
-from reports.mechanism.curves import chart_data, curves
+from reports.mechanism.curves import chart_data, curves, extremes
 from reports.records.origins import control_last, exceptions, origin_words
-from reports.records.views import SETTINGS, Regime, View, anchor
+from reports.records.views import SETTINGS, Regime, View, anchor, engines
 
-KEY = "engines"
+KEY: Final = "engines"
+SHOWN: Final = 300  # stretches of a curve, of which the extremes are drawn
 
 
-def engines_section(view: View) -> Section:
-    """The half of a mechanism's page that shows what was simulated, or what another tool's file says."""
+def engines_section(view: View, printed: Mapping[str, Printed] = MappingProxyType({})) -> Section:
+    """The half of a mechanism's page that shows what was simulated, or what another tool's file says.
+
+    ``printed`` are the motions of models as printed, by erratum.
+    """
     imported = "judgement" in view.results.document
     parts: list[Part] = [chart(view)]
     parts += [errors_fold(view, regime) for regime in view.regimes]
-    parts += _printed_models(view)
+    parts += _printed_models(view, printed)
     if not imported:
         parts.append(runs_fold(view))
     return Section(KEY, "Every error" if imported else "How the engines did", tuple(parts))
@@ -111,15 +118,33 @@ def _reasons(runs: Sequence[Sequence[Record]]) -> tuple[str, ...]:
     return tuple(f"{engine} {'; '.join(who)} – {reason}." for (engine, reason), who in told.items())
 
 
-def _printed_models(view: View) -> list[Part]:
+def _printed_models(view: View, printed: Mapping[str, Printed]) -> list[Part]:
     """What the engines say of the models that the source prints, which are held against the file's own values."""
     if view.linkage.variant != view.linkage.variants[0]:
         return []
     rows = [row for row in view.results.document.get("errata", []) if row["mechanism"] == view.linkage.name]
-    tables = tuple(
-        _printed_model(list(part)) for _, part in groupby(rows, key=lambda row: (row["erratum"], row["regime"]))
-    )
-    return [Fold("Printed models put to the engines", tables)] if tables else []
+    parts: list[Part] = []
+    for (name, regime), part in groupby(rows, key=lambda row: (row["erratum"], row["regime"])):
+        parts.append(_printed_model(list(part)))
+        if name in printed:
+            parts.append(_printed_figure(view, regime, name, printed[name]))
+    return [Fold("Printed models put to the engines", tuple(parts))] if parts else []
+
+
+def _printed_figure(view: View, regime: str, name: str, motion: Printed) -> Figure:
+    """The crank's speed by both models and by the engines."""
+    at = next((one for one in view.regimes if one.name == regime), None)
+    traces = [trace for trace in view.traces(at, "omega") if trace.record.setting == view.standing(at)] if at else []
+    names = engines(view.results)
+    curves = [Curve(motion.time, motion.corrected, "corrected", "reference", width=3.4)]
+    for trace in traces:
+        few = extremes(trace.observed, SHOWN)
+        ink = names.index(trace.record.engine)
+        curves.append(Curve(trace.time[few], trace.observed[few], trace.record.engine, ink, "--", 1.0))
+    curves.append(Curve(motion.time, motion.printed, "as printed", "limit"))
+    panel = Panel(tuple(curves), "time, s", "ω, rad/s", names="key")
+    caption = f"Crank speed by the corrected model, by the engines and as printed: {name}."
+    return Figure(anchor("printed", name), caption, caption, Chart((panel,), height=2.8, wide=True), wide=True)
 
 
 def _printed_model(rows: Sequence[Mapping[str, Any]]) -> Table:

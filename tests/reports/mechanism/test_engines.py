@@ -2,9 +2,11 @@
 
 from dataclasses import asdict, replace
 
+import numpy as np
 import pytest
 
 from comparisons.campaign.results import Results
+from comparisons.datasheet.sheet import Printed
 from comparisons.judging.records import Verdict
 from engines.contract import Setting
 from reports.document.parts import Bullets, Cell, Fold, Table, Widget
@@ -99,8 +101,15 @@ def test_printed_models_have_a_table_each_with_the_reason_of_an_engine_without_a
         "reason": "takes no such drive",
     }
     (view,) = views(Results({**results.document, "errata": [row, none]}, results.curves))
-    (fold,) = (p for p in engines_section(view).parts if isinstance(p, Fold) and p.summary.startswith("Printed"))
-    (table,) = fold.parts
+    motion = Printed(np.array([0.0, 1.0]), np.array([9.0, 9.0]), np.array([9.0, 4.0]))
+    (fold,) = (
+        p
+        for p in engines_section(view, {"sign of k2": motion}).parts
+        if isinstance(p, Fold) and p.summary.startswith("Printed")
+    )
+    table, figure = fold.parts
+    (panel,) = figure.drawing.panels
+    assert [curve.name for curve in panel.curves] == ["corrected", "as printed"]
     assert "equation (7)" in table.caption
     assert [(row[0], row[1], row[3]) for row in table.rows] == [
         ("alpha", "2.0e-9", "corrected"),
