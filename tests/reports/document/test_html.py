@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from markupsafe import Markup
 
-from reports.charts.style import DARK, INK, LIMIT_COLOUR, PALETTE, REFERENCE
+from reports.charts.style import DARK, NAMED, PALETTE, PAPER
 from reports.document import html
 from reports.document.chart import Chart, Curve, Panel
 from reports.document.parts import (
@@ -159,8 +159,8 @@ def test_assets_are_what_a_page_asks_for(page, folder):
 def test_a_page_has_the_colours_of_its_figures_in_both_schemes(folder):
     style = (folder / "assets/linkproof.css").read_text(encoding="utf-8")
     light, dark = (dict(re.findall(r"--(\w+): (#\w{6});", part)) for part in style.split("@media", 2)[:2])
-    figures = dict(zip(("ink", "limit", "reference", *(f"c{n}" for n in range(6))),
-                       (INK, LIMIT_COLOUR, REFERENCE, *PALETTE), strict=True))  # fmt: skip
+    figures = {**NAMED, "paper": PAPER, **{f"c{number}": colour for number, colour in enumerate(PALETTE)}}
+    figures["line"] = figures.pop("faint")
     assert {name: light[name] for name in figures} == figures
     assert {name: dark[name] for name in figures} == {name: DARK[colour] for name, colour in figures.items()}
 
