@@ -39,19 +39,26 @@ _STYLE = re.compile(r"(<style[^>]*>)(.*?)(</style>)", re.DOTALL)
 
 def figure(chart: Chart) -> Figure:
     """The chart, drawn."""
-    layout = _Layout(chart)
+    size = _size(chart)
+    return drawn(*size, lambda found: place(found, chart, (0.0, 0.0), size))
 
-    def draw(found: Figure) -> None:
-        for number in range(len(chart.panels)):
-            _draw_panel(found, layout, number)
 
-    return drawn(*layout.size, draw)
+def place(found: Figure, chart: Chart, corner: tuple[float, float], size: tuple[float, float]) -> None:
+    """Draw the chart into a part of a figure: its lower left corner and its width and height, in."""
+    layout = _Layout(chart, size)
+    for number in range(len(chart.panels)):
+        _draw_panel(found, layout, number, corner)
 
 
 def edges(chart: Chart) -> tuple[float, float]:
     """Left and right end of the axes of a chart's first panel, as shares of the width."""
-    left, _, width, _ = _Layout(chart).box(0)
-    return left, left + width
+    size = _size(chart)
+    left, _, width, _ = _Layout(chart, size).box(0)
+    return left / size[0], (left + width) / size[0]
+
+
+def _size(chart: Chart) -> tuple[float, float]:
+    return (FULL_WIDTH if chart.wide else WIDTH), chart.height
 
 
 def svg(drawing: Figure, page: str = "none") -> str:
@@ -91,10 +98,7 @@ class _Layout:
     """Where every panel of a chart stands, in: found from its words alone, so that none of them touches another."""
 
     chart: Chart
-
-    @cached_property
-    def size(self) -> tuple[float, float]:
-        return (FULL_WIDTH if self.chart.wide else WIDTH), self.chart.height
+    size: tuple[float, float]
 
     @property
     def columns(self) -> int:
@@ -201,12 +205,11 @@ class _Layout:
         return (self.size[1] - EDGE - sum(map(sum, self.heights))) / self.rows
 
     def box(self, number: int) -> tuple[float, float, float, float]:
-        """Left, bottom, width and height of a panel's axes, as shares of the figure."""
+        """Left, bottom, width and height of a panel's axes, in."""
         row, column = divmod(number, self.columns)
         left = sum(map(sum, self.margins[:column])) + column * (self.width + BETWEEN) + self.margins[column][0]
         top = sum(map(sum, self.heights[:row])) + row * self.height + self.heights[row][0]
-        (wide, high), bottom = self.size, self.size[1] - top - self.height
-        return left / wide, bottom / high, self.width / wide, self.height / high
+        return left, self.size[1] - top - self.height, self.width, self.height
 
 
 def _uprights(panel: Panel) -> list[Mark]:
@@ -243,13 +246,14 @@ def _key_rows(panel: Panel, width: float) -> list[list[Curve]]:
     return rows if rows[0] else []
 
 
-def _draw_panel(found: Figure, layout: _Layout, number: int) -> None:
+def _draw_panel(found: Figure, layout: _Layout, number: int, corner: tuple[float, float]) -> None:
     panel, (x, y) = layout.chart.panels[number], layout.scales[number]
-    axes = found.add_axes(layout.box(number))
+    (left, bottom, width, height), (wide, high) = layout.box(number), found.get_size_inches()
+    axes = found.add_axes(((corner[0] + left) / wide, (corner[1] + bottom) / high, width / wide, height / high))
     if panel.scale == "equal":
         ticks = max(2, int(layout.width / SPACED["x"]))
         x, y = scales.to_scale(panel, (x, y), (layout.width, layout.height), ticks)
-    _draw_scales(axes, x, y, named=layout.names_x(number))
+    _draw_scales(axes, x, y, named=layout.names_x(number), equal=panel.scale == "equal")
     _draw_curves(axes, panel)
     _draw_marks(axes, panel, layout, number)
     labels.write_ends(axes, layout.ends[number], layout.height)
@@ -257,7 +261,7 @@ def _draw_panel(found: Figure, layout: _Layout, number: int) -> None:
     _draw_notes(axes, panel, (x, y), (layout.width, layout.height))
 
 
-def _draw_scales(axes: Axes, x: Scale, y: Scale, *, named: bool) -> None:
+def _draw_scales(axes: Axes, x: Scale, y: Scale, *, named: bool, equal: bool) -> None:
     axes.set(xscale="log" if x.is_log else "linear", yscale="log" if y.is_log else "linear")
     axes.set(xlim=(x.low, x.high), ylim=(y.low, y.high), autoscale_on=False)
     for axis, scale, words in ((axes.xaxis, x, x.words if named else [""] * len(x.words)), (axes.yaxis, y, y.words)):
@@ -269,6 +273,8 @@ def _draw_scales(axes: Axes, x: Scale, y: Scale, *, named: bool) -> None:
     axes.set_ylabel(y.label, labelpad=3.0)
     if not y.is_log and y.low < 0.0 < y.high:
         axes.axhline(0.0, color=MUTED, linewidth=0.6, zorder=1.5)
+    if equal and x.low < 0.0 < x.high:
+        axes.axvline(0.0, color=MUTED, linewidth=0.6, zorder=1.5)
 
 
 def _draw_curves(axes: Axes, panel: Panel) -> None:
@@ -292,7 +298,8 @@ def _draw_marks(axes: Axes, panel: Panel, layout: _Layout, number: int) -> None:
     """Lines across the panel; the names of uprights stand above it."""
     for mark in panel.marks:
         line = axes.axvline if mark.along == "x" else axes.axhline
-        line(mark.place, color=ink(mark.ink), linewidth=0.9, linestyle=(0, (5, 2)), zorder=2.0)
+        style: Any = "-" if mark.ink == "faint" else (0, (5, 2))
+        line(mark.place, color=ink(mark.ink), linewidth=0.9, linestyle=style, zorder=1.4 if style == "-" else 2.0)
     for mark, row in zip(_uprights(panel), layout.uprights[number], strict=True):
         left, right = layout.upright(number, mark.place, mark.name)
         _above(axes, 0.5 * (left + right), row, mark.name, layout, ha="center", color=ink(mark.ink))
@@ -320,9 +327,10 @@ def _draw_heads(axes: Axes, panel: Panel, layout: _Layout, number: int) -> None:
 
 
 def _draw_notes(axes: Axes, panel: Panel, both: tuple[Scale, Scale], box: tuple[float, float]) -> None:
-    if not panel.notes:
-        return
     x, y = both
+    notes = [(x.share(note.x), y.share(note.y), note.text) for note in panel.notes]
+    if not notes:
+        return
     every = [list(zip(map(x.share, curve.x), map(y.share, curve.y), strict=True)) for curve in panel.curves]
     spots = np.array(list(itertools.chain.from_iterable(every)) or [(-1.0, -1.0)])
-    labels.write_notes(axes, [(x.share(n.x), y.share(n.y), n.text) for n in panel.notes], spots, box)
+    labels.write_notes(axes, [note for note in notes if np.isfinite(note[:2]).all()], spots, box)
