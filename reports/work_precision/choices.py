@@ -1,135 +1,118 @@
-"""What to use for an error: the cheapest engine in a line each, a table over all mechanisms, one by mechanism."""
+"""What to use for an error: the cheapest engine, a table over all mechanisms, one by mechanism."""
 
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from itertools import groupby
 
 from comparisons.work_precision.analysis import WANTED, PointChoice
-from comparisons.work_precision.records import Bench
 from reports.document.numbers import ABSENT, bound, error, seconds
-from reports.document.parts import Bullets, Cell, Fold, Paragraph, Part, Section, Table, Words
-from reports.document.templates import plain
-from reports.work_precision.facts import EngineFacts, PlaceFacts, engine_labels, failed_methods, regimes
-from reports.work_precision.words import choice_words, noise_note, way_words
+from reports.document.parts import Cell, Fold, Paragraph, Section, Table, Words
+from reports.work_precision.facts import EngineFacts, PlaceFacts, Regimes, failed_methods, judged_by
+from reports.work_precision.words import choice_words, way_words
 
-# Errors that the first table names a winner for.
-NAMED = (WANTED[1], WANTED[4], WANTED[6])
+# Errors that the first table names a winner for, by their places among those wanted.
+NAMED = (1, 4, 6)
 Found = tuple[EngineFacts, PointChoice]
 
 
-def section(bench: Bench) -> Section:
-    """What to use for an error, by regime: over all mechanisms, then each of them in a fold."""
-    parts: list[Part] = []
-    for regime, places in regimes(bench).items():
-        parts += _over_mechanisms(regime, places, engine_labels(bench))
-        parts.append(Fold(f"Regime {regime}, by mechanism", (_by_mechanism(regime, places),)))
-    return Section("use", "What to use for an error", (*parts, Paragraph(noise_note(bench), "small")))
+def section(regimes: Regimes, note: str) -> Section:
+    """What to use for an error: over all mechanisms, then each of them in a fold; ``note`` is in small print."""
+    about = (
+        f"Time of an engine's cheapest way to each error of the peak in {judged_by(regimes)}, over all mechanisms; a "
+        "point counts if every finer step holds the error too. Behind @ stand the steps a turn; x4: four runs, "
+        "extrapolated."
+    )
+    each = _table("Each mechanism by itself.", "Mechanism", _by_mechanism(regimes))
+    whole = _table(about, "Regime", _over_mechanisms(regimes))
+    return Section("use", "What to use for an error", (whole, Fold("By mechanism", (each,)), Paragraph(note, "small")))
 
 
-def winners(bench: Bench) -> Table:
+def winners(regimes: Regimes) -> Table:
     """The cheapest engine for each of a few errors, a row for every regime."""
-    found = regimes(bench)
     rows: list[tuple[Cell | Words, ...]] = [
-        (regime, *(_winner(places, limit) for limit in NAMED)) for regime, places in found.items()
+        (name, *(_winner(places, column) for column in NAMED)) for name, places in regimes.items()
     ]
-    return Table("The cheapest engine for an error of the peak:", ("Regime", *map(bound, NAMED)), tuple(rows), "l")
+    head = ("Regime", *(bound(WANTED[column]) for column in NAMED))
+    return Table(f"The cheapest engine for an error of the peak in {judged_by(regimes)}:", head, tuple(rows), "l")
 
 
-def _winner(places: Sequence[PlaceFacts], limit: float) -> Cell:
-    """Engines by how many mechanisms they are the cheapest in; the times and way of the first."""
-    best = [found for place in places if (found := _cheapest(place, WANTED.index(limit)))]
-    if not best:
-        return Cell("none", "absent")
-    wins = Counter(facts.engine for facts, _ in best).most_common()
-    mine = [found for found in best if found[0].engine == wins[0][0]]
-    share = f" in {len(mine)} of {len(places)} mechanisms" if len(places) > 1 else ""
-    others = "".join(f"; {name} in {count}" for name, count in wins[1:])
-    note = f"{_span([_time(choice) for _, choice in mine])}, {_way(mine)}{others}"
-    return Cell(f"{wins[0][0]}{share}", note=note)
+def _winner(places: Sequence[PlaceFacts], column: int) -> Cell:
+    """The engines that are the cheapest somewhere, those of most mechanisms first."""
+    wins: dict[str, list[Found]] = {}
+    for place in places:
+        if met := _met(((one, one.choices) for one in place.engines(place.foremost) if not one.is_control), column):
+            best = min(met, key=_time)
+            wins.setdefault(best[0].engine, []).append(best)
+    order = sorted(wins.items(), key=lambda pair: -len(pair[1]))
+    notes = []
+    for name, won in order:
+        share = f", in {len(won)} of {len(places)}" if len(places) > 1 else ""
+        notes.append(f"{f'{name}: ' if len(order) > 1 else ''}{_span(won)}, {_way(won)}{share}")
+    return Cell(" or ".join(dict(order)) or "none", "" if wins else "absent", note="; ".join(notes))
 
 
-def _cheapest(place: PlaceFacts, column: int) -> Found | None:
-    """The engine, no control, that gets to an error in the shortest time."""
-    facts = [one for one in place.engines(place.foremost) if not one.is_control and one.choices]
-    met = [(one, one.choices[column]) for one in facts if one.choices[column].record]
-    return min(met, key=lambda found: _time(found[1]), default=None)
+def _met(engines: Iterable[tuple[EngineFacts, Sequence[PointChoice]]], column: int) -> list[Found]:
+    """The choices of those that get to an error."""
+    return [(facts, choices[column]) for facts, choices in engines if choices and choices[column].record]
 
 
-def _time(choice: PointChoice) -> float:
-    assert choice.record is not None
-    return choice.record.seconds_min or 0.0
+def _time(found: Found) -> float:
+    """Stepping time of a choice that gets there, s."""
+    return (found[1].record and found[1].record.seconds_min) or 0.0
 
 
-def _span(times: Sequence[float]) -> str:
-    """The shortest and the longest of some times, s; one where they read alike."""
+def _span(found: Sequence[Found]) -> str:
+    """The shortest and the longest time; one where they read alike."""
+    times = [_time(one) for one in found]
     return " to ".join(dict.fromkeys((seconds(min(times)), seconds(max(times)))))
 
 
 def _way(found: Sequence[Found]) -> str:
     """The way that most of the mechanisms take."""
-    ways = Counter(way_words(facts, choice.record) for facts, choice in found if choice.record)
-    return ways.most_common(1)[0][0]
+    return Counter(way_words(facts, choice.record or choice.closest) for facts, choice in found).most_common(1)[0][0]
 
 
-def _over_mechanisms(regime: str, places: Sequence[PlaceFacts], labels: dict[str, str]) -> Iterator[Part]:
-    """One row an engine; an engine with the same to say of every error has a sentence."""
-    rows: list[tuple[Cell | Words, ...]] = []
-    sentences = []
-    for name, label in labels.items():
-        facts = [one for place in places for one in place.engines(place.foremost) if one.engine == name]
-        cells = [_cell([(one, one.choices[k]) for one in facts if one.choices]) for k in range(len(WANTED))]
-        spans = list(_merged(cells))
-        if len(spans) > 1:
-            rows.append((label, *spans))
-        elif spans[0].words != ABSENT or spans[0].note:
-            sentences.append(f"{label}, every error down to {bound(WANTED[-1])}: {spans[0].words}, {spans[0].note}.")
-    if rows:
-        yield Table(_caption(regime, places), ("Engine", *map(bound, WANTED)), tuple(rows), "l", style="choices")
-    if sentences:
-        yield Bullets(tuple(sentences))
+def _over_mechanisms(regimes: Regimes) -> Iterator[tuple[str, str, list[Cell]]]:
+    for name, places in regimes.items():
+        engines: dict[str, list[EngineFacts]] = {}
+        for facts in (one for place in places for one in place.engines(place.foremost)):
+            engines.setdefault(facts.label, []).append(facts)
+        for label, mine in engines.items():
+            yield name, label, [_cell(mine, column) for column in range(len(WANTED))]
 
 
-def _caption(regime: str, places: Sequence[PlaceFacts]) -> str:
-    names = " or ".join(dict.fromkeys(plain(place.foremost) for place in places))
-    over = f" over {len(places)} mechanisms" if len(places) > 1 else ""
-    return (
-        f"Regime {regime}: time of the cheapest way to each error of the peak in {names}{over}, held by every finer "
-        "step too; behind @ the steps a turn; x4: four runs, extrapolated."
-    )
-
-
-def _cell(found: Sequence[Found]) -> Cell:
+def _cell(engines: Sequence[EngineFacts], column: int) -> Cell:
     """The times of one engine to one error over the mechanisms, and the way that most of them take."""
-    met = [one for one in found if one[1].record]
+    met = _met(((facts, facts.choices) for facts in engines), column)
     if not met:
-        least = [choice.closest.error_max or 0.0 for _, choice in found]
-        return Cell(ABSENT, style="absent", note=f"least {error(min(least))}" if least else "")
-    share = f"; in {len(met)} of {len(found)}" if len(met) < len(found) else ""
-    return Cell(_span([_time(choice) for _, choice in met]), note=f"{_way(met)}{share}")
+        least = [facts.choices[column].closest.error_max or 0.0 for facts in engines if facts.choices]
+        return Cell(ABSENT, "absent", note=f"least {error(min(least))}" if least else "nothing finished")
+    share = f"; in {len(met)} of {len(engines)}" if len(met) < len(engines) else ""
+    return Cell(_span(met), note=f"{_way(met)}{share}")
 
 
-def _merged(cells: Sequence[Cell]) -> Iterator[Cell]:
-    """Cells that say the same, as one over all their columns."""
-    for cell, same in groupby(cells):
-        yield Cell(cell.words, cell.style, note=cell.note, told=cell.told, span=len(list(same)))
-
-
-def _by_mechanism(regime: str, places: Sequence[PlaceFacts]) -> Table:
-    """A row for every engine of every mechanism."""
-    rows: list[tuple[Cell | Words, ...]] = []
-    for place in places:
-        for number, facts in enumerate(place.engines(place.foremost)):
-            name = place.mechanism if number == 0 else ""
-            failure = Cell("; ".join(failed_methods(facts)), "failed", span=len(WANTED))
-            cells = list(_merged([_choice(choice, facts) for choice in facts.choices])) or [failure]
-            rows.append((name, facts.label, *cells))
-    head = ("Mechanism", "Engine", *map(bound, WANTED))
-    return Table(_caption(regime, places), head, tuple(rows), "l", style="choices")
+def _by_mechanism(regimes: Regimes) -> Iterator[tuple[str, str, list[Cell]]]:
+    for place in (one for places in regimes.values() for one in places):
+        for facts in place.engines(place.foremost):
+            failure = Cell("; ".join(failed_methods(facts)), "failed")
+            cells = [_choice(choice, facts) for choice in facts.choices] or [failure] * len(WANTED)
+            yield f"{place.mechanism}, {place.regime}", facts.label, cells
 
 
 def _choice(choice: PointChoice, facts: EngineFacts) -> Cell:
     """Cost and way of a choice; all that is known of it for who points at it."""
-    cost, way, step, told = choice_words(choice, facts)
-    return Cell(cost or ABSENT, "" if cost else "absent", note=f"{way} @ {step}" if step else way, told=told)
+    cost, way, told = choice_words(choice, facts)
+    return Cell(cost or ABSENT, "" if cost else "absent", note=way, told=told)
+
+
+def _table(caption: str, corner: str, rows: Iterable[tuple[str, str, list[Cell]]]) -> Table:
+    """A row for every engine of a group, which its first row names; cells that say the same are one."""
+    filled: list[tuple[Cell | Words, ...]] = []
+    for group, mine in groupby(rows, key=lambda row: row[0]):
+        for number, (_, label, cells) in enumerate(mine):
+            spans = [(cell, len(list(same))) for cell, same in groupby(cells)]
+            merged = (Cell(cell.words, cell.style, note=cell.note, told=cell.told, span=span) for cell, span in spans)
+            filled.append(("" if number else group, label, *merged))
+    return Table(caption, (corner, "Engine", *map(bound, WANTED)), tuple(filled), "l", style="choices")

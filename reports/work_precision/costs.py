@@ -79,8 +79,8 @@ def _times(cost: MeasuredCost, whole: MeasuredCost) -> tuple[str, ...]:
 
 def cost_section(costs: Sequence[MeasuredCost]) -> Section:
     """The section of a page: scenes and queries down, engines and paths across."""
-    runs, queries = _apart(costs)
     tables = []
+    runs, queries = _apart(costs)
     if runs:
         tables.append(_across("scene", runs, sentence("cost_of_runs", first=runs[0]), _run_note(runs)))
     if queries:
@@ -93,19 +93,17 @@ def cost_section(costs: Sequence[MeasuredCost]) -> Section:
 
 def _across(corner: str, costs: Sequence[MeasuredCost], caption: str, note: str) -> Table:
     wholes = _wholes(costs)
-    names = list(dict.fromkeys(cost.solver for cost in costs))
     rows: dict[str, dict[str, Cell | Words]] = {}
     for cost in costs:
         rows.setdefault(cost.reduction, {})[cost.solver] = _cell(cost, wholes[cost.solver])
-    filled = tuple((reduction, *(cells.get(name, "") for name in names)) for reduction, cells in rows.items())
-    labels = {cost.solver: PATHS.get(cost.solver) or engine_label(cost.solver, cost.is_control) for cost in costs}
-    return Table(caption, (corner, *(labels[name] for name in names)), filled, "lr", note)
+    filled = tuple((reduction, *(cells.get(name, "") for name in wholes)) for reduction, cells in rows.items())
+    labels = (PATHS.get(name) or engine_label(name, cost.is_control) for name, cost in wholes.items())
+    return Table(caption, (corner, *labels), filled, "lr", note)
 
 
 def _cell(cost: MeasuredCost, whole: MeasuredCost) -> Cell:
-    """The least time and its share of the whole; median, stepping and steps for who points at it."""
+    """The least time and its share of the whole."""
     if cost.outcome != Outcome.FINISHED:
         return Cell(cost.outcome, "failed", told=cost.reason)
     least, median, share = _times(cost, whole)
-    stepping = f", stepping {seconds(min(cost.stepping))}, {cost.steps} steps" if cost.stepping else ""
-    return Cell(least, note=share, told=f"median {median}{stepping}")
+    return Cell(least, note=share, told=f"median {median}")

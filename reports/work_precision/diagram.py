@@ -2,33 +2,30 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Any
 
-from comparisons.work_precision.records import SETTING, Bench, BenchRecord, PointError
+from comparisons.work_precision.records import SETTING, BenchRecord, PointError
 from reports.document.parts import Widget
 from reports.document.templates import plain
 from reports.records.views import anchor
-from reports.work_precision.facts import EngineFacts, PlaceFacts, effort_words, engine_labels, regimes
-from reports.work_precision.overview import drawn_error, figures, inks
+from reports.work_precision.facts import EngineFacts, PlaceFacts, Regimes, effort_words
+from reports.work_precision.overview import drawn_error, inks
 from reports.work_precision.words import limit_words
 
 LABEL = "Error over cost: a point is a method at one step, or a setting"
 
 
-def widget(bench: Bench) -> Widget:
+def widget(regimes: Regimes, labels: Mapping[str, str]) -> Widget:
     """The diagram of all places; the first one is on the page, the others are loaded when they are chosen."""
-    places = [place for found in regimes(bench).values() for place in found]
-    colours, labels = inks(bench), engine_labels(bench)
-    several = len(regimes(bench)) > 1
+    places = [place for found in regimes.values() for place in found]
+    colours = inks(labels)
     data = {
-        "places": [
-            [_key(place), f"{place.mechanism}, {place.regime}" if several else place.mechanism] for place in places
-        ],
+        "places": [[_key(place), f"{place.mechanism}, {place.regime}"] for place in places],
         "engines": [[name, label, colours[name]] for name, label in labels.items()],
         "first": place_data(places[0]),
     }
-    further = {_key(place): place_data(place) for place in places[1:]}
-    return Widget("bench", "diagram", LABEL, data, further, instead=figures(bench)[:1])
+    return Widget("bench", "diagram", LABEL, data, {_key(place): place_data(place) for place in places[1:]})
 
 
 def _key(place: PlaceFacts) -> str:

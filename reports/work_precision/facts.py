@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import dataclass, field
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from functools import cached_property
 
 from comparisons.work_precision.analysis import (
@@ -18,6 +18,7 @@ from comparisons.work_precision.analysis import (
 from comparisons.work_precision.records import SETTING, Bench, BenchRecord
 from comparisons.work_precision.step_sweep import falls_with_effort
 from reports.document.numbers import bound
+from reports.document.templates import plain
 
 # The quantity a place is judged by, where the user names none: the first of these that it has.
 FOREMOST = ("Mkr", "phi")
@@ -101,7 +102,6 @@ class PlaceFacts:
     regime: str
     records: tuple[BenchRecord, ...]
     own_efforts: Mapping[str, tuple[tuple[str, float | None], ...]]
-    _seen: dict[str, tuple[EngineFacts, ...]] = field(default_factory=dict, compare=False, repr=False)
 
     @property
     def quantities(self) -> tuple[str, ...]:
@@ -114,19 +114,28 @@ class PlaceFacts:
         found = self.quantities or (self.records[0].quantity,)
         return next((name for name in FOREMOST if name in found), found[0])
 
+    @cached_property
+    def _by_quantity(self) -> dict[str, tuple[EngineFacts, ...]]:
+        names = dict.fromkeys(record.engine for record in self.records)
+        mine: dict[str, dict[str, list[BenchRecord]]] = {}
+        for record in self.records:
+            mine.setdefault(record.quantity, {name: [] for name in names})[record.engine].append(record)
+        return {quantity: tuple(self._facts(rows)) for quantity, rows in mine.items()}
+
+    def _facts(self, rows: Mapping[str, Sequence[BenchRecord]]) -> list[EngineFacts]:
+        facts = [EngineFacts(name, tuple(mine), self.own_efforts.get(name, ())) for name, mine in rows.items()]
+        return sorted(facts, key=lambda one: one.is_control)
+
     def engines(self, quantity: str) -> tuple[EngineFacts, ...]:
-        """Every engine in one quantity, worked out once, the control last; those that gave nothing are there too."""
-        if quantity not in self._seen:
-            mine: dict[str, list[BenchRecord]] = {record.engine: [] for record in self.records}
-            for record in self.records:
-                mine[record.engine] += [record] if record.quantity == quantity else []
-            facts = [EngineFacts(name, tuple(rows), self.own_efforts.get(name, ())) for name, rows in mine.items()]
-            self._seen[quantity] = tuple(sorted(facts, key=lambda one: one.is_control))
-        return self._seen[quantity]
+        """Every engine in one quantity, the control last; those that gave nothing are there too."""
+        return self._by_quantity[quantity]
 
     def ranked(self, quantity: str) -> list[BenchRecord]:
         """What makes the front over all engines: all but the control's points."""
         return [record for record in self.records if record.quantity == quantity and not record.is_control]
+
+
+Regimes = Mapping[str, Sequence[PlaceFacts]]
 
 
 def places(bench: Bench) -> tuple[PlaceFacts, ...]:
@@ -145,13 +154,16 @@ def places(bench: Bench) -> tuple[PlaceFacts, ...]:
     )
 
 
-def regimes(bench: Bench) -> dict[str, list[PlaceFacts]]:
-    """The places of each regime where something finished, in the order measured."""
-    found: dict[str, list[PlaceFacts]] = {}
-    for place in places(bench):
-        if place.quantities:
-            found.setdefault(place.regime, []).append(place)
-    return found
+def regimes(places: Sequence[PlaceFacts]) -> Regimes:
+    """The places of each regime where something finished."""
+    finished = [place for place in places if place.quantities]
+    names = dict.fromkeys(place.regime for place in finished)
+    return {name: tuple(place for place in finished if place.regime == name) for name in names}
+
+
+def judged_by(regimes: Regimes) -> str:
+    """The quantities that places are judged by, for a reader."""
+    return " or ".join(dict.fromkeys(plain(place.foremost) for places in regimes.values() for place in places))
 
 
 def engine_labels(bench: Bench) -> dict[str, str]:

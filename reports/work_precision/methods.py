@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from typing import Any
 
-from comparisons.work_precision.records import Bench
 from reports.document.numbers import ABSENT, error, seconds
 from reports.document.parts import Cell, Fold, Section, Table, Words
-from reports.document.templates import plain
-from reports.work_precision.facts import EngineFacts, effort_words, engine_labels, regimes
-from reports.work_precision.words import limit_words, noise_share, standing_words
+from reports.work_precision.facts import EngineFacts, Regimes, effort_words, judged_by
+from reports.work_precision.words import limit_words, standing_words
 
 # Of one engine in one place: a row's name and its cell there.
 Rows = Callable[[EngineFacts], Iterator[tuple[str, Cell]]]
@@ -27,23 +26,29 @@ ORDERS = (
 )
 
 
-def setting_section(bench: Bench) -> Section:
-    """The settings against the methods of their engine."""
-    table = _by_mechanism(bench, STANDING, "Setting", lambda facts: _settings(facts, noise_share(bench)))
+def setting_section(regimes: Regimes, noise: float) -> Section:
+    """The settings against the methods of their engine; times closer than the share ``noise`` are the same."""
+    table = _by_mechanism(regimes, STANDING, "Setting", lambda facts: _settings(facts, noise))
     return Section("settings", "The settings against the methods", (table,))
 
 
-def method_section(bench: Bench) -> Section:
-    """Orders and floors of all methods, and what each method is."""
-    folds = (
-        Fold("Orders and floors", (_by_mechanism(bench, ORDERS, "Method", _sweeps),)),
-        Fold("What each method is", (_what(bench),)),
-    )
-    return Section("methods", "The methods", folds)
+def method_section(regimes: Regimes, methods: Sequence[Mapping[str, Any]]) -> Section:
+    """Orders and floors of all methods, and what the benchmark's document says of each."""
+    rows = tuple(
+        (told["engine"], told["name"], told["about"], f"{told['runs']}",
+         effort_words(told["effort"], told["effort_unit"]))
+        for told in methods
+    )  # fmt: skip
+    what = Table(WHAT, ("Engine", "Method", "What it is", "Runs", "Solver effort"), rows, "lllrl")
+    orders = _by_mechanism(regimes, ORDERS, "Method", _sweeps)
+    folds = {"Orders and floors": orders, "What each method is": what}
+    parts = tuple(Fold(name, (table,)) for name, table in folds.items() if table.rows)
+    return Section("methods", "The methods", parts)
 
 
 def _settings(facts: EngineFacts, noise: float) -> Iterator[tuple[str, Cell]]:
-    for standing, (short, told) in zip(facts.standings, standing_words(facts, noise), strict=True):
+    for standing in facts.standings:
+        short, told = standing_words(standing, facts, noise)
         words = f"{error(standing.record.error_max)} in {seconds(standing.record.seconds_min or 0.0)}"
         yield standing.record.setting, Cell(words, note=short, told=told.lstrip(":; "))
 
@@ -54,10 +59,10 @@ def _sweeps(facts: EngineFacts) -> Iterator[tuple[str, Cell]]:
         yield facts.way(sweep.first), Cell(order, note=limit_words(sweep), told=sweep.floor.evidence)
 
 
-def _by_mechanism(bench: Bench, about: str, name: str, rows_of: Rows) -> Table:
+def _by_mechanism(regimes: Regimes, about: str, name: str, rows_of: Rows) -> Table:
     """Engines and their rows down, mechanisms by regime across; an engine is named in its first row."""
     found: dict[str, dict[str, dict[int, Cell]]] = {}
-    places = [place for part in regimes(bench).values() for place in part]
+    places = [place for part in regimes.values() for place in part]
     for column, place in enumerate(places):
         for facts in place.engines(place.foremost):
             for row, cell in rows_of(facts):
@@ -67,18 +72,6 @@ def _by_mechanism(bench: Bench, about: str, name: str, rows_of: Rows) -> Table:
         for number, (row, mine) in enumerate(cells.items()):
             filled = (mine.get(column, Cell(ABSENT, "absent")) for column in range(len(places)))
             rows.append(("" if number else label, row, *filled))
-    judged = " or ".join(dict.fromkeys(plain(place.foremost) for place in places))
-    groups = (("", 2), *((f"regime {regime}", len(part)) for regime, part in regimes(bench).items()))
+    groups = (("", 2), *((f"regime {regime}", len(part)) for regime, part in regimes.items()))
     head = ("Engine", name, *(place.mechanism for place in places))
-    return Table(f"{about} Largest error over the peak of {judged}.", head, tuple(rows), "l", groups=groups)
-
-
-def _what(bench: Bench) -> Table:
-    """Engine, method, what it is, of how many runs, and the solver effort it comes with."""
-    labels = engine_labels(bench)
-    rows = tuple(
-        (labels[told["engine"]], told["name"], told["about"], f"{told['runs']}",
-         effort_words(told["effort"], told["effort_unit"]))
-        for told in bench.document["methods"]
-    )  # fmt: skip
-    return Table(WHAT, ("Engine", "Method", "What it is", "Runs", "Solver effort"), rows, "lllrl")
+    return Table(f"{about} Largest error over the peak of {judged_by(regimes)}.", head, tuple(rows), "l", groups=groups)

@@ -2,33 +2,32 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 
 import numpy as np
 
 from comparisons.work_precision.analysis import apart, on_front
-from comparisons.work_precision.records import SETTING, Bench, BenchRecord
+from comparisons.work_precision.records import SETTING, BenchRecord
 from reports.document.chart import Array, Chart, Curve, Ink, Panel
 from reports.document.parts import Figure
 from reports.document.templates import plain
-from reports.work_precision.facts import EngineFacts, PlaceFacts, engine_labels, regimes
+from reports.work_precision.facts import EngineFacts, PlaceFacts, Regimes
 
 # Nothing below round-off is worth a decade, and nothing ten times as large as its own peak one more.
 LEAST, MOST = 1e-16, 10.0
-COLUMNS, PANEL = 3, 2.6
+COLUMNS, PANEL = 3, 3.2
 COLOURS = 6  # of the palette
 MARKERS = {"naive": "o", "tuned": "s", "best": "*"}
 LINES = ("-", "--")  # of single runs, and of several extrapolated
 
 
-def inks(bench: Bench) -> dict[str, Ink]:
-    """The colours of all engines of a benchmark: by name order, as in all of a report, and the control's muted."""
-    labels = engine_labels(bench)
+def inks(labels: Mapping[str, str]) -> dict[str, Ink]:
+    """The colours of engines: by name order, as in all of a report, and the control's, which its label names, muted."""
     order = sorted(labels)
     return {name: order.index(name) % COLOURS if labels[name] == name else "muted" for name in labels}
 
 
-def figures(bench: Bench) -> tuple[Figure, ...]:
+def figures(regimes: Regimes, colours: Mapping[str, Ink]) -> tuple[Figure, ...]:
     """A figure for every regime."""
     return tuple(
         Figure(
@@ -37,21 +36,21 @@ def figures(bench: Bench) -> tuple[Figure, ...]:
             "steps; bold: an engine's front, dashed where several runs are extrapolated; broad grey: the front over "
             "all engines; marked: the settings (circle naive, square tuned, star best).",
             f"error over stepping time, {regime}, every engine, {len(places)} mechanisms",
-            chart(places, inks(bench)),
+            chart(places, colours),
             wide=True,
         )
-        for regime, places in regimes(bench).items()
+        for regime, places in regimes.items()
     )
 
 
-def chart(places: Sequence[PlaceFacts], colours: dict[str, Ink], quantity: str = "") -> Chart:
+def chart(places: Sequence[PlaceFacts], colours: Mapping[str, Ink], quantity: str = "") -> Chart:
     """Work and precision of one regime over its mechanisms, in ``quantity`` or in the one each is judged by."""
     panels = tuple(_panel(place, colours, quantity or place.foremost) for place in places)
     columns = min(COLUMNS, len(panels))
     return Chart(panels, height=PANEL * -(-len(panels) // columns), columns=columns, wide=True)
 
 
-def _panel(place: PlaceFacts, colours: dict[str, Ink], quantity: str) -> Panel:
+def _panel(place: PlaceFacts, colours: Mapping[str, Ink], quantity: str) -> Panel:
     curves = [*_overall(place.ranked(quantity))]
     for facts in place.engines(quantity):
         curves += _engine(facts, colours[facts.engine])

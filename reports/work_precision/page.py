@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Sequence
 from pathlib import Path
 
 from comparisons.work_precision.records import FILE, Bench
 from reports.document import html
-from reports.document.html import write_assets
 from reports.document.numbers import seconds
 from reports.document.parts import Bullets, Command, Facts, Figures, Fold, Mono, Page, Paragraph, Part, Section
 from reports.document.templates import lines
@@ -15,10 +14,10 @@ from reports.records.environment import environment_facts
 from reports.work_precision import choices
 from reports.work_precision.costs import cost_section
 from reports.work_precision.diagram import widget
-from reports.work_precision.facts import failed_methods, places, regimes
+from reports.work_precision.facts import PlaceFacts, engine_labels, failed_methods, places, regimes
 from reports.work_precision.methods import method_section, setting_section
-from reports.work_precision.overview import figures
-from reports.work_precision.words import noise_share
+from reports.work_precision.overview import figures, inks
+from reports.work_precision.words import noise_note, noise_share
 
 FILE_NAME = "bench.html"
 TITLE = "Work-precision"
@@ -31,58 +30,45 @@ READING = (
 
 def page(bench: Bench) -> Page:
     """The page of one benchmark."""
-    titles = "; ".join(dict.fromkeys(place.title for place in places(bench)))
+    every, labels = places(bench), engine_labels(bench)
+    titles = "; ".join(dict.fromkeys(place.title for place in every))
     first: tuple[Part, ...] = (Paragraph("Nothing finished: no engine has an error and a time.", "verdict"),)
-    sections: tuple[Section, ...] = ()
-    if regimes(bench):
-        first = (
-            choices.winners(bench),
-            widget(bench),
-            Paragraph(READING, "small"),
-            Fold("The same as figures", (Figures(figures(bench)),)),
+    sections: list[Section] = []
+    if found := regimes(every):
+        as_figures = Fold("The same as figures", (Figures(figures(found, inks(labels))),))
+        first = (choices.winners(found), widget(found, labels), Paragraph(READING, "small"), as_figures)
+        sections += [choices.section(found, noise_note(bench)), setting_section(found, noise_share(bench))]
+    if bench.document["methods"]:
+        sections.append(method_section(found, bench.document["methods"]))
+    if failures := _failures(every):
+        sections.append(
+            Section("failed", "What gave nothing", (Fold(f"Failures: {len(failures)}", (Bullets(failures),)),))
         )
-        sections = (choices.section(bench), setting_section(bench), method_section(bench))
-    return Page(
-        FILE_NAME,
-        TITLE,
-        "How accurate is an engine for its cost?",
-        f"Error against the closed form over the time of the stepping. {titles}.",
-        first,
-        (*sections, *_failures(bench), *_costs(bench), _measured(bench)),
-        charts=True,
-    )
+    if bench.costs:
+        sections.append(cost_section(bench.costs))
+    about = f"Error against the closed form over the time of the stepping. {titles}."
+    heading = "How accurate is an engine for its cost?"
+    return Page(FILE_NAME, TITLE, heading, about, first, (*sections, _measured(bench)), charts=bool(found))
 
 
-def _failures(bench: Bench) -> Iterator[Section]:
+def _failures(every: Sequence[PlaceFacts]) -> tuple[str, ...]:
     """What gave nothing: each reason once, with the places it was given in."""
-    every, told = places(bench), dict[str, list[str]]()
+    told: dict[str, list[str]] = {}
     for place in every:
         for facts in place.engines(place.foremost):
             for reason in failed_methods(facts):
                 told.setdefault(f"{facts.label}, {reason}", []).append(f"{place.mechanism} in {place.regime}")
-    lines = [f"{reason} ({', '.join(met) if len(met) < len(every) else 'everywhere'})" for reason, met in told.items()]
-    if lines:
-        yield Section("failed", "What gave nothing", (Fold(f"Failures: {len(lines)}", (Bullets(tuple(lines)),)),))
-
-
-def _costs(bench: Bench) -> Iterator[Section]:
-    if bench.costs:
-        yield cost_section(bench.costs)
+    where = {reason: ", ".join(met) if len(met) < len(every) else "everywhere" for reason, met in told.items()}
+    return tuple(f"{reason} ({place})" for reason, place in where.items())
 
 
 def _measured(bench: Bench) -> Section:
     """How it was measured, in sentences, and everything that decides a figure or a time."""
     document, repeats = bench.document, sum(len(point.repeats) for point in bench.points)
-    told = lines(
-        "measurement",
-        extent=document["extent"],
-        noise=bench.noise,
-        work=document["noise"]["work"],
-        share=noise_share(bench),
-    )
-    first = ", ".join(
-        f"{one['engine']} {seconds(min(one['seconds']))}" for one in document["first_use"] if one["seconds"]
-    )
+    work, share = document["noise"]["work"], noise_share(bench)
+    told = lines("measurement", extent=document["extent"], noise=bench.noise, work=work, share=share)
+    known = {one["engine"]: one["seconds"] for one in document["first_use"] if one["seconds"]}
+    first = ", ".join(f"{name} {seconds(min(times))}" for name, times in known.items())
     facts = Facts((
         ("Conditions", document["conditions"]),
         *environment_facts(document["environment"]),
@@ -97,5 +83,5 @@ def _measured(bench: Bench) -> Section:
 
 def write(bench: Bench, folder: Path) -> Path:
     """Write the page, what it shares with others and its figures into a folder; returns its path."""
-    write_assets(folder)
+    html.write_assets(folder)
     return html.write(page(bench), folder, ())

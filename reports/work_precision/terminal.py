@@ -7,13 +7,13 @@ from itertools import groupby
 
 from comparisons.work_precision.analysis import WANTED
 from comparisons.work_precision.records import Bench
-from reports.document.numbers import bound, error, seconds
+from reports.document.numbers import ABSENT, bound, error, seconds
 from reports.document.parts import Paragraph, Table
 from reports.document.templates import plain
 from reports.document.terminal import Printed, Printout
 from reports.work_precision.costs import cost_tables
 from reports.work_precision.facts import PlaceFacts, engine_label, failed_methods, places
-from reports.work_precision.words import choice_words, method_row, noise_note, noise_share, standing_lines
+from reports.work_precision.words import choice_words, noise_note, noise_share, per_turn, standing_words
 
 CHOICES = ("engine", "to get", "time", "by")
 METHODS = ("engine", "method", "order", "least error", "steps/turn", "time", "what limits it")
@@ -56,7 +56,9 @@ def _block(place: PlaceFacts, quantity: str, noise: float) -> list[Printed]:
     title = Paragraph(f"{words}: {plain(quantity)}, largest error over the peak", colour="bold")
     parts: list[Printed] = [title, _methods(place, quantity), "", _choices(place, quantity), ""]
     for facts in place.engines(quantity):
-        parts += standing_lines(facts, noise)
+        for one in facts.standings:
+            told = f"{error(one.record.error_max)} in {seconds(one.record.seconds_min or 0.0)}"
+            parts.append(f"{facts.engine} {one.record.setting}: {told}{standing_words(one, facts, noise)[1]}")
     return [*parts, *_failures(place, quantity), ""]
 
 
@@ -69,8 +71,15 @@ def _failures(place: PlaceFacts, quantity: str) -> list[Paragraph]:
 
 
 def _methods(place: PlaceFacts, quantity: str) -> Table:
-    rows = tuple(method_row(facts, sweep) for facts in place.engines(quantity) for sweep in facts.methods)
-    return Table("", METHODS, rows, "llrrrrl")
+    """Order, least error with the step and the time there, and what limits it."""
+    rows = []
+    for facts, sweep in [(one, sweep) for one in place.engines(quantity) for sweep in one.methods]:
+        least = sweep.points.records[sweep.points.numbers.best]
+        order = ABSENT if sweep.order is None else f"{sweep.order:.1f}"
+        cost, floor = seconds(least.seconds_min or 0.0), sweep.floor
+        way = facts.way(sweep.first)
+        rows.append((facts.label, way, order, error(floor.error), per_turn(least), cost, floor.cause.value))
+    return Table("", METHODS, tuple(rows), "llrrrrl")
 
 
 def _choices(place: PlaceFacts, quantity: str) -> Table:
@@ -81,7 +90,6 @@ def _choices(place: PlaceFacts, quantity: str) -> Table:
         for choice, part in groupby(wanted, key=lambda pair: pair[1]):
             errors = [bound(error) for error, _ in part]
             span = errors[0] if len(errors) == 1 else f"{errors[0]} to {errors[-1]}"
-            cost, way, step, _ = choice_words(choice, facts)
-            turn = f" @ {step}" if step else ""
-            rows.append((facts.label, span, cost or "–", f"{way}{turn}" if cost else f"not reached; {way}"))
+            cost, way, _ = choice_words(choice, facts)
+            rows.append((facts.label, span, cost or ABSENT, way if cost else f"not reached; {way}"))
     return Table("", CHOICES, tuple(rows), "llrl")

@@ -7,29 +7,20 @@ from comparisons.work_precision.floor import Cause
 from comparisons.work_precision.records import Bench, BenchRecord
 from comparisons.work_precision.step_sweep import SATURATED
 from engines.contract import Setting
-from reports.document.numbers import ABSENT, error, figure, seconds
+from reports.document.numbers import error, figure, seconds
 from reports.document.templates import sentence
 from reports.work_precision.facts import EngineFacts
 
-
-def standing_lines(facts: EngineFacts, noise: float) -> list[str]:
-    """How far off the methods' front each setting is, a line each, with the setting's error and time."""
-    return [
-        f"{facts.engine} {one.record.setting}: {error(one.record.error_max)} in "
-        f"{seconds(one.record.seconds_min or 0.0)}{told}"
-        for one, (_, told) in zip(facts.standings, standing_words(facts, noise), strict=True)
-    ]
+# Times closer than this are the same time, however quiet the machine.
+LEAST_NOISE = 0.05
 
 
-def standing_words(facts: EngineFacts, noise: float) -> list[tuple[str, str]]:
-    """How far off the methods' front each setting is, in short and in full; a share ``noise`` of its time is nothing.
+def standing_words(standing: Standing, facts: EngineFacts, noise: float) -> tuple[str, str]:
+    """How far off the methods' front a setting is, in short and as the end of a sentence.
 
-    ``best`` is held against all methods, the others against those of a single run.
+    ``best`` is held against all methods, the others against those of a single run; a share ``noise`` of its time is
+    nothing.
     """
-    return [_standing(one, facts, noise) for one in facts.standings]
-
-
-def _standing(standing: Standing, facts: EngineFacts, noise: float) -> tuple[str, str]:
     record, ratio = standing.record, standing.ratio
     if (record.error_max or 0.0) > SATURATED:
         return "no solution", ": no solution"
@@ -45,38 +36,29 @@ def _standing(standing: Standing, facts: EngineFacts, noise: float) -> tuple[str
     return f"{place} the front", f"; {place} {front}: {beside}"
 
 
-def choice_words(choice: PointChoice, facts: EngineFacts) -> tuple[str, str, str, str]:
-    """What to use for an error: its cost, its way, its steps a turn, and all else that is known of it.
+def choice_words(choice: PointChoice, facts: EngineFacts) -> tuple[str, str, str]:
+    """What to use for an error: its cost, its way with its steps a turn, and all else that is known of it.
 
     Where nothing gets there, the cost is empty and the way says what comes nearest.
     """
     record = choice.record or choice.closest
-    reached, way, step = f"{error(record.error_max)}", facts.way(record), _per_turn(record)
+    least, way = error(record.error_max), way_words(facts, record)
     if choice.record is None:
-        steps = f" {step} steps a turn" if step else ""
-        return "", f"least {reached}", "", f"not reached; least {reached} by {way}{steps}"
+        return "", f"least {least}", f"not reached; least {least} by {way}"
     rms = record.error.error_rms if record.error else None
     set_up, read_out = seconds(record.setup_seconds or 0.0), seconds(record.readout_seconds or 0.0)
-    told = f"{reached} (RMS {error(rms)}) in {record.steps} steps, set-up {set_up}, read-out {read_out}"
-    return seconds(record.seconds_min or 0.0), way, step, told
+    told = f"{least} (RMS {error(rms)}) in {record.steps} steps, set-up {set_up}, read-out {read_out}"
+    return seconds(record.seconds_min or 0.0), way, told
 
 
 def way_words(facts: EngineFacts, record: BenchRecord) -> str:
-    """A point's way and, behind an @, its steps a turn: "trapezoidal x4 @ 48"."""
-    return " @ ".join(filter(None, (facts.way(record), _per_turn(record))))
+    """A point's way and, behind an @, its steps a turn, which a setting's adapter fixes: "trapezoidal x4 @ 48"."""
+    return " @ ".join(filter(None, (facts.way(record), per_turn(record))))
 
 
-def _per_turn(record: BenchRecord) -> str:
-    """Steps a turn; nothing for a setting, whose adapter fixes them."""
+def per_turn(record: BenchRecord) -> str:
+    """Steps a turn; nothing for a setting."""
     return "" if record.steps_per_turn is None else f"{record.steps_per_turn:.0f}"
-
-
-def method_row(facts: EngineFacts, sweep: SweepFinding) -> tuple[str, ...]:
-    """A method's order, its floor with the step and the time there, and what limits it."""
-    least = sweep.points.records[sweep.points.numbers.best]
-    order = ABSENT if sweep.order is None else f"{sweep.order:.1f}"
-    floor, cost = error(sweep.floor.error), seconds(least.seconds_min or 0.0)
-    return facts.label, facts.way(sweep.first), order, floor, _per_turn(least), cost, sweep.floor.cause.value
 
 
 def limit_words(sweep: SweepFinding) -> str:
@@ -84,10 +66,6 @@ def limit_words(sweep: SweepFinding) -> str:
     least, cause = error(sweep.floor.error), sweep.floor.cause
     open_end = cause in (Cause.FALLING, Cause.UNSETTLED)
     return f"{least}, {cause.value}" if open_end else f"floor {least}: {cause.value}"
-
-
-# Times closer than this are the same time, however quiet the machine.
-LEAST_NOISE = 0.05
 
 
 def noise_share(bench: Bench) -> float:

@@ -7,7 +7,7 @@ linkproof.bench = (() => {
   const short = (value) => value.toExponential(1).replace("e+", "e");
   const time = (value) => (value < 1 ? `${(1e3 * value).toPrecision(3)} ms` : `${value.toPrecision(3)} s`);
   const plain = (text) => text.replace(/[<>&]/g, (sign) => `&#${sign.charCodeAt(0)};`);
-  const wrapped = (text) => plain(text.replace(/(.{50,70}) /g, "$1\n")).replaceAll("\n", "<br>");
+  const wrapped = (text) => plain(text.replace(/(.{34,44}) /g, "$1\n")).replaceAll("\n", "<br>");
 
   /* The points that no other beats in both x and y, by x. */
   function front(points) {

@@ -3,12 +3,12 @@
 import numpy as np
 
 from comparisons.work_precision.analysis import apart, on_front
-from reports.work_precision.facts import places
+from reports.work_precision.facts import engine_labels, places, regimes
 from reports.work_precision.overview import chart, figures, inks
 from tests.reports.made_up_bench import made_up_bench
 
 BENCH = made_up_bench()
-PLACES, INKS = places(BENCH), inks(BENCH)
+PLACES, INKS = places(BENCH), inks(engine_labels(BENCH))
 
 
 def _mine(panel, ink):
@@ -16,7 +16,7 @@ def _mine(panel, ink):
 
 
 def test_a_regime_has_a_figure_and_a_mechanism_a_panel():
-    (figure,) = figures(BENCH)
+    (figure,) = figures(regimes(PLACES), INKS)
     assert figure.name == "run-up-quintic"
     assert [panel.title for panel in figure.drawing.panels] == ["juki-mf7923d: Mkr", "rimoldi-164: Mkr"]
 
@@ -38,7 +38,7 @@ def test_every_point_of_a_method_at_its_own_effort_is_drawn_and_every_setting_ma
 
 def test_the_broad_front_is_that_of_the_ranked_engines_as_a_staircase():
     bench = made_up_bench(control="alpha")
-    panel = chart(places(bench)[:1], inks(bench)).panels[0]
+    panel = chart(places(bench)[:1], inks(engine_labels(bench))).panels[0]
     beta = [one for one in places(bench)[0].records if one.engine == "beta" and one.quantity == "Mkr"]
     broad = _mine(panel, "reference")
     for curve, part in zip(broad, apart(beta), strict=True):

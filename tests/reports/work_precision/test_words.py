@@ -3,7 +3,7 @@
 from comparisons.work_precision.floor import Cause
 from comparisons.work_precision.records import Bench
 from reports.work_precision.facts import failed_methods, places
-from reports.work_precision.words import choice_words, limit_words, standing_lines
+from reports.work_precision.words import choice_words, limit_words, standing_words
 from tests.comparisons.bench_rows import points, row, setting_row, sweep_rows
 from tests.reports.made_up_bench import document, made_up_bench
 
@@ -17,10 +17,10 @@ def _facts(rows, quantity="Mkr"):
 def test_a_choice_names_its_way_its_step_and_its_price():
     (alpha, _) = places(BENCH)[0].engines("Mkr")
     cells = [choice_words(choice, alpha) for choice in alpha.choices]
-    assert cells[0][:3] == ("4.00 ms", "plain", "4")
+    assert cells[0][:2] == ("4.00 ms", "plain @ 4")
     assert cells[-1][0]
     assert cells[-1][1] == "best x4"
-    assert "higher x2" in {way for _, way, *_ in cells}
+    assert any(way.startswith("higher x2 @") for _, way, _ in cells)
 
 
 def test_floor_is_said_only_of_an_error_that_a_finer_step_does_not_lower():
@@ -48,15 +48,20 @@ def test_what_an_engine_does_not_tell_is_said_once_where_it_is_missing():
 
 def test_a_setting_is_said_to_be_on_ahead_of_or_off_the_front():
     (alpha, _) = places(BENCH)[0].engines("Mkr")
-    told = {words.split()[1].rstrip(":"): words for words in standing_lines(alpha, 0.1)}
-    assert told["naive"].endswith(": no solution")
-    assert told["best"].endswith("no method measured gets there")
-    assert "x2" not in told["tuned"]
-    assert "on the front of single runs: plain takes 15.8 ms" in told["tuned"]
-    assert "1.1 × the front of single runs" in " ".join(standing_lines(alpha, 0.01))
+
+    def told(noise):
+        return {one.record.setting: standing_words(one, alpha, noise) for one in alpha.standings}
+
+    assert told(0.1)["naive"] == ("no solution", ": no solution")
+    assert told(0.1)["best"] == ("nearer than any method", "; no method measured gets there")
+    short, words = told(0.1)["tuned"]
+    assert short == "on the front"
+    assert "x2" not in words
+    assert "on the front of single runs: plain takes 15.8 ms" in words
+    assert told(0.01)["tuned"][0] == "1.1 × the front"
 
 
 def test_the_control_is_held_against_nothing():
     _, alpha = places(made_up_bench(control="alpha"))[0].engines("Mkr")
     assert alpha.label == "alpha (control)"
-    assert standing_lines(alpha, 0.1) == []
+    assert alpha.standings == ()
