@@ -75,7 +75,13 @@ class Stress:
     @cached_property
     def columns(self) -> Mapping[str, tuple[float, ...]]:
         """Of each axis the listed values that were run, without those of the bisection; all where none is listed."""
-        return {axis: _columns(axis, self.results, quick=bool(self.document["quick"])) for axis in self.axes}
+        quick, seen = self.document["quick"], dict.fromkeys((one.cell.axis, one.cell.value) for one in self.results)
+        return {
+            axis: tuple(value for value in (known.quick if quick else known.values) if (axis, value) in seen)
+            or tuple(value for name, value in seen if name == axis)
+            for axis, known in axes().items()
+            if axis in self.axes
+        }
 
     @cached_property
     def engines(self) -> tuple[str, ...]:
@@ -101,23 +107,12 @@ def _grouped(pairs: Iterable[tuple[Line, Item]]) -> dict[Line, list[Item]]:
     return groups
 
 
-def _columns(axis: str, results: Iterable[CellResult], *, quick: bool) -> tuple[float, ...]:
-    seen = {one.cell.value for one in results if one.cell.axis == axis}
-    known = axes().get(axis)
-    listed = seen.intersection(known.quick if quick else known.values) if known else set()
-    falling = known is not None and known.values[0] > known.values[-1]
-    return tuple(sorted(listed or seen, reverse=falling))
-
-
 def _place(cell: Cell) -> tuple[object, ...]:
-    """Where a cell stands in the table of axes; names that the table has no more come last, as they sort."""
-    known = axes().get(cell.axis)
-    if known is None:
-        return (len(axes()), cell.axis, 0, cell.row, cell.engine, 0, cell.usage, cell.value)
-    rows = [row.label for row in known.rows]
-    falling = known.values[0] > known.values[-1]
-    return (_rank(list(axes()), cell.axis), cell.axis, _rank(rows, cell.row), cell.row, cell.engine,
-            _rank((*known.settings, *known.methods), cell.usage), cell.usage,
+    """Where a cell stands in the table of axes; a row or a usage that the table has no more comes last."""
+    axis = axes()[cell.axis]
+    rows, usages = [row.label for row in axis.rows], (*axis.settings, *axis.methods)
+    falling = axis.values[0] > axis.values[-1]
+    return (list(axes()).index(cell.axis), _rank(rows, cell.row), cell.engine, _rank(usages, cell.usage),
             -cell.value if falling else cell.value)  # fmt: skip
 
 
@@ -137,16 +132,15 @@ def load(saved: Path) -> Stress:
         raise LinkproofError(f"no stress test at '{path}': expected the folder given to stress --out, or its {FILE}")
     try:
         found = Stress(json.loads(path.read_text(encoding="utf-8")))
-        _ = found.results, found.borders, found.document["command"], found.document["environment"]
+        _ = found.columns, found.borders, found.document["command"], found.document["environment"]
     except (OSError, ValueError, KeyError, TypeError) as fault:
         raise LinkproofError(f"'{path}' is no stress test ({fault}); run stress with --out again") from fault
     return found
 
 
 def axis_title(name: str) -> str:
-    """An axis in words; its name where the table has none of that name any more."""
-    known = axes().get(name)
-    return known.title if known else name
+    """An axis in words."""
+    return axes()[name].title
 
 
 def value_words(value: float | None) -> str:

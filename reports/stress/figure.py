@@ -5,7 +5,9 @@ Every cell carries its verdict as a colour and as a sign, so that it reads witho
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from functools import cache
+from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -13,80 +15,64 @@ from matplotlib.figure import Figure
 from matplotlib.path import Path as Outline
 from matplotlib.textpath import TextPath
 
-from comparisons.stress.verdict import StressVerdict
 from reports.charts.style import FULL_WIDTH, INK, drawn
-from reports.document.parts import Figure as FigurePart
-from reports.document.templates import sentence
-from reports.stress.facts import SIGNS, Stress, value_words
-from reports.stress.maps import MapBlock, StressMap, border_place, stress_map
+from reports.stress.facts import SIGNS
 
-# Inches: height of a line, widest cell, room of a letter, for a panel's title and for its values.
+# Inches: height of a line, widest cell, width of a letter, room for a panel's title and for its values.
 LINE, WIDEST, LETTER, TITLE, VALUES = 0.2, 0.42, 0.082, 0.3, 0.75
 POINTS = 72.0  # to an inch
+BOX = np.array([[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0], [-1.0, -1.0]])
+Data = Mapping[str, Any]
 
 
-def map_figure(stress: Stress, axis: str) -> FigurePart:
-    """The map of one axis as a part of a page; drawn when it is written."""
-    found = stress_map(stress, axis)
-    seen = stress.count(axis=axis)
-    signs = [(sign.symbol, verdict.value) for verdict, sign in SIGNS.items() if seen[verdict]]
-    caption = sentence("stress_caption", title=found.title, label=found.label, easy=found.easy, signs=signs)
-    alt = f"Verdicts over {found.label} for every engine and usage"
-    return FigurePart(f"map-{axis}", caption, alt, lambda: draw_map(found), wide=True)
-
-
-def draw_map(found: StressMap) -> Figure:
-    """The map, its panels in two columns where it has several rows."""
-    names = max(len(f"{line.engine} {line.usage}") for block in found.blocks for line in block.lines)
-    room, across = names * LETTER + 0.2, min(len(found.blocks), 2)
-    cell = min(WIDEST, (FULL_WIDTH / across - room - 0.1) / len(found.values))
-    wide = room + cell * len(found.values) + 0.1
-    depth = max(len(block.lines) for block in found.blocks) * LINE
-    tall = TITLE + depth + VALUES
-    width, height = max(across * wide, 3.0), -(-len(found.blocks) // across) * tall
+def draw_map(data: Data) -> Figure:
+    """The map that ``maps.map_data`` describes, its panels in two columns where it has several rows."""
+    blocks, columns = data["blocks"], len(data["values"])
+    room = max(len(_name(line)) for block in blocks for line in block["lines"]) * LETTER + 0.2
+    across = min(len(blocks), 2)
+    cell = min(WIDEST, (FULL_WIDTH / across - room - 0.1) / columns)
+    wide, tall = room + cell * columns + 0.1, TITLE + VALUES + max(len(block["lines"]) for block in blocks) * LINE
+    width, height = max(across * wide, 3.0), -(-len(blocks) // across) * tall
 
     def draw(figure: Figure) -> None:
-        for number, block in enumerate(found.blocks):
+        for number, block in enumerate(blocks):
             down, right = divmod(number, across)
-            own = len(block.lines) * LINE
-            left, bottom = right * wide + room, height - down * tall - TITLE - own
-            box = left / width, bottom / height, cell * len(found.values) / width, own / height
-            _panel(figure.add_axes(box), block, found, cell)
+            deep = len(block["lines"]) * LINE
+            left, bottom = right * wide + room, height - down * tall - TITLE - deep
+            box = left / width, bottom / height, cell * columns / width, deep / height
+            _panel(figure.add_axes(box), block, data["values"], cell)
 
     return drawn(width, height, draw)
 
 
-def _panel(panel: Axes, block: MapBlock, found: StressMap, cell: float) -> None:
-    panel.set(xlim=(0.0, len(found.values)), ylim=(len(block.lines), 0.0))
+def _name(line: Data) -> str:
+    return f"{line['engine']} {line['usage']}"
+
+
+def _panel(panel: Axes, block: Data, values: list[str], cell: float) -> None:
+    lines = block["lines"]
+    panel.set(xlim=(0.0, len(values)), ylim=(len(lines), 0.0))
     panel.grid(visible=False)
     panel.spines[:].set_visible(False)
-    panel.set_title(block.row, fontsize=9.5, fontweight="bold")
-    _cells(panel, block, cell)
-    for top, line in enumerate(block.lines):
-        for border in line.borders:
-            place = border_place(border, found.values)
-            panel.plot([place, place], [top, top + 1], color=INK, linewidth=2.4, solid_capstyle="butt", clip_on=False)
-    middles = [n + 0.5 for n in range(len(found.values))]
-    panel.set_xticks(middles, [value_words(value) for value in found.values], rotation=90, fontsize=9.0)
-    names = [f"{line.engine} {line.usage}" for line in block.lines]
-    panel.set_yticks([n + 0.5 for n in range(len(names))], names, fontsize=9.0)
+    panel.set_title(block["row"], fontsize=9.5, fontweight="bold")
+    _cells(panel, lines, cell)
+    for top, line in enumerate(lines):
+        for bar in line["bars"]:
+            panel.plot([bar, bar], [top, top + 1], color=INK, linewidth=2.4, solid_capstyle="butt", clip_on=False)
+    panel.set_xticks(np.arange(len(values)) + 0.5, values, rotation=90, fontsize=9.0)
+    panel.set_yticks(np.arange(len(lines)) + 0.5, [_name(line) for line in lines], fontsize=9.0)
     panel.tick_params(length=0.0, pad=2.5)
 
 
-def _cells(panel: Axes, block: MapBlock, cell: float) -> None:
+def _cells(panel: Axes, lines: list[Data], cell: float) -> None:
     """Boxes and signs are markers, one set to a verdict: an element for every cell takes ten times as long."""
-    places: dict[StressVerdict, list[tuple[int, int]]] = {}
-    for y, line in enumerate(block.lines):
-        for x, one in enumerate(line.cells):
-            if one:
-                places.setdefault(one.verdict, []).append((x, y))
-    half = np.array([0.5 * cell * POINTS - 0.6, 0.5 * LINE * POINTS - 0.5])
-    box = Outline(half * np.array([[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0], [-1.0, -1.0]]), closed=True)
-    for verdict, found in places.items():
-        sign, middles = SIGNS[verdict], (np.array(found) + 0.5).T
-        for outline, ink in ((box, sign.fill), (_letter(sign.symbol), sign.ink)):
+    shown = [[-1 if one is None else one["verdict"] for one in line["cells"]] for line in lines]
+    box = Outline(BOX * [0.5 * cell * POINTS - 0.6, 0.5 * LINE * POINTS - 0.5], closed=True)
+    for number, sign in enumerate(SIGNS.values()):
+        y, x = np.nonzero(np.array(shown) == number)
+        for outline, ink in ((box, sign.fill), (_letter(sign.symbol), sign.ink)) if len(x) else ():
             size = 2.0 * float(np.max(np.abs(np.asarray(outline.vertices))))
-            panel.plot(*middles, linestyle="", marker=outline, markersize=size, markeredgewidth=0.0, color=ink)
+            panel.plot(x + 0.5, y + 0.5, linestyle="", marker=outline, markersize=size, markeredgewidth=0.0, color=ink)
 
 
 @cache

@@ -2,87 +2,90 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator, Mapping
+from functools import partial
+from typing import Any
+
 from comparisons.stress.verdict import StressVerdict
-from reports.document.parts import (
-    Command,
-    Facts,
-    Figures,
-    Fold,
-    Link,
-    Page,
-    Paragraph,
-    Part,
-    Section,
-    Widget,
-)
+from reports.document import parts
+from reports.document.parts import Figure, Figures, Fold, Page, Paragraph, Section, Widget
 from reports.document.templates import sentence
 from reports.records.environment import environment_facts
 from reports.stress.facts import FILE, SIGNS, Stress, axis_title
-from reports.stress.figure import map_figure
-from reports.stress.maps import map_data, stress_map, widget_data
-from reports.stress.tables import border_table, count_table, incident_table, ranking, scope, verdict, verdict_table
+from reports.stress.figure import draw_map
+from reports.stress.maps import map_data, signs
+from reports.stress.tables import (
+    LOUD,
+    border_table,
+    count_table,
+    incident_table,
+    ranking,
+    scope,
+    verdict,
+    verdict_table,
+)
 
 PAGE = "stress.html"
 TITLE = "Where each engine fails"
-# What stands open on the page; what was caught is folded away.
-INCIDENTS = (
-    *(StressVerdict.SUITE_ERROR, StressVerdict.MISSED, StressVerdict.ALARM, StressVerdict.CRASHED),
-    *(StressVerdict.ADAPTER_ERROR, StressVerdict.CAUGHT),
-)
+# What stands open on the page unless its table is long; what was caught, as it should be, is folded away.
+OPEN = (*LOUD, StressVerdict.SUITE_ERROR, StressVerdict.CRASHED, StressVerdict.ADAPTER_ERROR)
+MOST_OPEN = 12
 
 
 def page(stress: Stress) -> Page:
     """The page of a saved stress test."""
+    by_axis = count_table(stress, lambda axis: parts.Link(axis_title(axis), f"#map-{axis}"), sentence("stress_counts"))
+    borders = border_table(stress)
+    reached = Fold(f"How far each of {len(borders.rows)} lines goes", (borders,))
+    lead = Paragraph(verdict(stress), "verdict"), Paragraph(ranking(stress), "lead"), Paragraph(scope(stress), "small")
     return Page(
         file=PAGE,
         title="Stability",
         heading=TITLE,
         subtitle=sentence("stress_subtitle"),
-        parts=(
-            Paragraph(verdict(stress), "verdict"),
-            Paragraph(ranking(stress), "lead"),
-            Paragraph(scope(stress), "small"),
+        parts=lead,
+        sections=(
+            Section("counts", "What the cells came to", (verdict_table(stress), by_axis)),
+            _maps(stress),
+            Section("borders", "Borders", (reached,)),
+            Section("incidents", "Incidents", (Paragraph(sentence("stress_incidents")), *_incidents(stress))),
+            _run(stress),
         ),
-        sections=(_counts(stress), _maps(stress), _borders(stress), _incidents(stress), _run(stress)),
     )
-
-
-def _counts(stress: Stress) -> Section:
-    by_axis = count_table(stress, lambda axis: Link(axis_title(axis), f"#map-{axis}"), sentence("stress_counts"))
-    return Section("counts", "What the cells came to", (verdict_table(stress), by_axis))
 
 
 def _maps(stress: Stress) -> Section:
-    first, *others = stress.axes
-    figures = tuple(map_figure(stress, axis) for axis in stress.axes)
-    widget = Widget(
-        "maps",
-        "maps",
-        "Stability map of one axis",
-        widget_data(stress, first),
-        {axis: map_data(stress_map(stress, axis)) for axis in others},
-    )
-    every = Fold(f"Every map as a figure ({len(figures)})", (Figures(figures),))
+    maps = {axis: map_data(stress, axis) for axis in stress.axes}
+    first, *others = maps
+    data = {"axes": {axis: found["title"] for axis, found in maps.items()}, "signs": signs(stress), "map": maps[first]}
+    widget = Widget("maps", "maps", "Stability map of one axis", data, {axis: maps[axis] for axis in others})
+    figures = Figures(tuple(_figure(stress, found) for found in maps.values()))
+    every = Fold(f"Every map as a figure ({len(maps)})", (figures,))
     return Section("maps", "Maps", (Paragraph(sentence("stress_maps")), widget, every))
 
 
-def _borders(stress: Stress) -> Section:
-    table = border_table(stress)
-    return Section("borders", "Borders", (Fold(f"How far each of {len(table.rows)} lines goes", (table,)),))
+def _figure(stress: Stress, found: Mapping[str, Any]) -> Figure:
+    seen = stress.count(axis=found["axis"])
+    shown = [(sign.symbol, verdict.value) for verdict, sign in SIGNS.items() if seen[verdict]]
+    caption = sentence("stress_caption", title=found["title"], label=found["label"], easy=found["easy"], signs=shown)
+    alt = f"Verdicts over {found['label']} for every engine and usage"
+    return Figure(f"map-{found['axis']}", caption, alt, partial(draw_map, found), wide=True)
 
 
-def _incidents(stress: Stress) -> Section:
-    parts: list[Part] = [Paragraph(sentence("stress_incidents"))]
-    for found in INCIDENTS:
-        if cells := stress.of(found):
-            words = f"{found.value.capitalize()} ({len(cells)}): {SIGNS[found].meaning}"
-            parts.append(Fold(words, (incident_table(cells),), is_open=found is not StressVerdict.CAUGHT))
-    none = ", ".join(found.value for found in INCIDENTS if not stress.of(found))
-    return Section("incidents", "Incidents", (*parts, *([Paragraph(f"None: {none}.")] if none else [])))
+def _incidents(stress: Stress) -> Iterator[parts.Part]:
+    """A table to each verdict that occurs, and a sentence on those that do not."""
+    cells = {one: stress.of(one) for one in (*OPEN, StressVerdict.CAUGHT)}
+    for one, found in cells.items():
+        if found:
+            table, words = incident_table(found), f"{one.value.capitalize()} ({len(found)}): {SIGNS[one].meaning}"
+            yield Fold(words, (table,), is_open=one in OPEN and len(table.rows) <= MOST_OPEN)
+    if absent := [one.value for one, found in cells.items() if not found]:
+        yield Paragraph(f"None: {', '.join(absent)}.")
 
 
 def _run(stress: Stress) -> Section:
     spent = sum(one.spent for one in stress.results)
     cells = ("Cells", f"{len(stress.results)}, {spent:.0f} s of work in all, each in {FILE}")
-    facts = Facts((*environment_facts(stress.document["environment"]), cells))
-    return Section("run", "What was run", (Command(stress.document["command"]), Fold("Where and with what", (facts,))))
+    facts = parts.Facts((*environment_facts(stress.document["environment"]), cells))
+    where = Fold("Where and with what", (facts,))
+    return Section("run", "What was run", (parts.Command(stress.document["command"]), where))

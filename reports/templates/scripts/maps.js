@@ -10,59 +10,46 @@
 
   const dressed = (sign) => ({ class: sign.fixed ? "sign fixed" : "sign", style: `--fill:${sign.fill};--mark:${sign.ink}` });
 
-  function copied(text) {
-    if (navigator.clipboard) return navigator.clipboard.writeText(text);
-    const field = make("textarea");
-    field.value = text;
-    document.body.append(field);
-    field.select();
-    const done = document.execCommand("copy");
-    field.remove();
-    return done ? Promise.resolve() : Promise.reject(new Error("not copied"));
-  }
-
   function copyButton(text) {
     const button = make("button", { type: "button" }, "Copy the command");
-    button.onclick = () => copied(text).then(() => "Copied", () => "Select the command and copy it")
+    const copied = async () => navigator.clipboard.writeText(text);
+    button.onclick = () => copied().then(() => "Copied", () => "Select the command and copy it")
       .then((words) => { button.textContent = words; });
     return button;
   }
 
   /* The grid of one row; a cell is reached by the arrow keys and told by a click, Enter or the space bar. */
   function grid(map, block, signs, tell) {
-    const head = make("tr", {}, make("th", { scope: "col" }, "engine"), make("th", { scope: "col" }, "usage"),
-      ...map.values.map((value) => make("th", { scope: "col", class: "value" }, value)));
-    const table = make("table", { class: "map", role: "grid" }, make("caption", {}, make("span", {}, block.row)), make("thead", {}, head));
-    const lines = [], body = make("tbody");
-    for (const [number, line] of block.lines.entries()) {
-      const row = make("tr"), isFirst = number === 0 || block.lines[number - 1].engine !== line.engine;
-      const span = block.lines.filter((other) => other.engine === line.engine).length;
-      if (isFirst) row.append(make("th", { scope: "rowgroup", rowspan: span }, line.engine));
-      row.append(make("th", { scope: "row" }, line.usage));
-      lines.push(line.cells.map((cell, column) => {
-        const sign = cell && signs[cell.verdict], look = cell ? dressed(sign) : { class: "" };
-        if (line.bars.includes(column)) look.class += " bar";
-        const place = make("td", cell ? { ...look, tabindex: -1, "aria-label": sign.word, title: `${map.values[column]}: ${sign.word}` } : look, cell ? sign.sign : "");
-        if (cell) place.onclick = () => tell(place, { map, block, line, cell, value: map.values[column] });
-        row.append(place);
-        return place;
-      }));
-      body.append(row);
+    const heads = ["engine", "usage"].map((name) => make("th", { scope: "col" }, name));
+    const values = map.values.map((value) => make("th", { scope: "col", class: "value" }, value));
+    const table = make("table", { class: "map", role: "grid" }, make("caption", {}, make("span", {}, block.row)),
+      make("thead", {}, make("tr", {}, ...heads, ...values)));
+    const lines = block.lines.map((line) => line.cells.map((cell, column) => {
+      const bar = line.bars.includes(column) ? " bar" : "";
+      if (!cell) return make("td", { class: bar });
+      const sign = signs[cell.verdict], look = dressed(sign), value = map.values[column];
+      const place = make("td", { ...look, class: look.class + bar, tabindex: -1, "aria-label": sign.word, title: `${value}: ${sign.word}` }, sign.sign);
+      place.onclick = () => tell(place, { map, block, line, cell, value });
+      return place;
+    }));
+    for (const engine of new Set(block.lines.map((line) => line.engine))) {
+      const own = block.lines.filter((line) => line.engine === engine);
+      table.append(make("tbody", {}, ...own.map((line, number) => make("tr", {},
+        ...(number ? [] : [make("th", { scope: "rowgroup", rowspan: own.length }, engine)]),
+        make("th", { scope: "row" }, line.usage), ...lines[block.lines.indexOf(line)]))));
     }
-    table.append(body);
     table.onkeydown = (event) => move(event, lines);
     return { table, lines, box: make("div", { class: "scroll", role: "region", "aria-label": block.row }, table) };
   }
 
   function move(event, lines) {
+    let row = lines.findIndex((line) => line.includes(event.target));
     const step = { ArrowLeft: [0, -1], ArrowRight: [0, 1], ArrowUp: [-1, 0], ArrowDown: [1, 0] }[event.key];
-    const y = lines.findIndex((line) => line.includes(event.target));
-    if (y < 0) return;
-    if (event.key === "Enter" || event.key === " ") event.target.click();
-    else if (!step) return;
-    let [row, column] = [y, lines[y].indexOf(event.target)];
-    do { row += step?.[0] ?? 0; column += step?.[1] ?? 0; } while (step && lines[row]?.[column] && !lines[row][column].hasAttribute("tabindex"));
+    if (row < 0 || !(step || event.key === "Enter" || event.key === " ")) return;
     event.preventDefault();
+    if (!step) return event.target.click();
+    let column = lines[row].indexOf(event.target);
+    do { row += step[0]; column += step[1]; } while (lines[row]?.[column] && !lines[row][column].onclick);
     if (lines[row]?.[column]) focusOn(lines, lines[row][column]).focus();
   }
 
@@ -79,7 +66,8 @@
     panel.replaceChildren(
       make("h3", {}, `${line.engine}, ${line.usage}: ${sign.word}`),
       make("p", { class: "small" }, `${block.row}; ${map.label} ${value}. ${sign.word}: ${sign.meaning}.`),
-      make("dl", { class: "facts" }, ...Object.entries(facts).flatMap(([name, words]) => [make("dt", {}, name), make("dd", {}, words)])),
+      make("dl", { class: "facts" }, ...Object.entries(facts).flatMap(([name, words]) =>
+        [make("dt", {}, name), ...words.split("; ").map((part) => make("dd", {}, part))])),
       make("pre", {}, make("code", {}, cell.command)), copyButton(cell.command));
   }
 

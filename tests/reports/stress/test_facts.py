@@ -47,8 +47,16 @@ def test_columns_go_as_the_table_has_them_without_the_runs_of_the_bisection():
         assert found.columns[name] == axes()[name].values
     quick = made_up_stress(quick=True)
     assert quick.columns["mass"] == axes()["mass"].quick
-    alone = made_up_stress(cells=[made_up_cell(StressVerdict.OVER, axis="gone", value=0.0123, **PLACE).document])
-    assert alone.columns == {"gone": (0.0123,)}
+    alone = made_up_stress(cells=[made_up_cell(StressVerdict.OVER, axis="mass", value=0.0123, **PLACE).document])
+    assert alone.columns == {"mass": (0.0123,)}
+
+
+def test_an_axis_that_the_table_has_no_more_is_refused(tmp_path):
+    cell = made_up_cell(StressVerdict.OVER, axis="mass", value=1.0, **PLACE).document
+    document = {**STRESS.document, "cells": [{**cell, "axis": "gone"}]}
+    (tmp_path / FILE).write_text(json.dumps(document), encoding="utf-8")
+    with pytest.raises(LinkproofError, match=r"'gone'.*run stress with --out again"):
+        load(tmp_path)
 
 
 def test_every_verdict_has_a_sign_of_its_own():

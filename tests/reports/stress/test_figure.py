@@ -7,8 +7,8 @@ import pytest
 
 from comparisons.stress.axes import axes
 from reports.charts import draw
-from reports.stress.figure import map_figure
-from reports.stress.maps import border_place
+from reports.stress.figure import draw_map
+from reports.stress.maps import border_place, map_data
 from tests.reports.made_up_stress import made_up_stress
 
 STRESS = made_up_stress()
@@ -16,8 +16,7 @@ STRESS = made_up_stress()
 
 @pytest.mark.parametrize("axis", STRESS.axes)
 def test_every_cell_has_its_box_and_sign_and_every_border_its_bar(axis):
-    figure = map_figure(STRESS, axis)
-    drawing = figure.drawing()
+    drawing = draw_map(map_data(STRESS, axis))
     assert [panel.get_title(loc="left") for panel in drawing.axes] == [row.label for row in axes()[axis].rows]
     lines = [line for panel in drawing.axes for line in panel.lines]
     bars = [line for line in lines if line.get_linestyle() != "None"]
@@ -27,7 +26,7 @@ def test_every_cell_has_its_box_and_sign_and_every_border_its_bar(axis):
 
 
 def test_panels_do_not_overlap_and_stay_within_the_figure():
-    boxes = [panel.get_position() for panel in map_figure(STRESS, "mass").drawing().axes]
+    boxes = [panel.get_position() for panel in draw_map(map_data(STRESS, "mass")).axes]
     for box in boxes:
         assert np.all(np.concatenate([box.min, 1.0 - box.max]) >= 0.0)
     for left, right in pairwise(boxes):
@@ -35,7 +34,7 @@ def test_panels_do_not_overlap_and_stay_within_the_figure():
 
 
 def test_names_and_values_are_text_in_the_file_and_large_enough():
-    drawing = map_figure(STRESS, "mass").drawing()
+    drawing = draw_map(map_data(STRESS, "mass"))
     text = draw.svg(drawing)
     assert "alpha tuned" in text
     sizes = [label.get_fontsize() for panel in drawing.axes for label in (*panel.get_xticklabels(), panel.title)]
