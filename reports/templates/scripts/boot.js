@@ -71,7 +71,23 @@ window.linkproof = (() => {
     plots.set(element, [traces, layout]);
     const now = (given) => (typeof given === "function" ? given(colours()) : given);
     const config = { displayModeBar: false, responsive: true, displaylogo: false };
-    return window.Plotly.react(element, now(traces), dressed(now(layout)), config).then(() => element);
+    return window.Plotly.react(element, now(traces), dressed(now(layout)), config).then(() => {
+      if (!element.dataset.fits) element.on("plotly_afterplot", () => fit(element));
+      element.dataset.fits = "yes";
+      fit(element);
+      return element;
+    });
+  }
+
+  /* What lets a plot shrink to a sheet of paper: the style sheet does. */
+  function fit(element) {
+    const { width, height } = element._fullLayout;
+    element.style.setProperty("--shape", `${width} / ${height}`);
+    for (const drawing of element.querySelectorAll(".main-svg")) drawing.setAttribute("viewBox", `0 0 ${width} ${height}`);
+  }
+
+  function redraw() {
+    for (const [element, [traces, layout]] of plots) if (element.isConnected) plot(element, traces, layout);
   }
 
   /* A button that saves a plot as a drawing. */
@@ -90,9 +106,8 @@ window.linkproof = (() => {
       if (box.scrollWidth > box.clientWidth + 1) box.tabIndex = 0; else box.removeAttribute("tabindex");
   }
 
-  dark.addEventListener("change", () => {
-    for (const [element, [traces, layout]] of plots) if (element.isConnected) plot(element, traces, layout);
-  });
+  dark.addEventListener("change", redraw);
+  window.matchMedia("print").addEventListener("change", redraw);
   document.addEventListener("DOMContentLoaded", () => { startAll(); stops(); });
   window.addEventListener("resize", stops);
   document.addEventListener("toggle", stops, true);
