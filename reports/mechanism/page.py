@@ -71,4 +71,4 @@ def _sections(shown: ShownSheet, results: Results | None) -> Iterator[Section]:
         yield published_section(sheet.published)
     view = next((view for view in views(results) if _is_of(view.linkage, sheet)), None) if results else None
     if view:
-        yield engines_section(view)
+        yield engines_section(view, sheet.printed)
