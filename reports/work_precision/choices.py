@@ -26,7 +26,8 @@ def section(regimes: Regimes, note: str) -> Section:
     )
     each = _table("Each mechanism by itself.", "Mechanism", _by_mechanism(regimes))
     whole = _table(about, "Regime", _over_mechanisms(regimes))
-    return Section("use", "What to use for an error", (whole, Fold("By mechanism", (each,)), Paragraph(note, "small")))
+    folds = (Fold("By mechanism", (each,)),) if len(each.rows) > len(whole.rows) else ()
+    return Section("use", "What to use for an error", (whole, *folds, Paragraph(note, "small")))
 
 
 def winners(regimes: Regimes) -> Table:

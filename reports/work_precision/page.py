@@ -23,8 +23,9 @@ FILE_NAME = "bench.html"
 TITLE = "Work-precision"
 READING = (
     "Thin lines: a method, coarse steps to fine ones, broken where several runs are extrapolated. Bold: an engine's "
-    "front, which none of its points beats in both. Broad grey: the front over the engines shown. Marks: the settings "
-    "(open circle naive, square tuned, star best). The reference's control is no engine: it is shown and not ranked."
+    "front at any solver effort, which none of its points beats in both. Broad grey: the front over the engines shown. "
+    "Marks: the settings (open circle naive, square tuned, star best). The reference's control is no engine: it is "
+    "shown and not ranked."
 )
 
 

@@ -73,7 +73,8 @@ linkproof.bench = (() => {
 
   function layout(parts, title) {
     const heights = parts.flatMap((one) => one.found.flatMap((trace) => trace.y)).map(Math.log10);
-    const range = [Math.floor(Math.min(...heights)) - 0.4, Math.ceil(Math.max(...heights)) + 0.2];
+    const [low, high] = heights.length ? [Math.min(...heights), Math.max(...heights)] : [0, 0];
+    const range = [Math.floor(low) - 0.4, Math.ceil(high) + 0.2];
     const log = { type: "log", exponentformat: "power", dtick: 1, tickfont: { size: 14 } };
     return { height: HEIGHT, showlegend: false, hovermode: "closest", margin: { l: 60, r: 70, t: 12, b: 48 },
       annotations: names(parts, range), xaxis: { ...log, title: { text: title } },

@@ -36,8 +36,9 @@ def test_the_control_never_wins():
 
 
 def test_what_an_engine_says_of_several_errors_is_one_cell():
-    whole, _, _ = section(_regimes(setting_row("tuned", 1e-9, 0.5)), "").parts
+    whole, note = section(_regimes(setting_row("tuned", 1e-9, 0.5)), "as measured").parts
     ((_, _, cell),) = whole.rows
+    assert note.words == "as measured"
     assert (cell.words, cell.note, cell.span) == ("500 ms", "tuned", len(WANTED))
 
 
@@ -50,7 +51,7 @@ def test_what_an_engine_does_not_reach_says_how_near_it_comes():
 
 
 def test_every_mechanism_has_a_row_an_engine_as_long_as_the_head():
-    whole, fold, note = section(regimes(places(made_up_bench())), "as measured").parts
+    whole, fold, _ = section(regimes(places(made_up_bench())), "").parts
     assert isinstance(fold, Fold)
     (table,) = fold.parts
     assert isinstance(table, Table)
@@ -58,4 +59,3 @@ def test_every_mechanism_has_a_row_an_engine_as_long_as_the_head():
         ("juki-mf7923d, run-up-quintic", "alpha"), ("", "beta"), ("rimoldi-164, run-up-quintic", "alpha"), ("", "beta"),
     ]  # fmt: skip
     assert all(_columns(row) == len(WANTED) + 2 for row in (*whole.rows, *table.rows))
-    assert note.words == "as measured"
