@@ -1,41 +1,50 @@
 """The summary in Markdown: verdicts and errors alone, so that two machines' summaries of one version diff cleanly.
 
-Same rows, same order, same digits; no date, machine or time. Those stand on the page.
+Same rows, same order, same digits; no date, machine or time. Those stand on the first page.
 """
 
 from __future__ import annotations
 
+from collections.abc import Iterator, Mapping, Sequence
+from typing import Any
+
 from comparisons.campaign.results import Results
-from reports.document.numbers import ROUND_OFF, bound, figure, per_cent, printed, steady_error
-from reports.document.tables import ReportTable
-from reports.document.tables import markdown as table
+from comparisons.datasheet.sheet import Sheet
+from reports.document.markdown import written
+from reports.document.numbers import ABSENT, ROUND_OFF, bound, figure, per_cent, printed, steady_error
+from reports.document.parts import Bullets, Mono, Paragraph, Part, Section, Table
 from reports.document.templates import plain, worded
-from reports.facts.printed_models import judgements
-from reports.facts.readings import Readings, readings
 from reports.records import matrix
 from reports.records.joint_rows import joint_table
 from reports.records.matrix import EngineStanding, MatrixBlock, MatrixRow
 from reports.records.views import columns, views
 
 
-def markdown(results: Results) -> str:
-    """The summary of a campaign."""
+def markdown(results: Results, sheets: Sequence[Sheet] = ()) -> str:
+    """The summary of a campaign; ``sheets`` have the figures that the mechanisms' sources print."""
     told = results.document.get("judgement", [])
-    parts = [
-        "# Results of another tool against the closed form" if told else "# Engines against the closed form",
+    title = "Results of another tool against the closed form" if told else "Engines against the closed form"
+    words = (
         f"Largest error over the reference's peak, two digits, round-off as < {bound(ROUND_OFF)}; ✓ within its limit, "
-        f"✗ over it. Written by `{results.document['command']}`; the page beside it has curves, machine and times.",
-        "## Verdict",
-        *told,
-        "\n".join(f"- {_standing(one)}" for one in matrix.standings(results)),
-        *_matrix(results),
-        *_joint_forces(results),
+        "✗ over it. Written by ",
+        Mono(results.document["command"]),
+        "; the pages beside it have curves, machine and times.",
+    )
+    standings = Bullets(tuple(map(_standing, matrix.standings(results))))
+    parts: tuple[Part, ...] = (
+        Paragraph(words),
+        Section("", "Verdict", (*map(Paragraph, told), standings)),
+        Section("", "Errors", tuple(_matrix(results))),
+        *_sections("Joint forces", tuple(_joint_forces(results))),
         *_printed_models(results),
-        *_published(results),
-        "## Limits",
-        table(matrix.limit_table(results)),
-    ]
-    return "\n\n".join(parts) + "\n"
+        *_sections("Published figures against ours", tuple(_published(sheets))),
+        Section("", "Limits", (matrix.limit_table(results),)),
+    )
+    return f"# {title}\n\n{written(parts)}\n"
+
+
+def _sections(heading: str, sections: tuple[Section, ...]) -> tuple[Section, ...]:
+    return (Section("", heading, sections),) if sections else ()
 
 
 def _standing(one: EngineStanding) -> str:
@@ -50,60 +59,62 @@ def _standing(one: EngineStanding) -> str:
     return ". ".join((words, *one.failures)) + "."
 
 
-def _matrix(results: Results) -> list[str]:
+def _matrix(results: Results) -> Iterator[Section]:
     names = tuple(name for part in columns(results) for name in part)
-    parts = ["## Errors"]
     for block in matrix.blocks(results):
-        parts += [
-            f"### {block.mechanism} ({block.variant}), {block.regime}",
-            f"{block.conditions}.",
-            _block(block, names),
-        ]
-    return parts
+        title = f"{block.mechanism} ({block.variant}), {block.regime}"
+        yield Section("", title, (Paragraph(f"{block.conditions}."), _block(block, names)))
 
 
-def _block(block: MatrixBlock, names: tuple[str, ...]) -> str:
+def _block(block: MatrixBlock, names: tuple[str, ...]) -> Table:
     head = ("engine", "setting", "figures of", *map(plain, names))
-    return table(ReportTable("", head, tuple(_row(row, len(names)) for row in block.rows), align="l"))
+    return Table("", head, tuple(_row(row, len(names)) for row in block.rows), align="l")
 
 
 def _row(row: MatrixRow, count: int) -> tuple[str, ...]:
     if row.failure:
         return (row.engine, row.setting, "", row.failure, *[""] * (count - 1))
-    cells = (f"{cell.sign} {steady_error(cell.error)}" if cell else "–" for cell in row.cells)
+    cells = (f"{cell.sign} {steady_error(cell.error)}" if cell else ABSENT for cell in row.cells)
     return (row.engine, row.setting, row.origin, *cells)
 
 
-def _joint_forces(results: Results) -> list[str]:
+def _joint_forces(results: Results) -> Iterator[Section]:
     """Peak force of every joint and the error of every run, regime by regime."""
-    parts = [
-        f"### {view.linkage.name} ({view.linkage.variant}), {regime.name}\n\n{table(found)}"
-        for view in views(results)
-        for regime in view.regimes
-        if (found := joint_table(view, regime))
-    ]
-    return ["## Joint forces", *parts] if parts else []
+    for view in views(results):
+        for regime in view.regimes:
+            if found := joint_table(view, regime):
+                yield Section("", f"{view.linkage.name} ({view.linkage.variant}), {regime.name}", (found,))
 
 
-def _printed_models(results: Results) -> list[str]:
-    """What the engines say of models as printed."""
-    lines = [f"- {row['sentence']}" for view in views(results) for row in judgements(view)]
-    return ["## Printed models", "\n".join(lines)] if lines else []
+def _printed_models(results: Results) -> tuple[Section, ...]:
+    """What the engines say of models as printed, in the order of the mechanisms."""
+    every = results.document.get("errata", [])
+    names = dict.fromkeys(one.name for one in results.linkages if one.variant == one.variants[0])
+    lines = tuple(row["sentence"] for name in names for row in every if row["mechanism"] == name)
+    return (Section("", "Printed models", (Bullets(lines),)),) if lines else ()
 
 
-def _published(results: Results) -> list[str]:
-    tables = readings(results)
-    parts = ["## Published figures against ours"] if tables else []
-    for name, found in tables.items():
-        parts += [f"### {name}", table(_readings(found))]
-    return parts
+def _published(sheets: Sequence[Sheet]) -> Iterator[Section]:
+    for name, rows in {sheet.name: sheet.published for sheet in sheets}.items():
+        if rows:
+            yield Section("", name, (_readings(rows),))
 
 
-def _readings(found: Readings) -> ReportTable:
-    rows = []
-    for row in found.rows:
-        ours = (f"{figure(one.ours)} ({per_cent(one.deviation)}, {one.verdict})" if one else "–" for one in row.ours)
-        unit = f", {row.unit}" if row.unit else ""
-        place = row.source + (f"; {row.note}" if row.note else "")
-        rows.append((worded(row.quantity) + unit, printed(row.published), *ours, place))
-    return ReportTable("", ("figure", "published", *found.variants, "place"), tuple(rows), align="l")
+def _readings(rows: Sequence[Mapping[str, Any]]) -> Table:
+    """A row for every printed figure, a column for every variant."""
+    variants = tuple(dict.fromkeys(row["variant"] for row in rows))
+    found: dict[tuple[Any, ...], dict[str, str]] = {}
+    for row in rows:
+        key = tuple(row[name] for name in ("quantity", "unit", "published", "source", "note"))
+        ours = f"{figure(row['ours'])} ({per_cent(row['deviation'])}, {row['verdict']})"
+        found.setdefault(key, {})[row["variant"]] = ours
+    lines = (
+        (
+            worded(quantity) + (f", {unit}" if unit else ""),
+            printed(value),
+            *(ours.get(variant, ABSENT) for variant in variants),
+            source + (f"; {note}" if note else ""),
+        )
+        for (quantity, unit, value, source, note), ours in found.items()
+    )
+    return Table("", ("figure", "published", *variants, "place"), tuple(lines), align="l")

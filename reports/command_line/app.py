@@ -447,15 +447,18 @@ def export(
     engines.export(choice, cell, out)
 
 
-@app.command(short_help="Write the report of saved curves again.")
+@app.command(short_help="Write the pages of what was saved again.")
 def report(
     saved: Annotated[Path, typer.Argument(metavar="DIR", hidden=True)],
     out: Annotated[Path | None, valued("DIR", "Where to write the pages; default: the same folder.")] = None,
+    single_file: Annotated[Path | None, valued("FILE", "Write one page that holds everything, to mail.")] = None,
+    png: Annotated[bool, flag("Write every figure as PNG beside its SVG.", "--png")] = False,
+    show: Annotated[bool, flag("Open the report in the browser.", "--open")] = False,
 ) -> None:
-    """Write the report of saved curves again; needs no engine.
+    """Write the pages of what was saved again; needs no engine.
 
-    DIR is the folder that compare --out wrote, or the curves.nc in it.
+    DIR is the folder that compare, bench, stress or judge wrote with --out, or the curves.nc in it.
     """
     from reports.command_line.commands import compare
 
-    compare.report(saved, out)
+    compare.report(saved, out, single_file, opens=show, png=png)

@@ -61,6 +61,20 @@ class Destination:
         tables = [] if self.quiet else printout.tables
         self.print(*tables, *(printout.details if self.verbose else ()), *printout.closing)
 
+    def write_pages(self, processes: int | None = None) -> None:
+        """Renew the pages of the folder from what it holds by now, and say where they are; nothing without a folder.
+
+        What keeps them from being written is told and no more: the results are saved.
+        """
+        if self.folder is None:
+            return
+        from reports.site.site import write_site  # noqa: PLC0415  figures cost seconds that a table does not pay
+
+        try:
+            self.say(f"report: {write_site(self.folder, processes=processes)}")
+        except LinkproofError as error:
+            show(f"the results are saved in '{self.folder}', but no pages are written: {error}", stderr=True)
+
     def write_json(self, document: Mapping[str, Any]) -> None:
         """Write JSON where it was asked for; JSON is UTF-8 whatever the character set of stdout."""
         if self.json == STDOUT:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from comparisons.judging.quantities import JOINT_FORCE
 from comparisons.judging.records import Record
 from reports.document.numbers import ABSENT, figure, steady_error
-from reports.document.tables import ReportTable
+from reports.document.parts import Table
 from reports.document.templates import plain
 from reports.records.views import Regime, View, worst
 
@@ -24,7 +24,7 @@ def worst_joint(view: View, regime: Regime) -> list[str]:
     return [worst(mine).quantity] if mine else []
 
 
-def joint_table(view: View, regime: Regime) -> ReportTable | None:
+def joint_table(view: View, regime: Regime) -> Table | None:
     """A row per joint, largest peak first; None where the campaign asked for no joint forces."""
     records = joint_records(view, regime)
     if not records:
@@ -42,7 +42,7 @@ def joint_table(view: View, regime: Regime) -> ReportTable | None:
         )
         for name in sorted(peaks, key=lambda name: (-peaks[name], name))
     ]
-    return ReportTable(CAPTION, ("joint", "peak, N", *(" ".join(run) for run in runs)), tuple(rows))
+    return Table(CAPTION, ("joint", "peak, N", *(" ".join(run) for run in runs)), tuple(rows))
 
 
 def _peak(records: list[Record]) -> float:

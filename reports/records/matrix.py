@@ -10,8 +10,8 @@ from comparisons.campaign.results import Results
 from comparisons.judging.limits import limit
 from comparisons.judging.records import CONTROL, IMPORTED, Record, Verdict
 from reports.document.numbers import bound
+from reports.document.parts import Table
 from reports.document.signs import RUNS
-from reports.document.tables import ReportTable
 from reports.document.templates import plain, sentence
 from reports.records.origins import control_last, exceptions, origin_words
 from reports.records.views import SETTINGS, anchor, columns, family, ordered, worst
@@ -182,7 +182,7 @@ def _limit(record: Record) -> tuple[float, str]:
     return value, table.reason if value == table.value else "as the table of limits stood when the campaign ran"
 
 
-def limit_table(results: Results) -> ReportTable:
+def limit_table(results: Results) -> Table:
     """The limits these records are held against, largest first within the order of the quantities."""
     names = [name for part in columns(results) for name in part]
     groups: dict[tuple[float, str], list[Record]] = {}
@@ -204,4 +204,4 @@ def limit_table(results: Results) -> ReportTable:
         rows.append((names.index(quantities[0]), -value, cells))
     ordered_rows = tuple(cells for _, _, cells in sorted(rows, key=lambda entry: entry[:2]))
     caption = "What a largest error over the reference's peak may be, and why."
-    return ReportTable(caption, ("Quantities", "Settings", "Regimes", "Limit", "Reason"), ordered_rows, align="lllrl")
+    return Table(caption, ("Quantities", "Settings", "Regimes", "Limit", "Reason"), ordered_rows, align="lllrl")

@@ -7,19 +7,19 @@ from typing import Any
 
 from engines.contract import Engine
 from reports.document.numbers import ABSENT
-from reports.document.tables import ReportTable
+from reports.document.parts import Table
 from reports.document.templates import plain
 
 HEAD = ("channel", "in the engine", "frame", "instant", "drive's share")
 
 
-def readout_table(name: str, told: Mapping[str, Mapping[str, str]]) -> ReportTable:
+def readout_table(name: str, told: Mapping[str, Mapping[str, str]]) -> Table:
     """The read-outs of an engine, as ``Abilities.told`` has them."""
     rows = tuple(
         (plain(channel), one["source"], one["frame"], one["instant"], one["drive"] or ABSENT)
         for channel, one in told.items()
     )
-    return ReportTable(f"{name}: where its figures come from.", HEAD, rows, align="l")
+    return Table(f"{name}: where its figures come from.", HEAD, rows, align="l")
 
 
 def abilities_told(adapter: Engine) -> Mapping[str, Any]:

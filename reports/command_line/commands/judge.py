@@ -26,7 +26,6 @@ from comparisons.judging.run_result import RunResult
 from comparisons.reference.case import Motion, own_case
 from comparisons.runs.files import check_writable, write_text
 from reports.command_line import FAILED, PASSED
-from reports.command_line.commands.compare import rebuild
 from reports.command_line.destination import Destination
 from reports.command_line.linear_drive import prescribed
 from reports.command_line.motion_choice import MotionChoice, own_regimes
@@ -149,4 +148,4 @@ def _write_page(choice: JudgeChoice, judgement: ImportedJudgement, folder: Path,
     request = CampaignRequest((linkage,), motions, blank.conditions, (blank.engine,))
     told = {**saved_document(request, [result], choice.command), "judgement": sentences(judgement)}
     save(folder, [result], told, [usual_sheet(linkage, motions, choice.motion.regimes)])
-    destination.say(f"report: {rebuild(folder, processes=0)}")
+    destination.write_pages(processes=0)

@@ -64,11 +64,7 @@ def run(choice: StressChoice, destination: Destination, jobs: int | None = None)
         destination.write_json(maps.document)
         if out:
             write_text(out / FILE, to_json(maps.document))
-            from reports.document import html  # noqa: PLC0415  pages cost seconds that a table does not pay
-            from reports.stress.page import page  # noqa: PLC0415
-
-            html.write_assets(out)
-            destination.say(f"stability maps: {html.write(page(maps), out, [])}")
+            destination.write_pages()
         if kept:
             kept.clear()
     destination.print_out(printout(maps))

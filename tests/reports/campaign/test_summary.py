@@ -5,7 +5,9 @@ from dataclasses import asdict, replace
 
 import pytest
 
+from analytic.description.loading import load
 from comparisons.campaign.results import Results
+from comparisons.datasheet.building import usual_sheet
 from comparisons.judging.records import Verdict
 from reports.campaign.summary import markdown
 from tests.reports.made_up_results import made_up_results
@@ -20,7 +22,7 @@ def results():
 
 @pytest.fixture(scope="module")
 def text(results):
-    return markdown(results)
+    return markdown(results, [usual_sheet(load("juki-mf7923d"))])
 
 
 def tables(text):
@@ -49,7 +51,7 @@ def test_another_machine_on_another_day_writes_the_same(results, text):
     rows = [asdict(replace(record, seconds=9.9, setup_seconds=9.9)) for record in results.records]
     environment = {**results.document["environment"], "date": "another day", "machine": "another"}
     later = Results({**results.document, "records": rows, "environment": environment}, results.curves)
-    assert markdown(later) == text
+    assert markdown(later, [usual_sheet(load("juki-mf7923d"))]) == text
 
 
 def test_the_verdict_counts_and_names_what_comes_nearest_to_its_limit(text):
@@ -64,7 +66,8 @@ def test_the_verdict_counts_and_names_what_comes_nearest_to_its_limit(text):
 
 def test_the_order_of_the_records_changes_nothing(results, text):
     rows = list(reversed(results.document["records"]))
-    assert markdown(Results({**results.document, "records": rows}, results.curves)) == text
+    later = Results({**results.document, "records": rows}, results.curves)
+    assert markdown(later, [usual_sheet(load("juki-mf7923d"))]) == text
 
 
 def test_round_off_has_no_digits(results):

@@ -9,7 +9,6 @@ from matplotlib.figure import Figure
 
 from analytic.description.loading import load
 from comparisons.campaign.results import Results
-from reports.campaign.parts import forces_part
 from reports.charts import forces
 from reports.charts.run_up import histories
 from reports.facts.forces import TurnForces, lead
@@ -70,10 +69,6 @@ def test_crank_angles_beside_a_hodograph_do_not_hide_each_other(found):
         half = 0.5 * np.ptp(axes.get_xlim())
         gaps = [np.hypot(*(a - b)) for i, a in enumerate(places) for b in places[:i]]
         assert min(gaps, default=half) > forces.CLEAR * half
-
-
-def test_the_part_has_joints_frame_and_moment(view):
-    assert len(forces_part(view).figures) == 4
 
 
 def test_only_the_worst_joint_has_a_history_and_all_have_a_row(view):

@@ -11,7 +11,6 @@ from comparisons.campaign.campaign import RunResult
 from comparisons.campaign.results import Results, dataset
 from comparisons.judging.deviations import Deviation
 from engines.contract import Setting
-from reports.campaign.regime_part import regime_part
 from reports.charts import run_up
 from reports.charts.released import last_turn_figure
 from reports.facts.released import Released, released, sentences
@@ -112,14 +111,6 @@ def off_by_a_thousandth(time, angle, values):
         samples=len(time),
         left_out=0,
     )
-
-
-def test_a_released_regime_has_its_sentences_and_its_last_turn(ran):
-    (view,) = views(ran)
-    part = regime_part(view, view.regimes[0])
-    assert len(part.lines) == 5
-    assert "1000 Runge-Kutta steps" in part.lead
-    assert part.figures[-1].lead.startswith("The last full turn: n between 4653")
 
 
 def test_the_coarse_integrator_stands_beside_the_engines(ran):

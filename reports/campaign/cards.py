@@ -1,0 +1,44 @@
+"""A card of a mechanism: its scheme, the figures it is chosen by, and the engine that came nearest to a limit."""
+
+from __future__ import annotations
+
+from comparisons.datasheet.sheet import Sheet
+from reports.campaign.verdict import Trust, share
+from reports.document.parts import Card, Facts, Link, Part
+from reports.document.templates import sentence
+from reports.mechanism.page import file_of
+from reports.mechanism.shown import ShownSheet
+
+
+def card(sheet: Sheet, trust: Trust | None) -> Card:
+    """The card of a mechanism, which leads to its page; without a campaign it tells of no engine."""
+    linkage = sheet.linkage
+    words = linkage.title + (f", {sheet.variant}" if len(linkage.variants) > 1 else "")
+    parts: list[Part] = [Facts(_key_figures(sheet))]
+    if trust is not None and (told := _engine(sheet, trust)):
+        parts.append(Facts((("nearest to its limit", told),)))
+    return Card(Link(words, file_of(sheet)), tuple(parts))
+
+
+def _key_figures(sheet: Sheet) -> tuple[tuple[str, str], ...]:
+    shown = ShownSheet(sheet)
+    drive = "peak force" if sheet.linkage.is_linear else "peak torque"
+    rows = [(words, shown.peak(name)) for words, name in ((drive, "Mkr"), ("peak power", "Peq")) if shown.has(name)]
+    if "Jeq" in sheet.facts:
+        rows.append(("mean Jeq", shown.value("Jeq", sheet.facts["Jeq"]["mean"])))
+    if sheet.figures.get("stroke") is not None:
+        rows.append(("stroke", shown.value("S", sheet.figures.get("stroke"))))
+    return tuple(rows)
+
+
+def _engine(sheet: Sheet, trust: Trust) -> str:
+    """The worst engine of a mechanism at the deciding setting, in words."""
+    setting = trust.settings[0]
+    records = [
+        record
+        for engine in trust.engines
+        for record in trust.records(engine, setting)
+        if record.run[:2] == (sheet.name, sheet.variant) and record.error_max is not None and record.limit
+    ]
+    worst = max(records, key=share, default=None)
+    return "" if worst is None else sentence("index_nearest", record=worst)
