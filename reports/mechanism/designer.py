@@ -17,13 +17,15 @@ from reports.document.numbers import ABSENT, figure, printed
 from reports.document.parts import Bullets, Card, Cards, Facts, Figure, Figures, Fold, Paragraph, Part, Section, Table
 from reports.document.templates import lines, plain, sentence
 from reports.mechanism.key_figures import force_words
-from reports.mechanism.shown import ShownSheet
+from reports.mechanism.shown import ROUNDING, ShownSheet
 
 Array = NDArray[np.float64]
 
 OUTPUT: Final = ("S", "v", "a")
 DRIVE: Final = ("Mkr", "Peq", "Teq")
-TALL: Final = 4.2  # inches, of panels one under the other
+# Parts of a sheet that may be missing, in words, where they are told of; of all others the sheet's own name for them.
+WORDS: Final = {"normalised": "normalised motion", "shares": "Jeq by group and link", "values": "motion to show"}
+TALL: Final = 3.9  # inches, of panels one under the other
 MOST_CURVES, MOST_HODOGRAPHS, PER_ROW = 10, 12, 4
 CONSTANT: Final = 1e-6  # share of its largest value that a link's Jeq varies by at least, else it is a constant
 DOTS, QUARTERS = 30, 90  # degrees of the crank between dots of a hodograph, and between those that are named
@@ -35,9 +37,10 @@ def sections(shown: ShownSheet) -> tuple[Section, ...]:
     return tuple(section for section in every if section.parts)
 
 
-def _told(shown: ShownSheet, *keys: str) -> tuple[Part, ...]:
-    """Why something cannot be derived."""
-    return tuple(Paragraph(shown.sheet.missing[key], "small") for key in keys if key in shown.sheet.missing)
+def told(shown: ShownSheet, *keys: str) -> tuple[Part, ...]:
+    """Why parts of the sheet cannot be derived."""
+    reasons = {key: shown.sheet.missing[key] for key in keys if key in shown.sheet.missing}
+    return tuple(Paragraph(f"There is no {WORDS.get(key, key)}: {reason}.", "small") for key, reason in reasons.items())
 
 
 def _motion(shown: ShownSheet) -> Section:
@@ -51,7 +54,7 @@ def _motion(shown: ShownSheet) -> Section:
     parts: tuple[Part, ...] = (Figures(tuple(figures)),) if figures else ()
     if not shown.has("S"):
         parts += (Paragraph("The file names no output: there is no S, v and a.", "small"),)
-    return Section("motion", "Motion of the output", (*parts, *_told(shown, "output", "normalised")))
+    return Section("motion", "Motion of the output", (*parts, *told(shown, "normalised")))
 
 
 def _normalised(shown: ShownSheet, found: Normalised) -> Figure:
@@ -79,7 +82,7 @@ def _drive(shown: ShownSheet) -> Section:
     drive = Figure("drive", caption, f"{shown.about}: {caption}", shown.stacked(names, TALL))
     words = (Paragraph(_jeq(shown)),) if "Jeq" in shown.sheet.facts else ()
     figures = Figures((drive, *_inertia(shown)))
-    return Section("drive", "Torque, power and inertia", (*words, figures, *_told(shown, "shares")))
+    return Section("drive", "Torque, power and inertia", (*words, figures, *told(shown, "shares")))
 
 
 def _jeq(shown: ShownSheet) -> str:
@@ -121,7 +124,7 @@ def _forces(shown: ShownSheet) -> Section:
     """In every joint by magnitude and as hodographs, on the frame with its moment."""
     joints = shown.joints()
     if not joints:
-        return Section("forces", "Forces in the joints and on the frame", _told(shown, "forces"))
+        return Section("forces", "Forces in the joints and on the frame", told(shown, "forces"))
     most = f" of the {MOST_CURVES} joints with the largest" if len(joints) > MOST_CURVES else " in every joint"
     curves = []
     for number, joint in enumerate(joints[:MOST_CURVES]):
@@ -147,12 +150,12 @@ def _on_frame(shown: ShownSheet, unit: str) -> tuple[Figure, ...]:
     """Shaking force and shaking moment."""
     if not shown.has("shaking_moment"):
         return ()
-    tip = Chart((hodograph(shown, "shaking_force", 0, unit),), 3.6)
+    tip = Chart((hodograph(shown, "shaking_force", 0, unit),), 3.2)
     moment = Curve(shown.x, shown.y("shaking_moment"), ink=1)
     label = f"shaking moment, {shown.unit('shaking_moment').name}"
     force_caption = f"Shaking force on the frame{_dots(shown)}."
     moment_caption = f"Shaking moment on the frame about {shown.sheet.moment_centre}, the drive's reaction included."
-    over = shown.chart([shown.panel([moment], label)], 3.6)
+    over = shown.chart([shown.panel([moment], label)], 3.2)
     return (
         Figure("shaking-force", force_caption, f"{shown.about}: hodograph of the shaking force", tip),
         Figure("shaking-moment", moment_caption, f"{shown.about}: shaking moment", over),
@@ -170,7 +173,7 @@ def _hodographs(shown: ShownSheet, joints: list[str], unit: str) -> Figure:
     rows = -(-len(drawn) // PER_ROW)
     which = f"the {MOST_HODOGRAPHS} joints with the largest forces" if len(joints) > MOST_HODOGRAPHS else "every joint"
     caption = f"Fx against Fy of {which}, each to its own scale{_dots(shown)}."
-    chart = Chart(tuple(panels), 2.75 * rows, columns=min(PER_ROW, len(drawn)), wide=True)
+    chart = Chart(tuple(panels), 2.5 * rows, columns=min(PER_ROW, len(drawn)), wide=True)
     return Figure("hodographs", caption, f"{shown.about}: hodographs of the joint forces", chart, wide=True)
 
 
@@ -222,7 +225,9 @@ def _links(shown: ShownSheet) -> Section:
     table = Table("The moving links as described.", head, tuple(rows), note=note)
     notes = (Bullets(linkage.notes),) if linkage.notes else ()
     cards = (*_scheme(shown), Card("Links", (table, *notes)))
-    return Section("made-of", "What it is made of", (Cards(cards, wide=True),))
+    return Section(
+        "made-of", "What it is made of", (Cards(cards, wide=True), *told(shown, *(shown.sheet.missing.keys() - WORDS)))
+    )
 
 
 def _scheme(shown: ShownSheet) -> tuple[Card, ...]:
@@ -231,14 +236,16 @@ def _scheme(shown: ShownSheet) -> tuple[Card, ...]:
     if positions is None:
         return ()
     output = f"; the blue line is the path of {sheet.linkage.output.point}" if sheet.linkage.output else ""
-    caption = f"To scale in several positions, one of them drawn out, quartered discs are mass centres{output}."
+    caption = f"To scale in twelve positions, one of them drawn out; quartered discs are mass centres{output}."
     drawing = partial(scheme_figure, sheet.linkage, positions)
     return (Card("Positions", (Figure("scheme", caption, f"{shown.about}: kinematic scheme", drawing),)),)
 
 
 def _link_row(link: Link, sizes: list[float]) -> tuple[str, ...]:
     mass, inertia, length = sizes
-    centre = ", ".join(f"{value / length:.4g}".replace("-", "−") for value in link.centre)
+    least = ROUNDING * max(map(abs, link.centre))
+    places = (0.0 if abs(value) <= least else value / length for value in link.centre)
+    centre = ", ".join(f"{place:.4g}".replace("-", "−") for place in places)
     turning = ABSENT if link.inertia is None else printed(link.inertia / inertia)
     return plain(link.name), printed(link.mass / mass), turning, f"({centre})"
 

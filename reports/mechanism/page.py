@@ -8,7 +8,7 @@ from analytic.description.linkage import Linkage
 from comparisons.campaign.results import Results
 from comparisons.datasheet.sheet import Sheet
 from reports.charts.moving import moving_scheme
-from reports.document.parts import NOTHING, Bullets, Card, Cards, Page, Paragraph, Section
+from reports.document.parts import NOTHING, Bullets, Card, Cards, Page, Section
 from reports.mechanism import designer
 from reports.mechanism.engines import engines_section
 from reports.mechanism.key_figures import key_table
@@ -49,8 +49,7 @@ def _first_look(shown: ShownSheet) -> Cards:
     """The linkage in motion beside its key figures."""
     sheet = shown.sheet
     if sheet.axis not in sheet.values:
-        why = Paragraph(f"There is no motion to show: {sheet.missing.get('values', 'none is saved')}.")
-        return Cards((Card("The mechanism", (why, designer.facts(shown))),), wide=True)
+        return Cards((Card("The mechanism", (*designer.told(shown, "values"), designer.facts(shown))),), wide=True)
     drawing = moving_scheme(sheet.linkage, sheet.positions, "motion") if sheet.positions else NOTHING
     motion = Card("In motion", (player(shown, drawing),))
     return Cards((motion, Card("Key figures", (key_table(sheet), designer.facts(shown)))), wide=True)

@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from reports.document.numbers import figure, per_cent, printed
-from reports.document.parts import Cell, Paragraph, Section, Table
+from reports.document.parts import Cell, Section, Table
 from reports.document.signs import PUBLISHED
 from reports.document.templates import worded
 
@@ -14,18 +14,21 @@ Rows = Sequence[Mapping[str, Any]]
 
 
 def published_section(rows: Rows) -> Section:
-    """How many figures every variant meets, and all of them."""
-    variants = list(dict.fromkeys(row["variant"] for row in rows))
-    return Section("published", "Published figures against ours", (_met(rows, variants), _table(rows, variants)))
+    """All of them, and how many every variant meets."""
+    return Section(
+        "published", "Published figures against ours", (_table(rows, list(dict.fromkeys(map(_variant, rows)))),)
+    )
 
 
-def _met(rows: Rows, variants: list[str]) -> Paragraph:
-    said = []
-    for variant in variants:
-        signs = [PUBLISHED[row["verdict"]].style for row in rows if row["variant"] == variant]
-        near = f", {signs.count('near')} more are met within 6 %" if "near" in signs else ""
-        said.append(f"{variant}: {signs.count('pass')} of {len(signs)} to the last printed digit{near}")
-    return Paragraph(f"Reproduced in each reading of the source: {'; '.join(said)}.")
+def _variant(row: Mapping[str, Any]) -> str:
+    return str(row["variant"])
+
+
+def _met(rows: Rows, variant: str) -> str:
+    """How many figures a variant meets, in words."""
+    signs = [PUBLISHED[row["verdict"]].style for row in rows if row["variant"] == variant]
+    near = f" and {signs.count('near')} within 6 %" if "near" in signs else ""
+    return f"{variant} {signs.count('pass')} of {len(signs)} to the last printed digit{near}"
 
 
 def _table(rows: Rows, variants: list[str]) -> Table:
@@ -42,7 +45,13 @@ def _table(rows: Rows, variants: list[str]) -> Table:
         name = f"{worded(quantity)}, {unit}" if unit else worded(quantity)
         lines.append((name, printed(value), *cells, Cell(source, note=note)))
     align = "lr" + "r" * len(variants) + "l"
-    return Table("Every printed figure.", ("figure", "published", *variants, "place"), tuple(lines), align=align)
+    met = "; ".join(_met(rows, variant) for variant in variants)
+    return Table(
+        f"Every printed figure beside ours. Reproduced: {met}.",
+        ("figure", "published", *variants, "place"),
+        tuple(lines),
+        align=align,
+    )
 
 
 def _cell(row: Mapping[str, Any]) -> Cell:

@@ -46,11 +46,11 @@
       if (on) requestAnimationFrame(step); else show(place);
     };
     button.addEventListener("click", () => play(!playing));
-    slider.addEventListener("input", () => { play(false); show(Number(slider.value) / last); });
+    slider.addEventListener("input", () => { place = Number(slider.value) / last; play(false); });
     figures.forEach((figure) => drag(figure, (at) => {
-      play(false);
       const off = data.axis.shares.map((share) => Math.abs(share - at));
-      show(off.indexOf(Math.min(...off)) / last);
+      place = off.indexOf(Math.min(...off)) / last;
+      play(false);
     }));
     play(!matchMedia("(prefers-reduced-motion: reduce)").matches);
   });
