@@ -15,13 +15,14 @@ from matplotlib.figure import Figure
 from matplotlib.path import Path as Outline
 from matplotlib.textpath import TextPath
 
-from reports.charts.style import FULL_WIDTH, INK, drawn
+from reports.charts.style import FULL_WIDTH, LIMIT_COLOUR, drawn
 from reports.stress.facts import SIGNS
 
 # Inches: height of a line, widest cell, width of a letter, room for a panel's title and for its values.
 LINE, WIDEST, LETTER, TITLE, VALUES = 0.2, 0.42, 0.082, 0.3, 0.75
 POINTS = 72.0  # to an inch
 BOX = np.array([[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0], [-1.0, -1.0]])
+BAR: dict[str, Any] = {"color": LIMIT_COLOUR, "linewidth": 2.4, "solid_capstyle": "butt", "clip_on": False}
 Data = Mapping[str, Any]
 
 
@@ -32,17 +33,17 @@ def draw_map(data: Data) -> Figure:
     across = min(len(blocks), 2)
     cell = min(WIDEST, (FULL_WIDTH / across - room - 0.1) / columns)
     wide, tall = room + cell * columns + 0.1, TITLE + VALUES + max(len(block["lines"]) for block in blocks) * LINE
-    width, height = max(across * wide, 3.0), -(-len(blocks) // across) * tall
+    height = -(-len(blocks) // across) * tall
 
     def draw(figure: Figure) -> None:
         for number, block in enumerate(blocks):
             down, right = divmod(number, across)
             deep = len(block["lines"]) * LINE
             left, bottom = right * wide + room, height - down * tall - TITLE - deep
-            box = left / width, bottom / height, cell * columns / width, deep / height
+            box = left / FULL_WIDTH, bottom / height, cell * columns / FULL_WIDTH, deep / height
             _panel(figure.add_axes(box), block, data["values"], cell)
 
-    return drawn(width, height, draw)
+    return drawn(FULL_WIDTH, height, draw)
 
 
 def _name(line: Data) -> str:
@@ -58,7 +59,7 @@ def _panel(panel: Axes, block: Data, values: list[str], cell: float) -> None:
     _cells(panel, lines, cell)
     for top, line in enumerate(lines):
         for bar in line["bars"]:
-            panel.plot([bar, bar], [top, top + 1], color=INK, linewidth=2.4, solid_capstyle="butt", clip_on=False)
+            panel.plot([bar, bar], [top, top + 1], **BAR)
     panel.set_xticks(np.arange(len(values)) + 0.5, values, rotation=90, fontsize=9.0)
     panel.set_yticks(np.arange(len(lines)) + 0.5, [_name(line) for line in lines], fontsize=9.0)
     panel.tick_params(length=0.0, pad=2.5)

@@ -13,7 +13,7 @@ from reports.document.numbers import seconds
 from reports.document.templates import plain, worded
 from reports.stress.facts import SIGNS, Line, Stress, against, border_words, value_words
 
-WHITE = "#ffffff"  # ink of a sign that looks the same in the dark
+WHITE = "#fdfdfd"  # ink of a sign that looks the same in the dark
 FLAGGED = "Flagged: "  # stands in a reason between what is wrong and what the checks said
 
 

@@ -35,8 +35,6 @@ MOST_OPEN = 12
 def page(stress: Stress) -> Page:
     """The page of a saved stress test."""
     by_axis = count_table(stress, lambda axis: parts.Link(axis_title(axis), f"#map-{axis}"), sentence("stress_counts"))
-    borders = border_table(stress)
-    reached = Fold(f"How far each of {len(borders.rows)} lines goes", (borders,))
     lead = Paragraph(verdict(stress), "verdict"), Paragraph(ranking(stress), "lead"), Paragraph(scope(stress), "small")
     return Page(
         file=PAGE,
@@ -47,7 +45,6 @@ def page(stress: Stress) -> Page:
         sections=(
             Section("counts", "What the cells came to", (verdict_table(stress), by_axis)),
             _maps(stress),
-            Section("borders", "Borders", (reached,)),
             Section("incidents", "Incidents", (Paragraph(sentence("stress_incidents")), *_incidents(stress))),
             _run(stress),
         ),
@@ -60,8 +57,9 @@ def _maps(stress: Stress) -> Section:
     data = {"axes": {axis: found["title"] for axis, found in maps.items()}, "signs": signs(stress), "map": maps[first]}
     widget = Widget("maps", "maps", "Stability map of one axis", data, {axis: maps[axis] for axis in others})
     figures = Figures(tuple(_figure(stress, found) for found in maps.values()))
-    every = Fold(f"Every map as a figure ({len(maps)})", (figures,))
-    return Section("maps", "Maps", (Paragraph(sentence("stress_maps")), widget, every))
+    every, borders = Fold(f"Every map as a figure ({len(maps)})", (figures,)), border_table(stress)
+    reached = Fold(f"Borders: how far each of {len(borders.rows)} lines goes", (borders,))
+    return Section("maps", "Maps", (Paragraph(sentence("stress_maps")), widget, every, reached))
 
 
 def _figure(stress: Stress, found: Mapping[str, Any]) -> Figure:

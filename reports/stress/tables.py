@@ -137,7 +137,9 @@ def incident_table(results: Iterable[CellResult]) -> Table:
         key = one.cell if len(found) <= MOST_ALONE else (one.cell.engine, one.cell.axis)
         groups.setdefault(key, []).append(one)
     rows = tuple(_incident(group) for group in groups.values())
-    return Table("", ("engine", "axis: row", "value", "usage", "reason", "command"), rows, align="llrl")
+    return Table(
+        "", ("engine", "axis: row", "value", "usage", "reason", "command"), rows, align="llrl", style="incidents"
+    )
 
 
 def _incident(group: Sequence[CellResult]) -> tuple[Cell | Words, ...]:
