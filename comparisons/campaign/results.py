@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass, replace
 from functools import cached_property
@@ -17,6 +16,7 @@ from analytic.description.loading import parse
 from analytic.errors import LinkproofError
 from comparisons.campaign.campaign import CampaignRequest, RunResult
 from comparisons.campaign.errata import ErratumRecord
+from comparisons.campaign.saved_document import checked
 from comparisons.datasheet.saved import FILE as SHEETS
 from comparisons.datasheet.saved import load_sheets, save_sheets
 from comparisons.datasheet.sheet import Sheet
@@ -178,8 +178,20 @@ def load(folder: Path) -> Results:
     try:
         with xarray.open_dataset(path, engine="scipy", mmap=False) as opened:
             curves = opened.load()
-        told = json.loads(curves.attrs["document"])
-        _ = [curves[name] for name in ARRAYS if "run" in curves]
-    except (OSError, ValueError, KeyError, TypeError) as error:
+        told = checked(curves.attrs["document"], curves)
+    except Exception as error:  # a damaged file raises anything at all
         raise LinkproofError(f"'{path}' is no dataset of a campaign ({error}); run compare with --out again") from error
-    return Results(told, curves, load_sheets(path.parent))
+    found = Results(told, curves, load_sheets(path.parent))
+    _check_sheets(found, path.parent)
+    return found
+
+
+def _check_sheets(results: Results, folder: Path) -> None:
+    """Raise LinkproofError where a linkage of the campaign has no data sheet."""
+    known = {(sheet.name, sheet.variant) for sheet in results.sheets}
+    for linkage in results.linkages:
+        if (linkage.name, linkage.variant) not in known:
+            raise LinkproofError(
+                f"'{folder / SHEETS}' is another campaign's: it has no {linkage.name} ({linkage.variant}); run compare "
+                "with --out again"
+            )

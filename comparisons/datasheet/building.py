@@ -24,14 +24,14 @@ from analytic.turn.thread_feed import contour, eye_travel, feed_diagram
 from analytic.turn.unit_functions import unit_functions
 from comparisons.datasheet.designer_results import DesignerResults
 from comparisons.datasheet.instants import Instants
-from comparisons.datasheet.mechanism_summary import portrait, thread_facts
+from comparisons.datasheet.mechanism_summary import described, portrait, thread_facts
 from comparisons.datasheet.plain_data import figures, peaks
+from comparisons.datasheet.positions import over_motion
 from comparisons.datasheet.released import printed, released
 from comparisons.datasheet.sheet import (
     Eye,
     Figures,
     Normalised,
-    Positions,
     PublishedFigure,
     Released,
     Sheet,
@@ -46,7 +46,6 @@ T = TypeVar("T")
 STEADY: Final = "constant-speed"
 USUAL_SPEED: Final = 1000.0 * RPM
 MARGIN: Final = 0.02  # share of a range left out at either end, where forces grow beyond all bounds
-POSITIONS: Final = 121
 FEW, MOST = 361, 721  # instants of a sheet
 MOST_NUMBERS: Final = 40_000  # of all its signals
 MISSED: Final = 1e-3  # of a signal's largest magnitude, by which a straight line between two instants may miss it
@@ -93,7 +92,6 @@ def usual_sheet(linkage: Linkage, prescribed: Sequence[CrankMotion] = (), regime
 
 def bare_sheet(linkage: Linkage, reason: str) -> Sheet:
     """The sheet of a linkage of which nothing can be derived, with the reason."""
-    facts = {"mechanism": linkage.name, "title": linkage.title, "source": linkage.source, "variant": linkage.variant}
     return Sheet(
         name=linkage.name,
         variant=linkage.variant,
@@ -106,7 +104,7 @@ def bare_sheet(linkage: Linkage, reason: str) -> Sheet:
         values={},
         peaks={},
         figures={"drive": [], "forces": [], "transmission": [], "output": []},
-        facts=facts,
+        facts=described(linkage),
         missing={"values": reason},
     )
 
@@ -152,9 +150,9 @@ class _Building:
             values=values,
             peaks=self.part("peaks", lambda: peaks(self.results, names), {}),
             figures=self.part("figures", lambda: figures(self.results), nothing),
-            facts=self.part("facts", lambda: portrait(self.linkage), {}),
+            facts=self.part("facts", lambda: portrait(self.linkage), described(self.linkage)),
             moment_centre=self.results.moment_centre,
-            positions=self.part("positions", self.positions, None),
+            positions=self.part("positions", lambda: over_motion(self.results.curves), None),
             shares=self.part("shares", lambda: self.shares(values["phi"]), {}) if values else {},
             normalised=self.part("normalised", self.normalised, None),
             thread=self.part("thread", self.thread, None),
@@ -182,27 +180,6 @@ class _Building:
         most = min(MOST, MOST_NUMBERS // len(found))
         kept = needed(found[self.results.axis], np.array(list(found.values())), min(FEW, most), most)
         return {name: values[kept] for name, values in found.items()}
-
-    def positions(self) -> Positions:
-        """Where the bodies are."""
-        case, curves = self.results.case, self.results.curves
-        reach = case.reach
-        turns = not self.linkage.is_linear and reach[1] - reach[0] >= FULL_TURN * (1.0 - MISSED)
-        if turns:
-            self.mechanism.check_full_turn()
-            angle = np.linspace(0.0, self.mechanism.period, POSITIONS)
-            sweep = self.mechanism.sweep(angle)
-            axis, angles = angle, {name: sweep.angles(name) for name in self.linkage.links}
-        else:
-            axis = np.linspace(0.0, case.motion.duration, POSITIONS)
-            truth = curves.at(axis)
-            sweep, angle = truth.sweep, truth.sweep.angle
-            angles = {name: curves.of(truth, f"link:{name}:angle") for name in self.linkage.links}
-        bodies = {
-            name: np.array(np.broadcast_arrays(*sweep.poses(name)[:2], turned)) for name, turned in angles.items()
-        }
-        carriers = {slot.point: sweep.carrier(slot.point) for slot in self.linkage.slots}
-        return Positions("phi" if turns else "time", axis, angle, bodies, carriers, closed=turns)
 
     def shares(self, angle: Array) -> Mapping[str, Mapping[str, Array]]:
         """Jeq by group and by link at values of φ; nothing where nothing has mass."""

@@ -13,8 +13,7 @@ from numpy.typing import NDArray
 from analytic.description.law import FULL_TURN
 from analytic.description.linkage import Linkage
 from analytic.numerics.peaks import highest
-from comparisons.datasheet.instants import Instants
-from comparisons.datasheet.toggles import with_near_toggles
+from comparisons.datasheet.instants import Instants, with_near_toggles
 from comparisons.reference import signals
 from comparisons.reference.case import Case, Truth
 

@@ -14,7 +14,8 @@ from numpy.typing import NDArray
 from analytic.description.crank_motion import CrankMotion
 from analytic.description.law import FULL_TURN
 from analytic.errors import LinkproofError
-from comparisons.reference.case import Motion
+from analytic.kinematics.transmission import transmission_angle
+from comparisons.reference.case import Case, Motion
 
 Array = NDArray[np.float64]
 
@@ -24,6 +25,11 @@ FEWEST, MOST = 180, 20_000  # intervals of the whole motion
 FEWEST_OF_PIECE: Final = 24
 LOOKS, FEWEST_LOOKS = 1801, 65  # instants at which the way of the crank is measured: of a motion, and of a piece of it
 ROUNDING: Final = 1e-12  # of a turn, or of the motion's length: what is nearer than this to an instant is there
+# Between two instants the sine of a transmission angle changes by no more than this share of itself: the forces go as
+# its inverse. Next to such a change, too, for its least value may lie between two that are equal.
+CHANGE: Final = 0.2
+HALVINGS: Final = 14
+MOST_ADDED: Final = 4000  # instants added
 
 
 @dataclass(frozen=True)
@@ -142,3 +148,26 @@ class Instants:
                 return high
             same = math.floor(float(self._away(np.array([middle]), target)[0])) == start
             low, high = (middle, high) if same else (low, middle)
+
+
+def with_near_toggles(case: Case, grid: Array) -> Array:
+    """The instants, s, with as many between them as the groups' transmission angles ask for."""
+    added = grid
+    for _ in range(HALVINGS):
+        halves = _halved(case, added)
+        if not len(halves) or len(added) + len(halves) > len(grid) + MOST_ADDED:
+            break
+        added = np.union1d(added, halves)
+    return added
+
+
+def _halved(case: Case, time: Array) -> Array:
+    """The middles of those steps in which, or next to which, a sine changes by too much."""
+    sweep = case.mechanism.sweep(case.motion.angle(time))
+    coarse = np.zeros(len(time) - 1, dtype=bool)
+    for dyad in case.mechanism.structure.dyads:
+        sine = np.sin(transmission_angle(sweep, dyad))
+        coarse |= np.abs(np.diff(sine)) > CHANGE * np.minimum(sine[1:], sine[:-1])
+    wide = np.convolve(coarse, [True, True, True], mode="same").astype(bool)
+    middles = 0.5 * (time[1:] + time[:-1])
+    return np.asarray(middles[wide & (middles > time[:-1]) & (middles < time[1:])])

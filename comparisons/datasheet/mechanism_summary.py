@@ -26,20 +26,25 @@ def portrait(linkage: Linkage) -> dict[str, Any]:
     """
     mechanism = Mechanism(linkage)
     reach = crank_range(mechanism)
-    facts: dict[str, Any] = {
+    signs = {dyad.name: dyad.sign for dyad in mechanism.structure.dyads if dyad.sign}
+    facts = described(linkage, structure=mechanism.structure.formula, signs=signs)
+    if reach.is_full_turn:
+        return facts | _turn(mechanism, facts["links"])
+    return facts | {"range": range_facts(mechanism, reach)}
+
+
+def described(linkage: Linkage, **worked_out: object) -> dict[str, Any]:
+    """What a linkage's file says of it, with what is worked out among it."""
+    return {
         "mechanism": linkage.name,
         "title": linkage.title,
         "source": linkage.source,
         "variant": linkage.variant,
         "variants": list(linkage.variants),
-        "structure": mechanism.structure.formula,
-        "signs": {dyad.name: dyad.sign for dyad in mechanism.structure.dyads if dyad.sign},
+        **worked_out,
         "links": {name: _link(linkage, name) for name in linkage.links},
         "notes": list(linkage.notes),
     }
-    if reach.is_full_turn:
-        return facts | _turn(mechanism, facts["links"])
-    return facts | {"range": range_facts(mechanism, reach)}
 
 
 def _turn(mechanism: Mechanism, links: dict[str, dict[str, Any]]) -> dict[str, Any]:

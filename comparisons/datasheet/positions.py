@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Final
 
 import numpy as np
@@ -10,9 +11,11 @@ from numpy.typing import NDArray
 from analytic.description.law import FULL_TURN
 from analytic.kinematics.crank_range import crank_range
 from analytic.kinematics.mechanism import Mechanism
+from comparisons.datasheet.curves import Curves
 from comparisons.datasheet.sheet import Positions
 
 COUNT: Final = 121
+WHOLE: Final = 1e-9  # of a turn: what is missing of a whole one for rounding
 INSET: Final = 1e-9  # of a range that ends in dead positions, so that its ends are assembled
 
 
@@ -24,6 +27,20 @@ def over_reach(mechanism: Mechanism) -> Positions:
     low, high = reach.limits
     inset = INSET * (high - low)
     return at(mechanism, np.linspace(low + inset, high - inset, COUNT), closed=False)
+
+
+def over_motion(curves: Curves) -> Positions:
+    """The positions over a turn of a motion that makes one, else over its time."""
+    case = curves.case
+    mechanism, (low, high) = case.mechanism, case.reach
+    if not mechanism.linkage.is_linear and high - low >= FULL_TURN * (1.0 - WHOLE):
+        return at(mechanism, np.linspace(0.0, mechanism.period, COUNT), closed=True)
+    truth = curves.at(np.linspace(0.0, case.motion.duration, COUNT))
+    found = at(mechanism, truth.sweep.angle, closed=False)
+    bodies = {
+        name: np.array([x, y, curves.of(truth, f"link:{name}:angle")]) for name, (x, y, _) in found.bodies.items()
+    }
+    return replace(found, over="time", axis=truth.time, bodies=bodies)
 
 
 def at(mechanism: Mechanism, angle: NDArray[np.float64], *, closed: bool) -> Positions:
