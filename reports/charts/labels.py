@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import textwrap
 from collections.abc import Sequence
 from functools import cache
@@ -17,6 +18,7 @@ from reports.charts.style import FONT, FONT_SIZE
 Array = NDArray[np.float64]
 
 LINE = FONT_SIZE * 1.2 / 72.0  # in, of one line of words
+BEFORE_UNIT = re.compile(r"(?<=\d) (?=\S+$)")
 LONGEST = 22  # characters of a name before it goes on in a second line
 # Where words may stand about a point, in halves of their size, the best first.
 SHIFTS = np.array(
@@ -36,7 +38,7 @@ def width(text: str, size: float = FONT_SIZE) -> float:
 
 def wrapped(name: str) -> str:
     """A name in lines that leave room for the curves."""
-    return "\n".join(textwrap.wrap(name, LONGEST, break_long_words=False))
+    return "\n".join(textwrap.wrap(BEFORE_UNIT.sub("\u00a0", name), LONGEST, break_long_words=False))
 
 
 def height(text: str) -> float:

@@ -25,7 +25,8 @@ from numpy.typing import NDArray
 
 from analytic.description.linkage import Linkage
 from comparisons.datasheet.sheet import Positions
-from reports.charts.scheme import KinematicScheme, draw_paths, draw_position
+from reports.charts.kinematic_scheme import KinematicScheme
+from reports.charts.scheme import draw_paths, draw_position
 from reports.charts.style import GHOST, INK, MUTED, PALETTE, PAPER, PLATE
 
 Array = NDArray[np.float64]

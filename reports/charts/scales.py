@@ -57,7 +57,7 @@ def across(panels: Sequence[Panel], ticks: int) -> Scale:
     if first.scale == "loglog":
         return _decades(values, label, ticks)
     lines = all(curve.line for panel in panels for curve in panel.curves)
-    return _linear(values, label, ticks, 0.0 if lines and first.scale != "equal" else MARGIN)
+    return _linear(values, label, ticks, _margin(first) if first.scale == "equal" else 0.0 if lines else MARGIN)
 
 
 def upward(panel: Panel, ticks: int) -> Scale:
@@ -68,7 +68,12 @@ def upward(panel: Panel, ticks: int) -> Scale:
     values = _finite([*(curve.y for curve in panel.curves), levels])
     if any(curve.stacked for curve in panel.curves):
         values = np.append(values, 0.0)
-    return _linear(values, panel.y_label, ticks, NOTED if panel.notes and panel.scale != "equal" else MARGIN)
+    return _linear(values, panel.y_label, ticks, _margin(panel))
+
+
+def _margin(panel: Panel) -> float:
+    """Room beyond the curves of a panel, as a share of their span."""
+    return (0.5 * NOTED if panel.scale == "equal" else NOTED) if panel.notes else MARGIN
 
 
 def _above_dips(curve: Curve) -> Array:

@@ -16,7 +16,8 @@ from analytic.description.linkage import Linkage
 from comparisons.datasheet.sheet import Positions, ThreadSheet
 from comparisons.datasheet.units import file_unit
 from reports.charts import symbols
-from reports.charts.scheme import NAME_STYLE, KinematicScheme, draw_names, draw_position, scaled_figure, write
+from reports.charts.kinematic_scheme import KinematicScheme
+from reports.charts.scheme import NAME_STYLE, draw_names, draw_position, scaled_figure, write
 from reports.charts.style import GHOST, INK, PALETTE, WIDTH, drawn
 
 Array = NDArray[np.float64]

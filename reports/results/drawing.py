@@ -12,7 +12,8 @@ from analytic.errors import printable
 from comparisons.datasheet.building import sheet
 from comparisons.datasheet.designer_results import DesignerResults
 from reports.charts import draw
-from reports.charts.scheme import PIN, ROOM, KinematicScheme, draw_scheme, fit
+from reports.charts.kinematic_scheme import KinematicScheme
+from reports.charts.scheme import PIN, ROOM, draw_scheme, fit
 from reports.charts.style import FULL_WIDTH, drawn
 from reports.document.chart import Chart, Panel
 from reports.mechanism.designer import hodograph

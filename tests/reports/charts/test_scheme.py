@@ -9,7 +9,8 @@ from analytic.description.loading import catalogue, load
 from analytic.kinematics.mechanism import Mechanism
 from comparisons.datasheet.positions import over_reach
 from reports.charts import symbols
-from reports.charts.scheme import KinematicScheme, scheme_figure
+from reports.charts.kinematic_scheme import KinematicScheme
+from reports.charts.scheme import scheme_figure
 
 LINKAGES = sorted((Path(__file__).parents[2] / "linkages").rglob("*.toml"))
 
