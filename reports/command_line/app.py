@@ -190,6 +190,8 @@ def results(
     csv: Annotated[str | None, valued("FILE|-", "Write every signal as a table, in the file's units.")] = None,
     json: options.Json = None,
     svg: Annotated[str | None, valued("FILE|-", "Draw scheme, coupler curves, torque, bearing forces.")] = None,
+    out: Annotated[Path | None, valued("DIR", "Write its page, with the linkage in motion, into this folder.")] = None,
+    opens: Annotated[bool, flag("Open the page in the browser.", "--open")] = False,
     quiet: options.Quiet = False,
 ) -> None:
     """Work out what a designer needs of one linkage: torque, power, bearing forces, positions; needs no engine.
@@ -204,7 +206,7 @@ def results(
     choice = ResultsChoice(
         mechanism=mechanism, variant=variant, regimes=(regime,) if regime else (), **_speed(speed), ramp_time=ramp_time,
         hold_time=hold_time, start_angle=start_angle, clockwise=clockwise, from_angle=from_angle, to_angle=to_angle,
-        gravity=not no_gravity, at=at, time=time, csv=csv, json=json, svg=svg,
+        gravity=not no_gravity, at=at, time=time, csv=csv, json=json, svg=svg, out=out, opens=opens,
     )  # fmt: skip
     results.results(choice, quiet=quiet)
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator
 
 from analytic.description.linkage import Linkage
@@ -23,8 +24,9 @@ FOLDER = "mechanisms"
 
 
 def file_of(sheet: Sheet) -> str:
-    """Where the page is within a report's folder."""
-    return f"{FOLDER}/{sheet.name}.{sheet.variant}.html"
+    """Where the page is within a report's folder; signs that would need quoting in an address are dashes."""
+    name, variant = (re.sub(r"[^\w+-]+", "-", word) for word in (sheet.name, sheet.variant))
+    return f"{FOLDER}/{name}.{variant}.html"
 
 
 def page(sheet: Sheet, results: Results | None = None) -> Page:

@@ -1,15 +1,16 @@
-"""Released cranks on a mechanism's page: where they rest, how they settle, their speed, and models as printed."""
+"""Released cranks on a mechanism's page: where they rest, how they settle, their speed."""
 
 from __future__ import annotations
 
 import numpy as np
 
 from analytic.description.crank_motion import RPM
-from comparisons.datasheet.sheet import Printed, Released
+from comparisons.datasheet.sheet import Released
 from reports.document.chart import Chart, Curve, Panel
 from reports.document.parts import Bullets, Figure, Figures, Part, Section
 from reports.document.templates import lines
 from reports.mechanism.shown import ShownSheet
+from reports.records.views import anchor
 
 
 def released_section(shown: ShownSheet) -> Section:
@@ -17,9 +18,8 @@ def released_section(shown: ShownSheet) -> Section:
     parts: list[Part] = []
     for regime, one in shown.sheet.released.items():
         figures = (_speed(shown, regime, one), *_last_turn(shown, regime, one))
-        parts.append(Section(f"released-{regime}", regime, (Bullets(tuple(sentences(one))), Figures(figures))))
-    figures = tuple(_printed(shown, name, one) for name, one in shown.sheet.printed.items())
-    return Section("released", "Released crank", (*parts, *([Figures(figures)] if figures else [])))
+        parts.append(Section(anchor("released", regime), regime, (Bullets(tuple(sentences(one))), Figures(figures))))
+    return Section("released", "Released crank", tuple(parts))
 
 
 def sentences(one: Released) -> list[str]:
@@ -32,7 +32,7 @@ def _speed(shown: ShownSheet, regime: str, one: Released) -> Figure:
     curve = Curve(one.motion["time"], one.motion["omega"] / RPM)
     chart = Chart((Panel((curve,), "time, s", "n, rpm"),), 2.8)
     words = f"Crank speed under {regime}"
-    return Figure(f"released-{regime}", f"{words}.", f"{shown.about}: {words}", chart)
+    return Figure(anchor("released", regime), f"{words}.", f"{shown.about}: {words}", chart)
 
 
 def _last_turn(shown: ShownSheet, regime: str, one: Released) -> tuple[Figure, ...]:
@@ -47,18 +47,10 @@ def _last_turn(shown: ShownSheet, regime: str, one: Released) -> tuple[Figure, .
     )
     caption = f"Its last turn, which ends at φ = {np.degrees(one.end):.1f}°."
     return (
-        Figure(f"released-{regime}-last-turn", caption, f"{shown.about}: last turn under {regime}", Chart(panels, 2.8)),
+        Figure(
+            anchor("released", regime, "last-turn"),
+            caption,
+            f"{shown.about}: last turn under {regime}",
+            Chart(panels, 2.8),
+        ),
     )
-
-
-def _printed(shown: ShownSheet, name: str, one: Printed) -> Figure:
-    """Crank speed by the model as printed and by the corrected one."""
-    erratum = next(erratum for erratum in shown.sheet.linkage.errata if erratum.name == name)
-    note = f": {erratum.note}" if erratum.note else ""
-    curves = (
-        Curve(one.time, one.corrected, "corrected", "reference", width=3.0),
-        Curve(one.time, one.printed, "as printed", "limit"),
-    )
-    caption = f"{name} ({erratum.place}){note}. Crank speed under {erratum.regime} by the model as printed."
-    chart = Chart((Panel(curves, "time, s", "ω, rad/s", names="key"),), 2.8)
-    return Figure(f"printed-{name}", caption, f"{shown.about}: crank speed, model as printed", chart)

@@ -1,5 +1,7 @@
 """The page of a mechanism: what a designer asks is on it, in the units of the file, and nothing that cannot be said."""
 
+from dataclasses import replace
+
 import pytest
 
 from analytic.description.loading import load
@@ -7,7 +9,7 @@ from comparisons.datasheet.building import sheet, usual_sheet
 from comparisons.reference.case import Case
 from reports.document import html
 from reports.document.parts import Figure, Figures, Fold, Table
-from reports.mechanism.page import page
+from reports.mechanism.page import file_of, page
 from tests.analytic.linkages import EVERY, from_text, mechanism
 from tests.reports.results.samples import MASS, TURN, piston_text
 
@@ -82,3 +84,8 @@ def test_the_page_is_written_with_its_figures_beside_it(tmp_path):
     stem = "juki-mf7923d.as-built"
     assert written == tmp_path / "mechanisms" / f"{stem}.html"
     assert {path.stem for path in (tmp_path / "figures" / stem).glob("*.svg")} == {one.name for one in figures(found)}
+
+
+def test_its_file_needs_no_quoting_whatever_a_variant_is_called():
+    found = replace(usual_sheet(mechanism("scotch-yoke").linkage), name="my yoke", variant='50% "#1"')
+    assert file_of(found) == "mechanisms/my-yoke.50-1-.html"
