@@ -100,10 +100,13 @@ window.linkproof = (() => {
     return button;
   }
 
-  /* Boxes that need no scrolling are no stop of the Tab key. */
+  /* Boxes that need no scrolling are no stop of the Tab key and no landmark. */
   function stops() {
-    for (const box of document.querySelectorAll(".scroll"))
-      if (box.scrollWidth > box.clientWidth + 1) box.tabIndex = 0; else box.removeAttribute("tabindex");
+    for (const box of document.querySelectorAll(".scroll")) {
+      const scrolls = box.scrollWidth > box.clientWidth + 1;
+      box.setAttribute("role", scrolls ? "region" : "group");
+      if (scrolls) box.tabIndex = 0; else box.removeAttribute("tabindex");
+    }
   }
 
   dark.addEventListener("change", redraw);
