@@ -64,7 +64,7 @@ def text_of(page: Page, pages: Sequence[Link], picture: Pictures) -> str:
         "data": f"{root}data/{_stem(page)}/",
         "root": root,
     }
-    return str(render("document.html", page=page, pages=pages, words=words))
+    return str(render("page.html", page=page, pages=pages, words=words))
 
 
 def write_assets(folder: Path) -> None:

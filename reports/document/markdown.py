@@ -36,7 +36,7 @@ def _part(part: Part, level: int) -> str:  # noqa: PLR0911  a case for every par
         case model.Fold(summary, parts):
             return written((model.Paragraph(summary), *parts), level)
         case model.Cards(cards):
-            return written((model.Section("", model.plain(card.heading), card.parts) for card in cards), level)
+            return written((model.Section("", model.as_text(card.heading), card.parts) for card in cards), level)
         case model.Drawn(alt=alt):
             return alt
         case model.Section(heading=heading, parts=parts):

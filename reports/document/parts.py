@@ -36,10 +36,10 @@ Inline = str | Link | Mono
 Words = Inline | tuple[Inline, ...]
 
 
-def plain(words: Words) -> str:
+def as_text(words: Words) -> str:
     """Words as plain text."""
     if isinstance(words, tuple):
-        return "".join(map(plain, words))
+        return "".join(map(as_text, words))
     return words if isinstance(words, str) else words.text
 
 

@@ -43,16 +43,6 @@ def captions() -> Mapping[str, Mapping[str, Any]]:
     return tomllib.loads((FOLDER / "figures.toml").read_text(encoding="utf-8"))
 
 
-def filled(text: str, **values: object) -> str:
-    """A caption filled in, as plain text."""
-    return _compiled(text).render(**values)
-
-
-@cache
-def _compiled(text: str) -> jinja2.Template:
-    return _environment(escaped=False).from_string(text)
-
-
 @cache
 def _environment(*, escaped: bool) -> jinja2.Environment:
     environment = jinja2.Environment(

@@ -11,14 +11,14 @@ import sys
 from collections.abc import Iterator, Sequence
 from typing import NamedTuple, TextIO
 
-from rich.console import Console, RenderableType
+from rich.console import Console
 from rich.table import Table as Grid
 from rich.text import Text
 
 from analytic.errors import printable
-from reports.document.parts import Cell, Paragraph, Table, Words, plain
+from reports.document.parts import Cell, Paragraph, Table, Words, as_text
 
-Printed = Paragraph | Table | RenderableType  # what a command prints; a text is a line, or several
+Printed = str | Paragraph | Table  # what a command prints; a text is a line, or several
 UNBOUNDED = 1_000_000  # columns where nobody's terminal sets a width
 
 
@@ -61,25 +61,29 @@ def harmless(text: str) -> str:
     return "\n".join(map(printable, text.split("\n")))
 
 
-def _lines(parts: Sequence[Printed]) -> Iterator[RenderableType]:
+def _lines(parts: Sequence[Printed]) -> Iterator[Text | Grid]:
     for part in parts:
         if isinstance(part, Table):
-            yield from (_text(told) if isinstance(told, str) else told for told in _table(part) if told)
+            yield from _table(part)
         elif isinstance(part, Paragraph):
             yield _text(part.words, part.colour)
         else:
-            yield _text(part) if isinstance(part, str) else part
+            yield _text(part)
 
 
-def _table(table: Table) -> tuple[str, Grid, str]:
+def _table(table: Table) -> Iterator[Text | Grid]:
     """Caption, table without rules, note."""
+    if table.caption:
+        yield _text(table.caption)
     grid = Grid(box=None, pad_edge=False)
     for number, head in enumerate(table.head):
         right = table.side(number) == "r"
         grid.add_column(_cell(head), justify="right" if right else "left", overflow="fold")
     for row in table.rows:
         grid.add_row(*map(_cell, row))
-    return table.caption, grid, table.note
+    yield grid
+    if table.note:
+        yield _text(table.note)
 
 
 def _cell(cell: Cell | Words) -> Text:
@@ -87,4 +91,4 @@ def _cell(cell: Cell | Words) -> Text:
 
 
 def _text(words: Words, colour: str = "") -> Text:
-    return Text(harmless(plain(words)), style=colour)
+    return Text(harmless(as_text(words)), style=colour)

@@ -1,7 +1,7 @@
 """The summary and the tables of a stress test say what its cells say."""
 
 from comparisons.stress.verdict import StressVerdict
-from reports.document.parts import plain
+from reports.document.parts import as_text
 from reports.stress.facts import SIGNS, Stress
 from reports.stress.tables import (
     MOST_ALONE,
@@ -97,9 +97,9 @@ def test_an_axis_is_shaded_where_all_is_within_and_loud_where_one_is_missed():
 
 def test_incidents_stand_alone_or_the_first_of_each_axis_and_engine_with_their_number():
     few = cells_of([StressVerdict.CAUGHT] * 3)
-    assert [plain(row[-1]) for row in incident_table(few.results).rows] == [one.cell.command for one in few.results]
+    assert [as_text(row[-1]) for row in incident_table(few.results).rows] == [one.cell.command for one in few.results]
     many = cells_of([StressVerdict.CAUGHT] * (MOST_ALONE + 1))
     ((engine, place, *_, command),) = incident_table(many.results).rows
     assert engine == "alpha"
     assert place.note == f"and {MOST_ALONE} more on this axis"
-    assert plain(command) == many.results[0].cell.command
+    assert as_text(command) == many.results[0].cell.command
