@@ -52,7 +52,7 @@ def _first_look(shown: ShownSheet) -> Cards:
     sheet = shown.sheet
     if sheet.axis not in sheet.values:
         return Cards((Card("The mechanism", (*designer.told(shown, "values"), designer.facts(shown))),), wide=True)
-    drawing = moving_scheme(sheet.linkage, sheet.positions, "motion") if sheet.positions else NOTHING
+    drawing = moving_scheme(sheet.linkage, sheet.positions, "moving") if sheet.positions else NOTHING
     motion = Card("In motion", (player(shown, drawing),))
     return Cards((motion, Card("Key figures", (key_table(sheet), designer.facts(shown)))), wide=True)
 

@@ -17,7 +17,7 @@ from reports.document import html
 from reports.document.parts import Drawn, Figure, Link, Page, Paragraph, Section, Widget
 from reports.site.contents import contents
 
-PICTURE: Final = re.compile(r'<a class="picture" href="[^"]*"><img src="([^"]*)"([^>]*)></a>')
+PICTURE: Final = re.compile(r'<a class="picture"([^>]*?) href="[^"]*"><img src="([^"]*)"([^>]*)></a>')
 SCRIPT: Final = re.compile(r'<script src="([^"]*)" defer></script>\n?')
 STYLE: Final = re.compile(r'<link rel="stylesheet" href="([^"]*)">')
 NAME: Final = re.compile(r'(?<=\bid=")[^"]+(?=")')
@@ -93,7 +93,7 @@ def _whole(folder: Path, page: Page) -> str:
     scripts = [folder / name for name in SCRIPT.findall(text)]
     code = "".join(f"<script>\n{_code(path)}</script>\n" for path in (*scripts, *data))
     text = STYLE.sub(lambda found: f"<style>\n{(folder / found[1]).read_text(encoding='utf-8')}</style>", text)
-    text = PICTURE.sub(lambda found: _picture(folder / found[1], found[2]), SCRIPT.sub("", text))
+    text = PICTURE.sub(lambda found: _picture(folder / found[2], found[1], found[3]), SCRIPT.sub("", text))
     return text.replace("</body>", f"{code}</body>")
 
 
@@ -101,6 +101,6 @@ def _code(path: Path) -> str:
     return path.read_text(encoding="utf-8").replace("</script", r"<\/script")
 
 
-def _picture(path: Path, attributes: str) -> str:
+def _picture(path: Path, place: str, attributes: str) -> str:
     packed = base64.b64encode(path.read_bytes()).decode("ascii")
-    return f'<span class="picture"><img src="data:image/svg+xml;base64,{escape(packed)}"{attributes}></span>'
+    return f'<span class="picture"{place}><img src="data:image/svg+xml;base64,{escape(packed)}"{attributes}></span>'

@@ -103,7 +103,7 @@
         (fault) => { parts.about.textContent = `${fault.message}: write the report again.`; });
     };
     const follow = () => {
-      const axis = decodeURIComponent(location.hash).replace(/^#map-/, "");
+      const axis = decodeURIComponent(location.hash).replace(/^#(stress-)?map-/, "");
       if (!(axis in data.axes)) return false;
       choose(axis);
       element.scrollIntoView();
