@@ -60,12 +60,12 @@ def _run_row(cost: MeasuredCost, whole: MeasuredCost) -> tuple[str, ...]:
     name = engine_label(cost.solver, cost.is_control)
     if cost.outcome != Outcome.FINISHED:
         return (name, cost.reduction, cost.outcome, "", "", "", "")
-    return (name, cost.reduction, *_times(cost, whole), seconds(min(cost.stepping)), str(cost.steps))
+    return (name, cost.reduction, *_times(cost, whole), seconds(min(cost.stepping, default=0.0)), str(cost.steps))
 
 
 def _query_table(costs: Sequence[MeasuredCost]) -> Table:
     first = costs[0]
-    lead = sentence("cost_of_queries", first=first, path=PATHS[first.solver])
+    lead = sentence("cost_of_queries", first=first, path=PATHS.get(first.solver, first.solver))
     rows = tuple((cost.reduction, *_times(cost, first)) for cost in costs)
     return Table(lead, ANGLES, rows, "lr", f"{first.reduction}: {first.about}.")
 
@@ -84,7 +84,7 @@ def cost_section(costs: Sequence[MeasuredCost]) -> Section:
     if runs:
         tables.append(_across("scene", runs, sentence("cost_of_runs", first=runs[0]), _run_note(runs)))
     if queries:
-        paths = " and ".join(PATHS[name] for name in _wholes(queries))
+        paths = " and ".join(PATHS.get(name, name) for name in _wholes(queries))
         angles = " and ".join(str(cost.angles) for cost in _wholes(queries).values())
         lead = sentence("cost_of_queries", first=queries[0], path=paths, angles=angles)
         tables.append(_across("asked for", queries, lead, f"{queries[0].reduction}: {queries[0].about}."))
