@@ -16,8 +16,8 @@ from reports.document.parts import Bullets, Mono, Paragraph, Part, Section, Tabl
 from reports.document.templates import plain, worded
 from reports.records import matrix
 from reports.records.joint_rows import joint_table
-from reports.records.matrix import EngineStanding, MatrixBlock, MatrixRow
-from reports.records.views import columns, views
+from reports.records.matrix import EngineStanding
+from reports.records.views import views
 
 
 def markdown(results: Results, sheets: Sequence[Sheet] = ()) -> str:
@@ -60,22 +60,8 @@ def _standing(one: EngineStanding) -> str:
 
 
 def _matrix(results: Results) -> Iterator[Section]:
-    names = tuple(name for part in columns(results) for name in part)
-    for block in matrix.blocks(results):
-        title = f"{block.mechanism} ({block.variant}), {block.regime}"
-        yield Section("", title, (Paragraph(f"{block.conditions}."), _block(block, names)))
-
-
-def _block(block: MatrixBlock, names: tuple[str, ...]) -> Table:
-    head = ("engine", "setting", "figures of", *map(plain, names))
-    return Table("", head, tuple(_row(row, len(names)) for row in block.rows), align="l")
-
-
-def _row(row: MatrixRow, count: int) -> tuple[str, ...]:
-    if row.failure:
-        return (row.engine, row.setting, "", row.failure, *[""] * (count - 1))
-    cells = (f"{cell.sign} {steady_error(cell.error)}" if cell else ABSENT for cell in row.cells)
-    return (row.engine, row.setting, row.origin, *cells)
+    for heading, conditions, table in matrix.blocks(results):
+        yield Section("", heading, (Paragraph(f"{conditions}."), table))
 
 
 def _joint_forces(results: Results) -> Iterator[Section]:

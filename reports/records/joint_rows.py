@@ -7,26 +7,14 @@ from comparisons.judging.records import Record
 from reports.document.numbers import ABSENT, figure, steady_error
 from reports.document.parts import Table
 from reports.document.templates import plain
-from reports.records.views import Regime, View, worst
+from reports.records.views import Regime, View
 
 CAPTION = "Joint forces: peak by the closed form, and the largest error of every run over it."
 
 
-def joint_records(view: View, regime: Regime) -> list[Record]:
-    """Records of joint forces in a regime."""
-    return [r for r in view.records if r.regime == regime.name and r.quantity.startswith(JOINT_FORCE)]
-
-
-def worst_joint(view: View, regime: Regime) -> list[str]:
-    """The joint force that comes nearest to its limit at the view's setting, by quantity name; none without records."""
-    records = joint_records(view, regime)
-    mine = [r for r in records if r.setting == view.setting and r.error_max is not None] or records
-    return [worst(mine).quantity] if mine else []
-
-
 def joint_table(view: View, regime: Regime) -> Table | None:
     """A row per joint, largest peak first; None where the campaign asked for no joint forces."""
-    records = joint_records(view, regime)
+    records = [record for record in view.of(regime) if record.quantity.startswith(JOINT_FORCE)]
     if not records:
         return None
     runs = list(dict.fromkeys((r.engine, r.setting) for r in records))

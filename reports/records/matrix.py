@@ -1,72 +1,31 @@
-"""The matrix mechanisms × engines × settings × quantities as plain rows, for the page and the summary alike."""
+"""The matrix mechanisms × engines × settings × quantities in tables, and what it comes to."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from itertools import groupby
 
 from comparisons.campaign.results import Results
 from comparisons.judging.limits import limit
 from comparisons.judging.records import CONTROL, IMPORTED, Record, Verdict
-from reports.document.numbers import bound
+from reports.document.numbers import ABSENT, bound, steady_error
 from reports.document.parts import Table
 from reports.document.signs import RUNS
-from reports.document.templates import plain, sentence
+from reports.document.templates import plain
 from reports.records.origins import control_last, exceptions, origin_words
-from reports.records.views import SETTINGS, anchor, columns, family, ordered, worst
+from reports.records.views import SETTINGS, columns, family, ordered, worst
 
 
-@dataclass(frozen=True)
-class MatrixCell:
-    """One deviation: the largest error, its sign, its limit, and the sentence behind it."""
-
-    error: float | None
-    sign: str
-    style: str
-    limit: str
-    told: str
-
-
-@dataclass(frozen=True)
-class MatrixRow:
-    """One run; ``origin`` says where its figures come from, ``failure`` why there are none."""
-
-    engine: str
-    setting: str
-    cells: tuple[MatrixCell | None, ...]
-    origin: str = ""
-    style: str = ""
-    failure: str = ""
-
-
-@dataclass(frozen=True)
-class MatrixBlock:
-    """All runs of one mechanism and variant under one regime."""
-
-    mechanism: str
-    variant: str
-    regime: str
-    conditions: str
-    rows: tuple[MatrixRow, ...]
-
-    @property
-    def anchor(self) -> str:
-        """Where the page tells more of the mechanism."""
-        return anchor(self.mechanism, self.variant)
-
-
-def blocks(results: Results) -> tuple[MatrixBlock, ...]:
-    """The whole matrix, in stable order."""
+def blocks(results: Results) -> Iterator[tuple[str, str, Table]]:
+    """Of each mechanism under each regime a heading, its conditions and a table: runs down, families across."""
     names = [name for part in columns(results) for name in part]
-    found = []
-    for _, part in groupby(every_record(results), key=lambda record: record.run[:3]):
+    head = ("engine", "setting", "figures of", *map(plain, names))
+    for (mechanism, variant, regime), part in groupby(every_record(results), key=lambda record: record.run[:3]):
         records = list(part)
-        runs = [list(run) for _, run in groupby(records, key=lambda record: record.run)]
-        first = records[0]
-        rows = tuple(_row(run, names) for run in control_last(runs))
-        found.append(MatrixBlock(first.mechanism, first.variant, first.regime, first.conditions, rows))
-    return tuple(found)
+        runs = control_last([list(run) for _, run in groupby(records, key=lambda record: record.run)])
+        table = Table("", head, tuple(_row(run, names) for run in runs), align="l")
+        yield f"{mechanism} ({variant}), {regime}", records[0].conditions, table
 
 
 def every_record(results: Results) -> tuple[Record, ...]:
@@ -74,33 +33,26 @@ def every_record(results: Results) -> tuple[Record, ...]:
     return ordered(results, (*results.records, *results.invariants))
 
 
-def _row(records: Sequence[Record], names: Sequence[str]) -> MatrixRow:
+def _row(records: Sequence[Record], names: Sequence[str]) -> tuple[str, ...]:
+    """Of a run the worst error of each family; where there is none at all, why."""
     first = records[0]
     if all(record.error_max is None for record in records):
         sign = RUNS[first.outcome]
         failure = f"{sign.symbol} {sign.word}" + (f": {first.detail}" if first.detail else "")
-        return MatrixRow(first.engine, first.setting, (), style=sign.style, failure=failure)
+        return (first.engine, first.setting, "", failure, *[""] * (len(names) - 1))
     families: dict[str, list[Record]] = {}
     for record in records:
         families.setdefault(family(record.quantity), []).append(record)
-    cells = tuple(_cell(families[name]) if name in families else None for name in names)
     origin = "; ".join(filter(None, (origin_words(records), exceptions(records))))
-    return MatrixRow(first.engine, first.setting, cells, origin)
+    return (first.engine, first.setting, origin, *(_cell(families.get(name, ())) for name in names))
 
 
-def _cell(records: Sequence[Record]) -> MatrixCell:
+def _cell(records: Sequence[Record]) -> str:
     """The worst of a family: of the forces in all joints, say."""
+    if not records:
+        return ABSENT
     record = worst(records)
-    sign = RUNS[record.outcome]
-    told = sentence("matrix_cell", record=record, count=len(records), word=sign.word)
-    return MatrixCell(record.error_max, sign.symbol, sign.style, _bound(record), told)
-
-
-def _bound(record: Record) -> str:
-    """The limit, or what the baseline allows where that is what the record is over."""
-    if caught_by_baseline(record):
-        return f"{bound(float(f'{record.baseline:.1e}'))} recorded"
-    return bound(record.limit)
+    return f"{RUNS[record.outcome].symbol} {steady_error(record.error_max)}"
 
 
 def caught_by_baseline(record: Record) -> bool:

@@ -1,4 +1,4 @@
-"""The results seen one mechanism at a time: its closed form, its records in a stable order, its curves."""
+"""The results seen one mechanism at a time: its records in a stable order, its regimes, its curves."""
 
 from __future__ import annotations
 
@@ -10,11 +10,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from analytic.description.crank_motion import RPM, CrankMotion
 from analytic.description.linkage import Linkage, PrescribedRegime
-from analytic.errors import LinkproofError
-from analytic.kinematics.mechanism import Mechanism
-from analytic.turn.unit_functions import top_dead_centre
 from comparisons.campaign.results import Results
 from comparisons.judging.deviations import near_jumps
 from comparisons.judging.quantities import JOINT_FORCE, LINEAR_TITLES, QUANTITIES
@@ -24,22 +20,15 @@ from engines.contract import Setting
 Array = NDArray[np.float64]
 SYMBOLS = {"phi": "φ", "omega": "ω", "epsilon": "ε"}
 SETTINGS = tuple(setting.value for setting in Setting)
-# Speed at which the output's motion is shown where no regime prescribes one.
-NOMINAL_SPEED = 1000.0 * RPM
 
 
 @dataclass(frozen=True)
 class Regime:
-    """What the crank did: a prescribed motion, or None where the crank was released to the loads."""
+    """What the crank did; ``jumps`` are the instants at which its prescribed acceleration jumps, s."""
 
     name: str
     conditions: str
-    motion: CrankMotion | None
-
-    @property
-    def jumps(self) -> tuple[float, ...]:
-        """Instants at which the prescribed acceleration jumps, s."""
-        return self.motion.jumps if self.motion else ()
+    jumps: tuple[float, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -57,11 +46,6 @@ class Trace:
     reference: Array
     error: Array
 
-    @property
-    def label(self) -> str:
-        """Engine and setting."""
-        return f"{self.record.engine} {self.record.setting}"
-
 
 @dataclass(frozen=True)
 class View:
@@ -69,38 +53,6 @@ class View:
 
     results: Results
     linkage: Linkage
-
-    @property
-    def key(self) -> str:
-        """A name fit for an anchor."""
-        return anchor(self.linkage.name, self.linkage.variant)
-
-    @cached_property
-    def mechanism(self) -> Mechanism:
-        """The closed form."""
-        return Mechanism(self.linkage)
-
-    @cached_property
-    def makes_full_turn(self) -> bool:
-        """Whether the crank turns right round, so that curves over a turn exist."""
-        if self.linkage.is_linear:
-            return False
-        try:
-            self.mechanism.check_full_turn()
-        except LinkproofError:
-            return False
-        return True
-
-    @cached_property
-    def has_output(self) -> bool:
-        """Whether S, v and a exist over a turn: the linkage names an output, and the output reverses."""
-        if self.linkage.output is None or not self.makes_full_turn:
-            return False
-        try:
-            top_dead_centre(self.mechanism)
-        except LinkproofError:
-            return False
-        return True
 
     @cached_property
     def records(self) -> tuple[Record, ...]:
@@ -112,21 +64,10 @@ class View:
     @cached_property
     def regimes(self) -> tuple[Regime, ...]:
         """The regimes this mechanism ran through, those that prescribe the crank's motion first."""
-        motions = {motion.regime: motion for motion in self.results.motions}
-        motions |= {own.name: own.motion for own in self.linkage.regimes if isinstance(own, PrescribedRegime)}
+        jumps = {motion.regime: motion.jumps for motion in self.results.motions}
+        jumps |= {own.name: own.motion.jumps for own in self.linkage.regimes if isinstance(own, PrescribedRegime)}
         conditions = {record.regime: record.conditions for record in self.records}
-        return tuple(Regime(name, words, motions.get(name)) for name, words in conditions.items())
-
-    @cached_property
-    def final_speed(self) -> float:
-        """Crank speed at the end of the first prescribed regime, rad/s, signed."""
-        motion = next((regime.motion for regime in self.regimes if regime.motion), None)
-        return float(motion.speed(motion.duration)) if motion else NOMINAL_SPEED
-
-    @property
-    def speed_words(self) -> str:
-        """The final speed for a reader: "1000 rpm clockwise"."""
-        return f"{abs(self.final_speed) / RPM:.4g} rpm" + (" clockwise" if self.final_speed < 0.0 else "")
+        return tuple(Regime(name, words, jumps.get(name, ())) for name, words in conditions.items())
 
     def of(self, regime: Regime) -> tuple[Record, ...]:
         """Records and invariants of a regime."""
@@ -154,24 +95,10 @@ class View:
         ran = {record.setting for record in self.of(regime) if record.error_max is not None}
         return next((name for name in (Setting.TUNED.value, *reversed(SETTINGS), *sorted(ran)) if name in ran), "")
 
-    @cached_property
-    def setting(self) -> str:
-        """The setting whose curves stand for an engine: tuned where it ran."""
-        ran = {record.setting for record in self.records}
-        return Setting.TUNED.value if Setting.TUNED.value in ran else next((s for s in SETTINGS if s in ran), "")
-
-    @cached_property
-    def _kept(self) -> dict[tuple[str, str], list[Trace]]:
-        return {}
-
     def traces(self, regime: Regime, quantity: str) -> list[Trace]:
-        """The curves of a quantity under a regime, of every run that gave one; read once."""
-        key = (regime.name, quantity)
-        if key not in self._kept:
-            mine = self.records if key in self.curved else ()
-            records = [r for r in mine if (r.regime, r.quantity) == key and r.error_max is not None]
-            self._kept[key] = [self._trace(regime, record) for record in records]
-        return self._kept[key]
+        """The curves of a quantity under a regime, of every run that gave one."""
+        mine = self.of(regime) if (regime.name, quantity) in self.curved else ()
+        return [self._trace(regime, r) for r in mine if r.quantity == quantity and r.error_max is not None]
 
     def _trace(self, regime: Regime, record: Record) -> Trace:
         time, angle, observed, reference = self.results.curve(record.run, record.quantity)
