@@ -2,22 +2,37 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from typing import Final
+
 from comparisons.datasheet.sheet import Sheet
-from reports.campaign.verdict import Trust, share
-from reports.document.parts import Card, Facts, Link, Part
-from reports.document.templates import sentence
+from reports.campaign.verdict import Trust, ratio, share
+from reports.charts.moving import moving_scheme
+from reports.document.parts import Card, Drawn, Facts, Link, Part
+from reports.document.templates import plain
 from reports.mechanism.page import file_of
 from reports.mechanism.shown import ShownSheet
+from reports.records.views import family
+
+SIZE: Final = (208, 150)  # of a scheme, pixels
+FRAMES: Final = 60
 
 
 def card(sheet: Sheet, trust: Trust | None) -> Card:
     """The card of a mechanism, which leads to its page; without a campaign it tells of no engine."""
     linkage = sheet.linkage
     words = linkage.title + (f", {sheet.variant}" if len(linkage.variants) > 1 else "")
-    parts: list[Part] = [Facts(_key_figures(sheet))]
-    if trust is not None and (told := _engine(sheet, trust)):
-        parts.append(Facts((("nearest to its limit", told),)))
-    return Card(Link(words, file_of(sheet)), tuple(parts))
+    engine = _engine(sheet, trust) if trust is not None else ""
+    rows = (*_key_figures(sheet), *((("worst error / limit", engine),) if engine else ()))
+    return Card(Link(words, file_of(sheet)), (*_scheme(sheet), Facts(rows)))
+
+
+def _scheme(sheet: Sheet) -> Iterator[Part]:
+    if sheet.positions is not None:
+        markup = moving_scheme(
+            sheet.linkage, sheet.positions, f"{sheet.name} {sheet.variant}", size=SIZE, frames=FRAMES
+        )
+        yield Drawn(markup, f"Moving scheme of {sheet.linkage.title}.")
 
 
 def _key_figures(sheet: Sheet) -> tuple[tuple[str, str], ...]:
@@ -41,4 +56,4 @@ def _engine(sheet: Sheet, trust: Trust) -> str:
         if record.run[:2] == (sheet.name, sheet.variant) and record.error_max is not None and record.limit
     ]
     worst = max(records, key=share, default=None)
-    return "" if worst is None else sentence("index_nearest", record=worst)
+    return "" if worst is None else f"{ratio(worst)} ({worst.engine}, {plain(family(worst.quantity))})"

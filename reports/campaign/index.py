@@ -10,7 +10,7 @@ from comparisons.datasheet.sheet import Sheet
 from comparisons.judging.records import Record
 from engines.contract import Setting
 from reports.campaign.cards import card
-from reports.campaign.verdict import CHECKS, RELEASED, Held, Trust, listed, share, verdict
+from reports.campaign.verdict import CHECKS, RELEASED, Held, Trust, listed, ratio, verdict
 from reports.document import numbers
 from reports.document.parts import (
     Bullets,
@@ -116,10 +116,10 @@ def _standing(trust: Trust, engine: str, setting: str) -> tuple[Cell | str, Cell
         return Cell(numbers.ABSENT, _failure(held), told=reason, note=reason), ""
     seconds = trust.seconds(engine, setting)
     place = f"{plain(family(held.worst.quantity))}, {held.worst.mechanism}"
-    ratio = Cell(_ratio(held.worst), _style(trust, setting, held), note=place, told=_told(held.worst))
+    largest = Cell(ratio(held.worst), _style(trust, setting, held), note=place, told=_told(held.worst))
     computed = [words for words in exceptions(records).split("; ") if not words.startswith("shared")]
     origin = "; ".join(filter(None, (origin_words(records), *computed)))
-    return ratio, Cell(numbers.ABSENT if seconds is None else numbers.seconds(seconds), note=origin)
+    return largest, Cell(numbers.ABSENT if seconds is None else numbers.seconds(seconds), note=origin)
 
 
 def _failure(held: Held) -> str:
@@ -128,11 +128,6 @@ def _failure(held: Held) -> str:
 
 def _reason(held: Held) -> str:
     return next((record.detail for record in held.records if record.detail), "")
-
-
-def _ratio(record: Record) -> str:
-    value = share(record)
-    return "< 0.001" if value < 1e-3 else numbers.figure(value, 2)
 
 
 def _style(trust: Trust, setting: str, held: Held) -> str:

@@ -12,6 +12,7 @@ from analytic.description.linkage import ReleasedRegime
 from comparisons.campaign.results import Results
 from comparisons.judging.records import CONTROL, Record, Verdict
 from engines.contract import Setting
+from reports.document.numbers import figure
 from reports.document.templates import sentence
 from reports.records.views import family
 
@@ -138,6 +139,12 @@ class Trust:
 def share(record: Record) -> float:
     """An error over its limit."""
     return (record.error_max or 0.0) / (record.limit or 1.0)
+
+
+def ratio(record: Record) -> str:
+    """An error over its limit for a reader."""
+    value = share(record)
+    return "< 0.001" if value < 1e-3 else figure(value, 2)
 
 
 def verdict(trust: Trust) -> tuple[str, ...]:

@@ -78,7 +78,8 @@ def test_a_card_leads_to_the_page_of_its_mechanism_and_tells_its_figures(page, s
     ]
     text = written(cards.cards[0].parts)
     assert all(name in text for name in ("peak torque", "peak power", "mean Jeq", "stroke"))
-    assert "beta tuned" in text
+    assert "worst error / limit" in text
+    assert "(beta, " in text
 
 
 def test_everything_else_is_a_link_or_behind_a_line(page):

@@ -37,15 +37,13 @@ def test_who_is_within_every_limit_is_trusted_in_everything(results):
     assert f" {count} errors" in trusted
     assert nearest.startswith("Nearest to the closed form: alpha for S/v/a, Jeq/Teq and Mkr/Peq (off by 1.")
     assert "The quickest within every limit is" in nearest
-    assert untuned.startswith("At their defaults (naive) alpha, beta do not, off by up to ")
+    assert untuned.startswith("At default settings (naive) over its limits: alpha, beta, off by up to ")
 
 
 def test_what_the_defaults_do_never_decides(results):
     better = changed(results, lambda r: replace(r, outcome="passed", error_max=1e-9) if r.setting == "naive" else r)
     assert verdict(Trust(better))[:2] == verdict(Trust(results))[:2]
-    assert (
-        verdict(Trust(better))[2] == "At their defaults (naive) alpha and beta stays within the limits of that setting."
-    )
+    assert verdict(Trust(better))[2] == "At default settings (naive) within the limits of that setting: alpha and beta."
 
 
 def test_an_error_over_its_limit_costs_its_own_family_alone(results):
@@ -80,7 +78,7 @@ def test_where_only_naive_ran_it_decides():
     trust = Trust(made_up(settings=[Setting.NAIVE]))
     assert trust.settings == ("naive",)
     assert "Do not trust alpha and beta for S/v/a, Jeq/Teq" in verdict(trust)[0]
-    assert not any("At their defaults" in line for line in verdict(trust))
+    assert not any("At default" in line for line in verdict(trust))
 
 
 def test_a_released_crank_checks_and_foreign_signals_are_families_of_their_own(results):
