@@ -9,9 +9,12 @@ from typing import Any, Literal
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
+from matplotlib.ticker import FuncFormatter, LogLocator, NullLocator
 
 from comparisons.judging.records import Record
-from reports.charts.style import FAINT, FULL_WIDTH, INK, LIMIT_COLOUR, MUTED, colour, decades, drawn
+from reports.charts.labels import width
+from reports.charts.scales import power_of_ten
+from reports.charts.style import FAINT, FULL_WIDTH, INK, LIMIT_COLOUR, MUTED, colour, drawn
 from reports.document.templates import plain
 from reports.records.views import SETTINGS, Regime, View, columns, engines, family, worst
 
@@ -31,7 +34,8 @@ def errors_figure(view: View, regime: Regime) -> Figure:
     quantities, invariants = ([name for name in part if name in held] for part in columns(view.results))
     lanes = sorted({record.engine for record in records})
     height = ROW * len(held) * (1.0 + 0.2 * max(len(lanes) - 1, 0)) + FRAME
-    edges = {"left": 0.135, "right": 0.985, "top": 1.0 - 0.34 / height, "bottom": 0.42 / height}
+    left = max(width(plain(name)) for name in held) + 0.15
+    edges = {"left": left / FULL_WIDTH, "right": 0.985, "top": 1.0 - 0.34 / height, "bottom": 0.42 / height}
 
     def draw(figure: Figure) -> None:
         axes = figure.subplots(gridspec_kw=edges)
@@ -93,7 +97,9 @@ def _draw_dots(
     for (engine, setting), run in groupby(records, key=lambda record: (record.engine, record.setting)):
         dots = [(max(record.error_max or 0.0, LEAST_ERROR), height(record)) for record in run]
         axes.plot(*zip(*dots, strict=True), **common, **dot(engine), **filled(setting), markeredgewidth=1.0, zorder=3.0)
-    decades(axes.xaxis, 20)
+    axes.xaxis.set_major_locator(LogLocator(base=10.0, numticks=20))
+    axes.xaxis.set_major_formatter(FuncFormatter(lambda value, _: power_of_ten(value)))
+    axes.xaxis.set_minor_locator(NullLocator())
     key = [Line2D([], [], **common, **dot(name), label=name) for name in lanes]
     if len(settings) > 1:
         key += [Line2D([], [], **common, marker="o", color=INK, **filled(name), label=name) for name in settings]

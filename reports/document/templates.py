@@ -1,11 +1,9 @@
-"""The words of reports: page templates, which escape what is not markup, and sentences and captions as plain text."""
+"""The words of reports: page templates, which escape what is not markup, and sentences as plain text."""
 
 from __future__ import annotations
 
 import math
 import re
-import tomllib
-from collections.abc import Mapping
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -35,12 +33,6 @@ def lines(macro: str, **values: object) -> list[str]:
 def sentence(macro: str, **values: object) -> str:
     """The sentences of one macro as one paragraph."""
     return " ".join(lines(macro, **values))
-
-
-@cache
-def captions() -> Mapping[str, Mapping[str, Any]]:
-    """Of every kind of figure: its ``caption``, ``alt`` for a reader without pictures, whether it is ``wide``."""
-    return tomllib.loads((FOLDER / "figures.toml").read_text(encoding="utf-8"))
 
 
 @cache
