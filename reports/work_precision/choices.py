@@ -7,10 +7,10 @@ from collections.abc import Iterable, Iterator, Sequence
 from itertools import groupby
 
 from comparisons.work_precision.analysis import WANTED, PointChoice
+from comparisons.work_precision.places import EngineFacts, PlaceFacts, Regimes
 from reports.document.numbers import ABSENT, bound, error, seconds
 from reports.document.parts import Cell, Fold, Paragraph, Section, Table, Words
-from reports.work_precision.facts import EngineFacts, PlaceFacts, Regimes, failed_methods, judged_by
-from reports.work_precision.words import choice_words, way_words
+from reports.work_precision.words import choice_words, failed_methods, judged_by, label_of, way_words
 
 # Errors that the first table names a winner for, by their places among those wanted.
 NAMED = (1, 4, 6)
@@ -79,7 +79,7 @@ def _over_mechanisms(regimes: Regimes) -> Iterator[tuple[str, str, list[Cell]]]:
     for name, places in regimes.items():
         engines: dict[str, list[EngineFacts]] = {}
         for facts in (one for place in places for one in place.engines(place.foremost)):
-            engines.setdefault(facts.label, []).append(facts)
+            engines.setdefault(label_of(facts), []).append(facts)
         for label, mine in engines.items():
             yield name, label, [_cell(mine, column) for column in range(len(WANTED))]
 
@@ -99,13 +99,13 @@ def _by_mechanism(regimes: Regimes) -> Iterator[tuple[str, str, list[Cell]]]:
         for facts in place.engines(place.foremost):
             failure = Cell("; ".join(failed_methods(facts)), "failed")
             cells = [_choice(choice, facts) for choice in facts.choices] or [failure] * len(WANTED)
-            yield f"{place.mechanism}, {place.regime}", facts.label, cells
+            yield f"{place.mechanism}, {place.regime}", label_of(facts), cells
 
 
 def _choice(choice: PointChoice, facts: EngineFacts) -> Cell:
     """Cost and way of a choice; all that is known of it for who points at it."""
-    cost, way, told = choice_words(choice, facts)
-    return Cell(cost or ABSENT, "" if cost else "absent", note=way, told=told)
+    cost, taken, told = choice_words(choice, facts)
+    return Cell(cost or ABSENT, "" if cost else "absent", note=taken, told=told)
 
 
 def _table(caption: str, corner: str, rows: Iterable[tuple[str, str, list[Cell]]]) -> Table:

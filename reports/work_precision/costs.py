@@ -11,7 +11,7 @@ from engines.contract import Outcome
 from reports.document.numbers import figure, seconds
 from reports.document.parts import Cell, Paragraph, Section, Table, Words
 from reports.document.templates import sentence
-from reports.work_precision.facts import engine_label
+from reports.work_precision.words import engine_label
 
 TITLE = "What each output and load costs"
 ABOUT = (

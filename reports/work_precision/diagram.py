@@ -5,13 +5,13 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
+from comparisons.work_precision.places import EngineFacts, PlaceFacts, Regimes
 from comparisons.work_precision.records import SETTING, BenchRecord, PointError
 from reports.document.parts import Widget
 from reports.document.templates import plain
 from reports.records.views import anchor
-from reports.work_precision.facts import EngineFacts, PlaceFacts, Regimes, effort_words
 from reports.work_precision.overview import drawn_error, inks
-from reports.work_precision.words import limit_words
+from reports.work_precision.words import effort_words, limit_words, way
 
 LABEL = "Error over cost: a point is a method at one step, or a setting"
 
@@ -67,7 +67,7 @@ def _sweep(facts: EngineFacts, record: BenchRecord) -> dict[str, Any]:
     return {
         "engine": record.engine,
         "version": record.engine_version,
-        "way": facts.way(record),
+        "way": way(facts, record),
         "setting": record.kind == SETTING and record.setting,
         "own": record.kind == SETTING or facts.is_own(record),
         "runs": record.runs,

@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from typing import Any
 
+from comparisons.work_precision.places import EngineFacts, Regimes
 from reports.document.numbers import ABSENT, error, seconds
 from reports.document.parts import Cell, Fold, Section, Table, Words
-from reports.work_precision.facts import EngineFacts, Regimes, effort_words, judged_by
-from reports.work_precision.words import limit_words, standing_words
+from reports.work_precision.words import effort_words, judged_by, label_of, limit_words, standing_words, way
 
 # Of one engine in one place: a row's name and its cell there.
 Rows = Callable[[EngineFacts], Iterator[tuple[str, Cell]]]
@@ -56,7 +56,7 @@ def _settings(facts: EngineFacts, noise: float) -> Iterator[tuple[str, Cell]]:
 def _sweeps(facts: EngineFacts) -> Iterator[tuple[str, Cell]]:
     for sweep in facts.methods:
         order = "no order" if sweep.order is None else f"order {sweep.order:.1f}"
-        yield facts.way(sweep.first), Cell(order, note=limit_words(sweep), told=sweep.floor.evidence)
+        yield way(facts, sweep.first), Cell(order, note=limit_words(sweep), told=sweep.floor.evidence)
 
 
 def _by_mechanism(regimes: Regimes, about: str, name: str, rows_of: Rows) -> Table:
@@ -66,7 +66,7 @@ def _by_mechanism(regimes: Regimes, about: str, name: str, rows_of: Rows) -> Tab
     for column, place in enumerate(places):
         for facts in place.engines(place.foremost):
             for row, cell in rows_of(facts):
-                found.setdefault(facts.label, {}).setdefault(row, {})[column] = cell
+                found.setdefault(label_of(facts), {}).setdefault(row, {})[column] = cell
     rows: list[tuple[Cell | Words, ...]] = []
     for label, cells in found.items():
         for number, (row, mine) in enumerate(cells.items()):

@@ -7,11 +7,11 @@ from collections.abc import Iterator, Mapping, Sequence
 import numpy as np
 
 from comparisons.work_precision.analysis import apart, on_front
+from comparisons.work_precision.places import EngineFacts, PlaceFacts, Regimes
 from comparisons.work_precision.records import SETTING, BenchRecord
 from reports.document.chart import Array, Chart, Curve, Ink, Panel
 from reports.document.parts import Figure
 from reports.document.templates import plain
-from reports.work_precision.facts import EngineFacts, PlaceFacts, Regimes
 
 # Nothing below round-off is worth a decade, and nothing ten times as large as its own peak one more.
 LEAST, MOST = 1e-16, 10.0

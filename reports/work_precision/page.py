@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from pathlib import Path
 
+from comparisons.work_precision.places import PlaceFacts, by_regime, places
 from comparisons.work_precision.records import FILE, Bench
-from reports.document import html
 from reports.document.numbers import seconds
 from reports.document.parts import Bullets, Command, Facts, Figures, Fold, Mono, Page, Paragraph, Part, Section
 from reports.document.templates import lines
@@ -14,10 +13,9 @@ from reports.records.environment import environment_facts
 from reports.work_precision import choices
 from reports.work_precision.costs import cost_section
 from reports.work_precision.diagram import widget
-from reports.work_precision.facts import PlaceFacts, engine_labels, failed_methods, places, regimes
 from reports.work_precision.methods import method_section, setting_section
 from reports.work_precision.overview import figures, inks
-from reports.work_precision.words import noise_note, noise_share
+from reports.work_precision.words import engine_labels, failed_methods, label_of, noise_note, noise_share
 
 FILE_NAME = "bench.html"
 TITLE = "Work-precision"
@@ -35,7 +33,7 @@ def page(bench: Bench) -> Page:
     titles = "; ".join(dict.fromkeys(place.title for place in every))
     first: tuple[Part, ...] = (Paragraph("Nothing finished: no engine has an error and a time.", "verdict"),)
     sections: list[Section] = []
-    if found := regimes(every):
+    if found := by_regime(every):
         as_figures = Fold("The same as figures", (Figures(figures(found, inks(labels))),))
         first = (choices.winners(found), widget(found, labels), Paragraph(READING, "small"), as_figures)
         sections += [choices.section(found, noise_note(bench)), setting_section(found, noise_share(bench))]
@@ -58,7 +56,7 @@ def _failures(every: Sequence[PlaceFacts]) -> tuple[str, ...]:
     for place in every:
         for facts in place.engines(place.foremost):
             for reason in failed_methods(facts):
-                told.setdefault(f"{facts.label}, {reason}", []).append(f"{place.mechanism} in {place.regime}")
+                told.setdefault(f"{label_of(facts)}, {reason}", []).append(f"{place.mechanism} in {place.regime}")
     where = {reason: ", ".join(met) if len(met) < len(every) else "everywhere" for reason, met in told.items()}
     return tuple(f"{reason} ({place})" for reason, place in where.items())
 
@@ -80,9 +78,3 @@ def _measured(bench: Bench) -> Section:
     return Section("measured", "How it was measured", (
         Fold("Rounds, times, errors and orders", (Bullets(tuple(told)),)), facts, Command(document["command"]),
     ))  # fmt: skip
-
-
-def write(bench: Bench, folder: Path) -> Path:
-    """Write the page, what it shares with others and its figures into a folder; returns its path."""
-    html.write_assets(folder)
-    return html.write(page(bench), folder, ())

@@ -6,14 +6,15 @@ from collections.abc import Sequence
 from itertools import groupby
 
 from comparisons.work_precision.analysis import WANTED
+from comparisons.work_precision.places import PlaceFacts, places
 from comparisons.work_precision.records import Bench
 from reports.document.numbers import ABSENT, bound, error, seconds
 from reports.document.parts import Paragraph, Table
 from reports.document.templates import plain
 from reports.document.terminal import Printed, Printout
+from reports.work_precision import words
 from reports.work_precision.costs import cost_tables
-from reports.work_precision.facts import PlaceFacts, engine_label, failed_methods, places
-from reports.work_precision.words import choice_words, noise_note, noise_share, per_turn, standing_words
+from reports.work_precision.words import engine_label, label_of
 
 CHOICES = ("engine", "to get", "time", "by")
 METHODS = ("engine", "method", "order", "least error", "steps/turn", "time", "what limits it")
@@ -28,10 +29,10 @@ def printout(bench: Bench, quantities: Sequence[str] = ()) -> Printout:
     blocks: list[Printed] = []
     for place in places(bench):
         for name in [name for name in quantities if name in place.quantities] or [place.foremost]:
-            blocks += _block(place, name, noise_share(bench))
+            blocks += _block(place, name, words.noise_share(bench))
     for costs in cost_tables(bench.costs):
         blocks += [costs, ""]
-    return Printout(blocks, [noise_note(bench)], [_points(bench), ""])
+    return Printout(blocks, [words.noise_note(bench)], [_points(bench), ""])
 
 
 def _points(bench: Bench) -> Table:
@@ -50,23 +51,23 @@ def _points(bench: Bench) -> Table:
 
 
 def _block(place: PlaceFacts, quantity: str, noise: float) -> list[Printed]:
-    words = f"{place.mechanism} ({place.variant}), {place.regime}"
+    name = f"{place.mechanism} ({place.variant}), {place.regime}"
     if not place.quantities:
-        return [Paragraph(f"{words}: nothing finished", colour="bold"), *_failures(place, quantity)]
-    title = Paragraph(f"{words}: {plain(quantity)}, largest error over the peak", colour="bold")
+        return [Paragraph(f"{name}: nothing finished", colour="bold"), *_failures(place, quantity)]
+    title = Paragraph(f"{name}: {plain(quantity)}, largest error over the peak", colour="bold")
     parts: list[Printed] = [title, _methods(place, quantity), "", _choices(place, quantity), ""]
     for facts in place.engines(quantity):
         for one in facts.standings:
             told = f"{error(one.record.error_max)} in {seconds(one.record.seconds_min or 0.0)}"
-            parts.append(f"{facts.engine} {one.record.setting}: {told}{standing_words(one, facts, noise)[1]}")
+            parts.append(f"{facts.engine} {one.record.setting}: {told}{words.standing_words(one, facts, noise)[1]}")
     return [*parts, *_failures(place, quantity), ""]
 
 
 def _failures(place: PlaceFacts, quantity: str) -> list[Paragraph]:
     return [
-        Paragraph(f"{facts.label} {reason}", colour="yellow")
+        Paragraph(f"{label_of(facts)} {reason}", colour="yellow")
         for facts in place.engines(quantity)
-        for reason in failed_methods(facts)
+        for reason in words.failed_methods(facts)
     ]
 
 
@@ -74,11 +75,10 @@ def _methods(place: PlaceFacts, quantity: str) -> Table:
     """Order, least error with the step and the time there, and what limits it."""
     rows = []
     for facts, sweep in [(one, sweep) for one in place.engines(quantity) for sweep in one.methods]:
-        least = sweep.points.records[sweep.points.numbers.best]
+        least, floor = sweep.points.records[sweep.points.numbers.best], sweep.floor
         order = ABSENT if sweep.order is None else f"{sweep.order:.1f}"
-        cost, floor = seconds(least.seconds_min or 0.0), sweep.floor
-        way = facts.way(sweep.first)
-        rows.append((facts.label, way, order, error(floor.error), per_turn(least), cost, floor.cause.value))
+        found = (error(floor.error), words.per_turn(least), seconds(least.seconds_min or 0.0), floor.cause.value)
+        rows.append((label_of(facts), words.way(facts, sweep.first), order, *found))
     return Table("", METHODS, tuple(rows), "llrrrrl")
 
 
@@ -90,6 +90,6 @@ def _choices(place: PlaceFacts, quantity: str) -> Table:
         for choice, part in groupby(wanted, key=lambda pair: pair[1]):
             errors = [bound(error) for error, _ in part]
             span = errors[0] if len(errors) == 1 else f"{errors[0]} to {errors[-1]}"
-            cost, way, _ = choice_words(choice, facts)
-            rows.append((facts.label, span, cost or ABSENT, way if cost else f"not reached; {way}"))
+            cost, taken, _ = words.choice_words(choice, facts)
+            rows.append((label_of(facts), span, cost or ABSENT, taken if cost else f"not reached; {taken}"))
     return Table("", CHOICES, tuple(rows), "llrl")

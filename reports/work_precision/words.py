@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from comparisons.work_precision.analysis import PointChoice, Standing, SweepFinding
 from comparisons.work_precision.floor import Cause
-from comparisons.work_precision.records import Bench, BenchRecord
-from comparisons.work_precision.step_sweep import SATURATED
+from comparisons.work_precision.places import EngineFacts, Regimes
+from comparisons.work_precision.records import SETTING, Bench, BenchRecord
+from comparisons.work_precision.step_sweep import SATURATED, falls_with_effort
 from engines.contract import Setting
-from reports.document.numbers import error, figure, seconds
-from reports.document.templates import sentence
-from reports.work_precision.facts import EngineFacts
+from reports.document.numbers import bound, error, figure, seconds
+from reports.document.templates import plain, sentence
 
 # Times closer than this are the same time, however quiet the machine.
 LEAST_NOISE = 0.05
@@ -29,7 +29,7 @@ def standing_words(standing: Standing, facts: EngineFacts, noise: float) -> tupl
         short = "nearer than any method" if facts.sweeps else "no method measured"
         return short, f"; no {'method' if against_all else 'single run'} measured gets there"
     front = "the front" if against_all else "the front of single runs"
-    beside = f"{facts.way(standing.rival)} takes {seconds(standing.rival_seconds)} to the same error"
+    beside = f"{way(facts, standing.rival)} takes {seconds(standing.rival_seconds)} to the same error"
     if ratio <= 1.0 / (1.0 + noise):
         return "ahead of the front", f"; ahead of {front}: {beside}, {figure(1.0 / ratio, 2)} × as long"
     place = "on" if ratio <= 1.0 + noise else f"{figure(ratio, 2)} ×"
@@ -42,18 +42,37 @@ def choice_words(choice: PointChoice, facts: EngineFacts) -> tuple[str, str, str
     Where nothing gets there, the cost is empty and the way says what comes nearest.
     """
     record = choice.record or choice.closest
-    least, way = error(record.error_max), way_words(facts, record)
+    least, taken = error(record.error_max), way_words(facts, record)
     if choice.record is None:
-        return "", f"least {least}", f"not reached; least {least} by {way}"
+        return "", f"least {least}", f"not reached; least {least} by {taken}"
     rms = record.error.error_rms if record.error else None
     set_up, read_out = seconds(record.setup_seconds or 0.0), seconds(record.readout_seconds or 0.0)
     told = f"{least} (RMS {error(rms)}) in {record.steps} steps, set-up {set_up}, read-out {read_out}"
-    return seconds(record.seconds_min or 0.0), way, told
+    return seconds(record.seconds_min or 0.0), taken, told
 
 
 def way_words(facts: EngineFacts, record: BenchRecord) -> str:
     """A point's way and, behind an @, its steps a turn, which a setting's adapter fixes: "trapezoidal x4 @ 48"."""
-    return " @ ".join(filter(None, (facts.way(record), per_turn(record))))
+    return " @ ".join(filter(None, (way(facts, record), per_turn(record))))
+
+
+def way(facts: EngineFacts, record: BenchRecord) -> str:
+    """How a point was run, without its step: a setting, or a method with any effort that is not its own.
+
+    Of several runs extrapolated it ends in "x3", with which the name of a method may end already.
+    """
+    runs = f" x{record.runs}" if record.is_extrapolated else ""
+    name = record.setting.removesuffix(runs) + runs
+    if record.kind == SETTING or facts.is_own(record):
+        return name
+    return f"{name}, {effort_words(record.effort, record.effort_unit)}"
+
+
+def effort_words(effort: float | None, unit: str) -> str:
+    """A solver effort: "300 iterations", "relative tolerance 1e-6"; of an engine's own, that it is."""
+    if effort is None:
+        return f"the engine's own {unit}" if unit else ""
+    return f"{unit} {bound(effort)}" if falls_with_effort(unit) else f"{effort:g} {unit}"
 
 
 def per_turn(record: BenchRecord) -> str:
@@ -76,3 +95,36 @@ def noise_share(bench: Bench) -> float:
 def noise_note(bench: Bench) -> str:
     """How the times were measured, in small print."""
     return sentence("machine_noise", noise=bench.noise, repeats=bench.document["extent"]["repeats"])
+
+
+def engine_label(name: str, is_control: bool) -> str:
+    """An engine's name for a reader, who is told of the reference's control."""
+    return f"{name} (control)" if is_control else name
+
+
+def label_of(facts: EngineFacts) -> str:
+    """The label of an engine in one place."""
+    return engine_label(facts.engine, facts.is_control)
+
+
+def engine_labels(bench: Bench) -> dict[str, str]:
+    """What a reader is told of all engines of a benchmark, by name, the control last."""
+    controls = {record.engine: record.is_control for record in bench.records}
+    return {name: engine_label(name, controls[name]) for name in sorted(controls, key=lambda one: (controls[one], one))}
+
+
+def judged_by(regimes: Regimes) -> str:
+    """The quantities that places are judged by, for a reader."""
+    return " or ".join(dict.fromkeys(plain(place.foremost) for places in regimes.values() for place in places))
+
+
+def failed_methods(facts: EngineFacts) -> tuple[str, ...]:
+    """Methods and settings that never finished anything, by reason; then what of a quantity was left out."""
+    finished = {record.setting for record in facts.records if record.finished}
+    reasons = {r.setting: f"{r.outcome}: {r.detail}" for r in reversed(facts.records) if not r.finished}
+    names: dict[str, list[str]] = {}
+    for name in dict.fromkeys(record.setting for record in facts.records):
+        if name not in finished:
+            names.setdefault(reasons[name], []).append(name or facts.engine)
+    left_out = dict.fromkeys(r.left_out[r.quantity] for r in facts.records if r.finished and r.quantity in r.left_out)
+    return (*(f"{', '.join(same)}: {reason}" for reason, same in names.items()), *left_out)

@@ -1,16 +1,16 @@
 """What to use for an error: winners, merged columns and sentences say what the records say."""
 
 from comparisons.work_precision.analysis import WANTED
+from comparisons.work_precision.places import by_regime, places
 from comparisons.work_precision.records import Bench
 from reports.document.parts import Fold, Table
 from reports.work_precision.choices import section, winners
-from reports.work_precision.facts import places, regimes
 from tests.comparisons.bench_rows import points, setting_row
 from tests.reports.made_up_bench import document, made_up_bench
 
 
 def _regimes(*rows, mechanisms=("m",)):
-    return regimes(places(Bench(document(points(rows), mechanisms, ("alpha", "beta")))))
+    return by_regime(places(Bench(document(points(rows), mechanisms, ("alpha", "beta")))))
 
 
 def _columns(row):
@@ -31,7 +31,7 @@ def test_the_winner_of_an_error_is_the_cheapest_engine_of_most_mechanisms():
 
 
 def test_the_control_never_wins():
-    table = winners(regimes(places(made_up_bench(control="alpha"))))
+    table = winners(by_regime(places(made_up_bench(control="alpha"))))
     assert all("alpha" not in cell.words + cell.note for row in table.rows for cell in row[1:])
 
 
@@ -51,7 +51,7 @@ def test_what_an_engine_does_not_reach_says_how_near_it_comes():
 
 
 def test_every_mechanism_has_a_row_an_engine_as_long_as_the_head():
-    whole, fold, _ = section(regimes(places(made_up_bench())), "").parts
+    whole, fold, _ = section(by_regime(places(made_up_bench())), "").parts
     assert isinstance(fold, Fold)
     (table,) = fold.parts
     assert isinstance(table, Table)

@@ -2,10 +2,11 @@
 
 import json
 
+from comparisons.work_precision.places import by_regime, places
 from comparisons.work_precision.records import Bench
 from reports.work_precision.diagram import widget
-from reports.work_precision.facts import engine_labels, places, regimes
 from reports.work_precision.overview import LEAST
+from reports.work_precision.words import engine_labels
 from tests.comparisons.bench_rows import points, row
 from tests.reports.made_up_bench import document, made_up_bench
 
@@ -13,7 +14,7 @@ BENCH = made_up_bench()
 
 
 def _widget(bench=BENCH):
-    return widget(regimes(places(bench)), engine_labels(bench))
+    return widget(by_regime(places(bench)), engine_labels(bench))
 
 
 def _held(data):

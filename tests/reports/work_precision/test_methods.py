@@ -1,7 +1,7 @@
 """Orders, floors and standings have a row a method or setting and a column a mechanism and regime."""
 
+from comparisons.work_precision.places import by_regime, places
 from reports.document.parts import Fold, Table
-from reports.work_precision.facts import places, regimes
 from reports.work_precision.methods import method_section, setting_section
 from tests.reports.made_up_bench import made_up_bench
 
@@ -16,7 +16,7 @@ def _rows(table):
 
 
 def test_a_setting_stands_beside_the_cheapest_method_at_its_error():
-    (table,) = setting_section(regimes(places(made_up_bench())), 0.1).parts
+    (table,) = setting_section(by_regime(places(made_up_bench())), 0.1).parts
     assert isinstance(table, Table)
     rows = _rows(table)
     assert {row for _, row in rows} == {"naive", "tuned", "best"}
@@ -29,7 +29,7 @@ def test_a_setting_stands_beside_the_cheapest_method_at_its_error():
 
 def test_orders_and_least_errors_stand_side_by_side_by_regime_and_mechanism():
     bench = made_up_bench(regimes=("run-up", "own"))
-    orders, what = method_section(regimes(places(bench)), bench.document["methods"]).parts
+    orders, what = method_section(by_regime(places(bench)), bench.document["methods"]).parts
     assert isinstance(orders, Fold)
     assert isinstance(what, Fold)
     (table,) = orders.parts
@@ -42,5 +42,5 @@ def test_orders_and_least_errors_stand_side_by_side_by_regime_and_mechanism():
 
 
 def test_the_control_is_held_against_nothing():
-    (table,) = setting_section(regimes(places(made_up_bench(control="alpha"))), 0.1).parts
+    (table,) = setting_section(by_regime(places(made_up_bench(control="alpha"))), 0.1).parts
     assert {engine for engine, _ in _rows(table)} == {"beta"}

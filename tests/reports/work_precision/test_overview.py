@@ -3,8 +3,9 @@
 import numpy as np
 
 from comparisons.work_precision.analysis import apart, on_front
-from reports.work_precision.facts import engine_labels, places, regimes
+from comparisons.work_precision.places import by_regime, places
 from reports.work_precision.overview import chart, figures, inks
+from reports.work_precision.words import engine_labels
 from tests.reports.made_up_bench import made_up_bench
 
 BENCH = made_up_bench()
@@ -16,7 +17,7 @@ def _mine(panel, ink):
 
 
 def test_a_regime_has_a_figure_and_a_mechanism_a_panel():
-    (figure,) = figures(regimes(PLACES), INKS)
+    (figure,) = figures(by_regime(PLACES), INKS)
     assert figure.name == "run-up-quintic"
     assert [panel.title for panel in figure.drawing.panels] == ["juki-mf7923d: Mkr", "rimoldi-164: Mkr"]
 

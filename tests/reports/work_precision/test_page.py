@@ -5,8 +5,9 @@ import re
 import pytest
 
 from comparisons.work_precision.records import FILE, Bench, MeasuredCost, load, rows, save
+from reports.document import html
 from reports.document.parts import Fold, Section
-from reports.work_precision.page import page, write
+from reports.work_precision.page import page
 from tests.reports.made_up_bench import made_up_bench, nothing_finished
 
 BENCH = made_up_bench()
@@ -17,7 +18,7 @@ def folder(tmp_path_factory):
     """A folder with the page of a benchmark that was saved."""
     found = tmp_path_factory.mktemp("bench")
     save(found / FILE, BENCH.document)
-    write(load(found), found)
+    html.write(page(load(found)), found, ())
     return found
 
 
@@ -59,11 +60,11 @@ def test_costs_have_a_section_where_they_were_measured():
 
 
 def test_a_benchmark_that_gave_nothing_has_a_page_that_says_why(tmp_path):
-    text = write(nothing_finished(), tmp_path).read_text(encoding="utf-8")
+    text = html.write(page(nothing_finished()), tmp_path, ()).read_text(encoding="utf-8")
     assert "Nothing finished" in text
     assert "gamma: unavailable: not installed" in text
 
 
 def test_two_pages_of_one_benchmark_are_the_same_text(folder, tmp_path):
-    again = write(made_up_bench(), tmp_path)
+    again = html.write(page(made_up_bench()), tmp_path, ())
     assert again.read_bytes() == (folder / "bench.html").read_bytes()

@@ -1,9 +1,9 @@
 """Choices, limits and standings in words."""
 
 from comparisons.work_precision.floor import Cause
+from comparisons.work_precision.places import places
 from comparisons.work_precision.records import Bench
-from reports.work_precision.facts import failed_methods, places
-from reports.work_precision.words import choice_words, limit_words, standing_words
+from reports.work_precision.words import choice_words, failed_methods, label_of, limit_words, standing_words
 from tests.comparisons.bench_rows import points, row, setting_row, sweep_rows
 from tests.reports.made_up_bench import document, made_up_bench
 
@@ -63,5 +63,5 @@ def test_a_setting_is_said_to_be_on_ahead_of_or_off_the_front():
 
 def test_the_control_is_held_against_nothing():
     _, alpha = places(made_up_bench(control="alpha"))[0].engines("Mkr")
-    assert alpha.label == "alpha (control)"
+    assert label_of(alpha) == "alpha (control)"
     assert alpha.standings == ()
