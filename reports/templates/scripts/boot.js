@@ -51,6 +51,8 @@ window.linkproof = (() => {
     return found;
   }
 
+  const LEGIBLE = { tickfont: { size: 14 } }; // exponents are 0.875 of it
+
   /* A layout in the page's colours; what the caller gives goes before. */
   function dressed(layout) {
     const { ink, muted, line, paper, c } = colours();
@@ -61,7 +63,7 @@ window.linkproof = (() => {
       hoverlabel: { bgcolor: paper, bordercolor: muted, font: { color: ink, size: 13 }, align: "left" }, ...layout,
     };
     for (const name of new Set(["xaxis", "yaxis", ...Object.keys(layout).filter((key) => /^[xy]axis\d*$/.test(key))]))
-      result[name] = { ...axis, ...layout[name] };
+      result[name] = { ...axis, ...(layout[name]?.exponentformat === "power" && LEGIBLE), ...layout[name] };
     return result;
   }
 
