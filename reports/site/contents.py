@@ -11,6 +11,8 @@ from comparisons.campaign import results as campaign
 from comparisons.campaign.results import Results
 from comparisons.datasheet import saved as datasheet
 from comparisons.datasheet.sheet import Sheet
+from comparisons.stress import saved as stress_test
+from comparisons.stress.saved import Stress
 from comparisons.work_precision import records as work_precision
 from comparisons.work_precision.records import Bench
 from reports.campaign.index import FILE as INDEX
@@ -19,9 +21,7 @@ from reports.campaign.index import Study, index
 from reports.document.parts import Link, Page
 from reports.document.templates import sentence
 from reports.mechanism import page as mechanism_page
-from reports.stress import facts as stress_facts
 from reports.stress import page as stress_page
-from reports.stress.facts import Stress
 from reports.work_precision import page as bench_page
 
 BENCH, STRESS = Link("Work-precision", "bench.html"), Link("Stability", "stress.html")
@@ -58,7 +58,7 @@ class Contents:
     @cached_property
     def stress(self) -> Stress | None:
         """The stability maps, if there are any."""
-        return stress_facts.load(self.folder) if (self.folder / stress_facts.FILE).is_file() else None
+        return stress_test.load(self.folder) if (self.folder / stress_test.FILE).is_file() else None
 
     def links(self) -> tuple[Link, ...]:
         """Its pages in the order of a reader; raises LinkproofError where there is nothing to make one of."""

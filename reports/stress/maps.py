@@ -9,9 +9,10 @@ from typing import Any
 from comparisons.stress.axes import axes
 from comparisons.stress.border import Border
 from comparisons.stress.cells import CellResult
+from comparisons.stress.saved import Line, Stress
 from reports.document.numbers import seconds
 from reports.document.templates import plain, worded
-from reports.stress.facts import SIGNS, Line, Stress, against, border_words, value_words
+from reports.stress.facts import SIGNS, against, border_words, value_words
 
 WHITE = "#fdfdfd"  # ink of a sign that looks the same in the dark
 FLAGGED = "Flagged: "  # stands in a reason between what is wrong and what the checks said

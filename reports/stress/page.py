@@ -6,12 +6,13 @@ from collections.abc import Iterator, Mapping
 from functools import partial
 from typing import Any
 
+from comparisons.stress.saved import FILE, Stress
 from comparisons.stress.verdict import StressVerdict
 from reports.document import parts
 from reports.document.parts import Figure, Figures, Fold, Page, Paragraph, Section, Widget
 from reports.document.templates import sentence
 from reports.records.environment import environment_facts
-from reports.stress.facts import FILE, SIGNS, Stress, axis_title
+from reports.stress.facts import SIGNS, axis_title
 from reports.stress.figure import draw_map
 from reports.stress.maps import map_data, signs
 from reports.stress.tables import (

@@ -6,6 +6,7 @@ from collections import Counter
 from collections.abc import Callable, Iterable, Sequence
 
 from comparisons.stress.cells import CellResult
+from comparisons.stress.saved import Line, Stress
 from comparisons.stress.verdict import StressVerdict
 from reports.document.numbers import ABSENT
 from reports.document.parts import Cell, Mono, Table, Words
@@ -14,8 +15,6 @@ from reports.stress.facts import (
     APART,
     SIGNS,
     SILENT,
-    Line,
-    Stress,
     axis_title,
     border_words,
     shown_verdicts,

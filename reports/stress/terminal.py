@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from comparisons.stress.cells import CellResult
+from comparisons.stress.saved import Stress
 from reports.document.numbers import seconds
 from reports.document.parts import Cell, Paragraph, Table, Words
 from reports.document.terminal import Printed, Printout
-from reports.stress.facts import SIGNS, Stress, against, axis_title, border_words, shown_verdicts, value_words
+from reports.stress.facts import SIGNS, against, axis_title, border_words, shown_verdicts, value_words
 from reports.stress.tables import LOUD, count_table, summary
 
 

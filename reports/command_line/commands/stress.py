@@ -11,12 +11,12 @@ from comparisons.runs.files import write_text
 from comparisons.stress.axes import chosen_axes
 from comparisons.stress.campaign import StressRequest, make_cells, stress
 from comparisons.stress.cells import find_cell
+from comparisons.stress.saved import FILE, Stress
 from engines.registry import engine_names
 from reports.command_line.destination import Destination
 from reports.command_line.exit_codes import stress_exit_code
 from reports.command_line.interruption import interruptible, journal
 from reports.command_line.requests import command_line, installed, named
-from reports.stress.facts import FILE, Stress
 from reports.stress.terminal import cell_details, printout
 
 

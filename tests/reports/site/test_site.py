@@ -16,10 +16,10 @@ from comparisons.datasheet.saved import FILE as SHEETS
 from comparisons.datasheet.saved import save_sheets
 from comparisons.judging.records import to_json
 from comparisons.runs.files import write_text
+from comparisons.stress.saved import FILE as STRESS
 from comparisons.work_precision.records import FILE as BENCH
 from engines.contract import Setting
 from reports.site.site import write_site
-from reports.stress.facts import FILE as STRESS
 from tests.reports.made_up_bench import made_up_bench
 from tests.reports.made_up_results import made_up_results
 from tests.reports.made_up_stress import made_up_stress

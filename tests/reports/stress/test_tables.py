@@ -1,8 +1,9 @@
 """The summary and the tables of a stress test say what its cells say."""
 
+from comparisons.stress.saved import Stress
 from comparisons.stress.verdict import StressVerdict
 from reports.document.parts import as_text
-from reports.stress.facts import SIGNS, Stress
+from reports.stress.facts import SIGNS
 from reports.stress.tables import (
     MOST_ALONE,
     border_table,
