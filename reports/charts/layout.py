@@ -19,7 +19,7 @@ End = tuple[float, str, str]
 
 # Inches: around a chart, of a tick with its pad, between panels, of a sample of a line in the key, between its entries.
 EDGE, TICK, BETWEEN, SAMPLE, APART = 0.06, 0.08, 0.1, 0.3, 0.2
-SPACED = {"x": 0.75, "y": 0.3}  # inches from tick to tick, at least
+SPACED = {"x": 0.75, "y": 0.22, "equal": 0.42}  # inches from tick to tick, at least
 
 
 @dataclass(frozen=True)
@@ -68,7 +68,7 @@ class Layout:
         panel, both = self.chart.panels[number], self.scales[number]
         if panel.scale != "equal":
             return both
-        return scales.to_scale(panel, both, (self.width, self.height), max(2, int(self.width / SPACED["x"])))
+        return scales.to_scale(panel, both, (self.width, self.height), max(2, int(self.width / SPACED["equal"])))
 
     @cached_property
     def ends(self) -> list[list[End]]:

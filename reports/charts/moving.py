@@ -32,9 +32,8 @@ from reports.charts.style import GHOST, INK, MUTED, PALETTE, PAPER, PLATE
 Array = NDArray[np.float64]
 
 SECONDS = 6.0
-# Pixels: of the drawing, of its rim, of a pin's radius.
-SIZE, RIM, PIN = (440, 400), 24.0, 4.2
-SMALL = 250  # a drawing of this height or width has no mass centres
+# Pixels: of the drawing, of its rim, of a pin's radius, and the last two of a small drawing, without mass centres.
+SIZE, RIM, PIN, SMALL_RIM, SMALL_PIN, SMALL = (440, 400), 24.0, 4.2, 16.0, 3.0, 250
 POINT = 4.0 / 3.0  # pixels of a typographic point
 DASHES = "4 3"
 NOT_A_NAME = re.compile(r"[^\w-]")
@@ -64,27 +63,38 @@ class _Moving:
     frames: int
 
     @property
+    def is_small(self) -> bool:
+        """Whether there is no room for details."""
+        return min(self.size) <= SMALL
+
+    @property
+    def rim(self) -> float:
+        """Pixels around all places."""
+        return SMALL_RIM if self.is_small else RIM
+
+    @property
     def pixels(self) -> float:
         """Pixels of a unit of the scheme."""
         low, high = self.scheme.extent
-        return float(np.min((np.array(self.size) - 2.0 * RIM) / np.maximum(high - low, 1e-9)))
+        return float(np.min((np.array(self.size) - 2.0 * self.rim) / np.maximum(high - low, 1e-9)))
 
     @property
     def box(self) -> Array:
         """Width and height in use."""
-        return (self.scheme.extent[1] - self.scheme.extent[0]) * self.pixels + 2.0 * RIM
+        return (self.scheme.extent[1] - self.scheme.extent[0]) * self.pixels + 2.0 * self.rim
 
     def placed(self, places: Array) -> Array:
         """Places of the scheme, (n, 2), on the drawing."""
         low, high = self.scheme.extent
         shifted: Array = np.asarray(places) - (low[0], high[1])
-        return shifted * (self.pixels, -self.pixels) + RIM
+        return shifted * (self.pixels, -self.pixels) + self.rim
 
     def markup(self) -> Markup:
         """All of it."""
         axes = Figure().add_axes((0.0, 0.0, 1.0, 1.0))
         draw_paths(axes, self.scheme)
-        draw_position(axes, self.scheme, PIN / self.pixels, masses=min(self.size) > SMALL)
+        pin = (SMALL_PIN if self.is_small else PIN) / self.pixels
+        draw_position(axes, self.scheme, pin, masses=not self.is_small)
         artists: list[Line2D | Patch] = sorted((*axes.lines, *axes.patches), key=Artist.get_zorder)
         movers = [*self.scheme.linkage.links, *self.scheme.stretches]
         rules = "".join(self._rules(name, f"{self.key}-{number}") for number, name in enumerate(movers))
@@ -107,14 +117,18 @@ class _Moving:
         """The motion of what moves with a body, or is stretched between two points, from the position drawn out."""
         last = len(self.scheme.positions.axis) - 1
         kept = np.unique(np.rint(np.linspace(0, last, min(self.frames, last) + 1)).astype(int))
-        places, angles, lengths = self._course(mover)
-        (origin, turned, long), back = self._drawn(mover), mover in self.scheme.stretches
+        (places, angles, lengths), is_stretched = self._course(mover), mover in self.scheme.stretches
+        drawn = self.scheme.few[self.scheme.clearest]
+        origin = places[drawn]
+        turns, angle = -np.degrees(angles - angles[drawn]), math.degrees(angles[drawn])
         steps = "".join(
-            f"{100.0 * n / last:.4g}%{{transform:{_step(places[n] - origin, angles[n] - turned)}"
-            + (f" rotate({-math.degrees(turned):.2f}deg) scale({lengths[n] / long:.3f},1)"
-               f" rotate({math.degrees(turned):.2f}deg)" if back else "") + "}"
-            for n in kept
-        )  # fmt: skip
+            f"{100.0 * n / last:.4g}%{{transform:translate({shift[0]:.1f}px,{shift[1]:.1f}px) rotate({turns[n]:.2f}deg)"
+            + (f" rotate({-angle:.2f}deg) scale({stretch:.3f},1) rotate({angle:.2f}deg)}}" if is_stretched else "}")
+            for n, shift, stretch in zip(
+                kept, (places - places[drawn])[kept], (lengths / lengths[drawn])[kept], strict=True
+            )
+        )
+        origin = places[drawn]
         return (
             f"#{self.key} .{name}{{transform-origin:{origin[0]:.1f}px {origin[1]:.1f}px;animation-name:{name}}}"
             f"@keyframes {name}{{{steps}}}"
@@ -123,19 +137,11 @@ class _Moving:
     def _course(self, mover: str) -> tuple[Array, Array, Array]:
         """Origin on the drawing, (n, 2), angle and length, (n,), of a body's frame or of a line between two points."""
         if mover in self.scheme.stretches:
-            ends = self.scheme.stretches[mover]
-            return self.placed(ends[0].T), *_line(ends)
+            start, end = self.scheme.stretches[mover]
+            span = end - start
+            return self.placed(start.T), np.unwrap(np.arctan2(span[1], span[0])), np.hypot(*span)
         pose = self.scheme.pose(mover)
         return self.placed(self.scheme.scale * pose[:2].T), pose[2], np.ones(pose.shape[1])
-
-    def _drawn(self, mover: str) -> tuple[Array, float, float]:
-        """The same in the position drawn out."""
-        if mover in self.scheme.stretches:
-            ends = self.scheme.ends_shown(mover)
-            angle, length = _line(ends)
-            return self.placed(ends[0]), float(angle), float(length)
-        x, y, angle = self.scheme.pose_shown(mover)
-        return self.placed(self.scheme.scale * np.array([x, y])), float(angle), 1.0
 
     def _shape(self, artist: Line2D | Patch, name: str) -> str:
         """An artist as one element."""
@@ -148,17 +154,6 @@ class _Moving:
     def _stroke(self, points: Any, code: Any) -> str:  # noqa: ANN401  matplotlib's
         places = self.placed(np.asarray(points).reshape(-1, 2)) if code != Path.CLOSEPOLY else np.zeros((0, 2))
         return LETTERS[Path.code_type(code)] + " ".join(f"{x:.1f} {y:.1f}" for x, y in places)
-
-
-def _line(ends: Array) -> tuple[Array, Array]:
-    """Angle, unwrapped, and length of the line between two points, (2, 2, …)."""
-    span = ends[1] - ends[0]
-    return np.unwrap(np.atleast_1d(np.arctan2(span[1], span[0]))).reshape(span.shape[1:]), np.hypot(*span)
-
-
-def _step(shift: Array, turn: float) -> str:
-    """What shifts a drawing by pixels, y down, and turns it by an angle, rad, counter-clockwise."""
-    return f"translate({shift[0]:.1f}px,{shift[1]:.1f}px) rotate({-math.degrees(turn):.2f}deg)"
 
 
 def _segments(artist: Line2D | Patch) -> Iterator[tuple[Any, Any]]:
