@@ -13,9 +13,10 @@ from numpy.typing import NDArray
 from analytic.description.linkage import Linkage, PrescribedRegime
 from comparisons.campaign.results import Results
 from comparisons.judging.deviations import near_jumps
-from comparisons.judging.quantities import JOINT_FORCE, LINEAR_TITLES, QUANTITIES
+from comparisons.judging.quantities import LINEAR_TITLES, QUANTITIES
 from comparisons.judging.records import Record
 from engines.contract import Setting
+from reports.document.templates import worded
 
 Array = NDArray[np.float64]
 SYMBOLS = {"phi": "φ", "omega": "ω", "epsilon": "ε"}
@@ -126,12 +127,12 @@ def family(quantity: str) -> str:
 def title(quantity: str) -> str:
     """What a quantity is, in words."""
     known = QUANTITIES.get(quantity)
-    return known.title if known else quantity.replace("_", " ").replace(":", " in ")
+    return known.title if known else worded(quantity)
 
 
 def short_title(quantity: str) -> str:
     """A quantity's symbol, or a few words where it has none."""
-    return SYMBOLS.get(quantity, quantity.replace(JOINT_FORCE, "force in ").replace("_", " "))
+    return SYMBOLS.get(quantity, worded(quantity).replace("joint force", "force"))
 
 
 def holds_acceleration(quantity: str) -> bool:

@@ -25,6 +25,8 @@ linkproof.runPlots = (() => {
     });
   }
 
+  const sentence = (words) => `${words.slice(0, 1).toUpperCase()}${words.slice(1)}.`;
+
   function across(y, yref, line) {
     return { type: "line", xref: "paper", x0: 0, x1: 1, yref, y0: y, y1: y, line: { width: 1.2, ...line } };
   }
@@ -62,7 +64,7 @@ linkproof.runPlots = (() => {
       yaxis: { tickvals: names.map((_, n) => n), ticktext: names, range: [names.length - 0.5, -0.5], showgrid: false,
         zeroline: false },
     });
-    return [traces, layout, `${at.conditions}. Right of the line an error is over its limit. Choose a dot, or a `
+    return [traces, layout, `${sentence(at.conditions)} Right of the line an error is over its limit. Choose a dot, or a `
       + "quantity above, to see its curves."];
   }
 
@@ -104,7 +106,7 @@ linkproof.runPlots = (() => {
     });
     const vector = quantity.vector ? " The curves are the force's magnitude; its error is that of the magnitude." : "";
     const dotted = at.jumps.length ? " Dotted lines: jumps of the crank's acceleration." : "";
-    return [traces, layout, `${at.conditions}. The broad line is the closed form; of each run the sample with the `
+    return [traces, layout, `${sentence(at.conditions)} The broad line is the closed form; of each run the sample with the `
       + `largest error of every stretch is shown.${dotted}${vector}`];
   }
 

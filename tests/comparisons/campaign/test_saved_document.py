@@ -132,3 +132,9 @@ def test_sheets_of_another_campaign_are_refused(results, tmp_path):
     save_sheets(tmp_path, made_up_results([load("fork-takeup")], samples=31).sheets)
     with pytest.raises(LinkproofError, match=r"mechanisms\.json.*no juki-mf7923d"):
         load_results(written(tmp_path, results.document, results.curves))
+
+
+def test_a_check_of_a_judged_file_has_a_largest_error_alone(results, folder):
+    document = json.loads(results.curves.attrs["document"])
+    document["invariants"] = [{**row, "error_rms": None} for row in document["invariants"]]
+    assert read_all(written(folder, document, results.curves)).invariants[0].error_rms is None

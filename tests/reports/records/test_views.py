@@ -40,7 +40,7 @@ def test_quantities_are_named_by_symbol_and_words_that_suit_the_drive(results):
     assert view.title("Mkr") == "Mkr crank torque"
     assert view.title("thread_feed") == "thread feed"
     assert View(results, driven("linear-motor").linkage).title("Mkr") == "Mkr force of the drive"
-    assert short_title("joint_force:slot_slider on rocker") == "force in slot slider on rocker"
+    assert short_title("joint_force:slot_slider on rocker") == "force of slot slider on rocker"
     assert short_title("omega") == "ω"
 
 
