@@ -210,9 +210,8 @@ class _Building:
 
     def _check_turn(self) -> None:
         """Raise LinkproofError where the driver makes no full turn."""
-        if self.linkage.is_linear:
-            raise LinkproofError("it is told by a full turn, which a drive along a line does not make")
-        self.mechanism.check_full_turn()
+        if self.linkage.is_linear or not crank_range(self.mechanism).is_full_turn:
+            raise LinkproofError(f"A full turn tells the normalised motion, and the {self.linkage.driver} makes none")
 
     def thread(self) -> ThreadSheet | None:
         """Contour and feed of a thread."""
