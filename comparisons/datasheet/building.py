@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import asdict, dataclass, field, replace
-from functools import partial
+from functools import cached_property, partial
 from itertools import pairwise
 from typing import Final, TypeVar, cast
 
@@ -20,6 +20,7 @@ from analytic.dynamics import reduced
 from analytic.errors import LinkproofError
 from analytic.kinematics.crank_range import CrankRange, crank_range
 from analytic.kinematics.mechanism import Mechanism
+from analytic.motion.released import FreeMotion
 from analytic.turn.thread_feed import contour, eye_travel, feed_diagram
 from analytic.turn.unit_functions import unit_functions
 from comparisons.datasheet.designer_results import DesignerResults
@@ -37,7 +38,7 @@ from comparisons.datasheet.sheet import (
     Sheet,
     ThreadSheet,
 )
-from comparisons.reference.case import Case
+from comparisons.reference.case import Case, own_motion
 from comparisons.reference.published import compare_published
 
 Array = NDArray[np.float64]
@@ -158,7 +159,7 @@ class _Building:
             thread=self.part("thread", self.thread, None),
             published=self.part("published", self.published, ()),
             released=self.released(),
-            printed=self.part("printed", lambda: printed(self.mechanism, self.regimes), {}),
+            printed=self.part("printed", lambda: printed(self.linkage, self.motions), {}),
             missing=self.missing,
         )
 
@@ -171,14 +172,18 @@ class _Building:
             return instead
 
     def values(self, names: Sequence[str]) -> Mapping[str, Array]:
-        """Signals over the axis, at as many instants as they need."""
+        """Signals over the axis, at as many instants as they need, those of their peaks among them."""
         self.results.case.check_motion()
         curves = self.results.curves
-        found = {name: curves.of(curves.on_grid, name) for name in names}
-        if self.results.axis == "phi" and found["phi"][-1] < found["phi"][0]:
-            found = {name: values[::-1] for name, values in found.items()}
+        peaks = [peak.time for peak in curves.peaks(names).values()]
+        truth = curves.at(np.union1d(curves.grid, peaks))
+        found = {name: curves.of(truth, name) for name in names}
         most = min(MOST, MOST_NUMBERS // len(found))
-        kept = needed(found[self.results.axis], np.array(list(found.values())), min(FEW, most), most)
+        kept = np.union1d(
+            needed(truth.time, np.array(list(found.values())), min(FEW, most), most), np.searchsorted(truth.time, peaks)
+        )
+        if self.results.axis == "phi" and found["phi"][-1] < found["phi"][0]:
+            kept = kept[::-1]
         return {name: values[kept] for name, values in found.items()}
 
     def shares(self, angle: Array) -> Mapping[str, Mapping[str, Array]]:
@@ -243,14 +248,22 @@ class _Building:
             return {"top_angle": None, "bottom_angle": None}
         return {"top_angle": travel.top_angle, "bottom_angle": travel.bottom_angle}
 
-    def released(self) -> dict[str, Released]:
-        """What there is to say of each regime in which the crank is released."""
+    @cached_property
+    def motions(self) -> dict[str, FreeMotion]:
+        """The motion of each regime in which the crank is released."""
         own = {name: regime for name, regime in self.linkage.released.items() if name in self.regimes}
-        told = {
-            name: self.part(f"released.{name}", partial(released, self.mechanism, regime), None)
-            for name, regime in own.items()
-        }
-        return {name: one for name, one in told.items() if one is not None}
+        return self.each("released", {name: partial(own_motion, self.mechanism, one) for name, one in own.items()})
+
+    def released(self) -> dict[str, Released]:
+        """What there is to say of each of them."""
+        own, motions = self.linkage.released, self.motions
+        told = {name: partial(released, self.mechanism, own[name], motion) for name, motion in motions.items()}
+        return self.each("released", told)
+
+    def each(self, kind: str, made: Mapping[str, Callable[[], T]]) -> dict[str, T]:
+        """Parts of a kind by name, without those that cannot be derived."""
+        found = {name: self.part(f"{kind}.{name}", make, None) for name, make in made.items()}
+        return {name: one for name, one in found.items() if one is not None}
 
     def published(self) -> tuple[PublishedFigure, ...]:
         """The printed figures in every variant of the file."""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Mapping
 from itertools import pairwise
 from typing import Final, TypeVar
 
@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from analytic.description.law import FULL_TURN
-from analytic.description.linkage import ReleasedRegime
+from analytic.description.linkage import Linkage, ReleasedRegime
 from analytic.dynamics import reduced
 from analytic.dynamics.equilibrium import equilibria
 from analytic.errors import LinkproofError
@@ -22,21 +22,19 @@ from analytic.motion.steady_rotation import Rotation, last_turns, steady_state
 from analytic.numerics.extremes import grid, in_turn, periodic_mean
 from comparisons.datasheet.plain_data import finite
 from comparisons.datasheet.sheet import Coarse, Printed, Released, Speeds
-from comparisons.reference.case import own_motion
 from comparisons.reference.printed_models import printed_motion
 
 Array = NDArray[np.float64]
 T = TypeVar("T")
 
-STRETCHES: Final = 100  # of a long curve that is shown by the extremes of each
-EVEN: Final = 181  # instants that are shown besides
+STRETCHES: Final = 70  # of a long curve that is shown by the extremes of each
+EVEN: Final = 121  # instants that are shown besides
 PER_TURN, FEWEST, MOST = 60, 2000, 100_000  # instants at which a motion is looked at
 LAST_TURN: Final = 361
 
 
-def released(mechanism: Mechanism, own: ReleasedRegime) -> Released:
-    """What there is to say of a regime of a linkage's own in which the crank is released."""
-    motion = own_motion(mechanism, own)
+def released(mechanism: Mechanism, own: ReleasedRegime, motion: FreeMotion) -> Released:
+    """What there is to say of a regime of a linkage's own in which the crank is released, and of its motion."""
     ending = _attempt(lambda: last_turns(motion)) if own.torque else None
     settled = _attempt(lambda: steady_state(mechanism, own.torque)) if own.torque else None
     time = _instants(motion)
@@ -57,15 +55,14 @@ def released(mechanism: Mechanism, own: ReleasedRegime) -> Released:
     )
 
 
-def printed(mechanism: Mechanism, regimes: Iterable[str]) -> dict[str, Printed]:
-    """The motions of models as printed, by erratum, of those that some regimes show; of the file's own values alone."""
-    linkage, found = mechanism.linkage, {}
-    if linkage.variant != linkage.variants[0]:
-        return {}
-    errata = [erratum for erratum in linkage.errata if erratum.regime in regimes]
-    names = {erratum.regime for erratum in errata}
-    motions = {name: own_motion(mechanism, linkage.released[name]) for name in names}
-    for erratum in errata:
+def printed(linkage: Linkage, motions: Mapping[str, FreeMotion]) -> dict[str, Printed]:
+    """The motions of models as printed, by erratum, of those that ``motions``, by regime, show to be wrong.
+
+    They hold for the file's own values alone.
+    """
+    found = {}
+    errata = linkage.errata if linkage.variant == linkage.variants[0] else ()
+    for erratum in (one for one in errata if one.regime in motions):
         motion, theirs = motions[erratum.regime], printed_motion(linkage, erratum)
         time = _instants(motion)
         corrected, as_printed = motion.speed(time), theirs.speed(time)

@@ -15,7 +15,7 @@ from typing_extensions import TypedDict
 from analytic.description.linkage import Linkage, Vector
 from analytic.description.loading import parse
 
-DIGITS = 8  # of a number in an array
+DIGITS = 9  # of a number in an array
 
 
 def _array(value: Any) -> NDArray[np.float64]:  # noqa: ANN401 - what a file holds
@@ -194,7 +194,7 @@ class Released:
     ``error_bound`` of φ, rad, and ``balance`` of energy are the closed form's own. ``ending`` is its last whole turn,
     ``settled`` the rotation that would repeat itself, where there are such; ``end`` φ at the end within a turn, rad.
     ``motion`` has "time", s, "phi", "omega", "epsilon" (n,), ``last_turn`` the last three over the last whole turn.
-    The macro ``released_crank`` puts it in words.
+    The macro ``released_sheet`` puts it in words.
     """
 
     torque: float

@@ -11,12 +11,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from analytic.description.changes import without
-from analytic.description.crank_motion import RPM, CrankMotion, Segment, swing
+from analytic.description.crank_motion import RPM, CrankMotion, Segment
 from analytic.description.law import FULL_TURN
 from analytic.description.loading import load
 from analytic.errors import LinkproofError
 from analytic.kinematics.crank_range import crank_range
 from analytic.kinematics.mechanism import Mechanism
+from comparisons.datasheet.building import STEADY, range_motion, sheet
 from comparisons.datasheet.designer_results import DesignerResults
 from comparisons.datasheet.instants import Instants
 from comparisons.datasheet.saved import FILE, load_sheets, save_sheets
@@ -24,14 +25,14 @@ from comparisons.datasheet.units import file_unit
 from comparisons.reference.case import Case, own_case
 from comparisons.runs.files import check_writable, write_text
 from reports.command_line.destination import STDOUT, write_out
-from reports.command_line.linear_drive import prescribed, within
+from reports.command_line.linear_drive import prescribed
 from reports.command_line.motion_choice import EVERYTHING, OWN, MotionChoice, own_regimes
 from reports.document.terminal import show
 from reports.results.files import csv_table, json_text
 
 Array = NDArray[np.float64]
 
-STEADY, PAGE = "constant-speed", "index.html"
+PAGE = "index.html"
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -107,8 +108,7 @@ def results(choice: ResultsChoice, *, quiet: bool = False) -> None:
 
 def _write_page(out: Path, case: Case, *, opens: bool, quiet: bool) -> None:
     """Save the data sheet of a case among those of a report's folder, and write the report's pages."""
-    from comparisons.datasheet.building import sheet  # noqa: PLC0415 - seconds that nothing else pays for
-    from reports.mechanism.page import file_of  # noqa: PLC0415
+    from reports.mechanism.page import file_of  # noqa: PLC0415 - seconds that nothing else pays for
     from reports.site.site import write_site  # noqa: PLC0415
 
     own = sheet(case, tuple(case.mechanism.linkage.released))
@@ -167,8 +167,7 @@ def _usual_case(mechanism: Mechanism, choice: MotionChoice) -> Case:
     if reach.is_full_turn:
         motion = CrankMotion(STEADY, (Segment(0.0, FULL_TURN / speed, (start, -speed if backwards else speed)),))
         return Case(mechanism, motion)
-    motion = swing(STEADY, *within(reach, backwards=backwards), speed=speed)
-    return Case(mechanism, replace(motion, regime=f"{STEADY} over its range"))
+    return Case(mechanism, range_motion(reach, speed, backwards=backwards))
 
 
 def _instants(case: Case, choice: ResultsChoice) -> Instants:

@@ -11,6 +11,7 @@ from analytic.description.loading import load
 from analytic.errors import LinkproofError
 from comparisons.datasheet.building import usual_sheet
 from comparisons.datasheet.saved import FILE, load_sheets, save_sheets
+from reports.mechanism.shown import ShownSheet
 
 
 @pytest.fixture(scope="module")
@@ -63,3 +64,8 @@ def test_no_damage_goes_unseen(sheet, tmp_path):
 def test_a_folder_without_sheets_is_refused(tmp_path):
     with pytest.raises(LinkproofError, match=r"mechanisms\.json.*run compare with --out again"):
         load_sheets(tmp_path)
+
+
+def test_a_whole_turn_is_whole_when_it_is_read_back(sheet, tmp_path):
+    save_sheets(tmp_path, [sheet])
+    assert ShownSheet(load_sheets(tmp_path)[0]).is_turn
