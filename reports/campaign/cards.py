@@ -30,7 +30,7 @@ def card(sheet: Sheet, trust: Trust | None) -> Card:
 def _scheme(sheet: Sheet) -> Iterator[Part]:
     if sheet.positions is not None:
         markup = moving_scheme(
-            sheet.linkage, sheet.positions, f"{sheet.name} {sheet.variant}", size=SIZE, frames=FRAMES
+            sheet.linkage, sheet.positions, f"card {sheet.name} {sheet.variant}", size=SIZE, frames=FRAMES
         )
         yield Drawn(markup, f"Moving scheme of {sheet.linkage.title}.")
 

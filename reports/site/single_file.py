@@ -10,8 +10,6 @@ from dataclasses import fields, is_dataclass, replace
 from pathlib import Path
 from typing import Any, Final
 
-from markupsafe import escape
-
 from comparisons.runs.files import write_text
 from reports.document import html
 from reports.document.parts import Drawn, Figure, Link, Page, Paragraph, Section, Widget
@@ -80,9 +78,10 @@ def _moved(found: Any, stem: str, files: dict[str, str]) -> Any:  # noqa: ANN401
 
 
 def _renamed(markup: Any, own: str) -> Any:  # noqa: ANN401  Markup
-    """Markup whose ids, and all that points to them, begin with the name of the page that they were on."""
+    """Markup whose ids, and the classes and motions named after them, begin with the page that they were on."""
     for name in set(NAME.findall(markup)) if own else ():
-        markup = type(markup)(re.sub(rf"(?<![\w-]){re.escape(name)}(?![\w-])", own + name, markup))
+        pattern = rf'((?:[#.":]|@keyframes )){re.escape(name)}(?=-\d|[^\w-])'
+        markup = type(markup)(re.sub(pattern, rf"\g<1>{own}{name}", str(markup)))
     return markup
 
 
@@ -101,6 +100,7 @@ def _code(path: Path) -> str:
     return path.read_text(encoding="utf-8").replace("</script", r"<\/script")
 
 
-def _picture(path: Path, place: str, attributes: str) -> str:
+def _picture(path: Path, style: str, attributes: str) -> str:
     packed = base64.b64encode(path.read_bytes()).decode("ascii")
-    return f'<span class="picture"{place}><img src="data:image/svg+xml;base64,{escape(packed)}"{attributes}></span>'
+    attributes = attributes.replace(' loading="lazy"', "")
+    return f'<span class="picture"{style}><img src="data:image/svg+xml;base64,{packed}"{attributes}></span>'

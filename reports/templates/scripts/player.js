@@ -8,7 +8,7 @@
   linkproof.widget("player", (element, data) => {
     const last = data.axis.values.length - 1;
     const bodies = element.getAnimations({ subtree: true });
-    const figures = [...document.querySelectorAll(`figure[data-axis="${data.axis.kind}"]`)];
+    const figures = [...(element.closest("main > section") ?? document).querySelectorAll(`figure[data-axis="${data.axis.kind}"]`)];
     const cursors = figures.map(addCursor);
     const { button, slider, cells } = addControls(element, data, last);
     let place = 0, frame = 0, before = 0, playing = false;

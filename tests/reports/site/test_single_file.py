@@ -18,7 +18,7 @@ def page(file, *links):
     parts = (
         Figure("f", "", "", CHART),
         Widget("k", "w", "", {}),
-        Drawn(Markup('<b id="m1"></b><i href="#m1">m10</i>'), ""),
+        Drawn(Markup('<b id="m"></b><i href="#m" class="m-1">m mm-1</i>'), ""),
     )
     return Page(file, file, file, "", (Paragraph(words),), (Section("s", "s", parts),))
 
@@ -50,7 +50,7 @@ def test_names_stay_apart_and_links_lead_to_them():
     assert links == ["#a-b", "#bench-s", "#a-b-s", "#s"]
     assert {link[1:] for link in links} <= keys
     drawn = [part.markup for part in found(one, Drawn)]
-    assert drawn[1] == '<b id="a-b-m1"></b><i href="#a-b-m1">m10</i>'
+    assert drawn[1] == '<b id="a-b-m"></b><i href="#a-b-m" class="a-b-m-1">m mm-1</i>'
 
 
 def test_a_report_in_one_file_needs_no_other(tmp_path):
