@@ -8,7 +8,6 @@ from types import MappingProxyType
 from typing import Any, Final
 
 from comparisons.datasheet.sheet import Printed
-from comparisons.judging.quantities import JOINT_FORCE, QUANTITIES
 from comparisons.judging.records import Record, Verdict
 from reports.charts.errors import errors_figure
 from reports.document import numbers
@@ -29,13 +28,18 @@ def engines_section(view: View, printed: Mapping[str, Printed] = MappingProxyTyp
 
     ``printed`` are the motions of models as printed, by erratum.
     """
-    imported = "judgement" in view.results.document
+    imported = is_imported(view)
     parts: list[Part] = [chart(view)]
     parts += [errors_fold(view, regime) for regime in view.regimes]
     parts += _printed_models(view, printed)
     if not imported:
         parts.append(runs_fold(view))
     return Section(KEY, "Every error" if imported else "How the engines did", tuple(parts))
+
+
+def is_imported(view: View) -> bool:
+    """Whether the results are those of another tool's file."""
+    return "judgement" in view.results.document
 
 
 def chart(view: View) -> Widget:
@@ -61,7 +65,8 @@ def errors_fold(view: View, regime: Regime) -> Fold:
     shown = [run for run in control_last(runs) if any(record.error_max is not None for record in run)]
     parts: list[Part] = [_matrix(view, regime, shown)] if shown else []
     reasons = _reasons(runs)
-    return Fold(f"Every error under {regime.name} in figures", (*parts, *([Bullets(reasons)] if reasons else [])))
+    under = f" under {regime.name}" if len(view.regimes) > 1 else ""
+    return Fold(f"Every error{under} in figures", (*parts, *([Bullets(reasons)] if reasons else [])))
 
 
 def _matrix(view: View, regime: Regime, runs: Sequence[Sequence[Record]]) -> Table:
@@ -73,7 +78,7 @@ def _matrix(view: View, regime: Regime, runs: Sequence[Sequence[Record]]) -> Tab
         for name in view.quantities(regime)
         if any(name in run for run in found)
     )
-    note = sentence("matrix_note") if regime == view.regimes[0] else ""
+    note = sentence("matrix_note", imported=is_imported(view)) if regime == view.regimes[0] else ""
     head = ("quantity", "limit", *(run[0].setting for run in runs))
     caption = f"{regime.name}: {regime.conditions}. Largest error over the closed form's peak."
     return Table(caption, head, rows, note=note, groups=(("", 2), *groups), style="matrix")
@@ -82,16 +87,13 @@ def _matrix(view: View, regime: Regime, runs: Sequence[Sequence[Record]]) -> Tab
 def _row_head(view: View, records: Sequence[Record]) -> tuple[Cell, str]:
     """The quantity with its peak, and the limits in the order of the settings."""
     first = records[0]
-    peak = next((f"{numbers.figure(r.peak)} {r.unit}" for r in records if r.peak and _has_peak(first.quantity)), "")
+    peak = next(
+        (f"{numbers.figure(r.peak)} {r.unit}" for r in records if r.peak and first.quantity not in view.invariants), ""
+    )
     limits = {r.setting: r.limit for r in records if r.limit}
     in_order = sorted(limits, key=lambda name: SETTINGS.index(name) if name in SETTINGS else len(SETTINGS))
     words = dict.fromkeys(numbers.bound(limits[name]) for name in in_order)
-    return Cell(view.title(first.quantity), note=peak), ", ".join(words)
-
-
-def _has_peak(quantity: str) -> bool:
-    """Whether the peak of a quantity is the closed form's: an invariant is measured against something else."""
-    return quantity in QUANTITIES or quantity.startswith(JOINT_FORCE)
+    return Cell(view.title(quantity), note=peak), ", ".join(words)
 
 
 def _cell(record: Record | None) -> Cell | str:

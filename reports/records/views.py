@@ -76,7 +76,13 @@ class View:
 
     def quantities(self, regime: Regime) -> tuple[str, ...]:
         """Names of the quantities and then of the invariants of a regime."""
-        return tuple(dict.fromkeys(record.quantity for record in self.of(regime)))
+        names = dict.fromkeys(record.quantity for record in self.of(regime))
+        return tuple(sorted(names, key=self.invariants.__contains__))
+
+    @cached_property
+    def invariants(self) -> frozenset[str]:
+        """Names of what is checked without the closed form."""
+        return frozenset(record.quantity for record in self.results.invariants)
 
     def title(self, quantity: str) -> str:
         """What a quantity or an invariant is, in words, with its symbol."""
@@ -127,7 +133,7 @@ def family(quantity: str) -> str:
 def title(quantity: str) -> str:
     """What a quantity is, in words."""
     known = QUANTITIES.get(quantity)
-    return known.title if known else worded(quantity)
+    return known.title if known else quantity if "=" in quantity else worded(quantity)
 
 
 def short_title(quantity: str) -> str:
