@@ -86,10 +86,9 @@ def _matrix(view: View, regime: Regime, runs: Sequence[Sequence[Record]]) -> Tab
 
 def _row_head(view: View, records: Sequence[Record]) -> tuple[Cell, str]:
     """The quantity with its peak, and the limits in the order of the settings."""
-    first = records[0]
-    peak = next(
-        (f"{numbers.figure(r.peak)} {r.unit}" for r in records if r.peak and first.quantity not in view.invariants), ""
-    )
+    quantity = records[0].quantity
+    measured = records if quantity not in view.invariants else ()
+    peak = next((f"{numbers.figure(record.peak)} {record.unit}" for record in measured if record.peak), "")
     limits = {r.setting: r.limit for r in records if r.limit}
     in_order = sorted(limits, key=lambda name: SETTINGS.index(name) if name in SETTINGS else len(SETTINGS))
     words = dict.fromkeys(numbers.bound(limits[name]) for name in in_order)
