@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import gc
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from contextlib import suppress
 from functools import partial
 from pathlib import Path
@@ -16,7 +16,7 @@ from comparisons.runs.workers import run_jobs, usual_processes
 from reports.campaign.index import FILE as INDEX
 from reports.campaign.summary import markdown
 from reports.document import html
-from reports.document.parts import Figure, Link, Page
+from reports.document.parts import Link
 from reports.site.contents import BENCH, STRESS, Contents, contents
 
 SUMMARY: Final = "RESULTS.md"
@@ -60,35 +60,9 @@ def _write(found: Contents, folder: Path, links: Sequence[Link], png: bool, file
         if file == SUMMARY and found.results is not None:
             write_text(folder / SUMMARY, markdown(found.results))
             return (SUMMARY,)
-        page = found.page(file)
-        html.write(page, folder, links, png=png)
-        return tuple(_files(page, png))
+        return tuple(html.write_all(found.page(file), folder, links, png=png))
     finally:
         gc.enable()
-
-
-def _files(page: Page, png: bool) -> Iterator[str]:
-    """The files of a page within the report's folder."""
-    stem = Path(page.file).stem
-    yield page.file
-    for figure in _figures(page):
-        yield f"figures/{stem}/{figure.name}.svg"
-        if png:
-            yield f"figures/{stem}/{figure.name}.png"
-    for widget in html.widgets(page):
-        yield from (f"data/{stem}/{widget.name}.{key}.js" for key in widget.further)
-
-
-def _figures(found: object) -> Iterator[Figure]:
-    """Every figure of a page or of anything on it."""
-    if isinstance(found, Figure):
-        yield found
-    elif isinstance(found, tuple):
-        for one in found:
-            yield from _figures(one)
-    else:
-        for name in ("parts", "cards", "sections", "figures"):
-            yield from _figures(getattr(found, name, ()))
 
 
 def _remove_stale(folder: Path, written: set[str]) -> None:
