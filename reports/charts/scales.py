@@ -56,7 +56,7 @@ def across(panels: Sequence[Panel], ticks: int) -> Scale:
         return _worded(0.0, 360.0, np.arange(0.0, 361.0, step), label)
     if first.scale == "loglog":
         return _decades(values, label, ticks)
-    lines = all(curve.line for panel in panels for curve in panel.curves)
+    lines = any(curve.line for panel in panels for curve in panel.curves)
     return _linear(values, label, ticks, _margin(first) if first.scale == "equal" else 0.0 if lines else MARGIN)
 
 

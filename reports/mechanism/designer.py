@@ -23,8 +23,12 @@ Array = NDArray[np.float64]
 
 OUTPUT: Final = ("S", "v", "a")
 DRIVE: Final = ("Mkr", "Peq", "Teq")
-# Parts of a sheet that may be missing, in words, where they are told of; of all others the sheet's own name for them.
-WORDS: Final = {"normalised": "normalised motion", "shares": "Jeq by group and link", "values": "motion to show"}
+# Before the reason why a part of a sheet is missing, where the part has its place on the page.
+WORDS: Final = {
+    "normalised": "",
+    "shares": "There is no Jeq by group and by link: ",
+    "values": "There is no motion to show: ",
+}
 TALL: Final = 3.9  # inches, of panels one under the other
 MOST_CURVES, MOST_HODOGRAPHS, PER_ROW = 10, 12, 4
 CONSTANT: Final = 1e-6  # share of its largest value that a link's Jeq varies by at least, else it is a constant
@@ -40,17 +44,19 @@ def sections(shown: ShownSheet) -> tuple[Section, ...]:
 def told(shown: ShownSheet, *keys: str) -> tuple[Part, ...]:
     """Why parts of the sheet cannot be derived."""
     reasons = {key: shown.sheet.missing[key] for key in keys if key in shown.sheet.missing}
-    return tuple(Paragraph(f"There is no {WORDS.get(key, key)}: {reason}.", "small") for key, reason in reasons.items())
+    words = {key: f"{WORDS.get(key, f'There is no {key}: ')}{reason}" for key, reason in reasons.items()}
+    return tuple(Paragraph(f"{text.removesuffix('.')}.", "small") for text in words.values())
 
 
 def _motion(shown: ShownSheet) -> Section:
     """S, v and a, and the normalised motion against harmonics."""
-    figures = []
+    figures, normalised = [], shown.sheet.normalised
     if shown.has("S"):
         caption = "Displacement S, velocity v and acceleration a of the output; dots are peaks."
-        figures.append(Figure("output", caption, f"{shown.about}: S, v and a", shown.stacked(OUTPUT, TALL)))
-    if shown.sheet.normalised:
-        figures.append(_normalised(shown, shown.sheet.normalised))
+        chart = shown.stacked(OUTPUT, TALL, wide=normalised is None)
+        figures.append(Figure("output", caption, f"{shown.about}: S, v and a", chart, wide=normalised is None))
+    if normalised:
+        figures.append(_normalised(shown, normalised))
     parts: tuple[Part, ...] = (Figures(tuple(figures)),) if figures else ()
     if not shown.has("S"):
         parts += (Paragraph("The file names no output: there is no S, v and a.", "small"),)
@@ -107,7 +113,7 @@ def _inertia(shown: ShownSheet) -> tuple[Figure, ...]:
         Curve(shown.x, values, _share(name, values, whole), number)
         for number, (name, values) in enumerate(varying.items())
     ]
-    unit = shown.own("kg m²").name
+    unit = shown.unit("Jeq").name
     panels = [shown.panel(stack, f"Jeq, {unit}", is_last=not curves)]
     panels += [shown.panel(curves, f"Jeq of a link, {unit}")] if curves else []
     left_out = f"; constant and left out: {', '.join(constant)}" if constant else ""
@@ -205,7 +211,7 @@ def _force_table(shown: ShownSheet) -> Table:
         )
         for one in shown.sheet.figures["forces"]
     )
-    head = ("joint", "on", "force", "direction", "at t" if shown.sheet.axis == "time" else "at φ")
+    head = ("joint", "on", "force", "direction", shown.where)
     return Table("A joint's force acts on the link named; directions count from x.", head, rows, align="llr")
 
 

@@ -60,6 +60,16 @@ class ShownSheet:
         return FileUnit("°", TURN / 360.0) if self.is_turn else self.unit(self.sheet.axis)
 
     @property
+    def symbol(self) -> str:
+        """The axis in a word: t, φ, or the travel of a drive along a line."""
+        return "t" if self.sheet.axis == "time" else "travel" if self.sheet.linkage.is_linear else "φ"
+
+    @property
+    def where(self) -> str:
+        """Head of a column of places on the axis."""
+        return f"at {self.symbol}"
+
+    @property
     def axis_name(self) -> str:
         """The axis in words."""
         if self.sheet.axis == "time":
@@ -91,7 +101,7 @@ class ShownSheet:
 
     def shares(self, kind: str) -> dict[str, Array]:
         """The parts of Jeq by name, along the axis, in the file's unit; ``kind`` is "groups" or "links"."""
-        size = self.own("kg m²").size
+        size = self.unit("Jeq").size
         return {name: self._in_order(values) / size for name, values in self.sheet.shares.get(kind, {}).items()}
 
     def vector(self, name: str) -> Array:
@@ -133,14 +143,14 @@ class ShownSheet:
         """Curves over the axis."""
         return Panel(tuple(curves), self.axis_name if is_last else "", y_label, turn=self.is_turn)
 
-    def stacked(self, names: Sequence[str], height: float) -> Chart:
+    def stacked(self, names: Sequence[str], height: float, *, wide: bool = False) -> Chart:
         """Signals one under the other over the axis, each with its peak marked."""
         panels = []
         for number, name in enumerate(names):
             curves = (Curve(self.x, self.y(name), ink=number), *self._dot(name, number))
             label = f"{'force' if name == 'Mkr' and self.sheet.linkage.is_linear else name}, {self.unit(name).name}"
             panels.append(self.panel(curves, label, is_last=number == len(names) - 1))
-        return self.chart(panels, height)
+        return self.chart(panels, height, wide=wide)
 
     def _dot(self, name: str, ink: int) -> tuple[Curve, ...]:
         """A mark at the value of the largest magnitude of a signal."""
