@@ -78,7 +78,7 @@ def _verdict(results: Results | None, trust: Trust | None) -> tuple[Part, ...]:
 
 
 def _engines(results: Results, trust: Trust) -> tuple[Section, ...]:
-    parts = (_settings_table(trust), _families_table(trust))
+    parts = (_settings_table(trust), families_table(trust))
     caught = matrix.past_baseline(results)
     worse = (Fold("Within their limit, yet worse than three times their recorded value", (Bullets(caught),)),)
     return (Section("engines", "The engines", (*parts, *(worse if caught else ()))),)
@@ -141,7 +141,7 @@ def _told(record: Record) -> str:
     return sentence("index_worst", record=record)
 
 
-def _families_table(trust: Trust) -> Table:
+def families_table(trust: Trust) -> Table:
     """Engines down, families of quantities across: the largest error of each, the least of a column marked."""
     rows: list[list[Cell | str]] = []
     for setting in [name for name in trust.settings if name != Setting.NAIVE.value] or trust.settings:

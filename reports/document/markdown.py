@@ -44,14 +44,17 @@ def _part(part: Part, level: int) -> str:  # noqa: PLR0911  a case for every par
 
 
 def table(found: Table) -> str:
-    """Caption, table and note as paragraphs."""
+    """Caption, table and note as paragraphs; a heading over several columns stands in the head of each."""
+    over = [words for words, columns in found.groups for _ in range(columns)] or [""] * len(found.head)
+    head = [f"{words} {_cell(cell)}".strip() for words, cell in zip(over, found.head, strict=True)]
     rows = [[_cell(cell, bold=number == found.bold) for number, cell in enumerate(row)] for row in found.rows]
     rule = [RULES[found.side(column)] for column in range(len(found.head))]
-    return "\n\n".join(filter(None, (found.caption, _grid([[*map(_cell, found.head)], rule, *rows]), found.note)))
+    return "\n\n".join(filter(None, (found.caption, _grid([head, rule, *rows]), found.note)))
 
 
 def _cell(cell: Cell | Words, *, bold: bool = False) -> str:
     text = inline(cell.words if isinstance(cell, Cell) else cell)
+    text += f" ({cell.note})" if isinstance(cell, Cell) and cell.note else ""
     return f"**{text}**" if bold else text
 
 

@@ -101,8 +101,8 @@ def _cell(record: Record | None) -> Cell | str:
         return numbers.ABSENT
     sign = RUNS[record.outcome]
     if record.outcome == Verdict.PASSED.value:
-        return Cell(numbers.error(record.error_max), style=sign.style)
-    words = sign.symbol if record.error_max is None else f"{numbers.error(record.error_max)} {sign.symbol}"
+        return Cell(numbers.steady_error(record.error_max), style=sign.style)
+    words = sign.symbol if record.error_max is None else f"{numbers.steady_error(record.error_max)} {sign.symbol}"
     return Cell(words, style=sign.style, told=record.detail or sign.word)
 
 

@@ -27,18 +27,19 @@ def test_rows_of_a_table_are_as_wide_as_their_head_and_bars_are_escaped():
     found = Table(
         "What <it> is.",
         ("name", "kind", "1/2 | value"),
-        (("a|b", "<x>", "3"), ("[/c]", Cell("y", "pass", note="left out"), "40")),
+        (("a|b", "<x>", "3"), ("[/c]", Cell("y", "pass", note="of z"), "40")),
         "llr",
         "A note.",
+        groups=(("", 1), ("of it", 2)),
         bold=2,
     )
     caption, grid, note = table(found).split("\n\n")
     assert (caption, note) == ("What <it> is.", "A note.")
     assert grid.splitlines() == [
-        "| name | kind | 1/2 \\| value |",
+        "| name | of it kind | of it 1/2 \\| value |",
         "| --- | --- | ---: |",
         "| a\\|b | <x> | **3** |",
-        "| [/c] | y | **40** |",
+        "| [/c] | y (of z) | **40** |",
     ]
 
 
