@@ -148,7 +148,7 @@ def ratio(record: Record) -> str:
 
 
 def verdict(trust: Trust, *, timed: bool = True) -> tuple[str, ...]:
-    """The verdict of a campaign: whom to trust for what; who is nearest, and if ``timed`` quickest; what defaults do."""
+    """The verdict: whom to trust for what, who is nearest, and if ``timed`` quickest, what defaults do."""
     setting = trust.settings[0]
     engines = [name for name in trust.engines if name not in trust.controls] or list(trust.engines)
     lines = (

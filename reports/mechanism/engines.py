@@ -17,7 +17,7 @@ from reports.document.signs import RUNS
 from reports.document.templates import plain, sentence
 from reports.mechanism.curves import chart_data, curves, extremes
 from reports.records.origins import control_last, exceptions, origin_words
-from reports.records.views import SETTINGS, Regime, View, anchor, engines
+from reports.records.views import Regime, View, anchor, engines, setting_rank
 
 KEY: Final = "engines"
 SHOWN: Final = 300  # stretches of a curve, of which the extremes are drawn
@@ -90,8 +90,7 @@ def _row_head(view: View, records: Sequence[Record]) -> tuple[Cell, str]:
     measured = records if quantity not in view.invariants else ()
     peak = next((f"{numbers.figure(record.peak)} {record.unit}" for record in measured if record.peak), "")
     limits = {r.setting: r.limit for r in records if r.limit}
-    in_order = sorted(limits, key=lambda name: SETTINGS.index(name) if name in SETTINGS else len(SETTINGS))
-    words = dict.fromkeys(numbers.bound(limits[name]) for name in in_order)
+    words = dict.fromkeys(numbers.bound(limits[name]) for name in sorted(limits, key=setting_rank))
     return Cell(view.title(quantity), note=peak), ", ".join(words)
 
 
