@@ -23,7 +23,7 @@ def card(sheet: Sheet, trust: Trust | None) -> Card:
     linkage = sheet.linkage
     words = linkage.title + (f", {sheet.variant}" if len(linkage.variants) > 1 else "")
     engine = _engine(sheet, trust) if trust is not None else ""
-    rows = (*_key_figures(sheet), *((("worst error / limit", engine),) if engine else ()))
+    rows = (*_key_figures(sheet), *((("worst error", engine),) if engine else ()))
     return Card(Link(words, file_of(sheet)), (*_scheme(sheet), Facts(rows)))
 
 
@@ -56,4 +56,4 @@ def _engine(sheet: Sheet, trust: Trust) -> str:
         if record.run[:2] == (sheet.name, sheet.variant) and record.error_max is not None and record.limit
     ]
     worst = max(records, key=share, default=None)
-    return "" if worst is None else f"{ratio(worst)} ({worst.engine}, {plain(family(worst.quantity))})"
+    return "" if worst is None else f"{ratio(worst)} of its limit: {worst.engine}, {plain(family(worst.quantity))}"

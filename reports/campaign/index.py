@@ -10,7 +10,7 @@ from comparisons.datasheet.sheet import Sheet
 from comparisons.judging.records import Record
 from engines.contract import Setting
 from reports.campaign.cards import card
-from reports.campaign.verdict import CHECKS, RELEASED, Held, Trust, listed, ratio, verdict
+from reports.campaign.verdict import CHECKS, Held, Trust, listed, ratio, verdict
 from reports.document import numbers
 from reports.document.parts import (
     Bullets,
@@ -28,11 +28,12 @@ from reports.document.parts import (
     Table,
 )
 from reports.document.templates import lines, plain, sentence
+from reports.mechanism.engines import errors_fold
 from reports.records import matrix
 from reports.records.environment import environment_facts
 from reports.records.origins import exceptions, origin_words
 from reports.records.readouts import readout_table
-from reports.records.views import family
+from reports.records.views import family, views
 
 FILE, TITLE = "index.html", "Overview"
 
@@ -78,6 +79,10 @@ def _verdict(results: Results | None, trust: Trust | None) -> tuple[Part, ...]:
 
 
 def _engines(results: Results, trust: Trust) -> tuple[Section, ...]:
+    """What the engines did; of another tool's results every signal."""
+    if "judgement" in results.document:
+        signals = [part for view in views(results) for one in view.regimes for part in errors_fold(view, one).parts]
+        return (Section("signals", "The signals", tuple(signals)),)
     parts = (_settings_table(trust), families_table(trust))
     caught = matrix.past_baseline(results)
     worse = (Fold("Within their limit, yet worse than three times their recorded value", (Bullets(caught),)),)
@@ -154,7 +159,7 @@ def families_table(trust: Trust) -> Table:
         ("engine", "setting", *trust.families),
         rows,
         align="llr",
-        note=sentence("index_families", reasons=_reasons(trust), released=RELEASED, checks=CHECKS),
+        note=sentence("index_families", families=trust.families, reasons=_reasons(trust)),
         style="families",
     )
 

@@ -107,7 +107,7 @@ class Trust:
         """The engine with the least of the largest errors in a family, among those that failed in nothing of it."""
         cells = {engine: self.cell(engine, setting, name) for engine in self.engines if engine not in self.controls}
         errors = {engine: cell.error for engine, cell in cells.items() if cell.error is not None and not cell.failed}
-        return min(errors, key=lambda engine: errors[engine] or 0.0, default="")
+        return min(errors, key=lambda engine: errors[engine] or 0.0, default="") if len(cells) > 1 else ""
 
     def seconds(self, engine: str, setting: str) -> float | None:
         """Median wall time of the stepping of a run, s."""

@@ -78,8 +78,8 @@ def test_a_card_leads_to_the_page_of_its_mechanism_and_tells_its_figures(page, s
     ]
     text = written(cards.cards[0].parts)
     assert all(name in text for name in ("peak torque", "peak power", "mean Jeq", "stroke"))
-    assert "worst error / limit" in text
-    assert "(beta, " in text
+    assert "- worst error: 0." in text
+    assert " of its limit: beta, " in text
 
 
 def test_everything_else_is_a_link_or_behind_a_line(page):
@@ -104,6 +104,7 @@ def test_a_judgement_says_its_own_verdict(results, sheets):
     page = index(told, sheets)
     assert page.parts == (Paragraph("No: S is off by 3 %.", "verdict"), Paragraph("A sign.", "lead"))
     assert page.heading == "Is this simulation right?"
+    assert [one.key for one in page.sections] == ["signals", "mechanisms", "run"]
 
 
 def test_without_a_campaign_the_mechanisms_stand_alone(sheets):
