@@ -29,7 +29,7 @@ def engines_section(view: View, printed: Mapping[str, Printed] = MappingProxyTyp
     ``printed`` are the motions of models as printed, by erratum.
     """
     imported = is_imported(view)
-    parts: list[Part] = [chart(view)]
+    parts: list[Part] = [chart(view)] if any(map(view.standing, view.regimes)) else []
     parts += [errors_fold(view, regime) for regime in view.regimes]
     parts += _printed_models(view, printed)
     if not imported:

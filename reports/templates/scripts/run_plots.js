@@ -18,6 +18,7 @@ linkproof.runPlots = (() => {
   /* Values at increasing times, between the samples of a curve. */
   function between(times, values, wanted) {
     let next = 1;
+    if (times.length < 2) return wanted.map(() => values[0]);
     return wanted.map((time) => {
       while (next < times.length - 1 && times[next] < time) next += 1;
       const share = (time - times[next - 1]) / (times[next] - times[next - 1] || 1);

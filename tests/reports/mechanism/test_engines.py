@@ -117,6 +117,13 @@ def test_printed_models_have_a_table_each_with_the_reason_of_an_engine_without_a
     ]
 
 
+def test_engines_that_all_gave_nothing_have_their_reasons_and_no_chart():
+    broken = {"gone": Verdict.UNAVAILABLE}
+    (view,) = views(made_up_results(engines=("gone",), broken=broken, samples=21, quantities=("Mkr",)))
+    errors, _ = engines_section(view).parts
+    assert errors.parts == (Bullets(("gone naive; tuned; best – not installed: gone <cannot> hold this scene.",)),)
+
+
 def test_a_judged_file_has_its_errors_but_no_cost(results):
     judged = Results({**results.document, "judgement": ["Wrong."]}, results.curves)
     section = engines_section(views(judged)[0])
