@@ -75,7 +75,7 @@ def test_a_page_is_complete_and_of_a_size_to_be_read(chromium, report, name):
             assert facts["verdict"] <= 1.0
 
 
-@pytest.mark.parametrize(("width", "theme"), zip(WIDTHS, THEMES, strict=True))
+@pytest.mark.parametrize(("width", "theme"), [*zip(WIDTHS, THEMES, strict=True)])
 @pytest.mark.parametrize("name", NAMES)
 def test_a_page_is_legible_on_a_screen_and_on_a_phone_by_day_and_by_night(chromium, report, name, width, theme):
     with opened(chromium, _page(report, name), width, theme) as look:
