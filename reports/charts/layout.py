@@ -47,7 +47,7 @@ class Layout:
     def shares_x(self, number: int) -> bool:
         """Whether a panel has the x axis of those below and above it."""
         column = self.column(number)
-        return len({panel.scale == "loglog" for panel in column}) == 1 and column[0].scale != "equal"
+        return len({panel.scale in ("logx", "loglog") for panel in column}) == 1 and column[0].scale != "equal"
 
     def names_x(self, number: int) -> bool:
         """Whether words stand below a panel: it is the last of its column, or has an axis of its own."""

@@ -9,7 +9,7 @@ from typing import Any, Final
 
 from comparisons.datasheet.sheet import Printed
 from comparisons.judging.records import Record, Verdict
-from reports.charts.errors import errors_figure
+from reports.charts.errors import errors_chart
 from reports.document import numbers
 from reports.document.chart import Chart, Curve, Panel
 from reports.document.parts import Bullets, Cell, Figure, Fold, Part, Section, Table, Widget
@@ -56,7 +56,7 @@ def errors_of(view: View, regime: Regime) -> Figure:
     """Every error of a regime as a figure."""
     caption = sentence("errors", regime=regime, setting=view.standing(regime))
     alt = f"{view.linkage.title} ({view.linkage.variant}): errors of every quantity and engine under {regime.name}"
-    return Figure(anchor("errors", regime.name), caption, alt, lambda: errors_figure(view, regime), wide=True)
+    return Figure(anchor("errors", regime.name), caption, alt, errors_chart(view, regime), wide=True)
 
 
 def errors_fold(view: View, regime: Regime) -> Fold:
