@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from functools import partial
-from typing import Any, Final
+from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,6 +15,7 @@ from reports.document.chart import Chart, Curve, Note, Panel
 from reports.document.numbers import ABSENT, figure, printed
 from reports.document.parts import Bullets, Card, Cards, Facts, Figure, Figures, Fold, Paragraph, Part, Section, Table
 from reports.document.templates import lines, plain, sentence
+from reports.mechanism.check import range_lines
 from reports.mechanism.key_figures import force_words
 from reports.mechanism.shown import ROUNDING, ShownSheet
 
@@ -54,7 +54,7 @@ def _motion(shown: ShownSheet) -> Section:
     if shown.has("S"):
         caption = "Displacement S, velocity v and acceleration a of the output; dots are peaks."
         chart = shown.stacked(OUTPUT, TALL, wide=normalised is None)
-        figures.append(Figure("output", caption, f"{shown.about}: S, v and a", chart, wide=normalised is None))
+        figures.append(shown.figure("output", caption, "S, v and a", chart))
     if normalised:
         figures.append(_normalised(shown, normalised))
     parts: tuple[Part, ...] = (Figures(tuple(figures)),) if figures else ()
@@ -74,7 +74,7 @@ def _normalised(shown: ShownSheet, found: Normalised) -> Figure:
         panels.append(Panel((harmonic, ours), label, words[number], turn=True))
     means = ", ".join(f"{name} {100.0 * found.means[name]:.2f} %" for name in OUTPUT)
     caption = f"Normalised motion against simple harmonic motion (dashed); mean difference over a turn: {means}."
-    return Figure("normalised", caption, f"{shown.about}: normalised motion", Chart(tuple(panels), TALL))
+    return shown.figure("normalised", caption, "normalised motion", Chart(tuple(panels), TALL))
 
 
 def _drive(shown: ShownSheet) -> Section:
@@ -85,7 +85,7 @@ def _drive(shown: ShownSheet) -> Section:
         return Section("drive", "Drive", (Paragraph(sentence, "small"),))
     force = "force" if shown.sheet.linkage.is_linear else "torque"
     caption = f"Driving {force} Mkr, power Peq and kinetic energy Teq; dots are peaks."
-    drive = Figure("drive", caption, f"{shown.about}: {caption}", shown.stacked(names, TALL))
+    drive = shown.figure("drive", caption, caption, shown.stacked(names, TALL))
     words = (Paragraph(_jeq(shown)),) if "Jeq" in shown.sheet.facts else ()
     figures = Figures((drive, *_inertia(shown)))
     return Section("drive", "Torque, power and inertia", (*words, figures, *told(shown, "shares")))
@@ -119,7 +119,7 @@ def _inertia(shown: ShownSheet) -> tuple[Figure, ...]:
     left_out = f"; constant and left out: {', '.join(constant)}" if constant else ""
     caption = "Where Jeq comes from: the crank and each Assur group, one on the other"
     caption += f", and beneath it every link by itself{left_out}. Per cent are of the mean." if curves else "."
-    return (Figure("inertia", caption, f"{shown.about}: Jeq by Assur group and by link", shown.chart(panels, TALL)),)
+    return (shown.figure("inertia", caption, "Jeq by Assur group and by link", shown.chart(panels, TALL)),)
 
 
 def _share(name: str, values: Array, whole: float) -> str:
@@ -140,12 +140,7 @@ def _forces(shown: ShownSheet) -> Section:
     caption = f"Force{most}, named with its peak."
     magnitudes = shown.chart([shown.panel(curves, f"|F|, {unit}")], 3.2, wide=True)
     parts = (
-        Figures(
-            (
-                Figure("joint-forces", caption, f"{shown.about}: {caption}", magnitudes, wide=True),
-                *_on_frame(shown, unit),
-            )
-        ),
+        Figures((shown.figure("joint-forces", caption, caption, magnitudes), *_on_frame(shown, unit))),
         _hodographs(shown, joints, unit),
         Fold("Largest force of every joint, in figures", (_force_table(shown),)),
     )
@@ -163,8 +158,8 @@ def _on_frame(shown: ShownSheet, unit: str) -> tuple[Figure, ...]:
     moment_caption = f"Shaking moment on the frame about {shown.sheet.moment_centre}, the drive's reaction included."
     over = shown.chart([shown.panel([moment], label)], 3.2)
     return (
-        Figure("shaking-force", force_caption, f"{shown.about}: hodograph of the shaking force", tip),
-        Figure("shaking-moment", moment_caption, f"{shown.about}: shaking moment", over),
+        shown.figure("shaking-force", force_caption, "hodograph of the shaking force", tip),
+        shown.figure("shaking-moment", moment_caption, "shaking moment", over),
     )
 
 
@@ -180,7 +175,7 @@ def _hodographs(shown: ShownSheet, joints: list[str], unit: str) -> Figure:
     which = f"the {MOST_HODOGRAPHS} joints with the largest forces" if len(joints) > MOST_HODOGRAPHS else "every joint"
     caption = f"Fx against Fy of {which}, each to its own scale{_dots(shown)}."
     chart = Chart(tuple(panels), 2.5 * rows, columns=min(PER_ROW, len(drawn)), wide=True)
-    return Figure("hodographs", caption, f"{shown.about}: hodographs of the joint forces", chart, wide=True)
+    return shown.figure("hodographs", caption, "hodographs of the joint forces", chart)
 
 
 def hodograph(shown: ShownSheet, vector: str, ink: int, unit: str) -> Panel:
@@ -244,7 +239,7 @@ def _scheme(shown: ShownSheet) -> tuple[Card, ...]:
     output = f"; the blue line is the path of {sheet.linkage.output.point}" if sheet.linkage.output else ""
     caption = f"To scale in twelve positions, one of them drawn out; quartered discs are mass centres{output}."
     drawing = partial(scheme_figure, sheet.linkage, positions)
-    return (Card("Positions", (Figure("scheme", caption, f"{shown.about}: kinematic scheme", drawing),)),)
+    return (Card("Positions", (shown.figure("scheme", caption, "kinematic scheme", drawing),)),)
 
 
 def _link_row(link: Link, sizes: list[float]) -> tuple[str, ...]:
@@ -257,13 +252,10 @@ def _link_row(link: Link, sizes: list[float]) -> tuple[str, ...]:
 
 
 def facts(shown: ShownSheet) -> Facts:
-    """What is said of the mechanism whatever its motion: structure, Jeq, output, rest, thread."""
+    """What is said of the mechanism whatever its motion: structure, range, output, rest, thread."""
     sheet = shown.sheet
-    said = [text.partition(": ")[::2] for text in lines("mechanism", facts=_of_turn(sheet.facts))]
+    told = {"equilibria": [], **sheet.facts}
+    said = [text.partition(": ")[::2] for text in lines("mechanism", facts=told) if not text.startswith("Jeq: ")]
+    reach = range_lines(sheet.facts["range"]) if "range" in sheet.facts else ()
     structure = sheet.formula.replace("->", "→").replace("_", " ")
-    return Facts((("structure", structure), *((name, words) for name, words in said if name != "Jeq")))
-
-
-def _of_turn(told: Mapping[str, Any]) -> Mapping[str, Any]:
-    """The facts as the macro of ``show`` reads them, which looks for those of a turn."""
-    return {"equilibria": [], **told}
+    return Facts((("structure", structure), *reach, *said))

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Final
+from typing import TYPE_CHECKING, Final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,6 +14,10 @@ from comparisons.datasheet.sheet import Sheet
 from comparisons.datasheet.units import FileUnit, file_unit
 from reports.document.chart import Chart, Curve, Panel
 from reports.document.numbers import ABSENT, figure, within_turn
+from reports.document.parts import Figure
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure as Drawing
 
 Array = NDArray[np.float64]
 
@@ -29,10 +33,12 @@ class ShownSheet:
 
     sheet: Sheet
 
-    @property
-    def about(self) -> str:
-        """The mechanism in words, for who sees no pictures."""
-        return f"{self.sheet.linkage.title} ({self.sheet.variant})"
+    def figure(self, name: str, caption: str, what: str, drawing: Chart | Callable[[], Drawing]) -> Figure:
+        """A figure of the mechanism; ``what`` it is stands for it where there are no pictures."""
+        is_wide = isinstance(drawing, Chart) and drawing.wide
+        return Figure(
+            name, caption, f"{self.sheet.linkage.title} ({self.sheet.variant}): {what}", drawing, wide=is_wide
+        )
 
     def has(self, name: str) -> bool:
         """Whether the sheet has values of a signal."""

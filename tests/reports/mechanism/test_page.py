@@ -8,7 +8,7 @@ from analytic.description.loading import load
 from comparisons.datasheet.building import sheet, usual_sheet
 from comparisons.reference.case import Case
 from reports.document import html
-from reports.document.parts import Figure, Figures, Fold, Paragraph, Table
+from reports.document.parts import Facts, Figure, Figures, Fold, Paragraph, Table
 from reports.mechanism.page import file_of, page
 from tests.analytic.linkages import EVERY, from_text, mechanism
 from tests.reports.made_up_results import made_up_results
@@ -23,6 +23,12 @@ def figures(found):
         return list(found.figures)
     inner = next((getattr(found, name) for name in ("sections", "parts", "cards") if hasattr(found, name)), ())
     return [figure for part in inner for figure in figures(part)]
+
+
+def test_a_crank_that_cannot_turn_is_told_by_its_range():
+    found = page(usual_sheet(load("stephenson-six-bar")))
+    facts = next(part for card in found.parts[-1].cards for part in card.parts if isinstance(part, Facts))
+    assert dict(facts.rows)["crank"].startswith("from ")
 
 
 def section(found, key):
