@@ -54,11 +54,10 @@ def index(results: Results | None, sheets: Sequence[Sheet], studies: Sequence[St
         title=TITLE,
         heading=_heading(results),
         subtitle=sentence("index_subtitle", results=results, mechanisms=len({sheet.name for sheet in sheets})),
-        parts=_verdict(results, trust),
+        parts=(*_verdict(results, trust), *_studies(studies)),
         sections=(
             *(_engines(results, trust) if results is not None and trust is not None else ()),
             *(_mechanisms(trust, sheets) if sheets else ()),
-            *(_studies(studies) if studies else ()),
             *(_run(results, sheets) if results is not None else ()),
         ),
     )
@@ -190,28 +189,25 @@ def _mechanisms(trust: Trust | None, sheets: Sequence[Sheet]) -> tuple[Section, 
     return (Section("mechanisms", "The mechanisms", (Cards(tuple(card(sheet, trust) for sheet in sheets)),)),)
 
 
-def _studies(studies: Sequence[Study]) -> tuple[Section, ...]:
-    items = tuple((study.link, f": {study.words}") for study in studies)
-    return (Section("studies", "Further studies", (Bullets(items),)),)
+def _studies(studies: Sequence[Study]) -> tuple[Bullets, ...]:
+    return (Bullets(tuple((study.link, f": {study.words}") for study in studies)),) if studies else ()
 
 
 def _run(results: Results, sheets: Sequence[Sheet]) -> tuple[Section, ...]:
-    """What was run, limits, read-outs and limitations, each behind a line that opens it."""
+    """What was run, limits, read-outs and limitations, behind a line that opens them."""
     readouts = tuple(readout_table(name, told) for name, told in results.document["readouts"].items())
-    folds: list[Part] = [
-        Fold("Machine, versions, regimes", (Facts(_facts(results)),)),
-        Fold("Limits and their reasons", (matrix.limit_table(results),)),
-        *(
-            [Fold("Where the engines' figures come from", (Paragraph(sentence("readouts")), *readouts))]
-            if readouts
-            else []
-        ),
-        Fold(
-            "Known limitations", (Paragraph("What these figures do not say."), Bullets(_limitations(results, sheets)))
-        ),
-        Fold("Repeat this report", (Command(results.document["command"]), Paragraph(sentence("repeat")))),
-    ]
-    return (Section("run", "What was run", tuple(folds)),)
+    sources = Section("sources", "Where the engines' figures come from", (Paragraph(sentence("readouts")), *readouts))
+    says = Paragraph("What these figures do not say.")
+    repeat = (Command(results.document["command"]), Paragraph(sentence("repeat")))
+    parts = (
+        Facts(_facts(results)),
+        Section("limits", "Limits and their reasons", (matrix.limit_table(results),)),
+        *((sources,) if readouts else ()),
+        Section("limitations", "Known limitations", (says, Bullets(_limitations(results, sheets)))),
+        Section("repeat", "Repeat this report", repeat),
+    )
+    summary = "Machine, versions, regimes, limits and their reasons, known limitations, the command that repeats it"
+    return (Section("run", "What was run", (Fold(summary, parts),)),)
 
 
 def _facts(results: Results) -> tuple[tuple[str, str | Mono], ...]:
