@@ -17,7 +17,7 @@ from comparisons.exported_run import exported, exported_cell
 from comparisons.runs.failures import blamed_on
 from comparisons.runs.files import check_writable, write_text
 from comparisons.stress.cells import find_cell
-from engines.contract import Engine
+from engines.contract import Engine, Setting
 from engines.registry import Unusable, engine, engine_names, why_unavailable
 from reports.command_line import FAILED, PASSED
 from reports.command_line.destination import Destination
@@ -51,7 +51,7 @@ def _told(adapter: Engine) -> dict[str, Any]:
         "loads": ["gravity", *_names(able.loads)],
         "varying_loads": able.varying_loads,
         "massless_bodies": able.massless,
-        "settings": [setting.value for setting in able.settings],
+        "settings": [setting.value for setting in Setting if setting in able.settings],
         "readouts": able.told(),
         "unusable": reason or "",
     }
