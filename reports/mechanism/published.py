@@ -13,13 +13,15 @@ from reports.document.signs import PUBLISHED
 from reports.document.templates import worded
 
 Row = Mapping[str, Any]  # the fields of ``PublishedRecord``
+SIGNS: Final = "; ".join(f"{sign.symbol} {sign.word}" for sign in PUBLISHED.values())
 VISIBLE: Final = 5e-4  # a deviation from which on it is told in per cent with one decimal
 
 
 def published_section(rows: Sequence[Row]) -> Section:
     """All of one mechanism, how many every variant meets, and what there is to note."""
     met = "; ".join(_met(rows, variant) for variant in _variants(rows))
-    table = replace(published_table(rows, worded), caption=f"Every printed figure beside ours. Reproduced: {met}.")
+    caption = f"Every printed figure beside ours. Reproduced: {met}."
+    table = replace(published_table(rows, worded), caption=caption, note=f"{SIGNS}.")
     noted = notes(rows, worded)
     return Section("published", "Published figures against ours", (table, *((Bullets(noted),) if noted else ())))
 

@@ -10,11 +10,10 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from reports.document.parts import Paragraph, Table
-from reports.document.signs import PUBLISHED
 from reports.document.templates import lines
 from reports.document.terminal import Printed
 from reports.mechanism.check import range_lines
-from reports.mechanism.published import notes, published_table
+from reports.mechanism.published import SIGNS, notes, published_table
 
 if TYPE_CHECKING:
     from analytic.description.linkage import Linkage
@@ -93,8 +92,7 @@ def published(records: Sequence[PublishedRecord]) -> list[Printed]:
     for mechanism, part in groupby(map(vars, records), key=lambda row: row["mechanism"]):
         rows = list(part)
         blocks += [Paragraph(mechanism, colour="bold"), published_table(rows), *notes(rows), ""]
-    signs = "; ".join(f"{sign.symbol} {sign.word}" for sign in PUBLISHED.values())
     return [
         *blocks,
-        f"{signs} (reproduced: to the printed digits, or to the source's own accuracy where that is known)",
+        f"{SIGNS} (reproduced: to the printed digits, or to the source's own accuracy where that is known)",
     ]
