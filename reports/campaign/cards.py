@@ -14,7 +14,7 @@ from reports.mechanism.key_figures import key_figures
 from reports.mechanism.page import file_of
 from reports.records.views import family
 
-SIZE: Final = (208, 150)  # of a scheme, pixels
+SIZE: Final = (156, 112)  # of a scheme, points
 FRAMES: Final = 60
 FIGURES: Final = ("peak torque", "peak force", "peak power", "mean Jeq", "stroke")
 

@@ -43,16 +43,16 @@ def plane_figure(linkage: Linkage, positions: Positions, thread: ThreadSheet) ->
 def _draw_plane(axes: Axes, scheme: KinematicScheme, size: float, thread: ThreadSheet) -> None:
     """Links, eyes' paths and the contour; the axes' limits are the caller's."""
     for eye in thread.eyes.values():
-        axes.plot(*(scheme.scale * eye["path"][:2]), color=GHOST, linewidth=1.0, linestyle=(0, (3, 2)))
+        symbols.line(axes, scheme.scale * eye["path"][:2].T, 1.0, 2.0, GHOST, linestyle=(0, (3, 2)))
     draw_position(axes, scheme, size)
     draw_names(axes, scheme, size)
     spots = scheme.scale * thread.contour[:, :2]
-    axes.plot(*spots.T, color=THREAD, linewidth=1.6, zorder=10.0)
+    symbols.line(axes, spots, 1.6, 10.0, THREAD)
     for name, spot in zip(thread.stops, spots, strict=True):
         if name not in thread.eyes:
             symbols.pin(axes, spot, 0.8 * size, 11.0)
-            away = spot - spots.mean(axis=0)  # its name on the side away from the thread
-            write(axes, spot + 4.4 * size * away / (float(np.hypot(*away)) or 1.0), name, GUIDE_STYLE)
+            away = symbols.unit(spot - spots.mean(axis=0))  # its name on the side away from the thread
+            write(axes, spot + 4.4 * size * away, name, GUIDE_STYLE)
 
 
 def space_figure(linkage: Linkage, positions: Positions, thread: ThreadSheet) -> Figure:
