@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
+from markupsafe import Markup
+
 from comparisons.campaign.results import Results
 from comparisons.datasheet.sheet import Sheet
 from comparisons.judging.records import Record
@@ -17,6 +19,7 @@ from reports.document.parts import (
     Cards,
     Cell,
     Command,
+    Drawn,
     Facts,
     Fold,
     Link,
@@ -36,6 +39,7 @@ from reports.records.readouts import readout_table
 from reports.records.views import family, views
 
 FILE, TITLE = "index.html", "Overview"
+PAUSE = Markup('<label class="pause"><input type="checkbox"> Pause the moving schemes</label>')
 
 
 @dataclass(frozen=True)
@@ -186,7 +190,9 @@ def _reasons(trust: Trust) -> list[str]:
 
 
 def _mechanisms(trust: Trust | None, sheets: Sequence[Sheet]) -> tuple[Section, ...]:
-    return (Section("mechanisms", "The mechanisms", (Cards(tuple(card(sheet, trust) for sheet in sheets)),)),)
+    cards = Cards(tuple(card(sheet, trust) for sheet in sheets))
+    still = (Drawn(PAUSE, ""),) if any(sheet.positions for sheet in sheets) else ()
+    return (Section("mechanisms", "The mechanisms", (*still, cards)),)
 
 
 def _studies(studies: Sequence[Study]) -> tuple[Bullets, ...]:

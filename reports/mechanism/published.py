@@ -21,7 +21,7 @@ def published_section(rows: Sequence[Row]) -> Section:
     """All of one mechanism, how many every variant meets, and what there is to note."""
     met = "; ".join(_met(rows, variant) for variant in _variants(rows))
     caption = f"Every printed figure beside ours. Reproduced: {met}."
-    table = replace(published_table(rows, worded), caption=caption, note=f"{SIGNS}.")
+    table = replace(published_table(rows, worded), caption=caption, note=f"{SIGNS}.", style="published")
     noted = notes(rows, worded)
     return Section("published", "Published figures against ours", (table, *((Bullets(noted),) if noted else ())))
 

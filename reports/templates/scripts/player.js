@@ -26,7 +26,7 @@
       });
       if (!quick) {
         slider.value = sample;
-        const words = `${data.axis.name} ${data.axis.values[sample]} ${data.axis.unit}`.trim();
+        const words = `${data.axis.name} ${data.axis.values[sample]} ${data.axis.unit}`.trim().replace(" °", "°");
         slider.setAttribute("aria-valuetext", words);
         cells.forEach((cell, row) => { cell.textContent = row ? told(data.rows[row - 1], sample) : words; });
       }
