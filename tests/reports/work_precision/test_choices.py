@@ -26,8 +26,8 @@ def test_the_winner_of_an_error_is_the_cheapest_engine_of_most_mechanisms():
     (told,) = verdicts(_regimes(*rows, mechanisms=("m", "n", "o")))
     assert told.role == "verdict"
     assert told.words == (
-        "Cheapest in run-up-quintic for an error of the peak in Mkr: "
-        "of 1e-3 alpha (1.00 s to 1.50 s, in 2 of 3), beta (4.00 s, in 1 of 3); of 1e-6 none; of 1e-8 none."
+        "Cheapest for Mkr in run-up-quintic: within 1e-3 of its peak alpha (1.00 s to 1.50 s, in 2 of 3) or "
+        "beta (4.00 s, in 1 of 3); within 1e-6 of its peak none; within 1e-8 of its peak none."
     )
 
 
