@@ -6,18 +6,21 @@ Every cell carries its verdict as a colour and as a sign, so that it reads witho
 from __future__ import annotations
 
 from collections.abc import Mapping
+from functools import cache
 from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.path import Path as Outline
+from matplotlib.textpath import TextPath
 
 from reports.charts.style import FULL_WIDTH, LIMIT_COLOUR, drawn
 from reports.stress.facts import SIGNS
 
 # Inches: height of a line, widest cell, width of a letter, room for a panel's title and for its values.
 LINE, WIDEST, LETTER, TITLE, VALUES = 0.2, 0.3, 0.082, 0.3, 0.75
-BOX, SIGN = 13.4, 7.0  # points
+BOX = 13.4  # points
 BAR: dict[str, Any] = {"color": LIMIT_COLOUR, "linewidth": 2.4, "solid_capstyle": "butt", "clip_on": False}
 Data = Mapping[str, Any]
 
@@ -66,5 +69,15 @@ def _cells(panel: Axes, lines: list[Data]) -> None:
     shown = np.array([[-1 if one is None else one["verdict"] for one in line["cells"]] for line in lines])
     for number, sign in enumerate(SIGNS.values()):
         y, x = np.nonzero(shown == number)
-        for marker, size, ink in (("s", BOX, sign.fill), (f"${sign.symbol}$", SIGN, sign.ink)) if len(x) else ():
+        letter = _letter(sign.symbol)
+        wide = 2.0 * float(np.max(np.abs(np.asarray(letter.vertices))))
+        for marker, size, ink in (("s", BOX, sign.fill), (letter, wide, sign.ink)) if len(x) else ():
             panel.plot(x + 0.5, y + 0.5, linestyle="", marker=marker, markersize=size, markeredgewidth=0.0, color=ink)
+
+
+@cache
+def _letter(symbol: str) -> Outline:
+    """A sign of nine points around the origin."""
+    path = TextPath((0.0, 0.0), symbol, size=9.0)
+    corners = path.get_extents()
+    return Outline(np.asarray(path.vertices) - 0.5 * (np.asarray(corners.min) + corners.max), path.codes)

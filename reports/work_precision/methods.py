@@ -26,7 +26,7 @@ def method_section(regimes: Regimes, methods: Sequence[Mapping[str, Any]], noise
         for one in facts.standings:
             told = standing_words(one, facts, noise).lstrip(":; ") if facts.sweeps else ""
             words = f"{error(one.record.error_max)} in {seconds(one.record.seconds_min or 0.0)}"
-            yield Cell(one.record.setting), Cell(words, note=told.partition(":")[0], told=told)
+            yield Cell(one.record.setting), Cell(words.replace(" ", "\u00a0"), note=told.partition(":")[0], told=told)
 
     def sweeps(facts: EngineFacts) -> Iterator[tuple[Cell, Cell]]:
         for one in facts.methods:

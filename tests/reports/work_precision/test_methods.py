@@ -29,7 +29,10 @@ def test_a_setting_stands_beside_the_cheapest_method_at_its_error():
     first = {row: rows["alpha", row][0] for row in ("naive", "tuned", "best")}
     assert first["naive"].note == "no solution"
     assert first["best"].note == "no method measured gets there"
-    assert (first["tuned"].words, first["tuned"].note) == ("4.0e-4 in 17.0 ms", "on the front of single runs")
+    assert (first["tuned"].words, first["tuned"].note) == (
+        "4.0e-4\u00a0in\u00a017.0\u00a0ms",
+        "on the front of single runs",
+    )
     assert "plain takes 15.8 ms" in first["tuned"].told
 
 
