@@ -75,7 +75,7 @@ def test_a_key_of_many_names_the_largest_and_counts_the_rest():
     upper, lower = draw.figure(CHARTS["names that take all the room"]).axes
     assert set(NAMES) <= {text.get_text() for text in upper.texts}
     names = [text.get_text() for text in lower.texts if re.match("link|and", text.get_text())]
-    assert names[-1] == "and 32 more"
+    assert "and 32 more" in names
     assert len(names) == 9
 
 
