@@ -10,7 +10,6 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.collections import LineCollection
 from matplotlib.figure import Figure
-from matplotlib.ticker import MaxNLocator
 from numpy.typing import ArrayLike, NDArray
 
 from analytic.description.linkage import GROUND, Linkage
@@ -27,12 +26,8 @@ LARGEST, NARROWEST, WORDS, ROOM, PIN = np.array([5.4, 5.4]), 2.4, np.array([0.68
 Extent = tuple[Array, Array]  # lowest and highest x and y
 Draw = Callable[[Axes, KinematicScheme, float], None]
 NUMBER_STYLE = {"color": MUTED, "zorder": 4.0}
-NAME_STYLE = {
-    "fontstyle": "italic",
-    "color": INK,
-    "zorder": 12.0,
-    "bbox": {"boxstyle": "round,pad=0.1", "facecolor": PAPER, "edgecolor": "none", "alpha": 0.8},
-}
+BEHIND = {"boxstyle": "round,pad=0.1", "facecolor": PAPER, "edgecolor": "none", "alpha": 0.8}
+NAME_STYLE = {"fontstyle": "italic", "color": INK, "zorder": 12.0, "bbox": BEHIND}
 
 
 @contextmanager
@@ -69,8 +64,7 @@ def place(
     (left, bottom), (right, top) = (0.5 * (sum(extent) + side * box / scale) for side in (-1.0, 1.0))
     unit = file_unit("m", scheme.linkage).name
     axes.set(xlim=(left, right), ylim=(bottom, top), xlabel=f"x, {unit}", ylabel=f"y, {unit}")
-    for axis in (axes.xaxis, axes.yaxis):
-        axis.set_major_locator(MaxNLocator(6, steps=[1, 2, 5, 10]))
+    axes.locator_params(nbins=6, steps=[1, 2, 5, 10])
     draw(axes, scheme, PIN / scale)
 
 

@@ -22,6 +22,8 @@ AROUND = np.exp(1j * np.arange(0.1, 2.0 * np.pi, 0.01))  # directions, none of t
 
 def outline(points: Array) -> Array:
     """The corners of the convex hull of (n, 2) points, in turn; two ends where the points lie on one line."""
+    if len(points) < 2:
+        return points
     farthest = np.argmax(points @ np.array([AROUND.real, AROUND.imag]), axis=0)
     return points[list(dict.fromkeys(farthest.tolist()))]
 
