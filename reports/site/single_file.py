@@ -97,7 +97,7 @@ def _with_few_curves(widget: Widget) -> Widget:
     told = sentence("few_curves", regime=shown, settings=sorted(kept, reverse=True))
     own = {"regimes": regimes, "curves": _of(data["curves"], kept), "left_out": told}
     further = {key: _of(curves, kept) for key, curves in few.items()}
-    return replace(widget, data={**data, **own}, further=further, instead=widget.instead[:1])
+    return replace(widget, data={**data, **own}, further=further, instead=())
 
 
 def _of(curves: Any, settings: set[str] | frozenset[str]) -> Any:  # noqa: ANN401  JSON

@@ -33,5 +33,5 @@ linkproof.controls = (() => {
     return mark;
   }
 
-  return { make, choice, toggles, swatch };
+  return { make, labelled, choice, toggles, swatch };
 })();
