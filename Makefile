@@ -11,12 +11,15 @@ EXTENT ?= --quick
 BASE   ?= HEAD~1
 SPEED  := --config tests/speed/asv.conf.json
 
-.PHONY: report pins test lint baseline speed targets clean
+.PHONY: report pages pins test lint baseline speed targets clean
 
 report: $(READY)  ## every mechanism in every engine and setting, costs and stability; page at build/report/index.html
 	$(BIN)/linkproof bench $(EXTENT) --costs --out build/report
 	$(BIN)/linkproof stress $(EXTENT) --out build/report
 	$(BIN)/linkproof compare --regime run-up --regime run-up-quintic --regime own --setting all $(FULL) --out build/report
+
+pages: $(READY)  ## pictures of every page of build/report, wide and narrow, light and dark, in build/pages; needs Chromium
+	$(BIN)/python -m tests.pages.show build/report build/pages
 
 pins: $(READY)  ## every pinned record made anew and held; python tests/pins/pins.py take renews them
 	$(BIN)/python tests/pins/pins.py hold

@@ -6,15 +6,15 @@ import sys
 from pathlib import Path
 
 from engines.registry import engine, engine_names
-from reports.facts.readouts import readout_table
-from reports.text.tables import markdown
+from reports.document.markdown import table
+from reports.records.readouts import readout_table
 
 MARK = "<!-- below: python -m docs.engines docs/engines.md -->"
 
 
 def tables() -> str:
     """Every engine's read-outs in Markdown."""
-    return "\n\n".join(markdown(readout_table(name, engine(name).abilities.told())) for name in engine_names())
+    return "\n\n".join(table(readout_table(name, engine(name).abilities.told())) for name in engine_names())
 
 
 def renewed(page: str) -> str:

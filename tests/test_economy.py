@@ -13,12 +13,13 @@ import pytest
 
 from comparisons.campaign.campaign import CampaignRequest, compare
 from comparisons.campaign.results import document, save
+from comparisons.campaign.sheets import sheets
 from engines.registry import engine, engine_names
 from reports.command_line.requests import CampaignChoice, request
 
 ROOT = Path(__file__).parents[1]
 ENGINES = ("exudyn", "pymunk")
-PLOTTING = ("matplotlib", "plotly")
+PLOTTING = ("matplotlib",)
 HEAVY = (*ENGINES, *PLOTTING, "xarray", "numba", "pandas")
 
 
@@ -85,6 +86,6 @@ def test_a_report_from_saved_records_imports_no_engine(imported, tmp_path):
     choice = CampaignChoice(mechanisms=("juki-mf7923d",), engines=("direct",), quantities=("Jeq",))
     wanted: CampaignRequest = request(choice)
     results = list(compare(wanted))
-    save(tmp_path / "saved", results, document(wanted, results, "as tested"))
+    save(tmp_path / "saved", results, document(wanted, results, "as tested"), sheets(wanted, processes=0))
     assert imported(ENGINES, "report", str(tmp_path / "saved")) == set()
     assert (tmp_path / "saved" / "index.html").is_file()

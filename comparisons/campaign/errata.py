@@ -12,17 +12,15 @@ from contextlib import closing
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
 from analytic.description.linkage import Linkage
-from analytic.description.loading import in_variant
 from analytic.description.schema import Erratum
 from analytic.kinematics.mechanism import Mechanism
-from analytic.motion.rkfixed import fixed_step
 from comparisons.campaign.campaign import judged, lost
 from comparisons.judging.run_result import RunResult, from_bytes, to_bytes
-from comparisons.observation.interpolation import resample
-from comparisons.reference.case import Case, Spin, own_case, own_motion
+from comparisons.reference.case import Case, Spin, own_case
+from comparisons.reference.printed_models import printed_motion
 from comparisons.runs.journal import Journal
 from comparisons.runs.study import Study, Task
 from comparisons.runs.workers import DEFAULT_BOUNDS, Bounds, usual_processes
@@ -76,22 +74,6 @@ class ErratumRecord:
         )
 
 
-@dataclass(frozen=True)
-class Stepped:
-    """A motion known at the fixed steps of an integrator, interpolated between them."""
-
-    angles: Signal
-    speeds: Signal
-
-    def angle(self, time: ArrayLike) -> Array:
-        """φ(t), rad."""
-        return resample(self.angles, np.atleast_1d(np.asarray(time, dtype=float)))
-
-    def speed(self, time: ArrayLike) -> Array:
-        """ω(t), rad/s."""
-        return resample(self.speeds, np.atleast_1d(np.asarray(time, dtype=float)))
-
-
 Trial = tuple[Erratum, Case]  # a printed model, and the case of the regime that it is tried in
 
 
@@ -134,24 +116,6 @@ def _trials(linkages: Iterable[Linkage]) -> Iterator[Trial]:
         names = dict.fromkeys(erratum.regime for erratum in linkage.errata)
         cases = {name: own_case(mechanism, regimes[name]) for name in names}
         yield from ((erratum, cases[erratum.regime]) for erratum in linkage.errata)
-
-
-def printed_motion(linkage: Linkage, erratum: Erratum) -> Spin:
-    """The crank's motion by the printed model, in the printed integrator where that is what is on trial."""
-    own = linkage.released[erratum.regime]
-    mechanism = Mechanism(in_variant(linkage, erratum.variant) if erratum.variant else linkage)
-    if erratum.steps is None:
-        return own_motion(mechanism, own, erratum.half_slope)
-    stepped = fixed_step(
-        mechanism,
-        torque=own.torque,
-        start_angle=own.start_angle,
-        start_speed=own.start_speed,
-        duration=own.duration,
-        steps=erratum.steps,
-        half_slope=erratum.half_slope,
-    )
-    return Stepped(Signal(stepped.time, stepped.angle), Signal(stepped.time, stepped.speed))
 
 
 def _record(trial: Trial, name: str, printed: Spin, result: RunResult) -> ErratumRecord:

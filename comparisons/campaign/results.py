@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass, replace
 from functools import cached_property
@@ -17,6 +16,10 @@ from analytic.description.loading import parse
 from analytic.errors import LinkproofError
 from comparisons.campaign.campaign import CampaignRequest, RunResult
 from comparisons.campaign.errata import ErratumRecord
+from comparisons.campaign.saved_document import checked
+from comparisons.datasheet.saved import FILE as SHEETS
+from comparisons.datasheet.saved import load_sheets, save_sheets
+from comparisons.datasheet.sheet import Sheet
 from comparisons.judging.records import Record, from_rows, to_json
 from comparisons.judging.run_result import ARRAYS
 from comparisons.runs.environment import environment
@@ -32,10 +35,11 @@ LABELS = ("mechanism", "variant", "regime", "engine", "setting")
 
 @dataclass(frozen=True)
 class Results:
-    """A finished campaign: its document, and its ``curves`` as ``dataset`` lays them out."""
+    """A finished campaign: its document, its ``curves`` as ``dataset`` lays them out, a data sheet of each linkage."""
 
     document: dict[str, Any]
     curves: xarray.Dataset
+    sheets: tuple[Sheet, ...] = ()
 
     @cached_property
     def records(self) -> tuple[Record, ...]:
@@ -149,18 +153,19 @@ def dataset(results: Sequence[RunResult], told: dict[str, Any]) -> xarray.Datase
     )
 
 
-def save(folder: Path, results: Sequence[RunResult], told: dict[str, Any]) -> Results:
-    """Write ``curves.nc`` and ``records.json`` into a folder, each in one step.
+def save(folder: Path, results: Sequence[RunResult], told: dict[str, Any], sheets: Sequence[Sheet] = ()) -> Results:
+    """Write ``curves.nc``, ``records.json`` and ``mechanisms.json`` into a folder, each in one step.
 
     What a kill has left of earlier attempts at them is removed.
     """
-    for name in (DATASET, RECORDS):
+    for name in (DATASET, RECORDS, SHEETS):
         for half in folder.glob(f".{name}.*"):
             half.unlink(missing_ok=True)
     curves = dataset(results, told)
     write_file(folder / DATASET, lambda path: curves.to_netcdf(path, engine="scipy", format="NETCDF3_64BIT"))
     write_file(folder / RECORDS, lambda path: path.write_text(to_json(told), encoding="utf-8"))
-    return Results(told, curves)
+    save_sheets(folder, sheets)
+    return Results(told, curves, tuple(sheets))
 
 
 def load(folder: Path) -> Results:
@@ -173,8 +178,20 @@ def load(folder: Path) -> Results:
     try:
         with xarray.open_dataset(path, engine="scipy", mmap=False) as opened:
             curves = opened.load()
-        told = json.loads(curves.attrs["document"])
-        _ = [curves[name] for name in ARRAYS if "run" in curves]
-    except (OSError, ValueError, KeyError, TypeError) as error:
+        told = checked(curves.attrs["document"], curves)
+    except Exception as error:  # a damaged file raises anything at all
         raise LinkproofError(f"'{path}' is no dataset of a campaign ({error}); run compare with --out again") from error
-    return Results(told, curves)
+    found = Results(told, curves, load_sheets(path.parent))
+    _check_sheets(found, path.parent)
+    return found
+
+
+def _check_sheets(results: Results, folder: Path) -> None:
+    """Raise LinkproofError where a linkage of the campaign has no data sheet."""
+    known = {(sheet.name, sheet.variant) for sheet in results.sheets}
+    for linkage in results.linkages:
+        if (linkage.name, linkage.variant) not in known:
+            raise LinkproofError(
+                f"'{folder / SHEETS}' is another campaign's: it has no {linkage.name} ({linkage.variant}); run compare "
+                "with --out again"
+            )

@@ -9,7 +9,9 @@ import time
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import asdict, dataclass, fields, replace
 from functools import lru_cache
-from typing import Any, TypeVar
+from typing import Any, Final
+
+from pydantic import TypeAdapter
 
 from analytic.errors import LinkproofError, UnknownNameError
 from comparisons.reference.case import Case
@@ -21,8 +23,6 @@ from comparisons.stress.verdict import Judgement, StressVerdict, judged
 from engines.contract import Engine, Outcome, Run, Setting, StudiedEngine
 from engines.registry import engine, why_unavailable
 from engines.scene import Scene
-
-T = TypeVar("T", "Cell", "CellResult", Judgement)
 
 SETTINGS = tuple(setting.value for setting in Setting)
 
@@ -82,15 +82,13 @@ class CellResult:
         return {**told.pop("cell"), **told.pop("judgement"), **told, "command": self.cell.command}
 
 
+RESULT: Final = TypeAdapter(CellResult)
+
+
 def from_document(row: Mapping[str, Any]) -> CellResult:
     """A result back from its JSON data; raises KeyError or ValueError for anything else."""
-    values = {**row, "verdict": StressVerdict(row["verdict"]), "alarms": tuple(row["alarms"])}
-    parts = {"cell": _part(Cell, values), "judgement": _part(Judgement, values)}
-    return _part(CellResult, {**values, **parts})
-
-
-def _part(kind: type[T], values: Mapping[str, Any]) -> T:
-    return kind(**{field.name: values[field.name] for field in fields(kind)})
+    _ = [row[field.name] for kind in (Cell, Judgement) for field in fields(kind)]  # a default says nothing of a cell
+    return RESULT.validate_python({**row, "cell": row, "judgement": row})
 
 
 def usages(axis: Axis, adapter: Engine) -> list[str]:

@@ -7,7 +7,9 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import asdict, dataclass, fields, replace
 from functools import cached_property
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import Annotated, Any, TypeVar
+
+from pydantic import BaseModel, ConfigDict, Field, NonNegativeFloat, ValidationError
 
 from analytic.errors import LinkproofError
 from comparisons.judging.records import Verdict
@@ -189,10 +191,60 @@ class MeasuredCost:
     angles: int = 0
     outcome: str = Outcome.FINISHED.value
     reason: str = ""
-    seconds: tuple[float, ...] = ()
+    seconds: Annotated[tuple[float, ...], Field(min_length=1)] = ()
     stepping: tuple[float, ...] = ()
     steps: int = 0
     is_control: bool = False
+
+
+class _Part(BaseModel):
+    """A part of a saved benchmark, for its check: types are as JSON has them, and what is not named is let be."""
+
+    model_config = ConfigDict(strict=True, extra="ignore")
+
+
+class _Extent(_Part):
+    budget: float
+    repeats: int
+    patience: float
+
+
+class _Noise(_Part):
+    work: str
+    samples: list[NonNegativeFloat]
+
+
+class _FirstUse(_Part):
+    engine: str
+    seconds: list[float]
+
+
+class _Mechanism(_Part):
+    name: str
+    title: str
+
+
+class _Method(_Part):
+    engine: str
+    name: str
+    about: str
+    runs: int
+    effort: float | None
+    effort_unit: str
+
+
+class _Document(_Part):
+    command: str
+    conditions: str
+    environment: dict[str, str]
+    extent: _Extent
+    noise: _Noise
+    first_use: list[_FirstUse]
+    mechanisms: list[_Mechanism]
+    methods: list[_Method]
+    costs: list[MeasuredCost]
+    quantities: list[str]
+    records: list[PointRecord]
 
 
 @dataclass(frozen=True)
@@ -261,11 +313,21 @@ def load(saved: Path) -> Bench:
     if not path.is_file():
         raise LinkproofError(f"no benchmark at '{path}': expected the folder given to bench --out, or its {FILE}")
     try:
-        document = json.loads(path.read_text(encoding="utf-8"))
+        written = path.read_text(encoding="utf-8")
+        document = json.loads(written)
         if document["format"] != FORMAT:
             raise LinkproofError(f"expected '{path}' in format {FORMAT}, got {document['format']}: run bench again")
+        _Document.model_validate_json(written)
         bench = Bench(document)
-        _ = bench.records, bench.costs, bench.noise
-    except (OSError, ValueError, KeyError, TypeError, AttributeError) as error:
-        raise LinkproofError(f"'{path}' is no benchmark ({error}); run bench with --out again") from error
+        _ = bench.records, bench.costs
+    except (OSError, ValueError, KeyError, TypeError) as error:
+        raise LinkproofError(f"'{path}' is no benchmark ({_fault(error)}); run bench with --out again") from error
     return bench
+
+
+def _fault(error: Exception) -> str:
+    """What is wrong with a file: of its checked parts the first, by its place."""
+    if not isinstance(error, ValidationError):
+        return str(error)
+    first = error.errors(include_url=False, include_input=False)[0]
+    return f"{'.'.join(map(str, first['loc']))}: {first['msg']}"

@@ -5,17 +5,14 @@ from __future__ import annotations
 from collections.abc import Sequence
 from itertools import groupby
 
-from rich.console import RenderableType
-from rich.table import Table
-from rich.text import Text
-
 from comparisons.campaign.campaign import RunResult
 from comparisons.judging.records import CONTROL, Record, Verdict
-from reports.facts.origins import exceptions, origin_words
-from reports.facts.views import family
-from reports.text.numbers import bound, error, figure
-from reports.text.screen import Cell, Printout, line, table
-from reports.text.signs import RUNS
+from reports.document.numbers import bound, error, figure
+from reports.document.parts import Cell, Paragraph, Table, Words
+from reports.document.signs import RUNS
+from reports.document.terminal import Printed, Printout
+from reports.records.origins import exceptions, origin_words
+from reports.records.views import family
 
 ACROSS = 4  # runs side by side in a table of 80 columns
 DETAILS = (
@@ -27,8 +24,8 @@ DETAILS = (
 
 def printout(results: Sequence[RunResult]) -> Printout:
     """One table per mechanism and regime, quantities down, engines and settings across."""
-    tables: list[RenderableType] = []
-    details: list[RenderableType] = []
+    tables: list[Printed] = []
+    details: list[Printed] = []
     kept = [result for result in results if result.records]
     for _, part in groupby(kept, key=lambda result: result.records[0].run[:3]):
         together = sorted(part, key=lambda result: result.records[0].origin == CONTROL)
@@ -36,9 +33,9 @@ def printout(results: Sequence[RunResult]) -> Printout:
         tables.append(heading)
         for start in range(0, len(together), ACROSS):
             beside = together[start : start + ACROSS]
-            tables += [_mechanism_table(beside), *_exceptions(beside), line("")]
+            tables += [_mechanism_table(beside), *_exceptions(beside), ""]
         rows = [_detail(record) for result in together for record in _all(result)]
-        details += [heading, table(DETAILS, rows), line("")]
+        details += [heading, Table("", DETAILS, rows, "l"), ""]
     return Printout(tables, [*_reasons(results), _closing_line(results)], details)
 
 
@@ -46,13 +43,14 @@ def _all(result: RunResult) -> tuple[Record, ...]:
     return (*result.records, *result.invariants)
 
 
-def _heading(record: Record) -> Text:
-    return line(f"{record.mechanism} ({record.variant}), {record.regime}: {record.conditions}", "bold")
+def _heading(record: Record) -> Paragraph:
+    words = f"{record.mechanism} ({record.variant}), {record.regime}: {record.conditions}"
+    return Paragraph(words, colour="bold")
 
 
 def _mechanism_table(results: Sequence[RunResult]) -> Table:
     first = [result.records[0] for result in results]
-    rows: list[Sequence[Cell]] = []
+    rows: list[Sequence[Cell | Words]] = []
     for quantity in dict.fromkeys(family(record.quantity) for result in results for record in _all(result)):
         worst = [_worst(result, quantity) for result in results]
         rows.append((quantity, _limits(worst), *map(_cell, worst)))
@@ -60,13 +58,13 @@ def _mechanism_table(results: Sequence[RunResult]) -> Table:
     rows.append(("seconds, stepping", "", *(f"{record.seconds:.3f}" for record in first)))
     rows.append(("steps", "", *(f"{record.steps}" for record in first)))
     head = ("error over peak", "limit", *(f"{record.engine}\n{record.setting}" for record in first))
-    return table(head, rows, align="lr")
+    return Table("", head, rows)
 
 
-def _exceptions(results: Sequence[RunResult]) -> list[Text]:
+def _exceptions(results: Sequence[RunResult]) -> list[str]:
     """What is not the engines' own, a line for each run that has any."""
     told = {f"{r.records[0].engine} {r.records[0].setting}": exceptions(_all(r)) for r in results}
-    return [line(f"{name}: {words}") for name, words in told.items() if words]
+    return [f"{name}: {words}" for name, words in told.items() if words]
 
 
 def _worst(result: RunResult, row: str) -> Record | None:
@@ -80,33 +78,35 @@ def _limits(records: Sequence[Record | None]) -> str:
     return ", ".join(f"{limit:.0e}" for limit in limits)
 
 
-def _cell(record: Record | None) -> Cell:
+def _cell(record: Record | None) -> Cell | str:
     if record is None:
         return ""
     sign = RUNS[record.outcome]
-    return sign.word if record.error_max is None else f"{record.error_max:.1e} {sign.symbol}", sign.colour
+    words = sign.word if record.error_max is None else f"{record.error_max:.1e} {sign.symbol}"
+    return Cell(words, colour=sign.colour)
 
 
-def _detail(record: Record) -> tuple[Cell, ...]:
+def _detail(record: Record) -> tuple[Cell | str, ...]:
     time = "" if record.worst_time is None else f"{record.worst_time:.6g}"
     return (
-        record.engine, record.setting, record.quantity, record.origin, (record.outcome, RUNS[record.outcome].colour),
+        record.engine, record.setting, record.quantity, record.origin,
+        Cell(record.outcome, colour=RUNS[record.outcome].colour),
         error(record.error_max), error(record.error_rms), bound(record.limit), error(record.baseline),
         figure(record.peak), record.unit, time, f"{record.samples}", f"{record.left_out}", record.detail,
     )  # fmt: skip
 
 
-def _reasons(results: Sequence[RunResult]) -> list[Text]:
+def _reasons(results: Sequence[RunResult]) -> list[str]:
     """Why runs gave nothing, and which records the baseline rather than the limit caught; each once, with where."""
     reasons: dict[tuple[str, str], dict[str, None]] = {}
     for record in (record for result in results for record in _all(result)):
         within = record.error_max is not None and record.limit is not None and record.error_max <= record.limit
         if record.detail and (record.error_max is None or within):
             reasons.setdefault((f"{record.engine} {record.setting}", record.detail), {})[record.mechanism] = None
-    return [line(f"{run}, {', '.join(where)}: {detail}") for (run, detail), where in reasons.items()]
+    return [f"{run}, {', '.join(where)}: {detail}" for (run, detail), where in reasons.items()]
 
 
-def _closing_line(results: Sequence[RunResult]) -> Text:
+def _closing_line(results: Sequence[RunResult]) -> str:
     records = [record for result in results for record in _all(result)]
     counts = {verdict: sum(r.outcome == verdict.value for r in records) for verdict in Verdict}
     left_out = sum(record.left_out for record in records)
@@ -116,4 +116,4 @@ def _closing_line(results: Sequence[RunResult]) -> Text:
     words += [f"{len(records) - judged} not judged ({', '.join(unjudged)})"] if unjudged else []
     note = f"; {left_out} samples at acceleration jumps or near standstill left out" if left_out else ""
     deviations = "deviation" if judged == 1 else "deviations"
-    return line(f"{judged} {deviations}: {', '.join(words)}{note}")
+    return f"{judged} {deviations}: {', '.join(words)}{note}"

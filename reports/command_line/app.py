@@ -190,6 +190,8 @@ def results(
     csv: Annotated[str | None, valued("FILE|-", "Write every signal as a table, in the file's units.")] = None,
     json: options.Json = None,
     svg: Annotated[str | None, valued("FILE|-", "Draw scheme, coupler curves, torque, bearing forces.")] = None,
+    out: Annotated[Path | None, valued("DIR", "Write its page, with the linkage in motion, into this folder.")] = None,
+    opens: Annotated[bool, flag("Open the page in the browser.", "--open")] = False,
     quiet: options.Quiet = False,
 ) -> None:
     """Work out what a designer needs of one linkage: torque, power, bearing forces, positions; needs no engine.
@@ -204,7 +206,7 @@ def results(
     choice = ResultsChoice(
         mechanism=mechanism, variant=variant, regimes=(regime,) if regime else (), **_speed(speed), ramp_time=ramp_time,
         hold_time=hold_time, start_angle=start_angle, clockwise=clockwise, from_angle=from_angle, to_angle=to_angle,
-        gravity=not no_gravity, at=at, time=time, csv=csv, json=json, svg=svg,
+        gravity=not no_gravity, at=at, time=time, csv=csv, json=json, svg=svg, out=out, opens=opens,
     )  # fmt: skip
     results.results(choice, quiet=quiet)
 
@@ -447,15 +449,18 @@ def export(
     engines.export(choice, cell, out)
 
 
-@app.command(short_help="Write the report of saved curves again.")
+@app.command(short_help="Write the pages of what was saved again.")
 def report(
     saved: Annotated[Path, typer.Argument(metavar="DIR", hidden=True)],
     out: Annotated[Path | None, valued("DIR", "Where to write the pages; default: the same folder.")] = None,
+    single_file: Annotated[Path | None, valued("FILE", "Write one page that holds everything, to mail.")] = None,
+    png: Annotated[bool, flag("Write every figure as PNG beside its SVG.", "--png")] = False,
+    show: Annotated[bool, flag("Open the report in the browser.", "--open")] = False,
 ) -> None:
-    """Write the report of saved curves again; needs no engine.
+    """Write the pages of what was saved again; needs no engine.
 
-    DIR is the folder that compare --out wrote, or the curves.nc in it.
+    DIR is the folder that compare, bench, stress or judge wrote with --out, or the curves.nc in it.
     """
     from reports.command_line.commands import compare
 
-    compare.report(saved, out)
+    compare.report(saved, out, single_file, opens=show, png=png)

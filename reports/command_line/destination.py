@@ -10,13 +10,11 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from rich.console import RenderableType
-
 from analytic.errors import LinkproofError
 from comparisons.judging.records import to_json
 from comparisons.runs.files import check_writable, write_text
 from reports.command_line.progress import progress
-from reports.text.screen import Printout, line, show, write
+from reports.document.terminal import Printed, Printout, show, write
 
 STDOUT = "-"
 
@@ -53,7 +51,7 @@ class Destination:
         """A progress bar, if it is to be seen."""
         return progress(visible=not self.quiet)
 
-    def print(self, *parts: RenderableType) -> None:
+    def print(self, *parts: Printed) -> None:
         """Print, unless stdout is for JSON."""
         if self.json != STDOUT:
             show(*parts)
@@ -62,6 +60,20 @@ class Destination:
         """Print as much as was asked for."""
         tables = [] if self.quiet else printout.tables
         self.print(*tables, *(printout.details if self.verbose else ()), *printout.closing)
+
+    def write_pages(self, processes: int | None = None) -> None:
+        """Renew the pages of the folder from what it holds by now, and say where they are; nothing without a folder.
+
+        What keeps them from being written is told and no more: the results are saved.
+        """
+        if self.folder is None:
+            return
+        from reports.site.site import write_site  # noqa: PLC0415  figures cost seconds that a table does not pay
+
+        try:
+            self.say(f"report: {write_site(self.folder, processes=processes)}")
+        except LinkproofError as error:
+            show(f"the results are saved in '{self.folder}', but no pages are written: {error}", stderr=True)
 
     def write_json(self, document: Mapping[str, Any]) -> None:
         """Write JSON where it was asked for; JSON is UTF-8 whatever the character set of stdout."""
@@ -73,7 +85,7 @@ class Destination:
     def say(self, text: str) -> None:
         """A remark on stderr, unless quiet."""
         if not self.quiet:
-            show(line(text), stderr=True)
+            show(text, stderr=True)
 
 
 def write_out(text: str) -> None:

@@ -12,11 +12,10 @@ from analytic.description.crank_motion import LAWS, CrankMotion, swing
 from analytic.description.linkage import Linkage
 from analytic.description.units import factor
 from analytic.errors import LinkproofError
-from analytic.kinematics.crank_range import CrankRange, crank_range
+from analytic.kinematics.crank_range import crank_range
 from analytic.kinematics.mechanism import Mechanism
+from comparisons.datasheet.building import within
 from reports.command_line.motion_choice import EVERYTHING, SWINGING, MotionChoice, motions
-
-MARGIN = 0.02  # share of a range left out at either end, where forces grow beyond all bounds
 
 
 def prescribed(choice: MotionChoice, linkages: Sequence[Linkage]) -> tuple[tuple[CrankMotion, ...], str]:
@@ -55,10 +54,3 @@ def _ends(choice: MotionChoice, linkage: Linkage) -> tuple[float, float]:
         size = factor("length", linkage.units.get("length", "m"))
         return choice.from_angle * size, choice.to_angle * size
     return within(crank_range(Mechanism(linkage)), backwards=choice.clockwise or choice.speed < 0.0)
-
-
-def within(reach: CrankRange, *, backwards: bool) -> tuple[float, float]:
-    """The ends of a range, short of its limits, in the order in which the drive passes them."""
-    low, high = reach.limits
-    margin = MARGIN * (high - low)
-    return (high - margin, low + margin) if backwards else (low + margin, high - margin)

@@ -25,7 +25,7 @@ def _run() -> None:
     _open_closed_streams()
     from analytic.errors import LinkproofError
     from reports.command_line.app import InterruptedRunError, app
-    from reports.text.characters import accept_any_text
+    from reports.document.characters import accept_any_text
 
     accept_any_text()
     try:

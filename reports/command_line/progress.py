@@ -6,7 +6,7 @@ import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 
-from reports.text.screen import line
+from reports.document.terminal import harmless
 
 
 @contextmanager
@@ -25,7 +25,7 @@ def progress(*, visible: bool = True) -> Iterator[Callable[[str, int, int], None
 
     def announce(label: str, number: int, total: int) -> None:
         bar.start()
-        bar.update(task, description=line(label).plain, completed=number, total=total)
+        bar.update(task, description=harmless(label), completed=number, total=total)
 
     try:
         yield announce

@@ -6,7 +6,6 @@ import math
 from collections.abc import Iterator, Sequence
 
 import numpy as np
-from rich.console import RenderableType
 
 from analytic.description.law import FULL_TURN
 from comparisons.imported.causes.corrections import written
@@ -14,9 +13,10 @@ from comparisons.imported.causes.search import FaultFinding
 from comparisons.imported.judge import ImportedJudgement
 from comparisons.imported.judging.judgement import NEAR_ZERO, SignalVerdict
 from comparisons.judging.records import Verdict
-from reports.text.numbers import figure
-from reports.text.screen import Cell, Printout, line, table
-from reports.text.signs import RUNS
+from reports.document.numbers import figure
+from reports.document.parts import Cell, Paragraph, Table, Words
+from reports.document.signs import RUNS
+from reports.document.terminal import Printed, Printout
 
 HEAD = ("signal", "error over peak", "rounding", "worst at", "crank", "file", "closed form", "unit")
 NOTHING = 1e-12  # a ratio that is rounding of our own
@@ -33,16 +33,16 @@ def share(value: float) -> str:
 
 def printout(judgement: ImportedJudgement, title: str) -> Printout:
     """What ``judge`` prints; ``title`` names linkage and files."""
-    parts: list[RenderableType] = [line(title, "bold"), *_causes_in_short(judgement), line("")]
+    parts: list[Printed] = [Paragraph(title, colour="bold"), *_causes_in_short(judgement), ""]
     limit = f"The limit is {share(judgement.limit)} of a signal's peak."
-    parts += [line(f"The crank moves as {judgement.motion_source} says. {limit}")]
+    parts += [f"The crank moves as {judgement.motion_source} says. {limit}"]
     linkage = judgement.model.linkage
     head = [name.replace("crank", "drive") for name in HEAD] if linkage.is_linear else HEAD
     rows = [_row(verdict, _place(judgement, verdict)) for verdict in judgement.verdicts]
-    parts += [table(head, rows, align="lrrrrrrl"), *_notes(judgement)]
+    parts += [Table("", head, rows, "lrrrrrrl"), *_notes(judgement)]
     for part in (_causes(judgement), _corrections(judgement), _checks(judgement), _not_judged(judgement)):
         lines = list(part)
-        parts += [line(""), *lines] if lines else []
+        parts += ["", *lines] if lines else []
     return Printout(parts, [])
 
 
@@ -98,20 +98,19 @@ def _few(names: Sequence[str]) -> str:
     return ", ".join(names[:5]) + (f" and {len(names) - 5} more" if len(names) > 5 else "")
 
 
-def _causes_in_short(judgement: ImportedJudgement) -> list[RenderableType]:
+def _causes_in_short(judgement: ImportedJudgement) -> list[Printed]:
     over = _with(judgement, Verdict.OVER_LIMIT)
     style = "green" if judgement.passed else "red" if over else "yellow"
-    lines: list[RenderableType] = [line(sentence(judgement), style)]
+    lines: list[Printed] = [Paragraph(sentence(judgement), colour=style)]
     findings = judgement.explanation.findings
     if findings:
         finding = findings[0]
         others = f" (or {len(finding.others)} more that cannot be told apart)" if finding.others else ""
         aligned = "".join(f", besides {name}: {written(c)}" for name, c in finding.aligned.items())
-        lines.append(line(f"Likeliest cause: {finding.likeliest.words}{aligned}{others}."))
+        lines.append(f"Likeliest cause: {finding.likeliest.words}{aligned}{others}.")
     elif judgement.explanation.unexplained and over:
-        lines.append(line("No single cause explains the difference."))
-    lines += [line(words) for words in _open(judgement)]
-    return lines
+        lines.append("No single cause explains the difference.")
+    return lines + _open(judgement)
 
 
 def _place(judgement: ImportedJudgement, verdict: SignalVerdict) -> str:
@@ -124,46 +123,42 @@ def _place(judgement: ImportedJudgement, verdict: SignalVerdict) -> str:
     return f"{degrees % 360.0 if makes_a_turn else degrees:.1f}°"
 
 
-def _row(verdict: SignalVerdict, place: str) -> tuple[Cell, ...]:
+def _row(verdict: SignalVerdict, place: str) -> tuple[Cell | Words, ...]:
     sign = RUNS[verdict.outcome.value]
     error = f"{share(verdict.error_max)} {sign.symbol}" if verdict.outcome is not Verdict.UNDEFINED else sign.word
     moment = verdict.worst_time if abs(verdict.worst_time) > NOTHING * np.ptp(verdict.samples.time) else 0.0
     return (
-        verdict.name + ("*" if verdict.near_zero else ""), (error, sign.colour), share(verdict.floor),
+        verdict.name + ("*" if verdict.near_zero else ""), Cell(error, colour=sign.colour), share(verdict.floor),
         f"{moment:.5g} s", place, figure(verdict.value_there, 5), figure(verdict.truth_there, 5),
         verdict.unit,
     )  # fmt: skip
 
 
-def _notes(judgement: ImportedJudgement) -> Iterator[RenderableType]:
+def _notes(judgement: ImportedJudgement) -> Iterator[Printed]:
     if any(verdict.near_zero for verdict in judgement.verdicts):
-        yield line(f"* near zero: judged over {share(NEAR_ZERO)} of what is large for its kind in this linkage")
+        yield f"* near zero: judged over {share(NEAR_ZERO)} of what is large for its kind in this linkage"
     left_out = sum(verdict.left_out for verdict in judgement.verdicts)
     if left_out:
-        yield line(f"{left_out} samples at jumps of the crank's acceleration may be off by the jump besides.")
+        yield f"{left_out} samples at jumps of the crank's acceleration may be off by the jump besides."
     for name, missed in judgement.missed:
-        yield line(
-            f"The sample rate is too low to show the peak of {name}: {share(missed)} of it lies between samples."
-        )
+        yield f"The sample rate is too low to show the peak of {name}: {share(missed)} of it lies between samples."
 
 
-def _causes(judgement: ImportedJudgement) -> Iterator[RenderableType]:
+def _causes(judgement: ImportedJudgement) -> Iterator[Printed]:
     for finding in judgement.explanation.findings:
-        yield line(f"Likely cause of the difference in {', '.join(finding.signals)}:")
+        yield f"Likely cause of the difference in {', '.join(finding.signals)}:"
         for name, correction in finding.aligned.items():
-            yield line(f"  with {name} corrected first: {written(correction)}")
-        yield line(f"  {finding.likeliest.words}")
+            yield f"  with {name} corrected first: {written(correction)}"
+        yield f"  {finding.likeliest.words}"
         for other in finding.others[:MOST_OTHERS]:
-            yield line(f"  or: {other.words}")
+            yield f"  or: {other.words}"
         more = len(finding.others) - MOST_OTHERS
         if more > 0:
-            yield line(
-                f"  or one of {more} more: {', '.join(other.cause.kind for other in finding.others[MOST_OTHERS:])}"
-            )
-        yield line(f"  {_left(finding)}")
+            yield f"  or one of {more} more: {', '.join(other.cause.kind for other in finding.others[MOST_OTHERS:])}"
+        yield f"  {_left(finding)}"
     unexplained = judgement.explanation.unexplained
     if unexplained:
-        yield line(f"No cause that is known here explains the difference in {', '.join(unexplained)}.")
+        yield f"No cause that is known here explains the difference in {', '.join(unexplained)}."
 
 
 def _left(finding: FaultFinding) -> str:
@@ -173,27 +168,30 @@ def _left(finding: FaultFinding) -> str:
     return f"This explains most of the difference; {share(finding.left)} of a peak is left.{apart}"
 
 
-def _corrections(judgement: ImportedJudgement) -> Iterator[RenderableType]:
+def _corrections(judgement: ImportedJudgement) -> Iterator[Printed]:
     proposals = judgement.proposals
     if proposals:
-        yield line("If that is how the file was meant, agree in the mapping (--write-mapping FILE writes it):")
+        yield "If that is how the file was meant, agree in the mapping (--write-mapping FILE writes it):"
     for name, correction in proposals.items():
-        yield line(f"  {name}: {written(correction)}")
+        yield f"  {name}: {written(correction)}"
     for name, agreed in judgement.imported.corrections.items():
-        yield line(f"Agreed in the mapping and applied: {name}: {written(agreed)}")
+        yield f"Agreed in the mapping and applied: {name}: {written(agreed)}"
 
 
-def _checks(judgement: ImportedJudgement) -> Iterator[RenderableType]:
+def _checks(judgement: ImportedJudgement) -> Iterator[Printed]:
     if judgement.checks:
-        yield line("The columns among themselves:")
-        rows: list[Sequence[Cell]] = []
+        yield "The columns among themselves:"
+        rows = []
         for check in judgement.checks:
             sign = RUNS[Verdict.PASSED.value if check.passed else Verdict.OVER_LIMIT.value]
-            rows.append((check.words, (f"{share(check.error)} {sign.symbol}", sign.colour), share(check.floor)))
-        yield table(("check", "off by", "floor"), rows, align="lrr")
+            rows.append(
+                (check.words, Cell(f"{share(check.error)} {sign.symbol}", colour=sign.colour), share(check.floor))
+            )
+        yield Table("", ("check", "off by", "floor"), rows)
 
 
-def _not_judged(judgement: ImportedJudgement) -> Iterator[RenderableType]:
+def _not_judged(judgement: ImportedJudgement) -> Iterator[Printed]:
     if judgement.not_judged:
-        yield line("Not judged:")
-        yield table(("column", "why"), [(f"'{c.header}' ({c.place})", why) for c, why in judgement.not_judged])
+        yield "Not judged:"
+        rows = [(f"'{c.header}' ({c.place})", why) for c, why in judgement.not_judged]
+        yield Table("", ("column", "why"), rows, "l")

@@ -6,25 +6,24 @@ import math
 from collections.abc import Iterator, Sequence
 from typing import Final
 
-from rich.console import Group, RenderableType
-
+from comparisons.datasheet.curves import MAGNITUDE
+from comparisons.datasheet.designer_results import DesignerResults
+from comparisons.datasheet.figures import NEGLIGIBLE, stroke
+from comparisons.datasheet.units import FileUnit, file_unit
 from comparisons.reference.signals import COMPONENTS
-from reports.results.curves import MAGNITUDE
-from reports.results.designer_results import DesignerResults
-from reports.results.figures import NEGLIGIBLE, stroke
-from reports.results.units import FileUnit, file_unit
-from reports.text.numbers import ABSENT, figure
-from reports.text.screen import Cell, line, table
+from reports.document.numbers import ABSENT, figure
+from reports.document.parts import Paragraph, Table
+from reports.document.terminal import Printed
 
 CRANK: Final = (("omega", "epsilon", "Mkr", "Peq"), ("Teq", "Jeq", "S", "v", "a"))  # two tables of the crank's instants
 
 
-def key_figures(results: DesignerResults) -> Group:
+def key_figures(results: DesignerResults) -> list[Printed]:
     """Drive, forces, transmission angles and output, each with where its peak is."""
-    parts: list[RenderableType] = [line(results.conditions, "bold")]
+    parts: list[Printed] = [Paragraph(results.conditions, colour="bold")]
     for part in (_drive(results), _forces(results), _transmission(results), _output(results)):
-        parts += [line(""), *part] if part else []
-    return Group(*parts, line(""), *_remarks(results))
+        parts += ["", *part] if part else []
+    return [*parts, "", *_remarks(results)]
 
 
 def _where(results: DesignerResults) -> tuple[str, ...]:
@@ -45,7 +44,7 @@ def _angle(value: float, unit: FileUnit) -> str:
     return f"{value:.2f}" if unit.name == "deg" and math.isfinite(value) else figure(value, 5)
 
 
-def _drive(results: DesignerResults) -> list[RenderableType]:
+def _drive(results: DesignerResults) -> list[Printed]:
     if not results.drive:
         return []
     torque, speed = results.unit("Mkr"), results.speed_unit
@@ -57,10 +56,10 @@ def _drive(results: DesignerResults) -> list[RenderableType]:
         power = point.power if abs(point.power) > NEGLIGIBLE * results.scale("Peq") else 0.0
         values = (point.torque / torque.size, point.speed / speed.size, power)
         rows.append((what, *map(figure, values), *_place(results, point.time)))
-    return [table(head, rows, "lr")]
+    return [Table("", head, rows)]
 
 
-def _forces(results: DesignerResults) -> list[RenderableType]:
+def _forces(results: DesignerResults) -> list[Printed]:
     if not results.forces:
         return []
     force, angle = file_unit("N", results.linkage), file_unit("rad", results.linkage)
@@ -79,11 +78,11 @@ def _forces(results: DesignerResults) -> list[RenderableType]:
     moment = results.unit("shaking_moment")
     head_moment = ("shaking moment", f"{moment.name}", *_where(results))
     about = f"about {results.moment_centre}"
-    row: tuple[Cell, ...] = (about, figure(value / moment.size), *_place(results, time))
-    return [table(head, rows, "llr"), line(""), table(head_moment, [row], "lr")]
+    row = (about, figure(value / moment.size), *_place(results, time))
+    return [Table("", head, rows, "llr"), "", Table("", head_moment, [row])]
 
 
-def _transmission(results: DesignerResults) -> list[RenderableType]:
+def _transmission(results: DesignerResults) -> list[Printed]:
     if not results.transmission:
         return []
     angle = file_unit("rad", results.linkage)
@@ -91,10 +90,10 @@ def _transmission(results: DesignerResults) -> list[RenderableType]:
     rows = [
         (one.what, _angle(one.value / angle.size, angle), *_place(results, one.time)) for one in results.transmission
     ]
-    return [table(head, rows, "lr")]
+    return [Table("", head, rows)]
 
 
-def _output(results: DesignerResults) -> list[RenderableType]:
+def _output(results: DesignerResults) -> list[Printed]:
     output = results.linkage.output
     if output is None:
         return []
@@ -105,44 +104,44 @@ def _output(results: DesignerResults) -> list[RenderableType]:
         unit = results.unit(one.signal)
         value = one.value if abs(one.value) > NEGLIGIBLE * results.scale(one.signal) else 0.0
         rows.append((one.what, figure(value / unit.size), unit.name, *_place(results, one.time)))
-    return [table(head, rows, "lrlr")]
+    return [Table("", head, rows, "lrlr")]
 
 
-def _remarks(results: DesignerResults) -> Iterator[RenderableType]:
+def _remarks(results: DesignerResults) -> Iterator[Printed]:
     """Signs, and what the file does not give and so has no row."""
     if results.drive:
         turning = "along the drive" if results.is_linear else "counter-clockwise"
-        yield line(f"Positive is {turning}; a joint's force acts on the link named; directions count from x.")
+        yield f"Positive is {turning}; a joint's force acts on the link named; directions count from x."
     else:
-        yield line("No torques and forces: no link has mass, and there are no loads.")
+        yield "No torques and forces: no link has mass, and there are no loads."
     if not all(math.isfinite(peak.force) for peak in results.forces):
-        yield line("Joint forces have no bound at the change point that the motion passes: none is told there.")
+        yield "Joint forces have no bound at the change point that the motion passes: none is told there."
     if results.case.mechanism.is_numerical:
-        yield line("A group without a formula is solved by Newton's method: the figures are a numerical reference.")
+        yield "A group without a formula is solved by Newton's method: the figures are a numerical reference."
     if results.linkage.output is None:
-        yield line("No S, v and a: the file names no output.")
+        yield "No S, v and a: the file names no output."
 
 
-def at_instants(results: DesignerResults) -> Group:
+def at_instants(results: DesignerResults) -> list[Printed]:
     """Every signal at the chosen instants: crank and output, points, links, joints."""
-    parts: list[RenderableType] = [line(results.conditions, "bold")]
+    parts: list[Printed] = [Paragraph(results.conditions, colour="bold")]
     for names in CRANK:
         parts += _of_crank(results, [name for name in names if results.curves.has(name)])
     for kind, head in (("point", "point"), ("link", "link"), ("joint_force", "force in"), ("shaking_force", "force")):
         parts += _of_kind(results, kind, head)
-    return Group(*parts, line(""), *_remarks(results))
+    return [*parts, "", *_remarks(results)]
 
 
-def _of_crank(results: DesignerResults, names: Sequence[str]) -> list[RenderableType]:
+def _of_crank(results: DesignerResults, names: Sequence[str]) -> list[Printed]:
     if not names:
         return []
     head = [*_instant_head(results), *(_headed(results, name, name) for name in names)]
     columns = [_column(results, name) for name in names]
     rows = [(*where, *cells) for where, cells in zip(_instants(results), zip(*columns, strict=True), strict=True)]
-    return [line(""), table(head, rows, "r")]
+    return ["", Table("", head, rows, "r")]
 
 
-def _of_kind(results: DesignerResults, kind: str, title: str) -> list[RenderableType]:
+def _of_kind(results: DesignerResults, kind: str, title: str) -> list[Printed]:
     """A table of all signals of a kind, a row for every part and instant."""
     parts = dict.fromkeys(name.rpartition(":")[0] for name in results.curves.names if name.startswith(f"{kind}:"))
     if not parts:
@@ -158,7 +157,7 @@ def _of_kind(results: DesignerResults, kind: str, title: str) -> list[Renderable
         name = part.partition(":")[2] or "shaking"
         for row, (where, cells) in enumerate(zip(_instants(results), zip(*columns, strict=True), strict=True)):
             rows.append(("" if row else name, *where, *cells))
-    return [line(""), table(head, rows, "lr")]
+    return ["", Table("", head, rows)]
 
 
 def _headed(results: DesignerResults, name: str, label: str) -> str:

@@ -1,26 +1,17 @@
-"""A saved stress test read back: its cells in the order of the table of axes, its borders; no engine."""
+"""How a stress test is shown: signs of verdicts, values of axes, borders, errors beside their limits."""
 
 from __future__ import annotations
 
-import json
-from collections import Counter
-from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, fields
-from functools import cached_property
-from pathlib import Path
-from typing import Any, NamedTuple, TypeVar
+from collections.abc import Mapping
+from typing import NamedTuple
 
-from analytic.errors import LinkproofError
 from comparisons.stress.axes import axes
 from comparisons.stress.border import Border
-from comparisons.stress.cells import Cell, CellResult, from_document
+from comparisons.stress.saved import Stress
 from comparisons.stress.verdict import StressVerdict
-from reports.text.numbers import ABSENT, bound, printed
-from reports.text.signs import TABLES
+from reports.document.numbers import ABSENT, bound, error, printed
+from reports.document.signs import TABLES
 
-FILE = "stress.json"
-Item = TypeVar("Item")
-Line = tuple[str, str, str, str]  # axis, row, engine, usage
 # An outcome that says nothing of how far an engine goes.
 APART = (StressVerdict.UNSUPPORTED, StressVerdict.UNAVAILABLE, StressVerdict.SUITE_ERROR)
 SILENT = (StressVerdict.CAUGHT, StressVerdict.MISSED)
@@ -41,99 +32,9 @@ SIGNS: Mapping[StressVerdict, StressSign] = {
 }
 
 
-@dataclass(frozen=True)
-class Stress:
-    """A finished stress test: its document as saved, and what is in it."""
-
-    document: Mapping[str, Any]
-
-    @cached_property
-    def results(self) -> tuple[CellResult, ...]:
-        """Every cell in the order of the maps, whichever process was done first."""
-        return tuple(sorted((from_document(row) for row in self.document["cells"]), key=lambda one: _place(one.cell)))
-
-    @cached_property
-    def borders(self) -> tuple[Border, ...]:
-        """Every border found."""
-        return tuple(_border(row) for row in self.document.get("borders", ()))
-
-    @cached_property
-    def lines(self) -> Mapping[Line, Sequence[CellResult]]:
-        """The cells of each line."""
-        return _grouped((result.cell.line, result) for result in self.results)
-
-    @cached_property
-    def line_borders(self) -> Mapping[Line, Sequence[Border]]:
-        """The borders of each line that has any."""
-        return _grouped((border.line, border) for border in self.borders)
-
-    @cached_property
-    def axes(self) -> tuple[str, ...]:
-        """Names of the axes, in the order of their table."""
-        return tuple(dict.fromkeys(result.cell.axis for result in self.results))
-
-    @cached_property
-    def engines(self) -> tuple[str, ...]:
-        """Names of the engines, sorted: not every axis has all of them."""
-        return tuple(sorted({result.cell.engine for result in self.results}))
-
-    def of(self, *verdicts: StressVerdict) -> tuple[CellResult, ...]:
-        """The cells of these verdicts."""
-        return tuple(result for result in self.results if result.verdict in verdicts)
-
-    def count(self, engine: str = "", axis: str = "") -> Counter[StressVerdict]:
-        """How many cells of an engine, of an axis or of all came to each verdict."""
-        return Counter(
-            result.verdict for result in self.results
-            if engine in ("", result.cell.engine) and axis in ("", result.cell.axis)
-        )  # fmt: skip
-
-
-def _grouped(pairs: Iterable[tuple[Line, Item]]) -> dict[Line, list[Item]]:
-    groups: dict[Line, list[Item]] = {}
-    for line, item in pairs:
-        groups.setdefault(line, []).append(item)
-    return groups
-
-
-def _place(cell: Cell) -> tuple[object, ...]:
-    """Where a cell stands in the table of axes; names that the table has no more come last, as they sort."""
-    known = axes().get(cell.axis)
-    if known is None:
-        return (len(axes()), cell.axis, 0, cell.row, cell.engine, 0, cell.usage, cell.value)
-    rows = [row.label for row in known.rows]
-    falling = known.values[0] > known.values[-1]
-    return (_rank(list(axes()), cell.axis), cell.axis, _rank(rows, cell.row), cell.row, cell.engine,
-            _rank((*known.settings, *known.methods), cell.usage), cell.usage,
-            -cell.value if falling else cell.value)  # fmt: skip
-
-
-def _rank(names: Sequence[str], name: str) -> int:
-    return names.index(name) if name in names else len(names)
-
-
-def _border(row: Mapping[str, Any]) -> Border:
-    values = {field.name: row[field.name] for field in fields(Border)}
-    return Border(**{**values, "verdict": StressVerdict(row["verdict"])})
-
-
-def load(saved: Path) -> Stress:
-    """Read a stress test back, from its folder or from the file itself; no engine is imported."""
-    path = saved / FILE if saved.is_dir() else saved
-    if not path.is_file():
-        raise LinkproofError(f"no stress test at '{path}': expected the folder given to stress --out, or its {FILE}")
-    try:
-        found = Stress(json.loads(path.read_text(encoding="utf-8")))
-        _ = found.results, found.borders, found.document["command"], found.document["environment"]
-    except (OSError, ValueError, KeyError, TypeError) as fault:
-        raise LinkproofError(f"'{path}' is no stress test ({fault}); run stress with --out again") from fault
-    return found
-
-
 def axis_title(name: str) -> str:
-    """An axis in words; its name where the table has none of that name any more."""
-    known = axes().get(name)
-    return known.title if known else name
+    """An axis in words."""
+    return axes()[name].title
 
 
 def value_words(value: float | None) -> str:
@@ -142,6 +43,16 @@ def value_words(value: float | None) -> str:
         return ABSENT
     plain, short = printed(float(f"{value:.3g}")), bound(value)
     return short if len(short) + 1 < len(plain) and float(short) == float(plain) else plain
+
+
+def border_words(border: Border) -> str:
+    """``0.001, over limit at 7.2e-4``."""
+    return f"{value_words(border.inside)}, {border.verdict.value} at {value_words(border.outside)}"
+
+
+def against(name: str, found: float | None, limit: float | None) -> str:
+    """An error and its limit, both over the peak; "" where nothing was found."""
+    return "" if found is None else f"{name} {error(found)}, limit {bound(limit)}"
 
 
 def shown_verdicts(stress: Stress) -> tuple[StressVerdict, ...]:

@@ -1,84 +1,91 @@
-"""The stress maps as one page: opens offline, and needs no engine."""
+"""The stability page: the verdict, the maps, their borders, and every incident with the command that repeats it."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable
-from pathlib import Path
+from collections.abc import Iterator, Mapping
+from functools import partial
+from typing import Any
 
-from markupsafe import Markup
-
-from comparisons.runs.files import write_text
-from comparisons.stress.axes import axes
-from comparisons.stress.cells import CellResult
+from comparisons.stress.saved import FILE, Stress
 from comparisons.stress.verdict import StressVerdict
-from reports.drawing.style import picture
-from reports.facts.environment import environment_facts
-from reports.facts.views import anchor
-from reports.stress.facts import FILE, SIGNS, Stress, axis_title, value_words
-from reports.stress.figure import stress_figure
-from reports.stress.section import border_table, section
-from reports.text.tables import ReportTable
-from reports.text.templates import render
+from reports.document import parts
+from reports.document.parts import Figure, Figures, Fold, Page, Paragraph, Section, Widget
+from reports.document.templates import sentence
+from reports.records.environment import environment_facts
+from reports.stress import tables
+from reports.stress.facts import SIGNS, axis_title
+from reports.stress.figure import draw_map
+from reports.stress.maps import map_data, signs
 
 PAGE = "stress.html"
-# Each with every cell and the command that makes it again; those that were caught are folded away.
-INCIDENTS = (
-    *(StressVerdict.SUITE_ERROR, StressVerdict.MISSED, StressVerdict.ALARM, StressVerdict.CRASHED),
-    *(StressVerdict.ADAPTER_ERROR, StressVerdict.CAUGHT),
-)
+# What stands open on the page unless its table is long; what was caught, as it should be, is folded away.
+OPEN = (*tables.LOUD, StressVerdict.SUITE_ERROR, StressVerdict.CRASHED, StressVerdict.ADAPTER_ERROR)
+MOST_OPEN = 12
 
 
-def write(stress: Stress, folder: Path) -> Path:
-    """Write the page into a folder; returns its path."""
-    write_text(folder / PAGE, page(stress))
-    return folder / PAGE
-
-
-def page(stress: Stress) -> str:
-    """The page's HTML."""
-    return render(
-        "stress.html",
-        facts=_facts(stress),
-        section=section(stress, with_borders=False),
-        signs=SIGNS,
-        count=stress.count(),
-        axes=[_axis_part(stress, name) for name in stress.axes],
-        incidents=[(verdict, anchor(verdict.value), incident_table(stress.of(verdict))) for verdict in INCIDENTS],
-        command=stress.document["command"],
-        file=FILE,
+def page(stress: Stress) -> Page:
+    """The page of a saved stress test."""
+    lead = (
+        Paragraph(tables.told(stress, "stress_verdict"), "verdict"),
+        Paragraph(tables.ranking(stress), "lead"),
+        Paragraph(tables.told(stress, "stress_scope"), "small"),
+    )
+    caption = sentence("stress_counts")
+    by_axis = tables.count_table(stress, lambda axis: parts.Link(axis_title(axis), f"#map-{axis}"), caption)
+    return Page(
+        PAGE,
+        "Stability",
+        "Where each engine fails",
+        sentence("stress_subtitle"),
+        lead,
+        (
+            Section("counts", "What the cells came to", (tables.verdict_facts(stress), by_axis)),
+            _maps(stress),
+            Section("incidents", "Incidents", (Paragraph(sentence("stress_incidents")), *_incidents(stress))),
+            _run(stress),
+        ),
     )
 
 
-def _facts(stress: Stress) -> list[tuple[str, str]]:
-    """Name and value of everything that decides a cell."""
+def _maps(stress: Stress) -> Section:
+    maps = {axis: map_data(stress, axis) for axis in stress.axes}
+    first, *others = maps
+    data = {"axes": {axis: found["title"] for axis, found in maps.items()}, "signs": signs(stress), "map": maps[first]}
+    widget = Widget("maps", "maps", "Stability map of one axis", data, {axis: maps[axis] for axis in others})
+    figures = Figures(tuple(_figure(stress, found) for found in maps.values()))
+    borders = tables.border_table(stress, axis_title)
+    folds = (
+        Fold(f"Every map as a figure ({len(maps)})", (figures,)),
+        Fold(f"Borders, found by bisection ({len(borders.rows)})", (borders,)),
+    )
+    return Section("maps", "Maps", (Paragraph(sentence("stress_maps")), widget, *folds[: 2 if borders.rows else 1]))
+
+
+def _figure(stress: Stress, found: Mapping[str, Any]) -> Figure:
+    seen = stress.count(axis=found["axis"])
+    shown = [(sign.symbol, verdict.value) for verdict, sign in SIGNS.items() if seen[verdict]]
+    caption = sentence("stress_caption", title=found["title"], label=found["label"], easy=found["easy"], signs=shown)
+    alt = f"Verdicts over {found['label']} for every engine and usage"
+    return Figure(f"map-{found['axis']}", caption, alt, partial(draw_map, found), wide=True)
+
+
+def _incidents(stress: Stress) -> Iterator[parts.Part]:
+    """A table to each verdict that occurs, and a sentence on those that do not."""
+    cells = {one: stress.of(one) for one in (*OPEN, StressVerdict.CAUGHT)}
+    for one, found in cells.items():
+        if found:
+            table, words = (
+                tables.incident_table(found),
+                f"{one.value.capitalize()} ({len(found)}): {SIGNS[one].meaning}",
+            )
+            yield Fold(words, (table,), is_open=one in OPEN and len(table.rows) <= MOST_OPEN)
+    if absent := [one.value for one, found in cells.items() if not found]:
+        yield Paragraph(f"None: {', '.join(absent)}.")
+
+
+def _run(stress: Stress) -> Section:
     spent = sum(one.spent for one in stress.results)
-    return [
-        ("Command", stress.document["command"]),
-        *environment_facts(stress.document["environment"]),
-        ("Cells", f"{len(stress.results)}, {spent:.0f} s of work in all"),
-    ]
-
-
-def _axis_part(stress: Stress, name: str) -> dict[str, object]:
-    """One axis: what its cells came to, its map and its borders."""
-    known, key, title = axes().get(name), anchor("stress", name), axis_title(name)
-    return {
-        "key": key,
-        "title": title,
-        "about": known.about if known else "",
-        "count": stress.count(axis=name),
-        "drawing": picture(stress_figure(stress, name), f"{key}-map", f"verdicts over {title.lower()}, every engine"),
-        "borders": border_table(stress, [name]),
-    }
-
-
-def incident_table(results: Iterable[CellResult]) -> ReportTable:
-    """A row per cell, with its reason and its command."""
-    rows = tuple(_incident(one) for one in sorted(results, key=lambda one: one.cell.engine))
-    return ReportTable("", ("Engine", "Axis: row", "Value", "Usage", "Reason", "Again"), rows, align="llrl")
-
-
-def _incident(result: CellResult) -> tuple[str, ...]:
-    cell, command = result.cell, Markup("<code>{}</code>").format(result.document["command"])
-    place = f"{axis_title(cell.axis)}: {cell.row}"
-    return (cell.engine, place, value_words(cell.value), cell.usage, result.judgement.reason, command)
+    cells = ("Cells", f"{len(stress.results)}, {spent:.0f} s of work in all, each in {FILE}")
+    facts = parts.Facts((*environment_facts(stress.document["environment"]), cells))
+    where = Fold("Where and with what", (facts,))
+    return Section("run", "What was run", (parts.Command(stress.document["command"]), where))

@@ -1,94 +1,69 @@
-"""The benchmark as one page: opens offline beside its script, and needs no engine."""
+"""The benchmark's page: the cheapest engines, the diagram, what to use for an error, settings and methods, costs."""
 
 from __future__ import annotations
 
-from pathlib import Path
+from collections.abc import Sequence
 
-from markupsafe import Markup
-
-from comparisons.runs.files import write_text
-from comparisons.work_precision.measure import JOINTS
+from comparisons.work_precision.places import PlaceFacts, by_regime, places
 from comparisons.work_precision.records import FILE, Bench
-from reports.facts.environment import environment_facts
-from reports.facts.views import anchor
-from reports.text.numbers import seconds
-from reports.text.tables import ReportTable
-from reports.text.templates import lines, render
-from reports.work_precision.facts import PlaceFacts, failed_methods, places
-from reports.work_precision.figure import inks, save_figure
-from reports.work_precision.interactive import SCRIPT, bench_html, script
-from reports.work_precision.section import overview, regimes, section
-from reports.work_precision.words import floor_table, method_table, noise_share, standing_words
+from reports.document.numbers import seconds
+from reports.document.parts import Bullets, Command, Facts, Figures, Fold, Mono, Page, Paragraph, Part, Section
+from reports.document.templates import lines, sentence
+from reports.records.environment import environment_facts
+from reports.work_precision import choices
+from reports.work_precision.costs import cost_section
+from reports.work_precision.diagram import widget
+from reports.work_precision.methods import method_section
+from reports.work_precision.overview import figures, inks
+from reports.work_precision.words import engine_labels, failed_methods, label_of, noise_note, noise_share
 
-PAGE = "bench.html"
-
-
-def write(bench: Bench, folder: Path) -> Path:
-    """Write the page, the script it needs and the static plots into a folder; returns the page's path."""
-    write_text(folder / SCRIPT, script())
-    for regime in regimes(bench):
-        save_figure(overview(bench, regime), folder / anchor("bench", regime))
-    write_text(folder / PAGE, page(bench))
-    return folder / PAGE
+FILE_NAME = "bench.html"
 
 
-def page(bench: Bench) -> str:
-    """The page's HTML."""
-    every = places(bench)
-    return render(
-        "bench.html",
-        script=SCRIPT,
-        titles=list(dict.fromkeys(place.title for place in every)),
-        facts=_facts(bench),
-        section=section(bench),
-        parts=[_part(bench, place) for place in every],
-        methods=method_table(bench),
-        measured=lines(
-            "measurement",
-            extent=bench.document["extent"],
-            noise=bench.noise,
-            work=bench.document["noise"]["work"],
-            share=noise_share(bench),
-        ),
-        command=bench.document["command"],
-        file=FILE,
-    )
+def page(bench: Bench) -> Page:
+    """The page of one benchmark."""
+    every, labels = places(bench), engine_labels(bench)
+    first: tuple[Part, ...] = (Paragraph("Nothing finished: no engine has an error and a time.", "verdict"),)
+    sections: list[Section] = []
+    if found := by_regime(every):
+        as_figures = Fold("The same as figures", (Figures(figures(found, inks(labels))),))
+        reading = Paragraph(sentence("bench_reading"), "small")
+        first = (*choices.verdicts(found), widget(found, labels), reading, as_figures)
+        methods = method_section(found, bench.document["methods"], noise_share(bench))
+        sections += [choices.section(found, noise_note(bench)), methods]
+    if failed := _failures(every):
+        sections.append(Section("failed", "What gave nothing", (Fold(f"Failures: {len(failed)}", (Bullets(failed),)),)))
+    if bench.costs:
+        sections.append(cost_section(bench.costs))
+    heading, about = "How accurate is an engine for its cost?", sentence("bench_subtitle")
+    sections.append(_measured(bench))
+    return Page(FILE_NAME, "Work-precision", heading, about, first, tuple(sections), charts=bool(found))
 
 
-def _facts(bench: Bench) -> list[tuple[str, str]]:
-    """Name and value of everything that decides a figure or a time."""
-    repeats = sum(len(point.repeats) for point in bench.points)
-    first = [f"{one['engine']} {seconds(min(one['seconds']))}" for one in bench.document["first_use"] if one["seconds"]]
-    first_use = "what the first run of a process costs beyond the second, import included"
-    return [
-        ("Command", bench.document["command"]),
-        ("Conditions", bench.document["conditions"]),
-        *environment_facts(bench.document["environment"]),
+def _failures(every: Sequence[PlaceFacts]) -> tuple[str, ...]:
+    """What gave nothing: each reason once, with the places it was given in."""
+    told: dict[str, list[str]] = {}
+    for place in every:
+        for facts in place.engines(place.foremost):
+            for reason in failed_methods(facts):
+                told.setdefault(f"{label_of(facts)}, {reason}", []).append(f"{place.mechanism} in {place.regime}")
+    where = {reason: ", ".join(met) if len(met) < len(every) else "everywhere" for reason, met in told.items()}
+    return tuple(f"{reason} ({place})" for reason, place in where.items())
+
+
+def _measured(bench: Bench) -> Section:
+    """How it was measured, in sentences, and everything that decides a figure or a time."""
+    document, repeats = bench.document, sum(len(point.repeats) for point in bench.points)
+    work, share = document["noise"]["work"], noise_share(bench)
+    told = lines("measurement", extent=document["extent"], noise=bench.noise, work=work, share=share)
+    known = {one["engine"]: one["seconds"] for one in document["first_use"] if one["seconds"]}
+    first = ", ".join(f"{name} {seconds(min(times))}" for name, times in known.items()) or "not measured"
+    facts = Facts((
+        ("Conditions", document["conditions"]),
+        *environment_facts(document["environment"]),
         ("Points", f"{len(bench.points)}, timed {repeats} times in all"),
-        ("First use", f"{', '.join(first) or 'not measured'}: {first_use}"),
-    ]
-
-
-def _part(bench: Bench, place: PlaceFacts) -> dict[str, object]:
-    """What the page shows of one mechanism and regime."""
-    key = anchor("bench", place.mechanism, place.variant, place.regime)
-    drawing = bench_html(place, inks(bench), f"{key}-plot") if place.quantities else ""
-    ordered = sorted(place.quantities, key=lambda name: name != place.foremost)
-    failures = [f"{facts.label}: {told}" for facts in place.engines(place.foremost) for told in failed_methods(facts)]
-    return {
-        "key": key,
-        "place": place,
-        "interactive": Markup(drawing),
-        "quantities": [(name, *_quantity(place, name, noise_share(bench))) for name in ordered],
-        "failures": failures,
-    }
-
-
-def _quantity(place: PlaceFacts, name: str, noise: float) -> tuple[ReportTable, list[str]]:
-    """The methods in one quantity, and how the settings stand against them."""
-    engines = place.engines(name)
-    found = next((r.error for r in place.records if r.quantity == name and r.error), None)
-    over = f" ({found.peak:.4g} {found.unit})" if found and found.peak else ""
-    worst = "; of joint forces the worst joint's" if name == JOINTS else ""
-    table = floor_table(engines, f"Largest error over the closed form's peak{over}{worst}.")
-    return table, [words for facts in engines for words in standing_words(facts, noise)]
+        ("First use", f"{first}: the first run of a process beyond the second, import included"),
+        ("Records", Mono(FILE)),
+    ))  # fmt: skip
+    rounds = Fold("Rounds, times, errors and orders", (Bullets(tuple(told)),))
+    return Section("measured", "How it was measured", (rounds, facts, Command(document["command"])))

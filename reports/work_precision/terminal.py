@@ -2,20 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from itertools import groupby
 
-from rich.console import RenderableType
-from rich.table import Table
-from rich.text import Text
-
 from comparisons.work_precision.analysis import WANTED
+from comparisons.work_precision.places import PlaceFacts, places
 from comparisons.work_precision.records import Bench
-from reports.text.numbers import bound, error, seconds
-from reports.text.screen import Printout, line, table
-from reports.work_precision.cost_section import cost_tables
-from reports.work_precision.facts import PlaceFacts, engine_label, failed_methods, places
-from reports.work_precision.words import choice_words, method_row, noise_note, noise_share, standing_words
+from reports.document.numbers import ABSENT, bound, error, seconds
+from reports.document.parts import Paragraph, Table
+from reports.document.templates import plain
+from reports.document.terminal import Printed, Printout
+from reports.work_precision import words
+from reports.work_precision.costs import cost_tables
+from reports.work_precision.words import engine_label, label_of
 
 CHOICES = ("engine", "to get", "time", "by")
 METHODS = ("engine", "method", "order", "least error", "steps/turn", "time", "what limits it")
@@ -27,13 +26,13 @@ POINTS = (
 
 def printout(bench: Bench, quantities: Sequence[str] = ()) -> Printout:
     """A block per mechanism, regime and quantity: those asked for, else the one each place is judged by."""
-    blocks: list[RenderableType] = []
+    blocks: list[Printed] = []
     for place in places(bench):
         for name in [name for name in quantities if name in place.quantities] or [place.foremost]:
-            blocks += _block(place, name, noise_share(bench))
+            blocks += _block(place, name, words.noise_share(bench))
     for costs in cost_tables(bench.costs):
-        blocks += [costs, line("")]
-    return Printout(blocks, [line(noise_note(bench))], [_points(bench), line("")])
+        blocks += [costs, ""]
+    return Printout(blocks, [words.noise_note(bench)], [_points(bench), ""])
 
 
 def _points(bench: Bench) -> Table:
@@ -48,42 +47,48 @@ def _points(bench: Bench) -> Table:
         )
         for one in bench.records
     ]  # fmt: skip
-    return table(POINTS, rows)
+    return Table("", POINTS, tuple(rows), "l")
 
 
-def _block(place: PlaceFacts, quantity: str, noise: float) -> list[RenderableType]:
-    words = f"{place.mechanism} ({place.variant}), {place.regime}"
-    if not place.quantities:
-        return [line(f"{words}: nothing finished", "bold"), *_failures(place, quantity)]
-    title = line(f"{words}: {quantity.replace('_', ' ')}, largest error over the peak", "bold")
-    parts: list[RenderableType] = [title, _methods(place, quantity), line(""), _choices(place, quantity), line("")]
-    for facts in place.engines(quantity):
-        parts += map(line, standing_words(facts, noise))
-    return [*parts, *_failures(place, quantity), line("")]
-
-
-def _failures(place: PlaceFacts, quantity: str) -> list[Text]:
-    return [
-        line(f"{facts.label} {reason}", "yellow")
-        for facts in place.engines(quantity)
-        for reason in failed_methods(facts)
-    ]
+def _block(place: PlaceFacts, quantity: str, noise: float) -> Iterator[Printed]:
+    name, engines = f"{place.mechanism} ({place.variant}), {place.regime}", place.engines(quantity)
+    measured = plain(quantity) if place.quantities else ""
+    told = f"{measured}, largest error over the peak" if measured else "nothing finished"
+    yield Paragraph(f"{name}: {told}", colour="bold")
+    if measured:
+        yield from (_methods(place, quantity), "", _choices(place, quantity), "")
+    for facts in engines if measured else ():
+        for one in facts.standings:
+            told = f"{error(one.record.error_max)} in {seconds(one.record.seconds_min or 0.0)}"
+            yield f"{facts.engine} {one.record.setting}: {told}{words.standing_words(one, facts, noise)}"
+    for facts in engines:
+        for reason in words.failed_methods(facts):
+            yield Paragraph(f"{label_of(facts)} {reason}", colour="yellow")
+    if measured:
+        yield ""
 
 
 def _methods(place: PlaceFacts, quantity: str) -> Table:
-    rows = [method_row(facts, sweep) for facts in place.engines(quantity) for sweep in facts.methods]
-    return table(METHODS, rows, align="llrrrrl")
+    """Order, least error with the step and the time there, and what limits it."""
+    rows = []
+    for facts, sweep in [(one, sweep) for one in place.engines(quantity) for sweep in one.methods]:
+        least, floor = sweep.points.records[sweep.points.numbers.best], sweep.floor
+        order = ABSENT if sweep.order is None else f"{sweep.order:.1f}"
+        found = (error(floor.error), words.per_turn(least), seconds(least.seconds_min or 0.0), floor.cause.value)
+        rows.append((label_of(facts), words.way(facts, sweep.first), order, *found))
+    return Table("", METHODS, tuple(rows), "llrrrrl")
 
 
 def _choices(place: PlaceFacts, quantity: str) -> Table:
     """What to use for an error: a row for all errors that one point of an engine serves."""
     rows = []
     for facts in place.engines(quantity):
-        wanted = zip(WANTED, facts.choices, strict=False)
-        for choice, part in groupby(wanted, key=lambda pair: pair[1]):
-            errors = [bound(error) for error, _ in part]
+        for choice, part in groupby(zip(facts.choices, WANTED, strict=False), key=lambda pair: pair[0]):
+            errors = [bound(error) for _, error in part]
             span = errors[0] if len(errors) == 1 else f"{errors[0]} to {errors[-1]}"
-            cost, way, step, _ = choice_words(choice, facts)
-            turn = f" @ {step}" if step else ""
-            rows.append((facts.label, span, cost or "–", f"{way}{turn}" if cost else f"not reached; {way}"))
-    return table(CHOICES, rows, align="llrl")
+            if record := choice.record:
+                found = (seconds(record.seconds_min or 0.0), words.way_words(facts, record))
+            else:
+                found = (ABSENT, f"not reached; least {error(choice.closest.error_max)}")
+            rows.append((label_of(facts), span, *found))
+    return Table("", CHOICES, tuple(rows), "llrl")

@@ -7,12 +7,14 @@ from dataclasses import asdict, dataclass
 
 import numpy as np
 
-from analytic.description.crank_motion import crank_motion
+from analytic.description.crank_motion import CrankMotion, crank_motion
 from analytic.description.linkage import Linkage
 from analytic.description.loading import load
 from analytic.kinematics.mechanism import Mechanism
 from comparisons.campaign.campaign import CampaignRequest, RunResult
 from comparisons.campaign.results import Results, dataset, document
+from comparisons.datasheet.building import usual_sheet
+from comparisons.datasheet.sheet import Sheet
 from comparisons.judging.deviations import Deviation, near_jumps
 from comparisons.judging.quantities import QUANTITIES
 from comparisons.judging.records import Record, Verdict
@@ -23,6 +25,7 @@ from engines.contract import ReadOut, Setting
 
 SIZES = {Setting.NAIVE: 9e-2, Setting.TUNED: 1.3e-6, Setting.BEST: 4e-8}
 PRESCRIBED = tuple(name for name, quantity in QUANTITIES.items() if quantity.prescribed and not quantity.needs_thread)
+_SHEETS: dict[object, Sheet] = {}
 CONDITIONS = "1000 rpm counter-clockwise, 0.6 s + 0.1 s, from 0°, gravity on"
 
 
@@ -50,7 +53,14 @@ def made_up_results(
     ]
     readouts = {name: {"torque": asdict(ReadOut("motor torque", drive="it is the drive's"))} for name in engines}
     told = document(request, runs, "linkproof compare juki-mf7923d --setting all", readouts=readouts)
-    return Results(told, dataset(runs, told))
+    return Results(told, dataset(runs, told), tuple(_sheet(linkage, motions) for linkage in linkages))
+
+
+def _sheet(linkage: Linkage, motions: tuple[CrankMotion, ...]) -> Sheet:
+    key = (linkage.text, linkage.variant, linkage.gravity, motions)
+    if key not in _SHEETS:
+        _SHEETS[key] = usual_sheet(linkage, motions)
+    return _SHEETS[key]
 
 
 @dataclass(frozen=True)

@@ -4,8 +4,8 @@ from itertools import pairwise
 
 from comparisons.stress.axes import axes
 from comparisons.stress.cells import Cell, CellResult
+from comparisons.stress.saved import Stress
 from comparisons.stress.verdict import Judgement, StressVerdict
-from reports.stress.facts import Stress
 
 SETTINGS = ("naive", "tuned", "best")
 METHODS = {"alpha": ("generalised alpha", "trapezoidal"), "beta": ("centred", "defaults")}

@@ -75,9 +75,7 @@ def bench(choice: BenchChoice, destination: Destination) -> int:
         destination.write_json(found.document)
         if out:
             save(out / FILE, found.document)
-            from reports.work_precision.page import write  # noqa: PLC0415  plots cost seconds that a table does not pay
-
-            destination.say(f"benchmark: {write(found, out)}")
+            destination.write_pages()
         if kept:
             kept.clear()
     destination.print_out(printout(found, choice.quantities))

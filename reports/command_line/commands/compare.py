@@ -1,22 +1,23 @@
-"""What ``linkproof compare``, ``report`` and ``published`` do: campaigns, their pages, the figures of the sources."""
+"""What ``linkproof compare``, ``report`` and ``published`` do: campaigns, pages, the figures of the sources."""
 
 from __future__ import annotations
 
+import webbrowser
 from collections.abc import Sequence
 from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
 from analytic.description.loading import catalogue
+from analytic.errors import LinkproofError
 from comparisons.campaign.campaign import CampaignRequest, tasks
 from comparisons.campaign.campaign import compare as run_campaign
 from comparisons.campaign.errata import ErratumRecord, judge_errata
 from comparisons.campaign.results import document, save
-from comparisons.campaign.results import load as load_results
+from comparisons.campaign.sheets import sheets
 from comparisons.judging import baseline
 from comparisons.reference.published import all_variants, compare_published
 from comparisons.runs.failures import Failure
-from comparisons.runs.files import write_text
 from engines.registry import engine, engine_names
 from reports.campaign.terminal import printout
 from reports.command_line import PASSED, SUITE_ERROR
@@ -24,10 +25,10 @@ from reports.command_line.destination import Destination
 from reports.command_line.exit_codes import campaign_exit_code
 from reports.command_line.interruption import interruptible, journal
 from reports.command_line.requests import CampaignChoice, RunLimits, installed, request
-from reports.text import terminal
-from reports.text.screen import line, show
+from reports.document.terminal import show
+from reports.mechanism import terminal
 
-PAGE, SUMMARY = "index.html", "RESULTS.md"
+PAGE = "index.html"
 
 
 def compare(
@@ -55,8 +56,8 @@ def compare(
             saved = document(wanted, results, command, errata, readouts)
             destination.write_json(saved)
             if out:
-                save(out, results, saved)
-                destination.say(f"report: {rebuild(out, processes=limits.processes)}")
+                save(out, results, saved, sheets(wanted, bounds=limits.bounds, processes=limits.processes))
+                destination.write_pages(limits.processes)
         if kept:
             kept.clear()
     destination.print_out(printout(results))
@@ -69,30 +70,19 @@ def _errata(wanted: CampaignRequest, running: dict[str, Any]) -> list[ErratumRec
     return list(judge_errata(asked, installed(wanted.engines), **running))
 
 
-def report(saved: Path, out: Path | None) -> None:
-    """Write the page and the summary of a saved campaign, and the pages of what lies beside it; say where."""
-    from reports.campaign.extra_sections import rebuild_pages  # noqa: PLC0415
+def report(saved: Path, out: Path | None, single: Path | None, *, opens: bool = False, png: bool = False) -> None:
+    """Write the pages of what a folder holds, or one page of all of them; say where, and show them."""
+    from reports.site.single_file import write_single_file  # noqa: PLC0415  figures cost a second
+    from reports.site.site import write_site  # noqa: PLC0415
 
-    page = rebuild(saved, out)
-    rebuild_pages(saved if saved.is_dir() else saved.parent, page.parent)
-    show(line(f"report: {page}"), stderr=True)
-
-
-def rebuild(saved: Path, out: Path | None = None, processes: int | None = None) -> Path:
-    """Write the page and the summary of a saved campaign; returns the path of the page.
-
-    Its figures are drawn in ``processes`` worker processes, by default one per core; with 0, here.
-    """
-    from reports.campaign.extra_sections import extra_sections  # noqa: PLC0415
-    from reports.campaign.page import write_page  # noqa: PLC0415  figures cost a second that other commands do not pay
-    from reports.campaign.summary import markdown  # noqa: PLC0415
-
-    results = load_results(saved)
-    kept = saved if saved.is_dir() else saved.parent
-    folder = out or kept
-    write_page(results, folder / PAGE, extra_sections(kept), processes=processes)
-    write_text(folder / SUMMARY, markdown(results))
-    return folder / PAGE
+    if single is not None and out is not None:
+        raise LinkproofError("--single-file and --out exclude each other: leave one of them out")
+    if single is not None and png:
+        raise LinkproofError("--single-file holds all figures itself: leave --png out")
+    page = write_site(saved, out, png=png) if single is None else write_single_file(saved, single)
+    show(f"report: {page}", stderr=True)
+    if opens:
+        webbrowser.open(page.resolve().as_uri())
 
 
 def published(names: Sequence[str], destination: Destination) -> int:
@@ -105,7 +95,7 @@ def published(names: Sequence[str], destination: Destination) -> int:
         for number, record in enumerate(judged):
             announce(f"{record.mechanism}: {record.engine}", number, number + 1)
             errata.append(record)
-    destination.print(terminal.published(records), *(line(record.sentence) for record in errata))
+    destination.print(*terminal.published(records), *(record.sentence for record in errata))
     rows = [{**asdict(record), "sentence": record.sentence} for record in errata]
     destination.write_json({"records": [asdict(record) for record in records], "errata": rows})
     return SUITE_ERROR if any(record.outcome == Failure.SUITE_ERROR for record in errata) else PASSED

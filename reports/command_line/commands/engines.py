@@ -4,12 +4,10 @@ from __future__ import annotations
 
 import sys
 from collections import Counter
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import asdict
 from pathlib import Path
 from typing import Any
-
-from rich.console import RenderableType
 
 from analytic.errors import LinkproofError
 from comparisons.campaign.campaign import cases
@@ -19,13 +17,14 @@ from comparisons.exported_run import exported, exported_cell
 from comparisons.runs.failures import blamed_on
 from comparisons.runs.files import check_writable, write_text
 from comparisons.stress.cells import find_cell
-from engines.contract import Engine
+from engines.contract import Engine, Setting
 from engines.registry import Unusable, engine, engine_names, why_unavailable
 from reports.command_line import FAILED, PASSED
 from reports.command_line.destination import Destination
 from reports.command_line.requests import CampaignChoice, command_line, request
-from reports.facts.readouts import abilities_told, readout_table
-from reports.text.screen import Cell, Printout, line, table, write
+from reports.document.parts import Cell, Paragraph, Table, Words
+from reports.document.terminal import Printed, Printout, write
+from reports.records.readouts import readout_table
 
 UNTESTED = (Finding.NOT_APPLICABLE, Finding.NOT_TESTED)
 STYLES = {Finding.PASSED: "green", Finding.FAILED: "bold red", Finding.EXPECTED: "yellow"}
@@ -42,18 +41,35 @@ def _told(adapter: Engine) -> dict[str, Any]:
     """What an engine takes and offers, and why it cannot be used here, where it cannot."""
     error = adapter.error if isinstance(adapter, Unusable) else None
     reason = why_unavailable(adapter) if error is None else f"{type(error).__name__}: {error}"
-    return {**abilities_told(adapter), "unusable": reason or ""}
+    able = adapter.abilities
+    return {
+        "engine": adapter.name,
+        "version": adapter.version(),
+        "control": adapter.is_control,
+        "drives": _names(able.drives),
+        "joints": ["PinJoint", *_names(able.joints)],
+        "loads": ["gravity", *_names(able.loads)],
+        "varying_loads": able.varying_loads,
+        "massless_bodies": able.massless,
+        "settings": [setting.value for setting in Setting if setting in able.settings],
+        "readouts": able.told(),
+        "unusable": reason or "",
+    }
 
 
-def _shown(told: Mapping[str, Any]) -> list[RenderableType]:
+def _names(types: Iterable[type]) -> list[str]:
+    return sorted(one.__name__ for one in types)
+
+
+def _shown(told: Mapping[str, Any]) -> list[Printed]:
     version = told["unusable"] or told["version"]
     control = ", the reference's control, no engine" if told["control"] else ""
     kinds = ("drives", "joints", "loads", "settings")
     return [
-        line(f"{told['engine']} ({version}{control})", "bold"),
-        *(line(f"  {kind}: {', '.join(told[kind])}") for kind in kinds),
+        Paragraph(f"{told['engine']} ({version}{control})", colour="bold"),
+        *(f"  {kind}: {', '.join(told[kind])}" for kind in kinds),
         readout_table(told["engine"], told["readouts"]),
-        line(""),
+        "",
     ]
 
 
@@ -106,12 +122,12 @@ def check(name: str, destination: Destination, processes: int | None = None) -> 
         raise LinkproofError(f"expected an engine to check, got none: {absent}")
     destination.write_json({"engine": name, "version": adapter.version(), "checks": [asdict(each) for each in found]})
     closing = f"{name}: " + ", ".join(f"{counts[finding]} {finding}" for finding in Finding if counts[finding])
-    shown = table(("check", "", ""), _rows(found))
-    destination.print_out(Printout([shown], [line(closing)]))
+    shown = Table("", ("check", "", ""), _rows(found), "l")
+    destination.print_out(Printout([shown], [closing]))
     return FAILED if counts[Finding.FAILED] else PASSED
 
 
-def _rows(found: Sequence[Found]) -> list[Sequence[Cell]]:
+def _rows(found: Sequence[Found]) -> list[Sequence[Cell | Words]]:
     """A line of every check; of mutants that say the same, one line."""
     groups: dict[tuple[str, Finding, str], int] = {}
     for each in found:
@@ -119,6 +135,10 @@ def _rows(found: Sequence[Found]) -> list[Sequence[Cell]]:
         key = ("mutants" if alike else each.check, each.finding, each.detail)
         groups[key] = groups.get(key, 0) + 1
     return [
-        (f"{count} {name}" if name == "mutants" else name, (finding.value, STYLES.get(finding, "dim")), detail)
+        (
+            f"{count} {name}" if name == "mutants" else name,
+            Cell(finding.value, colour=STYLES.get(finding, "dim")),
+            detail,
+        )
         for (name, finding, detail), count in groups.items()
     ]

@@ -12,11 +12,10 @@ from analytic.description.linkage import Linkage
 from analytic.description.loading import load
 from analytic.errors import LinkproofError, is_safe
 from analytic.kinematics.mechanism import Mechanism
+from comparisons.datasheet import linkage_check
 from comparisons.runs.files import check_writable, write_text
 from reports.command_line.destination import Destination
-from reports.facts import linkage_check
-from reports.text.linkage_check import printed
-from reports.text.screen import line
+from reports.mechanism.check import printed
 
 TEMPLATE: Final = Path(json_schema.__code__.co_filename).with_name("new.toml")
 SCHEMA_FILE: Final = "linkproof.schema.json"
@@ -38,7 +37,7 @@ def new(name: str, destination: Destination) -> None:
         write_text(schema, schema_text())
         beside = f" and {schema}, by which editors complete and check it"
     argument = shlex.quote(f"./{path}" if str(path).startswith("-") else str(path))
-    destination.print(line(f"wrote {path}{beside}; next: linkproof check {argument}"))
+    destination.print(f"wrote {path}{beside}; next: linkproof check {argument}")
 
 
 def _is_ours(path: Path) -> bool:
@@ -57,23 +56,24 @@ def check(name: str, variant: str | None, svg: Path | None, destination: Destina
     if svg is not None:
         check_writable(svg)
     facts, fault = linkage_check.check(linkage)
-    destination.print(printed(facts, linkage.written))
+    destination.print(*printed(facts, linkage.written))
     destination.write_json(facts)
     if fault is not None:
         raise fault
     if svg is not None:
         write_text(svg, drawing(linkage))
-        destination.print(line(f"wrote {svg}"))
+        destination.print(f"wrote {svg}")
     else:
-        destination.print(line(f"scheme       linkproof check {shlex.quote(name)} --svg scheme.svg draws it"))
+        destination.print(f"scheme       linkproof check {shlex.quote(name)} --svg scheme.svg draws it")
 
 
 def drawing(linkage: Linkage) -> str:
     """The scheme of a linkage as SVG, in twelve positions of its range."""
-    from reports.drawing.scheme import mechanism_figure  # noqa: PLC0415 - matplotlib takes a second to import
-    from reports.drawing.style import svg_text  # noqa: PLC0415
+    from comparisons.datasheet.positions import over_reach  # noqa: PLC0415 - matplotlib takes a second to import
+    from reports.charts.draw import svg  # noqa: PLC0415
+    from reports.charts.scheme import scheme_figure  # noqa: PLC0415
 
-    return svg_text(mechanism_figure(Mechanism(linkage)))
+    return svg(scheme_figure(linkage, over_reach(Mechanism(linkage))), page="white")
 
 
 def schema_text() -> str:

@@ -15,6 +15,7 @@ from analytic.kinematics.mechanism import Mechanism
 from comparisons.campaign.campaign import CampaignRequest
 from comparisons.campaign.results import document as saved_document
 from comparisons.campaign.results import save
+from comparisons.datasheet.building import usual_sheet
 from comparisons.imported.columns import ImportedResults, MappingNeededError
 from comparisons.imported.judge import ImportedJudgement
 from comparisons.imported.judge import judge as judge_results
@@ -25,14 +26,12 @@ from comparisons.judging.run_result import RunResult
 from comparisons.reference.case import Motion, own_case
 from comparisons.runs.files import check_writable, write_text
 from reports.command_line import FAILED, PASSED
-from reports.command_line.commands.compare import rebuild
 from reports.command_line.destination import Destination
 from reports.command_line.linear_drive import prescribed
 from reports.command_line.motion_choice import MotionChoice, own_regimes
 from reports.command_line.requests import command_line
 from reports.imported.document import blank_of, document, with_cause
 from reports.imported.terminal import printout, sentence, sentences
-from reports.text.screen import line
 
 PAGE = "index.html"
 
@@ -88,7 +87,7 @@ def judge(choice: JudgeChoice, destination: Destination) -> int:
     files = ", ".join(str(path) for path in choice.results)
     destination.write_json(document(judgement, blank_of(judgement, files), choice.command, sentence(judgement)))
     if destination.quiet:
-        destination.print(line(sentence(judgement)))
+        destination.print(sentence(judgement))
     destination.print_out(printout(judgement, f"{linkage.name} ({linkage.variant}) against {files}"))
     if all(verdict.outcome is Verdict.UNDEFINED for verdict in judgement.verdicts):
         raise LinkproofError(f"expected a signal to judge, got none: {judgement.verdicts[0].detail}")
@@ -148,5 +147,5 @@ def _write_page(choice: JudgeChoice, judgement: ImportedJudgement, folder: Path,
     motions = (motion,) if isinstance(motion, CrankMotion) else ()
     request = CampaignRequest((linkage,), motions, blank.conditions, (blank.engine,))
     told = {**saved_document(request, [result], choice.command), "judgement": sentences(judgement)}
-    save(folder, [result], told)
-    destination.say(f"report: {rebuild(folder, processes=0)}")
+    save(folder, [result], told, [usual_sheet(linkage, motions, choice.motion.regimes)])
+    destination.write_pages(processes=0)

@@ -11,15 +11,15 @@ from analytic.description.loading import catalogue, literature, load
 from analytic.errors import LinkproofError
 from analytic.kinematics.mechanism import Mechanism
 from analytic.turn.required_feed import compare_feed, read_required_feed
+from comparisons.datasheet.mechanism_summary import portrait, thread_facts
 from reports.command_line.destination import Destination
-from reports.facts.mechanism_summary import portrait, thread_facts
-from reports.text import terminal
+from reports.mechanism import terminal
 
 
 def list_mechanisms(destination: Destination) -> None:
     """Print or write the catalogue, the linkages of the literature in a part of their own."""
     sewing, others = ([load(name) for name in names] for names in (catalogue(), literature()))
-    destination.print(terminal.catalogue(sewing, others))
+    destination.print(*terminal.catalogue(sewing, others))
     shelves = {"catalogue": sewing, "literature": others}
     destination.write_json({"records": [_entry(each, shelf) for shelf in shelves for each in shelves[shelf]]})
 
@@ -32,7 +32,7 @@ def _entry(linkage: Linkage, shelf: str) -> dict[str, object]:
 def show(name: str, variant: str | None, destination: Destination) -> None:
     """Print or write the structure and figures of a mechanism."""
     facts = portrait(load(name, variant))
-    destination.print(terminal.portrait(facts))
+    destination.print(*terminal.portrait(facts))
     destination.write_json(facts)
 
 
@@ -44,7 +44,7 @@ def thread(name: str, variant: str | None, required: Path | None, destination: D
     mechanism = Mechanism(linkage)
     facts = {"mechanism": linkage.name, "variant": linkage.variant, **thread_facts(mechanism, linkage.thread)}
     held = compare_feed(mechanism, linkage.thread, read_required_feed(required)) if required else None
-    destination.print(terminal.thread(facts, held))
+    destination.print(*terminal.thread(facts, held))
     if held is not None:
         curves = {name: getattr(held, name).tolist() for name in ("required", "actual", "difference")}
         facts["comparison"] = {"angle": np.degrees(held.angle).tolist(), **curves}

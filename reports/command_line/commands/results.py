@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import webbrowser
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -10,33 +11,36 @@ import numpy as np
 from numpy.typing import NDArray
 
 from analytic.description.changes import without
-from analytic.description.crank_motion import RPM, CrankMotion, Segment, swing
+from analytic.description.crank_motion import RPM, CrankMotion, Segment
 from analytic.description.law import FULL_TURN
 from analytic.description.loading import load
 from analytic.errors import LinkproofError
 from analytic.kinematics.crank_range import crank_range
 from analytic.kinematics.mechanism import Mechanism
+from comparisons.datasheet.building import STEADY, range_motion, sheet
+from comparisons.datasheet.designer_results import DesignerResults
+from comparisons.datasheet.instants import Instants
+from comparisons.datasheet.saved import FILE, load_sheets, save_sheets
+from comparisons.datasheet.units import file_unit
 from comparisons.reference.case import Case, own_case
 from comparisons.runs.files import check_writable, write_text
 from reports.command_line.destination import STDOUT, write_out
-from reports.command_line.linear_drive import prescribed, within
+from reports.command_line.linear_drive import prescribed
 from reports.command_line.motion_choice import EVERYTHING, OWN, MotionChoice, own_regimes
-from reports.results.designer_results import DesignerResults
+from reports.document.terminal import show
 from reports.results.files import csv_table, json_text
-from reports.results.instants import Instants
-from reports.results.units import file_unit
-from reports.text.screen import show
 
 Array = NDArray[np.float64]
 
-STEADY = "constant-speed"
+PAGE = "index.html"
 
 
 @dataclass(frozen=True, kw_only=True)
 class ResultsChoice(MotionChoice):
     """What was asked for, in the user's words; ``at`` are degrees and ``time`` seconds, with commas between them.
 
-    ``csv``, ``json`` and ``svg`` are files, or "-" for stdout, which then holds nothing else.
+    ``csv``, ``json`` and ``svg`` are files, or "-" for stdout, which then holds nothing else. ``out`` is the folder of
+    a report, whose page of the mechanism a browser ``opens``.
     """
 
     mechanism: str
@@ -46,6 +50,8 @@ class ResultsChoice(MotionChoice):
     csv: str | None = None
     json: str | None = None
     svg: str | None = None
+    out: Path | None = None
+    opens: bool = False
 
     @property
     def files(self) -> dict[str, str]:
@@ -58,6 +64,10 @@ class ResultsChoice(MotionChoice):
         super().check()
         if self.at is not None and self.time is not None:
             raise LinkproofError("--at and --time both choose the instants of the table: leave one of the two out")
+        if self.opens and self.out is None:
+            raise LinkproofError("--open shows the page that --out writes: name a folder with --out")
+        if self.out is not None:
+            check_writable(self.out / PAGE)
         seen: dict[str, str] = {}
         for option, file in self.files.items():
             if file in seen:
@@ -86,12 +96,31 @@ def results(choice: ResultsChoice, *, quiet: bool = False) -> None:
     for file, text in texts.items():
         if file != STDOUT:
             write_text(Path(file), text)
+    if choice.out is not None:
+        _write_page(choice.out, case, opens=choice.opens, quiet=quiet)
     if STDOUT in texts:
         write_out(texts[STDOUT])
     elif not quiet:
         from reports.results import terminal  # noqa: PLC0415 - JSON and CSV need no tables
 
-        show(terminal.key_figures(found) if found.instants.chosen is None else terminal.at_instants(found))
+        show(*(terminal.key_figures(found) if found.instants.chosen is None else terminal.at_instants(found)))
+
+
+def _write_page(out: Path, case: Case, *, opens: bool, quiet: bool) -> None:
+    """Save the data sheet of a case among those of a report's folder, and write the report's pages."""
+    from reports.mechanism.page import file_of  # noqa: PLC0415 - seconds that nothing else pays for
+    from reports.site.site import write_site  # noqa: PLC0415
+
+    own = sheet(case, tuple(case.mechanism.linkage.released))
+    sheets = load_sheets(out) if (out / FILE).is_file() else ()
+    others = [one for one in sheets if (one.name, one.variant) != (own.name, own.variant)]
+    save_sheets(out, [*others, own])
+    write_site(out, processes=0)
+    page = out / file_of(own)
+    if not quiet:
+        show(f"page: {page}", stderr=True)
+    if opens:
+        webbrowser.open(page.resolve().as_uri())
 
 
 def _text(option: str, found: DesignerResults) -> str:
@@ -138,8 +167,7 @@ def _usual_case(mechanism: Mechanism, choice: MotionChoice) -> Case:
     if reach.is_full_turn:
         motion = CrankMotion(STEADY, (Segment(0.0, FULL_TURN / speed, (start, -speed if backwards else speed)),))
         return Case(mechanism, motion)
-    motion = swing(STEADY, *within(reach, backwards=backwards), speed=speed)
-    return Case(mechanism, replace(motion, regime=f"{STEADY} over its range"))
+    return Case(mechanism, range_motion(reach, speed, backwards=backwards))
 
 
 def _instants(case: Case, choice: ResultsChoice) -> Instants:

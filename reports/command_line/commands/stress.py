@@ -11,12 +11,12 @@ from comparisons.runs.files import write_text
 from comparisons.stress.axes import chosen_axes
 from comparisons.stress.campaign import StressRequest, make_cells, stress
 from comparisons.stress.cells import find_cell
+from comparisons.stress.saved import FILE, Stress
 from engines.registry import engine_names
 from reports.command_line.destination import Destination
 from reports.command_line.exit_codes import stress_exit_code
 from reports.command_line.interruption import interruptible, journal
 from reports.command_line.requests import command_line, installed, named
-from reports.stress.facts import FILE, Stress
 from reports.stress.terminal import cell_details, printout
 
 
@@ -64,9 +64,7 @@ def run(choice: StressChoice, destination: Destination, jobs: int | None = None)
         destination.write_json(maps.document)
         if out:
             write_text(out / FILE, to_json(maps.document))
-            from reports.stress.page import write  # noqa: PLC0415  pictures cost seconds that a table does not pay
-
-            destination.say(f"stability maps: {write(maps, out)}")
+            destination.write_pages()
         if kept:
             kept.clear()
     destination.print_out(printout(maps))

@@ -15,6 +15,7 @@ from comparisons.campaign import campaign
 from comparisons.campaign.campaign import CampaignRequest
 from comparisons.campaign.results import described, document, save
 from comparisons.campaign.results import load as load_results
+from comparisons.datasheet.building import bare_sheet
 from comparisons.judging.records import from_rows, to_json
 from engines.contract import Outcome, Run, Setting
 from tests.comparisons.perfect_engine import perfect_motion
@@ -37,7 +38,7 @@ def saved(tmp_path_factory):
     (result,) = _compared(request, run)
     folder = tmp_path_factory.mktemp("saved")
     told = document(request, [result], "linkproof compare juki-mf7923d")
-    save(folder, [result], told)
+    save(folder, [result], told, [bare_sheet(JUKI, "")])
     return folder, result
 
 
@@ -76,7 +77,7 @@ def test_the_dataset_is_labelled(saved):
 def test_the_json_beside_it_holds_the_same_records(saved):
     folder, result = saved
     assert from_rows(json.loads((folder / "records.json").read_text())["records"]) == result.records
-    assert sorted(path.name for path in folder.iterdir()) == ["curves.nc", "records.json"]
+    assert sorted(path.name for path in folder.iterdir()) == ["curves.nc", "mechanisms.json", "records.json"]
 
 
 def test_loading_imports_no_engine(saved):
@@ -112,7 +113,7 @@ def test_a_campaign_of_failures_can_be_saved(tmp_path):
     request = CampaignRequest((JUKI,), (MOTION,), "as tested", ("direct",), (Setting.NAIVE,))
     (failed,) = _compared(request, Run(Outcome.DIVERGED, "ran away"))
     told = document(request, [failed], "linkproof compare")
-    save(tmp_path, [failed], told)
+    save(tmp_path, [failed], told, [bare_sheet(JUKI, "")])
     assert load_results(tmp_path).records == failed.records
 
 

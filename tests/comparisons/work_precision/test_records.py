@@ -1,6 +1,7 @@
 """Records and their file: complete, without NaN, the same when read back."""
 
 import json
+import re
 
 import pytest
 
@@ -16,7 +17,10 @@ KEYS = {
 
 def _document(records):
     noise = {"work": "w", "samples": [1e-3, 1.2e-3]}
-    return {"format": FORMAT, "noise": noise, "costs": [], "quantities": ["Mkr"], "records": rows(points(records))}
+    extent = {"budget": 1.0, "repeats": 5, "patience": 0.6}
+    told = {"command": "bench", "conditions": "", "environment": {}, "first_use": [], "mechanisms": [], "methods": []}
+    own = {"noise": noise, "extent": extent, "costs": [], "quantities": ["Mkr"], "records": rows(points(records))}
+    return {"format": FORMAT, **told, **own}
 
 
 def test_a_point_has_the_keys_that_readers_of_the_file_use():
@@ -49,6 +53,27 @@ def test_the_file_is_json_with_a_record_to_a_line(tmp_path):
 def test_a_file_that_is_no_benchmark_is_refused(tmp_path, content):
     (tmp_path / bench_records.FILE).write_text(content)
     with pytest.raises(LinkproofError, match="is no benchmark"):
+        load(tmp_path)
+
+
+@pytest.mark.parametrize(
+    ("place", "value"),
+    [
+        (("records", 0, "setting"), None),
+        (("records", 0, "errors", "Mkr", "error_max"), "1"),
+        (("noise", "samples", 0), -1.0),
+        (("extent", "repeats"), {}),
+        (("methods",), "none"),
+    ],
+)
+def test_a_damaged_file_is_refused_with_the_place(tmp_path, place, value):
+    document = _document([row()])
+    part = document
+    for key in place[:-1]:
+        part = part[key]
+    part[place[-1]] = value
+    save(tmp_path / bench_records.FILE, document)
+    with pytest.raises(LinkproofError, match=re.escape(".".join(map(str, place)))):
         load(tmp_path)
 
 

@@ -4,7 +4,7 @@ import dataclasses
 
 from comparisons.campaign.campaign import RunResult
 from reports.campaign.terminal import printout
-from reports.text.screen import rendered
+from reports.document.terminal import rendered
 from tests.comparisons.judging.test_baseline import RECORD
 
 

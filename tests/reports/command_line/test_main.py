@@ -17,6 +17,18 @@ from tests.comparisons.faults import announce_engines
 
 JUKI = Path(__file__).parents[3] / "analytic" / "catalogue" / "juki-mf7923d.toml"
 
+REPORT = {
+    "RESULTS.md",
+    "assets",
+    "curves.nc",
+    "data",
+    "figures",
+    "index.html",
+    "mechanisms",
+    "mechanisms.json",
+    "records.json",
+}
+
 
 def linkproof(*words, cwd=None):
     command = [sys.executable, "-m", "reports.command_line.main", *map(str, words)]
@@ -130,12 +142,13 @@ def test_a_users_own_file_runs_from_where_it_lies(tmp_path):
 def test_out_holds_all_and_the_report_is_rebuilt_from_it(tmp_path):
     done = linkproof("compare", "juki-mf7923d", "--engine", "direct", "--out", tmp_path / "out")
     assert done.returncode == 0, done.stderr
-    names = {"RESULTS.md", "curves.nc", "index.html", "records.json"}
-    assert {path.name for path in (tmp_path / "out").iterdir()} == names
+    assert {path.name for path in (tmp_path / "out").iterdir()} == REPORT
     page = (tmp_path / "out" / "index.html").read_text()
     (tmp_path / "out" / "index.html").unlink()
     assert linkproof("report", tmp_path / "out").returncode == 0
     assert (tmp_path / "out" / "index.html").read_text() == page
+    (tmp_path / "out" / "mechanisms.json").unlink()
+    assert "run compare with --out again" in refused("report", tmp_path / "out")
 
 
 @pytest.mark.parametrize(
@@ -151,7 +164,7 @@ def test_out_holds_all_and_the_report_is_rebuilt_from_it(tmp_path):
         (["compare", "juki-mf7923d", "--speed", "0"], "--speed: expected a finite number of rpm other than 0, got 0"),
         (["compare", "juki-mf7923d", "--speed", "nan"], "expected a finite number"),
         (["compare", "juki-mf7923d", "--ramp-time", "0"], "expected a positive finite number"),
-        (["report", "no/such/folder"], "no saved curves"),
+        (["report", "no/such/folder"], "nothing to report in"),
         (["compare", "juki-mf7923d", "--engine", "direct", "--json", "/dev/null/r.json"], "cannot write"),
         (["compare", "juki-mf7923d", "-q", "-v"], "--quiet and --verbose exclude each other"),
         (["compare", "juki-mf7923d", "--resume"], "name it with --out"),
@@ -303,8 +316,7 @@ def test_a_campaign_interrupted_is_finished_by_resume(tmp_path):
     told = refused("compare", "juki-mf7923d", "--resume", "--out", tmp_path / "out")
     assert "`linkproof compare juki-mf7923d --regime all --engine direct --setting all`, got `linkproof" in told
     assert linkproof(*words, "--out", tmp_path / "out", "--resume").returncode == 0
-    names = {"RESULTS.md", "curves.nc", "index.html", "records.json"}
-    assert {path.name for path in (tmp_path / "out").iterdir()} == names
+    assert {path.name for path in (tmp_path / "out").iterdir()} == REPORT
     assert linkproof(*words, "--json", tmp_path / "here.json", "--jobs", "0").returncode == 0
     assert untimed(tmp_path / "out" / "records.json") == untimed(tmp_path / "here.json")
 
@@ -427,7 +439,7 @@ main()
 """
 
 
-@pytest.mark.parametrize("module", ["typer", "analytic.errors", "numpy", "reports.text.terminal"])
+@pytest.mark.parametrize("module", ["typer", "analytic.errors", "numpy", "reports.mechanism.terminal"])
 def test_an_interruption_of_any_import_is_one_sentence(module):
     command = [sys.executable, "-c", PRESSED, module, "show", "juki-mf7923d"]
     done = subprocess.run(command, capture_output=True, text=True, timeout=60, check=False)

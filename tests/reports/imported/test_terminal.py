@@ -1,14 +1,12 @@
 """The places of a judgement's worst errors, as a reader knows them."""
 
-from io import StringIO
-
 import numpy as np
 import pytest
-from rich.console import Console, Group
 
 from analytic.description.crank_motion import RPM, crank_motion, swing
 from analytic.description.loading import load
 from comparisons.imported.judge import judge
+from reports.document.terminal import rendered
 from reports.imported.terminal import printout
 from tests.analytic.drives import driven
 from tests.comparisons.imported.exported import exported
@@ -25,9 +23,7 @@ def printed(linkage, motion, time, sample):
         return {"Teq": wrong}
 
     judgement = judge(linkage, exported(linkage, motion, ("Teq",), time, change=change), motion)
-    screen = Console(width=200, file=StringIO())
-    screen.print(Group(*printout(judgement, "").tables))
-    return screen.file.getvalue()
+    return rendered(*printout(judgement, "").tables)
 
 
 @pytest.mark.parametrize(("ends", "degrees"), [((-40.0, 40.0), "-24.0°"), ((0.0, 720.0), "144.0°")])

@@ -3,9 +3,9 @@
 import math
 
 from analytic.description.crank_motion import RPM, CrankMotion, Segment
+from comparisons.datasheet.designer_results import DesignerResults
+from comparisons.datasheet.instants import Instants
 from comparisons.reference.case import Case
-from reports.results.designer_results import DesignerResults
-from reports.results.instants import Instants
 from tests.analytic.linkages import from_text
 
 SPEED = 1000.0 * RPM

@@ -23,7 +23,15 @@ def words(results):
 
 def test_it_names_every_force_with_its_peak_and_is_in_the_files_units():
     found = words(piston("in", 0.0254, "deg", "kN"))
-    for part in ("x, in", "Fx, kN", "piston on ground", "shaking force", "torque: peak", "φ, deg", "piston engine"):
+    for part in (
+        "x, in",
+        "Fx, kN",
+        "piston on ground",
+        "shaking force",
+        "torque: peak",
+        "crank angle φ, °",
+        "piston engine",
+    ):
         assert part in found.replace("sample (base)", "piston engine"), part
 
 
@@ -40,7 +48,7 @@ def test_a_swing_is_drawn_within_its_range_and_without_an_output():
 
 @pytest.mark.parametrize(("name", "ends"), [("linear-motor", (0.0, 0.1)), ("cylinder-in-the-loop", (0.05, 0.1))])
 def test_a_drive_along_a_line_is_drawn(name, ends):
-    assert "Mkr, N" in words(results(driven(name), swing("cycloidal", *ends, speed=0.1)))
+    assert "force, N" in words(results(driven(name), swing("cycloidal", *ends, speed=0.1)))
 
 
 def test_forces_through_a_change_point_are_drawn_where_they_have_a_bound():

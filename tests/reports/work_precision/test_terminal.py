@@ -1,7 +1,7 @@
 """The benchmark in a terminal."""
 
 from comparisons.work_precision.records import Bench, MeasuredCost, rows
-from reports.text.screen import rendered
+from reports.document.terminal import rendered
 from reports.work_precision.terminal import printout
 from tests.reports.made_up_bench import made_up_bench, nothing_finished
 

@@ -139,3 +139,25 @@ def test_a_fault_is_one_sentence_and_exit_code_2(engine, tmp_path):
     said = refused("results", engine, "--at", "0,x", "--csv", "t.csv", cwd=tmp_path)
     assert said.startswith("linkproof: --at: expected finite numbers")
     assert {path.name for path in tmp_path.iterdir()} == {"engine.toml"}
+
+
+def test_the_page_is_written_into_a_folder_beside_those_of_other_linkages(engine, tmp_path, monkeypatch):
+    shown = []
+    monkeypatch.setattr("webbrowser.open", shown.append)
+    other = tmp_path / "other.toml"
+    other.write_text(piston_text(), encoding="utf-8")
+    out = tmp_path / "pages"
+    results(ResultsChoice(mechanism=str(engine), out=out), quiet=True)
+    results(ResultsChoice(mechanism=str(other), out=out, opens=True, speed=500.0), quiet=True)
+    results(ResultsChoice(mechanism=str(engine), out=out, speed=200.0), quiet=True)
+    pages = {path.name: path.read_text(encoding="utf-8") for path in (out / "mechanisms").iterdir()}
+    assert set(pages) == {"engine.base.html", "other.base.html"}
+    assert "200 rpm" in pages["engine.base.html"]
+    assert "500 rpm" in pages["other.base.html"]
+    assert all(f"mechanisms/{name}" in (out / "index.html").read_text(encoding="utf-8") for name in pages)
+    assert shown == [(out / "mechanisms" / "other.base.html").as_uri()]
+
+
+def test_a_page_that_is_nowhere_cannot_be_opened(engine):
+    with pytest.raises(LinkproofError, match="--open shows the page that --out writes"):
+        results(ResultsChoice(mechanism=str(engine), opens=True))

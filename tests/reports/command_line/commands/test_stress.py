@@ -71,7 +71,8 @@ def test_a_cell_alone_as_json(capsys):
 def test_maps_are_written_and_the_journal_is_gone(tmp_path, capsys):
     choice = StressChoice(("start",), ("direct",), ("tuned",), quick=True)
     assert run(choice, Destination(folder=tmp_path)) == 0
-    assert {path.name for path in tmp_path.iterdir()} == {"stress.json", "stress.html"}
+    files = {path.name for path in tmp_path.iterdir()}
+    assert files == {"stress.json", "stress.html", "index.html", "assets", "figures"}
     assert "missed 0" in " ".join(capsys.readouterr().out.split())
 
 

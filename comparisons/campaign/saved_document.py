@@ -1,0 +1,142 @@
+"""The form of a campaign's saved document and curves: what is damaged is told by its key when it is read back."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterator, Mapping
+from itertools import chain
+from typing import TYPE_CHECKING, Annotated, Any, Final, Literal, NotRequired, TypeVar, get_type_hints
+
+import numpy as np
+from pydantic import Field, TypeAdapter, ValidationError
+from typing_extensions import TypedDict
+
+from comparisons.campaign.errata import ErratumRecord
+from comparisons.judging.limits import limit
+from comparisons.judging.records import Record, Verdict, from_rows
+from comparisons.judging.run_result import ARRAYS
+from engines.contract import ReadOut
+
+if TYPE_CHECKING:
+    import xarray
+
+Part = TypeVar("Part")
+ReadOuts = dict[str, dict[str, Part]]  # by engine and channel
+
+
+def _form(fields: Mapping[str, Any], container: Any = list) -> TypeAdapter[Any]:  # noqa: ANN401 - a type
+    """The form of rows that have these fields, all of them, in a container."""
+    typed_dict: Any = TypedDict
+    row = typed_dict("Row", dict(fields))
+    return TypeAdapter(container[row])
+
+
+RECORDS: Final = _form(get_type_hints(Record))
+ROWS: Final[Mapping[str, TypeAdapter[Any]]] = {
+    "records": RECORDS,
+    "invariants": RECORDS,
+    "errata": _form({**get_type_hints(ErratumRecord), "sentence": str}),
+    "readouts": _form(get_type_hints(ReadOut), ReadOuts),
+}
+COLUMNS: Final = {**dict.fromkeys(ARRAYS, "sample"), **dict.fromkeys(("row_size", "run", "quantity"), "curve")}
+
+
+class MotionRow(TypedDict):
+    """A crank motion: its pieces from one instant to another, s, each a polynomial of the angle, rad."""
+
+    regime: str
+    segments: Annotated[list[tuple[float, float, Annotated[list[float], Field(min_length=1)]]], Field(min_length=1)]
+
+
+class DescriptionRow(TypedDict):
+    """A linkage as it was described, under a gravity, m/s²."""
+
+    name: str
+    variant: str
+    gravity: tuple[float, float]
+    text: str
+
+
+class Document(TypedDict):
+    """Everything but the curves."""
+
+    format: Literal[1]
+    command: str
+    conditions: str
+    environment: Mapping[str, str]
+    records: list[Any]
+    invariants: list[Any]
+    errata: list[Any]
+    readouts: Mapping[str, Any]
+    details: Mapping[str, Mapping[str, Any]]
+    motions: list[MotionRow]
+    descriptions: list[DescriptionRow]
+    judgement: NotRequired[list[str]]
+
+
+DOCUMENT: Final = TypeAdapter(Document)
+
+
+def checked(text: str, curves: xarray.Dataset) -> dict[str, Any]:
+    """The document of a campaign from its text; raises ValueError, which names the key, where it is damaged."""
+    at: tuple[str, ...] = ()
+    try:
+        DOCUMENT.validate_json(text, strict=True)
+        document: dict[str, Any] = json.loads(text)
+        for key, form in ROWS.items():
+            at = (key,)
+            form.validate_python(document[key], strict=True)
+    except ValidationError as error:
+        first = error.errors(include_url=False, include_input=False)[0]
+        raise ValueError(f"{'.'.join(map(str, (*at, *first['loc'])))}: {first['msg']}") from error
+    for fault in chain(_curve_faults(curves), _record_faults(document, curves)):
+        raise ValueError(fault)
+    return document
+
+
+def _curve_faults(curves: xarray.Dataset) -> Iterator[str]:
+    """What does not fit among the arrays."""
+    if not curves.sizes:
+        return
+    for name, dimension in COLUMNS.items():
+        if name not in curves or curves[name].dims != (dimension,):
+            yield f"expected {name} along {dimension}"
+            return
+    sizes = curves["row_size"].values
+    if sizes.dtype.kind not in "iu" or np.any(sizes < 0) or int(np.sum(sizes)) != curves.sizes["sample"]:
+        yield f"row_size: expected whole numbers that add up to {curves.sizes['sample']} samples"
+    for name in ARRAYS:
+        if curves[name].dtype.kind != "f" or not np.isfinite(curves[name].values).all():
+            yield f"{name}: expected finite numbers"
+
+
+def _record_faults(document: Mapping[str, Any], curves: xarray.Dataset) -> Iterator[str]:
+    """Records of nothing that was described, without the curve that they tell of, or that contradict themselves."""
+    described = {(row["name"], row["variant"]) for row in document["descriptions"]}
+    columns = ([str(name) for name in curves[key].values] if key in curves else [] for key in ("run", "quantity"))
+    known = set(zip(*columns, strict=True))
+    rows = {key: from_rows(document[key]) for key in ("records", "invariants")}
+    runs = {record.run for record in rows["records"]}
+    for key, records in rows.items():
+        for number, record in enumerate(records):
+            where, run = f"{key}.{number}", "/".join(record.run)
+            if record.run not in runs:
+                yield f"{where}: no record of the run {run}"
+            if record.run[:2] not in described:
+                yield f"{where}: no description of {record.mechanism} ({record.variant})"
+            if record.outcome not in list(Verdict):
+                yield f"{where}.outcome: expected one of {', '.join(Verdict)}"
+            if record.error_max is None and record.error_rms is not None:
+                yield f"{where}: expected an error_max beside error_rms"
+            if key == "records" and record.error_max is not None and (run, record.quantity) not in known:
+                yield f"{where}: no curve of {record.quantity} by {run}"
+            if "judgement" not in document:  # another tool's signals have any name
+                yield from _limit_faults(record, where)
+
+
+def _limit_faults(record: Record, where: str) -> Iterator[str]:
+    """A quantity or a setting for which there is no limit."""
+    try:
+        limit(record.quantity, record.setting, record.regime)
+    except LookupError:
+        yield f"{where}: no limit of {record.quantity or 'a nameless quantity'} at {record.setting or 'no setting'}"

@@ -1,0 +1,25 @@
+"""The data sheets of a campaign's linkages, made in worker processes."""
+
+from __future__ import annotations
+
+from contextlib import closing
+
+from comparisons.campaign.campaign import CampaignRequest
+from comparisons.datasheet.building import bare_sheet, usual_sheet
+from comparisons.datasheet.sheet import Sheet
+from comparisons.runs.failures import Lost
+from comparisons.runs.workers import DEFAULT_BOUNDS, Bounds, run_jobs, usual_processes
+
+
+def sheets(
+    request: CampaignRequest, *, bounds: Bounds = DEFAULT_BOUNDS, processes: int | None = None
+) -> tuple[Sheet, ...]:
+    """A sheet of every linkage, in the order of the request; of one whose process gave none it says why."""
+    jobs = [(linkage, request.motions, request.own_regimes) for linkage in request.linkages]
+    count = usual_processes(len(jobs)) if processes is None else processes
+    with closing(run_jobs(usual_sheet, jobs, bounds=bounds, processes=count)) as ended:
+        found = dict(ended)
+    return tuple(
+        bare_sheet(jobs[number][0], one.reason) if isinstance(one, Lost) else one
+        for number, one in sorted(found.items())
+    )

@@ -1,0 +1,147 @@
+"""Every signal of a case over its motion, and their peaks, refined beyond the instants of the grid; SI."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Final, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from analytic.description.law import FULL_TURN
+from analytic.description.linkage import Linkage
+from analytic.numerics.peaks import highest
+from comparisons.datasheet.instants import Instants, with_near_toggles
+from comparisons.reference import signals
+from comparisons.reference.case import Case, Truth
+
+Array = NDArray[np.float64]
+Measure = Callable[[Truth], Array]
+
+TIME: Final = "time"
+MAGNITUDE: Final = ":magnitude"
+FORCES: Final = ("joint_force:", "shaking_force:")  # vectors whose magnitude is a signal as well
+BATCH: Final = 48  # curves whose peaks are refined together: more would compute much that none of them needs
+# Three-point Gauss-Legendre on 0 to 1: of a torque squared it leaves rounding over half-degree steps.
+NODES: Final = 0.5 + np.sqrt(0.15) * np.array([-1.0, 0.0, 1.0])
+WEIGHTS: Final = np.array([5.0, 8.0, 5.0]) / 18.0
+
+
+class Peak(NamedTuple):
+    """A value, SI and signed, and the instant of it, s."""
+
+    value: float
+    time: float
+
+
+@dataclass(frozen=True)
+class Curves:
+    """The signals of a case by name: those of ``comparisons.reference.signals``, the time, and magnitudes of forces.
+
+    A magnitude is ``joint_force:A:magnitude``, or ``shaking_force:magnitude``.
+    """
+
+    case: Case
+    instants: Instants
+
+    @property
+    def linkage(self) -> Linkage:
+        """The linkage."""
+        return self.case.mechanism.linkage
+
+    @cached_property
+    def names(self) -> tuple[str, ...]:
+        """Every name, the time first, a magnitude after the components of its vector."""
+        found = [TIME]
+        for name in signals.names(self.case):
+            found.append(name)
+            if name.startswith(FORCES) and name.endswith(":y"):
+                found.append(name.removesuffix(":y") + MAGNITUDE)
+        return tuple(found)
+
+    def has(self, name: str) -> bool:
+        """Whether the case has a signal."""
+        return name in self.names
+
+    def unit(self, name: str) -> str:
+        """SI unit of a signal."""
+        return "s" if name == TIME else signals.unit(name.replace(MAGNITUDE, ":x"), self.linkage)
+
+    @cached_property
+    def grid(self) -> Array:
+        """Instants over the whole motion, s, closer to each other near dead positions."""
+        return with_near_toggles(self.case, self.instants.grid)
+
+    @cached_property
+    def on_grid(self) -> Truth:
+        """The closed form over the whole motion."""
+        return self.at(self.grid)
+
+    def at(self, time: Array) -> Truth:
+        """The closed form at instants (n,), s."""
+        return Truth(self.case.mechanism, self.case.motion, time)
+
+    def values(self, names: Iterable[str], time: float) -> tuple[float, ...]:
+        """Signals at one instant, s."""
+        truth = self.at(np.array([time]))
+        return tuple(float(self.of(truth, name)[0]) for name in names)
+
+    def of(self, truth: Truth, name: str) -> Array:
+        """A signal of the closed form at some instants."""
+        if name == TIME:
+            return truth.time
+        if name.endswith(MAGNITUDE):
+            vector = name.removesuffix(MAGNITUDE)
+            return np.hypot(signals.signal(truth, f"{vector}:x"), signals.signal(truth, f"{vector}:y"))
+        found = signals.signal(truth, name)
+        return self._unwrapped(name, truth, found) if _is_angle_of_link(name) else found
+
+    def _unwrapped(self, name: str, truth: Truth, angle: Array) -> Array:
+        """The angle of a link on the branch that it has along the whole motion, whatever the order of the instants."""
+        near = np.interp(truth.time, self.grid, signals.signal(self.on_grid, name))
+        return np.asarray(angle + FULL_TURN * np.round((near - angle) / FULL_TURN))
+
+    def peaks(self, names: Iterable[str]) -> dict[str, Peak]:
+        """Of each signal the value of the largest magnitude; of a transmission angle the one farthest from 90°."""
+        asked = list(names)
+        places = self.places({name: self._severity(name) for name in asked})
+        truth = self.at(np.array([places[name] for name in asked]))
+        return {name: Peak(float(self.of(truth, name)[row]), places[name]) for row, name in enumerate(asked)}
+
+    def _severity(self, name: str) -> Measure:
+        if name.startswith("transmission_angle:"):
+            return lambda at: np.abs(self.of(at, name) - 0.5 * np.pi)
+        return lambda at: np.abs(self.of(at, name))
+
+    def places(self, measures: Mapping[str, Measure]) -> dict[str, float]:
+        """The instant, s, at which each measure of the closed form is highest, refined beyond the grid."""
+        found: dict[str, float] = {}
+        for keys in _batches(list(measures)):
+            chosen = [measures[key] for key in keys]
+
+            def curves(time: Array, chosen: Iterable[Measure] = chosen) -> Array:
+                truth = self.at(time)
+                return np.stack([measure(truth) for measure in chosen])
+
+            sampled = np.stack([measure(self.on_grid) for measure in chosen])
+            _, places = highest(curves, self.grid, sampled)
+            found |= dict(zip(keys, places.tolist(), strict=True))
+        return found
+
+    def mean(self, measure: Measure) -> float:
+        """Mean over time of a measure of the closed form."""
+        edges = self.grid
+        steps = np.diff(edges)
+        time = np.clip((edges[:-1, None] + steps[:, None] * NODES).ravel(), edges[0], edges[-1])
+        values = measure(self.at(time)).reshape(-1, len(NODES))
+        return float(steps @ (values @ WEIGHTS) / (edges[-1] - edges[0]))
+
+
+def _is_angle_of_link(name: str) -> bool:
+    return name.startswith("link:") and name.endswith(":angle")
+
+
+def _batches(keys: list[str]) -> Iterable[list[str]]:
+    return (keys[start : start + BATCH] for start in range(0, len(keys), BATCH))

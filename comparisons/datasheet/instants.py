@@ -1,0 +1,173 @@
+"""The instants at which a motion is looked at, and the axis they are shown over."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field
+from functools import cached_property
+from itertools import pairwise
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from analytic.description.crank_motion import CrankMotion
+from analytic.description.law import FULL_TURN
+from analytic.errors import LinkproofError
+from analytic.kinematics.transmission import transmission_angle
+from comparisons.reference.case import Case, Motion
+
+Array = NDArray[np.float64]
+
+STEP: Final = math.radians(0.5)  # of the crank, between two instants
+LINEAR_STEPS: Final = 720  # over the travel of a drive along a line
+FEWEST, MOST = 180, 20_000  # intervals of the whole motion
+FEWEST_OF_PIECE: Final = 24
+LOOKS, FEWEST_LOOKS = 1801, 65  # instants at which the way of the crank is measured: of a motion, and of a piece of it
+ROUNDING: Final = 1e-12  # of a turn, or of the motion's length: what is nearer than this to an instant is there
+# Between two instants the sine of a transmission angle changes by no more than this share of itself: the forces go as
+# its inverse. Next to such a change, too, for its least value may lie between two that are equal.
+CHANGE: Final = 0.2
+HALVINGS: Final = 14
+MOST_ADDED: Final = 4000  # instants added
+
+
+@dataclass(frozen=True)
+class Instants:
+    """A motion seen over time, or over φ where the crank turns at constant speed.
+
+    ``turns`` tells an angle, of which whole turns do not count, from a travel. ``chosen`` are the instants asked for,
+    s; all of the grid if None.
+    """
+
+    motion: Motion
+    turns: bool = True
+    chosen: Array | None = field(default=None, compare=False)
+
+    @cached_property
+    def is_steady(self) -> bool:
+        """Whether the crank turns at one speed all the time, so that φ is the axis."""
+        time = np.linspace(0.0, self.motion.duration, FEWEST)
+        speed = self.motion.speed(time)
+        return bool(speed[0] and not np.any(self.motion.acceleration(time)) and np.all(speed == speed[0]))
+
+    @property
+    def axis(self) -> str:
+        """Name of the axis: "phi" or "time"."""
+        return "phi" if self.is_steady else "time"
+
+    @cached_property
+    def grid(self) -> Array:
+        """Instants over the whole motion, s, ascending; both sides of a jump of the acceleration, a rounding apart.
+
+        Every piece of the motion has its own, evenly spaced: a short stroke after a long dwell is seen as well.
+        """
+        jumps = [jump for jump in self.motion.jumps if 0.0 < jump < self.motion.duration]
+        edges = self._edges(jumps)
+        counts = self._intervals(edges)
+        ends = zip(pairwise(edges), counts, strict=True)
+        pieces = [np.linspace(start, end, count + 1) for (start, end), count in ends]
+        return np.unique(np.concatenate([*pieces, np.nextafter(jumps, 0.0)]))
+
+    def _edges(self, jumps: list[float]) -> list[float]:
+        """The ends of the pieces of the motion, s."""
+        segments = self.motion.segments if isinstance(self.motion, CrankMotion) else ()
+        return sorted({0.0, self.motion.duration, *jumps, *(segment.start for segment in segments)})
+
+    def _intervals(self, edges: list[float]) -> list[int]:
+        """Of each piece as many as the way of the crank in it has steps; of all neither too few nor too many."""
+        looks = max(LOOKS // len(edges), FEWEST_LOOKS)
+        angles = [self.motion.angle(np.linspace(start, end, looks)) for start, end in pairwise(edges)]
+        step = STEP if self.turns else float(np.ptp(np.concatenate(angles))) / LINEAR_STEPS or 1.0
+        ways = [float(np.sum(np.abs(np.diff(angle)))) / step for angle in angles]
+        counts = [max(math.ceil(way * (1.0 - ROUNDING)), FEWEST_OF_PIECE) if way else 2 for way in ways]
+        total = sum(counts)
+        scale = max(1.0, FEWEST / total) * min(1.0, MOST / total)
+        return [max(math.ceil(count * scale * (1.0 - ROUNDING)), 2) for count in counts]
+
+    @property
+    def shown(self) -> Array:
+        """The instants of tables and files, s: those chosen, else the grid."""
+        return self.grid if self.chosen is None else self.chosen
+
+    def at_times(self, times: Array) -> Instants:
+        """The same with these instants chosen; raises LinkproofError for one that the motion does not have."""
+        duration = self.motion.duration
+        for time in times:
+            if not -ROUNDING * duration <= time <= duration * (1.0 + ROUNDING):
+                raise LinkproofError(
+                    f"--time: expected instants from 0 to {duration:g} s, the motion's, got {time:g}; choose others"
+                )
+        return Instants(self.motion, self.turns, np.clip(times, 0.0, duration))
+
+    def at_angles(self, angles: Array, unit: str, size: float) -> Instants:
+        """The same with the instants chosen at which the crank first passes these angles, in ``unit`` of ``size``.
+
+        Raises LinkproofError for an angle that it does not pass.
+        """
+        return Instants(self.motion, self.turns, np.array([self._passing(float(a), unit, size) for a in angles]))
+
+    def _passing(self, angle: float, unit: str, size: float) -> float:
+        """The first instant at which the crank is at an angle, whole turns aside."""
+        time, target = self.grid, angle * size
+        away = self._away(time, target)
+        hits = np.flatnonzero(np.abs(away - np.round(away)) <= ROUNDING)
+        passed = np.flatnonzero(np.floor(away[1:]) != np.floor(away[:-1]))
+        low, high = (float(end(self.motion.angle(time))) for end in (np.min, np.max))
+        beyond = not self.turns and not low - self._slack <= target <= high + self._slack
+        if beyond or not (len(hits) or len(passed)):
+            turns = " and whole turns more or less" if self.turns else ""
+            raise LinkproofError(
+                f"--at: expected what the motion passes, from {low / size:.6g}{unit} to {high / size:.6g}{unit}{turns}"
+                f", got {angle:.6g}{unit}; choose others, or another motion"
+            )
+        first = float(time[hits[0]]) if len(hits) else math.inf
+        if len(passed) and time[passed[0]] < first:
+            return self._between(target, float(time[passed[0]]), float(time[passed[0] + 1]))
+        return first
+
+    @property
+    def _slack(self) -> float:
+        return ROUNDING * self._period
+
+    @cached_property
+    def _period(self) -> float:
+        """A turn; of a travel, which has none, more than it can be away from any place on its way."""
+        return FULL_TURN if self.turns else 4.0 * (float(np.ptp(self.motion.angle(self.grid))) or 1.0)
+
+    def _away(self, time: Array, target: float) -> Array:
+        """How far the crank is from an angle, in periods."""
+        return np.asarray((self.motion.angle(time) - target) / self._period)
+
+    def _between(self, target: float, low: float, high: float) -> float:
+        """The instant between two neighbours of the grid at which the crank is at an angle: by bisection."""
+        start = math.floor(float(self._away(np.array([low]), target)[0]))
+        while True:
+            middle = 0.5 * (low + high)
+            if not low < middle < high:
+                return high
+            same = math.floor(float(self._away(np.array([middle]), target)[0])) == start
+            low, high = (middle, high) if same else (low, middle)
+
+
+def with_near_toggles(case: Case, grid: Array) -> Array:
+    """The instants, s, with as many between them as the groups' transmission angles ask for."""
+    added = grid
+    for _ in range(HALVINGS):
+        halves = _halved(case, added)
+        if not len(halves) or len(added) + len(halves) > len(grid) + MOST_ADDED:
+            break
+        added = np.union1d(added, halves)
+    return added
+
+
+def _halved(case: Case, time: Array) -> Array:
+    """The middles of those steps in which, or next to which, a sine changes by too much."""
+    sweep = case.mechanism.sweep(case.motion.angle(time))
+    coarse = np.zeros(len(time) - 1, dtype=bool)
+    for dyad in case.mechanism.structure.dyads:
+        sine = np.sin(transmission_angle(sweep, dyad))
+        coarse |= np.abs(np.diff(sine)) > CHANGE * np.minimum(sine[1:], sine[:-1])
+    wide = np.convolve(coarse, [True, True, True], mode="same").astype(bool)
+    middles = 0.5 * (time[1:] + time[:-1])
+    return np.asarray(middles[wide & (middles > time[:-1]) & (middles < time[1:])])

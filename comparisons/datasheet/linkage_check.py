@@ -1,0 +1,154 @@
+"""What ``linkproof check`` finds out of a linkage, one step after the other, until a step fails; SI units and rad."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from functools import partial
+from typing import Any, Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from analytic.description.linkage import Linkage
+from analytic.errors import LinkproofError, StructureError
+from analytic.kinematics.crank_range import CrankRange, Toggle, crank_range
+from analytic.kinematics.decomposition import find_structure
+from analytic.kinematics.mechanism import Mechanism
+from analytic.kinematics.mobility import grashof, loose_points, mobility
+from analytic.kinematics.structure import Dyad
+from analytic.kinematics.transmission import transmission_angle
+from analytic.numerics.roots import root
+from comparisons.datasheet.linkage_warnings import warnings
+
+Array = NDArray[np.float64]
+Facts = dict[str, Any]
+
+POINTS: Final = 721
+BINDS: Final = float(np.radians(40.0))  # transmission angle below which four-bars and slider-cranks bind easily (Alt)
+INSET: Final = 1e-9  # of a range that ends in dead positions, so that its ends are assembled
+LOOK, LOOKS = 33, 4  # each look at the least transmission angle shrinks its bracket 16-fold
+
+
+def check(linkage: Linkage) -> tuple[Facts, LinkproofError | None]:
+    """All that is right, and the fault that ended it, if there is one."""
+    facts: Facts = {"mechanism": linkage.name, "title": linkage.title, "variant": linkage.variant}
+    try:
+        for step in _steps(linkage):
+            facts |= step
+    except LinkproofError as error:
+        found = {"structure": f"{error.so_far} -> ?"} if isinstance(error, StructureError) and error.so_far else {}
+        return facts | found | {"fault": str(error)}, error
+    return facts | {"fault": None}, None
+
+
+def _steps(linkage: Linkage) -> Iterator[Facts]:
+    """What each step adds; raises LinkproofError where one finds a fault."""
+    yield {"loads": _loads(linkage), "warnings": list(warnings(linkage)), "loose_points": list(loose_points(linkage))}
+    count = mobility(linkage)
+    yield {"mobility": {"degrees": count.degrees, "formula": count.formula}}
+    structure = find_structure(linkage)
+    yield {"structure": structure.formula, "four_bar": grashof(linkage, structure)}
+    mechanism = Mechanism(linkage)
+    yield {"sketch": _sketch(mechanism)}
+    reach = crank_range(mechanism)
+    yield {"range": range_facts(mechanism, reach)}
+    yield {"transmission": _transmission(mechanism, reach)}
+    if reach.is_full_turn and not reach.change_points:
+        yield accuracy(mechanism)
+
+
+def accuracy(mechanism: Mechanism) -> Facts:
+    """How far joints are open over a full turn, m, and how far the closed form can be wrong; None beyond all bounds."""
+    bounds = (bound if np.isfinite(bound) else None for bound in mechanism.error_bound())
+    return {
+        "closure_error": float(np.max(mechanism.turn.closure_error())),
+        "error_bound": dict(zip(("position", "first", "second"), bounds, strict=True)),
+    }
+
+
+def _loads(linkage: Linkage) -> Facts:
+    """Which links have mass and inertia, and what acts on them."""
+    return {
+        "without_mass": [name for name, link in linkage.links.items() if not link.mass],
+        "without_inertia": [name for name, link in linkage.links.items() if link.mass and link.inertia == 0.0],
+        "gravity": any(linkage.gravity),
+        **{kind: len(getattr(linkage, kind)) for kind in ("forces", "torques", "springs", "dampers")},
+        "output": linkage.output.point if linkage.output else None,
+        "is_idle": linkage.is_idle,
+        "links": len(linkage.links),
+    }
+
+
+def _sketch(mechanism: Mechanism) -> Facts:
+    """How far each sketched point is from where it is assembled, m, and how far the linkage extends."""
+    linkage, sweep = mechanism.linkage, mechanism.sweep(mechanism.linkage.sketch_angle)
+    off = {name: float(np.hypot(*(sweep.point(name) - place))) for name, place in linkage.sketch.items()}
+    return {"angle": linkage.sketch_angle, "off": off, "extent": linkage.extent()}
+
+
+def range_facts(mechanism: Mechanism, reach: CrankRange) -> Facts:
+    """Between which values of φ the linkage keeps its assembly mode, why it ends there, and its change points."""
+    low, high = reach.limits
+
+    def toggle(one: Toggle | None) -> str | None:
+        return one.sentence if one else None
+
+    return {
+        "is_full_turn": reach.is_full_turn,
+        "is_linear": reach.is_linear,
+        "low": low,
+        "high": high,
+        "low_limit": toggle(reach.low),
+        "high_limit": toggle(reach.high),
+        "change_points": [
+            {"at": one.angle, "where": mechanism.linkage.place(one.angle), "how": one.sentence}
+            for one in reach.change_points
+        ],
+        "words": [reach.place(low), reach.place(high)],
+    }
+
+
+def _transmission(mechanism: Mechanism, reach: CrankRange) -> Facts:
+    """Of every group the transmission angle nearest to 0° or 180°, folded to 0 to π/2, and where it has it."""
+    low, high = reach.limits
+    inset = 0.0 if reach.is_full_turn else INSET * (high - low)
+    grid = np.linspace(low + inset, high - inset, POINTS)
+    place = mechanism.linkage.place if reach.is_full_turn else reach.place
+    found = {}
+    for dyad in mechanism.structure.dyads:
+        folded = partial(_folded, mechanism, dyad)
+        at, least = _least(folded, grid)
+        good = [] if reach.is_full_turn else _good(folded, grid)
+        words = {"where": place(at), "good_from_to": [place(end) for end in good]}
+        found[dyad.name] = {"least": least, "at": at, "good": good, "kind": dyad.kind, **words}
+    return found
+
+
+def _folded(mechanism: Mechanism, dyad: Dyad, phi: Array) -> Array:
+    angle = transmission_angle(mechanism.sweep(phi), dyad)
+    return np.minimum(angle, np.pi - angle)
+
+
+def _good(folded: Callable[[Array], Array], grid: Array) -> list[float]:
+    """The ends of the stretch around the best transmission angle in which it is no less than BINDS; none if nowhere."""
+    enough = folded(grid) >= BINDS
+    best = int(np.argmax(folded(grid)))
+    if not enough[best]:
+        return []
+    ends = []
+    for direction in (-1, 1):
+        short = np.flatnonzero(~enough[best::direction])
+        last = best + direction * (int(short[0]) - 1) if len(short) else (-1 if direction > 0 else 0)
+        outside = grid[last + direction] if len(short) else grid[last]
+        ends.append(root(lambda phi: float(folded(np.array([phi]))[0]) - BINDS, float(grid[last]), float(outside)))
+    return ends
+
+
+def _least(quantity: Callable[[Array], Array], grid: Array) -> tuple[float, float]:
+    """Where a quantity is least, and its value there, refined beyond the grid."""
+    step = float(grid[1] - grid[0])
+    at = float(grid[int(np.argmin(quantity(grid)))])
+    for _ in range(LOOKS):
+        near = np.clip(at + step * np.linspace(-1.0, 1.0, LOOK), grid[0], grid[-1])
+        at, step = float(near[int(np.argmin(quantity(near)))]), step * 2.0 / (LOOK - 1)
+    return at, float(quantity(np.array([at]))[0])

@@ -1,0 +1,107 @@
+"""The portrait of a mechanism: what ``linkproof show`` tells of it, as plain data."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+
+from analytic.description.linkage import Linkage
+from analytic.description.thread_path import ThreadPath
+from analytic.dynamics import reduced
+from analytic.dynamics.equilibrium import equilibria
+from analytic.kinematics.crank_range import crank_range
+from analytic.kinematics.mechanism import Mechanism
+from analytic.numerics.extremes import Extremes, extremes, periodic_mean
+from analytic.turn.thread_feed import eye_travel, feed_diagram
+from analytic.turn.unit_functions import bottom_dead_centre, stroke, top_dead_centre
+from comparisons.datasheet.linkage_check import accuracy, range_facts
+
+
+def portrait(linkage: Linkage) -> dict[str, Any]:
+    """Structure, inertia and accuracy of a linkage in SI units and degrees, ready for JSON.
+
+    Where the crank cannot turn fully, or passes change points, its range stands in place of the figures of a turn.
+    """
+    mechanism = Mechanism(linkage)
+    reach = crank_range(mechanism)
+    signs = {dyad.name: dyad.sign for dyad in mechanism.structure.dyads if dyad.sign}
+    facts = described(linkage, structure=mechanism.structure.formula, signs=signs)
+    if reach.is_full_turn:
+        return facts | _turn(mechanism, facts["links"])
+    return facts | {"range": range_facts(mechanism, reach)}
+
+
+def described(linkage: Linkage, **worked_out: object) -> dict[str, Any]:
+    """What a linkage's file says of it, with what is worked out among it."""
+    return {
+        "mechanism": linkage.name,
+        "title": linkage.title,
+        "source": linkage.source,
+        "variant": linkage.variant,
+        "variants": list(linkage.variants),
+        **worked_out,
+        "links": {name: _link(linkage, name) for name in linkage.links},
+        "notes": list(linkage.notes),
+    }
+
+
+def _turn(mechanism: Mechanism, links: dict[str, dict[str, Any]]) -> dict[str, Any]:
+    """Figures of a full turn; each link's mean Jeq is added to ``links``."""
+    linkage = mechanism.linkage
+    for name, link in links.items():
+        link["Jeq_mean"] = periodic_mean(reduced.link_inertia(mechanism.turn, name))
+    facts = accuracy(mechanism)
+    if not linkage.is_massless:
+        facts["Jeq"] = _extremes(extremes(lambda phi: reduced.reduced_inertia(mechanism.sweep(phi))))
+    if any(linkage.gravity) or linkage.springs:
+        facts["equilibria"] = [
+            {"angle": math.degrees(found.angle), "stable": bool(found.stable)} for found in equilibria(mechanism)
+        ]
+    if linkage.thread is not None:
+        facts["thread"] = thread_facts(mechanism, linkage.thread)
+    if linkage.output is not None:
+        facts["output"] = {
+            "point": linkage.output.point,
+            "stroke": stroke(mechanism),
+            "top_dead_centre": math.degrees(top_dead_centre(mechanism).angle),
+            "bottom_dead_centre": math.degrees(bottom_dead_centre(mechanism).angle),
+        }
+    return facts
+
+
+def thread_facts(mechanism: Mechanism, path: ThreadPath) -> dict[str, Any]:
+    """Contour and feed of the thread over a turn, m and degrees."""
+    diagram = feed_diagram(mechanism, path)
+    eyes = {stop.point: eye_travel(mechanism, stop.point) for stop in path.eyes}
+    return {
+        "contour": {"min": diagram.length_extremes.minimum, "max": diagram.length_extremes.maximum},
+        "feed": {"min": float(np.min(diagram.feed)), "max": float(np.max(diagram.feed)), "total": diagram.total_feed},
+        "reference_angle": math.degrees(diagram.reference_angle),
+        "eyes": {
+            eye: {"top": math.degrees(travel.top_angle), "bottom": math.degrees(travel.bottom_angle)}
+            for eye, travel in eyes.items()
+        },
+    }
+
+
+def _extremes(found: Extremes) -> dict[str, float]:
+    return {
+        "mean": found.mean,
+        "max": found.maximum,
+        "min": found.minimum,
+        "pulsation": found.relative_pulsation,
+        "max_at": math.degrees(found.maximum_angle),
+        "min_at": math.degrees(found.minimum_angle),
+    }
+
+
+def _link(linkage: Linkage, name: str) -> dict[str, Any]:
+    link = linkage.links[name]
+    return {
+        "points": {point: list(local) for point, local in link.points.items()},
+        "mass": link.mass,
+        "centre": list(link.centre),
+        "inertia": link.inertia,
+    }

@@ -1,0 +1,65 @@
+"""Data sheets as a file beside a campaign's curves: ``mechanisms.json``."""
+
+from __future__ import annotations
+
+import zlib
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Final, Literal
+
+from pydantic import TypeAdapter, ValidationError
+
+from analytic.errors import LinkproofError
+from comparisons.datasheet.sheet import Sheet
+from comparisons.runs.files import write_text
+
+FILE: Final = "mechanisms.json"
+AGAIN: Final = "run compare with --out again"
+
+
+@dataclass(frozen=True)
+class Saved:
+    """What the file holds: the sheets, and before them a digest of all that stands after it."""
+
+    format: Literal[1]
+    digest: str
+    sheets: tuple[Sheet, ...]
+
+
+FORM: Final = TypeAdapter(Saved)
+BODY: Final = b'"sheets":'
+
+
+def save_sheets(folder: Path, sheets: Sequence[Sheet]) -> None:
+    """Write the sheets into a folder, in one step."""
+    _, mark, body = FORM.dump_json(Saved(1, "", tuple(sheets))).partition(BODY)
+    text = f'{{"format":1,"digest":"{_digest(body)}",{(mark + body).decode()}'
+    write_text(folder / FILE, text)
+
+
+def load_sheets(folder: Path) -> tuple[Sheet, ...]:
+    """Read them back; raises LinkproofError, which names the key, for a file that is missing or damaged."""
+    path = folder / FILE
+    if not path.is_file():
+        raise LinkproofError(f"no data sheets of the mechanisms at '{path}': {AGAIN}")
+    try:
+        content = path.read_bytes()
+        found = FORM.validate_json(content, strict=True)
+    except ValidationError as error:
+        first = error.errors(include_url=False, include_input=False)[0]
+        raise _damaged(path, ".".join(map(str, first["loc"])), first["msg"]) from error
+    except OSError as error:
+        raise LinkproofError(f"cannot read '{path}': {error.strerror}; {AGAIN}") from error
+    if _digest(content.partition(BODY)[2]) != found.digest:
+        raise _damaged(path, "sheets", "expected what was written, got something else")
+    return found.sheets
+
+
+def _digest(body: bytes) -> str:
+    """A few letters that change with every damage."""
+    return f"{zlib.crc32(body):08x}"
+
+
+def _damaged(path: Path, key: str, what: str) -> LinkproofError:
+    return LinkproofError(f"'{path}' is damaged at {key or 'its start'}: {what}; {AGAIN}")

@@ -1,0 +1,140 @@
+"""A stress test as a file: ``stress.json``, read back with its cells in the order of the table of axes."""
+
+from __future__ import annotations
+
+import json
+from collections import Counter
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+from typing import Any, Final, TypeVar
+
+from pydantic import TypeAdapter, ValidationError
+
+from analytic.errors import LinkproofError
+from comparisons.stress.axes import axes
+from comparisons.stress.border import Border
+from comparisons.stress.cells import Cell, CellResult, from_document
+from comparisons.stress.verdict import StressVerdict
+
+FILE: Final = "stress.json"
+Item = TypeVar("Item")
+Line = tuple[str, str, str, str]  # axis, row, engine, usage
+
+
+@dataclass(frozen=True)
+class StressHead:
+    """What a file says of its cells as a whole."""
+
+    command: str
+    quick: bool
+    environment: dict[str, str]
+
+
+HEAD: Final = TypeAdapter(StressHead)
+BORDER: Final = TypeAdapter(Border)
+
+
+@dataclass(frozen=True)
+class Stress:
+    """A finished stress test: its document as saved, and what is in it."""
+
+    document: Mapping[str, Any]
+
+    @cached_property
+    def results(self) -> tuple[CellResult, ...]:
+        """Every cell in the order of the maps, whichever process was done first."""
+        return tuple(sorted((from_document(row) for row in self.document["cells"]), key=lambda one: _place(one.cell)))
+
+    @cached_property
+    def borders(self) -> tuple[Border, ...]:
+        """Every border found."""
+        return tuple(map(BORDER.validate_python, self.document["borders"]))
+
+    @cached_property
+    def lines(self) -> Mapping[Line, Sequence[CellResult]]:
+        """The cells of each line."""
+        return _grouped((result.cell.line, result) for result in self.results)
+
+    @cached_property
+    def line_borders(self) -> Mapping[Line, Sequence[Border]]:
+        """The borders of each line that has any."""
+        return _grouped((border.line, border) for border in self.borders)
+
+    @cached_property
+    def axes(self) -> tuple[str, ...]:
+        """Names of the axes, in the order of their table."""
+        return tuple(dict.fromkeys(result.cell.axis for result in self.results))
+
+    @cached_property
+    def columns(self) -> Mapping[str, tuple[float, ...]]:
+        """Of each axis the listed values that were run, without those of the bisection; all where none is listed."""
+        quick, seen = self.document["quick"], dict.fromkeys((one.cell.axis, one.cell.value) for one in self.results)
+        return {
+            axis: tuple(value for value in (known.quick if quick else known.values) if (axis, value) in seen)
+            or tuple(value for name, value in seen if name == axis)
+            for axis, known in axes().items()
+            if axis in self.axes
+        }
+
+    @cached_property
+    def engines(self) -> tuple[str, ...]:
+        """Names of the engines, sorted: not every axis has all of them."""
+        return tuple(sorted({result.cell.engine for result in self.results}))
+
+    def of(self, *verdicts: StressVerdict) -> tuple[CellResult, ...]:
+        """The cells of these verdicts."""
+        return tuple(result for result in self.results if result.verdict in verdicts)
+
+    def count(self, engine: str = "", axis: str = "") -> Counter[StressVerdict]:
+        """How many cells of an engine, of an axis or of all came to each verdict."""
+        return Counter(
+            result.verdict for result in self.results
+            if engine in ("", result.cell.engine) and axis in ("", result.cell.axis)
+        )  # fmt: skip
+
+
+def _grouped(pairs: Iterable[tuple[Line, Item]]) -> dict[Line, list[Item]]:
+    groups: dict[Line, list[Item]] = {}
+    for line, item in pairs:
+        groups.setdefault(line, []).append(item)
+    return groups
+
+
+def _place(cell: Cell) -> tuple[object, ...]:
+    """Where a cell stands in the table of axes; a row or a usage that the table has no more comes last."""
+    axis = axes()[cell.axis]
+    rows, usages = [row.label for row in axis.rows], (*axis.settings, *axis.methods)
+    falling = axis.values[0] > axis.values[-1]
+    return (list(axes()).index(cell.axis), _rank(rows, cell.row), cell.engine, _rank(usages, cell.usage),
+            -cell.value if falling else cell.value)  # fmt: skip
+
+
+def _rank(names: Sequence[str], name: str) -> int:
+    return names.index(name) if name in names else len(names)
+
+
+def load(saved: Path) -> Stress:
+    """Read a stress test back, from its folder or from the file itself; no engine is imported."""
+    path = saved / FILE if saved.is_dir() else saved
+    if not path.is_file():
+        raise LinkproofError(f"no stress test at '{path}': expected the folder given to stress --out, or its {FILE}")
+    try:
+        document = json.loads(path.read_text(encoding="utf-8"), parse_constant=int)  # an infinity is no int
+        HEAD.validate_python(document)
+        stress = Stress(document)
+        _ = stress.columns, stress.borders
+        if not stress.results:
+            raise ValueError("it has no cell")
+    except (OSError, ValueError, KeyError, TypeError) as fault:
+        raise LinkproofError(f"'{path}' is no stress test ({_told(fault)}); run stress with --out again") from fault
+    return stress
+
+
+def _told(fault: Exception) -> str:
+    """What is wrong with a file, in a line."""
+    if not isinstance(fault, ValidationError):
+        return str(fault)
+    first = fault.errors(include_url=False, include_input=False)[0]
+    return f"{'.'.join(map(str, first['loc']))}: {first['msg']}"

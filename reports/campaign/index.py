@@ -1,0 +1,237 @@
+"""The first page of a report: the verdict, the engines, a card for every mechanism, what was run."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from markupsafe import Markup
+
+from comparisons.campaign.results import Results
+from comparisons.datasheet.sheet import Sheet
+from engines.contract import Setting
+from reports.campaign.cards import card
+from reports.campaign.verdict import CHECKS, Held, Trust, listed, ratio, verdict
+from reports.document import numbers
+from reports.document.parts import (
+    Bullets,
+    Cards,
+    Cell,
+    Command,
+    Drawn,
+    Facts,
+    Fold,
+    Mono,
+    Page,
+    Paragraph,
+    Part,
+    Section,
+    Table,
+    Words,
+)
+from reports.document.templates import lines, sentence
+from reports.mechanism.engines import errors_fold
+from reports.records import matrix
+from reports.records.environment import environment_facts
+from reports.records.origins import exceptions, origin_words
+from reports.records.readouts import readout_table
+from reports.records.views import family_title, views
+
+FILE, TITLE = "index.html", "Overview"
+PAUSE = Markup('<label class="pause"><input type="checkbox"> Pause the moving schemes</label>')
+
+
+def index(results: Results | None, sheets: Sequence[Sheet], studies: tuple[Words, ...] = ()) -> Page:
+    """The first page of what a report's folder holds: a campaign, mechanisms, studies, or some of them.
+
+    ``studies`` are pages of their own beside the mechanisms': where they are, and a sentence on what they say.
+    """
+    trust = Trust(results) if results is not None and results.records else None
+    return Page(
+        file=FILE,
+        title=TITLE,
+        heading=_heading(results),
+        subtitle=sentence("index_subtitle", results=results, mechanisms=len({sheet.name for sheet in sheets})),
+        parts=(*_verdict(results, trust), *((Bullets(studies),) if studies else ())),
+        sections=(
+            *(_engines(results, trust) if results is not None and trust is not None else ()),
+            *(_mechanisms(trust, sheets) if sheets else ()),
+            *(_run(results, sheets) if results is not None else ()),
+        ),
+    )
+
+
+def _heading(results: Results | None) -> str:
+    if results is None:
+        return "Planar linkages in closed form"
+    told = results.document.get("judgement")
+    return "Is this simulation right?" if told else "Which engine to trust for which quantity?"
+
+
+def _verdict(results: Results | None, trust: Trust | None) -> tuple[Part, ...]:
+    """What it all comes to; of another tool's results what their judgement says."""
+    told = results.document.get("judgement", []) if results is not None else []
+    first, *rest = told or (verdict(trust) if trust else ()) or [""]
+    return (*([Paragraph(first, "verdict")] if first else []), *(Paragraph(line, "lead") for line in rest))
+
+
+def _engines(results: Results, trust: Trust) -> tuple[Section, ...]:
+    """What the engines did; of another tool's results every signal."""
+    if "judgement" in results.document:
+        signals = [part for view in views(results) for one in view.regimes for part in errors_fold(view, one).parts]
+        return (Section("signals", "The signals", tuple(signals)),)
+    parts = (_settings_table(trust), families_table(trust))
+    caught = matrix.past_baseline(results)
+    worse = (Fold("Within their limit, yet worse than three times their recorded value", (Bullets(caught),)),)
+    return (Section("engines", "The engines", (*parts, *(worse if caught else ()))),)
+
+
+def _settings_table(trust: Trust) -> Table:
+    """Engines down, settings across: how much of a limit is used at worst, what a run takes, what its figures are."""
+    rows: list[list[Cell | str]] = []
+    for engine in trust.engines:
+        row: list[Cell | str] = [engine]
+        for setting in trust.settings:
+            row += _standing(trust, engine, setting)
+        rows.append(row)
+    return Table(
+        "The worst error over its limit, where it is, and the time of stepping in the median run.",
+        ("engine", *(("error / limit", "stepping") * len(trust.settings))),
+        rows,
+        groups=(("", 1), *((_setting_words(trust, setting), 2) for setting in trust.settings)),
+        note=sentence("index_settings", has_control=bool(trust.controls)),
+        style="standings",
+    )
+
+
+def _setting_words(trust: Trust, setting: str) -> str:
+    untuned = setting == Setting.NAIVE.value and setting != trust.settings[0]
+    return f"{setting} (decides nothing)" if untuned else setting
+
+
+def _standing(trust: Trust, engine: str, setting: str) -> tuple[Cell | str, Cell | str]:
+    """The worst of what is compared with the closed form; the checks, which need none, stand in the other table."""
+    records = trust.records(engine, setting)
+    held = Held(tuple(record for record in records if record.quantity not in trust.checks))
+    if held.worst is None:
+        reason = _reason(held)
+        return Cell(numbers.ABSENT, _failure(held), told=reason, note=reason), ""
+    seconds = trust.seconds(engine, setting)
+    place = f"{family_title(held.worst.quantity)}, {held.worst.mechanism}"
+    largest = Cell(
+        ratio(held.worst), _style(trust, setting, held), note=place, told=sentence("index_worst", record=held.worst)
+    )
+    computed = [words for words in exceptions(records).split("; ") if not words.startswith("shared")]
+    origin = "; ".join(filter(None, (origin_words(records), *computed)))
+    return largest, Cell(numbers.ABSENT if seconds is None else numbers.seconds(seconds), note=origin)
+
+
+def _failure(held: Held) -> str:
+    return "failed" if held.failed else "absent"
+
+
+def _reason(held: Held) -> str:
+    return next((record.detail for record in held.records if record.detail), "")
+
+
+def _style(trust: Trust, setting: str, held: Held) -> str:
+    """A class of the style sheet; what decides nothing has no colour."""
+    if setting == Setting.NAIVE.value and setting != trust.settings[0]:
+        return "muted"
+    return "over" if held.failed else "pass"
+
+
+def families_table(trust: Trust) -> Table:
+    """Engines down, families of quantities across: the largest error of each, the least of a column marked."""
+    rows: list[list[Cell | str]] = []
+    for setting in [name for name in trust.settings if name != Setting.NAIVE.value] or trust.settings:
+        for engine in trust.engines:
+            cells = [trust.cell(engine, setting, name) for name in trust.families]
+            if any(cell.judged for cell in cells):
+                rows.append([engine, setting, *(_family_cell(trust, engine, setting, name) for name in trust.families)])
+    return Table(
+        "The largest error over the peak, by quantity; the least of each column is marked.",
+        ("engine", "setting", *trust.families),
+        rows,
+        align="llr",
+        note=sentence("index_families", families=trust.families, reasons=_reasons(trust)),
+        style="families",
+    )
+
+
+def _family_cell(trust: Trust, engine: str, setting: str, name: str) -> Cell:
+    held = trust.cell(engine, setting, name)
+    if held.error is None or held.worst is None:
+        return Cell("✗" if held.failed else numbers.ABSENT, _failure(held), told=_reason(held))
+    best = " best" if name != CHECKS and trust.nearest(setting, name) == engine else ""
+    sign = "✗ " if held.failed else ""
+    return Cell(
+        sign + numbers.steady_error(held.error),
+        _style(trust, setting, held) + best,
+        told=sentence("index_worst", record=held.worst),
+    )
+
+
+def _reasons(trust: Trust) -> list[str]:
+    """Why engines gave nothing, each reason of an engine once, with the settings that it holds for."""
+    found: dict[tuple[str, str], dict[str, None]] = {}
+    for (engine, setting), families in trust.held.items():
+        for record in (record for held in families.values() for record in held.records):
+            if record.error_max is None and record.detail:
+                found.setdefault((engine, record.detail), {})[setting] = None
+    return [
+        f"{engine}{'' if len(settings) == len(trust.settings) else f' {listed(settings)}'}: {detail}"
+        for (engine, detail), settings in found.items()
+    ]
+
+
+def _mechanisms(trust: Trust | None, sheets: Sequence[Sheet]) -> tuple[Section, ...]:
+    cards = Cards(tuple(card(sheet, trust) for sheet in sheets))
+    still = (Drawn(PAUSE, ""),) if any(sheet.positions for sheet in sheets) else ()
+    return (Section("mechanisms", "The mechanisms", (*still, cards)),)
+
+
+def _run(results: Results, sheets: Sequence[Sheet]) -> tuple[Section, ...]:
+    """What was run, limits, read-outs and limitations, behind a line that opens them."""
+    readouts = tuple(readout_table(name, told) for name, told in results.document["readouts"].items())
+    sources = Section("sources", "Where the engines' figures come from", (Paragraph(sentence("readouts")), *readouts))
+    says = Paragraph("What these figures do not say.")
+    repeat = (Command(results.document["command"]), Paragraph(sentence("repeat")))
+    parts = (
+        Facts(_facts(results)),
+        Section("limits", "Limits and their reasons", (matrix.limit_table(results),)),
+        *((sources,) if readouts else ()),
+        Section("limitations", "Known limitations", (says, Bullets(_limitations(results, sheets)))),
+        Section("repeat", "Repeat this report", repeat),
+    )
+    summary = "Machine, versions, regimes, limits and their reasons, known limitations, the command that repeats it"
+    return (Section("run", "What was run", (Fold(summary, parts),)),)
+
+
+def _facts(results: Results) -> tuple[tuple[str, str | Mono], ...]:
+    """Everything that decides a figure or a time of the report."""
+    engines = {record.engine: record.engine_version for record in results.records}
+    regimes = dict.fromkeys((record.regime, record.conditions) for record in matrix.every_record(results))
+    imported = "judgement" in results.document
+    absent = "" if imported else "not installed"
+    versions = ", ".join(f"{name} {engines[name] or absent}".strip() for name in sorted(engines))
+    return (
+        ("Command", Mono(results.document["command"])),
+        ("Mechanisms", ", ".join(f"{linkage.name} ({linkage.variant})" for linkage in results.linkages)),
+        ("Regimes", "; ".join(f"{name}: {conditions}" for name, conditions in regimes)),
+        ("Results of" if imported else "Engines", versions),
+        *environment_facts(results.document["environment"], leave_out=engines),
+    )
+
+
+def _limitations(results: Results, sheets: Sequence[Sheet]) -> tuple[str, ...]:
+    released = {regime for sheet in sheets for regime in sheet.released}
+    return tuple(
+        lines(
+            "limitations",
+            closure=max((sheet.facts.get("closure_error") or 0.0 for sheet in sheets), default=0.0),
+            released=sorted(released),
+            left_out=sum(record.left_out for record in results.records),
+            samples=sum(record.samples for record in results.records),
+            noted=[sheet.linkage.title for sheet in sheets if sheet.linkage.notes],
+        )
+    )

@@ -1,0 +1,213 @@
+"""Which engine to trust for which quantity: a campaign's records by engine, setting and family of quantities."""
+
+from __future__ import annotations
+
+import statistics
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Final
+
+from analytic.description.linkage import ReleasedRegime
+from comparisons.campaign.results import Results
+from comparisons.judging.records import CONTROL, Record, Verdict
+from engines.contract import Setting
+from reports.document.numbers import figure
+from reports.document.templates import sentence
+from reports.records.views import family
+
+# Quantities that go together; what is none of these and no check stands under OTHER.
+FAMILIES: Final = {
+    "S/v/a": ("S", "v", "a"),
+    "thread feed": ("thread_feed",),
+    "Jeq/Teq": ("Jeq", "Teq"),
+    "Mkr/Peq": ("Mkr", "Peq"),
+    "joint forces": ("joint_force",),
+}
+OTHER: Final = "other signals"
+RELEASED: Final = "a released crank"
+CHECKS: Final = "checks of the motion"
+# The setting that decides, the first of these that ran; what an engine does untuned is shown and decides nothing.
+DECISIVE: Final = (Setting.TUNED.value, Setting.BEST.value, Setting.NAIVE.value)
+
+
+@dataclass(frozen=True)
+class Held:
+    """The records of one engine at one setting in one family of quantities, judged or not."""
+
+    records: tuple[Record, ...]
+
+    @cached_property
+    def judged(self) -> tuple[Record, ...]:
+        """Those that say anything of the engine."""
+        return tuple(record for record in self.records if Verdict(record.outcome).judged)
+
+    @property
+    def worst(self) -> Record | None:
+        """The record with the largest error over its limit."""
+        return max((r for r in self.judged if r.error_max is not None), key=share, default=None)
+
+    @property
+    def error(self) -> float | None:
+        """The largest error over the peak."""
+        return max((r.error_max for r in self.judged if r.error_max is not None), default=None)
+
+    @property
+    def failed(self) -> bool:
+        """Whether any record counts against the engine."""
+        return any(Verdict(record.outcome).failed for record in self.judged)
+
+
+@dataclass(frozen=True)
+class Trust:
+    """What a campaign says of its engines."""
+
+    results: Results
+
+    @cached_property
+    def held(self) -> Mapping[tuple[str, str], Mapping[str, Held]]:
+        """By engine and setting, then by family, in the order of ``families``."""
+        found: dict[tuple[str, str], dict[str, list[Record]]] = {}
+        for record in (*self.results.records, *self.results.invariants):
+            families = found.setdefault((record.engine, record.setting), {})
+            families.setdefault(self._family(record), []).append(record)
+        return {run: {name: Held(tuple(records)) for name, records in one.items()} for run, one in found.items()}
+
+    @cached_property
+    def families(self) -> tuple[str, ...]:
+        """The families in which any engine was judged, in the order of the table."""
+        some = {name for one in self.held.values() for name, held in one.items() if held.judged}
+        return tuple(name for name in (*FAMILIES, OTHER, RELEASED, CHECKS) if name in some)
+
+    @cached_property
+    def settings(self) -> tuple[str, ...]:
+        """The settings that ran, the decisive one first."""
+        ran = {setting for _, setting in self.held}
+        return (*(name for name in DECISIVE if name in ran), *sorted(ran - {*DECISIVE}))
+
+    @cached_property
+    def controls(self) -> frozenset[str]:
+        """Names of what is no engine: the reference's second derivation."""
+        return frozenset(record.engine for record in self.results.records if record.origin == CONTROL)
+
+    @cached_property
+    def engines(self) -> tuple[str, ...]:
+        """Names of the engines, sorted, those of controls last."""
+        return tuple(sorted({engine for engine, _ in self.held}, key=lambda name: (name in self.controls, name)))
+
+    def records(self, engine: str, setting: str) -> tuple[Record, ...]:
+        """All records of an engine at a setting."""
+        return tuple(r for held in self.held.get((engine, setting), {}).values() for r in held.records)
+
+    def cell(self, engine: str, setting: str, name: str) -> Held:
+        """The records of an engine at a setting in a family; of none where it has none."""
+        return self.held.get((engine, setting), {}).get(name, Held(()))
+
+    def nearest(self, setting: str, name: str) -> str:
+        """The engine with the least of the largest errors in a family, among those that failed in nothing of it."""
+        cells = {engine: self.cell(engine, setting, name) for engine in self.engines if engine not in self.controls}
+        errors = {engine: cell.error for engine, cell in cells.items() if cell.error is not None and not cell.failed}
+        return min(errors, key=lambda engine: errors[engine] or 0.0, default="") if len(cells) > 1 else ""
+
+    def seconds(self, engine: str, setting: str) -> float | None:
+        """Median wall time of the stepping of a run, s."""
+        runs = {r.run: r.seconds for r in self.records(engine, setting) if r.steps}
+        return statistics.median(runs.values()) if runs else None
+
+    def _family(self, record: Record) -> str:
+        if record.quantity in self.checks:
+            return CHECKS
+        if (record.mechanism, record.variant, record.regime) in self._released:
+            return RELEASED
+        return next((name for name, held in FAMILIES.items() if family(record.quantity) in held), OTHER)
+
+    @cached_property
+    def checks(self) -> frozenset[str]:
+        """Names of what needs no reference."""
+        return frozenset(record.quantity for record in self.results.invariants)
+
+    @cached_property
+    def _released(self) -> frozenset[tuple[str, str, str]]:
+        return frozenset(
+            (linkage.name, linkage.variant, regime.name)
+            for linkage in self.results.linkages
+            for regime in linkage.regimes
+            if isinstance(regime, ReleasedRegime)
+        )
+
+
+def share(record: Record) -> float:
+    """An error over its limit."""
+    return (record.error_max or 0.0) / (record.limit or 1.0)
+
+
+def ratio(record: Record) -> str:
+    """An error over its limit for a reader."""
+    value = share(record)
+    return "< 0.001" if value < 1e-3 else figure(value, 2)
+
+
+def verdict(trust: Trust, *, timed: bool = True) -> tuple[str, ...]:
+    """The verdict: whom to trust for what, who is nearest, and if ``timed`` quickest, what defaults do."""
+    setting = trust.settings[0]
+    engines = [name for name in trust.engines if name not in trust.controls] or list(trust.engines)
+    lines = (
+        _trust(trust, engines, setting),
+        _nearest(trust, engines, setting, timed=timed),
+        _untuned(trust, engines) if Setting.NAIVE.value in trust.settings[1:] else "",
+    )
+    return tuple(line for line in lines if line)
+
+
+def _trust(trust: Trust, engines: Sequence[str], setting: str) -> str:
+    judged = {name: [f for f in trust.families if trust.cell(name, setting, f).judged] for name in engines}
+    wrong = {name: [f for f in judged[name] if trust.cell(name, setting, f).failed] for name in engines}
+    right = [name for name in engines if judged[name] and not wrong[name]]
+    return sentence(
+        "verdict_trust",
+        setting=setting,
+        whole=listed(name for name in right if len(judged[name]) == len(trust.families)),
+        part=_grouped({name: [f for f in trust.families if f not in judged[name]] for name in right}),
+        wrong=_grouped(wrong),
+        silent=listed(name for name in engines if not judged[name]),
+        count=sum(len(held.judged) for name in right for held in trust.held[name, setting].values()),
+    )
+
+
+def _nearest(trust: Trust, engines: Sequence[str], setting: str, *, timed: bool) -> str:
+    if len(engines) < 2:
+        return ""
+    leaders: dict[str, list[str]] = {}
+    for name in trust.families:
+        if name != CHECKS and (leader := trust.nearest(setting, name)):
+            leaders.setdefault(leader, []).append(name)
+    right = [name for name in engines if not any(held.failed for held in trust.held.get((name, setting), {}).values())]
+    times = {name: seconds for name in right if (seconds := trust.seconds(name, setting)) is not None}
+    quickest = min(times, key=lambda name: times[name], default="") if timed else ""
+    worst = {name: max(trust.cell(name, setting, f).error or 0.0 for f in held) for name, held in leaders.items()}
+    told = [(name, listed(held), worst[name]) for name, held in leaders.items()]
+    return sentence("verdict_nearest", leaders=told, quickest=quickest, seconds=times.get(quickest))
+
+
+def _untuned(trust: Trust, engines: Sequence[str]) -> str:
+    """What the engines do at their defaults; nothing here decides."""
+    naive = Setting.NAIVE.value
+    ran = {name: [h for h in trust.held.get((name, naive), {}).values() if h.judged] for name in engines}
+    over = {name: max(h.error or 0.0 for h in held) for name, held in ran.items() if any(h.failed for h in held)}
+    within = listed(name for name, held in ran.items() if held and name not in over)
+    return sentence("verdict_untuned", within=within, over=sorted(over.items(), key=lambda item: item[1]))
+
+
+def _grouped(families: Mapping[str, Sequence[str]]) -> list[tuple[str, str]]:
+    """Engines with the same families together: names, families; those without any are left out."""
+    groups: dict[tuple[str, ...], list[str]] = {}
+    for name, found in families.items():
+        if found:
+            groups.setdefault(tuple(found), []).append(name)
+    return [(listed(names), listed(found)) for found, names in groups.items()]
+
+
+def listed(words: Iterable[str]) -> str:
+    """Words one after the other: "a, b and c"."""
+    *first, last = [*words] or [""]
+    return f"{', '.join(first)} and {last}" if first else last

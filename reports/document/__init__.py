@@ -1,0 +1,1 @@
+"""The one model of a report, pages down to words, and what writes it: to a terminal, as Markdown, as HTML."""

@@ -1,0 +1,123 @@
+"""A page as HTML, with its figures and data as files beside it: nothing is fetched, so a page works from a disk."""
+
+from __future__ import annotations
+
+import json
+import re
+import shutil
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+from typing import Final, NamedTuple
+
+from markupsafe import Markup, escape
+
+from comparisons.runs.files import write_text
+from reports.document.chart import Chart
+from reports.document.parts import Figure, Link, Mono, Page, Widget, Words
+from reports.document.templates import FOLDER, render
+
+STYLE, SCRIPTS, PLOTLY, FIRST = "linkproof.css", "linkproof.js", "plotly-basic.min.js", "boot.js"
+PIXELS: Final = 96  # of a style sheet, an inch
+UNBROKEN: Final = re.compile(r"(?<=\d) (?=[A-Za-z%°])|(?<=\bN) (?=mm?\b)|(?<=g) (?=mm?²)")  # a value and its unit
+POWER: Final = re.compile(r"\d[\d.]*e-\d+")  # a number that a line may not end in
+ELSEWHERE: Final = re.compile(r"#|[a-z][a-z0-9+.-]*:")  # a link that leaves the report's folder, or stays on its page
+
+
+class Picture(NamedTuple):
+    """A figure as a page shows it: where its file is, its size in CSS pixels, and its axes' edges, shares of the width.
+
+    ``edges`` is empty where the figure has no axis that a page may point at.
+    """
+
+    source: str
+    width: int
+    height: int
+    edges: tuple[float, ...]
+
+
+def write(page: Page, folder: Path, pages: Sequence[Link], *, png: bool = False) -> Path:
+    """Write a page and all that lies beside it, as ``write_all`` does; returns its path."""
+    return folder / write_all(page, folder, pages, png=png)[0]
+
+
+def write_all(page: Page, folder: Path, pages: Sequence[Link], *, png: bool = False) -> list[str]:
+    """Write a page into a report's folder, with its figures and the further data of its widgets.
+
+    Returns the files' names within the folder, the page's first. ``pages`` are the report's pages; ``png`` writes every
+    figure as a picture of dots too.
+    """
+    beside = _Beside(folder, page, png)
+    write_text(folder / page.file, render("page.html", page=page, pages=pages, beside=beside))
+    return [page.file, *beside.names]
+
+
+def write_assets(folder: Path) -> None:
+    """Write what all pages of a report share: style sheet, scripts, Plotly."""
+    assets, scripts = folder / "assets", FOLDER / "scripts"
+    own = sorted(scripts.glob("*.js"), key=lambda file: (file.name != FIRST, file.name))
+    write_text(assets / STYLE, (FOLDER / STYLE).read_text(encoding="utf-8"))
+    write_text(assets / SCRIPTS, "\n".join(file.read_text(encoding="utf-8") for file in own if file.name != PLOTLY))
+    if not (assets / PLOTLY).exists():
+        shutil.copyfile(scripts / PLOTLY, assets / PLOTLY)
+
+
+@dataclass(frozen=True)
+class _Beside:
+    """What a page's template asks for: words as markup, and files, written when they are asked for."""
+
+    folder: Path
+    page: Page
+    png: bool
+    names: list[str] = field(default_factory=list)
+
+    @property
+    def root(self) -> str:
+        """Leads from the page to the report's folder."""
+        return "../" * self.page.file.count("/")
+
+    def inline(self, words: Words) -> Markup:
+        """Words as markup."""
+        match words:
+            case tuple():
+                return Markup("").join(map(self.inline, words))
+            case Link(text, href):
+                place = href if ELSEWHERE.match(href) else self.root + href
+                return Markup('<a href="{}">{}</a>').format(place, text)
+            case Mono(text):
+                return Markup("<code>{}</code>").format(text)
+        text = escape(UNBROKEN.sub("\N{NO-BREAK SPACE}", words))
+        return Markup(POWER.sub(r'<span class="whole">\g<0></span>', str(text))) if " " in words else text
+
+    def json(self, data: object) -> Markup:
+        """JSON that may stand in a script of a page."""
+        text = json.dumps(data, ensure_ascii=False, allow_nan=False, separators=(",", ":"))
+        return Markup(text.replace("<", "\\u003c").replace("\u2028", "\\u2028").replace("\u2029", "\\u2029"))
+
+    def data(self, widget: Widget) -> str:
+        """Write the further data of a widget; returns the folder of all that this page has."""
+        folder = f"data/{Path(self.page.file).stem}/"
+        for key, data in widget.further.items():
+            name = f"{widget.name}.{key}"
+            write_text(self._file(f"{folder}{name}.js"), f"linkproof.loaded({self.json(name)}, {self.json(data)});\n")
+        return self.root + folder
+
+    def picture(self, figure: Figure) -> Picture:
+        """Draw a figure into its files."""
+        from reports.charts import draw  # noqa: PLC0415  a page without figures needs no matplotlib
+
+        chart = figure.drawing
+        if isinstance(chart, Chart):
+            chart = replace(chart, wide=figure.wide)
+        edges = draw.edges(chart) if isinstance(chart, Chart) and chart.axis else ()
+        drawing = draw.figure(chart) if isinstance(chart, Chart) else chart()
+        name = f"figures/{Path(self.page.file).stem}/{figure.name}"
+        write_text(self._file(f"{name}.svg"), draw.svg(drawing))
+        if self.png:
+            self._file(f"{name}.png").write_bytes(draw.png(drawing))
+        width, height = (round(PIXELS * inches) for inches in drawing.get_size_inches())
+        return Picture(f"{self.root}{name}.svg", width, height, edges)
+
+    def _file(self, name: str) -> Path:
+        self.names.append(name)
+        return self.folder / name

@@ -1,0 +1,63 @@
+"""Words and tables of a report as Markdown; pictures and what answers stand on pages alone."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+from reports.document.parts import Bullets, Cell, Facts, Fold, Link, Mono, Paragraph, Part, Section, Table, Words
+
+RULES = {"l": "---", "r": "---:"}
+
+
+def written(parts: Iterable[Part], level: int = 2) -> str:
+    """Parts as paragraphs with a blank line between; ``level`` is that of a heading."""
+    return "\n\n".join(filter(None, (_part(part, level) for part in parts)))
+
+
+def _part(part: Part, level: int) -> str:  # noqa: PLR0911  a case each
+    match part:
+        case Paragraph(words):
+            return inline(words)
+        case Bullets(items):
+            return "\n".join(f"- {inline(item)}" for item in items)
+        case Facts(rows):
+            return "\n".join(f"- {name}: {inline(words)}" for name, words in rows)
+        case Table():
+            return table(part)
+        case Fold(summary, parts):
+            return written((Paragraph(summary), *parts), level)
+        case Section(heading=heading, parts=parts):
+            return f"{'#' * level} {heading}\n\n{written(parts, level + 1)}"
+    return ""
+
+
+def table(found: Table) -> str:
+    """Caption, table and note as paragraphs; a heading over several columns stands in the head of each."""
+    over = [words for words, columns in found.groups for _ in range(columns)] or [""] * len(found.head)
+    head = [f"{words} {_cell(cell)}".strip() for words, cell in zip(over, found.head, strict=True)]
+    rule = [RULES[found.side(column)] for column in range(len(found.head))]
+    rows = [head, rule, *(map(_cell, row) for row in found.rows)]
+    return "\n\n".join(filter(None, (found.caption, "\n".join(map(_row, rows)), found.note)))
+
+
+def _cell(cell: Cell | Words) -> str:
+    if isinstance(cell, Cell):
+        return inline(cell.words) + (f" ({cell.note})" if cell.note else "")
+    return inline(cell)
+
+
+def _row(cells: Iterable[str]) -> str:
+    """A line of a table; bars inside a cell are escaped."""
+    return "| " + " | ".join(cell.replace("|", "\\|") for cell in cells) + " |"
+
+
+def inline(words: Words) -> str:
+    """Words with their links and commands."""
+    match words:
+        case tuple():
+            return "".join(map(inline, words))
+        case Link(text, href):
+            return f"[{text}]({href})"
+        case Mono(text):
+            return f"`{text}`"
+    return words

@@ -1,0 +1,73 @@
+"""How figures are written in a report: the same digits everywhere, so that two reports differ only where results do."""
+
+from __future__ import annotations
+
+import math
+
+ABSENT = "–"
+SMALLEST, LARGEST = 1e-3, 1e6
+ROUND_OFF = 1e-13
+
+
+def figure(value: float | None, digits: int = 4) -> str:
+    """A value to so many significant digits: 8.339e-5, 0.2704, 31.00."""
+    if value is None or not math.isfinite(value):
+        return ABSENT
+    return "0" if value == 0.0 else _plain(value, f"#.{digits}")
+
+
+def printed(value: float) -> str:
+    """A given figure without digits it does not have: 8.3e-5, 0.16, 24."""
+    return "0" if value == 0.0 else _plain(value, ".6")
+
+
+def _plain(value: float, form: str) -> str:
+    """Without an exponent from a thousandth to a million; the exponent is never padded."""
+    if not SMALLEST <= abs(value) < LARGEST:
+        mantissa, exponent = f"{value:{_scientific(form)}}".split("e")
+        mantissa = mantissa if form.startswith("#") else mantissa.rstrip("0").removesuffix(".")
+        return f"{mantissa}e{int(exponent)}"
+    text = f"{value:{form}g}".removesuffix(".")
+    return f"{float(text):.0f}" if "e" in text else text
+
+
+def _scientific(form: str) -> str:
+    return f".{int(form.rpartition('.')[2]) - 1}e"
+
+
+def error(value: float | None) -> str:
+    """A deviation to two digits, with an exponent below one: 1.2e-5, 1.9."""
+    if value is None or not math.isfinite(value):
+        return ABSENT
+    if value == 0.0 or 0.995 <= value < 100.0:
+        return f"{value:#.2g}".removesuffix(".") if value else "0"
+    mantissa, exponent = f"{value:.1e}".split("e")
+    return f"{mantissa}e{int(exponent)}"
+
+
+def steady_error(value: float | None) -> str:
+    """A deviation, unless it is round-off, whose digits say nothing and differ from machine to machine."""
+    return f"< {bound(ROUND_OFF)}" if value is not None and value < ROUND_OFF else error(value)
+
+
+def bound(value: float | None) -> str:
+    """A limit as it stands in its table: 1e-4, 2.5e-6."""
+    if value is None:
+        return ABSENT
+    mantissa, exponent = f"{value:.3e}".split("e")
+    return f"{float(mantissa):g}e{int(exponent)}"
+
+
+def decade(value: float) -> str:
+    """The power of ten that a bound stays below: 1e-9 for 2.3e-10; of round-off, whose size says nothing, its own."""
+    return f"1e{math.ceil(math.log10(max(value, ROUND_OFF)))}"
+
+
+def seconds(value: float) -> str:
+    """A time to three significant digits in s or ms."""
+    return f"{figure(value, 3)} s" if value >= 1.0 else f"{figure(value * 1e3, 3)} ms"
+
+
+def within_turn(angle: float, digits: int = 1) -> str:
+    """An angle given in degrees, brought into [0°, 360°) as it is printed: 359.97 is 0.0°, not 360.0°."""
+    return f"{round(angle, digits) % 360.0:.{digits}f}°"

@@ -1,0 +1,211 @@
+"""What a report is made of. Each part is described once; ``terminal``, ``markdown`` and ``html`` write it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any, Final, Literal
+
+from markupsafe import Markup
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure as Drawing
+
+    from reports.document.chart import Chart
+
+
+NOTHING: Final = Markup("")
+
+
+@dataclass(frozen=True)
+class Link:
+    """Words that lead somewhere: a path within the report's folder, "#key" on the page, or an address."""
+
+    text: str
+    href: str
+
+
+@dataclass(frozen=True)
+class Mono:
+    """A command, a file's name: what is typed."""
+
+    text: str
+
+
+Inline = str | Link | Mono
+Words = Inline | tuple[Inline, ...]
+
+
+def as_text(words: Words) -> str:
+    """Words as plain text."""
+    if isinstance(words, tuple):
+        return "".join(map(as_text, words))
+    return words if isinstance(words, str) else words.text
+
+
+@dataclass(frozen=True)
+class Paragraph:
+    """A paragraph; ``role`` says what it is for, ``colour`` is a style of the terminal."""
+
+    words: Words
+    role: Literal["", "lead", "verdict", "small"] = ""
+    colour: str = ""
+
+
+@dataclass(frozen=True)
+class Bullets:
+    """A list without an order."""
+
+    items: tuple[Words, ...]
+
+
+@dataclass(frozen=True)
+class Facts:
+    """Names and values."""
+
+    rows: tuple[tuple[str, Words], ...]
+
+
+@dataclass(frozen=True)
+class Command:
+    """A command, or several lines of them, to be typed as they stand."""
+
+    text: str
+
+
+@dataclass(frozen=True)
+class Cell:
+    """A cell with more to it than words.
+
+    ``style`` is a class of the style sheet, ``colour`` a style of the terminal, ``note`` small print beneath, ``told``
+    a sentence for who points at it, ``span`` how many columns it takes.
+    """
+
+    words: Words
+    style: str = ""
+    colour: str = ""
+    note: str = ""
+    told: str = ""
+    span: int = 1
+
+
+@dataclass(frozen=True)
+class Table:
+    """A table with a sentence before it and a note in small print after it.
+
+    ``align`` has a letter per column, "l" for words and "r" for figures; the last letter holds for all that follow.
+    ``groups`` are heads over several columns, (words, columns) each, all columns of them together; ``style`` is a class
+    of the style sheet.
+    """
+
+    caption: str
+    head: Sequence[Cell | Words]
+    rows: Sequence[Sequence[Cell | Words]]
+    align: str = "lr"
+    note: str = ""
+    groups: tuple[tuple[str, int], ...] = ()
+    style: str = ""
+
+    def side(self, column: int) -> str:
+        """The letter of a column."""
+        return self.align[min(column, len(self.align) - 1)]
+
+
+@dataclass(frozen=True)
+class Figure:
+    """A figure, written as a file beside the page: ``name`` is that of its file, unique on the page.
+
+    ``alt`` is for a reader without pictures; ``wide`` takes the page's whole width. ``drawing`` is a chart, or draws.
+    """
+
+    name: str
+    caption: Words
+    alt: str
+    drawing: Chart | Callable[[], Drawing]
+    wide: bool = False
+
+
+@dataclass(frozen=True)
+class Widget:
+    """What moves and answers on a page: ``kind`` names its script, ``label`` says what it is.
+
+    ``data`` is JSON-ready (no number that is not finite) and on the page; each of ``further`` is a file of its own,
+    loaded when it is chosen: ``name`` and keys are plain file names. ``markup`` stands in its place until the script
+    runs, and ``instead`` where no script runs.
+    """
+
+    kind: str
+    name: str
+    label: str
+    data: Mapping[str, Any]
+    further: Mapping[str, Mapping[str, Any]] = field(default_factory=dict)
+    markup: Markup = NOTHING
+    instead: tuple[Part, ...] = ()
+
+
+@dataclass(frozen=True)
+class Fold:
+    """Parts behind a line that opens them."""
+
+    summary: str
+    parts: tuple[Part, ...]
+    is_open: bool = False
+
+
+@dataclass(frozen=True)
+class Card:
+    """A box among others: a heading, which may lead to a page of its own, and parts."""
+
+    heading: Words
+    parts: tuple[Part, ...]
+
+
+@dataclass(frozen=True)
+class Cards:
+    """Boxes beside each other, as many as there is room for; two if they are ``wide``."""
+
+    cards: tuple[Card, ...]
+    wide: bool = False
+
+
+@dataclass(frozen=True)
+class Figures:
+    """Figures in two columns, those that are wide across both."""
+
+    figures: tuple[Figure, ...]
+
+
+@dataclass(frozen=True)
+class Drawn:
+    """Ready markup for a page, a moving drawing say; ``alt`` everywhere else."""
+
+    markup: Markup
+    alt: str
+
+
+@dataclass(frozen=True)
+class Section:
+    """Parts under a heading; ``key`` is its anchor. One inside another has a smaller heading."""
+
+    key: str
+    heading: str
+    parts: tuple[Part, ...]
+
+
+Part = Paragraph | Bullets | Facts | Command | Table | Figure | Figures | Widget | Fold | Cards | Drawn | Section
+
+
+@dataclass(frozen=True)
+class Page:
+    """A page: ``file`` is its path within the report's folder, ``parts`` what stands before the first section.
+
+    ``title`` names it in the browser and in the links of the other pages; ``charts`` says whether it needs Plotly.
+    """
+
+    file: str
+    title: str
+    heading: str
+    subtitle: Words
+    parts: tuple[Part, ...]
+    sections: tuple[Section, ...]
+    charts: bool = False

@@ -1,0 +1,76 @@
+"""The words of reports: page templates, which escape what is not markup, and sentences as plain text."""
+
+from __future__ import annotations
+
+import math
+import re
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+import jinja2
+from markupsafe import Markup
+
+from reports.document import numbers
+
+FOLDER = Path(__file__).parents[1] / "templates"
+# A signal of a part of the linkage.
+SIGNAL = re.compile(r"(?P<kind>point|link|joint_force):(?P<owner>.+):(?P<what>\w+)")
+
+
+def render(template: str, **values: object) -> Markup:
+    """A page template of ``reports/templates``, filled in."""
+    return Markup(_environment(escaped=True).get_template(template).render(**values))
+
+
+def lines(macro: str, **values: object) -> list[str]:
+    """The sentences of one macro of ``sentences.txt``, a line each, as plain text."""
+    words: Any = _environment(escaped=False).get_template("sentences.txt").module
+    found = str(getattr(words, macro)(**values)).splitlines()
+    return [" ".join(line.split()) for line in found if line.strip()]
+
+
+def sentence(macro: str, **values: object) -> str:
+    """The sentences of one macro as one paragraph."""
+    return " ".join(lines(macro, **values))
+
+
+@cache
+def _environment(*, escaped: bool) -> jinja2.Environment:
+    environment = jinja2.Environment(
+        loader=jinja2.FileSystemLoader(FOLDER),
+        autoescape=escaped,
+        undefined=jinja2.StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
+        keep_trailing_newline=True,
+    )
+    own = (numbers.figure, numbers.bound, numbers.decade, numbers.printed, numbers.error,
+           numbers.seconds, numbers.within_turn, plain, worded, math.degrees)  # fmt: skip
+    environment.filters.update({one.__name__: one for one in own})
+    return environment
+
+
+def plain(name: str) -> str:
+    """A name for a reader: "joint_force" is "joint force"."""
+    return name.replace("_", " ")
+
+
+def worded(quantity: str) -> str:
+    """A quantity's name for a reader.
+
+    "Jeq:needle_bar.mean" is "Jeq of needle bar, mean", "point:F:x@5" is "x of point F at 5°".
+    """
+    names, at, place = quantity.rpartition("@")
+    if at:
+        number, timed, regime = place.partition("s:")
+        angle = place.replace("rad", " rad") if place.endswith("rad") else f"{place.removesuffix('deg')}°"
+        where = f"{number} s of {regime}" if timed else angle
+        return plain(f"{' − '.join(map(_signal, names.split(' - ')))} at {where}")
+    name, dot, what = quantity.rpartition(".")
+    return plain(f"{_signal(name)}, {what}" if dot else _signal(quantity))
+
+
+def _signal(name: str) -> str:
+    part = SIGNAL.fullmatch(name)
+    return f"{part['what']} of {part['kind']} {part['owner']}" if part else name.replace(":", " of ")

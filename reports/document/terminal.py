@@ -1,0 +1,94 @@
+"""Printing: the only place that writes to a terminal, a pipe or a file on stdout; no text is read as markup.
+
+Foreign text (names, titles, notes, paths) may hold anything: its control characters are shown as escapes. On a terminal
+lines are folded to its width; elsewhere they are as wide as they need to be and nothing is cut off.
+"""
+
+from __future__ import annotations
+
+import os
+import sys
+from collections.abc import Iterator, Sequence
+from typing import NamedTuple, TextIO
+
+from rich.console import Console
+from rich.table import Table as Grid
+from rich.text import Text
+
+from analytic.errors import printable
+from reports.document.parts import Cell, Paragraph, Table, Words, as_text
+
+Printed = str | Paragraph | Table  # what a command prints; a text is a line, or several
+UNBOUNDED = 1_000_000  # columns where nobody's terminal sets a width
+
+
+class Printout(NamedTuple):
+    """What a command prints: ``tables`` unless it is quiet, ``closing`` always, ``details`` where it is verbose."""
+
+    tables: Sequence[Printed]
+    closing: Sequence[Printed]
+    details: Sequence[Printed] = ()
+
+
+def show(*parts: Printed, stderr: bool = False) -> None:
+    """Print parts one below the other."""
+    screen = Console(stderr=stderr, markup=False, emoji=False, highlight=False)
+    if screen.is_terminal:
+        screen.print(*_lines(parts), sep="\n")
+    elif parts:
+        write(rendered(*parts), sys.stderr if stderr else sys.stdout)
+
+
+def write(text: str, stream: TextIO) -> None:
+    """Write to a pipe or a file; where the reader has left, this and all that follows is written nowhere."""
+    try:
+        stream.write(text)
+        stream.flush()
+    except BrokenPipeError:
+        os.dup2(os.open(os.devnull, os.O_WRONLY), stream.fileno())
+
+
+def rendered(*parts: Printed, width: int = UNBOUNDED) -> str:
+    """What a pipe is given: no colours, no spaces at the ends of lines."""
+    screen = Console(width=width, no_color=True, force_terminal=False, markup=False, emoji=False, highlight=False)
+    with screen.capture() as captured:
+        screen.print(*_lines(parts), sep="\n")
+    return "\n".join(text.rstrip() for text in captured.get().split("\n"))
+
+
+def harmless(text: str) -> str:
+    """A text, of one line or several, whose control characters are shown as escapes."""
+    return "\n".join(map(printable, text.split("\n")))
+
+
+def _lines(parts: Sequence[Printed]) -> Iterator[Text | Grid]:
+    for part in parts:
+        if isinstance(part, Table):
+            yield from _table(part)
+        elif isinstance(part, Paragraph):
+            yield _text(part.words, part.colour)
+        else:
+            yield _text(part)
+
+
+def _table(table: Table) -> Iterator[Text | Grid]:
+    """Caption, table without rules, note."""
+    if table.caption:
+        yield _text(table.caption)
+    grid = Grid(box=None, pad_edge=False)
+    for number, head in enumerate(table.head):
+        right = table.side(number) == "r"
+        grid.add_column(_cell(head), justify="right" if right else "left", overflow="fold")
+    for row in table.rows:
+        grid.add_row(*map(_cell, row))
+    yield grid
+    if table.note:
+        yield _text(table.note)
+
+
+def _cell(cell: Cell | Words) -> Text:
+    return _text(cell.words, cell.colour) if isinstance(cell, Cell) else _text(cell)
+
+
+def _text(words: Words, colour: str = "") -> Text:
+    return Text(harmless(as_text(words)), style=colour)

@@ -1,0 +1,1 @@
+"""One mechanism: its page, and what the terminal says of it."""

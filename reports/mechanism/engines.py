@@ -1,0 +1,192 @@
+"""How the engines did on one mechanism: all errors and curves in one chart, and in folds the figures behind it."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from itertools import groupby
+from types import MappingProxyType
+from typing import Any, Final
+
+from comparisons.datasheet.sheet import Printed
+from comparisons.judging.records import Record, Verdict
+from reports.charts.errors import errors_chart
+from reports.document import numbers
+from reports.document.chart import Chart, Curve, Panel
+from reports.document.parts import Bullets, Cell, Figure, Fold, Part, Section, Table, Widget
+from reports.document.signs import RUNS
+from reports.document.templates import plain, sentence
+from reports.mechanism.curves import chart_data, curves, extremes
+from reports.records.origins import exceptions, origin_words
+from reports.records.views import Regime, View, anchor, engines, setting_rank
+
+KEY: Final = "engines"
+SHOWN: Final = 300  # stretches of a curve, of which the extremes are drawn
+
+
+def engines_section(view: View, printed: Mapping[str, Printed] = MappingProxyType({})) -> Section:
+    """The half of a mechanism's page that shows what was simulated, or what another tool's file says.
+
+    ``printed`` are the motions of models as printed, by erratum.
+    """
+    imported = is_imported(view)
+    parts: list[Part] = [chart(view)] if any(map(view.standing, view.regimes)) else []
+    parts += [errors_fold(view, regime) for regime in view.regimes]
+    parts += _printed_models(view, printed)
+    if not imported:
+        parts.append(runs_fold(view))
+    return Section(KEY, "Every error" if imported else "How the engines did", tuple(parts))
+
+
+def is_imported(view: View) -> bool:
+    """Whether the results are those of another tool's file."""
+    return "judgement" in view.results.document
+
+
+def chart(view: View) -> Widget:
+    """All errors and all curves: regime, quantity, engines and settings are chosen; curves are loaded when they are."""
+    further = curves(view)
+    first = next(iter(further), "")
+    data = {**chart_data(view), "first": first, "curves": further.pop(first, None)}
+    label = "Errors and curves of every engine"
+    figures = tuple(errors_of(view, regime) for regime in view.regimes if view.standing(regime))
+    return Widget("curves", "curves", label, data, further, instead=figures)
+
+
+def errors_of(view: View, regime: Regime) -> Figure:
+    """Every error of a regime as a figure."""
+    caption = sentence("errors", regime=regime, setting=view.standing(regime))
+    alt = f"{view.linkage.title} ({view.linkage.variant}): errors of every quantity and engine under {regime.name}"
+    return Figure(anchor("errors", regime.name), caption, alt, errors_chart(view, regime), wide=True)
+
+
+def errors_fold(view: View, regime: Regime) -> Fold:
+    """Every error of a regime in figures, and why there is none of a run."""
+    runs = view.runs(regime)
+    shown = [run for run in runs if any(record.error_max is not None for record in run)]
+    parts: list[Part] = [_matrix(view, regime, shown)] if shown else []
+    reasons = _reasons(runs)
+    under = f" under {regime.name}" if len(view.regimes) > 1 else ""
+    return Fold(f"Every error{under} in figures", (*parts, *([Bullets(reasons)] if reasons else [])))
+
+
+def _matrix(view: View, regime: Regime, runs: Sequence[Sequence[Record]]) -> Table:
+    """Quantities, then invariants, down; engines and settings across."""
+    groups = tuple((name, len(list(part))) for name, part in groupby(runs, key=lambda run: run[0].engine))
+    found = [{record.quantity: record for record in run} for run in runs]
+    rows = tuple(
+        (*_row_head(view, [run[name] for run in found if name in run]), *(_cell(run.get(name)) for run in found))
+        for name in view.quantities(regime)
+        if any(name in run for run in found)
+    )
+    note = sentence("matrix_note", imported=is_imported(view)) if regime == view.regimes[0] else ""
+    head = ("quantity", "limit", *(run[0].setting for run in runs))
+    caption = f"{regime.name}: {regime.conditions}. Largest error over the closed form's peak."
+    return Table(caption, head, rows, note=note, groups=(("", 2), *groups), style="matrix")
+
+
+def _row_head(view: View, records: Sequence[Record]) -> tuple[Cell, str]:
+    """The quantity with its peak, and the limits in the order of the settings."""
+    quantity = records[0].quantity
+    measured = records if quantity not in view.invariants else ()
+    peak = next((f"{numbers.figure(record.peak)} {record.unit}" for record in measured if record.peak), "")
+    limits = {r.setting: r.limit for r in records if r.limit}
+    words = dict.fromkeys(numbers.bound(limits[name]) for name in sorted(limits, key=setting_rank))
+    return Cell(view.title(quantity), note=peak), ", ".join(words)
+
+
+def _cell(record: Record | None) -> Cell | str:
+    """An error, with a sign where it is over its limit; what did not pass tells why."""
+    if record is None:
+        return numbers.ABSENT
+    sign = RUNS[record.outcome]
+    if record.outcome == Verdict.PASSED.value:
+        return Cell(numbers.steady_error(record.error_max), style=sign.style)
+    words = sign.symbol if record.error_max is None else f"{numbers.steady_error(record.error_max)} {sign.symbol}"
+    return Cell(words, style=sign.style, told=record.detail or sign.word)
+
+
+def _reasons(runs: Sequence[Sequence[Record]]) -> tuple[str, ...]:
+    """Why there is no error of a run or of a quantity of it, each reason once."""
+    told: dict[tuple[str, str], list[str]] = {}
+    for run in runs:
+        without = [record for record in run if record.error_max is None]
+        for record in without:
+            names = "" if len(without) == len(run) else f", {plain(record.quantity)}"
+            reason = f"{RUNS[record.outcome].word}: {record.detail}".removesuffix(": ")
+            who = told.setdefault((record.engine, reason), [])
+            who += [words] if (words := record.setting + names) not in who else []
+    return tuple(f"{engine} {'; '.join(who)} – {reason}." for (engine, reason), who in told.items())
+
+
+def _printed_models(view: View, printed: Mapping[str, Printed]) -> list[Part]:
+    """What the engines say of the models that the source prints, which are held against the file's own values."""
+    if view.linkage.variant != view.linkage.variants[0]:
+        return []
+    rows = [row for row in view.results.document.get("errata", []) if row["mechanism"] == view.linkage.name]
+    parts: list[Part] = []
+    for (name, regime), part in groupby(rows, key=lambda row: (row["erratum"], row["regime"])):
+        parts.append(_printed_model(list(part)))
+        if name in printed:
+            parts.append(_printed_figure(view, regime, name, printed[name]))
+    return [Fold("Printed models put to the engines", tuple(parts))] if parts else []
+
+
+def _printed_figure(view: View, regime: str, name: str, motion: Printed) -> Figure:
+    """The crank's speed by both models and by the engines."""
+    at = next((one for one in view.regimes if one.name == regime), None)
+    traces = [trace for trace in view.traces(at, "omega") if trace.record.setting == view.standing(at)] if at else []
+    names = engines(view.results)
+    curves = [Curve(motion.time, motion.corrected, "corrected", "reference", width=3.4)]
+    for trace in traces:
+        few = extremes(trace.observed, SHOWN)
+        ink = names.index(trace.record.engine)
+        curves.append(Curve(trace.time[few], trace.observed[few], trace.record.engine, ink, "--", 1.0))
+    curves.append(Curve(motion.time, motion.printed, "as printed", "limit"))
+    panel = Panel(tuple(curves), "time, s", "ω, rad/s", names="key")
+    caption = f"Crank speed by the corrected model, by the engines and as printed: {name}."
+    return Figure(anchor("printed", name), caption, caption, Chart((panel,), height=2.8, wide=True), wide=True)
+
+
+def _printed_model(rows: Sequence[Mapping[str, Any]]) -> Table:
+    """One model as printed: by how much every engine's crank speed is off it, and off the corrected one."""
+    head = ("engine", "off the corrected model", "off the printed model", "supports")
+    cells = tuple(
+        (
+            row["engine"],
+            numbers.error(row["deviation_corrected"]),
+            numbers.error(row["deviation_printed"]),
+            row["reason"] or row["supports"],
+        )
+        for row in rows
+    )
+    return Table(sentence("printed_model", row=rows[0]), head, cells, align="lrrl")
+
+
+def runs_fold(view: View) -> Fold:
+    """How every run was made, what it cost and where its figures come from."""
+    parts = tuple(_runs(view, regime) for regime in view.regimes)
+    return Fold("How each run was made, and what it cost", parts)
+
+
+def _runs(view: View, regime: Regime) -> Table:
+    details = view.results.document["details"]
+    rows = tuple(
+        (
+            f"{run[0].engine} {run[0].setting}",
+            str(run[0].steps),
+            numbers.seconds(run[0].seconds),
+            numbers.seconds(run[0].setup_seconds),
+            "; ".join(filter(None, (origin_words(run), exceptions(run)))),
+            settings_words(details.get("/".join(run[0].run), {})),
+        )
+        for run in view.runs(regime)
+        if run[0].steps
+    )
+    head = ("run", "steps", "stepping", "set-up", "figures of", "as its adapter states it")
+    return Table(f"{regime.name}: stepping alone, measured once, and set-up beside it.", head, rows, align="lrrrl")
+
+
+def settings_words(details: dict[str, Any]) -> str:
+    """Settings as an engine's adapter states them: "step 1e-4, scheme …"."""
+    said = {name: numbers.printed(value) if isinstance(value, float) else value for name, value in details.items()}
+    return ", ".join(f"{plain(name)} {value}" for name, value in said.items())

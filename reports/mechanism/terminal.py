@@ -1,0 +1,98 @@
+"""Mechanisms, their thread and their published figures for a terminal."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from itertools import groupby
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from reports.document.parts import Paragraph, Table
+from reports.document.templates import lines
+from reports.document.terminal import Printed
+from reports.mechanism.check import range_lines
+from reports.mechanism.published import SIGNS, notes, published_table
+
+if TYPE_CHECKING:
+    from analytic.description.linkage import Linkage
+    from analytic.turn.required_feed import FeedComparison
+    from comparisons.reference.published import PublishedRecord
+
+
+def catalogue(sewing: Iterable[Linkage], literature: Iterable[Linkage]) -> list[Printed]:
+    """Mechanisms with their variants and sources: the sewing mechanisms, then the linkages of others."""
+    heading = Paragraph("Linkages of the literature, taken where they are named:", colour="bold")
+    return [_shelf(sewing), "", heading, _shelf(literature)]
+
+
+def _shelf(linkages: Iterable[Linkage]) -> Table:
+    rows = [(one.name, one.title, ", ".join(one.variants), one.source) for one in linkages]
+    return Table("", ("mechanism", "what", "variants", "source"), rows, "l")
+
+
+def portrait(facts: Mapping[str, Any]) -> list[Printed]:
+    """A mechanism's source, variants and figures; what it is made of is ``linkproof check``'s to say."""
+    given = {"source": facts["source"], "variants": ", ".join(facts["variants"])}
+    if not facts["source"]:
+        del given["source"]
+    reach = range_lines(facts["range"]) if "range" in facts else []
+    return [
+        Paragraph(f"{facts['mechanism']} ({facts['variant']}): {facts['title']}", colour="bold"),
+        *map(_labelled, given, given.values()),
+        *(_labelled(*told) for told in reach),
+        *_facts("mechanism", facts=facts),
+        "",
+        Table("", ("link", "mass kg", "inertia kg m²", "mean Jeq kg m²", "points"), list(_links(facts["links"])), "l"),
+        *(f"note: {note}" for note in facts["notes"]),
+    ]
+
+
+def _facts(macro: str, **values: object) -> list[Printed]:
+    """The lines of a macro of ``sentences.txt``, each with a name before its first colon."""
+    return [_labelled(name, fact) for name, _, fact in (told.partition(": ") for told in lines(macro, **values))]
+
+
+def _labelled(name: str, fact: str) -> str:
+    return f"{name:<10} {fact}"
+
+
+def _links(links: Mapping[str, Mapping[str, Any]]) -> Iterator[tuple[str, ...]]:
+    for name, link in links.items():
+        inertia = "-" if link["inertia"] is None else f"{link['inertia']:.4g}"
+        mean = f"{link['Jeq_mean']:.4g}" if "Jeq_mean" in link else "-"
+        yield name, f"{link['mass']:.4g}", inertia, mean, ", ".join(link["points"])
+
+
+def thread(facts: Mapping[str, Any], held: FeedComparison | None) -> list[Printed]:
+    """Contour, feed and eyes of a thread, and how far its feed is from a required one."""
+    return [*_facts("thread_facts", thread=facts), *(_feed(held) if held else [])]
+
+
+def _feed(comparison: FeedComparison) -> list[Printed]:
+    """Required beside actual feed, and the largest difference."""
+    columns = (comparison.angle, comparison.required, comparison.actual, comparison.difference)
+    rows = [
+        (f"{math.degrees(angle):.1f}", *(f"{value * 1e3:.3f}" for value in values))
+        for angle, *values in zip(*columns, strict=True)
+    ]
+    worst = int(np.argmax(np.abs(comparison.difference)))
+    root_mean_square = float(np.sqrt(np.mean(comparison.difference**2)))
+    closing = (
+        f"largest difference {comparison.difference[worst] * 1e3:+.3f} mm at "
+        f"{math.degrees(comparison.angle[worst]):.1f}°, RMS {root_mean_square * 1e3:.3f} mm"
+    )
+    return [Table("", ("φ °", "required mm", "actual mm", "difference mm"), rows), closing]
+
+
+def published(records: Sequence[PublishedRecord]) -> list[Printed]:
+    """Printed figures beside ours, a table per mechanism with a column per variant."""
+    blocks: list[Printed] = []
+    for mechanism, part in groupby(map(vars, records), key=lambda row: row["mechanism"]):
+        rows = list(part)
+        blocks += [Paragraph(mechanism, colour="bold"), published_table(rows), *notes(rows), ""]
+    return [
+        *blocks,
+        f"{SIGNS} (reproduced: to the printed digits, or to the source's own accuracy where that is known)",
+    ]

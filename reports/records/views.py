@@ -1,0 +1,196 @@
+"""The results seen one mechanism at a time: its records in a stable order, its regimes, its curves."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable
+from dataclasses import dataclass
+from functools import cached_property
+from itertools import groupby
+
+import numpy as np
+from numpy.typing import NDArray
+
+from analytic.description.linkage import Linkage, PrescribedRegime
+from comparisons.campaign.results import Results
+from comparisons.judging.deviations import near_jumps
+from comparisons.judging.quantities import LINEAR_TITLES, QUANTITIES
+from comparisons.judging.records import CONTROL, Record
+from engines.contract import Setting
+from reports.document.templates import plain, worded
+
+Array = NDArray[np.float64]
+SYMBOLS = {"phi": "φ", "omega": "ω", "epsilon": "ε"}
+SETTINGS = tuple(setting.value for setting in Setting)
+
+
+@dataclass(frozen=True)
+class Regime:
+    """What the crank did; ``jumps`` are the instants at which its prescribed acceleration jumps, s."""
+
+    name: str
+    conditions: str
+    jumps: tuple[float, ...] = ()
+
+
+@dataclass(frozen=True)
+class Trace:
+    """One quantity of one run: ``time``, true crank ``angle``, ``observed``, ``reference``, all (n,), SI.
+
+    Of a vector, ``observed`` and ``reference`` are magnitudes.
+    ``error`` is |observed − reference| over the reference's peak, NaN where the comparison left a sample out.
+    """
+
+    record: Record
+    time: Array
+    angle: Array
+    observed: Array
+    reference: Array
+    error: Array
+
+
+@dataclass(frozen=True)
+class View:
+    """One mechanism in one variant, with its part of the results."""
+
+    results: Results
+    linkage: Linkage
+
+    @cached_property
+    def records(self) -> tuple[Record, ...]:
+        """Records and invariants of this mechanism, by regime, engine, setting and quantity."""
+        mine = (self.linkage.name, self.linkage.variant)
+        every = (*self.results.records, *self.results.invariants)
+        return ordered(self.results, [record for record in every if record.run[:2] == mine])
+
+    @cached_property
+    def regimes(self) -> tuple[Regime, ...]:
+        """The regimes this mechanism ran through, those that prescribe the crank's motion first."""
+        jumps = {motion.regime: motion.jumps for motion in self.results.motions}
+        jumps |= {own.name: own.motion.jumps for own in self.linkage.regimes if isinstance(own, PrescribedRegime)}
+        conditions = {record.regime: record.conditions for record in self.records}
+        return tuple(Regime(name, words, jumps.get(name, ())) for name, words in conditions.items())
+
+    def of(self, regime: Regime) -> tuple[Record, ...]:
+        """Records and invariants of a regime."""
+        return tuple(record for record in self.records if record.regime == regime.name)
+
+    def runs(self, regime: Regime) -> list[list[Record]]:
+        """Records and invariants of every run of a regime, those of the reference's control last."""
+        found = [list(run) for _, run in groupby(self.of(regime), key=lambda record: record.run)]
+        return sorted(found, key=lambda run: any(record.origin == CONTROL for record in run))
+
+    def quantities(self, regime: Regime) -> tuple[str, ...]:
+        """Names of the quantities and then of the invariants of a regime."""
+        names = dict.fromkeys(record.quantity for record in self.of(regime))
+        return tuple(sorted(names, key=self.invariants.__contains__))
+
+    @cached_property
+    def invariants(self) -> frozenset[str]:
+        """Names of what is checked without the closed form."""
+        return frozenset(record.quantity for record in self.results.invariants)
+
+    def title(self, quantity: str) -> str:
+        """What a quantity or an invariant is, in words, with its symbol."""
+        words = LINEAR_TITLES.get(quantity, "") if self.linkage.is_linear else ""
+        symbol = short_title(quantity) if quantity in QUANTITIES and "_" not in quantity else ""
+        return " ".join(filter(None, (symbol, words or title(quantity))))
+
+    @cached_property
+    def curved(self) -> frozenset[tuple[str, str]]:
+        """Regime and name of every quantity that some run gave a curve of."""
+        mine = (self.linkage.name, self.linkage.variant)
+        compared = (r for r in self.results.records if r.run[:2] == mine and r.error_max is not None)
+        return frozenset((record.regime, record.quantity) for record in compared)
+
+    def standing(self, regime: Regime) -> str:
+        """The setting whose curves stand for an engine in a regime: tuned where any run at it gave one."""
+        ran = {record.setting for record in self.of(regime) if record.error_max is not None}
+        return next((name for name in (Setting.TUNED.value, *reversed(SETTINGS), *sorted(ran)) if name in ran), "")
+
+    def traces(self, regime: Regime, quantity: str) -> list[Trace]:
+        """The curves of a quantity under a regime, of every run that gave one."""
+        mine = self.of(regime) if (regime.name, quantity) in self.curved else ()
+        return [self._trace(regime, r) for r in mine if r.quantity == quantity and r.error_max is not None]
+
+    def _trace(self, regime: Regime, record: Record) -> Trace:
+        time, angle, observed, reference = self.results.curve(record.run, record.quantity)
+        error = np.abs(observed - reference) / (record.peak or 1.0)
+        if regime.jumps and holds_acceleration(record.quantity):
+            error = np.where(near_jumps(time, regime.jumps), np.nan, error)
+        return Trace(record, time, angle, observed, reference, error)
+
+
+def views(results: Results) -> tuple[View, ...]:
+    """One view per mechanism and variant, in the campaign's order."""
+    return tuple(View(results, linkage) for linkage in results.linkages)
+
+
+def anchor(*names: str) -> str:
+    """Names joined so that a link within the page can point to them."""
+    return re.sub(r"\W+", "-", "-".join(names))
+
+
+def family(quantity: str) -> str:
+    """A quantity's name without the part it is of: forces of all joints are one family."""
+    return quantity.partition(":")[0]
+
+
+def family_title(quantity: str) -> str:
+    """A family's symbol, or its name for a reader."""
+    name = family(quantity)
+    return SYMBOLS.get(name, plain(name))
+
+
+def title(quantity: str) -> str:
+    """What a quantity is, in words."""
+    known = QUANTITIES.get(quantity)
+    return known.title if known else quantity if "=" in quantity else worded(quantity)
+
+
+def short_title(quantity: str) -> str:
+    """A quantity's symbol, or a few words where it has none."""
+    return SYMBOLS.get(quantity, worded(quantity).replace("joint force", "force"))
+
+
+def holds_acceleration(quantity: str) -> bool:
+    """Whether a quantity jumps with the crank's acceleration; those that are no row of the table are forces, and do."""
+    known = QUANTITIES.get(quantity)
+    return known.holds_acceleration if known else True
+
+
+def engines(results: Results) -> tuple[str, ...]:
+    """Names of all engines asked for, sorted: an engine keeps its colour within a report."""
+    return tuple(sorted({record.engine for record in results.records}))
+
+
+def setting_rank(setting: str) -> int:
+    """The place of a setting in their order; one that is no engine's comes last."""
+    return SETTINGS.index(setting) if setting in SETTINGS else len(SETTINGS)
+
+
+def columns(results: Results) -> tuple[tuple[str, ...], tuple[str, ...]]:
+    """Families of the quantities and names of the invariants, in the order of their definition."""
+    found = dict.fromkeys(family(record.quantity) for record in results.records)
+    known = [name for name in QUANTITIES if name in found]
+    quantities = (*known, *(name for name in found if name not in known))
+    return quantities, tuple(dict.fromkeys(record.quantity for record in results.invariants))
+
+
+def worst(records: Iterable[Record]) -> Record:
+    """Of the records of one family in one run, the one that uses most of its limit; one without an error is worst."""
+    return max(records, key=lambda r: np.inf if r.error_max is None else r.error_max / (r.limit or 1.0))
+
+
+def ordered(results: Results, records: Iterable[Record]) -> tuple[Record, ...]:
+    """Records by mechanism, variant and regime as the campaign has them, then engine, setting, quantity."""
+    mechanisms = {(linkage.name, linkage.variant): number for number, linkage in enumerate(results.linkages)}
+    names = [*(motion.regime for motion in results.motions), *(record.regime for record in results.records)]
+    regimes = {name: number for number, name in enumerate(dict.fromkeys(names))}
+    families = {name: number for number, name in enumerate(name for part in columns(results) for name in part)}
+
+    def rank(record: Record) -> tuple[int, int, str, int, int, str]:
+        run = mechanisms[record.run[:2]], regimes[record.regime], record.engine, setting_rank(record.setting)
+        return *run, families[family(record.quantity)], record.quantity
+
+    return tuple(sorted(records, key=rank))

@@ -1,0 +1,102 @@
+"""What a report's folder holds: saved data, and the pages that come of it."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+
+from analytic.errors import LinkproofError
+from comparisons.campaign import results as campaign
+from comparisons.campaign.results import Results
+from comparisons.datasheet import saved as datasheet
+from comparisons.datasheet.sheet import Sheet
+from comparisons.stress import saved as stress_test
+from comparisons.stress.saved import Stress
+from comparisons.work_precision import records as work_precision
+from comparisons.work_precision.records import Bench
+from reports.campaign.index import FILE as INDEX
+from reports.campaign.index import TITLE as INDEX_TITLE
+from reports.campaign.index import index
+from reports.document.parts import Link, Page, Words
+from reports.document.templates import sentence
+from reports.mechanism import page as mechanism_page
+from reports.stress import page as stress_page
+from reports.work_precision import page as bench_page
+
+BENCH, STRESS = Link("Work-precision", "bench.html"), Link("Stability", "stress.html")
+
+
+@dataclass(frozen=True)
+class Contents:
+    """What ``folder`` holds, read when it is asked for; ``dataset`` is the file of a campaign's curves."""
+
+    folder: Path
+    dataset: Path
+
+    def __reduce__(self) -> tuple[type[Contents], tuple[Path, Path]]:
+        """Another process reads for itself."""
+        return Contents, (self.folder, self.dataset)
+
+    @cached_property
+    def results(self) -> Results | None:
+        """The campaign, if there is one."""
+        return campaign.load(self.dataset) if self.dataset.is_file() else None
+
+    @cached_property
+    def sheets(self) -> tuple[Sheet, ...]:
+        """The data sheets of its mechanisms."""
+        if self.dataset.is_file() or (self.folder / datasheet.FILE).is_file():
+            return datasheet.load_sheets(self.folder)
+        return ()
+
+    @cached_property
+    def bench(self) -> Bench | None:
+        """The benchmark, if there is one."""
+        return work_precision.load(self.folder) if (self.folder / work_precision.FILE).is_file() else None
+
+    @cached_property
+    def stress(self) -> Stress | None:
+        """The stability maps, if there are any."""
+        return stress_test.load(self.folder) if (self.folder / stress_test.FILE).is_file() else None
+
+    def links(self) -> tuple[Link, ...]:
+        """Its pages in the order of a reader; raises LinkproofError where there is nothing to make one of."""
+        studies = ((BENCH, self.bench), (STRESS, self.stress))
+        names = [sheet.name for sheet in self.sheets]
+        found = (
+            *(
+                Link(name if names.count(name) == 1 else f"{name} ({sheet.variant})", mechanism_page.file_of(sheet))
+                for name, sheet in zip(names, self.sheets, strict=True)
+            ),
+            *(link for link, study in studies if study is not None),
+        )
+        if not found:
+            raise LinkproofError(
+                f"nothing to report in '{self.folder}': expected the folder given to --out of compare, bench, stress, "
+                "judge or results"
+            )
+        return (Link(INDEX_TITLE, INDEX), *found)
+
+    def page(self, file: str) -> Page:
+        """One of the pages, by its file."""
+        if file == INDEX:
+            return index(self.results, self.sheets, tuple(self._studies()))
+        if file == BENCH.href and self.bench is not None:
+            return bench_page.page(self.bench)
+        if file == STRESS.href and self.stress is not None:
+            return stress_page.page(self.stress)
+        sheet = next(sheet for sheet in self.sheets if mechanism_page.file_of(sheet) == file)
+        return mechanism_page.page(sheet, self.results)
+
+    def _studies(self) -> Iterator[Words]:
+        if self.bench is not None:
+            yield BENCH, ": ", sentence("index_bench", points=self.bench.records)
+        if self.stress is not None:
+            yield STRESS, ": ", sentence("index_stress", cells=len(self.stress.results), count=self.stress.count())
+
+
+def contents(saved: Path) -> Contents:
+    """What a folder holds, or the folder of the curves that are given."""
+    return Contents(saved, saved / campaign.DATASET) if saved.is_dir() else Contents(saved.parent, saved)

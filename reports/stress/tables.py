@@ -1,0 +1,102 @@
+"""Where each engine fails: the summary and the tables of a stress test, for pages and the terminal."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Callable, Iterable
+
+from comparisons.stress.cells import CellResult
+from comparisons.stress.saved import Stress
+from comparisons.stress.verdict import StressVerdict
+from reports.document.parts import Cell, Facts, Mono, Table, Words
+from reports.document.templates import sentence
+from reports.stress.facts import APART, SIGNS, SILENT, axis_title, border_words, shown_verdicts, value_words
+
+LOUD = (StressVerdict.MISSED, StressVerdict.ALARM)
+FAULTS = [verdict for verdict in StressVerdict if verdict not in (StressVerdict.WITHIN, *APART)]
+MOST_ALONE = 40  # incidents of one verdict that a table has row by row
+INCIDENT = ("engine", "axis: row", "value", "usage", "reason", "command")
+RANKED = "tuned"  # the setting by which engines are ranked
+
+
+def told(stress: Stress, macro: str) -> str:
+    """What a test comes to, in the words of one macro: what was run, wrong motions flagged and missed, false alarms."""
+    count = stress.count()
+    caught, missed, alarms = (count[one] for one in (*SILENT, StressVerdict.ALARM))
+    extent = {"cells": len(stress.results), "axes": len(stress.axes), "quick": stress.document["quick"]}
+    counts = {"wrong": caught + missed, "caught": caught, "missed": missed, "alarms": alarms}
+    return sentence(macro, facts={**extent, **counts})
+
+
+def ranking(stress: Stress) -> str:
+    """How many cells are within limit, the best engine first, in a sentence.
+
+    These are cells of the tuned setting where there are any, without those of the bisections, which all lie where an
+    engine fails.
+    """
+    cells = [one for one in stress.results if one.cell.value in stress.columns[one.cell.axis]]
+    tuned = [one for one in cells if one.cell.usage == RANKED]
+    count = Counter((one.cell.engine, one.verdict is StressVerdict.WITHIN) for one in tuned or cells
+                    if one.verdict not in APART)  # fmt: skip
+    engines = [(name, count[name, True], count[name, True] + count[name, False]) for name in stress.engines]
+    ranked = sorted((one for one in engines if one[2]), key=lambda one: -one[1] / one[2])
+    return sentence("stress_ranking", engines=ranked, setting=RANKED if tuned else "") if ranked else ""
+
+
+def verdict_facts(stress: Stress) -> Facts:
+    """How many cells came to each verdict, and what it means; that none is missed is the claim."""
+    count = stress.count()
+    return Facts(
+        tuple(
+            (f"{SIGNS[one].symbol} {one.value}", f"{count[one]}: {SIGNS[one].meaning}")
+            for one in shown_verdicts(stress)
+        )
+    )
+
+
+def count_table(stress: Stress, name: Callable[[str], Words], caption: str = "") -> Table:
+    """A row to an axis, a column to an engine: how many cells came to what; ``name`` is how an axis is named."""
+    rows: list[tuple[Words | Cell, ...]] = [
+        (name(axis), *(_compact(stress.count(engine, axis)) for engine in stress.engines)) for axis in stress.axes
+    ]
+    if len(stress.axes) > 1:
+        rows.append(("all", *(_compact(stress.count(engine)) for engine in stress.engines)))
+    return Table(caption, ("axis", *stress.engines), tuple(rows), align="l")
+
+
+def _compact(count: Counter[StressVerdict]) -> Cell:
+    """``12✓ 3○ 2!``, in the colour of the worst."""
+    text = " ".join(f"{count[verdict]}{SIGNS[verdict].symbol}" for verdict in StressVerdict if count[verdict])
+    loud = next((SIGNS[verdict].terminal for verdict in LOUD if count[verdict]), "")
+    fine = count[StressVerdict.WITHIN] and not any(count[one] for one in FAULTS)
+    return Cell(text, style="failed" if loud else ("pass" if fine else ""), colour=loud)
+
+
+def border_table(stress: Stress, name: Callable[[str], str]) -> Table:
+    """A row to a border; what it shares with the one before is left out. ``name`` is how an axis is named."""
+    rows: list[tuple[Cell | Words, ...]] = []
+    before: tuple[str, ...] = ()
+    for border in stress.borders:
+        place = (name(border.axis), *border.line[1:])
+        shown = [word if place[: n + 1] != before[: n + 1] else "" for n, word in enumerate(place)]
+        rows.append((*shown, Cell(border_words(border), colour=SIGNS[border.verdict].terminal)))
+        before = place
+    return Table("", ("axis", "row", "engine", "usage", "last within, first beyond"), tuple(rows), align="l")
+
+
+def incident_table(results: Iterable[CellResult]) -> Table:
+    """A row per cell, with its reason and command; of many, the first of each axis and engine, with their number."""
+    found = sorted(results, key=lambda one: one.cell.engine)
+    groups: dict[object, list[CellResult]] = {}
+    for one in found:
+        key = one.cell if len(found) <= MOST_ALONE else (one.cell.engine, one.cell.axis)
+        groups.setdefault(key, []).append(one)
+    rows = tuple(_incident(first, len(others)) for first, *others in groups.values())
+    return Table("", INCIDENT, rows, align="llrl", style="incidents")
+
+
+def _incident(result: CellResult, others: int) -> tuple[Cell | Words, ...]:
+    cell = result.cell
+    place = Cell(f"{axis_title(cell.axis)}: {cell.row}", note=f"and {others} more on this axis" if others else "")
+    told = (result.judgement.reason, Mono(result.document["command"]))
+    return (cell.engine, place, value_words(cell.value), cell.usage, *told)

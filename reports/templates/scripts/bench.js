@@ -1,0 +1,47 @@
+/* Error over cost: mechanism, quantity, cost and engines are chosen; pointing at a point tells all of it. */
+"use strict";
+(() => {
+  // Name, words, a point's value, whether it is the same for all engines.
+  const AXES = [
+    ["stepping", "stepping alone, s", (one) => one.seconds_min, true],
+    ["all of a run", "set-up, stepping and read-out, s",
+      (one) => one.setup_seconds + one.seconds_min + one.readout_seconds, true],
+    ["time steps", "time steps, over all runs of a point", (one) => one.steps, true],
+    ["solver work", "the constraint solver's work, in each engine's own unit", (one) => one.solver_work, false],
+  ];
+
+  linkproof.widget("bench", (element, given) => {
+    const { make, choice, toggles, swatch } = linkproof.controls, changed = () => draw();
+    const engines = given.engines.map(([name, label, ink]) => (
+      { name, label, ink: label === name ? `c${ink}` : "muted", isControl: label !== name }));
+    const coloured = (label) => swatch(engines.find((one) => one.label === label).ink);
+    const [place, placeLabel] = choice("Mechanism", given.places, () => show());
+    const [quantity, quantityLabel] = choice("Quantity", [], changed);
+    const [axis, axisLabel] = choice("Over", AXES.map(([name], number) => [number, name]), changed);
+    const [shown, engineSet] = toggles("Engines", engines.map(({ label }) => label), () => true, coloured, changed);
+    const [efforts, effortSet] = toggles("Also", ["other solver efforts"], () => false, () => "", changed);
+    const controls = make("div", "", { className: "controls" }), plot = make("div");
+    let data = given.first;
+
+    function draw() {
+      const [, title, value, isShared] = AXES[axis.value], { drawn, traces, layout } = linkproof.bench;
+      const asked = data.quantities.find(([key]) => key === quantity.value), on = shown();
+      const parts = (colours) => engines.map((engine) => drawn(
+        data, asked, value, { ...engine, isOn: on.includes(engine.label) }, efforts().length, colours));
+      linkproof.plot(plot, (colours) => traces(parts(colours), isShared, colours),
+        (colours) => layout(parts(colours), title));
+    }
+
+    async function show() {
+      const kept = quantity.value;
+      data = place.selectedIndex ? await linkproof.load(element, place.value) : given.first;
+      quantity.replaceChildren(...data.quantities.map(([key, words]) => new Option(words, key, false, key === kept)));
+      effortSet.hidden = data.sweeps.every((sweep) => sweep.own);
+      draw();
+    }
+
+    controls.append(placeLabel, quantityLabel, axisLabel, engineSet, effortSet);
+    element.append(controls, plot, linkproof.saveButton(plot, "work-precision"));
+    show();
+  });
+})();

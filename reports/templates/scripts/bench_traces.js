@@ -1,0 +1,87 @@
+/* The lines, marks and names of the diagram of error over cost, for its script. */
+"use strict";
+linkproof.bench = (() => {
+  const SYMBOLS = ["circle", "square", "diamond", "triangle-up", "triangle-down", "cross", "x", "pentagon"];
+  const MARKS = { naive: ["circle-open", 10], tuned: ["square", 10], best: ["star", 14] };
+  const DASHES = ["solid", "6px,3px"], HEIGHT = 560, LINE = 16;
+  const isSetting = (sweep) => sweep.kind === "setting";
+  const short = (value) => value.toExponential(1).replace("e+", "e");
+  const time = (value) => (value < 1 ? `${(1e3 * value).toPrecision(3)} ms` : `${value.toPrecision(3)} s`);
+  const plain = (text) => text.replace(/[<>&]/g, (sign) => `&#${sign.charCodeAt(0)};`);
+  const wrapped = (text) => plain(text.replace(/(.{34,44}) /g, "$1\n")).replaceAll("\n", "<br>");
+
+  /* The points that no other beats in both x and y, by x. */
+  function front(points) {
+    let least = Infinity;
+    return [...points].sort((one, two) => one.x - two.x || one.y - two.y)
+      .filter((one) => one.y < least && ((least = one.y), true));
+  }
+
+  function told(sweep, point, [key, words, unit, peak]) {
+    const [, largest, mean] = point.errors[key], [ends, order] = sweep.ends[key] || [];
+    return [
+      `<b>${sweep.engine} ${sweep.engine_version}: ${isSetting(sweep) ? "setting " : ""}${plain(sweep.way)}</b>`,
+      `${words}: largest ${short(largest)}, RMS ${short(mean)} of ${peak} ${unit}`,
+      `${point.step ? `${Math.round(point.steps_per_turn)} steps a turn, ${point.step} s` : "step fixed by the adapter"}; ` +
+        (sweep.runs > 1 ? `${sweep.runs} runs, extrapolated` : "1 run"),
+      `stepping ${time(point.seconds_min)}, median ${time(point.seconds_median)}`,
+      `set-up ${time(point.setup_seconds)}, read-out ${time(point.readout_seconds)}`,
+      `${point.steps} steps, ${point.solver_work} ${sweep.work_unit}${sweep.solver && `; ${sweep.solver}`}`,
+      ends && `${order ? `order ${order.toFixed(1)}` : "no steady order"}; ${ends}`,
+      point.used && wrapped(point.used),
+    ].filter(Boolean).join("<br>");
+  }
+
+  const line = (points, colour, style, more) => ({ type: "scatter", mode: "lines", hoverinfo: "skip",
+    x: points.map((one) => one.x), y: points.map((one) => one.y), line: { color: colour, ...style }, ...more });
+
+  /* All traces of one engine, and its fronts of single runs and of several. */
+  function drawn(data, quantity, value, engine, efforts, colours) {
+    const colour = colours.c[engine.ink.slice(1)] || colours.muted;
+    const kinds = [[], []], found = [], visible = engine.isOn;
+    data.sweeps.filter((sweep) => sweep.engine === engine.name).forEach((sweep, number) => {
+      const points = sweep.points.filter((one) => one.errors[quantity[0]] && value(one) > 0)
+        .map((one) => ({ x: value(one), y: one.errors[quantity[0]][0], text: told(sweep, one, quantity) }));
+      const kind = Number(sweep.runs > 1), style = { width: 1, dash: sweep.own ? DASHES[kind] : "dot" };
+      kinds[kind].push(...points);
+      if (!points.length || !(sweep.own || efforts)) return;
+      const [symbol, size] = isSetting(sweep) ? MARKS[sweep.setting] || ["hexagon", 10] : [SYMBOLS[number % 8], 5];
+      const edge = { color: symbol === "circle-open" ? colour : colours.ink, width: isSetting(sweep) ? 1.3 : 0 };
+      found.push(line(points, colour, style, { visible, mode: "lines+markers", hoverinfo: "text", opacity: 0.85,
+        hovertext: points.map((one) => one.text), marker: { color: colour, size, symbol, line: edge } }));
+    });
+    const fronts = kinds.map(front);
+    fronts.forEach((points, kind) => found.push(line(points, colour, { width: 3, dash: DASHES[kind] }, { visible })));
+    return { engine, colour, found, fronts, least: Math.min(...fronts.flat().map((one) => one.y)) };
+  }
+
+  /* Names at the right edge, at the heights of the least errors and moved apart where they would touch. */
+  function names(parts, range) {
+    const gap = (LINE * (range[1] - range[0])) / (HEIGHT - 60);
+    let last = -Infinity;
+    return parts.filter((one) => one.engine.isOn && one.least < Infinity).sort((one, two) => one.least - two.least)
+      .map(({ engine, colour, least }) => ({ x: 1, xref: "paper", xanchor: "left", showarrow: false,
+        y: (last = Math.max(Math.log10(least), last + gap)), text: engine.isControl ? "control" : engine.name,
+        font: { color: colour, size: 13 } }));
+  }
+
+  /* The front over all engines that are shown, where their costs can be compared, and all else above it. */
+  function traces(parts, isShared, colours) {
+    const ranked = parts.filter(({ engine }) => engine.isOn && !engine.isControl);
+    const broad = (dash, kind) => line(front(ranked.flatMap((one) => one.fronts[kind])), colours.reference,
+      { width: 9, shape: "hv", dash }, { opacity: 0.45 });
+    return [...(isShared ? DASHES.map(broad) : []), ...parts.flatMap((one) => one.found)];
+  }
+
+  function layout(parts, title) {
+    const heights = parts.flatMap((one) => one.found.flatMap((trace) => trace.y)).map(Math.log10);
+    const [low, high] = heights.length ? [Math.min(...heights), Math.max(...heights)] : [0, 0];
+    const range = [Math.floor(low) - 0.4, Math.ceil(high) + 0.2];
+    const log = { type: "log", exponentformat: "power", dtick: 1, tickfont: { size: 14 } };
+    return { height: HEIGHT, showlegend: false, hovermode: "closest", margin: { l: 60, r: 70, t: 12, b: 48 },
+      annotations: names(parts, range), xaxis: { ...log, title: { text: title } },
+      yaxis: { ...log, dtick: 2, range, title: { text: "largest |error| / peak" } } };
+  }
+
+  return { drawn, traces, layout };
+})();

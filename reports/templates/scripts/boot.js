@@ -1,0 +1,139 @@
+/* Starts every widget of a page, loads further data, draws with Plotly in the page's colours. */
+"use strict";
+window.linkproof = (() => {
+  const kinds = new Map(), waiting = new Map(), arrived = new Map(), plots = new Map();
+  const dark = window.matchMedia("(prefers-color-scheme: dark)");
+  let isReady = false;
+
+  function start(element) {
+    if (element.dataset.started || !kinds.has(element.dataset.kind) || element.closest("[hidden]")) return;
+    element.dataset.started = "yes";
+    const data = JSON.parse(element.querySelector(':scope > script[type="application/json"]').textContent);
+    kinds.get(element.dataset.kind)(element, data);
+  }
+
+  function startAll() {
+    isReady = true;
+    document.querySelectorAll(".widget[data-kind]").forEach(start);
+  }
+
+  function widget(kind, starter) {
+    kinds.set(kind, starter);
+    if (isReady) startAll();
+  }
+
+  /* Data of another file, as a promise; a file is asked for once. */
+  function load(element, key) {
+    const place = element.closest(".widget"), name = `${place.dataset.name}.${key}`;
+    if (arrived.has(name)) return Promise.resolve(arrived.get(name));
+    if (!waiting.has(name)) {
+      let settle;
+      const promise = new Promise((resolve, reject) => { settle = { resolve, reject }; });
+      waiting.set(name, { promise, ...settle });
+      const script = document.createElement("script");
+      script.src = `${place.dataset.files}${encodeURIComponent(name)}.js`;
+      script.onerror = () => { waiting.delete(name); settle.reject(new Error(`${script.src} is missing`)); };
+      document.head.append(script);
+    }
+    return waiting.get(name).promise;
+  }
+
+  function loaded(name, data) {
+    arrived.set(name, data);
+    waiting.get(name)?.resolve(data);
+    waiting.delete(name);
+  }
+
+  function colours() {
+    const style = getComputedStyle(document.documentElement), named = (name) => style.getPropertyValue(`--${name}`).trim();
+    const found = { c: [0, 1, 2, 3, 4, 5].map((number) => named(`c${number}`)) };
+    for (const name of ["ink", "muted", "line", "faint", "paper", "limit", "reference"]) found[name] = named(name);
+    return found;
+  }
+
+  const LEGIBLE = { tickfont: { size: 14 } }; // exponents are 0.875 of it
+
+  /* A layout in the page's colours; what the caller gives goes before. */
+  function dressed(layout) {
+    const { ink, muted, line, paper, c } = colours();
+    const axis = { gridcolor: line, linecolor: muted, zerolinecolor: line, tickcolor: muted, automargin: true };
+    const result = {
+      paper_bgcolor: "rgba(0,0,0,0)", plot_bgcolor: "rgba(0,0,0,0)", colorway: c, autosize: true,
+      font: { family: getComputedStyle(document.body).fontFamily, size: 13, color: ink }, margin: { l: 64, r: 16, t: 24, b: 48 },
+      hoverlabel: { bgcolor: paper, bordercolor: muted, font: { color: ink, size: 13 }, align: "left" }, ...layout,
+    };
+    for (const name of new Set(["xaxis", "yaxis", ...Object.keys(layout).filter((key) => /^[xy]axis\d*$/.test(key))]))
+      result[name] = { ...axis, ...(layout[name]?.exponentformat === "power" && LEGIBLE), ...layout[name] };
+    return result;
+  }
+
+  /* Draws, and again when the colour scheme changes; traces and layout may be functions of the colours. */
+  function plot(element, traces, layout = {}) {
+    if (!window.Plotly) return Promise.resolve(null);
+    plots.set(element, [traces, layout]);
+    const now = (given) => (typeof given === "function" ? given(colours()) : given);
+    const config = { displayModeBar: false, responsive: true, displaylogo: false };
+    return window.Plotly.react(element, now(traces), dressed(now(layout)), config).then(() => {
+      if (!element.dataset.fits) element.on("plotly_afterplot", () => fit(element));
+      element.dataset.fits = "yes";
+      fit(element);
+      return element;
+    });
+  }
+
+  /* What lets a plot shrink to a sheet of paper: the style sheet does. */
+  function fit(element) {
+    const { width, height } = element._fullLayout;
+    element.style.setProperty("--shape", `${width} / ${height}`);
+    for (const drawing of element.querySelectorAll(".main-svg")) drawing.setAttribute("viewBox", `0 0 ${width} ${height}`);
+  }
+
+  function redraw() {
+    for (const [element, [traces, layout]] of plots) if (element.isConnected) plot(element, traces, layout);
+  }
+
+  /* A button that saves a plot as a drawing. */
+  function saveButton(element, name) {
+    const button = document.createElement("button");
+    button.type = "button";
+    button.textContent = "Save as SVG";
+    button.onclick = () => window.Plotly?.downloadImage(element, {
+      format: "svg", filename: name, width: element.clientWidth, height: element.clientHeight });
+    return button;
+  }
+
+  /* Boxes that need no scrolling are no stop of the Tab key and no landmark. */
+  function stops() {
+    for (const box of document.querySelectorAll(".scroll")) {
+      const scrolls = box.scrollWidth > box.clientWidth + 1;
+      box.setAttribute("role", scrolls ? "region" : "group");
+      if (scrolls) box.tabIndex = 0; else box.removeAttribute("tabindex");
+    }
+  }
+
+  /* In a file that holds a whole report, one page of it is shown at a time: the one that the address leads to. */
+  function showPage() {
+    const links = [...document.querySelectorAll(".pages a")], main = document.getElementById("main");
+    if (!links.length || links.some((link) => !link.getAttribute("href").startsWith("#"))) return;
+    const pages = links.slice(1).map((link) => document.getElementById(link.hash.slice(1)));
+    const place = document.getElementById(decodeURIComponent(location.hash.slice(1))) ?? main;
+    const shown = pages.find((page) => page.contains(place)) ?? main;
+    for (const part of main.children) part.hidden = shown === main ? pages.includes(part) : part !== shown;
+    for (const link of links) link.ariaCurrent = link.hash === `#${shown.id}` ? "page" : null;
+    if (place === shown) window.scrollTo(0, 0); else place.scrollIntoView();
+  }
+
+  function begin() {
+    showPage();
+    startAll();
+    stops();
+  }
+
+  dark.addEventListener("change", redraw);
+  window.matchMedia("print").addEventListener("change", redraw);
+  document.addEventListener("DOMContentLoaded", begin);
+  window.addEventListener("hashchange", begin);
+  window.addEventListener("resize", stops);
+  document.addEventListener("toggle", stops, true);
+  return { widget, load, loaded, plot, colours, saveButton };
+})();

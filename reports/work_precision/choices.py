@@ -1,0 +1,93 @@
+"""What to use for an error: the cheapest engine, a table over all mechanisms, one by mechanism."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from itertools import groupby
+
+from comparisons.work_precision.analysis import WANTED
+from comparisons.work_precision.places import EngineFacts, PlaceFacts, Regimes
+from comparisons.work_precision.records import BenchRecord
+from reports.document.numbers import ABSENT, bound, error, seconds
+from reports.document.parts import Cell, Fold, Paragraph, Section, Table
+from reports.document.templates import sentence
+from reports.work_precision.words import judged_by, label_of, once, way_words
+
+# Errors that the page begins with, by their places among those wanted.
+NAMED = (1, 4, 6)
+Found = tuple[EngineFacts, BenchRecord]
+
+
+def verdicts(regimes: Regimes) -> tuple[Paragraph, ...]:
+    """The cheapest engines for a few errors, in a sentence for every regime."""
+    return tuple(
+        Paragraph(sentence("bench_verdict", regime=name, judged=judged_by({name: places}), count=len(places),
+                           wins=[(bound(WANTED[column]), _winners(places, column)) for column in NAMED]), "verdict")
+        for name, places in regimes.items()
+    )  # fmt: skip
+
+
+def _winners(places: Sequence[PlaceFacts], column: int) -> list[tuple[str, str, int]]:
+    """The engines that are the cheapest somewhere, their times and in how many places, those of most first."""
+    wins: dict[str, list[Found]] = {}
+    for place in places:
+        if met := _met((one for one in place.engines(place.foremost) if not one.is_control), column):
+            best = min(met, key=_time)
+            wins.setdefault(best[0].engine, []).append(best)
+    return [(name, _span(won), len(won)) for name, won in sorted(wins.items(), key=lambda pair: -len(pair[1]))]
+
+
+def _met(engines: Iterable[EngineFacts], column: int) -> list[Found]:
+    """The cheapest points of those that get to an error."""
+    return [(one, record) for one in engines if one.choices and (record := one.choices[column].record)]
+
+
+def _time(found: Found) -> float:
+    """Stepping time of a point, s."""
+    return found[1].seconds_min or 0.0
+
+
+def _span(found: Sequence[Found]) -> str:
+    """The shortest and the longest time; one where they read alike."""
+    times = [_time(one) for one in found]
+    return " to ".join(dict.fromkeys((seconds(min(times)), seconds(max(times)))))
+
+
+def section(regimes: Regimes, note: str) -> Section:
+    """What to use for an error: over all mechanisms, then each of them in a fold; ``note`` is in small print."""
+    each = {f"{place.mechanism}, {name}": (place,) for name, places in regimes.items() for place in places}
+    whole = _table(sentence("bench_use", judged=judged_by(regimes)), "Regime", regimes)
+    folds = (Fold("By mechanism", (_table("Each mechanism by itself.", "Mechanism", each),)),)
+    return Section(
+        "use",
+        "What to use for an error",
+        (whole, *(folds if len(each) > len(regimes) else ()), Paragraph(note, "small")),
+    )
+
+
+def _table(caption: str, corner: str, groups: Mapping[str, Sequence[PlaceFacts]]) -> Table:
+    """A row for every engine of a group; cells that say the same are one."""
+    head = (corner, "Engine", *map(bound, WANTED))
+    return Table(caption, head, tuple(once(_rows(groups))), "l", style="choices")
+
+
+def _rows(groups: Mapping[str, Sequence[PlaceFacts]]) -> Iterator[tuple[Cell | str, ...]]:
+    for name, places in groups.items():
+        engines: dict[str, list[EngineFacts]] = {}
+        for facts in (one for place in places for one in place.engines(place.foremost)):
+            engines.setdefault(label_of(facts), []).append(facts)
+        for label, mine in engines.items():
+            cells = [(cell, len(list(same))) for cell, same in groupby(_cell(mine, n) for n in range(len(WANTED)))]
+            yield name, label, *(Cell(cell.words, cell.style, note=cell.note, span=span) for cell, span in cells)
+
+
+def _cell(engines: Sequence[EngineFacts], column: int) -> Cell:
+    """The times of one engine to one error over the mechanisms, and the way that most of them take."""
+    met = _met(engines, column)
+    if not met:
+        least = [facts.choices[column].closest.error_max or 0.0 for facts in engines if facts.choices]
+        return Cell(ABSENT, "absent", note=f"least {error(min(least))}" if least else "nothing finished")
+    share = f"; in {len(met)} of {len(engines)}" if len(met) < len(engines) else ""
+    taken = Counter(way_words(*found) for found in met).most_common(1)[0][0]
+    return Cell(_span(met), note=f"{taken}{share}")

@@ -1,0 +1,61 @@
+"""The settings held against the methods of their engine, and the methods' orders and floors."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from typing import Any
+
+from comparisons.work_precision.places import EngineFacts, Regimes
+from reports.document.numbers import ABSENT, error, seconds
+from reports.document.parts import Cell, Fold, Section, Table
+from reports.document.templates import sentence
+from reports.work_precision.words import judged_by, label_of, limit_words, once, standing_words, way
+
+# Of one engine in one place: a row's head and its cell there.
+Rows = Callable[[EngineFacts], Iterator[tuple[Cell, Cell]]]
+
+
+def method_section(regimes: Regimes, methods: Sequence[Mapping[str, Any]], noise: float) -> Section:
+    """Settings, orders and floors; times closer than the share ``noise`` are the same.
+
+    ``methods`` are what the benchmark's document says of each.
+    """
+    about = {(one["engine"], one["name"]): one["about"] for one in methods}
+
+    def settings(facts: EngineFacts) -> Iterator[tuple[Cell, Cell]]:
+        for one in facts.standings:
+            told = standing_words(one, facts, noise).lstrip(":; ") if facts.sweeps else ""
+            words = f"{error(one.record.error_max)} in {seconds(one.record.seconds_min or 0.0)}"
+            yield Cell(one.record.setting), Cell(words.replace(" ", "\u00a0"), note=told.partition(":")[0], told=told)
+
+    def sweeps(facts: EngineFacts) -> Iterator[tuple[Cell, Cell]]:
+        for one in facts.methods:
+            order = "no order" if one.order is None else f"order {one.order:.1f}"
+            row = Cell(way(facts, one.first), note=about[facts.engine, one.first.setting])
+            yield row, Cell(order, note=limit_words(one), told=one.floor.evidence)
+
+    orders = _by_mechanism(regimes, "bench_orders", "Method", sweeps)
+    folds = (Fold("The methods: orders and floors", (orders,)),) if orders.rows else ()
+    name = "bench_standings" if folds else "bench_settings"
+    table = _by_mechanism(regimes, name, "Setting", settings)
+    heading = "The settings against the methods" if folds else "The settings"
+    return Section("settings", heading, (table, *folds))
+
+
+def _by_mechanism(regimes: Regimes, about: str, name: str, rows_of: Rows) -> Table:
+    """Engines and their rows down, mechanisms by regime across; an engine is named in its first row."""
+    places = [place for part in regimes.values() for place in part]
+    found: dict[str, dict[Cell, dict[int, Cell]]] = {}
+    for column, place in enumerate(places):
+        for facts in place.engines(place.foremost):
+            for row, cell in rows_of(facts):
+                found.setdefault(label_of(facts), {}).setdefault(row, {})[column] = cell
+    none = Cell(ABSENT, "absent")
+    rows = once(
+        (label, row, *(mine.get(column, none) for column in range(len(places))))
+        for label, cells in found.items()
+        for row, mine in cells.items()
+    )
+    groups = (("", 2), *((f"regime {regime}", len(part)) for regime, part in regimes.items()))
+    head = ("Engine", name, *(place.mechanism for place in places))
+    return Table(sentence(about, judged=judged_by(regimes)), head, tuple(rows), "l", groups=groups)

@@ -1,0 +1,89 @@
+"""Error over time as a chart, a panel for each mechanism: sweeps thin, each engine's front bold, settings marked."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+
+import numpy as np
+
+from comparisons.work_precision.analysis import apart, on_front
+from comparisons.work_precision.places import EngineFacts, PlaceFacts, Regimes
+from comparisons.work_precision.records import SETTING, BenchRecord
+from reports.document.chart import Array, Chart, Curve, Ink, Panel
+from reports.document.parts import Figure
+from reports.document.templates import plain, sentence
+
+# Nothing below round-off is worth a decade, and nothing ten times as large as its own peak one more.
+LEAST, MOST = 1e-16, 10.0
+COLUMNS, PANEL = 3, 3.2
+COLOURS = 6  # of the palette
+MARKERS = {"naive": "o", "tuned": "s", "best": "*"}
+LINES = ("-", "--")  # of single runs, and of several extrapolated
+
+
+def inks(labels: Mapping[str, str]) -> dict[str, Ink]:
+    """The colours of engines: by name order, as in all of a report, and the control's, which its label names, muted."""
+    order = sorted(labels)
+    return {name: order.index(name) % COLOURS if labels[name] == name else "muted" for name in labels}
+
+
+def figures(regimes: Regimes, colours: Mapping[str, Ink]) -> tuple[Figure, ...]:
+    """A figure for every regime."""
+    alt = "error over stepping time, {}, every engine, {} mechanisms"
+    return tuple(
+        Figure(
+            name, sentence("bench_overview", regime=name), alt.format(name, len(places)), chart(places, colours), True
+        )
+        for name, places in regimes.items()
+    )
+
+
+def chart(places: Sequence[PlaceFacts], colours: Mapping[str, Ink]) -> Chart:
+    """Work and precision of one regime over its mechanisms, in the quantity each is judged by."""
+    panels = tuple(_panel(place, colours) for place in places)
+    columns = min(COLUMNS, len(panels))
+    return Chart(panels, height=PANEL * -(-len(panels) // columns), columns=columns, wide=True)
+
+
+def _panel(place: PlaceFacts, colours: Mapping[str, Ink]) -> Panel:
+    """What no engine does better than is a broad grey staircase."""
+    fronts = zip(_fronts(place.ranked(place.foremost)), LINES, strict=True)
+    curves = [
+        Curve(np.repeat(x, 2)[1:], np.repeat(y, 2)[:-1], ink="reference", line=line, width=5.0)
+        for (x, y), line in fronts
+        if len(x)
+    ]
+    for facts in place.engines(place.foremost):
+        curves += _engine(facts, colours[facts.engine])
+    title = f"{place.mechanism}: {plain(place.foremost)}"
+    return Panel(tuple(curves), "stepping alone, s", "largest |error| / peak", scale="loglog", title=title)
+
+
+def _engine(facts: EngineFacts, ink: Ink) -> Iterator[Curve]:
+    for sweep in facts.methods:
+        line = LINES[sweep.first.is_extrapolated]
+        yield Curve(*_places(sweep.points.records), ink=ink, line=line, width=0.6, marker=".")
+    fronts = _fronts(facts.records)
+    lowest = min((y[-1] for _, y in fronts if len(y)), default=0.0)
+    for (x, y), line in zip(fronts, LINES, strict=True):
+        if len(x):
+            name = "control" if facts.is_control else facts.engine
+            yield Curve(x, y, name=name if y[-1] == lowest else "", ink=ink, line=line, width=1.9)
+    for record in facts.records:
+        if record.kind == SETTING and record.finished:
+            yield Curve(*_places([record]), ink=ink, line="", marker=MARKERS.get(record.setting, "D"))
+
+
+def _fronts(records: Sequence[BenchRecord]) -> list[tuple[Array, Array]]:
+    """The front of single runs, and that of several extrapolated."""
+    return [_places(on_front(part)) for part in apart(records)]
+
+
+def _places(records: Sequence[BenchRecord]) -> tuple[Array, Array]:
+    """Times, s, and errors over the peak of points (n,)."""
+    return np.array([one.seconds_min or 0.0 for one in records]), np.array([drawn_error(one) for one in records])
+
+
+def drawn_error(record: BenchRecord) -> float:
+    """The largest error over the peak, between the least and the most that a decade is worth."""
+    return min(max(record.error_max or 0.0, LEAST), MOST)

@@ -1,0 +1,112 @@
+"""Data sheets hold what the closed form says, of every kind of linkage."""
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from analytic.description.crank_motion import RPM, crank_motion, swing
+from analytic.description.loading import load
+from analytic.kinematics import frames
+from analytic.kinematics.mechanism import Mechanism
+from comparisons.datasheet.building import needed, usual_case, usual_sheet
+from tests.analytic.linkages import FOLDER, from_text
+from tests.analytic.textbook import DOUBLE_ROCKER, PENDULUM
+
+TURNING = ("juki-mf7923d", "slotted-takeup", "rimoldi-164", str(FOLDER / "scotch-yoke.toml"))
+DRIVEN = ("boom", "cylinder-in-the-loop", "linear-motor")
+
+
+@pytest.mark.parametrize("name", [*TURNING, *(str(FOLDER / "drives" / f"{name}.toml") for name in DRIVEN)])
+def test_the_positions_put_every_point_where_the_linkage_has_it(name):
+    found, mechanism = usual_sheet(load(name)), Mechanism(load(name))
+    sweep = mechanism.sweep(found.positions.angle)
+    for link in found.linkage.links.values():
+        x, y, turned = found.positions.bodies[link.name]
+        for point, local in link.points.items():
+            there = frames.point((x, y, np.cos(turned), np.sin(turned)), local)
+            assert np.allclose(there, sweep.point(point), atol=1e-12), (link.name, point)
+
+
+@pytest.mark.parametrize("name", ["slotted-takeup", str(FOLDER / "near-toggle.toml")])
+def test_straight_lines_between_the_instants_show_every_peak(name):
+    found = usual_sheet(load(name))
+    assert len(found.values["phi"]) <= 721
+    for signal, peak in found.peaks.items():
+        if not signal.startswith("transmission"):
+            largest = np.max(np.abs(found.values[signal]))
+            assert largest == pytest.approx(abs(peak["value"]), rel=1e-9, abs=1e-9), signal
+
+
+def test_the_shares_of_the_inertia_add_up_to_it():
+    found = usual_sheet(load("rimoldi-164"))
+    for shares in found.shares.values():
+        assert np.allclose(sum(shares.values()), found.values["Jeq"], rtol=1e-12)
+
+
+def test_the_crank_turns_as_fast_as_the_first_motion_ends():
+    mechanism = Mechanism(load("juki-mf7923d"))
+    assert usual_case(mechanism).motion.peak_speed == pytest.approx(1000 * RPM)
+    slow = crank_motion("run-up", speed=7.0, clockwise=True)
+    case = usual_case(mechanism, (slow, crank_motion("run-up", speed=9.0)))
+    assert (case.motion.peak_speed, float(case.motion.speed(0.0))) == (pytest.approx(7.0), pytest.approx(-7.0))
+    found = usual_sheet(mechanism.linkage, (slow,))
+    assert found.values["phi"][[0, -1]] == pytest.approx([0.0, 2 * np.pi])
+    assert np.all(np.diff(found.values["phi"]) > 0.0)
+
+
+def test_a_crank_that_makes_no_turn_swings_over_its_range():
+    found = usual_sheet(from_text(DOUBLE_ROCKER).linkage)
+    assert (found.axis, found.positions.over, found.positions.closed) == ("phi", "time", False)
+    low, high = (found.facts["range"][end] for end in ("low", "high"))
+    assert low < found.values["phi"].min() < low + 0.03 * (high - low)
+    assert found.normalised is None
+
+
+def test_a_motion_that_is_asked_for_takes_the_place_of_the_range():
+    mechanism = from_text(DOUBLE_ROCKER)
+    middle = 0.5 * sum(usual_case(mechanism).reach)
+    asked = swing("cycloidal", middle - 0.1, middle + 0.1, speed=1.0)
+    assert usual_case(mechanism, (asked,)).motion is asked
+
+
+def test_a_rigid_pendulum_needs_its_torque_against_gravity():
+    found = usual_sheet(from_text(PENDULUM).linkage)
+    assert np.allclose(found.values["Mkr"], 2 * 9.81 * 0.5 * np.cos(found.values["phi"]), atol=1e-9)
+    assert found.missing == {}
+    assert (found.thread, found.normalised, found.figures.get("stroke")) == (None, None, None)
+
+
+def test_a_linkage_without_mass_or_load_has_neither_torque_nor_shares():
+    linkage = from_text(PENDULUM.replace("mass = 2\n", "").replace("inertia = 0.1\n", "")).linkage
+    found = usual_sheet(linkage)
+    assert "Mkr" not in found.values
+    assert found.shares == {}
+    assert found.figures["drive"] == []
+
+
+def test_a_whole_period_is_shown_even_of_several_turns():
+    mechanism = Mechanism(
+        load(str(next(FOLDER.glob("change-points/ten-four-bars.toml")).parent / "ten-four-bars.toml"))
+    )
+    assert usual_case(mechanism).motion.duration * usual_case(mechanism).motion.peak_speed == mechanism.period
+
+
+def test_what_cannot_be_assembled_has_a_sheet_with_the_reason():
+    linkage = load("juki-mf7923d")
+    rod = linkage.links["coupler"]
+    points = {name: (4.0 * x, y) for name, (x, y) in rod.points.items()}
+    broken = replace(linkage, links={**linkage.links, "coupler": replace(rod, points=points)})
+    far = usual_sheet(replace(broken, ground=dict.fromkeys(linkage.ground, (9.0, 9.0))))
+    assert "values" in far.missing
+    assert far.facts["links"].keys() == linkage.links.keys()
+
+
+def test_few_instants_are_kept_and_those_that_matter_among_them():
+    axis = np.linspace(0.0, 1.0, 5001)
+    spike = np.exp(-(((axis - 0.333) / 1e-3) ** 2))
+    kept = needed(axis, np.stack([axis, spike]), 101, 200)
+    assert len(kept) <= 200
+    assert np.max(np.abs(np.interp(axis, axis[kept], spike[kept]) - spike)) < 0.02
+    assert math.isclose(spike[kept].max(), spike.max())

@@ -1,0 +1,96 @@
+"""What a look over a linkage finds: figures of independent formulas, and all that is right up to a fault."""
+
+import json
+import math
+
+import pytest
+
+from analytic.description.loading import literature, load, parse
+from analytic.errors import AssemblyError, StructureError
+from comparisons.datasheet.linkage_check import check
+from reports.document.terminal import rendered
+from reports.mechanism.check import printed
+from tests.analytic.chains import chain_of_dyads
+from tests.analytic.linkages import EVERY, text_of
+from tests.analytic.textbook import DOUBLE_ROCKER
+
+
+def folded(gap, one, two):
+    """Transmission angle of a four-bar at a gap between A and B, by the law of cosines."""
+    angle = math.acos((one**2 + two**2 - gap**2) / (2 * one * two))
+    return min(angle, math.pi - angle)
+
+
+def looked_over(text):
+    return check(parse(text, "sample", "sample.toml"))
+
+
+@pytest.mark.parametrize(("name", "variant"), EVERY)
+def test_every_linkage_that_works_is_without_fault(name, variant):
+    path = name if variant else f"tests/linkages/{name}.toml"
+    linkage = load(path, variant) if variant else parse(text_of(name), name, path)
+    facts, fault = check(linkage)
+    assert fault is None
+    assert facts["fault"] is None
+    assert facts["mobility"]["degrees"] == 1
+    assert facts["warnings"] == []
+    assert json.loads(json.dumps(facts)) == facts
+
+
+def test_the_linkages_of_the_literature_are_without_warnings():
+    assert [name for name in literature() if check(load(name))[0]["warnings"]] == []
+
+
+def test_a_chain_so_long_that_no_bound_can_be_given():
+    facts, _ = check(parse(chain_of_dyads(100), "chain", "chain.toml"))
+    assert set(facts["error_bound"].values()) == {None}
+    assert "no error bound can be given" in rendered(*printed(facts, str))
+
+
+def test_transmission_angle_of_a_crank_rocker_is_least_with_the_crank_on_the_frame():
+    facts, _ = check(parse(chain_of_dyads(1), "chain", "chain.toml"))  # frame 100, crank 20, coupler 100, rocker 45 mm
+    (found,) = facts["transmission"].values()
+    assert found["least"] == pytest.approx(min(folded(80.0, 100.0, 45.0), folded(120.0, 100.0, 45.0)), abs=1e-9)
+    assert found["where"] in ("0°", "180°")
+
+
+def test_of_a_swing_where_the_transmission_angle_is_good():
+    facts, _ = looked_over(DOUBLE_ROCKER)
+    (found,) = facts["transmission"].values()
+    assert found["least"] == pytest.approx(0.0, abs=1e-3)
+    for end in found["good"]:
+        gap = math.sqrt(100**2 + 80**2 - 2 * 100 * 80 * math.cos(end))
+        assert math.degrees(folded(gap, 60.0, 90.0)) == pytest.approx(40.0, abs=1e-6)
+
+
+def test_a_point_that_is_not_pinned_leaves_mobility_and_a_fault():
+    facts, fault = looked_over(DOUBLE_ROCKER.replace("C = [60, 0]", "c = [60, 0]"))
+    assert isinstance(fault, StructureError)
+    assert facts["fault"] == str(fault)
+    assert "expected mobility 1, got 3" in str(fault)
+    assert facts["mobility"] == {"degrees": 3, "formula": "3 = 3·3 links - 2·3 pins and slides"}
+    assert facts["loose_points"] == ["C", "c"]
+    assert facts["structure"] == "I (crank) -> ?"
+    assert "range" not in facts
+
+
+def test_groups_that_were_found_before_a_loose_one_are_told():
+    loose = "\n[links.rod]\npoints = { C = [0, 0], D = [70, 0] }\n[links.tail]\npoints = { D = [0, 0], E = [70, 0] }\n"
+    facts, fault = looked_over(DOUBLE_ROCKER + loose)
+    assert facts["structure"] == "I (crank) -> coupler + rocker (RRR) -> ?"
+    assert "add a joint to 'rod', 'tail'" in str(fault)
+
+
+def test_a_sketch_out_of_reach_leaves_mobility_and_a_fault():
+    facts, fault = looked_over(DOUBLE_ROCKER.replace("angle = 70", "angle = 0"))
+    assert isinstance(fault, AssemblyError)
+    assert facts["structure"] == "I (crank) -> coupler + rocker (RRR)"
+    assert facts["four_bar"].startswith("Grashof double-rocker")
+    assert "range" not in facts
+
+
+def test_change_points_of_a_parallelogram():
+    facts, fault = looked_over(text_of("parallelogram"))
+    assert fault is None
+    assert [point["where"] for point in facts["range"]["change_points"]] == ["180°", "0°"]
+    assert facts["four_bar"].startswith("change-point four-bar")

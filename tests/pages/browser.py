@@ -1,0 +1,164 @@
+"""A report's pages in headless Chromium: what a page loads, how large it is, and what axe-core says of it."""
+
+from __future__ import annotations
+
+import re
+import shutil
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+WIDTHS = (1400, 390)
+HEIGHT = 1000
+THEMES = ("light", "dark")
+NAMES = ("chromium", "chromium-browser", "google-chrome", "chrome")
+SHARED = "plotly-basic.min.js"  # loaded once for all pages, and not counted
+
+# Everything on a page that a reader may meet, without what stands in closed folds.
+FACTS = """() => {
+  const root = document.documentElement;
+  const small = [];
+  const walker = document.createTreeWalker(document.body, NodeFilter.SHOW_TEXT);
+  while (walker.nextNode()) {
+    const host = walker.currentNode.parentElement;
+    if (!walker.currentNode.textContent.trim() || !host.checkVisibility()) continue;
+    if (host.closest('script, style, noscript')) continue;
+    const box = host.closest('svg');
+    const matrix = box && host.getScreenCTM && host.getScreenCTM();
+    const size = parseFloat(getComputedStyle(host).fontSize) * (matrix ? Math.hypot(matrix.a, matrix.b) : 1);
+    if (size < 11.95) small.push(`${size.toFixed(1)} px: ${walker.currentNode.textContent.trim().slice(0, 40)}`);
+  }
+  return {
+    nodes: document.querySelectorAll('*').length,
+    screens: root.scrollHeight / innerHeight,
+    overflow: root.scrollWidth - root.clientWidth,
+    small,
+    verdict: (document.querySelector('.verdict') || root).getBoundingClientRect().bottom / innerHeight,
+  };
+}"""
+PAINT = "() => performance.getEntriesByName('first-contentful-paint').map(entry => entry.startTime)[0]"
+EMPTY = """() => [
+  ...[...document.images].filter(one => !(one.complete && one.naturalWidth)).map(one => one.currentSrc || one.src),
+  ...[...document.querySelectorAll('.js-plotly-plot')]
+    .filter(one => !one.data.some(trace => (trace.x || trace.y || []).length)).map(one => 'plot without data'),
+]"""
+LOAD_ALL = """async () => {
+  for (const image of document.images) { image.loading = 'eager'; }
+  await Promise.all([...document.images].map(one => one.complete || new Promise(done => {
+    one.onload = done; one.onerror = done;
+  })));
+}"""
+
+
+@dataclass
+class Look:
+    """One page as it was seen: ``faults`` are errors of scripts and requests that failed or left the folder."""
+
+    page: Any
+    faults: list[str] = field(default_factory=list)
+    loaded: dict[str, int] = field(default_factory=dict)
+
+    @property
+    def bytes_loaded(self) -> int:
+        """Size of all files that opening took, without the shared library."""
+        return sum(size for name, size in self.loaded.items() if not name.endswith(SHARED))
+
+    def facts(self) -> dict[str, Any]:
+        """Nodes, screens, overflow in px, words in small print, where the verdict ends in screens."""
+        return dict(self.page.evaluate(FACTS))
+
+    def paint(self) -> float:
+        """First contentful paint, ms."""
+        return float(self.page.evaluate(PAINT) or 0.0)
+
+    def empty(self) -> list[str]:
+        """Pictures that did not load and plots without data."""
+        self.page.evaluate(LOAD_ALL)
+        return list(self.page.evaluate(EMPTY))
+
+    def grave(self) -> list[str]:
+        """What axe-core calls serious or critical."""
+        from axe_playwright_python.sync_playwright import Axe
+
+        found = Axe().run(self.page, options={"preload": False}).response["violations"]
+        return [
+            f"{one['impact']}: {one['help']}: {one['nodes'][0]['html'][:120]} ({len(one['nodes'])})"
+            for one in found
+            if one["impact"] in ("serious", "critical")
+        ]
+
+    def sheets(self) -> int:
+        """Sheets of A4 on paper."""
+        return len(re.findall(rb"/Type\s*/Page\b", self.page.pdf(format="A4", prefer_css_page_size=True)))
+
+
+def executable() -> str | None:
+    """The browser's program; None where there is none."""
+    return next((found for name in NAMES if (found := shutil.which(name))), None)
+
+
+@contextmanager
+def started() -> Iterator[Any]:
+    """Headless Chromium."""
+    from playwright.sync_api import sync_playwright
+
+    with sync_playwright() as driver:
+        browser = driver.chromium.launch(executable_path=executable(), args=["--no-sandbox", "--disable-gpu"])
+        try:
+            yield browser
+        finally:
+            browser.close()
+
+
+@contextmanager
+def opened(
+    browser: Any, path: Path, width: int = 1400, theme: str = "light", *, scripts: bool = True
+) -> Iterator[Look]:
+    """A page of a report's folder, open and idle."""
+    context = browser.new_context(
+        viewport={"width": width, "height": HEIGHT}, color_scheme=theme, java_script_enabled=scripts, offline=True
+    )
+    try:
+        look = Look(context.new_page())
+        folder = _root(path)
+        look.page.on("pageerror", lambda error: look.faults.append(f"error: {error}"))
+        look.page.on("console", lambda one: _hear(look, one.type, one.text))
+        look.page.on("requestfailed", lambda request: look.faults.append(f"failed: {request.url}"))
+        look.page.on("request", lambda request: _note(look, request.url, folder))
+        look.page.goto(path.resolve().as_uri(), wait_until="load")
+        look.page.wait_for_load_state("networkidle")
+        yield look
+    finally:
+        context.close()
+
+
+def _root(path: Path) -> Path:
+    """The folder of the report that a page belongs to."""
+    parent = path.resolve().parent
+    return parent.parent if parent.name == "mechanisms" else parent
+
+
+def _hear(look: Look, kind: str, text: str) -> None:
+    if kind in ("error", "warning"):
+        look.faults.append(f"{kind}: {text}")
+
+
+def _note(look: Look, url: str, folder: Path) -> None:
+    """Count a file of the folder; anything else that is asked for is a fault."""
+    from urllib.parse import unquote, urlparse
+
+    if url.startswith(("data:", "blob:")):
+        return
+    place = Path(unquote(urlparse(url).path))
+    if urlparse(url).scheme == "file" and place.is_relative_to(folder):
+        look.loaded[str(place)] = place.stat().st_size if place.is_file() else 0
+    else:
+        look.faults.append(f"asks for {url}")
+
+
+def pages(folder: Path) -> list[Path]:
+    """Every page of a report, the first one first."""
+    rest = sorted({*folder.glob("*.html"), *folder.glob("mechanisms/*.html")} - {folder / "index.html"})
+    return [folder / "index.html", *rest]

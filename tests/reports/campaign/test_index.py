@@ -1,0 +1,121 @@
+"""The first page: the verdict before all else, one row an engine, a card a mechanism, folds for the rest."""
+
+from dataclasses import asdict, replace
+
+import pytest
+
+from analytic.description.loading import load
+from comparisons.campaign.results import Results
+from comparisons.datasheet.building import usual_sheet
+from comparisons.judging.records import Verdict
+from reports.campaign.index import index
+from reports.document.markdown import written
+from reports.document.parts import Cards, Fold, Link, Paragraph, Table
+from reports.document.terminal import rendered
+from tests.reports.made_up_results import made_up_results
+
+NAMES = ("juki-mf7923d", "two-crank-takeup")
+STUDY = (Link("Stability", "stress.html"), ": 480 runs")
+
+
+@pytest.fixture(scope="module")
+def results():
+    broken = {"gamma": Verdict.UNAVAILABLE}
+    engines = ("alpha", "beta", "gamma")
+    return made_up_results([load(name) for name in NAMES], samples=51, engines=engines, broken=broken)
+
+
+@pytest.fixture(scope="module")
+def sheets():
+    return tuple(usual_sheet(load(name)) for name in NAMES)
+
+
+@pytest.fixture(scope="module")
+def page(results, sheets):
+    return index(results, sheets, (STUDY,))
+
+
+def section(page, key):
+    return next(one for one in page.sections if one.key == key)
+
+
+def tables(page):
+    return [part for part in section(page, "engines").parts if isinstance(part, Table)]
+
+
+def test_the_verdict_stands_before_every_section(page):
+    assert [part.role for part in page.parts[:3]] == ["verdict", "lead", "lead"]
+    assert page.parts[0].words.startswith("Trust alpha and beta")
+
+
+def test_every_engine_has_a_row_and_every_setting_its_columns(page):
+    standings, families = tables(page)
+    assert [row[0] for row in standings.rows] == ["alpha", "beta", "gamma"]
+    assert [name for name, _ in standings.groups] == ["", "tuned", "best", "naive (decides nothing)"]
+    assert sum(columns for _, columns in standings.groups) == len(standings.head) == len(standings.rows[0])
+    assert "gamma <cannot> hold this scene" in rendered(standings) or standings.rows[2][1].note
+    assert {row[1] for row in families.rows} == {"tuned", "best"}
+
+
+def test_what_decides_nothing_has_no_colour_of_a_verdict(page):
+    standings, families = tables(page)
+    styles = [cell.style for row in standings.rows[:2] for cell in row[1::2]]
+    assert styles == ["pass", "pass", "muted"] * 2
+    assert all("pass" in cell.style for row in families.rows for cell in row[2:])
+
+
+def test_the_least_error_of_a_column_is_marked_and_no_check_is(page):
+    _, families = tables(page)
+    best = {(row[0], row[1]) for row in families.rows for cell in row[2:] if "best" in cell.style}
+    assert best == {("alpha", "tuned"), ("alpha", "best")}
+    assert not any("best" in row[-1].style for row in families.rows)
+
+
+def test_a_card_leads_to_the_page_of_its_mechanism_and_tells_its_figures(page, sheets):
+    (cards,) = (part for part in section(page, "mechanisms").parts if isinstance(part, Cards))
+    assert [card.heading.href for card in cards.cards] == [
+        f"mechanisms/{sheet.name}.{sheet.variant}.html" for sheet in sheets
+    ]
+    text = written(cards.cards[0].parts)
+    assert all(name in text for name in ("peak torque", "peak power", "mean Jeq", "stroke"))
+    assert "- worst error: 0." in text
+    assert " of its limit: beta, " in text
+
+
+def test_everything_else_is_a_link_or_behind_a_line(page):
+    assert STUDY[0] in page.parts[-1].items[0]
+    (fold,) = section(page, "run").parts
+    assert isinstance(fold, Fold)
+    assert not fold.is_open
+    text = written(fold.parts)
+    assert all(words in text for words in ("linkproof compare juki-mf7923d", "ideal joints", "1e-5", "motor torque"))
+
+
+def test_an_error_that_only_the_baseline_caught_is_told(results, sheets):
+    first = replace(
+        results.records[0], outcome=Verdict.OVER_LIMIT.value, error_max=1e-3, limit=1e-2, baseline=1e-9, detail="grown"
+    )
+    rows = [asdict(first), *results.document["records"][1:]]
+    page = index(Results({**results.document, "records": rows}, results.curves), sheets)
+    assert "grown" in written(section(page, "engines").parts)
+
+
+def test_a_judgement_says_its_own_verdict(results, sheets):
+    told = Results({**results.document, "judgement": ["No: S is off by 3 %.", "A sign."]}, results.curves)
+    page = index(told, sheets)
+    assert page.parts == (Paragraph("No: S is off by 3 %.", "verdict"), Paragraph("A sign.", "lead"))
+    assert page.heading == "Is this simulation right?"
+    assert [one.key for one in page.sections] == ["signals", "mechanisms", "run"]
+
+
+def test_without_a_campaign_the_mechanisms_stand_alone(sheets):
+    page = index(None, sheets)
+    assert [one.key for one in page.sections] == ["mechanisms"]
+    assert page.parts == ()
+
+
+def test_a_campaign_that_gave_nothing_has_its_page(sheets):
+    broken = {"alpha": Verdict.DIVERGED, "beta": Verdict.UNSUPPORTED}
+    page = index(made_up_results(samples=21, broken=broken), sheets)
+    assert "Do not trust alpha" in page.parts[0].words
+    assert "Nothing was judged of beta" in page.parts[0].words

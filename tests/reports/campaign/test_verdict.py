@@ -1,0 +1,100 @@
+"""The verdict names whom to trust in what, and nothing that an engine does untuned turns it."""
+
+from dataclasses import asdict, replace
+
+import pytest
+
+from analytic.description.loading import load
+from comparisons.campaign.results import Results
+from comparisons.judging.records import CONTROL, Verdict
+from engines.contract import Setting
+from reports.campaign.verdict import CHECKS, OTHER, RELEASED, Trust, listed, verdict
+from tests.reports.made_up_results import made_up_results
+
+QUANTITIES = ("Jeq", "Mkr", "S")
+
+
+def made_up(**changes):
+    return made_up_results(samples=51, quantities=QUANTITIES, **changes)
+
+
+def changed(results, change):
+    """The same results, each record as ``change`` makes it."""
+    kinds = {"records": results.records, "invariants": results.invariants}
+    rows = {kind: [asdict(change(record)) for record in records] for kind, records in kinds.items()}
+    return Results({**results.document, **rows}, results.curves)
+
+
+@pytest.fixture(scope="module")
+def results():
+    return made_up()
+
+
+def test_who_is_within_every_limit_is_trusted_in_everything(results):
+    trusted, nearest, untuned = verdict(Trust(results))
+    count = sum(record.setting == "tuned" for record in (*results.records, *results.invariants))
+    assert trusted.startswith("Trust alpha and beta, once tuned, for every quantity compared: all ")
+    assert f" {count} errors" in trusted
+    assert nearest.startswith("Nearest to the closed form: alpha for S/v/a, Jeq/Teq and Mkr/Peq (off by 1.")
+    assert "The quickest within every limit is" in nearest
+    assert untuned.startswith("At default settings (naive) over its limits: alpha, beta, off by up to ")
+
+
+def test_what_the_defaults_do_never_decides(results):
+    better = changed(results, lambda r: replace(r, outcome="passed", error_max=1e-9) if r.setting == "naive" else r)
+    assert verdict(Trust(better))[:2] == verdict(Trust(results))[:2]
+    assert verdict(Trust(better))[2] == "At default settings (naive) within the limits of that setting: alpha and beta."
+
+
+def test_an_error_over_its_limit_costs_its_own_family_alone(results):
+    def worse(record):
+        is_it = (record.engine, record.setting, record.quantity) == ("beta", "tuned", "Mkr")
+        return replace(record, outcome=Verdict.OVER_LIMIT.value) if is_it else record
+
+    trust = Trust(changed(results, worse))
+    first = verdict(trust)[0]
+    assert first.startswith("Trust alpha, once tuned, for every quantity compared")
+    assert "Do not trust beta for Mkr/Peq: an error is over its limit" in first
+    assert trust.nearest("tuned", "Mkr/Peq") == "alpha"
+
+
+def test_a_family_without_a_result_and_an_engine_without_any_are_named():
+    results = made_up(broken={"beta": Verdict.UNAVAILABLE})
+    half = changed(
+        results,
+        lambda r: (
+            replace(r, error_max=None, outcome="not-provided") if r.quantity == "Mkr" and r.setting == "tuned" else r
+        ),
+    )
+    assert "Nothing was judged of beta." in verdict(Trust(results))[0]
+    assert "Mkr/Peq" not in verdict(Trust(half))[1]
+
+
+def test_one_engine_is_the_nearest_to_nobody():
+    assert not any("Nearest" in line for line in verdict(Trust(made_up(engines=("alpha",)))))
+
+
+def test_where_only_naive_ran_it_decides():
+    trust = Trust(made_up(settings=[Setting.NAIVE]))
+    assert trust.settings == ("naive",)
+    assert "Do not trust alpha and beta for S/v/a, Jeq/Teq" in verdict(trust)[0]
+    assert not any("At default" in line for line in verdict(trust))
+
+
+def test_a_released_crank_checks_and_foreign_signals_are_families_of_their_own(results):
+    named = changed(results, lambda r: replace(r, quantity="length of the belt") if r.quantity == "S" else r)
+    assert Trust(named).families == ("Jeq/Teq", "Mkr/Peq", OTHER, CHECKS)
+    free = made_up_results([load("two-crank-takeup")], samples=21, quantities=("Jeq",))
+    released = changed(free, lambda r: replace(r, regime="driven"))
+    assert Trust(released).families == (RELEASED, CHECKS)
+
+
+def test_the_control_is_shown_last_and_never_named(results):
+    trust = Trust(changed(results, lambda r: replace(r, origin=CONTROL) if r.engine == "alpha" else r))
+    assert trust.engines == ("beta", "alpha")
+    assert "alpha" not in " ".join(verdict(trust))
+
+
+@pytest.mark.parametrize(("words", "text"), [((), ""), (("a",), "a"), (("a", "b"), "a and b"), ("abc", "a, b and c")])
+def test_lists_read_as_a_sentence_does(words, text):
+    assert listed(words) == text

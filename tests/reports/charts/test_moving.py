@@ -1,0 +1,83 @@
+"""A moving scheme's rules carry every pin, spring and cylinder to where the closed form has it."""
+
+import re
+from pathlib import Path
+from xml.etree import ElementTree
+
+import numpy as np
+import pytest
+
+from analytic.description.loading import load
+from analytic.kinematics.mechanism import Mechanism
+from comparisons.datasheet.positions import over_reach
+from reports.charts.kinematic_scheme import KinematicScheme
+from reports.charts.moving import moving_scheme
+
+LINKAGES = Path(__file__).parents[2] / "linkages"
+NAMES = ("juki-mf7923d", "slotted-takeup", "jansen-leg", "spring-and-damper.toml", "drives/boom.toml")
+NUMBER = r"(-?[\d.]+)"
+
+
+def linkage(name):
+    return load(str(LINKAGES / name) if name.endswith(".toml") else name)
+
+
+@pytest.fixture(scope="module", params=NAMES)
+def moving(request):
+    mechanism = Mechanism(linkage(request.param))
+    positions = over_reach(mechanism)
+    markup = str(moving_scheme(mechanism.linkage, positions, "key"))
+    return KinematicScheme(mechanism.linkage, positions), ElementTree.fromstring(markup), markup
+
+
+def carried(text, number, place):
+    """Where the rules of one part carry a place of the drawing, by the share of the motion."""
+    rule = re.search(rf"#key \.key-{number}{{transform-origin:{NUMBER}px {NUMBER}px", text)
+    origin = np.array([float(one) for one in rule.groups()])
+    body = re.search(rf"@keyframes key-{number}{{(.*?)}}}}", text)[1]
+    found = {}
+    for share, rule in re.findall(r"([\d.]+)%{transform:([^}]*)", body):
+        a, b, c, d, x, y = map(float, re.match(r"matrix\((.*)\)", rule)[1].split(","))
+        found[float(share) / 100.0] = np.array([x, y]) + origin + np.array([[a, c], [b, d]]) @ (place - origin)
+    return found
+
+
+def points(scheme, places):
+    """Places of the scheme on the drawing, by its rim and its size."""
+    low, high = scheme.extent
+    scale = min((330 - 36) / (high - low)[0], (300 - 36) / max((high - low)[1], 1e-9))
+    return (np.asarray(places) - [low[0], high[1]]) * [scale, -scale] + 18.0
+
+
+def test_every_point_of_every_body_is_carried_along_its_path(moving):
+    scheme, _, text = moving
+    for number, (name, link) in enumerate(scheme.linkage.links.items()):
+        for point, local in link.points.items():
+            path = points(scheme, scheme.path(name, [local])[0].T)
+            for share, place in carried(text, number, points(scheme, scheme.spots[point])).items():
+                np.testing.assert_allclose(place, path[round(share * (len(path) - 1))], atol=0.3)
+
+
+def test_springs_and_cylinders_stay_between_their_ends(moving):
+    scheme, _, text = moving
+    for number, ends in enumerate(scheme.stretches.values(), start=len(scheme.linkage.links)):
+        for end, path in zip(scheme.at(ends), ends, strict=True):
+            track = points(scheme, path.T)
+            for share, place in carried(text, number, points(scheme, end)).items():
+                np.testing.assert_allclose(place, track[round(share * (len(track) - 1))], atol=0.5)
+
+
+def test_it_is_small_and_its_names_are_its_own(moving):
+    scheme, root, text = moving
+    assert len(list(root.iter())) < 100
+    assert len(text) < 80_000
+    assert {element.get("id") for element in root.iter()} == {"key", None}
+    classes = {element.get("class") for element in root.iter()} - {None, "moving"}
+    assert classes <= {f"key-{number}" for number in range(len(scheme.linkage.links) + len(scheme.stretches))}
+    assert set(re.findall(r"animation-name:([^}]*)}", text)) >= classes
+    assert "prefers-reduced-motion" in text
+
+
+def test_what_reaches_an_end_of_its_range_goes_back_the_way_it_came(moving):
+    scheme, _, text = moving
+    assert ("infinite alternate" in text) is not scheme.positions.closed

@@ -1,0 +1,64 @@
+"""The scheme of every linkage there is: to scale, and with the symbols of its joints."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from analytic.description.loading import catalogue, load
+from analytic.kinematics.mechanism import Mechanism
+from comparisons.datasheet.positions import over_reach
+from reports.charts import symbols
+from reports.charts.kinematic_scheme import KinematicScheme
+from reports.charts.scheme import scheme_figure
+
+LINKAGES = sorted((Path(__file__).parents[2] / "linkages").rglob("*.toml"))
+
+
+def scheme_of(name):
+    mechanism = Mechanism(load(name))
+    return KinematicScheme(mechanism.linkage, over_reach(mechanism))
+
+
+@pytest.mark.parametrize("name", [*catalogue(), *map(str, LINKAGES)], ids=lambda name: Path(name).stem)
+def test_every_linkage_can_be_drawn_to_scale(name):
+    scheme = scheme_of(name)
+    (axes,) = scheme_figure(scheme.linkage, scheme.positions).axes
+    box = axes.get_window_extent()
+    assert np.ptp(axes.get_xlim()) / box.width == pytest.approx(np.ptp(axes.get_ylim()) / box.height)
+    low, high = scheme.extent
+    assert np.all(low > [axes.get_xlim()[0], axes.get_ylim()[0]])
+    assert np.all(high < [axes.get_xlim()[1], axes.get_ylim()[1]])
+    linkage = scheme.linkage
+    names = {point for link in linkage.links.values() for point in link.points} | set(linkage.ground)
+    assert names <= {text.get_text() for text in axes.texts}
+    assert all(text.get_fontsize() * 96.0 / 72.0 >= 12.0 for text in axes.texts)
+
+
+def test_places_are_those_of_the_closed_form_in_the_files_unit():
+    mechanism = Mechanism(load("slotted-takeup"))
+    scheme = scheme_of("slotted-takeup")
+    sweep = mechanism.sweep(scheme.positions.angle)
+    for point, path in scheme.paths.items():
+        for ours, theirs in zip(path, sweep.point(point), strict=True):
+            np.testing.assert_allclose(ours, 1e3 * np.broadcast_to(theirs, sweep.angle.shape), atol=1e-9)
+
+
+def test_the_extent_is_that_of_the_crank_slider():
+    low, high = scheme_of("juki-mf7923d").extent
+    np.testing.assert_allclose(low, [-15.5, -70.0], atol=1e-9)
+    np.testing.assert_allclose(high, [15.5, 15.5], atol=1e-9)
+
+
+def test_a_guide_covers_the_travel_of_its_slider():
+    scheme = scheme_of("juki-mf7923d")
+    slider = scheme.linkage.sliders[0]
+    ends = scheme.travel(slider.guide, slider.link, slider.point)
+    np.testing.assert_allclose(ends, [[0.0, -70.0], [0.0, -39.0]], atol=1e-9)
+
+
+def test_outlines_are_hulls_and_straight_links_stay_straight():
+    square = np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0], [0.5, 0.5]])
+    assert len(symbols.outline(square)) == 4
+    straight = np.array([[0.0, 0.0], [0.3, 0.3], [1.0, 1.0]])
+    np.testing.assert_array_equal(np.sort(symbols.outline(straight), axis=0), [[0.0, 0.0], [1.0, 1.0]])

@@ -1,0 +1,193 @@
+"""A page as HTML: what stands in it, where its links lead, which files lie beside it."""
+
+import json
+import re
+from html.parser import HTMLParser
+
+import numpy as np
+import pytest
+from markupsafe import Markup
+
+from reports.charts.style import DARK, NAMED, PALETTE, PAPER
+from reports.document import html
+from reports.document.chart import Chart, Curve, Panel
+from reports.document.parts import (
+    Bullets,
+    Card,
+    Cards,
+    Cell,
+    Command,
+    Drawn,
+    Facts,
+    Figure,
+    Figures,
+    Fold,
+    Link,
+    Mono,
+    Page,
+    Paragraph,
+    Section,
+    Table,
+    Widget,
+)
+
+FOREIGN = '</script><b title="&">'
+EMPTY = {"meta", "link", "img"}
+TURN = np.linspace(0.0, 360.0, 50)
+
+
+def figure(name):
+    panel = Panel((Curve(TURN, np.sin(np.radians(TURN)), "S"),), "φ, °", "S, mm", turn=True)
+    return Figure(name, FOREIGN, FOREIGN, Chart((panel,), axis="phi"))
+
+
+TABLE = Table(
+    FOREIGN,
+    ("name", "limit", "", "b"),
+    ((FOREIGN, "1e-4", Cell("2e-5", "pass", note="small print", told="more of it"), "x"), ("y", Cell("gone", span=3))),
+    "lr",
+    FOREIGN,
+    (("", 2), ("engine", 2)),
+)
+WIDGET = Widget("try", "w", FOREIGN, {"a": FOREIGN}, {"k": {"b": 2}}, Markup("<i></i>"), (figure("instead"),))
+DRAWN = Drawn(Markup("<svg></svg>"), FOREIGN)
+PAGE = Page(
+    "mechanisms/one.html",
+    FOREIGN,
+    FOREIGN,
+    ("of ", Link("others", "index.html"), Link("here", "#a"), Link("source", "https://example.org/x")),
+    (Paragraph(FOREIGN, "verdict"), Bullets((FOREIGN, ("x", Mono(FOREIGN)))), Facts(((FOREIGN, FOREIGN),))),
+    (
+        Section("a", FOREIGN, (TABLE, Section("in", "within", (Command(FOREIGN),)))),
+        Section("b", "Figures", (Figures((figure("one"), figure("two"))), Fold(FOREIGN, (Paragraph("folded"),)))),
+        Section("c", "Rest", (Cards((Card(Link(FOREIGN, "index.html"), (DRAWN,)),)), WIDGET)),
+    ),
+)  # fmt: skip
+
+
+class Elements(HTMLParser):
+    """Every element in order, with its attributes; a file whose elements do not nest fails."""
+
+    def __init__(self, text):
+        super().__init__()
+        self.open, self.found, self.words = [], [], []
+        self.feed(text)
+        assert not self.open
+
+    def handle_starttag(self, tag, attrs):
+        self.found.append((tag, dict(attrs)))
+        if tag not in EMPTY:
+            self.open.append(tag)
+
+    def handle_endtag(self, tag):
+        assert self.open.pop() == tag
+
+    def handle_data(self, data):
+        self.words.append(data)
+
+    def of(self, tag):
+        return [attributes for name, attributes in self.found if name == tag]
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("report")
+    html.write_assets(folder)
+    html.write(PAGE, folder, [Link("Index", "index.html"), Link("One", PAGE.file)], png=True)
+    return folder
+
+
+@pytest.fixture(scope="module")
+def page(folder):
+    return Elements((folder / PAGE.file).read_text(encoding="utf-8"))
+
+
+def test_words_are_escaped_everywhere_and_elements_nest(page):
+    assert not page.of("b")
+    assert sum(FOREIGN in words for words in page.words) >= 12
+
+
+def test_links_lead_from_the_page_through_the_report_s_folder(page, folder):
+    assert [one["href"] for one in page.of("a")][:6] == [
+        "#main", "../index.html", "../mechanisms/one.html", "../index.html", "#a", "https://example.org/x",
+    ]  # fmt: skip
+    for picture in page.of("img"):
+        assert (folder / PAGE.file).parent.joinpath(picture["src"]).resolve().is_file()
+        assert picture["alt"] == FOREIGN
+        assert int(picture["width"]) > 0
+
+
+def test_every_figure_is_a_file_and_says_where_its_axis_lies(page, folder):
+    assert sorted(one.name for one in (folder / "figures/one").iterdir()) == [
+        "instead.png", "instead.svg", "one.png", "one.svg", "two.png", "two.svg",
+    ]  # fmt: skip
+    for one in page.of("figure"):
+        assert one["data-axis"] == "phi"
+        assert 0.0 < float(one["data-left"]) < float(one["data-right"]) <= 1.0
+
+
+def test_headings_go_down_one_level_at_a_time(page):
+    levels = [int(tag[1]) for tag, _ in page.found if re.fullmatch("h[1-6]", tag)]
+    assert levels == [1, 2, 3, 2, 2, 3]
+
+
+def test_a_table_has_a_caption_heads_with_scopes_and_cells_of_its_classes(page):
+    assert page.of("caption")
+    assert page.of("div")[0]["role"] == "region"
+    assert [head.get("scope") for head in page.of("th")] == ["colgroup", "col", "col", "col", "row", "row"]
+    told = [cell for cell in page.of("td") if "title" in cell]
+    assert [(cell["class"], cell["title"]) for cell in told] == [("num pass", "more of it")]
+    assert [cell.get("colspan") for cell in page.of("td") if cell.get("class") == "num"][-1] == "3"
+
+
+def test_data_of_a_widget_is_on_the_page_and_further_data_beside_it(folder):
+    text = (folder / PAGE.file).read_text(encoding="utf-8")
+    (data,) = re.findall(r'<script type="application/json">(.*?)</script>', text)
+    assert json.loads(data) == WIDGET.data
+    assert (folder / "data/one/w.k.js").read_text(encoding="utf-8") == 'linkproof.loaded("w.k", {"b":2});\n'
+    assert 'data-files="../data/one/"' in text
+
+
+def test_assets_are_what_a_page_asks_for(page, folder):
+    asked = [one["href"] for one in page.of("link")][1:] + [one["src"] for one in page.of("script") if "src" in one]
+    assert len(asked) == 2
+    for file in asked:
+        assert (folder / PAGE.file).parent.joinpath(file).resolve().is_file()
+
+
+def test_a_page_has_the_colours_of_its_figures_in_both_schemes(folder):
+    style = (folder / "assets/linkproof.css").read_text(encoding="utf-8")
+    light, dark = (dict(re.findall(r"--(\w+): (#\w{6});", part)) for part in style.split("@media", 2)[:2])
+    figures = {**NAMED, "paper": PAPER, **{f"c{number}": colour for number, colour in enumerate(PALETTE)}}
+    figures["line"] = figures.pop("faint")
+    assert {name: light[name] for name in figures} == figures
+    assert {name: dark[name] for name in figures} == {name: DARK[colour] for name, colour in figures.items()}
+
+
+@pytest.mark.parametrize("scheme", [0, 1])
+def test_words_can_be_read_on_what_they_stand_on(scheme, folder):
+    style = (folder / "assets/linkproof.css").read_text(encoding="utf-8")
+    colours = dict(re.findall(r"--([\w-]+): (#\w{6});", style.split("@media", 2)[scheme]))
+    pairs = [(ink, paper) for ink in ("ink", "muted", "link") for paper in ("paper", "faint")]
+    pairs += [(f"{verdict}-ink", verdict) for verdict in ("pass", "near", "over", "failed", "absent")]
+    assert [pair for pair in pairs if contrast(*(colours[name] for name in pair)) < 4.5] == []
+
+
+def contrast(ink, paper):
+    """Contrast ratio of two colours as the accessibility guidelines (WCAG 2.2) define it."""
+    bright, dull = sorted((luminance(ink), luminance(paper)), reverse=True)
+    return (bright + 0.05) / (dull + 0.05)
+
+
+def luminance(colour):
+    parts = [int(colour[at : at + 2], 16) / 255.0 for at in (1, 3, 5)]
+    linear = [part / 12.92 if part <= 0.04045 else ((part + 0.055) / 1.055) ** 2.4 for part in parts]
+    return 0.2126 * linear[0] + 0.7152 * linear[1] + 0.0722 * linear[2]
+
+
+def test_no_line_ends_inside_a_value(tmp_path):
+    words = "5 N m and 2.5e-4 kg m² at 3 %; an N men"
+    html.write(Page("a.html", "", "", "", (Paragraph(words),), ()), tmp_path, ())
+    text = (tmp_path / "a.html").read_text(encoding="utf-8")
+    assert '5\N{NO-BREAK SPACE}N\N{NO-BREAK SPACE}m and <span class="whole">2.5e-4</span>' in text
+    assert "kg\N{NO-BREAK SPACE}m² at 3\N{NO-BREAK SPACE}%; an N men" in text

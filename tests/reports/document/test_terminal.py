@@ -1,0 +1,52 @@
+"""What is printed: no markup, no control characters, no text lost."""
+
+import io
+import sys
+
+from reports.document.parts import Cell, Link, Mono, Paragraph, Table
+from reports.document.terminal import rendered, show
+
+FOREIGN = "[/rod] [bold]x[/] :smile: \x1b[2J\x07 \u202e"
+
+
+def test_foreign_text_is_neither_markup_nor_obeyed():
+    shown = "[/rod] [bold]x[/] :smile: \\x1b[2J\\x07 \\u202e"
+    assert rendered(FOREIGN) == rendered(Paragraph(FOREIGN, colour="bold")) == f"{shown}\n"
+    table = rendered(Table(FOREIGN, (FOREIGN,), ((FOREIGN,), (Cell(FOREIGN, colour="red"),)), note=FOREIGN))
+    assert [line.strip() for line in table.splitlines()] == [shown] * 5
+
+
+def test_a_pipe_gets_every_column_whole_and_no_spaces_at_the_ends(capsys):
+    wide = ["x" * 300, "a sentence that a terminal would fold " * 9, ""]
+    show(Table("", ("a", "b", "c"), [wide], "l"))
+    head, row = capsys.readouterr().out.splitlines()
+    assert row == f"{wide[0]}  {wide[1].rstrip()}"
+    assert head == head.rstrip()
+
+
+def test_a_terminal_folds_and_cuts_nothing():
+    text = rendered(Table("", ("a", "b"), [("x" * 50, "y" * 50)]), width=40)
+    assert (text.count("x"), text.count("y")) == (50, 50)
+    assert max(map(len, text.splitlines())) <= 40
+
+
+def test_figures_stand_to_the_right_of_words():
+    table = Table("", ("name", "of", "n"), (("a", "b", "1"), ("a", "b", "10")), align="llr")
+    assert rendered(table).splitlines()[1:] == ["a     b    1", "a     b   10"]
+
+
+def test_links_and_commands_are_their_words():
+    assert rendered(Paragraph(("see ", Link("the page", "x.html"), " or ", Mono("linkproof list")))) == (
+        "see the page or linkproof list\n"
+    )
+
+
+def test_remarks_go_to_stderr(capsys):
+    show("remark", stderr=True)
+    assert capsys.readouterr() == ("", "remark\n")
+
+
+def test_nothing_is_printed_of_nothing(monkeypatch):
+    monkeypatch.setattr(sys, "stdout", io.StringIO())
+    show()
+    assert sys.stdout.getvalue() == ""

@@ -1,0 +1,96 @@
+"""Curves of runs, thinned and packed for the page's chart."""
+
+import base64
+import json
+
+import numpy as np
+import pytest
+
+from comparisons.judging.records import Verdict
+from engines.contract import Setting
+from reports.mechanism.curves import STRETCHES, chart_data, curves, extremes, pack, worst_samples
+from reports.records.views import views
+from tests.reports.made_up_results import made_up_results
+
+
+@pytest.fixture(scope="module")
+def view():
+    results = made_up_results(
+        engines=("beta", "alpha"),
+        broken={"alpha": Verdict.UNSUPPORTED},
+        regimes=("run-up", "run-up-quintic"),
+        samples=3001,
+        quantities=("Mkr", "Jeq"),
+    )
+    return views(results)[0]
+
+
+def unpacked(packed):
+    """What the page's script reads."""
+    steps = np.frombuffer(base64.b64decode(packed["samples"]), "<u2").astype(float)
+    columns = np.where(steps == 65535, np.nan, steps).reshape(len(packed["ends"]), -1)
+    return [low + column / 65534.0 * (high - low) for column, (low, high) in zip(columns, packed["ends"], strict=True)]
+
+
+def test_packed_numbers_come_back_to_four_digits_of_their_range():
+    first, second = np.linspace(-3.0, 5.0, 77), np.array([np.nan, *np.geomspace(1.0, 9.0, 75), np.inf])
+    found = unpacked(pack(first, second))
+    assert found[0] == pytest.approx(first, abs=8.0 / 65534)
+    assert np.isnan(found[1][[0, -1]]).all()
+    assert found[1][1:-1] == pytest.approx(second[1:-1], abs=8.0 / 65534)
+
+
+def test_a_constant_and_an_empty_column_can_be_packed():
+    assert unpacked(pack(np.full(3, 7.0), np.full(3, np.nan)))[0] == pytest.approx([7.0, 7.0, 7.0])
+    assert len(unpacked(pack(np.empty(0)))[0]) == 0
+
+
+def test_thinning_keeps_every_peak_and_the_worst_error():
+    values = np.sin(np.linspace(0.0, 50.0, 10_007))
+    values[4321] = 9.0
+    chosen = extremes(values, 100)
+    assert {0, 4321, 10_006} <= set(chosen)
+    assert len(chosen) <= 202
+    assert list(extremes(values[:150], 100)) == list(range(150))
+    values[:2000] = np.nan
+    found = worst_samples(values, STRETCHES)
+    assert 4321 in found
+    assert found[0] >= 2000
+
+
+def test_a_run_keeps_its_largest_error_and_where_it_is(view):
+    regime = view.regimes[1]
+    (data,) = (one for key, one in curves(view).items() if key == f"1-{view.quantities(regime).index('Mkr')}")
+    assert {(run["engine"], run["setting"]) for run in data["runs"]} == {("beta", s.value) for s in Setting}
+    for run, trace in zip(data["runs"], view.traces(regime, "Mkr"), strict=True):
+        time, value, decade = unpacked(run)
+        assert len(time) <= STRETCHES
+        worst = np.argmax(decade)
+        assert 10.0 ** decade[worst] == pytest.approx(trace.record.error_max, rel=1e-2)
+        assert time[worst] == pytest.approx(trace.record.worst_time, abs=1e-4)
+        assert value[worst] == pytest.approx(
+            np.interp(time[worst], trace.time, trace.observed), abs=1e-3 * trace.record.peak
+        )
+
+
+def test_the_chart_has_every_error_and_says_of_which_quantities_there_are_curves(view):
+    data = chart_data(view)
+    json.dumps(data, allow_nan=False)
+    assert data["engines"] == ["alpha", "beta"]  # the place, and so the colour, of one that gave nothing is kept
+    for number, (regime, found) in enumerate(zip(view.regimes, data["regimes"], strict=True)):
+        assert len(found["errors"]) == sum(record.error_max is not None for record in view.of(regime))
+        with_curves = {f"{number}-{place}" for place, one in enumerate(found["quantities"]) if one["curves"]}
+        assert with_curves == {key for key in curves(view) if key.startswith(f"{number}-")}
+        for quantity, engine, setting, size, limit in found["errors"]:
+            name = view.quantities(regime)[quantity]
+            (record,) = (
+                r for r in view.of(regime)
+                if (r.quantity, r.engine, r.setting) == (name, data["engines"][engine], data["settings"][setting])
+            )  # fmt: skip
+            assert (size, limit) == (pytest.approx(record.error_max, rel=0.06), record.limit)
+
+
+def test_a_dataset_of_eighteen_runs_is_small():
+    results = made_up_results(engines=tuple("abcdef"), samples=20_001, quantities=("Mkr",))
+    (data,) = curves(views(results)[0]).values()
+    assert len(json.dumps(data)) < 60_000

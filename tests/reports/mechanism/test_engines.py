@@ -1,0 +1,132 @@
+"""The half of a mechanism's page that shows how the engines did."""
+
+from dataclasses import asdict, replace
+
+import numpy as np
+import pytest
+
+from comparisons.campaign.results import Results
+from comparisons.datasheet.sheet import Printed
+from comparisons.judging.records import Verdict
+from engines.contract import Setting
+from reports.charts import draw
+from reports.document.parts import Bullets, Cell, Fold, Table, Widget
+from reports.mechanism.engines import engines_section, errors_fold, runs_fold
+from reports.records.views import views
+from tests.reports.made_up_results import made_up_results
+
+
+@pytest.fixture(scope="module")
+def results():
+    return made_up_results(
+        engines=("alpha", "beta", "gone"),
+        broken={"gone": Verdict.UNSUPPORTED},
+        regimes=("run-up", "run-up-quintic"),
+        samples=201,
+        quantities=("Mkr", "Jeq"),
+    )
+
+
+def words(cell):
+    return cell.words if isinstance(cell, Cell) else cell
+
+
+def with_records(results, change):
+    records = [asdict(change(record)) for record in results.records]
+    return Results({**results.document, "records": records}, results.curves)
+
+
+def test_one_chart_holds_every_regime_and_loads_what_it_does_not_show(results):
+    section = engines_section(views(results)[0])
+    (chart,) = (part for part in section.parts if isinstance(part, Widget))
+    assert [regime["name"] for regime in chart.data["regimes"]] == ["run-up", "run-up-quintic"]
+    assert {chart.data["first"], *chart.further} == {"0-0", "0-1", "1-0", "1-1"}
+    assert chart.data["first"] not in chart.further
+    assert [figure.name for figure in chart.instead] == ["errors-run-up", "errors-run-up-quintic"]
+    assert all(draw.figure(figure.drawing).axes for figure in chart.instead)
+
+
+def test_the_table_has_quantities_down_and_runs_by_engine_across(results):
+    (view,) = views(results)
+    table, reasons = errors_fold(view, view.regimes[0]).parts
+    assert isinstance(table, Table)
+    assert table.groups == (("", 2), ("alpha", 3), ("beta", 3))
+    assert [words(row[0]) for row in table.rows][:2] == ["Jeq reduced moment of inertia", "Mkr crank torque"]
+    by_run = {(r.engine, r.setting): r for r in view.of(view.regimes[0]) if r.quantity == "Mkr"}
+    torque = dict(zip([("alpha", s.value) for s in Setting], table.rows[1][2:5], strict=True))
+    for run, cell in torque.items():
+        assert float(words(cell).split()[0]) == pytest.approx(by_run[run].error_max, rel=0.06)
+        assert ("✗" in words(cell)) == (by_run[run].outcome != Verdict.PASSED.value)
+    assert reasons == Bullets(("gone naive; tuned; best – unsupported: gone <cannot> hold this scene.",))
+
+
+def test_a_quantity_that_an_engine_lacks_is_told_beside_its_other_errors(results):
+    def lack(record):
+        if (record.engine, record.setting, record.quantity) != ("beta", "best", "Mkr"):
+            return record
+        return replace(record, error_max=None, outcome=Verdict.NOT_PROVIDED.value, detail="no torque")
+
+    (view,) = views(with_records(results, lack))
+    _, reasons = errors_fold(view, view.regimes[0]).parts
+    assert reasons.items[0] == "beta best, Mkr – not provided: no torque."
+
+
+def test_the_setting_that_stands_for_an_engine_is_one_that_gave_a_curve_in_the_regime(results):
+    def stop(record):
+        if record.regime != "run-up" or record.setting != "tuned":
+            return record
+        return replace(record, error_max=None, outcome=Verdict.UNSUPPORTED.value)
+
+    changed = with_records(results, stop)
+    (view,) = views(Results({**changed.document, "invariants": []}, changed.curves))
+    assert [view.standing(regime) for regime in view.regimes] == ["best", "tuned"]
+
+
+def test_runs_tell_their_steps_their_cost_and_where_their_figures_come_from(results):
+    tables = runs_fold(views(results)[0]).parts
+    assert len(tables) == 2
+    (best,) = (row for row in tables[0].rows if row[0] == "alpha best")
+    assert best[1:] == ("7000", "12.3 ms", "4.00 ms", "4 runs, extrapolated", "step 1e-4, scheme made up, passes 2")
+
+
+def test_printed_models_have_a_table_each_with_the_reason_of_an_engine_without_a_motion(results):
+    row = {"mechanism": "juki-mf7923d", "erratum": "sign of k2", "place": "equation (7)", "regime": "own",
+           "engine": "alpha", "outcome": "finished", "supports": "corrected", "deviation_corrected": 2e-9,
+           "deviation_printed": 0.5, "mean_speed": 9.0, "mean_speed_corrected": 9.0, "mean_speed_printed": 4.0,
+           "note": "it must be positive", "reason": ""}  # fmt: skip
+    none = {
+        **row,
+        "engine": "gone",
+        "supports": "neither",
+        "deviation_corrected": None,
+        "reason": "takes no such drive",
+    }
+    (view,) = views(Results({**results.document, "errata": [row, none]}, results.curves))
+    motion = Printed(np.array([0.0, 1.0]), np.array([9.0, 9.0]), np.array([9.0, 4.0]))
+    (fold,) = (
+        p
+        for p in engines_section(view, {"sign of k2": motion}).parts
+        if isinstance(p, Fold) and p.summary.startswith("Printed")
+    )
+    table, figure = fold.parts
+    (panel,) = figure.drawing.panels
+    assert [curve.name for curve in panel.curves] == ["corrected", "as printed"]
+    assert "equation (7)" in table.caption
+    assert [(row[0], row[1], row[3]) for row in table.rows] == [
+        ("alpha", "2.0e-9", "corrected"),
+        ("gone", "–", "takes no such drive"),
+    ]
+
+
+def test_engines_that_all_gave_nothing_have_their_reasons_and_no_chart():
+    broken = {"gone": Verdict.UNAVAILABLE}
+    (view,) = views(made_up_results(engines=("gone",), broken=broken, samples=21, quantities=("Mkr",)))
+    errors, _ = engines_section(view).parts
+    assert errors.parts == (Bullets(("gone naive; tuned; best – not installed: gone <cannot> hold this scene.",)),)
+
+
+def test_a_judged_file_has_its_errors_but_no_cost(results):
+    judged = Results({**results.document, "judgement": ["Wrong."]}, results.curves)
+    section = engines_section(views(judged)[0])
+    assert section.heading == "Every error"
+    assert not any(isinstance(part, Fold) and "cost" in part.summary for part in section.parts)

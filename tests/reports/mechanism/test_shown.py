@@ -1,0 +1,48 @@
+"""A data sheet in the units of its file, over the crank angle of a turn."""
+
+import math
+
+import numpy as np
+import pytest
+
+from analytic.description.crank_motion import CrankMotion, Segment
+from analytic.description.loading import load
+from comparisons.datasheet.building import sheet, usual_sheet
+from comparisons.reference.case import Case
+from reports.mechanism.shown import ShownSheet
+from tests.analytic.linkages import FOLDER, from_text
+from tests.reports.results.samples import CRANK, ROD, SPEED, piston_text
+
+
+def shown(speed=SPEED, start=0.0, length="mm", metres=1e-3):
+    motion = CrankMotion("constant-speed", (Segment(0.0, 2.0 * math.pi / abs(speed), (start, speed)),))
+    return ShownSheet(sheet(Case(from_text(piston_text(length, metres)), motion)))
+
+
+@pytest.mark.parametrize(("speed", "start"), [(SPEED, 0.0), (-SPEED, 0.0), (SPEED, 2.0), (-SPEED, 1.0)])
+def test_a_turn_is_shown_from_0_to_360_degrees_however_it_is_made(speed, start):
+    found = shown(speed, start)
+    assert found.is_turn
+    assert np.all(np.diff(found.x) > 0.0)
+    assert found.x[-1] - found.x[0] == pytest.approx(360.0)
+    phi = np.radians(found.x)
+    place = 1e3 * (CRANK * np.cos(phi) + np.sqrt(ROD**2 - (CRANK * np.sin(phi)) ** 2))
+    travel = (place - np.min(place)) if abs(found.y("S")[0] - np.ptp(place)) < 1.0 else np.max(place) - place
+    assert found.y("S") == pytest.approx(travel, abs=1e-3)
+
+
+def test_values_stand_in_the_units_of_the_file():
+    assert shown().value("S", 0.1) == "100.0 mm"
+    assert shown(length="m", metres=1.0).value("S", 0.1) == "0.1000 m"
+    assert shown().value("a", -2.0) == "−2000 mm/s²"
+
+
+def test_a_value_that_is_rounding_beside_its_signal_is_zero():
+    found = shown()
+    assert found.value("v", 1e-12 * found.scale("v")) == "0 mm/s"
+
+
+def test_a_range_is_shown_in_the_units_of_its_file_and_is_no_turn():
+    found = ShownSheet(usual_sheet(load(str(FOLDER / "drives" / "boom.toml"))))
+    assert not found.is_turn
+    assert np.all(np.diff(found.x) > 0.0)

@@ -1,0 +1,51 @@
+"""Results seen one mechanism at a time."""
+
+import numpy as np
+import pytest
+
+from comparisons.campaign.results import Results
+from reports.records.views import View, anchor, engines, short_title, views
+from tests.analytic.drives import driven
+from tests.reports.made_up_results import made_up_results
+
+
+@pytest.fixture(scope="module")
+def results():
+    return made_up_results(engines=("beta", "alpha"), samples=201)
+
+
+def test_engines_keep_their_place_by_name(results):
+    assert engines(results) == ("alpha", "beta")
+
+
+def test_traces_leave_out_what_the_comparison_left_out(results):
+    (view,) = views(results)
+    (regime,) = view.regimes
+    for quantity in ("Mkr", "Jeq"):
+        for trace in view.traces(regime, quantity):
+            assert np.nanmax(trace.error) == pytest.approx(trace.record.error_max, rel=1e-9)
+    assert np.isnan(view.traces(regime, "Mkr")[0].error[0])
+
+
+def test_a_regime_may_leave_the_crank_free(results):
+    free = Results({**results.document, "motions": []}, results.curves)
+    (view,) = views(free)
+    (regime,) = view.regimes
+    assert regime.jumps == ()
+    assert view.traces(regime, "Jeq")[0].angle[-1] > 2.0 * np.pi
+
+
+def test_quantities_are_named_by_symbol_and_words_that_suit_the_drive(results):
+    (view,) = views(results)
+    assert view.title("Mkr") == "Mkr crank torque"
+    assert view.title("thread_feed") == "thread feed"
+    assert View(results, driven("linear-motor").linkage).title("Mkr") == "Mkr force of the drive"
+    assert short_title("joint_force:slot_slider on rocker") == "force of slot slider on rocker"
+    assert short_title("omega") == "ω"
+
+
+def test_anchors_hold_no_character_that_a_link_cannot():
+    assert (
+        anchor("juki-mf7923d", "as-built", "joint_force:P4 in rocker")
+        == "juki-mf7923d-as-built-joint_force-P4-in-rocker"
+    )

@@ -1,0 +1,131 @@
+"""A report's folder: whole from saved data alone, the same however it is written, without what is stale."""
+
+import re
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from analytic.description.loading import load
+from analytic.errors import LinkproofError
+from comparisons.campaign.results import DATASET, RECORDS
+from comparisons.datasheet.building import usual_sheet
+from comparisons.datasheet.saved import FILE as SHEETS
+from comparisons.datasheet.saved import save_sheets
+from comparisons.judging.records import to_json
+from comparisons.runs.files import write_text
+from comparisons.stress.saved import FILE as STRESS
+from comparisons.work_precision.records import FILE as BENCH
+from engines.contract import Setting
+from reports.site.site import write_site
+from tests.reports.made_up_bench import made_up_bench
+from tests.reports.made_up_results import made_up_results
+from tests.reports.made_up_stress import made_up_stress
+
+NAME = "juki-mf7923d"
+ROOT = Path(__file__).parents[3]
+
+
+def save_campaign(folder):
+    linkage = load(NAME)
+    results = made_up_results([linkage], samples=51, settings=[Setting.TUNED], quantities=("Jeq", "S"))
+    folder.mkdir(exist_ok=True)
+    results.curves.to_netcdf(folder / DATASET, engine="scipy", format="NETCDF3_64BIT")
+    write_text(folder / RECORDS, to_json(results.document))
+    save_sheets(folder, [usual_sheet(linkage)])
+
+
+def files_of(folder):
+    return {path.relative_to(folder).as_posix() for path in folder.rglob("*") if path.is_file()}
+
+
+@pytest.fixture(scope="module")
+def saved(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("saved")
+    save_campaign(folder)
+    write_text(folder / BENCH, to_json(made_up_bench().document))
+    write_text(folder / STRESS, to_json(made_up_stress().document))
+    return folder
+
+
+@pytest.fixture(scope="module")
+def site(saved, tmp_path_factory):
+    folder = tmp_path_factory.mktemp("site")
+    write_site(saved, folder, processes=0)
+    return folder
+
+
+def test_every_page_is_there_and_every_link_leads_to_a_file(site):
+    pages = {"index.html", "bench.html", "stress.html", f"mechanisms/{NAME}.as-built.html"}
+    assert {name for name in files_of(site) if name.endswith(".html")} == pages
+    for name in pages:
+        text = (site / name).read_text(encoding="utf-8")
+        for link in re.findall(r'(?:href|src)="([^"#:]+)"', text):
+            assert ((site / name).parent / link).is_file(), (name, link)
+    assert "## Published figures against ours" in (site / "RESULTS.md").read_text(encoding="utf-8")
+
+
+def test_worker_processes_write_the_same(saved, site, tmp_path):
+    write_site(saved, tmp_path, processes=1)
+    assert files_of(tmp_path) == files_of(site)
+    for name in ("index.html", "RESULTS.md", f"mechanisms/{NAME}.as-built.html"):
+        assert (tmp_path / name).read_bytes() == (site / name).read_bytes()
+
+
+def test_what_the_report_no_longer_has_goes_and_nothing_else(saved, tmp_path):
+    folder = tmp_path / "report"
+    shutil.copytree(saved, folder)
+    write_site(folder, processes=0)
+    own = folder / "figures" / "own.svg"
+    write_text(own, "mine")
+    (folder / STRESS).unlink()
+    write_site(folder, processes=0)
+    assert "stress.html" not in files_of(folder)
+    assert not [name for name in files_of(folder) if name.startswith("figures/stress/")]
+    assert own.read_text(encoding="utf-8") == "mine"
+
+
+def test_a_list_of_written_files_leads_nowhere_else(saved, tmp_path):
+    folder = tmp_path / "report"
+    shutil.copytree(saved, folder)
+    write_text(tmp_path / "precious.txt", "keep")
+    write_text(folder / "assets" / "written.txt", "../precious.txt\n")
+    write_site(folder, processes=0)
+    assert (tmp_path / "precious.txt").is_file()
+
+
+@pytest.mark.parametrize("file", [BENCH, STRESS, SHEETS])
+def test_a_folder_with_one_thing_has_its_page_and_an_index(saved, tmp_path, file):
+    shutil.copy(saved / file, tmp_path)
+    write_site(tmp_path, processes=0)
+    assert len([name for name in files_of(tmp_path) if name.endswith(".html")]) == 2
+
+
+def test_a_folder_without_any_is_refused_and_an_older_report_too(saved, tmp_path):
+    with pytest.raises(LinkproofError, match="nothing to report in"):
+        write_site(tmp_path, processes=0)
+    shutil.copy(saved / DATASET, tmp_path)
+    with pytest.raises(LinkproofError, match="run compare with --out again"):
+        write_site(tmp_path, processes=0)
+
+
+def test_pages_are_written_where_no_process_can_be_started(saved, tmp_path, monkeypatch):
+    def refuse(*_, **__):
+        raise LinkproofError("no process")
+
+    monkeypatch.setattr("reports.site.site.run_jobs", refuse)
+    shutil.copy(saved / SHEETS, tmp_path)
+    assert write_site(tmp_path).is_file()
+
+
+def test_no_engine_is_imported(saved, tmp_path):
+    code = (
+        "import sys; from pathlib import Path; from reports.site.site import write_site;"
+        "write_site(Path(sys.argv[1]), Path(sys.argv[2]), processes=0);"
+        "bad = {'exudyn', 'pymunk', 'mujoco', 'matplotlib.pyplot'} & set(sys.modules); sys.exit(', '.join(bad) or 0)"
+    )
+    command = [sys.executable, "-c", code, str(saved), str(tmp_path)]
+    done = subprocess.run(command, capture_output=True, text=True, cwd=ROOT, check=False)
+    assert done.returncode == 0, done.stderr
