@@ -34,11 +34,12 @@ PLACE: Final = re.compile(r" \(at (?:line (\d+), column (\d+)|end of document)\)
 
 @dataclass(frozen=True)
 class LinkageFile:
-    """A linkage file as it was read: the mechanism's name, what messages call the file, and its text."""
+    """A linkage file as it was read: the mechanism's name, the file's in messages, its text, whether it is ours."""
 
     name: str
     origin: str
     text: str
+    is_shipped: bool = False
 
     def linkage(self, variant: str | None = None) -> Linkage:
         """The linkage in a variant, the file's own values if None; raises as ``load`` does."""
@@ -100,7 +101,8 @@ def read(name: str) -> LinkageFile:
         ) from error
     except OSError as error:
         raise DescriptionError(f"{path}: expected a readable file, got '{error.strerror}'; check it") from error
-    return LinkageFile(printable(path.stem), path.name if path.parent in (CATALOGUE, LITERATURE) else str(path), text)
+    is_shipped = path.parent in (CATALOGUE, LITERATURE)
+    return LinkageFile(printable(path.stem), path.name if is_shipped else str(path), text, is_shipped)
 
 
 def load(name: str, variant: str | None = None) -> Linkage:
