@@ -12,6 +12,7 @@ from pydantic import Field, TypeAdapter, ValidationError
 from typing_extensions import TypedDict
 
 from comparisons.campaign.errata import ErratumRecord
+from comparisons.judging.limits import limit
 from comparisons.judging.records import Record, Verdict, from_rows
 from comparisons.judging.run_result import ARRAYS
 from engines.contract import ReadOut
@@ -114,15 +115,28 @@ def _record_faults(document: Mapping[str, Any], curves: xarray.Dataset) -> Itera
     described = {(row["name"], row["variant"]) for row in document["descriptions"]}
     columns = ([str(name) for name in curves[key].values] if key in curves else [] for key in ("run", "quantity"))
     known = set(zip(*columns, strict=True))
-    for key in ("records", "invariants"):
-        for number, record in enumerate(from_rows(document[key])):
-            where = f"{key}.{number}"
+    rows = {key: from_rows(document[key]) for key in ("records", "invariants")}
+    runs = {record.run for record in rows["records"]}
+    for key, records in rows.items():
+        for number, record in enumerate(records):
+            where, run = f"{key}.{number}", "/".join(record.run)
+            if record.run not in runs:
+                yield f"{where}: no record of the run {run}"
             if record.run[:2] not in described:
                 yield f"{where}: no description of {record.mechanism} ({record.variant})"
             if record.outcome not in list(Verdict):
                 yield f"{where}.outcome: expected one of {', '.join(Verdict)}"
             if record.error_max is None and record.error_rms is not None:
                 yield f"{where}: expected an error_max beside error_rms"
-            run = "/".join(record.run)
             if key == "records" and record.error_max is not None and (run, record.quantity) not in known:
                 yield f"{where}: no curve of {record.quantity} by {run}"
+            if "judgement" not in document:  # another tool's signals have any name
+                yield from _limit_faults(record, where)
+
+
+def _limit_faults(record: Record, where: str) -> Iterator[str]:
+    """A quantity or a setting for which there is no limit."""
+    try:
+        limit(record.quantity, record.setting, record.regime)
+    except LookupError:
+        yield f"{where}: no limit of {record.quantity or 'a nameless quantity'} at {record.setting or 'no setting'}"

@@ -48,6 +48,7 @@ STEADY: Final = "constant-speed"
 USUAL_SPEED: Final = 1000.0 * RPM
 MARGIN: Final = 0.02  # share of a range left out at either end, where forces grow beyond all bounds
 FEW, MOST = 361, 721  # instants of a sheet
+SHOWN: Final = 180  # steps of the normalised motion, which is smooth
 MOST_NUMBERS: Final = 40_000  # of all its signals
 MISSED: Final = 1e-3  # of a signal's largest magnitude, by which a straight line between two instants may miss it
 ROUNDS: Final = 6
@@ -203,7 +204,7 @@ class _Building:
         self._check_turn()
         motion = self.results.case.motion
         found = unit_functions(self.mechanism, clockwise=float(motion.speed(motion.duration)) < 0.0)
-        every = len(found.phase) // (FEW - 1)
+        every = len(found.phase) // SHOWN
         ours = (found.displacement, found.velocity, found.acceleration)
 
         def named(curves: tuple[Array, ...]) -> dict[str, Array]:

@@ -10,12 +10,13 @@ from reports.campaign.verdict import Trust, ratio, share
 from reports.charts.moving import moving_scheme
 from reports.document.parts import Card, Drawn, Facts, Link, Part
 from reports.document.templates import plain
+from reports.mechanism.key_figures import key_figures
 from reports.mechanism.page import file_of
-from reports.mechanism.shown import ShownSheet
 from reports.records.views import family
 
 SIZE: Final = (208, 150)  # of a scheme, pixels
 FRAMES: Final = 60
+FIGURES: Final = ("peak torque", "peak force", "peak power", "mean Jeq", "stroke")
 
 
 def card(sheet: Sheet, trust: Trust | None) -> Card:
@@ -23,7 +24,7 @@ def card(sheet: Sheet, trust: Trust | None) -> Card:
     linkage = sheet.linkage
     words = linkage.title + (f", {sheet.variant}" if len(linkage.variants) > 1 else "")
     engine = _engine(sheet, trust) if trust is not None else ""
-    rows = (*_key_figures(sheet), *((("worst error / limit", engine),) if engine else ()))
+    rows = (*_key_figures(sheet), *((("worst error", engine),) if engine else ()))
     return Card(Link(words, file_of(sheet)), (*_scheme(sheet), Facts(rows)))
 
 
@@ -36,14 +37,7 @@ def _scheme(sheet: Sheet) -> Iterator[Part]:
 
 
 def _key_figures(sheet: Sheet) -> tuple[tuple[str, str], ...]:
-    shown = ShownSheet(sheet)
-    drive = "peak force" if sheet.linkage.is_linear else "peak torque"
-    rows = [(words, shown.peak(name)) for words, name in ((drive, "Mkr"), ("peak power", "Peq")) if shown.has(name)]
-    if "Jeq" in sheet.facts:
-        rows.append(("mean Jeq", shown.value("Jeq", sheet.facts["Jeq"]["mean"])))
-    if sheet.figures.get("stroke") is not None:
-        rows.append(("stroke", shown.value("S", sheet.figures.get("stroke"))))
-    return tuple(rows)
+    return tuple((what, value) for what, value, _ in key_figures(sheet) if what in FIGURES)
 
 
 def _engine(sheet: Sheet, trust: Trust) -> str:
@@ -56,4 +50,4 @@ def _engine(sheet: Sheet, trust: Trust) -> str:
         if record.run[:2] == (sheet.name, sheet.variant) and record.error_max is not None and record.limit
     ]
     worst = max(records, key=share, default=None)
-    return "" if worst is None else f"{ratio(worst)} ({worst.engine}, {plain(family(worst.quantity))})"
+    return "" if worst is None else f"{ratio(worst)} of its limit: {worst.engine}, {plain(family(worst.quantity))}"

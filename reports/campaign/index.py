@@ -10,7 +10,7 @@ from comparisons.datasheet.sheet import Sheet
 from comparisons.judging.records import Record
 from engines.contract import Setting
 from reports.campaign.cards import card
-from reports.campaign.verdict import CHECKS, RELEASED, Held, Trust, listed, ratio, verdict
+from reports.campaign.verdict import CHECKS, Held, Trust, listed, ratio, verdict
 from reports.document import numbers
 from reports.document.parts import (
     Bullets,
@@ -28,11 +28,12 @@ from reports.document.parts import (
     Table,
 )
 from reports.document.templates import lines, plain, sentence
+from reports.mechanism.engines import errors_fold
 from reports.records import matrix
 from reports.records.environment import environment_facts
 from reports.records.origins import exceptions, origin_words
 from reports.records.readouts import readout_table
-from reports.records.views import family
+from reports.records.views import family, views
 
 FILE, TITLE = "index.html", "Overview"
 
@@ -53,11 +54,10 @@ def index(results: Results | None, sheets: Sequence[Sheet], studies: Sequence[St
         title=TITLE,
         heading=_heading(results),
         subtitle=sentence("index_subtitle", results=results, mechanisms=len({sheet.name for sheet in sheets})),
-        parts=_verdict(results, trust),
+        parts=(*_verdict(results, trust), *_studies(studies)),
         sections=(
             *(_engines(results, trust) if results is not None and trust is not None else ()),
             *(_mechanisms(trust, sheets) if sheets else ()),
-            *(_studies(studies) if studies else ()),
             *(_run(results, sheets) if results is not None else ()),
         ),
     )
@@ -78,7 +78,11 @@ def _verdict(results: Results | None, trust: Trust | None) -> tuple[Part, ...]:
 
 
 def _engines(results: Results, trust: Trust) -> tuple[Section, ...]:
-    parts = (_settings_table(trust), _families_table(trust))
+    """What the engines did; of another tool's results every signal."""
+    if "judgement" in results.document:
+        signals = [part for view in views(results) for one in view.regimes for part in errors_fold(view, one).parts]
+        return (Section("signals", "The signals", tuple(signals)),)
+    parts = (_settings_table(trust), families_table(trust))
     caught = matrix.past_baseline(results)
     worse = (Fold("Within their limit, yet worse than three times their recorded value", (Bullets(caught),)),)
     return (Section("engines", "The engines", (*parts, *(worse if caught else ()))),)
@@ -141,7 +145,7 @@ def _told(record: Record) -> str:
     return sentence("index_worst", record=record)
 
 
-def _families_table(trust: Trust) -> Table:
+def families_table(trust: Trust) -> Table:
     """Engines down, families of quantities across: the largest error of each, the least of a column marked."""
     rows: list[list[Cell | str]] = []
     for setting in [name for name in trust.settings if name != Setting.NAIVE.value] or trust.settings:
@@ -154,7 +158,7 @@ def _families_table(trust: Trust) -> Table:
         ("engine", "setting", *trust.families),
         rows,
         align="llr",
-        note=sentence("index_families", reasons=_reasons(trust), released=RELEASED, checks=CHECKS),
+        note=sentence("index_families", families=trust.families, reasons=_reasons(trust)),
         style="families",
     )
 
@@ -185,28 +189,25 @@ def _mechanisms(trust: Trust | None, sheets: Sequence[Sheet]) -> tuple[Section, 
     return (Section("mechanisms", "The mechanisms", (Cards(tuple(card(sheet, trust) for sheet in sheets)),)),)
 
 
-def _studies(studies: Sequence[Study]) -> tuple[Section, ...]:
-    items = tuple((study.link, f": {study.words}") for study in studies)
-    return (Section("studies", "Further studies", (Bullets(items),)),)
+def _studies(studies: Sequence[Study]) -> tuple[Bullets, ...]:
+    return (Bullets(tuple((study.link, f": {study.words}") for study in studies)),) if studies else ()
 
 
 def _run(results: Results, sheets: Sequence[Sheet]) -> tuple[Section, ...]:
-    """What was run, limits, read-outs and limitations, each behind a line that opens it."""
+    """What was run, limits, read-outs and limitations, behind a line that opens them."""
     readouts = tuple(readout_table(name, told) for name, told in results.document["readouts"].items())
-    folds: list[Part] = [
-        Fold("Machine, versions, regimes", (Facts(_facts(results)),)),
-        Fold("Limits and their reasons", (matrix.limit_table(results),)),
-        *(
-            [Fold("Where the engines' figures come from", (Paragraph(sentence("readouts")), *readouts))]
-            if readouts
-            else []
-        ),
-        Fold(
-            "Known limitations", (Paragraph("What these figures do not say."), Bullets(_limitations(results, sheets)))
-        ),
-        Fold("Repeat this report", (Command(results.document["command"]), Paragraph(sentence("repeat")))),
-    ]
-    return (Section("run", "What was run", tuple(folds)),)
+    sources = Section("sources", "Where the engines' figures come from", (Paragraph(sentence("readouts")), *readouts))
+    says = Paragraph("What these figures do not say.")
+    repeat = (Command(results.document["command"]), Paragraph(sentence("repeat")))
+    parts = (
+        Facts(_facts(results)),
+        Section("limits", "Limits and their reasons", (matrix.limit_table(results),)),
+        *((sources,) if readouts else ()),
+        Section("limitations", "Known limitations", (says, Bullets(_limitations(results, sheets)))),
+        Section("repeat", "Repeat this report", repeat),
+    )
+    summary = "Machine, versions, regimes, limits and their reasons, known limitations, the command that repeats it"
+    return (Section("run", "What was run", (Fold(summary, parts),)),)
 
 
 def _facts(results: Results) -> tuple[tuple[str, str | Mono], ...]:

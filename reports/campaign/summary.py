@@ -5,102 +5,65 @@ Same rows, same order, same digits; no date, machine or time. Those stand on the
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
-from typing import Any
+from collections.abc import Iterator, Sequence
 
 from comparisons.campaign.results import Results
 from comparisons.datasheet.sheet import Sheet
+from reports.campaign.index import families_table
+from reports.campaign.verdict import Trust, verdict
 from reports.document.markdown import written
-from reports.document.numbers import ABSENT, ROUND_OFF, bound, figure, per_cent, printed, steady_error
-from reports.document.parts import Bullets, Mono, Paragraph, Part, Section, Table
-from reports.document.templates import plain, worded
+from reports.document.numbers import ROUND_OFF, bound
+from reports.document.parts import Bullets, Mono, Paragraph, Part, Section
+from reports.mechanism.engines import errors_fold
+from reports.mechanism.published import published_section
 from reports.records import matrix
-from reports.records.joint_rows import joint_table
-from reports.records.matrix import EngineStanding
 from reports.records.views import views
 
 
 def markdown(results: Results, sheets: Sequence[Sheet] = ()) -> str:
     """The summary of a campaign; ``sheets`` have the figures that the mechanisms' sources print."""
     told = results.document.get("judgement", [])
+    trust = Trust(results)
     title = "Results of another tool against the closed form" if told else "Engines against the closed form"
     words = (
-        f"Largest error over the reference's peak, two digits, round-off as < {bound(ROUND_OFF)}; ✓ within its limit, "
-        "✗ over it. Written by ",
+        f"Largest error over the reference's peak, two digits, round-off as < {bound(ROUND_OFF)}. Written by ",
         Mono(results.document["command"]),
         "; the pages beside it have curves, machine and times.",
     )
-    standings = Bullets(tuple(map(_standing, matrix.standings(results))))
+    lines = told or verdict(trust, timed=False)
     parts: tuple[Part, ...] = (
         Paragraph(words),
-        Section("", "Verdict", (*map(Paragraph, told), standings)),
-        Section("", "Errors", tuple(_matrix(results))),
-        *_sections("Joint forces", tuple(_joint_forces(results))),
-        *_printed_models(results),
-        *_sections("Published figures against ours", tuple(_published(sheets))),
+        Section("", "Verdict", (*map(Paragraph, lines), families_table(trust))),
+        *_section("Errors", _errors(results)),
+        *_section("Printed models", _printed_models(results)),
+        *_section("Published figures against ours", _published(sheets)),
         Section("", "Limits", (matrix.limit_table(results),)),
     )
     return f"# {title}\n\n{written(parts)}\n"
 
 
-def _sections(heading: str, sections: tuple[Section, ...]) -> tuple[Section, ...]:
-    return (Section("", heading, sections),) if sections else ()
+def _section(heading: str, parts: Iterator[Part]) -> tuple[Section, ...]:
+    found = tuple(parts)
+    return (Section("", heading, found),) if found else ()
 
 
-def _standing(one: EngineStanding) -> str:
-    origin = f" ({one.origin})" if one.origin else ""
-    count = f"{one.passed} of {one.total} within limits" if one.total else "nothing judged"
-    words = f"{one.engine} {one.setting}{origin}: {count}"
-    words += f", {one.computed} computed by the adapter and not judged" if one.computed else ""
-    if one.nearest is not None:
-        place = "furthest over its limit" if one.share > 1.0 else "closest to its limit"
-        largest = f"{steady_error(one.nearest.error_max)} against {bound(one.nearest.limit)}"
-        words += f"; {place}: {plain(one.nearest.quantity)} of {one.nearest.mechanism}, {largest}"
-    return ". ".join((words, *one.failures)) + "."
-
-
-def _matrix(results: Results) -> Iterator[Section]:
-    for heading, conditions, table in matrix.blocks(results):
-        yield Section("", heading, (Paragraph(f"{conditions}."), table))
-
-
-def _joint_forces(results: Results) -> Iterator[Section]:
-    """Peak force of every joint and the error of every run, regime by regime."""
+def _errors(results: Results) -> Iterator[Section]:
     for view in views(results):
         for regime in view.regimes:
-            if found := joint_table(view, regime):
-                yield Section("", f"{view.linkage.name} ({view.linkage.variant}), {regime.name}", (found,))
+            title = f"{view.linkage.name} ({view.linkage.variant}), {regime.name}"
+            yield Section("", title, errors_fold(view, regime).parts)
 
 
-def _printed_models(results: Results) -> tuple[Section, ...]:
+def _printed_models(results: Results) -> Iterator[Bullets]:
     """What the engines say of models as printed, in the order of the mechanisms."""
     every = results.document.get("errata", [])
     names = dict.fromkeys(one.name for one in results.linkages if one.variant == one.variants[0])
     lines = tuple(row["sentence"] for name in names for row in every if row["mechanism"] == name)
-    return (Section("", "Printed models", (Bullets(lines),)),) if lines else ()
+    if lines:
+        yield Bullets(lines)
 
 
 def _published(sheets: Sequence[Sheet]) -> Iterator[Section]:
     for name, rows in {sheet.name: sheet.published for sheet in sheets}.items():
         if rows:
-            yield Section("", name, (_readings(rows),))
-
-
-def _readings(rows: Sequence[Mapping[str, Any]]) -> Table:
-    """A row for every printed figure, a column for every variant."""
-    variants = tuple(dict.fromkeys(row["variant"] for row in rows))
-    found: dict[tuple[Any, ...], dict[str, str]] = {}
-    for row in rows:
-        key = tuple(row[name] for name in ("quantity", "unit", "published", "source", "note"))
-        ours = f"{figure(row['ours'])} ({per_cent(row['deviation'])}, {row['verdict']})"
-        found.setdefault(key, {})[row["variant"]] = ours
-    lines = (
-        (
-            worded(quantity) + (f", {unit}" if unit else ""),
-            printed(value),
-            *(ours.get(variant, ABSENT) for variant in variants),
-            source + (f"; {note}" if note else ""),
-        )
-        for (quantity, unit, value, source, note), ours in found.items()
-    )
-    return Table("", ("figure", "published", *variants, "place"), tuple(lines), align="l")
+            yield Section("", name, published_section(rows).parts)

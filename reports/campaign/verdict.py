@@ -107,7 +107,7 @@ class Trust:
         """The engine with the least of the largest errors in a family, among those that failed in nothing of it."""
         cells = {engine: self.cell(engine, setting, name) for engine in self.engines if engine not in self.controls}
         errors = {engine: cell.error for engine, cell in cells.items() if cell.error is not None and not cell.failed}
-        return min(errors, key=lambda engine: errors[engine] or 0.0, default="")
+        return min(errors, key=lambda engine: errors[engine] or 0.0, default="") if len(cells) > 1 else ""
 
     def seconds(self, engine: str, setting: str) -> float | None:
         """Median wall time of the stepping of a run, s."""
@@ -147,13 +147,13 @@ def ratio(record: Record) -> str:
     return "< 0.001" if value < 1e-3 else figure(value, 2)
 
 
-def verdict(trust: Trust) -> tuple[str, ...]:
-    """The verdict of a campaign: whom to trust in what, who is nearest and quickest, what defaults do."""
+def verdict(trust: Trust, *, timed: bool = True) -> tuple[str, ...]:
+    """The verdict: whom to trust for what, who is nearest, and if ``timed`` quickest, what defaults do."""
     setting = trust.settings[0]
     engines = [name for name in trust.engines if name not in trust.controls] or list(trust.engines)
     lines = (
         _trust(trust, engines, setting),
-        _nearest(trust, engines, setting),
+        _nearest(trust, engines, setting, timed=timed),
         _untuned(trust, engines) if Setting.NAIVE.value in trust.settings[1:] else "",
     )
     return tuple(line for line in lines if line)
@@ -174,7 +174,7 @@ def _trust(trust: Trust, engines: Sequence[str], setting: str) -> str:
     )
 
 
-def _nearest(trust: Trust, engines: Sequence[str], setting: str) -> str:
+def _nearest(trust: Trust, engines: Sequence[str], setting: str, *, timed: bool) -> str:
     if len(engines) < 2:
         return ""
     leaders: dict[str, list[str]] = {}
@@ -183,7 +183,7 @@ def _nearest(trust: Trust, engines: Sequence[str], setting: str) -> str:
             leaders.setdefault(leader, []).append(name)
     right = [name for name in engines if not any(held.failed for held in trust.held.get((name, setting), {}).values())]
     times = {name: seconds for name in right if (seconds := trust.seconds(name, setting)) is not None}
-    quickest = min(times, key=lambda name: times[name], default="")
+    quickest = min(times, key=lambda name: times[name], default="") if timed else ""
     worst = {name: max(trust.cell(name, setting, f).error or 0.0 for f in held) for name, held in leaders.items()}
     told = [(name, listed(held), worst[name]) for name, held in leaders.items()]
     return sentence("verdict_nearest", leaders=told, quickest=quickest, seconds=times.get(quickest))

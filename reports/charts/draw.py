@@ -16,7 +16,7 @@ from matplotlib.lines import Line2D
 from numpy.typing import NDArray
 
 from reports.charts import labels
-from reports.charts.layout import APART, EDGE, SAMPLE, TICK, Layout, named_uprights
+from reports.charts.layout import APART, EDGE, LEAST, SAMPLE, TICK, Layout, named_uprights
 from reports.charts.scales import Scale
 from reports.charts.style import DARK, DOTS_PER_INCH, FAINT, FULL_WIDTH, MUTED, WIDTH, drawn, house_style, ink
 from reports.document.chart import Chart, Curve, Panel
@@ -51,7 +51,10 @@ def edges(chart: Chart) -> tuple[float, float]:
 
 
 def _size(chart: Chart) -> tuple[float, float]:
-    return (FULL_WIDTH if chart.wide else WIDTH), chart.height
+    """Width and height of a chart's figure, in: higher than it asks for where its names take all the room."""
+    width = FULL_WIDTH if chart.wide else WIDTH
+    layout = Layout(chart, (width, chart.height))
+    return width, chart.height + layout.rows * max(0.0, LEAST - layout.height)
 
 
 def svg(drawing: Figure, page: str = "none") -> str:

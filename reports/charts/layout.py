@@ -19,6 +19,7 @@ End = tuple[float, str, str]
 
 # Inches: around a chart, of a tick with its pad, between panels, of a sample of a line in the key, between its entries.
 EDGE, TICK, BETWEEN, SAMPLE, APART = 0.06, 0.08, 0.1, 0.3, 0.2
+LEAST = 0.6  # of the axes of a panel
 SPACED = {"x": 0.75, "y": 0.22, "equal": 0.42}  # inches from tick to tick, at least
 
 
@@ -46,7 +47,7 @@ class Layout:
     def shares_x(self, number: int) -> bool:
         """Whether a panel has the x axis of those below and above it."""
         column = self.column(number)
-        return len({panel.scale == "loglog" for panel in column}) == 1 and column[0].scale != "equal"
+        return len({panel.scale in ("logx", "loglog") for panel in column}) == 1 and column[0].scale != "equal"
 
     def names_x(self, number: int) -> bool:
         """Whether words stand below a panel: it is the last of its column, or has an axis of its own."""
@@ -67,7 +68,7 @@ class Layout:
         """The x and y axis of a panel."""
         panel, both = self.chart.panels[number], self.scales[number]
         if panel.scale != "equal":
-            return both
+            return both[0], scales.upward(panel, min(len(both[1].ticks), int(self.height / SPACED["y"])))
         return scales.to_scale(panel, both, (self.width, self.height), max(2, int(self.width / SPACED["equal"])))
 
     @cached_property
@@ -80,7 +81,7 @@ class Layout:
         """Whether the curves' names stand above the panel: as asked for, or where there are too many for the end."""
         panel = self.chart.panels[number]
         names = [labels.wrapped(curve.name) for curve in panel.curves if curve.name]
-        tall = self.size[1] / self.rows - 0.4
+        tall = self.chart.height / self.rows - 0.4
         return panel.names == "key" or (panel.names == "ends" and sum(map(labels.height, names)) > tall)
 
     @cached_property

@@ -54,14 +54,17 @@ def across(panels: Sequence[Panel], ticks: int) -> Scale:
     if first.turn:
         step = 60.0 if ticks > 4 else 120.0
         return _worded(0.0, 360.0, np.arange(0.0, 361.0, step), label)
-    if first.scale == "loglog":
+    if first.scale in ("logx", "loglog"):
         return _decades(values, label, ticks)
-    lines = all(curve.line for panel in panels for curve in panel.curves)
+    lines = any(curve.line for panel in panels for curve in panel.curves)
     return _linear(values, label, ticks, _margin(first) if first.scale == "equal" else 0.0 if lines else MARGIN)
 
 
 def upward(panel: Panel, ticks: int) -> Scale:
     """The y axis of a panel, with about so many ticks."""
+    if panel.rows:
+        last = len(panel.rows) - 0.5
+        return Scale(last, -0.5, tuple(map(float, range(len(panel.rows)))), panel.rows, panel.y_label)
     levels = [mark.place for mark in _marks([panel], "y")]
     if panel.scale in ("log", "loglog"):
         return _decades(_finite([*map(_above_dips, panel.curves), levels]), panel.y_label, ticks)

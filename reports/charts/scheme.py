@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from functools import partial
 from typing import Any
 
 import numpy as np
@@ -12,7 +11,7 @@ from matplotlib.axes import Axes
 from matplotlib.collections import LineCollection
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from analytic.description.linkage import GROUND, Linkage
 from comparisons.datasheet.sheet import Positions
@@ -23,8 +22,8 @@ from reports.charts.style import FONT_SIZE, GHOST, INK, MUTED, PALETTE, PAPER, d
 
 Array = NDArray[np.float64]
 
-# Inches: the largest drawing, the narrowest, room for pivots and names about the linkage, for words left and below.
-LARGEST, NARROWEST, ROOM, SIDE, BELOW, PIN = (5.4, 5.4), 2.4, 0.42, 0.6, 0.5, 0.042
+# Inches: the largest drawing, the narrowest, room for words left and below, around the linkage, a pin's radius.
+LARGEST, NARROWEST, WORDS, ROOM, PIN = np.array([5.4, 5.4]), 2.4, np.array([0.68, 0.58]), 0.42, 0.042
 NUMBER_STYLE = {"color": MUTED, "zorder": 4.0}
 NAME_STYLE = {
     "fontstyle": "italic",
@@ -46,32 +45,41 @@ def part_of(axes: Axes, mover: str) -> Iterator[None]:
 def scheme_figure(linkage: Linkage, positions: Positions) -> Figure:
     """The scheme in twelve positions, to scale in both directions."""
     scheme = KinematicScheme(linkage, positions)
-    return scaled_figure(scheme, scheme.extent, partial(draw_scheme, scheme=scheme))
+    return scaled_figure(scheme, scheme.extent, draw_scheme)
 
 
-def scaled_figure(scheme: KinematicScheme, extent: tuple[Array, Array], draw: Any) -> Figure:  # noqa: ANN401
-    """A figure of the plane between two corners; ``draw`` is given the axes and ``size``, a pin's radius."""
-    (low, high), rims = extent, np.array([SIDE, BELOW])
-    span = np.maximum(high - low, 1e-9)
-    scale = float(np.min((np.array(LARGEST) - rims - 2.0 * ROOM) / span))
-    box = np.maximum(span * scale + 2.0 * ROOM, (NARROWEST, 0.0))
-    full = box + rims + 0.08
+def scaled_figure(scheme: KinematicScheme, extent: tuple[Array, Array], draw: Callable[..., None]) -> Figure:
+    """A figure of the plane between two corners; ``draw`` is given the axes, the scheme and a pin's radius."""
+    span = np.maximum(extent[1] - extent[0], 1e-9)
+    scale = float(np.min((LARGEST - WORDS - 2.0 * ROOM) / span))
+    size = np.maximum(span * scale + 2.0 * ROOM, (NARROWEST, 0.0)) + WORDS
+    width, height = map(float, size)
 
     def draw_all(figure: Figure) -> None:
-        axes = figure.add_axes((SIDE / full[0], BELOW / full[1], box[0] / full[0], box[1] / full[1]))
-        fit(axes, scheme, (low, high), box / scale)
-        draw(axes, size=PIN / scale)
+        place(figure, scheme, (0.0, 0.0), size, extent=extent, draw=draw)
 
-    return drawn(float(full[0]), float(full[1]), draw_all)
+    return drawn(width, height, draw_all)
 
 
-def fit(axes: Axes, scheme: KinematicScheme, extent: tuple[Array, Array], span: Array) -> None:
-    """Axes of the plane over a span about the middle of an extent, with their names."""
+def place(
+    figure: Figure,
+    scheme: KinematicScheme,
+    corner: ArrayLike,
+    size: ArrayLike,
+    *,
+    extent: tuple[Array, Array],
+    draw: Callable[..., None],
+) -> None:
+    """Draw the plane between two corners into a part of a figure: its lower left corner, its width and height, in."""
+    box, whole = np.asarray(size) - WORDS, figure.get_size_inches()
+    scale = float(np.min((box - 2.0 * ROOM) / np.maximum(extent[1] - extent[0], 1e-9)))
+    axes = figure.add_axes((*((np.asarray(corner) + WORDS - 0.08) / whole), *(box / whole)))
     middle, unit = 0.5 * (extent[0] + extent[1]), file_unit("m", scheme.linkage).name
-    (left, bottom), (right, top) = middle - 0.5 * span, middle + 0.5 * span
+    (left, bottom), (right, top) = middle - 0.5 * box / scale, middle + 0.5 * box / scale
     axes.set(xlim=(left, right), ylim=(bottom, top), xlabel=f"x, {unit}", ylabel=f"y, {unit}")
     for axis in (axes.xaxis, axes.yaxis):
         axis.set_major_locator(MaxNLocator(6, steps=[1, 2, 5, 10]))
+    draw(axes, scheme, PIN / scale)
 
 
 def draw_scheme(axes: Axes, scheme: KinematicScheme, size: float) -> None:

@@ -37,10 +37,10 @@ def plane_figure(linkage: Linkage, positions: Positions, thread: ThreadSheet) ->
     spots = scheme.scale * thread.contour[:, :2]
     low, high = scheme.extent
     extent = np.minimum(low, spots.min(axis=0)), np.maximum(high, spots.max(axis=0))
-    return scaled_figure(scheme, extent, partial(_draw_plane, scheme=scheme, thread=thread))
+    return scaled_figure(scheme, extent, partial(_draw_plane, thread=thread))
 
 
-def _draw_plane(axes: Axes, scheme: KinematicScheme, thread: ThreadSheet, size: float) -> None:
+def _draw_plane(axes: Axes, scheme: KinematicScheme, size: float, thread: ThreadSheet) -> None:
     """Links, eyes' paths and the contour; the axes' limits are the caller's."""
     for eye in thread.eyes.values():
         axes.plot(*(scheme.scale * eye["path"][:2]), color=GHOST, linewidth=1.0, linestyle=(0, (3, 2)))

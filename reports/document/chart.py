@@ -53,8 +53,8 @@ class Note:
 class Panel:
     """One pair of axes.
 
-    ``scale`` is linear, logarithmic in y, or in both, or equal in both directions; ``turn``: x is the crank angle of a
-    whole turn, degrees. ``names`` says where the curves' names stand.
+    ``scale`` is linear, logarithmic in y, in x or in both, or equal in both directions; ``turn``: x is the crank angle
+    of a whole turn, degrees. ``names`` says where the curves' names stand. ``rows`` name y = 0, 1, … from above.
     """
 
     curves: tuple[Curve, ...]
@@ -62,10 +62,11 @@ class Panel:
     y_label: str = ""
     marks: tuple[Mark, ...] = ()
     notes: tuple[Note, ...] = ()
-    scale: Literal["linear", "log", "loglog", "equal"] = "linear"
+    scale: Literal["linear", "log", "logx", "loglog", "equal"] = "linear"
     turn: bool = False
     names: Literal["ends", "key", ""] = "ends"
     title: str = ""
+    rows: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)

@@ -1,11 +1,10 @@
-"""Parts of a report as Markdown."""
+"""Words and tables of a report as Markdown; pictures and what answers stand on pages alone."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable
 
-from reports.document import parts as model
-from reports.document.parts import Cell, Link, Mono, Part, Table, Words
+from reports.document.parts import Bullets, Cell, Facts, Fold, Link, Mono, Paragraph, Part, Section, Table, Words
 
 RULES = {"l": "---", "r": "---:"}
 
@@ -15,49 +14,41 @@ def written(parts: Iterable[Part], level: int = 2) -> str:
     return "\n\n".join(filter(None, (_part(part, level) for part in parts)))
 
 
-def _part(part: Part, level: int) -> str:  # noqa: PLR0911  a case for every part
+def _part(part: Part, level: int) -> str:  # noqa: PLR0911  a case each
     match part:
-        case model.Paragraph(words):
+        case Paragraph(words):
             return inline(words)
-        case model.Bullets(items):
+        case Bullets(items):
             return "\n".join(f"- {inline(item)}" for item in items)
-        case model.Facts(rows):
+        case Facts(rows):
             return "\n".join(f"- {name}: {inline(words)}" for name, words in rows)
-        case model.Command(text):
-            return f"```\n{text}\n```"
         case Table():
             return table(part)
-        case model.Figure(caption=caption):
-            return inline(caption)
-        case model.Figures(figures):
-            return written(figures, level)
-        case model.Widget(instead=parts):
-            return written(parts, level)
-        case model.Fold(summary, parts):
-            return written((model.Paragraph(summary), *parts), level)
-        case model.Cards(cards):
-            return written((model.Section("", model.as_text(card.heading), card.parts) for card in cards), level)
-        case model.Drawn(alt=alt):
-            return alt
-        case model.Section(heading=heading, parts=parts):
-            return f"{'#' * level} {inline(heading)}\n\n{written(parts, level + 1)}"
+        case Fold(summary, parts):
+            return written((Paragraph(summary), *parts), level)
+        case Section(heading=heading, parts=parts):
+            return f"{'#' * level} {heading}\n\n{written(parts, level + 1)}"
+    return ""
 
 
 def table(found: Table) -> str:
-    """Caption, table and note as paragraphs."""
-    rows = [[_cell(cell, bold=number == found.bold) for number, cell in enumerate(row)] for row in found.rows]
+    """Caption, table and note as paragraphs; a heading over several columns stands in the head of each."""
+    over = [words for words, columns in found.groups for _ in range(columns)] or [""] * len(found.head)
+    head = [f"{words} {_cell(cell)}".strip() for words, cell in zip(over, found.head, strict=True)]
     rule = [RULES[found.side(column)] for column in range(len(found.head))]
-    return "\n\n".join(filter(None, (found.caption, _grid([[*map(_cell, found.head)], rule, *rows]), found.note)))
+    rows = [head, rule, *(map(_cell, row) for row in found.rows)]
+    return "\n\n".join(filter(None, (found.caption, "\n".join(map(_row, rows)), found.note)))
 
 
-def _cell(cell: Cell | Words, *, bold: bool = False) -> str:
-    text = inline(cell.words if isinstance(cell, Cell) else cell)
-    return f"**{text}**" if bold else text
+def _cell(cell: Cell | Words) -> str:
+    if isinstance(cell, Cell):
+        return inline(cell.words) + (f" ({cell.note})" if cell.note else "")
+    return inline(cell)
 
 
-def _grid(rows: Iterable[Sequence[str]]) -> str:
-    """Lines of a table; bars inside a cell are escaped."""
-    return "\n".join("| " + " | ".join(cell.replace("|", "\\|") for cell in row) + " |" for row in rows)
+def _row(cells: Iterable[str]) -> str:
+    """A line of a table; bars inside a cell are escaped."""
+    return "| " + " | ".join(cell.replace("|", "\\|") for cell in cells) + " |"
 
 
 def inline(words: Words) -> str:
@@ -69,5 +60,4 @@ def inline(words: Words) -> str:
             return f"[{text}]({href})"
         case Mono(text):
             return f"`{text}`"
-        case _:
-            return words
+    return words

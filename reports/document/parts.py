@@ -94,8 +94,8 @@ class Table:
     """A table with a sentence before it and a note in small print after it.
 
     ``align`` has a letter per column, "l" for words and "r" for figures; the last letter holds for all that follow.
-    ``groups`` are heads over several columns, (words, columns) each, all columns of them together. The column ``bold``
-    is set in bold; ``style`` is a class of the style sheet.
+    ``groups`` are heads over several columns, (words, columns) each, all columns of them together; ``style`` is a class
+    of the style sheet.
     """
 
     caption: str
@@ -104,7 +104,6 @@ class Table:
     align: str = "lr"
     note: str = ""
     groups: tuple[tuple[str, int], ...] = ()
-    bold: int | None = None
     style: str = ""
 
     def side(self, column: int) -> str:

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from comparisons.judging.quantities import JOINT_FORCE
-from reports.records.views import SETTINGS, Regime, Trace, View, short_title
+from reports.records.views import Regime, Trace, View, setting_rank, short_title
 from reports.records.views import engines as all_engines
 
 Array = NDArray[np.float64]
@@ -33,8 +33,7 @@ def chart_data(view: View) -> dict[str, Any]:
     Of each error there are the numbers of its quantity, engine and setting, its size and its limit.
     """
     engines = list(all_engines(view.results))  # an engine has its colour by its place among all
-    ran = dict.fromkeys(record.setting for record in view.records)
-    settings = sorted(ran, key=lambda name: SETTINGS.index(name) if name in SETTINGS else len(SETTINGS))
+    settings = sorted({record.setting for record in view.records}, key=setting_rank)
     regimes = [_regime(view, regime, engines, settings) for regime in view.regimes]
     axis = ["travel of the drive, m", 1.0] if view.linkage.is_linear else ["crank angle φ, °", math.degrees(1.0)]
     return {"engines": engines, "settings": settings, "axis": axis, "regimes": regimes}

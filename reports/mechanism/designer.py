@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from functools import partial
-from typing import Any, Final
+from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,6 +15,7 @@ from reports.document.chart import Chart, Curve, Note, Panel
 from reports.document.numbers import ABSENT, figure, printed
 from reports.document.parts import Bullets, Card, Cards, Facts, Figure, Figures, Fold, Paragraph, Part, Section, Table
 from reports.document.templates import lines, plain, sentence
+from reports.mechanism.check import range_lines
 from reports.mechanism.key_figures import force_words
 from reports.mechanism.shown import ROUNDING, ShownSheet
 
@@ -23,8 +23,12 @@ Array = NDArray[np.float64]
 
 OUTPUT: Final = ("S", "v", "a")
 DRIVE: Final = ("Mkr", "Peq", "Teq")
-# Parts of a sheet that may be missing, in words, where they are told of; of all others the sheet's own name for them.
-WORDS: Final = {"normalised": "normalised motion", "shares": "Jeq by group and link", "values": "motion to show"}
+# Before the reason why a part of a sheet is missing, where the part has its place on the page.
+WORDS: Final = {
+    "normalised": "",
+    "shares": "There is no Jeq by group and by link: ",
+    "values": "There is no motion to show: ",
+}
 TALL: Final = 3.9  # inches, of panels one under the other
 MOST_CURVES, MOST_HODOGRAPHS, PER_ROW = 10, 12, 4
 CONSTANT: Final = 1e-6  # share of its largest value that a link's Jeq varies by at least, else it is a constant
@@ -40,17 +44,19 @@ def sections(shown: ShownSheet) -> tuple[Section, ...]:
 def told(shown: ShownSheet, *keys: str) -> tuple[Part, ...]:
     """Why parts of the sheet cannot be derived."""
     reasons = {key: shown.sheet.missing[key] for key in keys if key in shown.sheet.missing}
-    return tuple(Paragraph(f"There is no {WORDS.get(key, key)}: {reason}.", "small") for key, reason in reasons.items())
+    words = {key: f"{WORDS.get(key, f'There is no {key}: ')}{reason}" for key, reason in reasons.items()}
+    return tuple(Paragraph(f"{text.removesuffix('.')}.", "small") for text in words.values())
 
 
 def _motion(shown: ShownSheet) -> Section:
     """S, v and a, and the normalised motion against harmonics."""
-    figures = []
+    figures, normalised = [], shown.sheet.normalised
     if shown.has("S"):
         caption = "Displacement S, velocity v and acceleration a of the output; dots are peaks."
-        figures.append(Figure("output", caption, f"{shown.about}: S, v and a", shown.stacked(OUTPUT, TALL)))
-    if shown.sheet.normalised:
-        figures.append(_normalised(shown, shown.sheet.normalised))
+        chart = shown.stacked(OUTPUT, TALL, wide=normalised is None)
+        figures.append(shown.figure("output", caption, "S, v and a", chart))
+    if normalised:
+        figures.append(_normalised(shown, normalised))
     parts: tuple[Part, ...] = (Figures(tuple(figures)),) if figures else ()
     if not shown.has("S"):
         parts += (Paragraph("The file names no output: there is no S, v and a.", "small"),)
@@ -68,7 +74,7 @@ def _normalised(shown: ShownSheet, found: Normalised) -> Figure:
         panels.append(Panel((harmonic, ours), label, words[number], turn=True))
     means = ", ".join(f"{name} {100.0 * found.means[name]:.2f} %" for name in OUTPUT)
     caption = f"Normalised motion against simple harmonic motion (dashed); mean difference over a turn: {means}."
-    return Figure("normalised", caption, f"{shown.about}: normalised motion", Chart(tuple(panels), TALL))
+    return shown.figure("normalised", caption, "normalised motion", Chart(tuple(panels), TALL))
 
 
 def _drive(shown: ShownSheet) -> Section:
@@ -79,7 +85,7 @@ def _drive(shown: ShownSheet) -> Section:
         return Section("drive", "Drive", (Paragraph(sentence, "small"),))
     force = "force" if shown.sheet.linkage.is_linear else "torque"
     caption = f"Driving {force} Mkr, power Peq and kinetic energy Teq; dots are peaks."
-    drive = Figure("drive", caption, f"{shown.about}: {caption}", shown.stacked(names, TALL))
+    drive = shown.figure("drive", caption, caption, shown.stacked(names, TALL))
     words = (Paragraph(_jeq(shown)),) if "Jeq" in shown.sheet.facts else ()
     figures = Figures((drive, *_inertia(shown)))
     return Section("drive", "Torque, power and inertia", (*words, figures, *told(shown, "shares")))
@@ -107,13 +113,13 @@ def _inertia(shown: ShownSheet) -> tuple[Figure, ...]:
         Curve(shown.x, values, _share(name, values, whole), number)
         for number, (name, values) in enumerate(varying.items())
     ]
-    unit = shown.own("kg m²").name
+    unit = shown.unit("Jeq").name
     panels = [shown.panel(stack, f"Jeq, {unit}", is_last=not curves)]
     panels += [shown.panel(curves, f"Jeq of a link, {unit}")] if curves else []
     left_out = f"; constant and left out: {', '.join(constant)}" if constant else ""
     caption = "Where Jeq comes from: the crank and each Assur group, one on the other"
     caption += f", and beneath it every link by itself{left_out}. Per cent are of the mean." if curves else "."
-    return (Figure("inertia", caption, f"{shown.about}: Jeq by Assur group and by link", shown.chart(panels, TALL)),)
+    return (shown.figure("inertia", caption, "Jeq by Assur group and by link", shown.chart(panels, TALL)),)
 
 
 def _share(name: str, values: Array, whole: float) -> str:
@@ -134,12 +140,7 @@ def _forces(shown: ShownSheet) -> Section:
     caption = f"Force{most}, named with its peak."
     magnitudes = shown.chart([shown.panel(curves, f"|F|, {unit}")], 3.2, wide=True)
     parts = (
-        Figures(
-            (
-                Figure("joint-forces", caption, f"{shown.about}: {caption}", magnitudes, wide=True),
-                *_on_frame(shown, unit),
-            )
-        ),
+        Figures((shown.figure("joint-forces", caption, caption, magnitudes), *_on_frame(shown, unit))),
         _hodographs(shown, joints, unit),
         Fold("Largest force of every joint, in figures", (_force_table(shown),)),
     )
@@ -157,8 +158,8 @@ def _on_frame(shown: ShownSheet, unit: str) -> tuple[Figure, ...]:
     moment_caption = f"Shaking moment on the frame about {shown.sheet.moment_centre}, the drive's reaction included."
     over = shown.chart([shown.panel([moment], label)], 3.2)
     return (
-        Figure("shaking-force", force_caption, f"{shown.about}: hodograph of the shaking force", tip),
-        Figure("shaking-moment", moment_caption, f"{shown.about}: shaking moment", over),
+        shown.figure("shaking-force", force_caption, "hodograph of the shaking force", tip),
+        shown.figure("shaking-moment", moment_caption, "shaking moment", over),
     )
 
 
@@ -174,7 +175,7 @@ def _hodographs(shown: ShownSheet, joints: list[str], unit: str) -> Figure:
     which = f"the {MOST_HODOGRAPHS} joints with the largest forces" if len(joints) > MOST_HODOGRAPHS else "every joint"
     caption = f"Fx against Fy of {which}, each to its own scale{_dots(shown)}."
     chart = Chart(tuple(panels), 2.5 * rows, columns=min(PER_ROW, len(drawn)), wide=True)
-    return Figure("hodographs", caption, f"{shown.about}: hodographs of the joint forces", chart, wide=True)
+    return shown.figure("hodographs", caption, "hodographs of the joint forces", chart)
 
 
 def hodograph(shown: ShownSheet, vector: str, ink: int, unit: str) -> Panel:
@@ -205,7 +206,7 @@ def _force_table(shown: ShownSheet) -> Table:
         )
         for one in shown.sheet.figures["forces"]
     )
-    head = ("joint", "on", "force", "direction", "at t" if shown.sheet.axis == "time" else "at φ")
+    head = ("joint", "on", "force", "direction", shown.where)
     return Table("A joint's force acts on the link named; directions count from x.", head, rows, align="llr")
 
 
@@ -238,7 +239,7 @@ def _scheme(shown: ShownSheet) -> tuple[Card, ...]:
     output = f"; the blue line is the path of {sheet.linkage.output.point}" if sheet.linkage.output else ""
     caption = f"To scale in twelve positions, one of them drawn out; quartered discs are mass centres{output}."
     drawing = partial(scheme_figure, sheet.linkage, positions)
-    return (Card("Positions", (Figure("scheme", caption, f"{shown.about}: kinematic scheme", drawing),)),)
+    return (Card("Positions", (shown.figure("scheme", caption, "kinematic scheme", drawing),)),)
 
 
 def _link_row(link: Link, sizes: list[float]) -> tuple[str, ...]:
@@ -251,13 +252,10 @@ def _link_row(link: Link, sizes: list[float]) -> tuple[str, ...]:
 
 
 def facts(shown: ShownSheet) -> Facts:
-    """What is said of the mechanism whatever its motion: structure, Jeq, output, rest, thread."""
+    """What is said of the mechanism whatever its motion: structure, range, output, rest, thread."""
     sheet = shown.sheet
-    said = [text.partition(": ")[::2] for text in lines("mechanism", facts=_of_turn(sheet.facts))]
+    told = {"equilibria": [], **sheet.facts}
+    said = [text.partition(": ")[::2] for text in lines("mechanism", facts=told) if not text.startswith("Jeq: ")]
+    reach = range_lines(sheet.facts["range"]) if "range" in sheet.facts else ()
     structure = sheet.formula.replace("->", "→").replace("_", " ")
-    return Facts((("structure", structure), *((name, words) for name, words in said if name != "Jeq")))
-
-
-def _of_turn(told: Mapping[str, Any]) -> Mapping[str, Any]:
-    """The facts as the macro of ``show`` reads them, which looks for those of a turn."""
-    return {"equilibria": [], **told}
+    return Facts((("structure", structure), *reach, *said))

@@ -9,7 +9,7 @@ from typing import Any, Final
 
 from comparisons.datasheet.sheet import Printed
 from comparisons.judging.records import Record, Verdict
-from reports.charts.errors import errors_figure
+from reports.charts.errors import errors_chart
 from reports.document import numbers
 from reports.document.chart import Chart, Curve, Panel
 from reports.document.parts import Bullets, Cell, Figure, Fold, Part, Section, Table, Widget
@@ -17,7 +17,7 @@ from reports.document.signs import RUNS
 from reports.document.templates import plain, sentence
 from reports.mechanism.curves import chart_data, curves, extremes
 from reports.records.origins import control_last, exceptions, origin_words
-from reports.records.views import SETTINGS, Regime, View, anchor, engines
+from reports.records.views import Regime, View, anchor, engines, setting_rank
 
 KEY: Final = "engines"
 SHOWN: Final = 300  # stretches of a curve, of which the extremes are drawn
@@ -29,7 +29,7 @@ def engines_section(view: View, printed: Mapping[str, Printed] = MappingProxyTyp
     ``printed`` are the motions of models as printed, by erratum.
     """
     imported = is_imported(view)
-    parts: list[Part] = [chart(view)]
+    parts: list[Part] = [chart(view)] if any(map(view.standing, view.regimes)) else []
     parts += [errors_fold(view, regime) for regime in view.regimes]
     parts += _printed_models(view, printed)
     if not imported:
@@ -56,7 +56,7 @@ def errors_of(view: View, regime: Regime) -> Figure:
     """Every error of a regime as a figure."""
     caption = sentence("errors", regime=regime, setting=view.standing(regime))
     alt = f"{view.linkage.title} ({view.linkage.variant}): errors of every quantity and engine under {regime.name}"
-    return Figure(anchor("errors", regime.name), caption, alt, lambda: errors_figure(view, regime), wide=True)
+    return Figure(anchor("errors", regime.name), caption, alt, errors_chart(view, regime), wide=True)
 
 
 def errors_fold(view: View, regime: Regime) -> Fold:
@@ -90,8 +90,7 @@ def _row_head(view: View, records: Sequence[Record]) -> tuple[Cell, str]:
     measured = records if quantity not in view.invariants else ()
     peak = next((f"{numbers.figure(record.peak)} {record.unit}" for record in measured if record.peak), "")
     limits = {r.setting: r.limit for r in records if r.limit}
-    in_order = sorted(limits, key=lambda name: SETTINGS.index(name) if name in SETTINGS else len(SETTINGS))
-    words = dict.fromkeys(numbers.bound(limits[name]) for name in in_order)
+    words = dict.fromkeys(numbers.bound(limits[name]) for name in sorted(limits, key=setting_rank))
     return Cell(view.title(quantity), note=peak), ", ".join(words)
 
 
@@ -101,8 +100,8 @@ def _cell(record: Record | None) -> Cell | str:
         return numbers.ABSENT
     sign = RUNS[record.outcome]
     if record.outcome == Verdict.PASSED.value:
-        return Cell(numbers.error(record.error_max), style=sign.style)
-    words = sign.symbol if record.error_max is None else f"{numbers.error(record.error_max)} {sign.symbol}"
+        return Cell(numbers.steady_error(record.error_max), style=sign.style)
+    words = sign.symbol if record.error_max is None else f"{numbers.steady_error(record.error_max)} {sign.symbol}"
     return Cell(words, style=sign.style, told=record.detail or sign.word)
 
 

@@ -25,7 +25,7 @@ def key_figures(sheet: Sheet) -> tuple[Row, ...]:
 
 def key_table(sheet: Sheet) -> Table:
     """The same as a table."""
-    head = ("", "value", "at t" if sheet.axis == "time" else "at φ")
+    head = ("figure", "value", ShownSheet(sheet).where)
     conditions = sheet.conditions.partition(": ")[2]
     return Table(f"{conditions[:1].upper()}{conditions[1:]}.", head, key_figures(sheet), align="lrr", style="key")
 

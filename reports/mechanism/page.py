@@ -9,7 +9,7 @@ from analytic.description.linkage import Linkage
 from comparisons.campaign.results import Results
 from comparisons.datasheet.sheet import Sheet
 from reports.charts.moving import moving_scheme
-from reports.document.parts import NOTHING, Bullets, Card, Cards, Page, Section
+from reports.document.parts import NOTHING, Bullets, Card, Cards, Page, Paragraph, Part, Section
 from reports.mechanism import designer
 from reports.mechanism.engines import engines_section
 from reports.mechanism.key_figures import key_table
@@ -35,16 +35,21 @@ def page(sheet: Sheet, results: Results | None = None) -> Page:
     linkage = sheet.linkage
     of = f" (of {', '.join(linkage.variants)})" if len(linkage.variants) > 1 else ""
     source = f" Source: {linkage.source}." if linkage.source else ""
-    verdict = results.document.get("judgement", ()) if results else ()
     return Page(
         file=file_of(sheet),
         title=f"{sheet.name} ({sheet.variant})" if len(linkage.variants) > 1 else sheet.name,
         heading=linkage.title or sheet.name,
         subtitle=f"{sheet.name}, variant {sheet.variant}{of}.{source}",
-        parts=(*((Bullets(tuple(verdict)),) if verdict else ()), _first_look(shown)),
+        parts=(*_verdict(results), _first_look(shown)),
         sections=tuple(_sections(shown, results)),
         charts=results is not None,
     )
+
+
+def _verdict(results: Results | None) -> tuple[Part, ...]:
+    """What there is to say of a file that was judged."""
+    told = results.document.get("judgement", []) if results else []
+    return (Paragraph(told[0], "verdict"), Bullets(tuple(told[1:]))) if told else ()
 
 
 def _first_look(shown: ShownSheet) -> Cards:
@@ -62,7 +67,12 @@ def _is_of(linkage: Linkage, sheet: Sheet) -> bool:
 
 
 def _sections(shown: ShownSheet, results: Results | None) -> Iterator[Section]:
+    """The designer's, then the engines'; of a file that was judged its errors first."""
     sheet = shown.sheet
+    ran = [view for view in views(results) if _is_of(view.linkage, sheet)] if results else []
+    engines = [engines_section(view, sheet.printed) for view in ran[:1]]
+    is_judged = results is not None and "judgement" in results.document
+    yield from engines if is_judged else ()
     yield from designer.sections(shown)
     if sheet.thread:
         yield thread_section(shown, sheet.thread)
@@ -70,6 +80,4 @@ def _sections(shown: ShownSheet, results: Results | None) -> Iterator[Section]:
         yield released_section(shown)
     if sheet.published:
         yield published_section(sheet.published)
-    view = next((view for view in views(results) if _is_of(view.linkage, sheet)), None) if results else None
-    if view:
-        yield engines_section(view, sheet.printed)
+    yield from () if is_judged else engines

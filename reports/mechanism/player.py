@@ -42,7 +42,7 @@ def player_data(shown: ShownSheet) -> Mapping[str, Any]:
     return {
         "axis": {
             "kind": "time" if sheet.axis == "time" else "phi",
-            "name": "t" if sheet.axis == "time" else "φ",
+            "name": shown.symbol,
             "unit": shown.axis.name,
             "values": values,
             "shares": np.round(shares, 4).tolist(),

@@ -10,6 +10,7 @@ from reports.document.parts import Cell, Section, Table
 from reports.document.signs import PUBLISHED
 from reports.document.templates import worded
 
+VISIBLE = 5e-4  # a deviation from which on it is told, in per cent with one decimal
 Rows = Sequence[Mapping[str, Any]]
 
 
@@ -43,7 +44,7 @@ def _table(rows: Rows, variants: list[str]) -> Table:
         }
         cells = [_cell(ours[variant]) if variant in ours else Cell("–", "absent") for variant in variants]
         name = f"{worded(quantity)}, {unit}" if unit else worded(quantity)
-        lines.append((name, printed(value), *cells, Cell(source, note=note)))
+        lines.append((name, _signed(printed(value)), *cells, Cell(source, note=note)))
     align = "lr" + "r" * len(variants) + "l"
     met = "; ".join(_met(rows, variant) for variant in variants)
     return Table(
@@ -55,6 +56,11 @@ def _table(rows: Rows, variants: list[str]) -> Table:
 
 
 def _cell(row: Mapping[str, Any]) -> Cell:
-    sign = PUBLISHED[row["verdict"]]
-    note = f"{per_cent(row['deviation'])}, {sign.word}" if row["deviation"] is not None else sign.word
-    return Cell(f"{sign.symbol} {figure(row['ours'])}", style=sign.style, colour=sign.colour, note=note)
+    sign, deviation = PUBLISHED[row["verdict"]], row["deviation"]
+    seen = deviation is not None and abs(deviation) >= VISIBLE
+    note = f"{per_cent(deviation)}, {sign.word}" if seen else sign.word
+    return Cell(f"{sign.symbol} {_signed(figure(row['ours']))}", style=sign.style, colour=sign.colour, note=note)
+
+
+def _signed(text: str) -> str:
+    return f"−{text[1:]}" if text.startswith("-") else text

@@ -31,8 +31,8 @@ def _speed(shown: ShownSheet, regime: str, one: Released) -> Figure:
     """The crank's speed over time."""
     curve = Curve(one.motion["time"], one.motion["omega"] / RPM)
     chart = Chart((Panel((curve,), "time, s", "n, rpm"),), 2.8)
-    words = f"Crank speed under {regime}"
-    return Figure(anchor("released", regime), f"{words}.", f"{shown.about}: {words}", chart)
+    words = f"Crank speed under {regime}."
+    return shown.figure(anchor("released", regime), words, words, chart)
 
 
 def _last_turn(shown: ShownSheet, regime: str, one: Released) -> tuple[Figure, ...]:
@@ -46,11 +46,5 @@ def _last_turn(shown: ShownSheet, regime: str, one: Released) -> tuple[Figure, .
         Panel((Curve(degrees, acceleration, ink=1),), "crank angle φ, °", "ε, rad/s²", turn=True),
     )
     caption = f"Its last turn, which ends at φ = {np.degrees(one.end):.1f}°."
-    return (
-        Figure(
-            anchor("released", regime, "last-turn"),
-            caption,
-            f"{shown.about}: last turn under {regime}",
-            Chart(panels, 2.8),
-        ),
-    )
+    name = anchor("released", regime, "last-turn")
+    return (shown.figure(name, caption, f"last turn under {regime}", Chart(panels, 2.8)),)

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Final
+from typing import TYPE_CHECKING, Final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,6 +14,10 @@ from comparisons.datasheet.sheet import Sheet
 from comparisons.datasheet.units import FileUnit, file_unit
 from reports.document.chart import Chart, Curve, Panel
 from reports.document.numbers import ABSENT, figure, within_turn
+from reports.document.parts import Figure
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure as Drawing
 
 Array = NDArray[np.float64]
 
@@ -29,10 +33,12 @@ class ShownSheet:
 
     sheet: Sheet
 
-    @property
-    def about(self) -> str:
-        """The mechanism in words, for who sees no pictures."""
-        return f"{self.sheet.linkage.title} ({self.sheet.variant})"
+    def figure(self, name: str, caption: str, what: str, drawing: Chart | Callable[[], Drawing]) -> Figure:
+        """A figure of the mechanism; ``what`` it is stands for it where there are no pictures."""
+        is_wide = isinstance(drawing, Chart) and drawing.wide
+        return Figure(
+            name, caption, f"{self.sheet.linkage.title} ({self.sheet.variant}): {what}", drawing, wide=is_wide
+        )
 
     def has(self, name: str) -> bool:
         """Whether the sheet has values of a signal."""
@@ -58,6 +64,16 @@ class ShownSheet:
     def axis(self) -> FileUnit:
         """The unit of the axis: degrees of a turn, else the file's."""
         return FileUnit("°", TURN / 360.0) if self.is_turn else self.unit(self.sheet.axis)
+
+    @property
+    def symbol(self) -> str:
+        """The axis in a word: t, φ, or the travel of a drive along a line."""
+        return "t" if self.sheet.axis == "time" else "travel" if self.sheet.linkage.is_linear else "φ"
+
+    @property
+    def where(self) -> str:
+        """Head of a column of places on the axis."""
+        return f"at {self.symbol}"
 
     @property
     def axis_name(self) -> str:
@@ -91,7 +107,7 @@ class ShownSheet:
 
     def shares(self, kind: str) -> dict[str, Array]:
         """The parts of Jeq by name, along the axis, in the file's unit; ``kind`` is "groups" or "links"."""
-        size = self.own("kg m²").size
+        size = self.unit("Jeq").size
         return {name: self._in_order(values) / size for name, values in self.sheet.shares.get(kind, {}).items()}
 
     def vector(self, name: str) -> Array:
@@ -133,14 +149,14 @@ class ShownSheet:
         """Curves over the axis."""
         return Panel(tuple(curves), self.axis_name if is_last else "", y_label, turn=self.is_turn)
 
-    def stacked(self, names: Sequence[str], height: float) -> Chart:
+    def stacked(self, names: Sequence[str], height: float, *, wide: bool = False) -> Chart:
         """Signals one under the other over the axis, each with its peak marked."""
         panels = []
         for number, name in enumerate(names):
             curves = (Curve(self.x, self.y(name), ink=number), *self._dot(name, number))
             label = f"{'force' if name == 'Mkr' and self.sheet.linkage.is_linear else name}, {self.unit(name).name}"
             panels.append(self.panel(curves, label, is_last=number == len(names) - 1))
-        return self.chart(panels, height)
+        return self.chart(panels, height, wide=wide)
 
     def _dot(self, name: str, ink: int) -> tuple[Curve, ...]:
         """A mark at the value of the largest magnitude of a signal."""

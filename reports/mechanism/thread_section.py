@@ -9,7 +9,7 @@ import numpy as np
 from comparisons.datasheet.sheet import ThreadSheet
 from reports.charts import thread as drawings
 from reports.document.chart import Chart, Curve, Mark, Panel
-from reports.document.parts import Figure, Figures, Section
+from reports.document.parts import Figures, Section
 from reports.mechanism.shown import ShownSheet
 
 
@@ -18,20 +18,20 @@ def thread_section(shown: ShownSheet, thread: ThreadSheet) -> Section:
     linkage, positions = shown.sheet.linkage, shown.sheet.positions
     angle = f"{np.degrees(thread.reference_angle) % 360.0:.2f}°"
     figures = []
+    is_spatial = positions is not None and drawings.is_spatial(thread)
     if positions is not None:
         caption = (
-            f"The contour at φ_ref = {angle}, where the feed counts from; rings are guides, dashed lines paths of eyes."
+            f"Contour at φ_ref = {angle}, where the feed counts from; rings are guides, dashed lines paths of eyes."
         )
         drawing = partial(drawings.plane_figure, linkage, positions, thread)
-        figures.append(Figure("contour", caption, f"{shown.about}: the thread's contour with the linkage", drawing))
-    is_spatial = positions is not None and drawings.is_spatial(thread)
+        figures.append(shown.figure("contour", caption, "the thread's contour with the linkage", drawing))
     if positions is not None and is_spatial:
         caption = "The contour in space: z runs along the main shaft and is drawn to a larger scale."
         drawing = partial(drawings.space_figure, linkage, positions, thread)
-        figures.append(Figure("contour-in-space", caption, f"{shown.about}: the thread in space", drawing))
+        figures.append(shown.figure("contour-in-space", caption, "the thread in space", drawing))
     caption = "Feed Pd, and beneath it the length of the contour; uprights mark where an eye turns round."
-    chart, alt = feed_chart(shown, thread, wide=is_spatial), f"{shown.about}: thread feed and contour length"
-    figures.append(Figure("feed", caption, alt, chart, wide=is_spatial))
+    chart = feed_chart(shown, thread, wide=is_spatial)
+    figures.append(shown.figure("feed", caption, "thread feed and contour length", chart))
     return Section("thread", "Thread", (Figures(tuple(figures)),))
 
 

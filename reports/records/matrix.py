@@ -1,31 +1,14 @@
-"""The matrix mechanisms × engines × settings × quantities in tables, and what it comes to."""
+"""All records of a campaign in order: their limits, and those that the baseline caught."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
-from itertools import groupby
-
 from comparisons.campaign.results import Results
 from comparisons.judging.limits import limit
-from comparisons.judging.records import CONTROL, IMPORTED, Record, Verdict
-from reports.document.numbers import ABSENT, bound, steady_error
+from comparisons.judging.records import IMPORTED, Record, Verdict
+from reports.document.numbers import bound
 from reports.document.parts import Table
-from reports.document.signs import RUNS
 from reports.document.templates import plain
-from reports.records.origins import control_last, exceptions, origin_words
-from reports.records.views import SETTINGS, columns, family, ordered, worst
-
-
-def blocks(results: Results) -> Iterator[tuple[str, str, Table]]:
-    """Of each mechanism under each regime a heading, its conditions and a table: runs down, families across."""
-    names = [name for part in columns(results) for name in part]
-    head = ("engine", "setting", "figures of", *map(plain, names))
-    for (mechanism, variant, regime), part in groupby(every_record(results), key=lambda record: record.run[:3]):
-        records = list(part)
-        runs = control_last([list(run) for _, run in groupby(records, key=lambda record: record.run)])
-        table = Table("", head, tuple(_row(run, names) for run in runs), align="l")
-        yield f"{mechanism} ({variant}), {regime}", records[0].conditions, table
+from reports.records.views import SETTINGS, columns, family, ordered
 
 
 def every_record(results: Results) -> tuple[Record, ...]:
@@ -33,87 +16,11 @@ def every_record(results: Results) -> tuple[Record, ...]:
     return ordered(results, (*results.records, *results.invariants))
 
 
-def _row(records: Sequence[Record], names: Sequence[str]) -> tuple[str, ...]:
-    """Of a run the worst error of each family; where there is none at all, why."""
-    first = records[0]
-    if all(record.error_max is None for record in records):
-        sign = RUNS[first.outcome]
-        failure = f"{sign.symbol} {sign.word}" + (f": {first.detail}" if first.detail else "")
-        return (first.engine, first.setting, "", failure, *[""] * (len(names) - 1))
-    families: dict[str, list[Record]] = {}
-    for record in records:
-        families.setdefault(family(record.quantity), []).append(record)
-    origin = "; ".join(filter(None, (origin_words(records), exceptions(records))))
-    return (first.engine, first.setting, origin, *(_cell(families.get(name, ())) for name in names))
-
-
-def _cell(records: Sequence[Record]) -> str:
-    """The worst of a family: of the forces in all joints, say."""
-    if not records:
-        return ABSENT
-    record = worst(records)
-    return f"{RUNS[record.outcome].symbol} {steady_error(record.error_max)}"
-
-
 def caught_by_baseline(record: Record) -> bool:
     """Whether a record is within its limit but has grown too far over its recorded value."""
     if record.outcome != Verdict.OVER_LIMIT.value or record.error_max is None or not record.limit:
         return False
     return record.baseline is not None and record.error_max <= record.limit
-
-
-@dataclass(frozen=True)
-class EngineStanding:
-    """How an engine at a setting came out over all it ran; ``nearest`` is the record that uses most of its limit.
-
-    ``total`` counts what was judged, ``computed`` what is the adapter's own. ``origin`` is as of ``origin_words``.
-    """
-
-    engine: str
-    setting: str
-    origin: str
-    passed: int
-    total: int
-    computed: int
-    nearest: Record | None
-    failures: tuple[str, ...]
-
-    @property
-    def share(self) -> float:
-        """Largest deviation over its limit."""
-        one = self.nearest
-        return 0.0 if one is None or not one.limit or one.error_max is None else one.error_max / one.limit
-
-
-def standings(results: Results) -> tuple[EngineStanding, ...]:
-    """One standing per engine and setting; the reference's control comes last."""
-    records = sorted(every_record(results), key=_by_engine)
-    found = [_standing(list(part)) for _, part in groupby(records, key=_by_engine)]
-    return tuple(sorted(found, key=lambda one: one.origin == CONTROL))
-
-
-def _by_engine(record: Record) -> tuple[str, int]:
-    place = SETTINGS.index(record.setting) if record.setting in SETTINGS else len(SETTINGS)
-    return record.engine, place
-
-
-def _standing(records: list[Record]) -> EngineStanding:
-    judged = [record for record in records if Verdict(record.outcome).judged]
-    measured = [record for record in judged if record.error_max is not None and record.limit]
-    nearest = max(measured, key=lambda r: (r.error_max or 0.0) / (r.limit or 1.0), default=None)
-    failures = dict.fromkeys(f"{RUNS[r.outcome].word}: {r.detail}" for r in records if r.error_max is None)
-    passed = sum(record.outcome == Verdict.PASSED.value for record in records)
-    computed = sum(record.outcome == Verdict.COMPUTED.value for record in records)
-    return EngineStanding(
-        engine=records[0].engine,
-        setting=records[0].setting,
-        origin=origin_words(records),
-        passed=passed,
-        total=len(judged),
-        computed=computed,
-        nearest=nearest,
-        failures=tuple(failures),
-    )
 
 
 def past_baseline(results: Results) -> tuple[str, ...]:

@@ -152,6 +152,11 @@ def engines(results: Results) -> tuple[str, ...]:
     return tuple(sorted({record.engine for record in results.records}))
 
 
+def setting_rank(setting: str) -> int:
+    """The place of a setting in their order; one that is no engine's comes last."""
+    return SETTINGS.index(setting) if setting in SETTINGS else len(SETTINGS)
+
+
 def columns(results: Results) -> tuple[tuple[str, ...], tuple[str, ...]]:
     """Families of the quantities and names of the invariants, in the order of their definition."""
     found = dict.fromkeys(family(record.quantity) for record in results.records)
@@ -173,8 +178,7 @@ def ordered(results: Results, records: Iterable[Record]) -> tuple[Record, ...]:
     families = {name: number for number, name in enumerate(name for part in columns(results) for name in part)}
 
     def rank(record: Record) -> tuple[int, int, str, int, int, str]:
-        setting = SETTINGS.index(record.setting) if record.setting in SETTINGS else len(SETTINGS)
-        place = families[family(record.quantity)]
-        return mechanisms[record.run[:2]], regimes[record.regime], record.engine, setting, place, record.quantity
+        run = mechanisms[record.run[:2]], regimes[record.regime], record.engine, setting_rank(record.setting)
+        return *run, families[family(record.quantity)], record.quantity
 
     return tuple(sorted(records, key=rank))

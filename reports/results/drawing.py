@@ -5,7 +5,6 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import Final
 
-import numpy as np
 from matplotlib.figure import Figure
 
 from analytic.errors import printable
@@ -13,14 +12,14 @@ from comparisons.datasheet.building import sheet
 from comparisons.datasheet.designer_results import DesignerResults
 from reports.charts import draw
 from reports.charts.kinematic_scheme import KinematicScheme
-from reports.charts.scheme import PIN, ROOM, draw_scheme, fit
+from reports.charts.scheme import draw_scheme, place
 from reports.charts.style import FULL_WIDTH, drawn
 from reports.document.chart import Chart, Panel
 from reports.mechanism.designer import hodograph
 from reports.mechanism.shown import ShownSheet
 
-# Inches: of the title, of the upper row and of its left half, of a hodograph's cell; of the scheme's words.
-TITLE, UPPER, LEFT, CELL, PER_ROW, WORDS = 0.4, 4.8, 5.0, 2.75, 4, (0.6, 0.5)
+# Inches: of the title, of the upper row and of its left half, of a hodograph's cell.
+TITLE, UPPER, LEFT, CELL, PER_ROW = 0.4, 4.8, 5.0, 2.75, 4
 CURVES: Final = {"Mkr": "torque", "Peq": "power", "S": "S"}
 
 
@@ -39,7 +38,8 @@ def results_figure(shown: ShownSheet) -> Figure:
     def draw_all(figure: Figure) -> None:
         figure.text(0.15 / FULL_WIDTH, 1.0 - 0.25 / height, printable(shown.sheet.conditions))
         if shown.sheet.positions is not None:
-            _draw_scheme(figure, KinematicScheme(shown.sheet.linkage, shown.sheet.positions), rows * CELL)
+            scheme = KinematicScheme(shown.sheet.linkage, shown.sheet.positions)
+            place(figure, scheme, (0.0, rows * CELL), (LEFT, UPPER), extent=scheme.extent, draw=draw_scheme)
         curves = shown.stacked([name for name in CURVES if shown.has(name)], UPPER)
         named = [replace(panel, title=_title(shown, name)) for panel, name in zip(curves.panels, CURVES, strict=False)]
         if named:
@@ -49,18 +49,6 @@ def results_figure(shown: ShownSheet) -> Figure:
             draw.place(figure, hodographs, (0.0, 0.0), (FULL_WIDTH, rows * CELL))
 
     return drawn(FULL_WIDTH, height, draw_all)
-
-
-def _draw_scheme(figure: Figure, scheme: KinematicScheme, bottom: float) -> None:
-    """The scheme to one scale both ways, as large as its box."""
-    size = np.array([LEFT, UPPER]) - WORDS - 0.1
-    low, high = scheme.extent
-    scale = float(np.min((size - 2.0 * ROOM) / np.maximum(high - low, 1e-9)))
-    left, up, wide, tall = *WORDS, *size
-    full, whole = figure.get_size_inches()
-    axes = figure.add_axes((left / full, (bottom + up) / whole, wide / full, tall / whole))
-    fit(axes, scheme, scheme.extent, size / scale)
-    draw_scheme(axes, scheme, PIN / scale)
 
 
 def _title(shown: ShownSheet, name: str) -> str:

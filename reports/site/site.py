@@ -58,7 +58,7 @@ def _write(found: Contents, folder: Path, links: Sequence[Link], png: bool, file
     gc.disable()
     try:
         if file == SUMMARY and found.results is not None:
-            write_text(folder / SUMMARY, markdown(found.results))
+            write_text(folder / SUMMARY, markdown(found.results, found.sheets))
             return (SUMMARY,)
         return tuple(html.write_all(found.page(file), folder, links, png=png))
     finally:

@@ -82,7 +82,7 @@ class Look:
         """What axe-core calls serious or critical."""
         from axe_playwright_python.sync_playwright import Axe
 
-        found = Axe().run(self.page).response["violations"]
+        found = Axe().run(self.page, options={"preload": False}).response["violations"]
         return [
             f"{one['impact']}: {one['help']}: {one['nodes'][0]['html'][:120]} ({len(one['nodes'])})"
             for one in found

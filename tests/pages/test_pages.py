@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import fcntl
+import subprocess
+import sys
 from pathlib import Path
 
 import pytest
 
-from reports.command_line.main import main
-from tests.pages.browser import WIDTHS, executable, opened, pages, started
+from tests.pages.browser import THEMES, WIDTHS, executable, opened, pages, started
 
 pytest.importorskip("playwright", reason="Playwright is not installed")
 pytest.importorskip("axe_playwright_python", reason="axe-core is not installed")
@@ -18,9 +19,21 @@ pytestmark = [
 ]
 
 MECHANISMS = ("slotted-takeup", "fork-takeup")  # a thread and released regimes; a linkage with neither
+TWO = "--engine pymunk --engine direct"
+COMMANDS = (
+    f"bench slotted-takeup --quick {TWO}",
+    "stress start --quick --engine pymunk",
+    f"compare {' '.join(MECHANISMS)} --regime run-up --regime own --setting all {TWO}",
+)
 MOST_SCREENS, MOST_NODES, MOST_BYTES, MOST_SHEETS = 12, 6_000, 1_500_000, 12
 INDEX_SCREENS = 3
 NAMES = ["index.html", "bench.html", "stress.html", *(f"mechanisms/{name}" for name in MECHANISMS)]
+
+
+def _linkproof(*words: str) -> None:
+    """A command as a user gives it; exit code 1 says that an engine is over a limit."""
+    done = subprocess.run([sys.executable, "-m", "reports.command_line.main", *words], capture_output=True, check=False)
+    assert done.returncode in (0, 1), done.stderr.decode()
 
 
 @pytest.fixture(scope="session")
@@ -32,22 +45,8 @@ def report(tmp_path_factory: pytest.TempPathFactory, worker_id: str = "") -> Pat
     with (root / "report.lock").open("w") as lock:
         fcntl.flock(lock, fcntl.LOCK_EX)
         if not (folder / "done").exists():
-            out = ["--out", str(folder), "--quiet"]
-            main(["bench", "slotted-takeup", "--quick", "--engine", "pymunk", "--engine", "direct", *out])
-            main(["stress", "step", "--quick", "--engine", "pymunk", *out])
-            regimes = [
-                "--regime",
-                "run-up",
-                "--regime",
-                "own",
-                "--setting",
-                "all",
-                "--engine",
-                "pymunk",
-                "--engine",
-                "direct",
-            ]
-            main(["compare", *MECHANISMS, *regimes, *out])
+            for command in COMMANDS:
+                _linkproof(*command.split(), "--out", str(folder), "--quiet")
             (folder / "done").touch()
     return folder
 
@@ -76,19 +75,13 @@ def test_a_page_is_complete_and_of_a_size_to_be_read(chromium, report, name):
             assert facts["verdict"] <= 1.0
 
 
-@pytest.mark.parametrize("width", WIDTHS)
+@pytest.mark.parametrize(("width", "theme"), [*zip(WIDTHS, THEMES, strict=True)])
 @pytest.mark.parametrize("name", NAMES)
-def test_nothing_is_wider_than_the_screen_and_all_text_can_be_read(chromium, report, name, width):
-    with opened(chromium, _page(report, name), width) as look:
+def test_a_page_is_legible_on_a_screen_and_on_a_phone_by_day_and_by_night(chromium, report, name, width, theme):
+    with opened(chromium, _page(report, name), width, theme) as look:
         facts = look.facts()
         assert facts["overflow"] <= 0
         assert facts["small"] == []
-
-
-@pytest.mark.parametrize("theme", ["light", "dark"])
-@pytest.mark.parametrize("name", NAMES)
-def test_axe_finds_nothing_serious(chromium, report, name, theme):
-    with opened(chromium, _page(report, name), theme=theme) as look:
         assert look.grave() == []
 
 
@@ -100,6 +93,8 @@ def test_every_control_answers(chromium, report, name):
             if fold.is_visible():
                 fold.click()
         for choice in page.locator(".widget select").all():
+            if not choice.is_visible():
+                continue
             for value in choice.evaluate("one => [...one.options].map(option => option.value)")[:6]:
                 choice.select_option(value)
                 page.wait_for_timeout(50)
@@ -124,7 +119,7 @@ def test_a_page_says_what_is_missing_without_scripts(chromium, report, name):
 
 def test_one_file_holds_the_whole_report(chromium, report, tmp_path):
     mailed = tmp_path / "report.html"
-    main(["report", str(report), "--single-file", str(mailed)])
+    _linkproof("report", str(report), "--single-file", str(mailed))
     with opened(chromium, mailed) as look:
         assert set(look.loaded) == {str(mailed)}
         assert look.faults == []

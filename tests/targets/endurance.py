@@ -27,6 +27,7 @@ from comparisons.campaign.campaign import CampaignRequest, compare
 from comparisons.campaign.results import DATASET, RECORDS, Results, document, save
 from comparisons.campaign.results import load as load_results
 from comparisons.campaign.sheets import sheets
+from comparisons.datasheet.saved import FILE as SHEETS
 from comparisons.judging.run_result import ARRAYS
 from comparisons.runs.journal import HEADER, Journal
 from comparisons.runs.worker_process import START
@@ -247,7 +248,7 @@ def main(times: int, seed: int) -> Endurance:
             missing, surplus = compared(expected, trial.campaign(place, times))
             campaigns += 1
             lost, doubled = lost + missing, doubled + surplus
-            litter += len({path.name for path in place.iterdir()} - {DATASET, RECORDS})
+            litter += len({path.name for path in place.iterdir()} - {DATASET, RECORDS, SHEETS})
         return Endurance(trial.kills, campaigns, lost, doubled, trial.survivors, litter, dict(trial.stages))
 
 

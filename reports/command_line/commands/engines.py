@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import sys
 from collections import Counter
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import asdict
 from pathlib import Path
 from typing import Any
@@ -17,14 +17,14 @@ from comparisons.exported_run import exported, exported_cell
 from comparisons.runs.failures import blamed_on
 from comparisons.runs.files import check_writable, write_text
 from comparisons.stress.cells import find_cell
-from engines.contract import Engine
+from engines.contract import Engine, Setting
 from engines.registry import Unusable, engine, engine_names, why_unavailable
 from reports.command_line import FAILED, PASSED
 from reports.command_line.destination import Destination
 from reports.command_line.requests import CampaignChoice, command_line, request
 from reports.document.parts import Cell, Paragraph, Table, Words
 from reports.document.terminal import Printed, Printout, write
-from reports.records.readouts import abilities_told, readout_table
+from reports.records.readouts import readout_table
 
 UNTESTED = (Finding.NOT_APPLICABLE, Finding.NOT_TESTED)
 STYLES = {Finding.PASSED: "green", Finding.FAILED: "bold red", Finding.EXPECTED: "yellow"}
@@ -41,7 +41,24 @@ def _told(adapter: Engine) -> dict[str, Any]:
     """What an engine takes and offers, and why it cannot be used here, where it cannot."""
     error = adapter.error if isinstance(adapter, Unusable) else None
     reason = why_unavailable(adapter) if error is None else f"{type(error).__name__}: {error}"
-    return {**abilities_told(adapter), "unusable": reason or ""}
+    able = adapter.abilities
+    return {
+        "engine": adapter.name,
+        "version": adapter.version(),
+        "control": adapter.is_control,
+        "drives": _names(able.drives),
+        "joints": ["PinJoint", *_names(able.joints)],
+        "loads": ["gravity", *_names(able.loads)],
+        "varying_loads": able.varying_loads,
+        "massless_bodies": able.massless,
+        "settings": [setting.value for setting in Setting if setting in able.settings],
+        "readouts": able.told(),
+        "unusable": reason or "",
+    }
+
+
+def _names(types: Iterable[type]) -> list[str]:
+    return sorted(one.__name__ for one in types)
 
 
 def _shown(told: Mapping[str, Any]) -> list[Printed]:

@@ -18,6 +18,7 @@ linkproof.runPlots = (() => {
   /* Values at increasing times, between the samples of a curve. */
   function between(times, values, wanted) {
     let next = 1;
+    if (times.length < 2) return wanted.map(() => values[0]);
     return wanted.map((time) => {
       while (next < times.length - 1 && times[next] < time) next += 1;
       const share = (time - times[next - 1]) / (times[next] - times[next - 1] || 1);
@@ -60,7 +61,7 @@ linkproof.runPlots = (() => {
       shapes: [upright(1, { color: limit }), ...names.flatMap((_, n) => (n % 2 ? [{
         type: "rect", layer: "below", xref: "paper", x0: 0, x1: 1, y0: n - 0.5, y1: n + 0.5, fillcolor: faint,
         line: { width: 0 } }] : []))],
-      xaxis: { type: "log", title: title("largest error over its limit"), exponentformat: "power", dtick: isNarrow ? 4 : 2 },
+      xaxis: { type: "log", title: title("largest error over its limit"), exponentformat: "e", dtick: isNarrow ? 4 : 2 },
       yaxis: { tickvals: names.map((_, n) => n), ticktext: names, range: [names.length - 0.5, -0.5], showgrid: false,
         zeroline: false },
     });
@@ -101,8 +102,8 @@ linkproof.runPlots = (() => {
       annotations: limits.map((one) => ({ text: `limit ${one.toExponential()}`, font: { color: limit },
         showarrow: false, xref: "paper", x: 1, xanchor: "right", yref: "y2", y: Math.log10(one), yanchor: "bottom" })),
       xaxis: { title: title(shown.axis === "angle" ? name : "time, s"), anchor: "y2" },
-      yaxis: { title: title(`${quantity.short}, ${quantity.unit}`), domain: [0.44, 1], exponentformat: "power" },
-      yaxis2: { title: title("|error| / peak"), domain: [0, 0.38], type: "log", exponentformat: "power", dtick: 2 },
+      yaxis: { title: title(`${quantity.short}, ${quantity.unit}`), domain: [0.44, 1], exponentformat: "e" },
+      yaxis2: { title: title("|error| / peak"), domain: [0, 0.38], type: "log", exponentformat: "e", dtick: 2 },
     });
     const vector = quantity.vector ? " The curves are the force's magnitude; its error is that of the magnitude." : "";
     const dotted = at.jumps.length ? " Dotted lines: jumps of the crank's acceleration." : "";

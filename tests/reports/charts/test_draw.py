@@ -29,6 +29,9 @@ CHARTS = {
     "names at the ends": Chart((panel(),), 3.0),
     "names in a key": Chart((panel(names="key", title="Forces"),), 3.0),
     "more names than room": Chart((panel(),), 1.3, wide=True),
+    "names that take all the room": Chart(
+        (panel(), Panel(tuple(Curve(TURN, WAVE, f"link number {n}", n) for n in range(40)), "φ, °", "F, N")), 2.0
+    ),
     "one above the other": Chart(
         (panel(names="", notes=(Note(90.0, 1.0, "1 at 90°"), Note(95.0, 1.0, "2 at 95°"))),
          error_panel(marks=(Mark(90.0, name="jump"), Mark(93.0, name="jump"), Mark(1e-9, "y", "limit", "limit")))),

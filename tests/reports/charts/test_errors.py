@@ -1,33 +1,42 @@
-"""Every deviation at a glance."""
+"""Every error at a glance."""
+
+import numpy as np
 
 from comparisons.judging.records import Verdict
 from comparisons.stress.verdict import SAID as INVARIANTS
-from reports.charts import errors
+from reports.charts import draw
+from reports.charts.errors import MARKERS, errors_chart
 from reports.records.views import views
 from tests.reports.made_up_results import made_up_results
 
 
-def rows(axes):
-    return [text.get_text() for text in axes.get_yticklabels()]
+def panel_of(**more):
+    (view,) = views(made_up_results(samples=51, **more))
+    chart = errors_chart(view, view.regimes[0])
+    (panel,) = chart.panels
+    return view, chart, panel
 
 
 def test_rows_are_quantities_then_invariants_and_engines_that_ran_are_named():
-    results = made_up_results(
-        samples=51, engines=("alpha", "beta", "gamma"), broken={"gamma": Verdict.UNSUPPORTED}, quantities=("Mkr", "Jeq")
+    _, chart, panel = panel_of(
+        engines=("alpha", "beta", "gamma"), broken={"gamma": Verdict.UNSUPPORTED}, quantities=("Mkr", "Jeq")
     )
-    (view,) = views(results)
-    (axes,) = errors.errors_figure(view, view.regimes[0]).axes
-    assert rows(axes) == ["Jeq", "Mkr", *(name.replace("_", " ") for name in INVARIANTS)]
-    words = [text.get_text() for text in axes.get_legend().get_texts()]
-    assert words == ["alpha", "beta", "naive", "tuned", "best", "limit (tuned)"]
+    rows = ("Jeq", "Mkr", *(name.replace("_", " ") for name in INVARIANTS))
+    assert panel.rows == rows
+    names = [curve.name for curve in panel.curves if curve.name]
+    assert names == ["alpha", "beta", "naive", "tuned", "best", "limit (tuned)"]
+    (axes,) = draw.figure(chart).axes
+    words = {text.get_text() for text in axes.texts}
+    assert {*rows, *names} <= words
+    assert axes.get_ylim() == (len(rows) - 0.5, -0.5)
 
 
-def test_every_record_has_a_dot_and_those_of_the_view_s_setting_a_limit():
-    (view,) = views(made_up_results(samples=51))
-    (axes,) = errors.errors_figure(view, view.regimes[0]).axes
-    dots, limits = 0, 0
-    for line in axes.get_lines():
-        dots += len(line.get_xdata()) if line.get_marker() in errors.MARKERS else 0
-        limits += len(line.get_xdata()) if line.get_marker() == "|" else 0
-    assert dots == len(view.records)
-    assert limits == sum(record.setting == "tuned" for record in view.records)
+def test_every_record_has_a_dot_in_its_row_and_those_of_the_view_s_setting_a_limit():
+    view, _, panel = panel_of()
+    dots = [curve for curve in panel.curves if curve.marker in MARKERS]
+    assert sum(len(curve.x) for curve in dots) == len(view.records)
+    (limits,) = [curve for curve in panel.curves if curve.marker == "|"]
+    assert len(limits.x) == sum(record.setting == "tuned" for record in view.records)
+    worst = max(record.error_max for record in view.records)
+    (place,) = {curve.y[np.argmax(curve.x)] for curve in dots if max(curve.x, default=0.0) == worst}
+    assert panel.rows[round(place)] in {r.quantity.replace("_", " ") for r in view.records if r.error_max == worst}

@@ -6,7 +6,8 @@ import pytest
 from analytic.description.loading import load
 from analytic.errors import LinkproofError
 from analytic.kinematics.crank_range import crank_range
-from reports.command_line.linear_drive import MARGIN, prescribed
+from comparisons.datasheet.building import MARGIN
+from reports.command_line.linear_drive import prescribed
 from reports.command_line.motion_choice import MotionChoice, motions
 from reports.command_line.requests import CampaignChoice, request
 from tests.analytic.drives import driven, path_of

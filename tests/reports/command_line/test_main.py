@@ -17,7 +17,17 @@ from tests.comparisons.faults import announce_engines
 
 JUKI = Path(__file__).parents[3] / "analytic" / "catalogue" / "juki-mf7923d.toml"
 
-REPORT = {"RESULTS.md", "assets", "curves.nc", "figures", "index.html", "mechanisms", "mechanisms.json", "records.json"}
+REPORT = {
+    "RESULTS.md",
+    "assets",
+    "curves.nc",
+    "data",
+    "figures",
+    "index.html",
+    "mechanisms",
+    "mechanisms.json",
+    "records.json",
+}
 
 
 def linkproof(*words, cwd=None):
@@ -137,6 +147,8 @@ def test_out_holds_all_and_the_report_is_rebuilt_from_it(tmp_path):
     (tmp_path / "out" / "index.html").unlink()
     assert linkproof("report", tmp_path / "out").returncode == 0
     assert (tmp_path / "out" / "index.html").read_text() == page
+    (tmp_path / "out" / "mechanisms.json").unlink()
+    assert "run compare with --out again" in refused("report", tmp_path / "out")
 
 
 @pytest.mark.parametrize(

@@ -9,6 +9,7 @@ from comparisons.campaign.results import Results
 from comparisons.datasheet.sheet import Printed
 from comparisons.judging.records import Verdict
 from engines.contract import Setting
+from reports.charts import draw
 from reports.document.parts import Bullets, Cell, Fold, Table, Widget
 from reports.mechanism.engines import engines_section, errors_fold, runs_fold
 from reports.records.views import views
@@ -42,7 +43,7 @@ def test_one_chart_holds_every_regime_and_loads_what_it_does_not_show(results):
     assert {chart.data["first"], *chart.further} == {"0-0", "0-1", "1-0", "1-1"}
     assert chart.data["first"] not in chart.further
     assert [figure.name for figure in chart.instead] == ["errors-run-up", "errors-run-up-quintic"]
-    assert all(figure.drawing().axes for figure in chart.instead)
+    assert all(draw.figure(figure.drawing).axes for figure in chart.instead)
 
 
 def test_the_table_has_quantities_down_and_runs_by_engine_across(results):
@@ -115,6 +116,13 @@ def test_printed_models_have_a_table_each_with_the_reason_of_an_engine_without_a
         ("alpha", "2.0e-9", "corrected"),
         ("gone", "–", "takes no such drive"),
     ]
+
+
+def test_engines_that_all_gave_nothing_have_their_reasons_and_no_chart():
+    broken = {"gone": Verdict.UNAVAILABLE}
+    (view,) = views(made_up_results(engines=("gone",), broken=broken, samples=21, quantities=("Mkr",)))
+    errors, _ = engines_section(view).parts
+    assert errors.parts == (Bullets(("gone naive; tuned; best – not installed: gone <cannot> hold this scene.",)),)
 
 
 def test_a_judged_file_has_its_errors_but_no_cost(results):

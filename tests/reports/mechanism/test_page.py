@@ -8,9 +8,10 @@ from analytic.description.loading import load
 from comparisons.datasheet.building import sheet, usual_sheet
 from comparisons.reference.case import Case
 from reports.document import html
-from reports.document.parts import Figure, Figures, Fold, Table
+from reports.document.parts import Facts, Figure, Figures, Fold, Paragraph, Table
 from reports.mechanism.page import file_of, page
 from tests.analytic.linkages import EVERY, from_text, mechanism
+from tests.reports.made_up_results import made_up_results
 from tests.reports.results.samples import MASS, TURN, piston_text
 
 
@@ -22,6 +23,12 @@ def figures(found):
         return list(found.figures)
     inner = next((getattr(found, name) for name in ("sections", "parts", "cards") if hasattr(found, name)), ())
     return [figure for part in inner for figure in figures(part)]
+
+
+def test_a_crank_that_cannot_turn_is_told_by_its_range():
+    found = page(usual_sheet(load("stephenson-six-bar")))
+    facts = next(part for card in found.parts[-1].cards for part in card.parts if isinstance(part, Facts))
+    assert dict(facts.rows)["crank"].startswith("from ")
 
 
 def section(found, key):
@@ -89,3 +96,18 @@ def test_the_page_is_written_with_its_figures_beside_it(tmp_path):
 def test_its_file_needs_no_quoting_whatever_a_variant_is_called():
     found = replace(usual_sheet(mechanism("scotch-yoke").linkage), name="my yoke", variant='50% "#1"')
     assert file_of(found) == "mechanisms/my-yoke.50-1-.html"
+
+
+def test_of_a_judged_file_the_verdict_is_first_and_its_errors_come_before_the_designers_figures():
+    judged = made_up_results(samples=101)
+    judged.document["judgement"] = ["Not right.", "Mkr has the other sign."]
+    found = page(usual_sheet(load("juki-mf7923d")), judged)
+    assert found.parts[0] == Paragraph("Not right.", "verdict")
+    assert found.parts[1].items == ("Mkr has the other sign.",)
+    assert found.sections[0].key == "engines"
+
+
+def test_of_a_campaign_the_engines_come_last_and_only_on_the_pages_of_what_they_ran():
+    campaign = made_up_results(samples=101)
+    assert [one.key for one in page(usual_sheet(load("juki-mf7923d")), campaign).sections][-1] == "engines"
+    assert not section(page(usual_sheet(load("rimoldi-164")), campaign), "engines")
