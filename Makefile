@@ -11,6 +11,8 @@ EXTENT ?= --quick
 BASE   ?= HEAD~1
 SPEED  := --config tests/speed/asv.conf.json
 
+RECORD := --baseline tests/baseline.json --record-baseline
+
 .PHONY: report pages pins test lint baseline speed targets clean
 
 report: $(READY)  ## every mechanism in every engine and setting, costs and stability; page at build/report/index.html
@@ -33,9 +35,9 @@ lint: $(READY)  ## style, types and the direction of imports
 	$(BIN)/mypy
 	$(BIN)/lint-imports
 
-baseline: $(READY)  ## record today's deviations as those to be held in future
-	$(BIN)/linkproof compare --regime run-up --regime run-up-quintic --setting tuned --setting best --record-baseline
-	$(BIN)/linkproof compare --regime own --record-baseline
+baseline: $(READY)  ## record today's deviations as those to be held in future, in tests/baseline.json
+	$(BIN)/linkproof compare --regime run-up --regime run-up-quintic --setting tuned --setting best $(RECORD)
+	$(BIN)/linkproof compare --regime own $(RECORD)
 
 speed: $(READY)  ## time the hot paths at two commits, turn and turn about; fails where one got a tenth slower
 	$(BIN)/asv machine --yes $(SPEED)

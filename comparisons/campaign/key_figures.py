@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable
 from dataclasses import dataclass
+from typing import Final
 
 import numpy as np
 
@@ -15,28 +16,40 @@ from comparisons.judging.records import blank_record
 from comparisons.reference.case import Case
 from comparisons.reference.signals import signal
 
+ROUNDINGS: Final = 16  # of the largest figure: what is less is not told from none
+
 
 @dataclass(frozen=True)
-class FigureChange:
-    """A key figure that is not as recorded: SI; ``now`` or ``recorded`` is None where there is none."""
+class KeyFigure:
+    """A key figure, SI, as ``recorded`` and as it is ``now``; None where there is none.
+
+    ``changed`` says that it is not as recorded; where nothing is recorded of its motion it cannot be.
+    """
 
     mechanism: str
     variant: str
     regime: str
+    conditions: str
     figure: str
     recorded: float | None
     now: float | None
+    changed: bool
 
     @property
     def sentence(self) -> str:
-        """The change in words."""
+        """What is recorded and what is now, in words."""
         place = f"{self.mechanism} ({self.variant}), {self.regime}: {self.figure}"
         if self.now is None:
-            return f"{place} was {self.recorded:.7g} and is no figure any more"
+            return f"{place} was {self.recorded:.9g} and is no figure any more"
         if self.recorded is None:
-            return f"{place} is {self.now:.7g} and was not recorded"
-        share = f", {self.now / self.recorded - 1.0:+.2g} of it" if self.recorded else ""
+            return f"{place} is {self.now:.9g} and was not recorded"
+        share = f", {self.share:+.2g} of it" if self.share is not None else ""
         return f"{place} was {self.recorded:.9g} and is {self.now:.9g}{share}"
+
+    @property
+    def share(self) -> float | None:
+        """By what share of the recorded it has changed; None where that is nothing."""
+        return self.now / self.recorded - 1.0 if self.recorded and self.now is not None else None
 
 
 def key_figures(case: Case) -> dict[str, float]:
@@ -63,16 +76,21 @@ def figures(cases: Iterable[Case]) -> dict[tuple[str, str, str], dict[str, float
     return found
 
 
-def changes(cases: Iterable[Case], baseline: Baseline) -> list[FigureChange]:
-    """The key figures that differ from a baseline by more than ``SAME_FIGURE`` of themselves; none it has not."""
+def compared(cases: Iterable[Case], baseline: Baseline) -> list[KeyFigure]:
+    """Every key figure beside a baseline's: changed is what differs by more than ``SAME_FIGURE`` of the recorded."""
     found = []
     for case in cases:
         blank = blank_record(case, "")
-        recorded = baseline.figures(blank)
-        now: Mapping[str, float] = key_figures(case) if recorded else {}
-        least = float(np.finfo(float).eps) * max(map(abs, recorded.values()), default=0.0)
+        recorded, now = baseline.figures(blank), key_figures(case)
+        least = ROUNDINGS * float(np.finfo(float).eps) * max(map(abs, recorded.values()), default=0.0)
         for name in dict.fromkeys((*recorded, *now)):
             old, new = recorded.get(name), now.get(name)
-            if old is None or new is None or abs(new - old) > SAME_FIGURE * max(abs(old), least):
-                found.append(FigureChange(blank.mechanism, blank.variant, blank.regime, name, old, new))
+            same = old is not None and new is not None and abs(new - old) <= max(SAME_FIGURE * abs(old), least)
+            place = (blank.mechanism, blank.variant, blank.regime, blank.conditions)
+            found.append(KeyFigure(*place, name, old, new, changed=bool(recorded) and not same))
     return found
+
+
+def changes(cases: Iterable[Case], baseline: Baseline) -> list[KeyFigure]:
+    """The key figures that are not as recorded."""
+    return [figure for figure in compared(cases, baseline) if figure.changed]

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict, dataclass, replace
+from dataclasses import asdict, dataclass, fields, replace
 from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -16,10 +16,13 @@ from analytic.description.loading import parse
 from analytic.errors import LinkproofError
 from comparisons.campaign.campaign import CampaignRequest, RunResult
 from comparisons.campaign.errata import ErratumRecord
-from comparisons.campaign.saved_document import checked
+from comparisons.campaign.key_figures import KeyFigure
+from comparisons.campaign.saved_document import checked, limits_of
+from comparisons.campaign.standards import checksum
 from comparisons.datasheet.saved import FILE as SHEETS
 from comparisons.datasheet.saved import load_sheets, save_sheets
 from comparisons.datasheet.sheet import Sheet
+from comparisons.judging.limits import LimitTable
 from comparisons.judging.records import Record, from_rows, to_json
 from comparisons.judging.run_result import ARRAYS
 from comparisons.runs.environment import environment
@@ -50,6 +53,17 @@ class Results:
     def invariants(self) -> tuple[Record, ...]:
         """One record per run and invariant."""
         return from_rows(self.document["invariants"])
+
+    @cached_property
+    def limits(self) -> LimitTable:
+        """The limits that the records are held against; of a campaign that did not save them the suite's."""
+        return limits_of(self.document)
+
+    @cached_property
+    def figures(self) -> tuple[KeyFigure, ...]:
+        """Key figures of every linkage and motion, beside what was recorded of them."""
+        names = [field.name for field in fields(KeyFigure)]
+        return tuple(KeyFigure(**{name: row[name] for name in names}) for row in self.document.get("figures", ()))
 
     @cached_property
     def linkages(self) -> tuple[Linkage, ...]:
@@ -112,7 +126,13 @@ def document(
             for m in request.motions
         ],
         "descriptions": [
-            {"name": linkage.name, "variant": linkage.variant, "gravity": list(linkage.gravity), "text": linkage.text}
+            {
+                "name": linkage.name,
+                "variant": linkage.variant,
+                "gravity": list(linkage.gravity),
+                "text": linkage.text,
+                "checksum": checksum(linkage.text),
+            }
             for linkage in request.linkages
         ],
     }

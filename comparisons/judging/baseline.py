@@ -54,7 +54,11 @@ class Baseline:
 
     def figures(self, record: Record) -> Mapping[str, float]:
         """The key figures recorded for a record's linkage, variant and regime; none where there are none."""
-        return dict(self._regime(record).get("figures", {}))
+        return {name: float(value) for name, value in self._regime(record).get("figures", {}).items()}
+
+    def knows(self, record: Record) -> bool:
+        """Whether anything was recorded for a record's linkage, variant and regime."""
+        return bool(self._regime(record))
 
     def changed(self) -> tuple[str, ...]:
         """Paths of the files that are not as they were when their entry was recorded."""

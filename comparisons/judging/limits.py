@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import tomllib
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
@@ -12,6 +12,7 @@ from typing import Any, Final
 
 from analytic.description.crank_motion import LAWS, REGIMES
 from analytic.errors import LinkproofError, UnknownNameError
+from engines.contract import Setting
 
 OWN = "own"  # stands in the table for every regime of a linkage's own
 SWING = "swing"  # stands there for every law from one crank angle to another but constant speed, which is one law
@@ -67,6 +68,18 @@ class LimitTable:
         raise LookupError(f"limits.toml has no row for {name}, {setting}, {regime}: add one with its reason")
 
     @property
+    def told(self) -> list[dict[str, Any]]:
+        """The rows as a file of limits has them, JSON-ready; ``table_of`` reads them back."""
+        return [
+            {
+                **{name: sorted(getattr(row, name)) for name in LISTS},
+                "value": row.limit.value,
+                "reason": row.limit.reason,
+            }
+            for row in self.rows
+        ]
+
+    @property
     def quantities(self) -> tuple[str, ...]:
         """Every quantity that has a limit, sorted."""
         return tuple(sorted({name for row in self.rows for name in row.quantities}))
@@ -75,7 +88,12 @@ class LimitTable:
 @cache
 def shipped_limits() -> LimitTable:
     """The table that comes with the suite."""
-    return LimitTable(tuple(map(_row, tomllib.loads(TABLE.read_text(encoding="utf-8"))["limit"])))
+    return table_of(tomllib.loads(TABLE.read_text(encoding="utf-8"))["limit"])
+
+
+def table_of(rows: Iterable[Mapping[str, Any]]) -> LimitTable:
+    """A whole table from its rows, which are not checked."""
+    return LimitTable(tuple(map(_row, rows)))
 
 
 def limit(quantity: str, setting: str, regime: str) -> Limit:
@@ -118,6 +136,9 @@ def _check(row: Any, place: str) -> None:  # noqa: ANN401 - whatever TOML holds
         words = row.get(name, [])
         if not isinstance(words, list) or not all(isinstance(word, str) for word in words):
             raise LinkproofError(f"{place}: {name}: expected a list of names, got {words!r}; write it in brackets")
+    for name in row.get("settings", []):
+        if name not in list(Setting):
+            raise UnknownNameError(f"setting of {place}", name, Setting)
     if not row.get("quantities"):
         raise LinkproofError(f'{place}: quantities: expected what it is for, such as ["Mkr"], got none; name some')
     for name in row["quantities"]:

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from functools import cache
 
 from comparisons.judging.baseline import Baseline
 from comparisons.judging.limits import LimitTable, shipped_limits
 from comparisons.judging.records import Record, Verdict
-from engines.contract import Origin
+from engines.contract import Origin, Setting
 
 
 @dataclass(frozen=True)
@@ -60,3 +61,8 @@ def shipped_standard() -> Standard:
 def judge(record: Record) -> Record:
     """A record by the suite's own limits."""
     return shipped_standard().judge(record)
+
+
+def deciding(records: Sequence[Record]) -> Sequence[Record]:
+    """Those that say whether a campaign has passed: naive ones only where nothing else ran."""
+    return [record for record in records if record.setting != Setting.NAIVE] or records

@@ -240,7 +240,13 @@ def compare(
     full: Annotated[bool, flag("Run the files' own regimes in every setting, not tuned alone.", "--full")] = False,
     out: options.Out = None,
     json: options.Json = None,
-    record_baseline: Annotated[bool, flag("Record these errors as the new baseline.", "--record-baseline")] = False,
+    limits: Annotated[Path | None, valued("FILE", "Limits of your own, which go before the suite's.")] = None,
+    baseline: Annotated[Path | None, valued("FILE", "Errors and key figures as recorded before.")] = None,
+    record_baseline: Annotated[
+        bool,
+        flag("Record errors and key figures into the baseline, of --baseline or the project.", "--record-baseline"),
+    ] = False,
+    junit: Annotated[Path | None, valued("FILE", "Write every verdict as a test case, in JUnit's XML.")] = None,
     resume: options.Resume = False,
     quiet: options.Quiet = False,
     verbose: options.Verbose = False,
@@ -250,12 +256,14 @@ def compare(
 ) -> None:
     """Simulate mechanisms in engines and compare every error with its limit.
 
-    MECHANISM is a name in the catalogue or the path of a .toml file; default: the whole catalogue.
+    MECHANISM is a name in the catalogue or the path of a .toml file; default: those of the linkproof.toml in the
+    working folder or above it, or the whole catalogue. A linkproof.toml above the file says what options leave open.
 
     The naive setting shows what a user gets without tuning: beside other settings its rows do not decide the exit code.
     An engine that crashes, hangs or runs out of memory fails in its own row only.
 
-    Exit codes: 0 every error within its limit, 1 an error over its limit or a run that failed, 2 bad input.
+    Exit codes: 0 every error within its limit, 1 an error over its limit, a run that failed or a key figure that is not
+    as recorded, 2 bad input.
     """
     from comparisons.runs.worker_process import start_server
 
@@ -263,15 +271,16 @@ def compare(
         start_server(["comparisons.campaign.campaign"])  # its imports run beside ours
     from reports.command_line.commands import compare
     from reports.command_line.requests import CampaignChoice, RunLimits
+    from reports.command_line.standard_choice import StandardChoice
 
     choice = CampaignChoice(
         _names(mechanisms), _names(engine), _names(setting), _names(quantity), not no_gravity, full,
         variant=variant, regimes=_names(regime), **_speed(speed), ramp_time=ramp_time, hold_time=hold_time,
         start_angle=start_angle, clockwise=clockwise, from_angle=from_angle, to_angle=to_angle,
     )  # fmt: skip
-    destination = _destination(json, out, resume, quiet, verbose)
-    limits = RunLimits(time_limit, memory_limit, jobs)
-    raise typer.Exit(compare.compare(choice, destination, limits, record_baseline=record_baseline))
+    destination = _destination(json, out, resume, quiet, verbose, junit)
+    held = StandardChoice(limits, baseline, record_baseline)
+    raise typer.Exit(compare.compare(choice, destination, RunLimits(time_limit, memory_limit, jobs), held))
 
 
 @app.command(short_help="Judge the results of another tool: right or not, and what is likely wrong.")

@@ -8,7 +8,7 @@ import pytest
 from analytic.description.crank_motion import crank_motion
 from analytic.description.loading import load, parse
 from analytic.kinematics.mechanism import Mechanism
-from comparisons.campaign.key_figures import changes, figures, key_figures
+from comparisons.campaign.key_figures import changes, compared, figures, key_figures
 from comparisons.judging.baseline import Baseline, Place
 from comparisons.reference.case import Case
 
@@ -54,3 +54,16 @@ def test_a_figure_that_is_lost_or_new_is_said():
     told = {one.figure: one.sentence for one in changes([_case()], baseline)}
     assert "is no figure any more" in told.pop("old")
     assert all("was not recorded" in words for words in told.values())
+
+
+def test_without_a_recording_every_figure_is_told_and_none_has_changed():
+    found = compared([_case()], Baseline())
+    assert {one.figure: one.now for one in found} == key_figures(_case())
+    assert not any(one.changed or one.recorded is not None for one in found)
+
+
+def test_rounding_of_what_is_nothing_is_no_change():
+    """A force that is zero but for rounding differs between machines by more than a millionth of itself."""
+    recorded = {**key_figures(_case()), "Jeq.mean": key_figures(_case())["Jeq.mean"] + 1e-15}
+    baseline = _baseline().recorded([], {next(iter(figures([_case()]))): recorded})
+    assert changes([_case()], baseline) == []

@@ -1,12 +1,13 @@
 """Every quantity has a limit with a reason in every setting and regime."""
 
 import itertools
+import json
 
 import pytest
 
 from analytic.description.crank_motion import REGIMES
 from analytic.errors import LinkproofError
-from comparisons.judging.limits import USERS, Limit, limit, read_limits
+from comparisons.judging.limits import USERS, Limit, limit, read_limits, table_of
 from comparisons.judging.quantities import QUANTITIES
 from comparisons.stress.verdict import SAID as INVARIANTS
 from engines.contract import Setting
@@ -56,6 +57,10 @@ def test_rows_of_a_user_go_before_the_table(tmp_path):
         ('[[limit]]\nquantities = ["Mkr"]\nvalue = nan', "limit 1: value"),
         ('[[limit]]\nquantities = ["Mkr"]\nvalue = true', "limit 1: value"),
         ('[[limit]]\nquantities = "Mkr"\nvalue = 1', "limit 1: quantities: expected a list of names"),
+        (
+            '[[limit]]\nquantities = ["Mkr"]\nvalue = 1\nsettings = ["tune"]',
+            "unknown setting of .* limit 1 'tune': .*tuned",
+        ),
         ('[[limit]]\nquantities = ["Mrk"]\nvalue = 1', "unknown quantity of .* limit 1 'Mrk': .*Mkr"),
         ('[[limit]]\nquantities = ["Mkr"]\nvalue = 1\nreasons = ""', "unknown key of .* limit 1 'reasons'"),
     ],
@@ -64,3 +69,10 @@ def test_a_wrong_table_is_said_in_one_sentence(tmp_path, text, words):
     (tmp_path / "limits.toml").write_text(text)
     with pytest.raises(LinkproofError, match=words.replace("[[limit]]", r"\[\[limit\]\]")):
         read_limits(tmp_path / "limits.toml")
+
+
+def test_a_table_comes_back_from_its_data(tmp_path):
+    path = tmp_path / "limits.toml"
+    path.write_text('[[limit]]\nquantities = ["Mkr", "Peq"]\nsettings = ["best"]\nvalue = 1e-3\nreason = "mine"\n')
+    table = read_limits(path)
+    assert table_of(json.loads(json.dumps(table.told))) == table

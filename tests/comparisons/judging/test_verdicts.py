@@ -7,7 +7,7 @@ import pytest
 from comparisons.judging.baseline import Baseline, Place
 from comparisons.judging.limits import LimitTable, shipped_limits, with_rows
 from comparisons.judging.records import Record, Verdict
-from comparisons.judging.verdicts import Standard, judge, shipped_standard
+from comparisons.judging.verdicts import Standard, deciding, judge, shipped_standard
 from engines.contract import Origin
 
 RECORD = Record("m", "v", "run-up", "c", "e", "1", "tuned", quantity="Mkr", error_max=1e-5)
@@ -50,3 +50,9 @@ def test_growth_over_the_baseline_fails_within_the_limit():
     assert standard.judge(replace(RECORD, error_max=2.9e-6)).outcome == Verdict.PASSED
     grown = standard.judge(replace(RECORD, error_max=3.1e-6))
     assert (grown.outcome, grown.baseline) == (Verdict.OVER_LIMIT, pytest.approx(3e-6))
+
+
+def test_naive_records_decide_only_where_nothing_else_ran():
+    naive = replace(RECORD, setting="naive")
+    assert list(deciding([naive, RECORD])) == [RECORD]
+    assert list(deciding([naive])) == [naive]
