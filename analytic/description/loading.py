@@ -89,7 +89,7 @@ def _fault(path: Path) -> str | None:
         return "does not exist"
 
 
-def read(name: str) -> LinkageFile:
+def read(name: str | Path) -> LinkageFile:
     """Read a mechanism's file by catalogue name or path; raises DescriptionError or UnknownNameError."""
     path = find(str(name))
     try:
@@ -105,7 +105,7 @@ def read(name: str) -> LinkageFile:
     return LinkageFile(printable(path.stem), path.name if is_shipped else str(path), text, is_shipped)
 
 
-def load(name: str, variant: str | None = None) -> Linkage:
+def load(name: str | Path, variant: str | None = None) -> Linkage:
     """Read a mechanism by catalogue name or path, in the variant asked for (its first one if None).
 
     Raises DescriptionError, with file and line, or UnknownNameError.
