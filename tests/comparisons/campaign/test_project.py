@@ -1,10 +1,13 @@
 """A project is found upwards from a linkage and read; what is wrong in it is said in one sentence."""
 
+import re
+from pathlib import Path
+
 import pytest
 
 from analytic.errors import LinkproofError
 from comparisons.campaign.project import BASELINE, Project, find_project, read_project
-from comparisons.judging.limits import shipped_limits
+from comparisons.judging.limits import read_limits, shipped_limits
 
 WHOLE = """
 linkages = ["linkages/*.toml", "press.toml"]
@@ -66,3 +69,12 @@ def test_what_is_wrong_is_said(folder, text, words):
     (folder / "linkproof.toml").write_text(text)
     with pytest.raises(LinkproofError, match=words):
         read_project(folder / "linkproof.toml")
+
+
+def test_the_files_that_the_documentation_shows_are_read(folder):
+    text = (Path(__file__).parents[3] / "docs" / "command-line.md").read_text(encoding="utf-8")
+    limits, project = re.findall(r"```toml\n(.*?)```", text, re.DOTALL)
+    (folder / "limits.toml").write_text(limits, encoding="utf-8")
+    (folder / "linkproof.toml").write_text(project, encoding="utf-8")
+    assert read_limits(folder / "limits.toml").limit("Mkr", "tuned", "run-up", "press").reason.startswith("a tenth of")
+    assert read_project(folder / "linkproof.toml").linkages
