@@ -13,7 +13,9 @@ SPEED  := --config tests/speed/asv.conf.json
 
 RECORD := --baseline tests/baseline.json --record-baseline
 
-.PHONY: report pages pins test lint baseline speed targets clean
+DOCUMENTED := $(VENV)/.documented
+
+.PHONY: report pages docs pins test lint baseline speed targets clean
 
 report: $(READY)  ## every mechanism in every engine and setting, costs and stability; page at build/report/index.html
 	$(BIN)/linkproof bench $(EXTENT) --costs --out build/report
@@ -22,6 +24,9 @@ report: $(READY)  ## every mechanism in every engine and setting, costs and stab
 
 pages: $(READY)  ## pictures of every page of build/report, wide and narrow, light and dark, in build/pages; needs Chromium
 	$(BIN)/python -m tests.pages.show build/report build/pages
+
+docs: $(DOCUMENTED)  ## the documentation, from docs/ to build/docs/index.html; it opens from the disk and loads nothing
+	NO_MKDOCS_2_WARNING=1 $(BIN)/python -m mkdocs build --strict --quiet
 
 pins: $(READY)  ## every pinned record made anew and held; python tests/pins/pins.py take renews them
 	$(BIN)/python tests/pins/pins.py hold
@@ -53,4 +58,8 @@ clean:
 $(READY): pyproject.toml
 	$(PYTHON) -m venv $(VENV)
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable '.[all,dev]'
+	touch $@
+
+$(DOCUMENTED): $(READY)
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable '.[docs]'
 	touch $@

@@ -1,28 +1,10 @@
-"""The snippets of docs/python.md and README.md print what stands beside them, and the page has every public name."""
+"""docs/python.md has every public name, and every variable that ``results`` gives."""
 
-import contextlib
-import io
-import re
 from pathlib import Path
-
-import pytest
 
 import linkproof
 
-ROOT = Path(__file__).parents[2]
-PAGE = ROOT / "docs" / "python.md"
-BLOCK = re.compile(r"^```python\n(.*?)^```", re.MULTILINE | re.DOTALL)
-PRINTS = re.compile(r"^ *print\(.*\)  # (.*)$", re.MULTILINE)
-
-
-@pytest.mark.parametrize("page", [PAGE, ROOT / "README.md"], ids=lambda page: page.stem)
-def test_its_snippets_print_what_stands_beside_them(page):
-    code = "\n".join(BLOCK.findall(page.read_text(encoding="utf-8")))
-    with contextlib.redirect_stdout(io.StringIO()) as printed:
-        exec(compile(code, str(page), "exec"), {})
-    shown = PRINTS.findall(code)
-    assert shown
-    assert printed.getvalue().splitlines() == shown
+PAGE = Path(__file__).parents[2] / "docs" / "python.md"
 
 
 def test_every_public_name_is_on_the_page():

@@ -1,5 +1,7 @@
 """Every command and Python snippet of the documentation does what its page shows."""
 
+import contextlib
+import io
 import os
 import re
 import subprocess
@@ -13,6 +15,8 @@ from tests.docs.given import lay_out
 ROOT = Path(__file__).parents[2]
 PAGES = [ROOT / "README.md", ROOT / "CONTRIBUTING.md", *sorted((ROOT / "docs").glob("*.md"))]
 BLOCK = re.compile(r"^```(console|python)\n(.*?)^```$", re.MULTILINE | re.DOTALL)
+FILE = re.compile(r"^```toml (\S+)\n(.*?)^```$", re.MULTILINE | re.DOTALL)
+PRINTS = re.compile(r"^ *print\(.*\)  # (.*)$", re.MULTILINE)
 # What sets up a machine; docs/your-first-engine.md has a test of its own, which installs its blocks first.
 SETTING_UP = {"git", "python3", "pip", "make", "barwork"}
 # Their figures are errors and times of engines, which differ from machine to machine.
@@ -84,10 +88,14 @@ def shell(tmp_path_factory):
 @pytest.mark.parametrize("page", PAGES, ids=lambda page: page.stem)
 def test_what_a_page_shows_is_what_happens(page, shell, tmp_path):
     lay_out(tmp_path)
+    for name, text in FILE.findall(page.read_text(encoding="utf-8")):
+        (tmp_path / name).write_text(text, encoding="utf-8")
     known = {}
     for kind, text in blocks(page):
         if kind == "python":
-            exec(compile(text, str(page), "exec"), known)
+            with contextlib.redirect_stdout(io.StringIO()) as printed:
+                exec(compile(text, str(page), "exec"), known)
+            assert printed.getvalue().splitlines() == PRINTS.findall(text)
             continue
         for command, shown in commands(text):
             if SETTING_UP & set(command.split()):
