@@ -38,8 +38,11 @@ _MODULES = {
 }
 
 
-def _refuse_strangers() -> None:
-    """Raise ImportError where one of linkproof's own packages would be imported from elsewhere."""
+def refuse_strangers() -> None:
+    """Raise ImportError where one of linkproof's own packages would be imported from elsewhere.
+
+    Not before a name is used: a plug-in of pytest does no harm to a project that has nothing to do with linkproof.
+    """
     home = os.path.dirname(os.path.dirname(os.path.abspath(__file__)))
     for name in ("analytic", "engines", "comparisons", "reports"):
         try:
@@ -53,8 +56,6 @@ def _refuse_strangers() -> None:
             raise ImportError(f"expected linkproof's package '{name}' in '{home}', got {got}: {cure}", name=name)
 
 
-_refuse_strangers()
-
 if not TYPE_CHECKING:  # a type checker would take it for any name at all
 
     def __getattr__(name: str) -> object:
@@ -62,6 +63,7 @@ if not TYPE_CHECKING:  # a type checker would take it for any name at all
             return import_module("importlib.metadata").version("linkproof")
         if name == "engine":
             return import_module("linkproof.engine")
+        refuse_strangers()
         for module, names in _MODULES.items():
             if name in names:
                 return getattr(import_module(module), name)

@@ -1,5 +1,9 @@
 """The contract between linkproof and an engine: what an adapter of one's own is made of, and the test that holds it."""
-# ruff: noqa: I001  - a line of its own for every name would be two pages
+# ruff: noqa: E402, I001  - strangers are refused first; a line of its own for every name would be two pages
+
+import linkproof
+
+linkproof.refuse_strangers()
 
 from analytic.description.linkage import DriverKind
 from comparisons.conformance.conformance import parametrize_engine_checks

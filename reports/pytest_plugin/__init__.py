@@ -1,6 +1,7 @@
 """linkproof in pytest: a project's linkage files are collected as tests, one for every engine and quantity.
 
-Nothing but pytest is imported until a linkage file is met, so that a project without one pays nothing.
+``linkproof.pytest_plugin`` begins it where there is a project. Nothing but pytest is imported until a linkage file is
+met.
 """
 
 from __future__ import annotations
@@ -9,21 +10,12 @@ from collections import Counter
 from collections.abc import Sequence
 from importlib.metadata import entry_points
 from pathlib import Path
-from typing import TYPE_CHECKING, Final
+from typing import Final
 
 import pytest
 
-if TYPE_CHECKING:
-    from reports.pytest_plugin.asserting import Assertion
-
 FILE: Final = "linkproof.toml"  # comparisons.campaign.project says so too, and imports numpy
 ENGINES: Final = "linkproof.engines"  # and so does engines.registry
-
-
-def pytest_addoption(parser: pytest.Parser) -> None:
-    """``--linkproof``: linkage files named on the command line are tests wherever they are."""
-    text = f"test the linkage files (.toml) that are named, though no {FILE} is above them"
-    parser.getgroup("linkproof").addoption("--linkproof", action="store_true", help=text)
 
 
 def pytest_configure(config: pytest.Config) -> None:
@@ -56,18 +48,6 @@ def pytest_terminal_summary(terminalreporter: pytest.TerminalReporter) -> None:
         terminalreporter.section("linkproof: skipped")
         for reason, count in Counter(_reason(skip) for skip in ours).items():
             terminalreporter.line(f"{count} of: {reason}")
-
-
-@pytest.fixture(scope="session")
-def linkproof_compare() -> Assertion:
-    """Compares a linkage file as ``linkproof compare`` does, and fails the test where that would fail.
-
-    Called with the file's path, and with ``engines``, ``settings``, ``regimes`` and ``quantities`` (names) where the
-    project's are not meant; gives the records of what was compared. The same call in another test costs nothing.
-    """
-    from reports.pytest_plugin.asserting import Assertion  # noqa: PLC0415  numpy and all the rest
-
-    return Assertion()
 
 
 def _reason(skip: Sequence[object]) -> str:

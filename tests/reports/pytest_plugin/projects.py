@@ -4,7 +4,7 @@ from importlib.metadata import entry_points
 from pathlib import Path
 
 ROOT = Path(__file__).parents[3]
-PLUGIN = "linkproof" if "linkproof" in entry_points(group="pytest11").names else "reports.pytest_plugin"
+PLUGIN = "linkproof" if "linkproof" in entry_points(group="pytest11").names else "linkproof.pytest_plugin"
 BAR = """
 title = "a bar that turns"
 units = { length = "m", mass = "kg", inertia = "kg*m^2", angle = "deg" }

@@ -18,7 +18,7 @@ MOST = 0.030  # s
 
 def test_its_import_costs_next_to_nothing():
     script = (
-        "import pytest, sys, time; began = time.process_time(); import reports.pytest_plugin; "
+        "import pytest, sys, time; began = time.process_time(); import linkproof.pytest_plugin; "
         "print(time.process_time() - began, *{'numpy', 'pydantic', 'analytic', 'engines.registry'} & {*sys.modules})"
     )
     env = {**os.environ, "PYTHONPATH": str(ROOT)}
