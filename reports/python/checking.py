@@ -6,11 +6,13 @@ from pathlib import Path
 from typing import Any, Unpack
 
 from analytic.description.linkage import Linkage
+from analytic.errors import LinkproofError
 from comparisons.conformance.findings import Found
 from comparisons.datasheet.linkage_check import check as linkage_facts
 from comparisons.imported.judge import ImportedJudgement
 from comparisons.imported.judging.judgement import DEFAULT_LIMIT
 from comparisons.imported.reading import read_results
+from comparisons.runs.failures import AdapterError
 from engines.contract import Engine
 from engines.registry import engine as registered
 from reports.command_line.commands.engines import findings
@@ -31,10 +33,13 @@ def check(linkage: Linkage | str | Path, variant: str | None = None) -> dict[str
 def check_engine(engine: Engine | str, jobs: int | None = None) -> list[Found]:
     """What comes of every check of an engine's adapter, by its name or as it is, in ``jobs`` worker processes.
 
-    Each has a ``check``, a ``finding`` and a ``detail``. Raises LinkproofError where there is nothing to check,
-    ``comparisons.runs.failures.AdapterError`` for an adapter that cannot be loaded.
+    Each has a ``check``, a ``finding`` and a ``detail``. Raises LinkproofError where there is nothing to check, and for
+    an adapter that cannot be loaded.
     """
-    return findings(registered(engine) if isinstance(engine, str) else engine, jobs)
+    try:
+        return findings(registered(engine) if isinstance(engine, str) else engine, jobs)
+    except AdapterError as error:
+        raise LinkproofError(f"expected an adapter that can be loaded, but {error}; correct it") from error
 
 
 def judge(

@@ -9,6 +9,7 @@ from typer.testing import CliRunner
 import linkproof
 from comparisons.conformance import conformance
 from engines.direct_adapter.adapter import DirectEngine
+from engines.registry import Unusable
 from reports.command_line.app import app
 
 
@@ -53,6 +54,12 @@ def test_an_engine_is_checked_by_name_or_as_it_is(monkeypatch):
     monkeypatch.setattr(conformance, "CHECKS", {"identity": conformance.CHECKS["identity"]})
     for engine in ("direct", DirectEngine()):
         assert [(found.check, found.finding) for found in linkproof.check_engine(engine, 1)] == [("identity", "passed")]
+
+
+def test_an_adapter_that_cannot_be_loaded_is_an_error():
+    broken = Unusable("barwork", "linkproof_barwork", error=ImportError("no module named barwork"))
+    with pytest.raises(linkproof.LinkproofError, match=r"expected an adapter that can be loaded, but .*barwork"):
+        linkproof.check_engine(broken)
 
 
 def test_an_engine_that_is_not_announced_is_an_error():
