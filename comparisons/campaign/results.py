@@ -188,8 +188,11 @@ def save(folder: Path, results: Sequence[RunResult], told: dict[str, Any], sheet
     return Results(told, curves, tuple(sheets))
 
 
-def load(folder: Path) -> Results:
-    """Read a saved campaign back, from its folder or from the dataset itself; no engine is imported."""
+def load(folder: Path, *, with_sheets: bool = True) -> Results:
+    """Read a saved campaign back, from its folder or from the dataset itself; no engine is imported.
+
+    Without sheets where none is needed: the first campaigns of version 0.1.0 wrote none.
+    """
     import xarray  # noqa: PLC0415
 
     path = folder / DATASET if folder.is_dir() else folder
@@ -201,6 +204,8 @@ def load(folder: Path) -> Results:
         told = checked(curves.attrs["document"], curves)
     except Exception as error:  # a damaged file raises anything at all
         raise LinkproofError(f"'{path}' is no dataset of a campaign ({error}); run compare with --out again") from error
+    if not with_sheets:
+        return Results(told, curves)
     found = Results(told, curves, load_sheets(path.parent))
     _check_sheets(found, path.parent)
     return found

@@ -41,6 +41,8 @@ ROWS: Final[Mapping[str, TypeAdapter[Any]]] = {
     "readouts": _form(get_type_hints(ReadOut), ReadOuts),
 }
 NEWER: Final = ("figures",)  # which campaigns of version 0.1.0 do not have
+# What a record tells since then, as it is where nothing was told.
+NEWER_FIELDS: Final = {"error_at_jumps": 0.0, "origin": "", "runs": 0, "shared": ""}
 COLUMNS: Final = {**dict.fromkeys(ARRAYS, "sample"), **dict.fromkeys(("row_size", "run", "quantity"), "curve")}
 
 
@@ -98,9 +100,10 @@ DOCUMENT: Final = TypeAdapter(Document)
 def checked(text: str, curves: xarray.Dataset) -> dict[str, Any]:
     """The document of a campaign from its text; raises ValueError, which names the key, where it is damaged."""
     at: tuple[str, ...] = ()
+    parsed = json.loads(text)
+    document: dict[str, Any] = _completed(parsed)
     try:
-        DOCUMENT.validate_json(text, strict=True)
-        document: dict[str, Any] = json.loads(text)
+        DOCUMENT.validate_json(text if document is parsed else json.dumps(document), strict=True)
         for key, form in ROWS.items():
             at = (key,)
             if key in document or key not in NEWER:
@@ -111,6 +114,17 @@ def checked(text: str, curves: xarray.Dataset) -> dict[str, Any]:
     for fault in chain(_curve_faults(curves), _record_faults(document, curves)):
         raise ValueError(fault)
     return document
+
+
+def _completed(document: Any) -> Any:  # noqa: ANN401 - whatever JSON holds
+    """A document of version 0.1.0, which told no limits, with what was not told then; any other as it is."""
+    if not isinstance(document, dict) or "limits" in document:
+        return document
+    found = {"readouts": {}, **document}
+    for key in ("records", "invariants"):
+        if isinstance(found.get(key), list):
+            found[key] = [NEWER_FIELDS | row if isinstance(row, dict) else row for row in found[key]]
+    return found
 
 
 def _curve_faults(curves: xarray.Dataset) -> Iterator[str]:

@@ -458,11 +458,12 @@ def export(
     engines.export(choice, cell, out)
 
 
-@app.command(short_help="Write the pages of what was saved again.")
+@app.command(short_help="Write the pages of what was saved again, or its curves as CSV.")
 def report(
     saved: Annotated[Path, typer.Argument(metavar="DIR", hidden=True)],
     out: Annotated[Path | None, valued("DIR", "Where to write the pages; default: the same folder.")] = None,
     single_file: Annotated[Path | None, valued("FILE", "Write one page that holds everything, to mail.")] = None,
+    csv: Annotated[Path | None, valued("DIR", "Write the curves, a CSV file per run, and no pages.")] = None,
     png: Annotated[bool, flag("Write every figure as PNG beside its SVG.", "--png")] = False,
     show: Annotated[bool, flag("Open the report in the browser.", "--open")] = False,
 ) -> None:
@@ -470,6 +471,58 @@ def report(
 
     DIR is the folder that compare, bench, stress or judge wrote with --out, or the curves.nc in it.
     """
-    from reports.command_line.commands import compare
+    from reports.command_line.commands import folders
 
-    compare.report(saved, out, single_file, opens=show, png=png)
+    folders.report(saved, out, single_file, csv, opens=show, png=png)
+
+
+@app.command(short_help="Judge a folder that someone else sent anew.")
+def verify(
+    saved: Annotated[Path, typer.Argument(metavar="DIR", hidden=True)],
+    limits: Annotated[Path | None, valued("FILE", "Judge by these limits; default: those saved in DIR.")] = None,
+    json: options.Json = None,
+    quiet: options.Quiet = False,
+) -> None:
+    """Judge a campaign's folder anew: texts, curves and records are held against each other and the closed form.
+
+    DIR is the folder that compare wrote with --out; no engine is needed.
+
+    Exit codes: 0 nothing differs, whatever the verdicts, 1 something differs, 2 bad input.
+    """
+    from reports.command_line.commands import folders
+
+    raise typer.Exit(folders.verify(saved, limits, _destination(json, None, False, quiet)))
+
+
+@app.command(short_help="Tell what has moved from one folder to another.")
+def diff(
+    before: Annotated[Path, typer.Argument(metavar="DIR", hidden=True)],
+    after: Annotated[Path, typer.Argument(metavar="DIR", hidden=True)],
+    json: options.Json = None,
+    quiet: options.Quiet = False,
+    verbose: options.Verbose = False,
+) -> None:
+    """Tell what has moved between two campaigns: an engine's upgrade, two designs, two variants.
+
+    The folders are those that compare wrote with --out, the earlier one first.
+
+    Exit codes: 0 nothing is beyond limits, 1 something is: a run fails that did not, or an error is three times what it
+    was or a key figure has moved in the same linkage; 2 bad input or nothing in common.
+    """
+    from reports.command_line.commands import folders
+
+    raise typer.Exit(folders.diff(before, after, _destination(json, None, False, quiet, verbose)))
+
+
+@app.command(short_help="Join folders of several machines into one report.")
+def merge(
+    saved: Annotated[list[Path], typer.Argument(metavar="DIR...", hidden=True)],
+    out: Annotated[Path, valued("DIR", "The new folder.")],
+) -> None:
+    """Join folders of several machines into one report, grouped by hardware; nothing is ranked across machines.
+
+    The folders are those that compare, bench or stress wrote with --out, or merge itself.
+    """
+    from reports.command_line.commands import folders
+
+    folders.merge(saved, out)
