@@ -68,8 +68,9 @@ def reactions(sweep: Sweep, speed: ArrayLike, acceleration: ArrayLike) -> Reacti
         forces[slider.name] = (x, y)
     for slot in linkage.slots:
         forces[slot.name] = balance.on_sliders[slot.name][:2]
-    if structure.changes_at(sweep.angle).any():
-        forces = {name: _undefined(sweep, force) for name, force in forces.items()}
+    singular = structure.changes_at(sweep.angle)
+    if singular.any():
+        forces = {name: _undefined(singular, force) for name, force in forces.items()}
     return Reactions(
         {name: _vector(sweep, force) for name, force in forces.items()},
         {name: _full(sweep, moment) for name, moment in moments.items()},
@@ -134,9 +135,8 @@ def _on_frame(sweep: Sweep, speed: ArrayLike, acceleration: ArrayLike, about: Ve
     return resultant(sweep, LoadedSweep(sweep, speed, acceleration).from_outside(), about)
 
 
-def _undefined(sweep: Sweep, force: Pair) -> Pair:
+def _undefined(singular: NDArray[np.bool_], force: Pair) -> Pair:
     """A joint's force without its values at change points."""
-    singular = sweep.structure.changes_at(sweep.angle)
     return (np.where(singular, np.nan, force[0]), np.where(singular, np.nan, force[1]))
 
 

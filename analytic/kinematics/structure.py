@@ -188,9 +188,8 @@ class Structure:
     def changes_at(self, angle: NDArray[np.float64]) -> NDArray[np.bool_]:
         """Whether crank angles, rad, are change points of a dyad, to the digits that such are known with."""
         result = np.zeros(np.shape(angle), dtype=bool)
-        for dyad in self.dyads:
-            for change in dyad.changes.angles if dyad.changes else ():
-                result |= np.abs(np.mod(angle - change + np.pi, 2.0 * np.pi) - np.pi) < AT_A_CHANGE
+        for change in {change for dyad in self.dyads if dyad.changes for change in dyad.changes.angles}:
+            result |= np.abs(np.mod(angle - change + np.pi, 2.0 * np.pi) - np.pi) < AT_A_CHANGE
         return result
 
     @property

@@ -9,12 +9,11 @@ from comparisons.datasheet.sheet import Sheet
 from reports.campaign.verdict import Trust, ratio, share
 from reports.charts.moving import moving_scheme
 from reports.document.parts import Card, Drawn, Facts, Link, Part
-from reports.document.templates import plain
 from reports.mechanism.key_figures import key_figures
 from reports.mechanism.page import file_of
-from reports.records.views import family
+from reports.records.views import family_title
 
-SIZE: Final = (208, 150)  # of a scheme, pixels
+SIZE: Final = (156, 112)  # of a scheme, points
 FRAMES: Final = 60
 FIGURES: Final = ("peak torque", "peak force", "peak power", "mean Jeq", "stroke")
 
@@ -50,4 +49,4 @@ def _engine(sheet: Sheet, trust: Trust) -> str:
         if record.run[:2] == (sheet.name, sheet.variant) and record.error_max is not None and record.limit
     ]
     worst = max(records, key=share, default=None)
-    return "" if worst is None else f"{ratio(worst)} of its limit: {worst.engine}, {plain(family(worst.quantity))}"
+    return "" if worst is None else f"{ratio(worst)} of its limit: {worst.engine}, {family_title(worst.quantity)}"

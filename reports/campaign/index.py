@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+
+from markupsafe import Markup
 
 from comparisons.campaign.results import Results
 from comparisons.datasheet.sheet import Sheet
-from comparisons.judging.records import Record
 from engines.contract import Setting
 from reports.campaign.cards import card
 from reports.campaign.verdict import CHECKS, Held, Trust, listed, ratio, verdict
@@ -17,45 +17,42 @@ from reports.document.parts import (
     Cards,
     Cell,
     Command,
+    Drawn,
     Facts,
     Fold,
-    Link,
     Mono,
     Page,
     Paragraph,
     Part,
     Section,
     Table,
+    Words,
 )
-from reports.document.templates import lines, plain, sentence
+from reports.document.templates import lines, sentence
 from reports.mechanism.engines import errors_fold
 from reports.records import matrix
 from reports.records.changed_figures import changed_figures
 from reports.records.environment import environment_facts
 from reports.records.origins import exceptions, origin_words
 from reports.records.readouts import readout_table
-from reports.records.views import family, views
+from reports.records.views import family_title, views
 
 FILE, TITLE = "index.html", "Overview"
+PAUSE = Markup('<label class="pause"><input type="checkbox"> Pause the moving schemes</label>')
 
 
-@dataclass(frozen=True)
-class Study:
-    """A page of its own beside the mechanisms': where it is, and a sentence on what it says."""
+def index(results: Results | None, sheets: Sequence[Sheet], studies: tuple[Words, ...] = ()) -> Page:
+    """The first page of what a report's folder holds: a campaign, mechanisms, studies, or some of them.
 
-    link: Link
-    words: str
-
-
-def index(results: Results | None, sheets: Sequence[Sheet], studies: Sequence[Study] = ()) -> Page:
-    """The first page of what a report's folder holds: a campaign, mechanisms, studies, or some of them."""
+    ``studies`` are pages of their own beside the mechanisms': where they are, and a sentence on what they say.
+    """
     trust = Trust(results) if results is not None and results.records else None
     return Page(
         file=FILE,
         title=TITLE,
         heading=_heading(results),
         subtitle=sentence("index_subtitle", results=results, mechanisms=len({sheet.name for sheet in sheets})),
-        parts=(*_verdict(results, trust), *_studies(studies)),
+        parts=(*_verdict(results, trust), *((Bullets(studies),) if studies else ())),
         sections=(
             *(_engines(results, trust) if results is not None and trust is not None else ()),
             *(_mechanisms(trust, sheets) if sheets else ()),
@@ -122,8 +119,10 @@ def _standing(trust: Trust, engine: str, setting: str) -> tuple[Cell | str, Cell
         reason = _reason(held)
         return Cell(numbers.ABSENT, _failure(held), told=reason, note=reason), ""
     seconds = trust.seconds(engine, setting)
-    place = f"{plain(family(held.worst.quantity))}, {held.worst.mechanism}"
-    largest = Cell(ratio(held.worst), _style(trust, setting, held), note=place, told=_told(held.worst))
+    place = f"{family_title(held.worst.quantity)}, {held.worst.mechanism}"
+    largest = Cell(
+        ratio(held.worst), _style(trust, setting, held), note=place, told=sentence("index_worst", record=held.worst)
+    )
     computed = [words for words in exceptions(records).split("; ") if not words.startswith("shared")]
     origin = "; ".join(filter(None, (origin_words(records), *computed)))
     return largest, Cell(numbers.ABSENT if seconds is None else numbers.seconds(seconds), note=origin)
@@ -142,10 +141,6 @@ def _style(trust: Trust, setting: str, held: Held) -> str:
     if setting == Setting.NAIVE.value and setting != trust.settings[0]:
         return "muted"
     return "over" if held.failed else "pass"
-
-
-def _told(record: Record) -> str:
-    return sentence("index_worst", record=record)
 
 
 def families_table(trust: Trust) -> Table:
@@ -172,7 +167,11 @@ def _family_cell(trust: Trust, engine: str, setting: str, name: str) -> Cell:
         return Cell("✗" if held.failed else numbers.ABSENT, _failure(held), told=_reason(held))
     best = " best" if name != CHECKS and trust.nearest(setting, name) == engine else ""
     sign = "✗ " if held.failed else ""
-    return Cell(sign + numbers.steady_error(held.error), _style(trust, setting, held) + best, told=_told(held.worst))
+    return Cell(
+        sign + numbers.steady_error(held.error),
+        _style(trust, setting, held) + best,
+        told=sentence("index_worst", record=held.worst),
+    )
 
 
 def _reasons(trust: Trust) -> list[str]:
@@ -189,11 +188,9 @@ def _reasons(trust: Trust) -> list[str]:
 
 
 def _mechanisms(trust: Trust | None, sheets: Sequence[Sheet]) -> tuple[Section, ...]:
-    return (Section("mechanisms", "The mechanisms", (Cards(tuple(card(sheet, trust) for sheet in sheets)),)),)
-
-
-def _studies(studies: Sequence[Study]) -> tuple[Bullets, ...]:
-    return (Bullets(tuple((study.link, f": {study.words}") for study in studies)),) if studies else ()
+    cards = Cards(tuple(card(sheet, trust) for sheet in sheets))
+    still = (Drawn(PAUSE, ""),) if any(sheet.positions for sheet in sheets) else ()
+    return (Section("mechanisms", "The mechanisms", (*still, cards)),)
 
 
 def _run(results: Results, sheets: Sequence[Sheet]) -> tuple[Section, ...]:

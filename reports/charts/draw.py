@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import io
-import itertools
 import re
 from collections.abc import Sequence
 from typing import Any
@@ -16,7 +15,7 @@ from matplotlib.lines import Line2D
 from numpy.typing import NDArray
 
 from reports.charts import labels
-from reports.charts.layout import APART, EDGE, LEAST, SAMPLE, TICK, Layout, named_uprights
+from reports.charts.layout import EDGE, LEAST, SAMPLE, TICK, Layout, key_width, named_uprights
 from reports.charts.scales import Scale
 from reports.charts.style import DARK, DOTS_PER_INCH, FAINT, FULL_WIDTH, MUTED, WIDTH, drawn, house_style, ink
 from reports.document.chart import Chart, Curve, Panel
@@ -93,7 +92,7 @@ def _draw_panel(found: Figure, layout: Layout, number: int, corner: tuple[float,
     panel, (x, y) = layout.chart.panels[number], layout.fitted(number)
     (left, bottom, width, height), (wide, high) = layout.box(number), found.get_size_inches()
     axes = found.add_axes(((corner[0] + left) / wide, (corner[1] + bottom) / high, width / wide, height / high))
-    room = (layout.margins[number % layout.columns][0], layout.width, layout.height)
+    room = (layout.margins[0], layout.width, layout.height)
     axes.set_axis_off()
     axes.set(xscale="log" if x.is_log else "linear", yscale="log" if y.is_log else "linear")
     axes.set(xlim=(x.low, x.high), ylim=(y.low, y.high), autoscale_on=False)
@@ -103,7 +102,8 @@ def _draw_panel(found: Figure, layout: Layout, number: int, corner: tuple[float,
     _draw_marks(axes, panel, layout, number)
     labels.write_ends(axes, layout.ends[number], layout.height)
     _draw_heads(axes, panel, layout, number)
-    _draw_notes(axes, panel, (x, y), (layout.width, layout.height))
+    points = np.concatenate([np.zeros((0, 2)), *(np.transpose([curve.x, curve.y]) for curve in panel.curves)])
+    labels.write_notes(axes, panel.notes, points, (layout.width, layout.height))
 
 
 def _draw_words(axes: Axes, x: Scale, y: Scale, box: tuple[float, float, float], *, named: bool) -> None:
@@ -181,22 +181,12 @@ def _draw_heads(axes: Axes, panel: Panel, layout: Layout, number: int) -> None:
     """The key above the names of the uprights, the title on top."""
     first = max(layout.uprights[number], default=-1) + 1
     rows = layout.keys[number][::-1]
+    wide = max((key_width(curve) for row in rows for curve in row), default=0.0)
     for row, curves in enumerate(rows, start=first):
-        left, middle = 0.0, 1.0 + (0.4 + row + 0.45) * labels.LINE / layout.height
-        for curve in curves:
+        middle = 1.0 + (0.85 + row) * labels.LINE / layout.height
+        for left, curve in zip(wide * np.arange(len(curves)), curves, strict=True):
             sample = np.array([left, left + SAMPLE - 0.06]) / layout.width
             axes.add_artist(_line(curve, sample, [middle] * 2, transform=axes.transAxes, clip_on=False, markevery=[1]))
             _above(axes, left + SAMPLE, row, curve.name, layout)
-            left += SAMPLE + labels.width(curve.name) + APART
     if panel.title:
         _above(axes, 0.0, first + len(rows), panel.title, layout, weight="bold")
-
-
-def _draw_notes(axes: Axes, panel: Panel, both: tuple[Scale, Scale], box: tuple[float, float]) -> None:
-    x, y = both
-    notes = [(x.share(note.x), y.share(note.y), note.text) for note in panel.notes]
-    if not notes:
-        return
-    every = [list(zip(map(x.share, curve.x), map(y.share, curve.y), strict=True)) for curve in panel.curves]
-    spots = np.array(list(itertools.chain.from_iterable(every)) or [(-1.0, -1.0)])
-    labels.write_notes(axes, [note for note in notes if np.isfinite(note[:2]).all()], spots, box)

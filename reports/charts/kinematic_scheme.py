@@ -7,22 +7,16 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
-from analytic.description.linkage import GROUND, Guide, Linkage, Vector
+from analytic.description.linkage import GROUND, CylinderDrive, Guide, Linkage, Spring
 from comparisons.datasheet.sheet import Positions
 from comparisons.datasheet.units import file_unit
+from reports.charts import symbols
 
 Array = NDArray[np.float64]
 
 POSITIONS = 12
-
-
-def placed(pose: Array, locals_: Iterable[Vector]) -> Array:
-    """Points of a body, (points, 2, …), whose frame has its origin at x, y and is turned by an angle, (3, …)."""
-    x, y, angle = pose
-    c, s = np.cos(angle), np.sin(angle)
-    return np.array([(x + c * u - s * v, y + s * u + c * v) for u, v in locals_]).reshape(-1, 2, *x.shape)
 
 
 @dataclass(frozen=True)
@@ -47,32 +41,34 @@ class KinematicScheme:
         last = len(self.positions.axis) - 1
         return np.rint(np.linspace(0, last, POSITIONS, endpoint=not self.positions.closed)).astype(np.intp)
 
-    @cached_property
-    def axis_shown(self) -> float:
-        """The instant that is drawn out."""
-        return float(self.positions.axis[self.few[self.clearest]]) if self.where is None else self.where
+    def path(self, body: str, locals_: Iterable[ArrayLike]) -> Array:
+        """Points of a body, given in its frame, m, over all positions, (points, 2, n)."""
+        x, y, angle = self.positions.bodies.get(body, np.zeros((3, len(self.positions.axis))))
+        u, v = np.array(list(locals_), dtype=float).reshape(-1, 2, 1).swapaxes(0, 1)
+        c, s = np.cos(angle), np.sin(angle)
+        return self.scale * np.stack([x + c * u - s * v, y + s * u + c * v], axis=1)
 
-    def pose(self, body: str) -> Array:
-        """Pose of a body over all positions, (3, n)."""
-        return self.positions.bodies.get(body, np.zeros((3, len(self.positions.axis))))
+    def at(self, course: Array) -> Array:
+        """What is known over all positions, (..., n), in the position drawn out."""
+        where = self.positions.axis[self.few[self.clearest]] if self.where is None else self.where
+        rows = course.reshape(-1, course.shape[-1])
+        return np.array([np.interp(where, self.positions.axis, row) for row in rows]).reshape(course.shape[:-1])
 
-    def pose_shown(self, body: str) -> Array:
-        """Pose of a body in the position drawn out, (3,)."""
-        return np.array([np.interp(self.axis_shown, self.positions.axis, row) for row in self.pose(body)])
-
-    def path(self, body: str, locals_: Iterable[Vector]) -> Array:
-        """Points of a body over all positions, (points, 2, n)."""
-        return self.scale * placed(self.pose(body), locals_)
-
-    def shown(self, body: str, locals_: Iterable[Vector]) -> Array:
+    def shown(self, body: str, locals_: Iterable[ArrayLike]) -> Array:
         """Points of a body in the position drawn out, (points, 2)."""
-        return self.scale * placed(self.pose_shown(body), locals_)
+        return self.at(self.path(body, locals_))
 
     @cached_property
     def carriers(self) -> dict[str, str]:
         """Of every named point a body that carries it: a moving link before the ground."""
         moving = {point: name for name, link in self.linkage.links.items() for point in link.points}
         return dict.fromkeys(self.linkage.ground, GROUND) | moving
+
+    @property
+    def joined(self) -> set[str]:
+        """The points where links are joined."""
+        of = self.linkage
+        return {p.point for p in of.pins} | {s.point for s in of.sliders} | {s.point for s in of.slots}
 
     @cached_property
     def paths(self) -> dict[str, Array]:
@@ -82,7 +78,7 @@ class KinematicScheme:
     @cached_property
     def spots(self) -> dict[str, Array]:
         """Every named point in the position drawn out."""
-        return {p: self.shown(b, [self.linkage.local(p, b)])[0] for p, b in sorted(self.carriers.items())}
+        return {point: self.at(path) for point, path in self.paths.items()}
 
     @cached_property
     def clearest(self) -> int:
@@ -95,33 +91,23 @@ class KinematicScheme:
     def direction(self, guide: Guide) -> Array:
         """Unit vector of a guide in the position drawn out."""
         start, end = self.shown(guide.host, [(0.0, 0.0), guide.along])
-        return np.asarray((end - start) / np.hypot(*(end - start)))
+        return symbols.unit(end - start)
 
-    def travel(self, guide: Guide, body: str, point: str) -> tuple[Vector, Vector]:
-        """The two ends, in the host's frame, m, between which a point moves along a guide over all positions."""
-        (x, y), (u, v) = guide.through, guide.along
-        start, end = placed(self.pose(guide.host), [(x, y), (x + u, y + v)])
-        pin = placed(self.pose(body), [self.linkage.local(point, body)])[0]
-        along = np.sum((pin - start) * (end - start), axis=0)
-        low, high = float(np.min(along)), float(np.max(along))
-        return (x + low * u, y + low * v), (x + high * u, y + high * v)
-
-    def stretched(self, points: tuple[str, str], bodies: tuple[str, str]) -> Array:
-        """The ends of a spring or a cylinder over all positions, (2, 2, n)."""
-        both = zip(points, bodies, strict=True)
-        return np.concatenate([self.path(body, [self.linkage.local(point, body)]) for point, body in both])
+    def travel(self, guide: Guide, body: str, point: str) -> Array:
+        """The two ends, in the position drawn out, between which a point moves along a guide over all, (2, 2)."""
+        start, end = self.path(guide.host, [guide.through, np.add(guide.through, guide.along)])
+        pin = self.path(body, [self.linkage.local(point, body)])[0]
+        course = np.sum((pin - start) * (end - start), axis=0) / self.scale**2
+        return np.array([self.at(start) + reach * self.at(end - start) for reach in (course.min(), course.max())])
 
     @cached_property
     def stretches(self) -> dict[str, Array]:
         """What is drawn between two points, by a name of its own: their places over all positions, (2, 2, n)."""
-        found = {f"spring:{n}": self.stretched(s.points, s.links) for n, s in enumerate(self.linkage.springs)}
-        cylinder = self.linkage.cylinder
-        return found | ({"cylinder": self.stretched(cylinder.points, cylinder.links)} if cylinder else {})
-
-    def ends_shown(self, name: str) -> Array:
-        """The ends of one of them in the position drawn out, (2, 2)."""
-        rows = self.stretches[name].reshape(4, -1)
-        return np.array([np.interp(self.axis_shown, self.positions.axis, row) for row in rows]).reshape(2, 2)
+        between: dict[str, Spring | CylinderDrive] = {f"spring:{n}": s for n, s in enumerate(self.linkage.springs)}
+        both = between | ({"cylinder": self.linkage.cylinder} if self.linkage.cylinder else {})
+        return {name: np.concatenate([self.path(body, [self.linkage.local(point, body)])
+                                      for point, body in zip(one.points, one.links, strict=True)])
+                for name, one in both.items()}  # fmt: skip
 
     @cached_property
     def extent(self) -> tuple[Array, Array]:

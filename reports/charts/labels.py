@@ -11,9 +11,11 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.font_manager import FontProperties
 from matplotlib.textpath import text_to_path
+from matplotlib.transforms import Affine2D
 from numpy.typing import NDArray
 
 from reports.charts.style import FONT, FONT_SIZE
+from reports.document.chart import Note
 
 Array = NDArray[np.float64]
 
@@ -21,9 +23,7 @@ LINE = FONT_SIZE * 1.2 / 72.0  # in, of one line of words
 BEFORE_UNIT = re.compile(r"(?<=\d) (?=\S+$)")
 LONGEST = 22  # characters of a name before it goes on in a second line
 # Where words may stand about a point, in halves of their size, the best first.
-SHIFTS = np.array(
-    [(0, 1), (0, -1), (1, 0.4), (-1, 0.4), (1, -0.4), (-1, -0.4), (1, 1.6), (-1, 1.6), (0, 2.6), (0, -2.6)]
-)
+SHIFTS = np.array([(0, 1), (0, -1), (1, 0.4), (-1, 0.4), (1, -0.4), (-1, -0.4), (1, 1.6), (-1, 1.6), (0, 2.6)])
 GAP = 0.06  # in, between an end of a curve and its name
 
 
@@ -31,9 +31,8 @@ GAP = 0.06  # in, between an end of a curve and its name
 def width(text: str, size: float = FONT_SIZE) -> float:
     """Width of the longest line of a text, in."""
     prop = FontProperties(family=FONT, size=size)
-    return (
-        max(text_to_path.get_text_width_height_descent(one, prop, ismath=False)[0] for one in text.split("\n")) / 72.0
-    )
+    sizes = [text_to_path.get_text_width_height_descent(one, prop, ismath=False) for one in text.splitlines()]
+    return max((size[0] for size in sizes), default=0.0) / 72.0
 
 
 def wrapped(name: str) -> str:
@@ -48,16 +47,11 @@ def height(text: str) -> float:
 
 def spread(places: Sequence[float], heights: Sequence[float], room: float) -> list[float]:
     """Increasing places moved as little as needed for labels of these heights not to touch, from 0 to ``room``."""
-    if not places:
-        return []
     tall = np.asarray(heights)
-    offsets = np.concatenate([[0.0], np.cumsum(0.5 * (tall[1:] + tall[:-1]))])
-    low, high = 0.0, max(room - offsets[-1], 0.0)
-    pushed = np.maximum.accumulate(np.clip(np.asarray(places) - offsets, low, high))
-    # Each run of labels pushed together stands about the middle of its places.
-    for run in np.split(np.arange(len(pushed)), np.flatnonzero(np.diff(pushed) > 0.0) + 1):
-        pushed[run] = np.clip(np.mean(np.asarray(places)[run] - offsets[run]), low, high)
-    return list(np.maximum.accumulate(pushed) + offsets)
+    offsets = np.cumsum([0.0, *(0.5 * (tall[1:] + tall[:-1]))])[: len(tall)]
+    free = np.clip(np.asarray(places) - offsets, 0.0, max(room - float(max(offsets, default=0.0)), 0.0))
+    up, down = np.maximum.accumulate(free), np.minimum.accumulate(free[::-1])[::-1]
+    return list(0.5 * (up + down) + offsets)
 
 
 def write_ends(axes: Axes, ends: Sequence[tuple[float, str, str]], tall: float) -> None:
@@ -81,25 +75,23 @@ def rows_above(spans: Sequence[tuple[float, float]]) -> list[int]:
     return found
 
 
-def write_notes(axes: Axes, notes: Sequence[tuple[float, float, str]], curves: Array, box: tuple[float, float]) -> None:
-    """Words beside points, where they hide no other and as little of the curves as can be.
+def write_notes(axes: Axes, notes: Sequence[Note], points: Array, box: tuple[float, float]) -> None:
+    """Words beside points, where they hide no other and as little of the curves, points (n, 2), as can be.
 
-    Points (share of the width, of the height, words), the curves' points (n, 2) in the same shares; ``box`` is the
-    size of the axes, in.
+    ``box`` is the size of the axes, in.
     """
-    size, taken = np.asarray(box), [np.full(4, np.inf)]
-    spots = curves * size
-    for x, y, text in notes:
-        half = 0.5 * np.array([width(text) + 0.06, height(text)])
-        point = np.array([x, y]) * size
-        outward = np.array([1.0, 1.0 if y > 0.5 else -1.0])
+    inches = axes.transData + axes.transAxes.inverted() + Affine2D().scale(*box)
+    spots, taken = inches.transform(points), [np.full(4, np.inf)]
+    for note in notes:
+        half = 0.5 * np.array([width(note.text) + 0.06, height(note.text)])
+        point = inches.transform((note.x, note.y))
+        outward = np.array([1.0, 1.0 if point[1] > 0.5 * box[1] else -1.0])
         places = [point + shift * outward * (half + 0.05) for shift in SHIFTS]
-        worst = [3.0 * number + _cost(np.concatenate([place - half, place + half]), spots, taken, size)
-                 for number, place in enumerate(places)]  # fmt: skip
-        place = places[int(np.argmin(worst))]
-        taken.append(np.concatenate([place - half, place + half]))
-        left, bottom = map(float, place / size)
-        axes.text(left, bottom, text, transform=axes.transAxes, ha="center", va="center")
+        areas = [np.concatenate([place - half, place + half]) for place in places]
+        best = int(np.argmin([3.0 * n + _cost(area, spots, taken, np.array(box)) for n, area in enumerate(areas)]))
+        taken.append(areas[best])
+        left, bottom = map(float, places[best] / box)
+        axes.text(left, bottom, note.text, transform=axes.transAxes, ha="center", va="center")
 
 
 def _cost(area: Array, spots: Array, taken: Sequence[Array], size: Array) -> float:

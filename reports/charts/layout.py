@@ -19,7 +19,8 @@ End = tuple[float, str, str]
 
 # Inches: around a chart, of a tick with its pad, between panels, of a sample of a line in the key, between its entries.
 EDGE, TICK, BETWEEN, SAMPLE, APART = 0.06, 0.08, 0.1, 0.3, 0.2
-LEAST = 0.6  # of the axes of a panel
+LEAST = 0.9  # of the axes of a panel
+MOST = 8  # curves that are named in the key where there is no room for all at their ends
 SPACED = {"x": 0.75, "y": 0.22, "equal": 0.42}  # inches from tick to tick, at least
 
 
@@ -40,18 +41,14 @@ class Layout:
         """How many rows there are."""
         return -(-len(self.chart.panels) // self.columns)
 
-    def column(self, number: int) -> list[Panel]:
-        """The panels of the column that a panel is in."""
-        return list(self.chart.panels[number % self.columns :: self.columns])
-
-    def shares_x(self, number: int) -> bool:
-        """Whether a panel has the x axis of those below and above it."""
-        column = self.column(number)
-        return len({panel.scale in ("logx", "loglog") for panel in column}) == 1 and column[0].scale != "equal"
+    @property
+    def shares_x(self) -> bool:
+        """Whether the panels of a column have one x axis, named below the last."""
+        return self.chart.panels[0].scale != "equal"
 
     def names_x(self, number: int) -> bool:
         """Whether words stand below a panel: it is the last of its column, or has an axis of its own."""
-        return not self.shares_x(number) or number + self.columns >= len(self.chart.panels)
+        return not self.shares_x or number + self.columns >= len(self.chart.panels)
 
     @cached_property
     def scales(self) -> list[tuple[Scale, Scale]]:
@@ -59,7 +56,7 @@ class Layout:
         wide, tall = self.size[0] / self.columns - 0.9, self.size[1] / self.rows - 0.5
         found = []
         for number, panel in enumerate(self.chart.panels):
-            group = self.column(number) if self.shares_x(number) else [panel]
+            group = self.chart.panels[number % self.columns :: self.columns] if self.shares_x else [panel]
             x = scales.across(group, max(2, int(wide / SPACED["x"])))
             found.append((x, scales.upward(panel, max(2, int(tall / SPACED["y"])))))
         return found
@@ -85,25 +82,18 @@ class Layout:
         return panel.names == "key" or (panel.names == "ends" and sum(map(labels.height, names)) > tall)
 
     @cached_property
-    def margins(self) -> list[tuple[float, float]]:
-        """Room on the left and right of the axes of every column."""
-        found = []
-        for column in range(self.columns):
-            numbers = range(column, len(self.chart.panels), self.columns)
-            ticks = [max(map(labels.width, self.scales[n][1].words), default=0.0) for n in numbers]
-            named = any(self.scales[n][1].label for n in numbers)
-            left = EDGE + TICK + max(ticks) + (labels.LINE + 0.05 if named else 0.0)
-            names = [labels.width(end[1]) + labels.GAP for n in numbers for end in self.ends[n]]
-            last = (
-                max(labels.width(self.scales[n][0].words[-1]) for n in numbers) if self.scales[column][0].words else 0
-            )
-            found.append((left, EDGE + max([0.5 * last, *names])))
-        return found
+    def margins(self) -> tuple[float, float]:
+        """Room on the left and right of the axes of every panel."""
+        ticks = [labels.width(word) for _, y in self.scales for word in y.words]
+        last = [0.5 * labels.width(x.words[-1]) for x, _ in self.scales if x.words]
+        names = [labels.width(end[1]) + labels.GAP for ends in self.ends for end in ends]
+        beside = (labels.LINE + 0.05) * any(y.label for _, y in self.scales)
+        return EDGE + TICK + max(ticks, default=0.0) + beside, EDGE + max([0.0, *last, *names])
 
     @property
     def width(self) -> float:
         """Of the axes of a panel."""
-        return (self.size[0] - sum(map(sum, self.margins)) - BETWEEN * (self.columns - 1)) / self.columns
+        return (self.size[0] + BETWEEN) / self.columns - BETWEEN - sum(self.margins)
 
     @cached_property
     def keys(self) -> list[list[list[Curve]]]:
@@ -148,7 +138,7 @@ class Layout:
     def box(self, number: int) -> tuple[float, float, float, float]:
         """Left, bottom, width and height of a panel's axes, in."""
         row, column = divmod(number, self.columns)
-        left = sum(map(sum, self.margins[:column])) + column * (self.width + BETWEEN) + self.margins[column][0]
+        left = column * (self.size[0] + BETWEEN) / self.columns + self.margins[0]
         top = sum(map(sum, self.heights[:row])) + row * self.height + self.heights[row][0]
         return left, self.size[1] - top - self.height, self.width, self.height
 
@@ -174,15 +164,19 @@ def _last(values: Array) -> float:
     return float(next((value for value in values[::-1] if np.isfinite(value)), 0.0))
 
 
+def key_width(curve: Curve) -> float:
+    """Of a curve's name in the key with its sample and the room behind it, in."""
+    return SAMPLE + labels.width(curve.name) + APART
+
+
 def _key_rows(panel: Panel, width: float) -> list[list[Curve]]:
-    """Curves with a name, each once, in rows that fit."""
-    rows: list[list[Curve]] = [[]]
-    left = width
-    for curve in {curve.name: curve for curve in panel.curves if curve.name}.values():
-        needed = SAMPLE + labels.width(curve.name) + APART
-        if needed > left and rows[-1]:
-            rows.append([])
-            left = width
-        rows[-1].append(curve)
-        left -= needed
-    return rows if rows[0] else []
+    """Curves with a name, each once, in as many columns as fit; the largest of too many that had no room at the end."""
+    named = list({curve.name: curve for curve in panel.curves if curve.name}.values())
+    if panel.names == "ends" and len(named) > MOST:
+        below = [curve.y if curve.stacked else np.zeros(1) for curve in named]
+        sizes = [float(np.nanmax(np.abs(one.y - y))) for one, y in zip(named, [np.zeros(1), *below[:-1]], strict=True)]
+        kept = sorted(np.argsort(sizes)[-MOST:])
+        rest = Curve(np.zeros(0), np.zeros(0), f"and {len(named) - MOST} more", line="")
+        named = [*(named[n] for n in kept), rest]
+    columns = max(1, int(width / max(map(key_width, named), default=width)))
+    return [named[first : first + columns] for first in range(0, len(named), columns)]

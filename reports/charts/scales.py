@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from matplotlib.ticker import MaxNLocator
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
 from reports.document.chart import Curve, Mark, Panel
 
@@ -37,8 +37,9 @@ class Scale:
 
     def share(self, value: float) -> float:
         """Where a value stands between the limits, 0 to 1."""
-        low, high = (math.log10(self.low), math.log10(self.high)) if self.is_log else (self.low, self.high)
-        place = math.log10(value) if self.is_log and value > 0.0 else value if not self.is_log else low
+        low, high, place = self.low, self.high, value
+        if self.is_log:
+            low, high, place = map(math.log10, (low, high, max(value, low)))
         return (place - low) / (high - low)
 
 
@@ -90,12 +91,11 @@ def _above_dips(curve: Curve) -> Array:
 def to_scale(panel: Panel, both: tuple[Scale, Scale], size: tuple[float, float], ticks: int) -> tuple[Scale, Scale]:
     """Both axes of a panel widened to one scale in a box of so many inches."""
     unit = max((scale.high - scale.low) / inches for scale, inches in zip(both, size, strict=True))
-    found: list[Scale] = []
-    for scale, inches, label in zip(both, size, (panel.x_label, panel.y_label), strict=True):
-        middle, half = 0.5 * (scale.low + scale.high), 0.5 * unit * inches
-        places = MaxNLocator(ticks, steps=STEPS).tick_values(middle - half, middle + half)
-        found.append(_worded(middle - half, middle + half, places, label))
-    return found[0], found[1]
+    (left, bottom), (right, top) = (
+        [0.5 * (scale.low + scale.high + side * unit * inches) for scale, inches in zip(both, size, strict=True)]
+        for side in (-1.0, 1.0)
+    )
+    return _worded(left, right, ticks, panel.x_label), _worded(bottom, top, ticks, panel.y_label)
 
 
 def _marks(panels: Sequence[Panel], along: str) -> list[Mark]:
@@ -117,13 +117,14 @@ def _linear(values: Array, label: str, ticks: int, margin: float) -> Scale:
         room = margin * (high - low)
         from_zero = margin > 0.0 and 0.0 <= low < FROM_ZERO * high
         low, high = 0.0 if from_zero else low - room, high + room
-    return _worded(low, high, MaxNLocator(ticks, steps=STEPS).tick_values(low, high), label)
+    return _worded(low, high, ticks, label)
 
 
-def _worded(low: float, high: float, ticks: ArrayLike, label: str) -> Scale:
-    """Ticks within the limits, written to the digits of their step; a power of ten common to all goes to the label."""
+def _worded(low: float, high: float, ticks: int | Array, label: str) -> Scale:
+    """Ticks, or about so many, written to the digits of their step; a power of ten common to all goes to the label."""
     slack = 1e-9 * (high - low)
-    places = np.asarray(ticks, dtype=float)
+    tried = MaxNLocator(ticks, steps=STEPS).tick_values(low, high) if isinstance(ticks, int) else ticks
+    places = np.asarray(tried, dtype=float)
     places = places[(places >= low - slack) & (places <= high + slack)]
     largest = float(np.max(np.abs(places), initial=0.0))
     factor = 1.0

@@ -10,27 +10,24 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.collections import LineCollection
 from matplotlib.figure import Figure
-from matplotlib.ticker import MaxNLocator
 from numpy.typing import ArrayLike, NDArray
 
 from analytic.description.linkage import GROUND, Linkage
 from comparisons.datasheet.sheet import Positions
 from comparisons.datasheet.units import file_unit
 from reports.charts import symbols
-from reports.charts.kinematic_scheme import POSITIONS, KinematicScheme
+from reports.charts.kinematic_scheme import KinematicScheme
 from reports.charts.style import FONT_SIZE, GHOST, INK, MUTED, PALETTE, PAPER, drawn
 
 Array = NDArray[np.float64]
 
 # Inches: the largest drawing, the narrowest, room for words left and below, around the linkage, a pin's radius.
 LARGEST, NARROWEST, WORDS, ROOM, PIN = np.array([5.4, 5.4]), 2.4, np.array([0.68, 0.58]), 0.42, 0.042
+Extent = tuple[Array, Array]  # lowest and highest x and y
+Draw = Callable[[Axes, KinematicScheme, float], None]
 NUMBER_STYLE = {"color": MUTED, "zorder": 4.0}
-NAME_STYLE = {
-    "fontstyle": "italic",
-    "color": INK,
-    "zorder": 12.0,
-    "bbox": {"boxstyle": "round,pad=0.1", "facecolor": PAPER, "edgecolor": "none", "alpha": 0.8},
-}
+BEHIND = {"boxstyle": "round,pad=0.1", "facecolor": PAPER, "edgecolor": "none", "alpha": 0.8}
+NAME_STYLE = {"fontstyle": "italic", "color": INK, "zorder": 12.0, "bbox": BEHIND}
 
 
 @contextmanager
@@ -48,37 +45,26 @@ def scheme_figure(linkage: Linkage, positions: Positions) -> Figure:
     return scaled_figure(scheme, scheme.extent, draw_scheme)
 
 
-def scaled_figure(scheme: KinematicScheme, extent: tuple[Array, Array], draw: Callable[..., None]) -> Figure:
+def scaled_figure(scheme: KinematicScheme, extent: Extent, draw: Draw) -> Figure:
     """A figure of the plane between two corners; ``draw`` is given the axes, the scheme and a pin's radius."""
     span = np.maximum(extent[1] - extent[0], 1e-9)
     scale = float(np.min((LARGEST - WORDS - 2.0 * ROOM) / span))
     size = np.maximum(span * scale + 2.0 * ROOM, (NARROWEST, 0.0)) + WORDS
     width, height = map(float, size)
-
-    def draw_all(figure: Figure) -> None:
-        place(figure, scheme, (0.0, 0.0), size, extent=extent, draw=draw)
-
-    return drawn(width, height, draw_all)
+    return drawn(width, height, lambda figure: place(figure, scheme, (0.0, 0.0), size, extent=extent, draw=draw))
 
 
 def place(
-    figure: Figure,
-    scheme: KinematicScheme,
-    corner: ArrayLike,
-    size: ArrayLike,
-    *,
-    extent: tuple[Array, Array],
-    draw: Callable[..., None],
+    figure: Figure, scheme: KinematicScheme, at: ArrayLike, size: ArrayLike, *, extent: Extent, draw: Draw
 ) -> None:
     """Draw the plane between two corners into a part of a figure: its lower left corner, its width and height, in."""
     box, whole = np.asarray(size) - WORDS, figure.get_size_inches()
     scale = float(np.min((box - 2.0 * ROOM) / np.maximum(extent[1] - extent[0], 1e-9)))
-    axes = figure.add_axes((*((np.asarray(corner) + WORDS - 0.08) / whole), *(box / whole)))
-    middle, unit = 0.5 * (extent[0] + extent[1]), file_unit("m", scheme.linkage).name
-    (left, bottom), (right, top) = middle - 0.5 * box / scale, middle + 0.5 * box / scale
+    axes = figure.add_axes((*((np.asarray(at) + WORDS - 0.08) / whole), *(box / whole)))
+    (left, bottom), (right, top) = (0.5 * (sum(extent) + side * box / scale) for side in (-1.0, 1.0))
+    unit = file_unit("m", scheme.linkage).name
     axes.set(xlim=(left, right), ylim=(bottom, top), xlabel=f"x, {unit}", ylabel=f"y, {unit}")
-    for axis in (axes.xaxis, axes.yaxis):
-        axis.set_major_locator(MaxNLocator(6, steps=[1, 2, 5, 10]))
+    axes.locator_params(nbins=6, steps=[1, 2, 5, 10])
     draw(axes, scheme, PIN / scale)
 
 
@@ -102,28 +88,25 @@ def draw_position(axes: Axes, scheme: KinematicScheme, size: float, *, masses: b
 
 def _ghosts(axes: Axes, scheme: KinematicScheme) -> None:
     """Every link in every position, as thin lines."""
-    lines = []
     for name, link in scheme.linkage.links.items():
-        places = scheme.path(name, link.points.values())[:, :, scheme.few]
-        for spots in places.transpose(2, 0, 1) if len(places) > 1 else ():
-            corners = symbols.outline(spots)
-            lines.append(corners if len(corners) == 2 else np.vstack([corners, corners[:1]]))
-    axes.add_collection(LineCollection(lines, colors=GHOST, linewidths=0.7, zorder=2.0))
+        corners = symbols.outline(np.array(list(link.points.values())).reshape(-1, 2))
+        ring = np.vstack([corners, corners[: len(corners) > 2]])
+        lines = scheme.path(name, ring)[:, :, scheme.few].transpose(2, 0, 1)
+        axes.add_collection(LineCollection(list(lines), colors=GHOST, linewidths=0.7, zorder=2.0), autolim=False)
 
 
 def draw_paths(axes: Axes, scheme: KinematicScheme) -> None:
     """The curve of every moving point: the output's broad, those of a coupler's own points in colour."""
     linkage = scheme.linkage
     output = linkage.output.point if linkage.output else None
-    joints = {p.point for p in linkage.pins} | {s.point for s in linkage.sliders} | {s.point for s in linkage.slots}
-    free = sorted(set(scheme.paths) - joints - set(linkage.ground) - {output})
+    free = sorted(set(scheme.paths) - scheme.joined - set(linkage.ground) - {output})
     for point, path in scheme.paths.items():
         if point == output:
-            axes.plot(*path, color=PALETTE[0], linewidth=2.4, alpha=0.75, solid_capstyle="round", zorder=3.0)
+            symbols.line(axes, path.T, 2.4, 3.0, PALETTE[0], alpha=0.75, solid_capstyle="round")
         elif point in free:
-            axes.plot(*path, color=PALETTE[1 + free.index(point) % (len(PALETTE) - 1)], linewidth=1.2, zorder=3.0)
+            symbols.line(axes, path.T, 1.2, 3.0, PALETTE[1 + free.index(point) % (len(PALETTE) - 1)])
         elif float(np.max(np.ptp(path, axis=1))) > 1e-9 * scheme.scale:
-            axes.plot(*path, color=GHOST, linewidth=0.7, linestyle=(0, (2, 2)), zorder=1.8)
+            symbols.line(axes, path.T, 0.7, 1.8, GHOST, linestyle=(0, (2, 2)))
 
 
 def _crank_numbers(axes: Axes, scheme: KinematicScheme, size: float, taken: Array) -> None:
@@ -131,37 +114,31 @@ def _crank_numbers(axes: Axes, scheme: KinematicScheme, size: float, taken: Arra
     linkage = scheme.linkage
     if linkage.is_linear:
         return
-    link = linkage.links[linkage.crank]
-    pivot = next(p.point for p in linkage.pins if {GROUND, link.name} <= set(p.links))
-    far = max(link.points, key=lambda name: float(np.hypot(*np.subtract(link.points[name], link.points[pivot]))))
+    points = linkage.links[linkage.crank].points
+    pivot = next(pin.point for pin in linkage.pins if {GROUND, linkage.crank} <= set(pin.links))
+    far = max(points, key=lambda name: float(np.hypot(*np.subtract(points[name], points[pivot]))))
     if far == pivot:  # a crank that is nothing but a slot has no pin to number
         return
-    spots = scheme.path(link.name, [link.points[far]])[0][:, scheme.few]
-    arm = spots - scheme.spots[pivot][:, None]
-    places = (spots + arm * (2.9 * size / np.hypot(*arm))).T
-    for number in range(POSITIONS):
-        clear = np.min(np.hypot(*(taken - places[number]).T)) > 3.5 * size
+    spots = scheme.path(linkage.crank, [points[far]])[0][:, scheme.few].T
+    for number, spot in enumerate(spots):
+        stands = spot + 2.9 * size * symbols.unit(spot - scheme.spots[pivot])
+        clear = np.min(np.hypot(*(taken - stands).T)) > 3.5 * size
         if clear and (scheme.where is not None or number != scheme.clearest):
-            write(axes, places[number], str(number), NUMBER_STYLE)
+            write(axes, stands, str(number), NUMBER_STYLE)
 
 
 def _guides(axes: Axes, scheme: KinematicScheme, size: float) -> None:
-    """Guides of sliders and slots, over the travel they see."""
+    """Guides of sliders and slots, over the travel they see; a rail is where no links lead to the slider."""
     runs = [(s.guide, s.link, s.point) for s in scheme.linkage.sliders]
     runs += [(s.guide, scheme.positions.carriers[s.point], s.point) for s in scheme.linkage.slots]
     for guide, body, point in runs:
-        start, end = scheme.shown(guide.host, scheme.travel(guide, body, point))
+        start, end = scheme.travel(guide, body, point)
         with part_of(axes, guide.host):
             if guide.host == GROUND:
-                symbols.guide(axes, start, end, _free_side(scheme, point, end - start), size)
+                side = -1.0 if float(symbols.left(end - start) @ _pull(point, scheme)) > 0.0 else 1.0
+                symbols.guide(axes, start, end, side, size)
             else:
                 symbols.slot(axes, start, end, size)
-
-
-def _free_side(scheme: KinematicScheme, point: str, along: Array) -> float:
-    """+1 where the left of a guide is clear of the links that lead to its slider, -1 where the right is."""
-    pull = _pull(point, scheme)
-    return -1.0 if float(along[0] * pull[1] - along[1] * pull[0]) > 0.0 else 1.0
 
 
 def _links(axes: Axes, scheme: KinematicScheme, size: float) -> None:
@@ -170,11 +147,11 @@ def _links(axes: Axes, scheme: KinematicScheme, size: float) -> None:
         spots = scheme.shown(name, link.points.values())
         if len(spots) > 1:
             with part_of(axes, name):
-                symbols.bar(axes, spots, 2.6, INK, 5.0 + 0.01 * number)
-    for name in scheme.stretches:
-        start, end = scheme.ends_shown(name)
+                symbols.bar(axes, spots, 5.0 + 0.01 * number)
+    for name, ends in scheme.stretches.items():
+        (start, end), draw = scheme.at(ends), symbols.cylinder if name == "cylinder" else symbols.spring
         with part_of(axes, name):
-            (symbols.cylinder if name == "cylinder" else symbols.spring)(axes, start, end, size)
+            draw(axes, start, end, size)
     for slider in scheme.linkage.sliders:
         with part_of(axes, slider.link):
             symbols.slider(axes, scheme.spots[slider.point], scheme.direction(slider.guide), size)
@@ -188,8 +165,7 @@ def _mass_centres(axes: Axes, scheme: KinematicScheme, size: float) -> None:
             start, spot = scheme.shown(name, [next(iter(link.points.values())), link.centre])
             if float(np.min(np.hypot(*(joints - spot).T))) > 1.6 * size:
                 with part_of(axes, name):
-                    symbols.leader(axes, start, spot)
-                    symbols.mass_centre(axes, spot, size)
+                    symbols.mass_centre(axes, spot, start, size)
 
 
 def _joints(axes: Axes, scheme: KinematicScheme, size: float) -> None:
@@ -197,9 +173,8 @@ def _joints(axes: Axes, scheme: KinematicScheme, size: float) -> None:
     linkage = scheme.linkage
     held = {end for spring in linkage.springs for end in spring.points} | {slot.point for slot in linkage.slots}
     pivots = {pin.point for pin in linkage.pins if GROUND in pin.links} | (held & set(linkage.ground))
-    pins = {pin.point for pin in linkage.pins} | {s.point for s in linkage.slots} | {s.point for s in linkage.sliders}
     for name, spot in scheme.spots.items():
-        draw = symbols.fixed_pivot if name in pivots else symbols.pin if name in pins else symbols.eye
+        draw = symbols.fixed_pivot if name in pivots else symbols.pin if name in scheme.joined else symbols.eye
         with part_of(axes, GROUND if name in pivots else scheme.carriers[name]):
             draw(axes, spot, size)
 
@@ -207,12 +182,11 @@ def _joints(axes: Axes, scheme: KinematicScheme, size: float) -> None:
 def draw_names(axes: Axes, scheme: KinematicScheme, size: float) -> Array:
     """Names of the points beside them, on the side no link leaves from; returns where they stand, (names, 2)."""
     places = []
-    across = {s.point: scheme.direction(s.guide)[::-1] * (-1.0, 1.0) for s in scheme.linkage.sliders}
+    across = {s.point: symbols.left(scheme.direction(s.guide)) for s in scheme.linkage.sliders}
     for name, spot in scheme.spots.items():
-        away = -_pull(name, scheme)
-        length = float(np.hypot(*away))
-        away = away / length if length > 1e-6 else np.array([0.8, 0.6])
-        reach = 3.8 * size
+        away, reach = symbols.unit(-_pull(name, scheme)), 3.8 * size
+        if not away.any():
+            away = np.array([0.8, 0.6])
         if name in across:  # the rail is on the side away from the links, the name goes to theirs
             side = 1.0 if float(across[name] @ away) <= 0.0 else -1.0
             away, reach = side * across[name], 4.2 * size
@@ -232,4 +206,4 @@ def _pull(name: str, scheme: KinematicScheme) -> Array:
     """Sum of the unit vectors from a point to its neighbours on the links that carry it."""
     links = [link.points for link in scheme.linkage.links.values() if name in link.points]
     spans = [scheme.spots[other] - scheme.spots[name] for points in links for other in points if other != name]
-    return np.asarray(sum((span / (float(np.hypot(*span)) or 1.0) for span in spans), np.zeros(2)))
+    return np.round(sum(map(symbols.unit, spans), np.zeros(2)), 6)

@@ -1,12 +1,12 @@
 """How every figure looks: colours that a colour-blind reader can tell apart, sizes that stay legible on paper.
 
 Figures are drawn through matplotlib's object interface, with the fonts it brings along, so that two reports of the same
-results are the same text. Nothing here knows an engine by name: colours go by name order.
+results are the same text. Nothing here knows an engine by name.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from functools import cache
 from typing import Any
 
@@ -40,11 +40,6 @@ FONT, FONT_SIZE = "DejaVu Sans", 9.0
 # Inches of a figure that shares the page's width with another, and of one that has it to itself.
 WIDTH, FULL_WIDTH = 5.4, 11.0
 DOTS_PER_INCH = 160
-
-
-def colour(engine: str, engines: Sequence[str]) -> str:
-    """An engine's colour, by its place among the names."""
-    return PALETTE[engines.index(engine) % len(PALETTE)]
 
 
 def ink(name: Ink) -> str:

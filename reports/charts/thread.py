@@ -43,35 +43,31 @@ def plane_figure(linkage: Linkage, positions: Positions, thread: ThreadSheet) ->
 def _draw_plane(axes: Axes, scheme: KinematicScheme, size: float, thread: ThreadSheet) -> None:
     """Links, eyes' paths and the contour; the axes' limits are the caller's."""
     for eye in thread.eyes.values():
-        axes.plot(*(scheme.scale * eye["path"][:2]), color=GHOST, linewidth=1.0, linestyle=(0, (3, 2)))
+        symbols.line(axes, scheme.scale * eye["path"][:2].T, 1.0, 2.0, GHOST, linestyle=(0, (3, 2)))
     draw_position(axes, scheme, size)
     draw_names(axes, scheme, size)
     spots = scheme.scale * thread.contour[:, :2]
-    axes.plot(*spots.T, color=THREAD, linewidth=1.6, zorder=10.0)
+    symbols.line(axes, spots, 1.6, 10.0, THREAD)
     for name, spot in zip(thread.stops, spots, strict=True):
         if name not in thread.eyes:
             symbols.pin(axes, spot, 0.8 * size, 11.0)
-            away = spot - spots.mean(axis=0)  # its name on the side away from the thread
-            write(axes, spot + 4.4 * size * away / (float(np.hypot(*away)) or 1.0), name, GUIDE_STYLE)
+            away = symbols.unit(spot - spots.mean(axis=0))  # its name on the side away from the thread
+            write(axes, spot + 4.4 * size * away, name, GUIDE_STYLE)
 
 
 def space_figure(linkage: Linkage, positions: Positions, thread: ThreadSheet) -> Figure:
     """The contour in space: the main shaft points to the reader, and z has a scale of its own."""
     scheme = KinematicScheme(linkage, positions, thread.reference_angle)
-
-    def draw(figure: Figure) -> None:
-        axes = Axes3D(figure, (0.0, 0.03, 0.97, 0.97))
-        figure.add_axes(axes)
-        _draw_space(axes, scheme, thread)
-
-    return drawn(WIDTH, WIDTH, draw)
+    return drawn(WIDTH, WIDTH, partial(_draw_space, scheme=scheme, thread=thread))
 
 
-def _draw_space(axes: Axes3D, scheme: KinematicScheme, thread: ThreadSheet) -> None:
+def _draw_space(figure: Figure, scheme: KinematicScheme, thread: ThreadSheet) -> None:
     """Links in their plane, eyes' paths at their depth, the contour through all."""
+    axes = Axes3D(figure, (0.0, 0.03, 0.97, 0.97))
+    figure.add_axes(axes)
     for name, link in scheme.linkage.links.items():
         spots = scheme.shown(name, link.points.values())
-        corners = symbols.outline(spots) if len(spots) > 1 else spots
+        corners = symbols.outline(spots)
         ring = np.vstack([corners, corners[:1]])
         axes.plot(ring[:, 0], np.zeros(len(ring)), ring[:, 1], color=INK, linewidth=1.8)
     for eye in thread.eyes.values():
@@ -79,15 +75,14 @@ def _draw_space(axes: Axes3D, scheme: KinematicScheme, thread: ThreadSheet) -> N
         axes.plot(x, z, y, color=GHOST, linewidth=1.0)
     corners = scheme.scale * thread.contour
     axes.plot(corners[:, 0], corners[:, 2], corners[:, 1], color=THREAD, linewidth=1.8, marker="o", markersize=3.0)
-    for name, corner in dict(zip(thread.stops, corners, strict=True)).items():  # each point once
-        axes.text(corner[0], corner[2], corner[1], f"\u00a0\u00a0{name}", color=THREAD)
+    for name, (x, y, z) in dict(zip(thread.stops, corners, strict=True)).items():  # each point once
+        axes.text(x, z, y, f"\u00a0\u00a0{name}", color=THREAD)
     _space_scales(axes, file_unit("m", scheme.linkage).name)
 
 
 def _space_scales(axes: Axes3D, unit: str) -> None:
-    spans = [float(np.ptp(limits)) for limits in (axes.get_xlim(), axes.get_zlim())]
-    largest = max(spans)
-    axes.set_box_aspect((spans[0] / largest, 0.5, spans[1] / largest), zoom=0.94)
+    wide, high = (float(np.ptp(limits)) for limits in (axes.get_xlim(), axes.get_zlim()))
+    axes.set_box_aspect((wide, 0.5 * max(wide, high), high), zoom=0.94)
     axes.view_init(elev=18.0, azim=-58.0)
     for axis, name in ((axes.xaxis, "x"), (axes.yaxis, "z"), (axes.zaxis, "y")):
         axis.set_major_locator(MaxNLocator(4))

@@ -19,6 +19,8 @@ from reports.document.templates import FOLDER, render
 
 STYLE, SCRIPTS, PLOTLY, FIRST = "linkproof.css", "linkproof.js", "plotly-basic.min.js", "boot.js"
 PIXELS: Final = 96  # of a style sheet, an inch
+UNBROKEN: Final = re.compile(r"(?<=\d) (?=[A-Za-z%°])|(?<=\bN) (?=mm?\b)|(?<=g) (?=mm?²)")  # a value and its unit
+POWER: Final = re.compile(r"\d[\d.]*e-\d+")  # a number that a line may not end in
 ELSEWHERE: Final = re.compile(r"#|[a-z][a-z0-9+.-]*:")  # a link that leaves the report's folder, or stays on its page
 
 
@@ -84,7 +86,8 @@ class _Beside:
                 return Markup('<a href="{}">{}</a>').format(place, text)
             case Mono(text):
                 return Markup("<code>{}</code>").format(text)
-        return escape(words)
+        text = escape(UNBROKEN.sub("\N{NO-BREAK SPACE}", words))
+        return Markup(POWER.sub(r'<span class="whole">\g<0></span>', str(text))) if " " in words else text
 
     def json(self, data: object) -> Markup:
         """JSON that may stand in a script of a page."""

@@ -63,13 +63,6 @@ def decade(value: float) -> str:
     return f"1e{math.ceil(math.log10(max(value, ROUND_OFF)))}"
 
 
-def per_cent(ratio: float | None) -> str:
-    """A signed ratio in per cent to one decimal: +4.2 %, −0.3 %."""
-    if ratio is None:
-        return ABSENT
-    return f"{100.0 * ratio:+.1f} %".replace("-", "−")
-
-
 def seconds(value: float) -> str:
     """A time to three significant digits in s or ms."""
     return f"{figure(value, 3)} s" if value >= 1.0 else f"{figure(value * 1e3, 3)} ms"

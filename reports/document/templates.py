@@ -45,7 +45,7 @@ def _environment(*, escaped: bool) -> jinja2.Environment:
         lstrip_blocks=True,
         keep_trailing_newline=True,
     )
-    own = (numbers.figure, numbers.bound, numbers.decade, numbers.printed, numbers.error, numbers.per_cent,
+    own = (numbers.figure, numbers.bound, numbers.decade, numbers.printed, numbers.error,
            numbers.seconds, numbers.within_turn, plain, worded, math.degrees)  # fmt: skip
     environment.filters.update({one.__name__: one for one in own})
     return environment

@@ -16,7 +16,7 @@ from reports.document.parts import Bullets, Cell, Figure, Fold, Part, Section, T
 from reports.document.signs import RUNS
 from reports.document.templates import plain, sentence
 from reports.mechanism.curves import chart_data, curves, extremes
-from reports.records.origins import control_last, exceptions, origin_words
+from reports.records.origins import exceptions, origin_words
 from reports.records.views import Regime, View, anchor, engines, setting_rank
 
 KEY: Final = "engines"
@@ -61,8 +61,8 @@ def errors_of(view: View, regime: Regime) -> Figure:
 
 def errors_fold(view: View, regime: Regime) -> Fold:
     """Every error of a regime in figures, and why there is none of a run."""
-    runs = [list(run) for _, run in groupby(view.of(regime), key=lambda record: record.run)]
-    shown = [run for run in control_last(runs) if any(record.error_max is not None for record in run)]
+    runs = view.runs(regime)
+    shown = [run for run in runs if any(record.error_max is not None for record in run)]
     parts: list[Part] = [_matrix(view, regime, shown)] if shown else []
     reasons = _reasons(runs)
     under = f" under {regime.name}" if len(view.regimes) > 1 else ""
@@ -170,7 +170,6 @@ def runs_fold(view: View) -> Fold:
 
 def _runs(view: View, regime: Regime) -> Table:
     details = view.results.document["details"]
-    runs = [list(run) for _, run in groupby(view.of(regime), key=lambda record: record.run)]
     rows = tuple(
         (
             f"{run[0].engine} {run[0].setting}",
@@ -180,7 +179,7 @@ def _runs(view: View, regime: Regime) -> Table:
             "; ".join(filter(None, (origin_words(run), exceptions(run)))),
             settings_words(details.get("/".join(run[0].run), {})),
         )
-        for run in control_last(runs)
+        for run in view.runs(regime)
         if run[0].steps
     )
     head = ("run", "steps", "stepping", "set-up", "figures of", "as its adapter states it")

@@ -5,7 +5,6 @@ from __future__ import annotations
 import re
 from collections.abc import Iterator
 
-from analytic.description.linkage import Linkage
 from comparisons.campaign.results import Results
 from comparisons.datasheet.sheet import Sheet
 from reports.charts.moving import moving_scheme
@@ -62,14 +61,11 @@ def _first_look(shown: ShownSheet) -> Cards:
     return Cards((motion, Card("Key figures", (key_table(sheet), designer.facts(shown)))), wide=True)
 
 
-def _is_of(linkage: Linkage, sheet: Sheet) -> bool:
-    return (linkage.name, linkage.variant) == (sheet.name, sheet.variant)
-
-
 def _sections(shown: ShownSheet, results: Results | None) -> Iterator[Section]:
     """The designer's, then the engines'; of a file that was judged its errors first."""
     sheet = shown.sheet
-    ran = [view for view in views(results) if _is_of(view.linkage, sheet)] if results else []
+    mine = sheet.name, sheet.variant
+    ran = [view for view in views(results) if (view.linkage.name, view.linkage.variant) == mine] if results else []
     engines = [engines_section(view, sheet.printed) for view in ran[:1]]
     is_judged = results is not None and "judgement" in results.document
     yield from engines if is_judged else ()

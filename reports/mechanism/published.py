@@ -2,65 +2,75 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from typing import Any
+import math
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
+from typing import Any, Final
 
-from reports.document.numbers import figure, per_cent, printed
-from reports.document.parts import Cell, Section, Table
+from reports.document.numbers import ABSENT
+from reports.document.parts import Bullets, Cell, Section, Table, Words
 from reports.document.signs import PUBLISHED
 from reports.document.templates import worded
 
-VISIBLE = 5e-4  # a deviation from which on it is told, in per cent with one decimal
-Rows = Sequence[Mapping[str, Any]]
+Row = Mapping[str, Any]  # the fields of ``PublishedRecord``
+SIGNS: Final = "; ".join(f"{sign.symbol} {sign.word}" for sign in PUBLISHED.values())
+VISIBLE: Final = 5e-4  # a deviation from which on it is told in per cent with one decimal
 
 
-def published_section(rows: Rows) -> Section:
-    """All of them, and how many every variant meets."""
-    return Section(
-        "published", "Published figures against ours", (_table(rows, list(dict.fromkeys(map(_variant, rows)))),)
-    )
+def published_section(rows: Sequence[Row]) -> Section:
+    """All of one mechanism, how many every variant meets, and what there is to note."""
+    met = "; ".join(_met(rows, variant) for variant in _variants(rows))
+    caption = f"Every printed figure beside ours. Reproduced: {met}."
+    table = replace(published_table(rows, worded), caption=caption, note=f"{SIGNS}.", style="published")
+    noted = notes(rows, worded)
+    return Section("published", "Published figures against ours", (table, *((Bullets(noted),) if noted else ())))
 
 
-def _variant(row: Mapping[str, Any]) -> str:
-    return str(row["variant"])
+def published_table(rows: Sequence[Row], named: Callable[[str], str] = str) -> Table:
+    """Printed beside ours; ``named`` makes a quantity's name one for a reader."""
+    variants, cells = _variants(rows), []
+    for key in dict.fromkeys(map(_key, rows)):
+        ours = {row["variant"]: row for row in rows if _key(row) == key}
+        first = next(iter(ours.values()))
+        found: list[Cell | Words] = [_ours(ours[variant]) if variant in ours else "" for variant in variants]
+        cells.append((named(first["quantity"]), _printed(first), *found, first["source"]))
+    return Table("", ("quantity", "printed", *variants, "place"), tuple(cells), "l")
 
 
-def _met(rows: Rows, variant: str) -> str:
+def notes(rows: Sequence[Row], named: Callable[[str], str] = str) -> tuple[str, ...]:
+    """What the file notes on some of them, each once."""
+    return tuple(dict.fromkeys(f"{named(r['quantity'])} {_printed(r)}: {r['note']}" for r in rows if r["note"]))
+
+
+def _variants(rows: Sequence[Row]) -> list[str]:
+    return list(dict.fromkeys(row["variant"] for row in rows))
+
+
+def _key(row: Row) -> tuple[Any, ...]:
+    return row["quantity"], row["published"], row["source"]
+
+
+def _met(rows: Sequence[Row], variant: str) -> str:
     """How many figures a variant meets, in words."""
     signs = [PUBLISHED[row["verdict"]].style for row in rows if row["variant"] == variant]
     near = f" and {signs.count('near')} within 6 %" if "near" in signs else ""
     return f"{variant} {signs.count('pass')} of {len(signs)} to the last printed digit{near}"
 
 
-def _table(rows: Rows, variants: list[str]) -> Table:
-    keys = dict.fromkeys((row["quantity"], row["unit"], row["published"], row["source"], row["note"]) for row in rows)
-    lines: list[tuple[Cell | str, ...]] = []
-    for key in keys:
-        quantity, unit, value, source, note = key
-        ours = {
-            row["variant"]: row
-            for row in rows
-            if (row["quantity"], row["unit"], row["published"], row["source"], row["note"]) == key
-        }
-        cells = [_cell(ours[variant]) if variant in ours else Cell("–", "absent") for variant in variants]
-        name = f"{worded(quantity)}, {unit}" if unit else worded(quantity)
-        lines.append((name, _signed(printed(value)), *cells, Cell(source, note=note)))
-    align = "lr" + "r" * len(variants) + "l"
-    met = "; ".join(_met(rows, variant) for variant in variants)
-    return Table(
-        f"Every printed figure beside ours. Reproduced: {met}.",
-        ("figure", "published", *variants, "place"),
-        tuple(lines),
-        align=align,
-    )
+def _printed(row: Row) -> str:
+    return f"{_digits(row, row['published'])} {row['unit']}".strip()
 
 
-def _cell(row: Mapping[str, Any]) -> Cell:
+def _ours(row: Row) -> Cell:
     sign, deviation = PUBLISHED[row["verdict"]], row["deviation"]
-    seen = deviation is not None and abs(deviation) >= VISIBLE
-    note = f"{per_cent(deviation)}, {sign.word}" if seen else sign.word
-    return Cell(f"{sign.symbol} {_signed(figure(row['ours']))}", style=sign.style, colour=sign.colour, note=note)
+    share = ""
+    if deviation is not None:
+        share = f" {deviation:+.1%}" if abs(deviation) >= VISIBLE or not deviation else f" {deviation:+.0e}"
+    value = ABSENT if row["ours"] is None else _digits(row, row["ours"])
+    return Cell(f"{value} {sign.symbol}{share}", sign.style, sign.colour)
 
 
-def _signed(text: str) -> str:
-    return f"−{text[1:]}" if text.startswith("-") else text
+def _digits(row: Row, value: float) -> str:
+    """A value with as many digits as were printed, four at least."""
+    shown = math.log10(abs(row["published"]) / row["half_digit"]) if row["published"] and row["half_digit"] else 0.0
+    return f"{value:.{min(max(4, math.ceil(shown)), 17)}g}"

@@ -9,19 +9,16 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from reports.document.parts import Cell, Paragraph, Table, Words
-from reports.document.signs import PUBLISHED
+from reports.document.parts import Paragraph, Table
 from reports.document.templates import lines
 from reports.document.terminal import Printed
 from reports.mechanism.check import range_lines
+from reports.mechanism.published import SIGNS, notes, published_table
 
 if TYPE_CHECKING:
     from analytic.description.linkage import Linkage
     from analytic.turn.required_feed import FeedComparison
     from comparisons.reference.published import PublishedRecord
-
-# A deviation from which on it is told in per cent with one decimal.
-VISIBLE = 5e-4
 
 
 def catalogue(sewing: Iterable[Linkage], literature: Iterable[Linkage]) -> list[Printed]:
@@ -92,39 +89,10 @@ def _feed(comparison: FeedComparison) -> list[Printed]:
 def published(records: Sequence[PublishedRecord]) -> list[Printed]:
     """Printed figures beside ours, a table per mechanism with a column per variant."""
     blocks: list[Printed] = []
-    for mechanism, part in groupby(records, key=lambda record: record.mechanism):
-        together = list(part)
-        noted = dict.fromkeys(
-            f"{r.quantity} {_digits(r, r.published)} {r.unit}".rstrip() + f": {r.note}" for r in together if r.note
-        )
-        blocks += [Paragraph(mechanism, colour="bold"), _published_table(together), *noted, ""]
-    signs = "; ".join(f"{sign.symbol} {sign.word}" for sign in PUBLISHED.values())
+    for mechanism, part in groupby(map(vars, records), key=lambda row: row["mechanism"]):
+        rows = list(part)
+        blocks += [Paragraph(mechanism, colour="bold"), published_table(rows), *notes(rows), ""]
     return [
         *blocks,
-        f"{signs} (reproduced: to the printed digits, or to the source's own accuracy where that is known)",
+        f"{SIGNS} (reproduced: to the printed digits, or to the source's own accuracy where that is known)",
     ]
-
-
-def _published_table(records: Sequence[PublishedRecord]) -> Table:
-    variants = list(dict.fromkeys(record.variant for record in records))
-    rows: list[list[Cell | Words]] = []
-    for quantity, value, source in dict.fromkeys((r.quantity, r.published, r.source) for r in records):
-        ours = {r.variant: r for r in records if (r.quantity, r.published, r.source) == (quantity, value, source)}
-        cells = [_ours(ours[variant]) if variant in ours else "" for variant in variants]
-        printed = next(f"{_digits(r, value)} {r.unit}".strip() for r in ours.values())
-        rows.append([quantity, printed, *cells, source])
-    return Table("", ("quantity", "printed", *variants, "place"), rows, "l")
-
-
-def _ours(record: PublishedRecord) -> Cell:
-    sign, deviation = PUBLISHED[record.verdict], record.deviation
-    if deviation is None:
-        return Cell(f"{_digits(record, record.ours)} {sign.symbol}", colour=sign.colour)
-    share = f"{deviation:+.1%}" if abs(deviation) >= VISIBLE or not deviation else f"{deviation:+.0e}"
-    return Cell(f"{_digits(record, record.ours)} {sign.symbol} {share}", colour=sign.colour)
-
-
-def _digits(record: PublishedRecord, value: float) -> str:
-    """A value with as many digits as were printed, four at least."""
-    shown = math.log10(abs(record.published) / record.half_digit) if record.published and record.half_digit else 0.0
-    return f"{value:.{min(max(4, math.ceil(shown)), 17)}g}"

@@ -16,19 +16,13 @@ def every_record(results: Results) -> tuple[Record, ...]:
     return ordered(results, (*results.records, *results.invariants))
 
 
-def caught_by_baseline(record: Record) -> bool:
-    """Whether a record is within its limit but has grown too far over its recorded value."""
-    if record.outcome != Verdict.OVER_LIMIT.value or record.error_max is None or not record.limit:
-        return False
-    return record.baseline is not None and record.error_max <= record.limit
-
-
 def past_baseline(results: Results) -> tuple[str, ...]:
     """Records that are within their limit and were caught by the recorded baseline, each in one sentence."""
     return tuple(
         f"{r.mechanism} ({r.variant}), {r.regime}, {r.engine} {r.setting}, {r.quantity}: {r.detail}"
         for r in every_record(results)
-        if caught_by_baseline(r)
+        if r.outcome == Verdict.OVER_LIMIT.value and r.baseline is not None
+        if r.error_max is not None and r.limit and r.error_max <= r.limit
     )
 
 

@@ -27,10 +27,5 @@ def exceptions(records: Sequence[Record]) -> str:
     return "; ".join([*words, *([f"shared with the reference: {', '.join(shared)}"] if shared else [])])
 
 
-def control_last(runs: Iterable[Sequence[Record]]) -> list[Sequence[Record]]:
-    """Runs in the same order, those of the reference's control behind all others."""
-    return sorted(runs, key=lambda records: any(record.origin == CONTROL for record in records))
-
-
 def _families(quantities: Iterable[str]) -> str:
     return ", ".join(dict.fromkeys(name.partition(":")[0] for name in quantities))

@@ -6,6 +6,7 @@ import re
 from collections.abc import Iterable
 from dataclasses import dataclass
 from functools import cached_property
+from itertools import groupby
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,9 +15,9 @@ from analytic.description.linkage import Linkage, PrescribedRegime
 from comparisons.campaign.results import Results
 from comparisons.judging.deviations import near_jumps
 from comparisons.judging.quantities import LINEAR_TITLES, QUANTITIES
-from comparisons.judging.records import Record
+from comparisons.judging.records import CONTROL, Record
 from engines.contract import Setting
-from reports.document.templates import worded
+from reports.document.templates import plain, worded
 
 Array = NDArray[np.float64]
 SYMBOLS = {"phi": "φ", "omega": "ω", "epsilon": "ε"}
@@ -74,6 +75,11 @@ class View:
         """Records and invariants of a regime."""
         return tuple(record for record in self.records if record.regime == regime.name)
 
+    def runs(self, regime: Regime) -> list[list[Record]]:
+        """Records and invariants of every run of a regime, those of the reference's control last."""
+        found = [list(run) for _, run in groupby(self.of(regime), key=lambda record: record.run)]
+        return sorted(found, key=lambda run: any(record.origin == CONTROL for record in run))
+
     def quantities(self, regime: Regime) -> tuple[str, ...]:
         """Names of the quantities and then of the invariants of a regime."""
         names = dict.fromkeys(record.quantity for record in self.of(regime))
@@ -128,6 +134,12 @@ def anchor(*names: str) -> str:
 def family(quantity: str) -> str:
     """A quantity's name without the part it is of: forces of all joints are one family."""
     return quantity.partition(":")[0]
+
+
+def family_title(quantity: str) -> str:
+    """A family's symbol, or its name for a reader."""
+    name = family(quantity)
+    return SYMBOLS.get(name, plain(name))
 
 
 def title(quantity: str) -> str:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
@@ -17,8 +18,8 @@ from comparisons.work_precision import records as work_precision
 from comparisons.work_precision.records import Bench
 from reports.campaign.index import FILE as INDEX
 from reports.campaign.index import TITLE as INDEX_TITLE
-from reports.campaign.index import Study, index
-from reports.document.parts import Link, Page
+from reports.campaign.index import index
+from reports.document.parts import Link, Page, Words
 from reports.document.templates import sentence
 from reports.mechanism import page as mechanism_page
 from reports.stress import page as stress_page
@@ -89,15 +90,11 @@ class Contents:
         sheet = next(sheet for sheet in self.sheets if mechanism_page.file_of(sheet) == file)
         return mechanism_page.page(sheet, self.results)
 
-    def _studies(self) -> list[Study]:
-        found = []
+    def _studies(self) -> Iterator[Words]:
         if self.bench is not None:
-            found.append(Study(BENCH, sentence("index_bench", points=self.bench.records)))
+            yield BENCH, ": ", sentence("index_bench", points=self.bench.records)
         if self.stress is not None:
-            found.append(
-                Study(STRESS, sentence("index_stress", cells=len(self.stress.results), count=self.stress.count()))
-            )
-        return found
+            yield STRESS, ": ", sentence("index_stress", cells=len(self.stress.results), count=self.stress.count())
 
 
 def contents(saved: Path) -> Contents:

@@ -2,33 +2,40 @@
 
 from __future__ import annotations
 
-import base64
 import re
 import tempfile
 from collections.abc import Sequence
 from dataclasses import fields, is_dataclass, replace
 from pathlib import Path
 from typing import Any, Final
+from urllib.parse import quote
 
 from comparisons.runs.files import write_text
+from engines.contract import Setting
 from reports.document import html
 from reports.document.parts import Drawn, Figure, Link, Page, Paragraph, Section, Widget
+from reports.document.templates import sentence
 from reports.site.contents import contents
 
 PICTURE: Final = re.compile(r'<a class="picture"([^>]*?) href="[^"]*"><img src="([^"]*)"([^>]*)></a>')
 SCRIPT: Final = re.compile(r'<script src="([^"]*)" defer></script>\n?')
 STYLE: Final = re.compile(r'<link rel="stylesheet" href="([^"]*)">')
 NAME: Final = re.compile(r'(?<=\bid=")[^"]+(?=")')
+MAIN: Final = "main"  # the anchor of the first page
+PLAIN: Final = " !$&'()*+,-./:;<=>?@[]^_`{|}~"  # what an address of a picture holds as it is
+FEW: Final = frozenset({Setting.TUNED.value, Setting.BEST.value})  # whose curves are mailed
 
 
 def write_single_file(saved: Path, file: Path) -> Path:
     """Write a page of all that ``saved`` holds; returns its path."""
     found = contents(saved)
-    page = one_page([found.page(link.href) for link in found.links()])
+    links = found.links()
+    page = one_page([found.page(link.href) for link in links])
+    places = [Link(link.text, f"#{_stem(link.href) if number else MAIN}") for number, link in enumerate(links)]
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
         html.write_assets(folder)
-        html.write(page, folder, ())
+        html.write(page, folder, places)
         write_text(file, _whole(folder, page))
     return file
 
@@ -36,14 +43,10 @@ def write_single_file(saved: Path, file: Path) -> Path:
 def one_page(pages: Sequence[Page]) -> Page:
     """Pages as sections of the first one; names and links are those of the page that they were on."""
     first, *rest = pages
-    files = {page.file: _stem(page.file) for page in rest} | {first.file: "main"}
-    sections = tuple(
-        Section(
-            _stem(page.file),
-            page.heading,
-            (Paragraph(page.subtitle, "small"), *_moved((*page.parts, *page.sections), _stem(page.file), files)),
-        )
-        for page in rest
+    files = {first.file: "", **{page.file: _stem(page.file) for page in rest}}
+    moved = {page.file: _moved((*page.parts, *page.sections), files[page.file], files) for page in rest}
+    sections = (
+        Section(files[page.file], page.heading, (Paragraph(page.subtitle, "small"), *moved[page.file])) for page in rest
     )
     parts, own = _moved((first.parts, first.sections), "", files)
     return replace(first, parts=parts, sections=(*own, *sections), charts=any(page.charts for page in pages))
@@ -59,22 +62,46 @@ def _moved(found: Any, stem: str, files: dict[str, str]) -> Any:  # noqa: ANN401
         return tuple(_moved(one, stem, files) for one in found)
     if not is_dataclass(found) or isinstance(found, type):
         return found
+    kept = ("data", "further", "drawing")
     values = {field.name: getattr(found, field.name) for field in fields(found)}
-    values = {name: value for name, value in values.items() if name not in ("data", "further", "drawing")}
-    changes = {name: _moved(value, stem, files) for name, value in values.items()}
+    changes = {name: _moved(value, stem, files) for name, value in values.items() if name not in kept}
     own = f"{stem}-" if stem else ""
     if isinstance(found, Link):
         file, _, place = found.href.partition("#")
         if file in files or not file:
-            target = own if not file else f"{files[file]}-" if file != "index.html" else ""
-            changes["href"] = f"#{target}{place}" if place else f"#{files[file]}"
+            target = files.get(file, stem)
+            changes["href"] = f"#{'-'.join(filter(None, (target, place))) or MAIN}"
     elif isinstance(found, Section):
         changes["key"] = own + found.key
     elif isinstance(found, (Figure, Widget)):
         changes["name"] = own + found.name
     if isinstance(found, (Drawn, Widget)):
         changes["markup"] = _renamed(found.markup, own)
-    return replace(found, **changes)
+    moved = replace(found, **changes)
+    return _with_few_curves(moved) if isinstance(moved, Widget) and moved.kind == "curves" else moved
+
+
+def _with_few_curves(widget: Widget) -> Widget:
+    """The curves of the regime first shown, at the settings that matter; errors stay all there."""
+    data, number = widget.data, widget.data["first"].partition("-")[0]
+    few = {key: curves for key, curves in widget.further.items() if key.partition("-")[0] == number}
+    kept = FEW & {*data["settings"]} or {*data["settings"]}
+    shown = data["regimes"][int(number or 0)]["name"]
+    regimes = [
+        {
+            **one,
+            "quantities": [{**name, "curves": name["curves"] and one["name"] == shown} for name in one["quantities"]],
+        }
+        for one in data["regimes"]
+    ]
+    told = sentence("few_curves", regime=shown, settings=sorted(kept, reverse=True))
+    own = {"regimes": regimes, "curves": _of(data["curves"], kept), "left_out": told}
+    further = {key: _of(curves, kept) for key, curves in few.items()}
+    return replace(widget, data={**data, **own}, further=further, instead=())
+
+
+def _of(curves: Any, settings: set[str] | frozenset[str]) -> Any:  # noqa: ANN401  JSON
+    return curves and {**curves, "runs": [run for run in curves["runs"] if run["setting"] in settings]}
 
 
 def _renamed(markup: Any, own: str) -> Any:  # noqa: ANN401  Markup
@@ -101,6 +128,14 @@ def _code(path: Path) -> str:
 
 
 def _picture(path: Path, style: str, attributes: str) -> str:
-    packed = base64.b64encode(path.read_bytes()).decode("ascii")
-    attributes = attributes.replace(' loading="lazy"', "")
-    return f'<span class="picture"{style}><img src="data:image/svg+xml;base64,{packed}"{attributes}></span>'
+    """A drawing inside the page, without what nobody sees of it."""
+    text = " ".join(path.read_text(encoding="utf-8").partition("<svg")[2].split())
+    used = set(re.findall(r"#([\w-]+)", text))
+    text = re.sub(r' id="([^"]*)"', lambda found: found[0] if found[1] in used else "", text)
+    text = re.sub(r"(\d\.\d)\d(?=[ L])", r"\1", text)  # the points of a path
+    text = re.sub(r"(?<=[\d.z\"]) ?([MLQCz]) ?(?=[-\d\"])", r"\1", text)
+    for long in ("> <", ": #", "; stroke", "; fill"):
+        text = text.replace(long, long.replace(" ", ""))
+    text = re.sub(r"font-family: '([^']*)'", r"font-family: \1", text).replace('"', "'")
+    drawing = quote(f"<svg {text}", safe=PLAIN)
+    return f'<span class="picture"{style}><img src="data:image/svg+xml,{drawing}"{attributes}></span>'

@@ -19,9 +19,8 @@ from reports.charts.style import FULL_WIDTH, LIMIT_COLOUR, drawn
 from reports.stress.facts import SIGNS
 
 # Inches: height of a line, widest cell, width of a letter, room for a panel's title and for its values.
-LINE, WIDEST, LETTER, TITLE, VALUES = 0.2, 0.42, 0.082, 0.3, 0.75
-POINTS = 72.0  # to an inch
-BOX = np.array([[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0], [-1.0, -1.0]])
+LINE, WIDEST, LETTER, TITLE, VALUES = 0.2, 0.3, 0.082, 0.3, 0.75
+BOX = 13.4  # points
 BAR: dict[str, Any] = {"color": LIMIT_COLOUR, "linewidth": 2.4, "solid_capstyle": "butt", "clip_on": False}
 Data = Mapping[str, Any]
 
@@ -41,7 +40,7 @@ def draw_map(data: Data) -> Figure:
             deep = len(block["lines"]) * LINE
             left, bottom = right * wide + room, height - down * tall - TITLE - deep
             box = left / FULL_WIDTH, bottom / height, cell * columns / FULL_WIDTH, deep / height
-            _panel(figure.add_axes(box), block, data["values"], cell)
+            _panel(figure.add_axes(box), block, data["values"])
 
     return drawn(FULL_WIDTH, height, draw)
 
@@ -50,13 +49,13 @@ def _name(line: Data) -> str:
     return f"{line['engine']} {line['usage']}"
 
 
-def _panel(panel: Axes, block: Data, values: list[str], cell: float) -> None:
+def _panel(panel: Axes, block: Data, values: list[str]) -> None:
     lines = block["lines"]
     panel.set(xlim=(0.0, len(values)), ylim=(len(lines), 0.0))
     panel.grid(visible=False)
     panel.spines[:].set_visible(False)
     panel.set_title(block["row"], fontsize=9.5, fontweight="bold")
-    _cells(panel, lines, cell)
+    _cells(panel, lines)
     for top, line in enumerate(lines):
         for bar in line["bars"]:
             panel.plot([bar, bar], [top, top + 1], **BAR)
@@ -65,15 +64,15 @@ def _panel(panel: Axes, block: Data, values: list[str], cell: float) -> None:
     panel.tick_params(length=0.0, pad=2.5)
 
 
-def _cells(panel: Axes, lines: list[Data], cell: float) -> None:
+def _cells(panel: Axes, lines: list[Data]) -> None:
     """Boxes and signs are markers, one set to a verdict: an element for every cell takes ten times as long."""
-    shown = [[-1 if one is None else one["verdict"] for one in line["cells"]] for line in lines]
-    box = Outline(BOX * [0.5 * cell * POINTS - 0.6, 0.5 * LINE * POINTS - 0.5], closed=True)
+    shown = np.array([[-1 if one is None else one["verdict"] for one in line["cells"]] for line in lines])
     for number, sign in enumerate(SIGNS.values()):
-        y, x = np.nonzero(np.array(shown) == number)
-        for outline, ink in ((box, sign.fill), (_letter(sign.symbol), sign.ink)) if len(x) else ():
-            size = 2.0 * float(np.max(np.abs(np.asarray(outline.vertices))))
-            panel.plot(x + 0.5, y + 0.5, linestyle="", marker=outline, markersize=size, markeredgewidth=0.0, color=ink)
+        y, x = np.nonzero(shown == number)
+        letter = _letter(sign.symbol)
+        wide = 2.0 * float(np.max(np.abs(np.asarray(letter.vertices))))
+        for marker, size, ink in (("s", BOX, sign.fill), (letter, wide, sign.ink)) if len(x) else ():
+            panel.plot(x + 0.5, y + 0.5, linestyle="", marker=marker, markersize=size, markeredgewidth=0.0, color=ink)
 
 
 @cache

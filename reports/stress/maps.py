@@ -88,7 +88,6 @@ def signs(stress: Stress) -> list[dict[str, Any]]:
     """The sign of every verdict and whether it occurs; ``fixed`` ones look the same in the dark."""
     seen = stress.count()
     return [
-        {"sign": sign.symbol, "word": verdict.value, "meaning": sign.meaning, "fill": sign.fill, "ink": sign.ink,
-         "fixed": sign.ink == WHITE, "occurs": bool(seen[verdict])}
+        {**sign._asdict(), "word": verdict.value, "fixed": sign.ink == WHITE, "occurs": bool(seen[verdict])}
         for verdict, sign in SIGNS.items()
-    ]  # fmt: skip
+    ]

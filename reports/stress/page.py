@@ -12,39 +12,34 @@ from reports.document import parts
 from reports.document.parts import Figure, Figures, Fold, Page, Paragraph, Section, Widget
 from reports.document.templates import sentence
 from reports.records.environment import environment_facts
+from reports.stress import tables
 from reports.stress.facts import SIGNS, axis_title
 from reports.stress.figure import draw_map
 from reports.stress.maps import map_data, signs
-from reports.stress.tables import (
-    LOUD,
-    border_table,
-    count_table,
-    incident_table,
-    ranking,
-    scope,
-    verdict,
-    verdict_table,
-)
 
 PAGE = "stress.html"
-TITLE = "Where each engine fails"
 # What stands open on the page unless its table is long; what was caught, as it should be, is folded away.
-OPEN = (*LOUD, StressVerdict.SUITE_ERROR, StressVerdict.CRASHED, StressVerdict.ADAPTER_ERROR)
+OPEN = (*tables.LOUD, StressVerdict.SUITE_ERROR, StressVerdict.CRASHED, StressVerdict.ADAPTER_ERROR)
 MOST_OPEN = 12
 
 
 def page(stress: Stress) -> Page:
     """The page of a saved stress test."""
-    by_axis = count_table(stress, lambda axis: parts.Link(axis_title(axis), f"#map-{axis}"), sentence("stress_counts"))
-    lead = Paragraph(verdict(stress), "verdict"), Paragraph(ranking(stress), "lead"), Paragraph(scope(stress), "small")
+    lead = (
+        Paragraph(tables.told(stress, "stress_verdict"), "verdict"),
+        Paragraph(tables.ranking(stress), "lead"),
+        Paragraph(tables.told(stress, "stress_scope"), "small"),
+    )
+    caption = sentence("stress_counts")
+    by_axis = tables.count_table(stress, lambda axis: parts.Link(axis_title(axis), f"#map-{axis}"), caption)
     return Page(
-        file=PAGE,
-        title="Stability",
-        heading=TITLE,
-        subtitle=sentence("stress_subtitle"),
-        parts=lead,
-        sections=(
-            Section("counts", "What the cells came to", (verdict_table(stress), by_axis)),
+        PAGE,
+        "Stability",
+        "Where each engine fails",
+        sentence("stress_subtitle"),
+        lead,
+        (
+            Section("counts", "What the cells came to", (tables.verdict_facts(stress), by_axis)),
             _maps(stress),
             Section("incidents", "Incidents", (Paragraph(sentence("stress_incidents")), *_incidents(stress))),
             _run(stress),
@@ -58,9 +53,12 @@ def _maps(stress: Stress) -> Section:
     data = {"axes": {axis: found["title"] for axis, found in maps.items()}, "signs": signs(stress), "map": maps[first]}
     widget = Widget("maps", "maps", "Stability map of one axis", data, {axis: maps[axis] for axis in others})
     figures = Figures(tuple(_figure(stress, found) for found in maps.values()))
-    every, borders = Fold(f"Every map as a figure ({len(maps)})", (figures,)), border_table(stress)
-    reached = Fold(f"Borders: how far each of {len(borders.rows)} lines goes", (borders,))
-    return Section("maps", "Maps", (Paragraph(sentence("stress_maps")), widget, every, reached))
+    borders = tables.border_table(stress, axis_title)
+    folds = (
+        Fold(f"Every map as a figure ({len(maps)})", (figures,)),
+        Fold(f"Borders, found by bisection ({len(borders.rows)})", (borders,)),
+    )
+    return Section("maps", "Maps", (Paragraph(sentence("stress_maps")), widget, *folds[: 2 if borders.rows else 1]))
 
 
 def _figure(stress: Stress, found: Mapping[str, Any]) -> Figure:
@@ -76,7 +74,10 @@ def _incidents(stress: Stress) -> Iterator[parts.Part]:
     cells = {one: stress.of(one) for one in (*OPEN, StressVerdict.CAUGHT)}
     for one, found in cells.items():
         if found:
-            table, words = incident_table(found), f"{one.value.capitalize()} ({len(found)}): {SIGNS[one].meaning}"
+            table, words = (
+                tables.incident_table(found),
+                f"{one.value.capitalize()} ({len(found)}): {SIGNS[one].meaning}",
+            )
             yield Fold(words, (table,), is_open=one in OPEN and len(table.rows) <= MOST_OPEN)
     if absent := [one.value for one, found in cells.items() if not found]:
         yield Paragraph(f"None: {', '.join(absent)}.")

@@ -5,31 +5,23 @@ from __future__ import annotations
 from comparisons.stress.cells import CellResult
 from comparisons.stress.saved import Stress
 from reports.document.numbers import seconds
-from reports.document.parts import Cell, Paragraph, Table, Words
+from reports.document.parts import Paragraph
 from reports.document.terminal import Printed, Printout
-from reports.stress.facts import SIGNS, against, axis_title, border_words, shown_verdicts, value_words
-from reports.stress.tables import LOUD, count_table, summary
+from reports.stress.facts import SIGNS, against, axis_title, shown_verdicts, value_words
+from reports.stress.tables import LOUD, border_table, count_table, told
 
 
 def printout(stress: Stress) -> Printout:
     """Counts, borders, what was missed or raised for nothing, then what it all comes to; each cell if verbose."""
     key = "  ".join(f"{SIGNS[verdict].symbol} {verdict.value}" for verdict in shown_verdicts(stress))
     parts: list[Printed] = [count_table(stress, str), Paragraph(key, colour="dim"), ""]
-    parts += [_borders(stress), ""] if stress.borders else []
+    parts += [border_table(stress, str), ""] if stress.borders else []
     parts += [_incident(result) for result in stress.of(*LOUD)]
-    return Printout(parts, [summary(stress)], [*map(cell_details, stress.results), ""])
-
-
-def _borders(stress: Stress) -> Table:
-    """One row to a border; what it shares with the one before is left out."""
-    rows: list[tuple[Cell | Words, ...]] = []
-    before: tuple[str, ...] = ()
-    for border in stress.borders:
-        place = border.line
-        names = [name if place[: n + 1] != before[: n + 1] else "" for n, name in enumerate(place)]
-        rows.append((*names, Cell(border_words(border), colour=SIGNS[border.verdict].terminal)))
-        before = place
-    return Table("", ("axis", "row", "engine", "usage", "last within, first beyond"), tuple(rows), align="l")
+    return Printout(
+        parts,
+        [f"{told(stress, 'stress_scope')} {told(stress, 'stress_outcome')}"],
+        [*map(cell_details, stress.results), ""],
+    )
 
 
 def _incident(result: CellResult) -> Paragraph:

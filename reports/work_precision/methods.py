@@ -1,4 +1,4 @@
-"""What the methods of the engines are, their orders and floors, and the settings held against them."""
+"""The settings held against the methods of their engine, and the methods' orders and floors."""
 
 from __future__ import annotations
 
@@ -7,71 +7,55 @@ from typing import Any
 
 from comparisons.work_precision.places import EngineFacts, Regimes
 from reports.document.numbers import ABSENT, error, seconds
-from reports.document.parts import Cell, Fold, Section, Table, Words
-from reports.work_precision.words import effort_words, judged_by, label_of, limit_words, standing_words, way
+from reports.document.parts import Cell, Fold, Section, Table
+from reports.document.templates import sentence
+from reports.work_precision.words import judged_by, label_of, limit_words, once, standing_words, way
 
-# Of one engine in one place: a row's name and its cell there.
-Rows = Callable[[EngineFacts], Iterator[tuple[str, Cell]]]
-WHAT = (
-    "What an engine offers for study, each taking the step it is asked for; several runs, at fractions of that step, "
-    "are extrapolated. The steps per turn of a setting are fixed numbers in the adapter."
-)
-STANDING = (
-    "Error and time of every setting, and its time over that of the cheapest method at the same error: best is held "
-    "against all methods, the others against those of a single run."
-)
-ORDERS = (
-    "Observed order and least error of every method at its own solver effort; it is a floor where a finer step does "
-    "not lower it."
-)
+# Of one engine in one place: a row's head and its cell there.
+Rows = Callable[[EngineFacts], Iterator[tuple[Cell, Cell]]]
 
 
-def setting_section(regimes: Regimes, noise: float) -> Section:
-    """The settings against the methods of their engine; times closer than the share ``noise`` are the same."""
-    table = _by_mechanism(regimes, STANDING, "Setting", lambda facts: _settings(facts, noise))
-    return Section("settings", "The settings against the methods", (table,))
+def method_section(regimes: Regimes, methods: Sequence[Mapping[str, Any]], noise: float) -> Section:
+    """Settings, orders and floors; times closer than the share ``noise`` are the same.
 
+    ``methods`` are what the benchmark's document says of each.
+    """
+    about = {(one["engine"], one["name"]): one["about"] for one in methods}
 
-def method_section(regimes: Regimes, methods: Sequence[Mapping[str, Any]]) -> Section:
-    """Orders and floors of all methods, and what the benchmark's document says of each."""
-    rows = tuple(
-        (told["engine"], told["name"], told["about"], f"{told['runs']}",
-         effort_words(told["effort"], told["effort_unit"]))
-        for told in methods
-    )  # fmt: skip
-    what = Table(WHAT, ("Engine", "Method", "What it is", "Runs", "Solver effort"), rows, "lllrl")
-    orders = _by_mechanism(regimes, ORDERS, "Method", _sweeps)
-    folds = {"Orders and floors": orders, "What each method is": what}
-    parts = tuple(Fold(name, (table,)) for name, table in folds.items() if table.rows)
-    return Section("methods", "The methods", parts)
+    def settings(facts: EngineFacts) -> Iterator[tuple[Cell, Cell]]:
+        for one in facts.standings:
+            told = standing_words(one, facts, noise).lstrip(":; ") if facts.sweeps else ""
+            words = f"{error(one.record.error_max)} in {seconds(one.record.seconds_min or 0.0)}"
+            yield Cell(one.record.setting), Cell(words.replace(" ", "\u00a0"), note=told.partition(":")[0], told=told)
 
+    def sweeps(facts: EngineFacts) -> Iterator[tuple[Cell, Cell]]:
+        for one in facts.methods:
+            order = "no order" if one.order is None else f"order {one.order:.1f}"
+            row = Cell(way(facts, one.first), note=about[facts.engine, one.first.setting])
+            yield row, Cell(order, note=limit_words(one), told=one.floor.evidence)
 
-def _settings(facts: EngineFacts, noise: float) -> Iterator[tuple[str, Cell]]:
-    for standing in facts.standings:
-        short, told = standing_words(standing, facts, noise)
-        words = f"{error(standing.record.error_max)} in {seconds(standing.record.seconds_min or 0.0)}"
-        yield standing.record.setting, Cell(words, note=short, told=told.lstrip(":; "))
-
-
-def _sweeps(facts: EngineFacts) -> Iterator[tuple[str, Cell]]:
-    for sweep in facts.methods:
-        order = "no order" if sweep.order is None else f"order {sweep.order:.1f}"
-        yield way(facts, sweep.first), Cell(order, note=limit_words(sweep), told=sweep.floor.evidence)
+    orders = _by_mechanism(regimes, "bench_orders", "Method", sweeps)
+    folds = (Fold("The methods: orders and floors", (orders,)),) if orders.rows else ()
+    name = "bench_standings" if folds else "bench_settings"
+    table = _by_mechanism(regimes, name, "Setting", settings)
+    heading = "The settings against the methods" if folds else "The settings"
+    return Section("settings", heading, (table, *folds))
 
 
 def _by_mechanism(regimes: Regimes, about: str, name: str, rows_of: Rows) -> Table:
     """Engines and their rows down, mechanisms by regime across; an engine is named in its first row."""
-    found: dict[str, dict[str, dict[int, Cell]]] = {}
     places = [place for part in regimes.values() for place in part]
+    found: dict[str, dict[Cell, dict[int, Cell]]] = {}
     for column, place in enumerate(places):
         for facts in place.engines(place.foremost):
             for row, cell in rows_of(facts):
                 found.setdefault(label_of(facts), {}).setdefault(row, {})[column] = cell
-    rows: list[tuple[Cell | Words, ...]] = []
-    for label, cells in found.items():
-        for number, (row, mine) in enumerate(cells.items()):
-            filled = (mine.get(column, Cell(ABSENT, "absent")) for column in range(len(places)))
-            rows.append(("" if number else label, row, *filled))
+    none = Cell(ABSENT, "absent")
+    rows = once(
+        (label, row, *(mine.get(column, none) for column in range(len(places))))
+        for label, cells in found.items()
+        for row, mine in cells.items()
+    )
     groups = (("", 2), *((f"regime {regime}", len(part)) for regime, part in regimes.items()))
     head = ("Engine", name, *(place.mechanism for place in places))
-    return Table(f"{about} Largest error over the peak of {judged_by(regimes)}.", head, tuple(rows), "l", groups=groups)
+    return Table(sentence(about, judged=judged_by(regimes)), head, tuple(rows), "l", groups=groups)

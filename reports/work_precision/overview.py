@@ -11,7 +11,7 @@ from comparisons.work_precision.places import EngineFacts, PlaceFacts, Regimes
 from comparisons.work_precision.records import SETTING, BenchRecord
 from reports.document.chart import Array, Chart, Curve, Ink, Panel
 from reports.document.parts import Figure
-from reports.document.templates import plain
+from reports.document.templates import plain, sentence
 
 # Nothing below round-off is worth a decade, and nothing ten times as large as its own peak one more.
 LEAST, MOST = 1e-16, 10.0
@@ -29,57 +29,54 @@ def inks(labels: Mapping[str, str]) -> dict[str, Ink]:
 
 def figures(regimes: Regimes, colours: Mapping[str, Ink]) -> tuple[Figure, ...]:
     """A figure for every regime."""
+    alt = "error over stepping time, {}, every engine, {} mechanisms"
     return tuple(
         Figure(
-            regime,
-            f"Regime {regime}: largest error over the peak against the time of the stepping. Thin: a method over its "
-            "steps; bold: an engine's front, dashed where several runs are extrapolated; broad grey: the front over "
-            "all engines; marked: the settings (circle naive, square tuned, star best).",
-            f"error over stepping time, {regime}, every engine, {len(places)} mechanisms",
-            chart(places, colours),
-            wide=True,
+            name, sentence("bench_overview", regime=name), alt.format(name, len(places)), chart(places, colours), True
         )
-        for regime, places in regimes.items()
+        for name, places in regimes.items()
     )
 
 
-def chart(places: Sequence[PlaceFacts], colours: Mapping[str, Ink], quantity: str = "") -> Chart:
-    """Work and precision of one regime over its mechanisms, in ``quantity`` or in the one each is judged by."""
-    panels = tuple(_panel(place, colours, quantity or place.foremost) for place in places)
+def chart(places: Sequence[PlaceFacts], colours: Mapping[str, Ink]) -> Chart:
+    """Work and precision of one regime over its mechanisms, in the quantity each is judged by."""
+    panels = tuple(_panel(place, colours) for place in places)
     columns = min(COLUMNS, len(panels))
     return Chart(panels, height=PANEL * -(-len(panels) // columns), columns=columns, wide=True)
 
 
-def _panel(place: PlaceFacts, colours: Mapping[str, Ink], quantity: str) -> Panel:
-    curves = [*_overall(place.ranked(quantity))]
-    for facts in place.engines(quantity):
+def _panel(place: PlaceFacts, colours: Mapping[str, Ink]) -> Panel:
+    """What no engine does better than is a broad grey staircase."""
+    fronts = zip(_fronts(place.ranked(place.foremost)), LINES, strict=True)
+    curves = [
+        Curve(np.repeat(x, 2)[1:], np.repeat(y, 2)[:-1], ink="reference", line=line, width=5.0)
+        for (x, y), line in fronts
+        if len(x)
+    ]
+    for facts in place.engines(place.foremost):
         curves += _engine(facts, colours[facts.engine])
-    title = f"{place.mechanism}: {plain(quantity)}"
+    title = f"{place.mechanism}: {plain(place.foremost)}"
     return Panel(tuple(curves), "stepping alone, s", "largest |error| / peak", scale="loglog", title=title)
-
-
-def _overall(records: Sequence[BenchRecord]) -> Iterator[Curve]:
-    """What no engine does better than, as a broad grey staircase."""
-    for part, line in zip(apart(records), LINES, strict=True):
-        x, y = _places(on_front(part))
-        if len(x):
-            yield Curve(np.repeat(x, 2)[1:], np.repeat(y, 2)[:-1], ink="reference", line=line, width=5.0)
 
 
 def _engine(facts: EngineFacts, ink: Ink) -> Iterator[Curve]:
     for sweep in facts.methods:
-        x, y = _places(sweep.points.records)
-        yield Curve(x, y, ink=ink, line=LINES[sweep.first.is_extrapolated], width=0.6, marker=".")
-    fronts = [(_places(on_front(part)), line) for part, line in zip(apart(facts.records), LINES, strict=True)]
-    lowest = min((y[-1] for (_, y), _ in fronts if len(y)), default=0.0)
-    for (x, y), line in fronts:
+        line = LINES[sweep.first.is_extrapolated]
+        yield Curve(*_places(sweep.points.records), ink=ink, line=line, width=0.6, marker=".")
+    fronts = _fronts(facts.records)
+    lowest = min((y[-1] for _, y in fronts if len(y)), default=0.0)
+    for (x, y), line in zip(fronts, LINES, strict=True):
         if len(x):
             name = "control" if facts.is_control else facts.engine
             yield Curve(x, y, name=name if y[-1] == lowest else "", ink=ink, line=line, width=1.9)
     for record in facts.records:
         if record.kind == SETTING and record.finished:
-            x, y = _places([record])
-            yield Curve(x, y, ink=ink, line="", marker=MARKERS.get(record.setting, "D"))
+            yield Curve(*_places([record]), ink=ink, line="", marker=MARKERS.get(record.setting, "D"))
+
+
+def _fronts(records: Sequence[BenchRecord]) -> list[tuple[Array, Array]]:
+    """The front of single runs, and that of several extrapolated."""
+    return [_places(on_front(part)) for part in apart(records)]
 
 
 def _places(records: Sequence[BenchRecord]) -> tuple[Array, Array]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from itertools import groupby
 
 from comparisons.work_precision.analysis import WANTED
@@ -50,25 +50,22 @@ def _points(bench: Bench) -> Table:
     return Table("", POINTS, tuple(rows), "l")
 
 
-def _block(place: PlaceFacts, quantity: str, noise: float) -> list[Printed]:
-    name = f"{place.mechanism} ({place.variant}), {place.regime}"
-    if not place.quantities:
-        return [Paragraph(f"{name}: nothing finished", colour="bold"), *_failures(place, quantity)]
-    title = Paragraph(f"{name}: {plain(quantity)}, largest error over the peak", colour="bold")
-    parts: list[Printed] = [title, _methods(place, quantity), "", _choices(place, quantity), ""]
-    for facts in place.engines(quantity):
+def _block(place: PlaceFacts, quantity: str, noise: float) -> Iterator[Printed]:
+    name, engines = f"{place.mechanism} ({place.variant}), {place.regime}", place.engines(quantity)
+    measured = plain(quantity) if place.quantities else ""
+    told = f"{measured}, largest error over the peak" if measured else "nothing finished"
+    yield Paragraph(f"{name}: {told}", colour="bold")
+    if measured:
+        yield from (_methods(place, quantity), "", _choices(place, quantity), "")
+    for facts in engines if measured else ():
         for one in facts.standings:
             told = f"{error(one.record.error_max)} in {seconds(one.record.seconds_min or 0.0)}"
-            parts.append(f"{facts.engine} {one.record.setting}: {told}{words.standing_words(one, facts, noise)[1]}")
-    return [*parts, *_failures(place, quantity), ""]
-
-
-def _failures(place: PlaceFacts, quantity: str) -> list[Paragraph]:
-    return [
-        Paragraph(f"{label_of(facts)} {reason}", colour="yellow")
-        for facts in place.engines(quantity)
-        for reason in words.failed_methods(facts)
-    ]
+            yield f"{facts.engine} {one.record.setting}: {told}{words.standing_words(one, facts, noise)}"
+    for facts in engines:
+        for reason in words.failed_methods(facts):
+            yield Paragraph(f"{label_of(facts)} {reason}", colour="yellow")
+    if measured:
+        yield ""
 
 
 def _methods(place: PlaceFacts, quantity: str) -> Table:
@@ -86,10 +83,12 @@ def _choices(place: PlaceFacts, quantity: str) -> Table:
     """What to use for an error: a row for all errors that one point of an engine serves."""
     rows = []
     for facts in place.engines(quantity):
-        wanted = zip(WANTED, facts.choices, strict=False)
-        for choice, part in groupby(wanted, key=lambda pair: pair[1]):
-            errors = [bound(error) for error, _ in part]
+        for choice, part in groupby(zip(facts.choices, WANTED, strict=False), key=lambda pair: pair[0]):
+            errors = [bound(error) for _, error in part]
             span = errors[0] if len(errors) == 1 else f"{errors[0]} to {errors[-1]}"
-            cost, taken, _ = words.choice_words(choice, facts)
-            rows.append((label_of(facts), span, cost or ABSENT, taken if cost else f"not reached; {taken}"))
+            if record := choice.record:
+                found = (seconds(record.seconds_min or 0.0), words.way_words(facts, record))
+            else:
+                found = (ABSENT, f"not reached; least {error(choice.closest.error_max)}")
+            rows.append((label_of(facts), span, *found))
     return Table("", CHOICES, tuple(rows), "llrl")

@@ -1,54 +1,39 @@
-"""Orders, steps, choices and standings of a benchmark in words."""
+"""Orders, steps and standings of a benchmark in words."""
 
 from __future__ import annotations
 
-from comparisons.work_precision.analysis import PointChoice, Standing, SweepFinding
+from collections.abc import Iterable, Iterator
+
+from comparisons.work_precision.analysis import Standing, SweepFinding
 from comparisons.work_precision.floor import Cause
 from comparisons.work_precision.places import EngineFacts, Regimes
 from comparisons.work_precision.records import SETTING, Bench, BenchRecord
 from comparisons.work_precision.step_sweep import SATURATED, falls_with_effort
 from engines.contract import Setting
 from reports.document.numbers import bound, error, figure, seconds
+from reports.document.parts import Cell
 from reports.document.templates import plain, sentence
 
 # Times closer than this are the same time, however quiet the machine.
 LEAST_NOISE = 0.05
 
 
-def standing_words(standing: Standing, facts: EngineFacts, noise: float) -> tuple[str, str]:
-    """How far off the methods' front a setting is, in short and as the end of a sentence.
+def standing_words(standing: Standing, facts: EngineFacts, noise: float) -> str:
+    """How far off the methods' front a setting is, as the end of a sentence.
 
     ``best`` is held against all methods, the others against those of a single run; a share ``noise`` of its time is
     nothing.
     """
-    record, ratio = standing.record, standing.ratio
+    record, ratio, whole = standing.record, standing.ratio, standing.record.setting == Setting.BEST
     if (record.error_max or 0.0) > SATURATED:
-        return "no solution", ": no solution"
-    against_all = record.setting == Setting.BEST
+        return ": no solution"
     if ratio is None or standing.rival is None or standing.rival_seconds is None:
-        short = "nearer than any method" if facts.sweeps else "no method measured"
-        return short, f"; no {'method' if against_all else 'single run'} measured gets there"
-    front = "the front" if against_all else "the front of single runs"
+        return f"; no {'method' if whole else 'single run'} measured gets there"
+    front = "the front" if whole else "the front of single runs"
     beside = f"{way(facts, standing.rival)} takes {seconds(standing.rival_seconds)} to the same error"
     if ratio <= 1.0 / (1.0 + noise):
-        return "ahead of the front", f"; ahead of {front}: {beside}, {figure(1.0 / ratio, 2)} × as long"
-    place = "on" if ratio <= 1.0 + noise else f"{figure(ratio, 2)} ×"
-    return f"{place} the front", f"; {place} {front}: {beside}"
-
-
-def choice_words(choice: PointChoice, facts: EngineFacts) -> tuple[str, str, str]:
-    """What to use for an error: its cost, its way with its steps a turn, and all else that is known of it.
-
-    Where nothing gets there, the cost is empty and the way says what comes nearest.
-    """
-    record = choice.record or choice.closest
-    least, taken = error(record.error_max), way_words(facts, record)
-    if choice.record is None:
-        return "", f"least {least}", f"not reached; least {least} by {taken}"
-    rms = record.error.error_rms if record.error else None
-    set_up, read_out = seconds(record.setup_seconds or 0.0), seconds(record.readout_seconds or 0.0)
-    told = f"{least} (RMS {error(rms)}) in {record.steps} steps, set-up {set_up}, read-out {read_out}"
-    return seconds(record.seconds_min or 0.0), taken, told
+        return f"; ahead of {front}: {beside}, {figure(1.0 / ratio, 2)} × as long"
+    return f"; {'on' if ratio <= 1.0 + noise else f'{figure(ratio, 2)} ×'} {front}: {beside}"
 
 
 def way_words(facts: EngineFacts, record: BenchRecord) -> str:
@@ -116,6 +101,14 @@ def engine_labels(bench: Bench) -> dict[str, str]:
 def judged_by(regimes: Regimes) -> str:
     """The quantities that places are judged by, for a reader."""
     return " or ".join(dict.fromkeys(plain(place.foremost) for places in regimes.values() for place in places))
+
+
+def once(rows: Iterable[tuple[Cell | str, ...]]) -> Iterator[tuple[Cell | str, ...]]:
+    """Rows whose first word is left out where the row before begins with it too."""
+    before: Cell | str = ""
+    for first, *others in rows:
+        yield ("" if first == before else first, *others)
+        before = first
 
 
 def failed_methods(facts: EngineFacts) -> tuple[str, ...]:

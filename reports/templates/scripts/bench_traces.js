@@ -4,6 +4,7 @@ linkproof.bench = (() => {
   const SYMBOLS = ["circle", "square", "diamond", "triangle-up", "triangle-down", "cross", "x", "pentagon"];
   const MARKS = { naive: ["circle-open", 10], tuned: ["square", 10], best: ["star", 14] };
   const DASHES = ["solid", "6px,3px"], HEIGHT = 560, LINE = 16;
+  const isSetting = (sweep) => sweep.kind === "setting";
   const short = (value) => value.toExponential(1).replace("e+", "e");
   const time = (value) => (value < 1 ? `${(1e3 * value).toPrecision(3)} ms` : `${value.toPrecision(3)} s`);
   const plain = (text) => text.replace(/[<>&]/g, (sign) => `&#${sign.charCodeAt(0)};`);
@@ -19,13 +20,13 @@ linkproof.bench = (() => {
   function told(sweep, point, [key, words, unit, peak]) {
     const [, largest, mean] = point.errors[key], [ends, order] = sweep.ends[key] || [];
     return [
-      `<b>${sweep.engine} ${sweep.version}: ${sweep.setting ? "setting " : ""}${plain(sweep.way)}</b>`,
+      `<b>${sweep.engine} ${sweep.engine_version}: ${isSetting(sweep) ? "setting " : ""}${plain(sweep.way)}</b>`,
       `${words}: largest ${short(largest)}, RMS ${short(mean)} of ${peak} ${unit}`,
-      `${point.step ? `${point.turn} steps a turn, ${point.step} s` : "step fixed by the adapter"}; ` +
+      `${point.step ? `${Math.round(point.steps_per_turn)} steps a turn, ${point.step} s` : "step fixed by the adapter"}; ` +
         (sweep.runs > 1 ? `${sweep.runs} runs, extrapolated` : "1 run"),
-      `stepping ${time(point.stepping)}, median ${time(point.median)} of ${point.repeats}`,
-      `set-up ${time(point.setup)}, read-out ${time(point.readout)}`,
-      `${point.steps} steps, ${point.work} ${sweep.unit}${sweep.solver && `; ${sweep.solver}`}`,
+      `stepping ${time(point.seconds_min)}, median ${time(point.seconds_median)}`,
+      `set-up ${time(point.setup_seconds)}, read-out ${time(point.readout_seconds)}`,
+      `${point.steps} steps, ${point.solver_work} ${sweep.work_unit}${sweep.solver && `; ${sweep.solver}`}`,
       ends && `${order ? `order ${order.toFixed(1)}` : "no steady order"}; ${ends}`,
       point.used && wrapped(point.used),
     ].filter(Boolean).join("<br>");
@@ -36,15 +37,16 @@ linkproof.bench = (() => {
 
   /* All traces of one engine, and its fronts of single runs and of several. */
   function drawn(data, quantity, value, engine, efforts, colours) {
-    const colour = colours.c[engine.ink] || colours.muted, kinds = [[], []], found = [], visible = engine.isOn;
+    const colour = colours.c[engine.ink.slice(1)] || colours.muted;
+    const kinds = [[], []], found = [], visible = engine.isOn;
     data.sweeps.filter((sweep) => sweep.engine === engine.name).forEach((sweep, number) => {
       const points = sweep.points.filter((one) => one.errors[quantity[0]] && value(one) > 0)
         .map((one) => ({ x: value(one), y: one.errors[quantity[0]][0], text: told(sweep, one, quantity) }));
       const kind = Number(sweep.runs > 1), style = { width: 1, dash: sweep.own ? DASHES[kind] : "dot" };
       kinds[kind].push(...points);
       if (!points.length || !(sweep.own || efforts)) return;
-      const [symbol, size] = sweep.setting ? MARKS[sweep.setting] || ["hexagon", 10] : [SYMBOLS[number % 8], 5];
-      const edge = { color: symbol === "circle-open" ? colour : colours.ink, width: sweep.setting ? 1.3 : 0 };
+      const [symbol, size] = isSetting(sweep) ? MARKS[sweep.setting] || ["hexagon", 10] : [SYMBOLS[number % 8], 5];
+      const edge = { color: symbol === "circle-open" ? colour : colours.ink, width: isSetting(sweep) ? 1.3 : 0 };
       found.push(line(points, colour, style, { visible, mode: "lines+markers", hoverinfo: "text", opacity: 0.85,
         hovertext: points.map((one) => one.text), marker: { color: colour, size, symbol, line: edge } }));
     });

@@ -6,7 +6,7 @@ window.linkproof = (() => {
   let isReady = false;
 
   function start(element) {
-    if (element.dataset.started || !kinds.has(element.dataset.kind)) return;
+    if (element.dataset.started || !kinds.has(element.dataset.kind) || element.closest("[hidden]")) return;
     element.dataset.started = "yes";
     const data = JSON.parse(element.querySelector(':scope > script[type="application/json"]').textContent);
     kinds.get(element.dataset.kind)(element, data);
@@ -111,9 +111,28 @@ window.linkproof = (() => {
     }
   }
 
+  /* In a file that holds a whole report, one page of it is shown at a time: the one that the address leads to. */
+  function showPage() {
+    const links = [...document.querySelectorAll(".pages a")], main = document.getElementById("main");
+    if (!links.length || links.some((link) => !link.getAttribute("href").startsWith("#"))) return;
+    const pages = links.slice(1).map((link) => document.getElementById(link.hash.slice(1)));
+    const place = document.getElementById(decodeURIComponent(location.hash.slice(1))) ?? main;
+    const shown = pages.find((page) => page.contains(place)) ?? main;
+    for (const part of main.children) part.hidden = shown === main ? pages.includes(part) : part !== shown;
+    for (const link of links) link.ariaCurrent = link.hash === `#${shown.id}` ? "page" : null;
+    if (place === shown) window.scrollTo(0, 0); else place.scrollIntoView();
+  }
+
+  function begin() {
+    showPage();
+    startAll();
+    stops();
+  }
+
   dark.addEventListener("change", redraw);
   window.matchMedia("print").addEventListener("change", redraw);
-  document.addEventListener("DOMContentLoaded", () => { startAll(); stops(); });
+  document.addEventListener("DOMContentLoaded", begin);
+  window.addEventListener("hashchange", begin);
   window.addEventListener("resize", stops);
   document.addEventListener("toggle", stops, true);
   return { widget, load, loaded, plot, colours, saveButton };

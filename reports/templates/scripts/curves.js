@@ -1,40 +1,10 @@
 /* All errors and all curves of a mechanism's runs: regime, quantity, axis, engines and settings are chosen. */
 "use strict";
 (() => {
-  const make = (tag, text, options = {}) => Object.assign(document.createElement(tag), { textContent: text }, options);
-  const labelled = (...parts) => {
-    const label = make("label", "");
-    label.append(...parts);
-    return label;
-  };
-
-  /* A list to choose one from, with its label. */
-  function choice(words, options, changed) {
-    const select = make("select", "");
-    select.append(...options.map(([value, text]) => make("option", text, { value })));
-    select.addEventListener("change", changed);
-    return [select, labelled(`${words} `, select)];
-  }
-
-  /* Names to be shown or left out: what tells the shown ones, and the set of boxes. */
-  function toggles(words, names, isShown, mark, changed) {
-    const set = make("fieldset", "", { hidden: names.length < 2 });
-    set.append(make("legend", words), ...names.map((name) => {
-      const box = make("input", "", { type: "checkbox", checked: isShown(name), value: name });
-      box.addEventListener("change", changed);
-      return labelled(box, mark(name), ` ${name}`);
-    }));
-    return [() => [...set.querySelectorAll("input:checked")].map((box) => box.value), set];
-  }
-
   linkproof.widget("curves", (element, data) => {
-    const { errorPlot, curvePlot, SIGNS } = linkproof.runPlots;
+    const { errorPlot, curvePlot, SIGNS } = linkproof.runPlots, { make, choice, toggles, swatch } = linkproof.controls;
     const changed = () => show();
-    const swatch = (name) => {
-      const mark = make("span", "", { className: "swatch" });
-      mark.style.background = `var(--c${data.engines.indexOf(name) % 6})`;
-      return mark;
-    };
+    const coloured = (name) => swatch(`c${data.engines.indexOf(name) % 6}`);
     const sign = (name) => make("span", ` ${SIGNS[name] || SIGNS.tuned}`, { ariaHidden: "true" });
     const isUsual = (name) => name !== "naive" || data.settings.length < 2;
 
@@ -42,7 +12,7 @@
     const [quantity, quantityLabel] = choice("Quantity", [], changed);
     const over = [["time", "time"], ["angle", data.axis[0].split(",")[0]]];
     const [axis, axisLabel] = choice("Over", over, changed);
-    const [engines, engineSet] = toggles("Engines", data.engines, () => true, swatch, changed);
+    const [engines, engineSet] = toggles("Engines", data.engines, () => true, coloured, changed);
     const [settings, settingSet] = toggles("Settings", data.settings, isUsual, sign, changed);
     const controls = make("div", "", { className: "controls" });
     const plot = make("div", "", { className: "plot" });
@@ -62,7 +32,7 @@
     }
 
     function draw([traces, layout, told]) {
-      words.textContent = told;
+      words.textContent = `${told} ${data.left_out || ""}`;
       linkproof.plot(plot, traces, layout).then((drawn) => {
         if (!drawn || plot.dataset.answers) return;
         plot.dataset.answers = "yes";

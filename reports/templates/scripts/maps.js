@@ -28,7 +28,7 @@
       const bar = line.bars.includes(column) ? " bar" : "";
       if (!cell) return make("td", { class: bar });
       const sign = signs[cell.verdict], look = dressed(sign), value = map.values[column];
-      const place = make("td", { ...look, class: look.class + bar, tabindex: -1, "aria-label": sign.word, title: `${value}: ${sign.word}` }, sign.sign);
+      const place = make("td", { ...look, class: look.class + bar, tabindex: -1, "aria-label": sign.word, title: `${value}: ${sign.word}` }, sign.symbol);
       place.onclick = () => tell(place, { map, block, line, cell, value });
       return place;
     }));
@@ -85,14 +85,14 @@
     parts.about.textContent = `${map.about} Columns: ${map.label}${map.easy ? `, easiest at ${map.easy}` : ""}.`;
     parts.blocks.replaceChildren(...grids.map((one) => one.box));
     const places = grids.flatMap((one) => one.lines.flat()).filter((place) => place.onclick);
-    (places.find((place) => place.textContent !== signs[0].sign) ?? places[0])?.click();
+    (places.find((place) => place.textContent !== signs[0].symbol) ?? places[0])?.click();
   }
 
   linkproof.widget("maps", (element, data) => {
     const names = Object.entries(data.axes).map(([key, title]) => make("option", { value: key }, title));
     const select = make("select", {}, ...names);
     const key = make("ul", { class: "maps-key" }, ...data.signs.filter((sign) => sign.occurs)
-      .map((sign) => make("li", { title: sign.meaning }, make("span", dressed(sign), sign.sign), sign.word)));
+      .map((sign) => make("li", { title: sign.meaning }, make("span", dressed(sign), sign.symbol), sign.word)));
     const parts = { about: make("p"), blocks: make("div", { class: "blocks" }), story: make("section", { class: "story", "aria-label": "The chosen cell", "aria-live": "polite", tabindex: 0 }) };
     element.append(make("div", { class: "controls" }, make("label", {}, "What is varied ", select)), parts.about, key,
       make("div", { class: "maps" }, parts.blocks, parts.story));

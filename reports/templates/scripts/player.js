@@ -26,7 +26,7 @@
       });
       if (!quick) {
         slider.value = sample;
-        const words = `${data.axis.name} ${data.axis.values[sample]} ${data.axis.unit}`.trim();
+        const words = `${data.axis.name} ${data.axis.values[sample]} ${data.axis.unit}`.trim().replace(" °", "°");
         slider.setAttribute("aria-valuetext", words);
         cells.forEach((cell, row) => { cell.textContent = row ? told(data.rows[row - 1], sample) : words; });
       }
@@ -70,21 +70,14 @@
   };
 
   function addControls(element, data, last) {
-    const controls = document.createElement("div");
-    controls.className = "controls";
-    const button = document.createElement("button");
-    button.type = "button";
-    const label = document.createElement("label");
-    const slider = Object.assign(document.createElement("input"), { type: "range", min: 0, max: last, step: 1 });
-    label.append(`${data.axis.name} `, slider);
-    controls.append(button, label);
-    const list = document.createElement("dl");
-    list.className = "readout";
+    const { make, labelled } = linkproof.controls;
+    const button = make("button", "", { type: "button" });
+    const slider = make("input", "", { type: "range", min: 0, max: last, step: 1 });
+    const controls = make("div", "", { className: "controls" }), list = make("dl", "", { className: "readout" });
+    controls.append(button, labelled(`${data.axis.name} `, slider));
     const cells = [{ name: "at" }, ...data.rows].map((row) => {
-      const [name, cell] = [document.createElement("dt"), document.createElement("dd")];
-      name.textContent = row.name;
-      const pair = document.createElement("div");
-      pair.append(name, cell);
+      const [pair, cell] = [make("div"), make("dd")];
+      pair.append(make("dt", row.name), cell);
       list.append(pair);
       return cell;
     });
@@ -93,8 +86,7 @@
   }
 
   function addCursor(figure) {
-    const line = document.createElement("span");
-    line.className = "cursor";
+    const line = linkproof.controls.make("span", "", { className: "cursor" });
     figure.querySelector(".picture").append(line);
     return line;
   }

@@ -9,14 +9,14 @@ from comparisons.campaign.key_figures import KeyFigure
 from comparisons.campaign.results import Results
 from comparisons.datasheet.building import usual_sheet
 from comparisons.judging.records import Verdict
-from reports.campaign.index import Study, index
+from reports.campaign.index import index
 from reports.document.markdown import written
 from reports.document.parts import Cards, Fold, Link, Paragraph, Table
 from reports.document.terminal import rendered
 from tests.reports.made_up_results import made_up_results
 
 NAMES = ("juki-mf7923d", "two-crank-takeup")
-STUDY = Study(Link("Stability", "stress.html"), "480 runs")
+STUDY = (Link("Stability", "stress.html"), ": 480 runs")
 
 
 @pytest.fixture(scope="module")
@@ -84,7 +84,7 @@ def test_a_card_leads_to_the_page_of_its_mechanism_and_tells_its_figures(page, s
 
 
 def test_everything_else_is_a_link_or_behind_a_line(page):
-    assert STUDY.link in page.parts[-1].items[0]
+    assert STUDY[0] in page.parts[-1].items[0]
     (fold,) = section(page, "run").parts
     assert isinstance(fold, Fold)
     assert not fold.is_open

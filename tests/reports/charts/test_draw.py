@@ -71,6 +71,14 @@ def test_no_words_touch_others_leave_the_figure_or_are_small(chart):
         assert min(box.x0, box.y0, figure.bbox.x1 - box.x1, figure.bbox.y1 - box.y1) > -1.0, text.get_text()
 
 
+def test_a_key_of_many_names_the_largest_and_counts_the_rest():
+    upper, lower = draw.figure(CHARTS["names that take all the room"]).axes
+    assert set(NAMES) <= {text.get_text() for text in upper.texts}
+    names = [text.get_text() for text in lower.texts if re.match("link|and", text.get_text())]
+    assert "and 32 more" in names
+    assert len(names) == 9
+
+
 def test_edges_are_those_of_the_axes(chart):
     box = draw.figure(chart).axes[0].get_position()
     assert draw.edges(chart) == pytest.approx((box.x0, box.x1))

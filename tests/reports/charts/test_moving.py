@@ -30,12 +30,6 @@ def moving(request):
     return KinematicScheme(mechanism.linkage, positions), ElementTree.fromstring(markup), markup
 
 
-def turn(degrees):
-    """The matrix of a rule's rotation, y down."""
-    angle = np.radians(float(degrees))
-    return np.array([[np.cos(angle), -np.sin(angle)], [np.sin(angle), np.cos(angle)]])
-
-
 def carried(text, number, place):
     """Where the rules of one part carry a place of the drawing, by the share of the motion."""
     rule = re.search(rf"#key \.key-{number}{{transform-origin:{NUMBER}px {NUMBER}px", text)
@@ -43,36 +37,33 @@ def carried(text, number, place):
     body = re.search(rf"@keyframes key-{number}{{(.*?)}}}}", text)[1]
     found = {}
     for share, rule in re.findall(r"([\d.]+)%{transform:([^}]*)", body):
-        x, y = re.match(rf"translate\({NUMBER}px,{NUMBER}px\)", rule).groups()
-        turns = [turn(one) for one in re.findall(rf"rotate\({NUMBER}deg\)", rule)]
-        stretch = re.search(rf"scale\({NUMBER},1\)", rule)
-        matrix = turns[0] if stretch is None else turns[0] @ turns[1] @ np.diag([float(stretch[1]), 1.0]) @ turns[2]
-        found[float(share) / 100.0] = np.array([float(x), float(y)]) + origin + matrix @ (place - origin)
+        a, b, c, d, x, y = map(float, re.match(r"matrix\((.*)\)", rule)[1].split(","))
+        found[float(share) / 100.0] = np.array([x, y]) + origin + np.array([[a, c], [b, d]]) @ (place - origin)
     return found
 
 
-def pixels(scheme, places):
+def points(scheme, places):
     """Places of the scheme on the drawing, by its rim and its size."""
     low, high = scheme.extent
-    scale = min((440 - 48) / (high - low)[0], (400 - 48) / max((high - low)[1], 1e-9))
-    return (np.asarray(places) - [low[0], high[1]]) * [scale, -scale] + 24.0
+    scale = min((330 - 36) / (high - low)[0], (300 - 36) / max((high - low)[1], 1e-9))
+    return (np.asarray(places) - [low[0], high[1]]) * [scale, -scale] + 18.0
 
 
 def test_every_point_of_every_body_is_carried_along_its_path(moving):
     scheme, _, text = moving
     for number, (name, link) in enumerate(scheme.linkage.links.items()):
         for point, local in link.points.items():
-            path = pixels(scheme, scheme.path(name, [local])[0].T)
-            for share, place in carried(text, number, pixels(scheme, scheme.spots[point])).items():
+            path = points(scheme, scheme.path(name, [local])[0].T)
+            for share, place in carried(text, number, points(scheme, scheme.spots[point])).items():
                 np.testing.assert_allclose(place, path[round(share * (len(path) - 1))], atol=0.3)
 
 
 def test_springs_and_cylinders_stay_between_their_ends(moving):
     scheme, _, text = moving
-    for number, (name, ends) in enumerate(scheme.stretches.items(), start=len(scheme.linkage.links)):
-        for end, path in zip(scheme.ends_shown(name), ends, strict=True):
-            track = pixels(scheme, path.T)
-            for share, place in carried(text, number, pixels(scheme, end)).items():
+    for number, ends in enumerate(scheme.stretches.values(), start=len(scheme.linkage.links)):
+        for end, path in zip(scheme.at(ends), ends, strict=True):
+            track = points(scheme, path.T)
+            for share, place in carried(text, number, points(scheme, end)).items():
                 np.testing.assert_allclose(place, track[round(share * (len(track) - 1))], atol=0.5)
 
 

@@ -53,12 +53,12 @@ def test_the_extent_is_that_of_the_crank_slider():
 def test_a_guide_covers_the_travel_of_its_slider():
     scheme = scheme_of("juki-mf7923d")
     slider = scheme.linkage.sliders[0]
-    ends = np.array(scheme.travel(slider.guide, slider.link, slider.point))
-    np.testing.assert_allclose(ends, [[0.0, -0.070], [0.0, -0.039]], atol=1e-12)
+    ends = scheme.travel(slider.guide, slider.link, slider.point)
+    np.testing.assert_allclose(ends, [[0.0, -70.0], [0.0, -39.0]], atol=1e-9)
 
 
 def test_outlines_are_hulls_and_straight_links_stay_straight():
     square = np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0], [0.5, 0.5]])
     assert len(symbols.outline(square)) == 4
     straight = np.array([[0.0, 0.0], [0.3, 0.3], [1.0, 1.0]])
-    np.testing.assert_array_equal(symbols.outline(straight), [[0.0, 0.0], [1.0, 1.0]])
+    np.testing.assert_array_equal(np.sort(symbols.outline(straight), axis=0), [[0.0, 0.0], [1.0, 1.0]])

@@ -1,4 +1,4 @@
-"""Colours of figures: by name order, and legible on the paper of either scheme."""
+"""Colours of figures: legible on the paper of either scheme."""
 
 import pytest
 
@@ -16,12 +16,6 @@ def contrast(one, other):
     """Contrast ratio of two colours, WCAG 2."""
     dark, light = sorted((luminance(one), luminance(other)))
     return (light + 0.05) / (dark + 0.05)
-
-
-def test_colours_go_by_the_order_of_names():
-    names = [f"engine {letter}" for letter in "abcdefgh"]
-    assert style.colour("engine b", names) == style.PALETTE[1]
-    assert style.colour("engine g", names) == style.PALETTE[0]
 
 
 @pytest.mark.parametrize("colour", [style.INK, style.MUTED, style.LIMIT_COLOUR, *style.PALETTE])

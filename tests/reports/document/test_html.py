@@ -183,3 +183,11 @@ def luminance(colour):
     parts = [int(colour[at : at + 2], 16) / 255.0 for at in (1, 3, 5)]
     linear = [part / 12.92 if part <= 0.04045 else ((part + 0.055) / 1.055) ** 2.4 for part in parts]
     return 0.2126 * linear[0] + 0.7152 * linear[1] + 0.0722 * linear[2]
+
+
+def test_no_line_ends_inside_a_value(tmp_path):
+    words = "5 N m and 2.5e-4 kg m² at 3 %; an N men"
+    html.write(Page("a.html", "", "", "", (Paragraph(words),), ()), tmp_path, ())
+    text = (tmp_path / "a.html").read_text(encoding="utf-8")
+    assert '5\N{NO-BREAK SPACE}N\N{NO-BREAK SPACE}m and <span class="whole">2.5e-4</span>' in text
+    assert "kg\N{NO-BREAK SPACE}m² at 3\N{NO-BREAK SPACE}%; an N men" in text

@@ -22,7 +22,6 @@ def test_an_error_has_two(value, text):
 def test_given_figures_keep_the_digits_they_have():
     assert [numbers.printed(value) for value in (8.3e-5, 0.16, 24.0, 6.13e-4)] == ["8.3e-5", "0.16", "24", "6.13e-4"]
     assert [numbers.bound(value) for value in (1e-4, 2.5e-6, None)] == ["1e-4", "2.5e-6", "–"]
-    assert numbers.per_cent(-0.036) == "−3.6 %"
     assert [numbers.seconds(value) for value in (1.234, 0.0123)] == ["1.23 s", "12.3 ms"]
 
 

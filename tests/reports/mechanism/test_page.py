@@ -4,13 +4,13 @@ from dataclasses import replace
 
 import pytest
 
-from analytic.description.loading import load
+from analytic.description.loading import catalogue, load
 from comparisons.datasheet.building import sheet, usual_sheet
 from comparisons.reference.case import Case
 from reports.document import html
 from reports.document.parts import Facts, Figure, Figures, Fold, Paragraph, Table
 from reports.mechanism.page import file_of, page
-from tests.analytic.linkages import EVERY, from_text, mechanism
+from tests.analytic.linkages import MADE_UP, from_text, mechanism
 from tests.reports.made_up_results import made_up_results
 from tests.reports.results.samples import MASS, TURN, piston_text
 
@@ -48,13 +48,14 @@ def test_key_figures_are_those_of_the_formulas_in_the_units_of_the_file():
     assert rows["peak torque"][1].endswith("°")
 
 
-@pytest.mark.parametrize(("name", "variant"), EVERY)
-def test_every_linkage_has_a_page_whose_figures_have_files_of_their_own(name, variant):
-    found = page(usual_sheet(mechanism(name, variant).linkage))
+@pytest.mark.parametrize("name", [*MADE_UP, *catalogue()])
+def test_every_linkage_has_a_page_whose_figures_have_files_of_their_own(name):
+    linkage = mechanism(name).linkage
+    found = page(usual_sheet(linkage))
     names = [one.name for one in figures(found)]
     assert len(names) == len(set(names))
     assert all(one.alt and one.caption for one in figures(found))
-    assert found.file == f"mechanisms/{mechanism(name).linkage.name}.{mechanism(name, variant).linkage.variant}.html"
+    assert found.file == f"mechanisms/{linkage.name}.{linkage.variant}.html"
 
 
 def test_without_masses_a_sentence_stands_for_torque_and_forces():

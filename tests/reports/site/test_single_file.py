@@ -62,3 +62,27 @@ def test_a_report_in_one_file_needs_no_other(tmp_path):
     ids = re.findall(r'\sid="([^"]*)"', markup)
     assert len(ids) == len(set(ids))
     assert set(re.findall(r'href="#([^"]*)"', markup)) <= set(ids)
+
+
+def test_the_curves_of_one_regime_at_the_settings_that_matter_are_mailed():
+    def curves(*settings):
+        return {"truth": {}, "runs": [{"setting": name} for name in settings]}
+
+    quantities = [{"title": "S", "curves": True}, {"title": "v", "curves": False}]
+    data = {
+        "settings": ["naive", "tuned"],
+        "regimes": [{"name": "one", "quantities": quantities}, {"name": "two", "quantities": quantities}],
+        "first": "0-0",
+        "curves": curves("naive", "tuned"),
+    }
+    further = {"0-1": curves("naive", "tuned"), "1-0": curves("tuned")}
+    widget = Widget("curves", "w", "", data, further)
+    one = one_page((page("index.html"), Page("a.html", "a", "a", "", (widget,), ())))
+    (mailed,) = (part for part in found(one, Widget) if part.kind == "curves")
+    assert mailed.data["curves"]["runs"] == [{"setting": "tuned"}]
+    assert mailed.further == {"0-1": curves("tuned")}
+    offered = [[one["curves"] for one in regime["quantities"]] for regime in mailed.data["regimes"]]
+    assert offered == [[True, False], [False, False]]
+    assert "one" in mailed.data["left_out"]
+    assert widget.data is data
+    assert data["regimes"][1]["quantities"] == quantities

@@ -19,7 +19,7 @@ def test_every_cell_has_its_box_and_sign_and_every_border_its_bar(axis):
     drawing = draw_map(map_data(STRESS, axis))
     assert [panel.get_title(loc="left") for panel in drawing.axes] == [row.label for row in axes()[axis].rows]
     lines = [line for panel in drawing.axes for line in panel.lines]
-    bars = [line for line in lines if line.get_linestyle() != "None"]
+    bars = [line for line in lines if line.get_marker() == "None"]
     assert sum(len(line.get_xdata()) for line in lines if line not in bars) == 2 * STRESS.count(axis=axis).total()
     places = [border_place(one, STRESS.columns[axis]) for one in STRESS.borders if one.axis == axis]
     assert sorted(float(line.get_xdata()[0]) for line in bars) == sorted(places)

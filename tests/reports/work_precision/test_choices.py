@@ -4,7 +4,7 @@ from comparisons.work_precision.analysis import WANTED
 from comparisons.work_precision.places import by_regime, places
 from comparisons.work_precision.records import Bench
 from reports.document.parts import Fold, Table
-from reports.work_precision.choices import section, winners
+from reports.work_precision.choices import section, verdicts
 from tests.comparisons.bench_rows import points, setting_row
 from tests.reports.made_up_bench import document, made_up_bench
 
@@ -23,16 +23,16 @@ def test_the_winner_of_an_error_is_the_cheapest_engine_of_most_mechanisms():
         for mechanism, alpha, beta in (("m", 1.0, 2.0), ("n", 1.5, 3.0), ("o", 9.0, 4.0))
         for engine, seconds in (("alpha", alpha), ("beta", beta))
     ]
-    ((regime, first, *others),) = winners(_regimes(*rows, mechanisms=("m", "n", "o"))).rows
-    assert regime == "run-up-quintic"
-    assert first.words == "alpha or beta"
-    assert first.note == "alpha: 1.00 s to 1.50 s, tuned, in 2 of 3; beta: 4.00 s, tuned, in 1 of 3"
-    assert [cell.words for cell in others] == ["none", "none"]
+    (told,) = verdicts(_regimes(*rows, mechanisms=("m", "n", "o")))
+    assert told.role == "verdict"
+    assert told.words == (
+        "Cheapest for Mkr in run-up-quintic: within 1e-3 of its peak alpha (1.00 s to 1.50 s, in 2 of 3) or "
+        "beta (4.00 s, in 1 of 3); within 1e-6 of its peak none; within 1e-8 of its peak none."
+    )
 
 
 def test_the_control_never_wins():
-    table = winners(by_regime(places(made_up_bench(control="alpha"))))
-    assert all("alpha" not in cell.words + cell.note for row in table.rows for cell in row[1:])
+    assert all("alpha" not in told.words for told in verdicts(by_regime(places(made_up_bench(control="alpha")))))
 
 
 def test_what_an_engine_says_of_several_errors_is_one_cell():

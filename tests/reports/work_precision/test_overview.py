@@ -47,7 +47,3 @@ def test_the_broad_front_is_that_of_the_ranked_engines_as_a_staircase():
         assert list(dict.fromkeys(curve.x)) == list(dict.fromkeys(one.seconds_min for one in front))
         assert np.all((np.diff(curve.x) == 0.0) | (np.diff(curve.y) == 0.0))
     assert "control" in {curve.name for curve in panel.curves}
-
-
-def test_another_quantity_can_be_drawn():
-    assert chart(PLACES, INKS, "joint_force").panels[0].title.endswith("joint force")

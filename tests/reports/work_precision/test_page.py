@@ -41,8 +41,8 @@ def test_what_engines_say_is_escaped_and_nothing_is_fetched(folder):
 
 def test_the_diagram_comes_first_and_failures_stand_once_with_their_places():
     made = page(BENCH)
-    assert [type(part).__name__ for part in made.parts[:2]] == ["Table", "Widget"]
-    assert [section.key for section in made.sections] == ["use", "settings", "methods", "failed", "measured"]
+    assert [type(part).__name__ for part in made.parts[:2]] == ["Paragraph", "Widget"]
+    assert [section.key for section in made.sections] == ["use", "settings", "failed", "measured"]
     (fold,) = _section(made, "failed").parts
     assert isinstance(fold, Fold)
     told = "torn: diverged: the joints <gave> way (everywhere)"

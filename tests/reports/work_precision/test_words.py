@@ -3,7 +3,7 @@
 from comparisons.work_precision.floor import Cause
 from comparisons.work_precision.places import places
 from comparisons.work_precision.records import Bench
-from reports.work_precision.words import choice_words, failed_methods, label_of, limit_words, standing_words
+from reports.work_precision.words import failed_methods, label_of, limit_words, once, standing_words, way_words
 from tests.comparisons.bench_rows import points, row, setting_row, sweep_rows
 from tests.reports.made_up_bench import document, made_up_bench
 
@@ -14,13 +14,11 @@ def _facts(rows, quantity="Mkr"):
     return places(Bench(document(points(rows), ("m",), ("alpha", "beta"))))[0].engines(quantity)
 
 
-def test_a_choice_names_its_way_its_step_and_its_price():
+def test_a_way_names_its_method_and_its_steps_a_turn():
     (alpha, _) = places(BENCH)[0].engines("Mkr")
-    cells = [choice_words(choice, alpha) for choice in alpha.choices]
-    assert cells[0][:2] == ("4.00 ms", "plain @ 4")
-    assert cells[-1][0]
-    assert cells[-1][1] == "best x4"
-    assert any(way.startswith("higher x2 @") for _, way, _ in cells)
+    ways = [way_words(alpha, choice.record) for choice in alpha.choices if choice.record]
+    assert (ways[0], ways[-1]) == ("plain @ 4", "best x4")
+    assert any(way.startswith("higher x2 @") for way in ways)
 
 
 def test_floor_is_said_only_of_an_error_that_a_finer_step_does_not_lower():
@@ -52,13 +50,14 @@ def test_a_setting_is_said_to_be_on_ahead_of_or_off_the_front():
     def told(noise):
         return {one.record.setting: standing_words(one, alpha, noise) for one in alpha.standings}
 
-    assert told(0.1)["naive"] == ("no solution", ": no solution")
-    assert told(0.1)["best"] == ("nearer than any method", "; no method measured gets there")
-    short, words = told(0.1)["tuned"]
-    assert short == "on the front"
-    assert "x2" not in words
-    assert "on the front of single runs: plain takes 15.8 ms" in words
-    assert told(0.01)["tuned"][0] == "1.1 × the front"
+    assert told(0.1)["naive"] == ": no solution"
+    assert told(0.1)["best"] == "; no method measured gets there"
+    assert told(0.1)["tuned"].startswith("; on the front of single runs: plain takes 15.8 ms")
+    assert told(0.01)["tuned"].startswith("; 1.1 × the front")
+
+
+def test_what_rows_share_is_said_once():
+    assert list(once([("a", "1"), ("a", "2"), ("b", "3")])) == [("a", "1"), ("", "2"), ("b", "3")]
 
 
 def test_the_control_is_held_against_nothing():
