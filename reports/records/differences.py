@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from dataclasses import replace
 
 from comparisons.folders.difference import FolderDifference, Move, Name, RunPair
-from reports.document.numbers import ABSENT, figure, per_cent, seconds
+from reports.document.numbers import ABSENT, figure, seconds
 from reports.document.numbers import error as error_words
 from reports.document.parts import Cell, Table
 from reports.document.signs import RUNS
@@ -66,7 +66,8 @@ def _move(move: Move) -> Iterator[Cell | str]:
         words = sign.word if one.error_max is None else f"{error_words(one.error_max)} {sign.symbol}"
         yield Cell(words, colour=sign.colour)
     yield ABSENT if move.factor is None else figure(move.factor, 2)
-    yield per_cent(move.peak_share)
+    share = move.peak_share
+    yield ABSENT if share is None else f"{100.0 * share:+.1f} %".replace("-", "−")
     yield "beyond" if move.beyond else ""
 
 
