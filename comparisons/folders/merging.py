@@ -19,7 +19,7 @@ from comparisons.runs.files import claim, write_file, write_text
 from comparisons.stress import saved as stress_test
 from comparisons.stress.saved import Stress
 from comparisons.work_precision import records as work_precision
-from comparisons.work_precision.records import Bench
+from comparisons.work_precision.records import Bench, PointRecord
 
 LIST: Final = "merged.json"
 FILES: Final = (DATASET, RECORDS, SHEETS, work_precision.FILE, stress_test.FILE)
@@ -77,9 +77,16 @@ class MergedFolder:
         points = bench.points if bench else ()
         return frozenset((
             *(f"compare {'/'.join(record.run)}, {record.conditions}" for record in records),
-            *(f"bench {'/'.join((*p.place, p.engine, p.setting))}, step {p.step}, effort {p.effort}" for p in points),
+            *(f"bench {_point(point)}" for point in points),
             *(f"stress {result.cell.key}" for result in (stress.results if stress else ())),
         ))  # fmt: skip
+
+
+def _point(point: PointRecord) -> str:
+    """What tells a point of a benchmark from every other."""
+    steps = (("step", point.step), ("effort", point.effort))
+    told = (f", {name} {value!r}" for name, value in steps if value is not None)
+    return "/".join((*point.place, point.engine, point.setting)) + "".join(told)
 
 
 def folders_of(paths: Sequence[Path]) -> tuple[MergedFolder, ...]:

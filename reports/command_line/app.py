@@ -469,7 +469,7 @@ def report(
 ) -> None:
     """Write the pages of what was saved again; needs no engine.
 
-    DIR is the folder that compare, bench, stress or judge wrote with --out, or the curves.nc in it.
+    DIR is the folder that compare, bench, stress or judge wrote with --out, the curves.nc in it, or what merge wrote.
     """
     from reports.command_line.commands import folders
 

@@ -27,10 +27,10 @@ LEAD = (
 )
 
 
-def write_machines(folders: Sequence[MergedFolder], out: Path, *, processes: int | None = None) -> Path:
+def write_machines(folders: Sequence[MergedFolder], out: Path) -> Path:
     """Write the pages of every folder and one that leads to them; returns its path."""
     for folder in folders:
-        write_site(folder.path, processes=processes)
+        write_site(folder.path)
     html.write_assets(out)
     links = [Link("Machines", INDEX), *(Link(folder.name, f"{folder.name}/{INDEX}") for folder in folders)]
     return html.write(page(folders), out, links)
@@ -54,7 +54,8 @@ def page(folders: Sequence[MergedFolder]) -> Page:
 
 def _folder(folder: MergedFolder) -> Iterator[Part]:
     yield Paragraph((Link(folder.name, f"{folder.name}/{INDEX}"), f": {'; '.join(_studies(folder))}"))
-    yield Facts(tuple(environment_facts(folder.environment, leave_out=("machine",))))
+    environment = {name: value for name, value in folder.environment.items() if name != "machine"}
+    yield Facts(tuple(environment_facts(environment)))
     if folder.campaign is not None:
         yield _engines(folder.campaign)
 
@@ -98,8 +99,10 @@ def _across(groups: Sequence[Sequence[MergedFolder]]) -> Iterator[Part]:
 
 
 def _difference(before: Results | None, after: Results | None) -> FolderDifference | None:
-    """What differs between two campaigns; None where they have nothing in common."""
+    """What differs between two campaigns; None where they have no run of the same linkage in common."""
+    if before is None or after is None or not {r.run for r in before.records} & {r.run for r in after.records}:
+        return None
     try:
-        return difference(before, after) if before is not None and after is not None else None
-    except LinkproofError:
+        return difference(before, after)
+    except LinkproofError:  # the same runs under other conditions
         return None

@@ -9,6 +9,7 @@ from analytic.errors import LinkproofError
 from comparisons.campaign.results import load
 from comparisons.folders import merging
 from comparisons.folders.difference import difference
+from comparisons.folders.merging import MergedFolder
 from comparisons.folders.tables import write_tables
 from comparisons.folders.verification import verify as verify_folder
 from reports.command_line import FAILED, PASSED
@@ -37,18 +38,27 @@ def diff(before: Path, after: Path, destination: Destination) -> int:
     return FAILED if found.beyond else PASSED
 
 
-def merge(saved: Sequence[Path], out: Path, processes: int | None = None) -> None:
+def merge(saved: Sequence[Path], out: Path) -> None:
     """Join folders into one, and write its report."""
+    _write_machines(merging.merge(merging.folders_of(saved), out), out)
+
+
+def _write_machines(folders: Sequence[MergedFolder], out: Path) -> None:
     from reports.site.machines import write_machines  # noqa: PLC0415  figures cost a second
 
-    folders = merging.merge(merging.folders_of(saved), out)
-    show(f"report: {write_machines(folders, out, processes=processes)}", stderr=True)
+    show(f"report: {write_machines(folders, out)}", stderr=True)
 
 
 def report(
     saved: Path, out: Path | None, single: Path | None, csv: Path | None, *, opens: bool = False, png: bool = False
 ) -> None:
     """Write the pages of what a folder holds, or its curves as CSV."""
+    merged = merging.merged_folders(saved)
+    if csv is None and merged:
+        if out is not None or single is not None or opens or png:
+            raise LinkproofError(f"'{saved}' is merged: leave the options out, or name one of the folders in it")
+        _write_machines([MergedFolder(path, path.name) for path in merged], saved)
+        return
     if csv is None:
         report_saved(saved, out, single, opens=opens, png=png)
         return

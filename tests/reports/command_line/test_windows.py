@@ -20,8 +20,8 @@ for name in ("resource", "fcntl", "termios", "pwd", "grp"):
 EVERYTHING = (
     START
     + """
-import importlib, pkgutil, analytic, engines, comparisons, reports
-for top in (analytic, engines, comparisons, reports):
+import importlib, pkgutil, analytic, engines, comparisons, linkproof, reports
+for top in (analytic, engines, comparisons, linkproof, reports):
     for found in pkgutil.walk_packages(top.__path__, top.__name__ + "."):
         importlib.import_module(found.name)
 print(len([name for name in sys.modules if name.startswith("comparisons.")]))

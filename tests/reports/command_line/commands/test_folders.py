@@ -63,7 +63,11 @@ def test_merge_writes_a_report_by_hardware_and_pages_of_every_folder(folder, wor
     for name in ("a", "b"):
         assert f'href="{name}/index.html"' in page
         assert (tmp_path / "both" / name / "index.html").is_file()
-    assert "1 moved; 1 beyond limits" in page
+    assert "1 moved; 1 beyond limits" in page.replace("\u00a0", " ")
+    (tmp_path / "both" / "index.html").unlink()
+    assert _typed("report", tmp_path / "both").exit_code == 0
+    assert (tmp_path / "both" / "index.html").read_text(encoding="utf-8") == page
+    assert isinstance(_typed("report", tmp_path / "both", "--png").exception, LinkproofError)
 
 
 def test_report_writes_csv_and_no_page(folder, tmp_path):
