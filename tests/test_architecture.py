@@ -69,8 +69,8 @@ def test_finding_an_adapter_imports_no_engine(name):
 
 
 SEEN = {
-    "engines": {"description", "numerics", "errors", "catalogue"},
-    "reports.document": {"description", "request", "errors", "catalogue"},
+    "engines": {"description", "numerics", "errors", "catalogue", "shelves"},
+    "reports.document": {"description", "request", "errors", "catalogue", "shelves"},
 }
 
 

@@ -27,7 +27,7 @@ def places(files: Iterable[LinkageFile], folder: Path) -> dict[str, Place]:
 
 
 def _path(file: LinkageFile, folder: Path) -> str:
-    if file.is_shipped:
+    if file.is_known:
         return file.name
     return Path(os.path.relpath(Path(file.origin).resolve(), folder.resolve())).as_posix()
 

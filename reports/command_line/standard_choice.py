@@ -58,7 +58,7 @@ def _project_of(names: tuple[str, ...]) -> Project | None:
     """The project of the first linkage that is a file of a user's; of the working folder where none is named."""
     if not names:
         return find_project(Path())
-    origins = (file.origin for file in map(read, names) if not file.is_shipped)
+    origins = (file.origin for file in map(read, names) if not file.is_known)
     first = next(origins, None)
     return None if first is None else find_project(Path(first).resolve().parent)
 
