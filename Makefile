@@ -11,7 +11,11 @@ EXTENT ?= --quick
 BASE   ?= HEAD~1
 SPEED  := --config tests/speed/asv.conf.json
 
-.PHONY: report pages pins test lint baseline speed targets clean
+RECORD := --baseline tests/baseline.json --record-baseline
+
+DOCUMENTED := $(VENV)/.documented
+
+.PHONY: report pages docs pins test lint baseline speed targets clean
 
 report: $(READY)  ## every mechanism in every engine and setting, costs and stability; page at build/report/index.html
 	$(BIN)/linkproof bench $(EXTENT) --costs --out build/report
@@ -20,6 +24,9 @@ report: $(READY)  ## every mechanism in every engine and setting, costs and stab
 
 pages: $(READY)  ## pictures of every page of build/report, wide and narrow, light and dark, in build/pages; needs Chromium
 	$(BIN)/python -m tests.pages.show build/report build/pages
+
+docs: $(DOCUMENTED)  ## the documentation, from docs/ to build/docs/index.html; it opens from the disk and loads nothing
+	NO_MKDOCS_2_WARNING=1 $(BIN)/python -m mkdocs build --strict --quiet
 
 pins: $(READY)  ## every pinned record made anew and held; python tests/pins/pins.py take renews them
 	$(BIN)/python tests/pins/pins.py hold
@@ -33,9 +40,9 @@ lint: $(READY)  ## style, types and the direction of imports
 	$(BIN)/mypy
 	$(BIN)/lint-imports
 
-baseline: $(READY)  ## record today's deviations as those to be held in future
-	$(BIN)/linkproof compare --regime run-up --regime run-up-quintic --setting tuned --setting best --record-baseline
-	$(BIN)/linkproof compare --regime own --record-baseline
+baseline: $(READY)  ## record today's deviations as those to be held in future, in tests/baseline.json
+	$(BIN)/linkproof compare --regime run-up --regime run-up-quintic --setting tuned --setting best $(RECORD)
+	$(BIN)/linkproof compare --regime own $(RECORD)
 
 speed: $(READY)  ## time the hot paths at two commits, turn and turn about; fails where one got a tenth slower
 	$(BIN)/asv machine --yes $(SPEED)
@@ -51,4 +58,8 @@ clean:
 $(READY): pyproject.toml
 	$(PYTHON) -m venv $(VENV)
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable '.[all,dev]'
+	touch $@
+
+$(DOCUMENTED): $(READY)
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable '.[docs]'
 	touch $@

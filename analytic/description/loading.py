@@ -18,7 +18,8 @@ from analytic.description.diagnosis import Source, sentence, shown
 from analytic.description.format.repetition import expanded
 from analytic.description.linkage import Linkage
 from analytic.description.schema import Document
-from analytic.errors import DescriptionError, UnknownNameError, is_safe, listed, printable
+from analytic.errors import DescriptionError, LinkproofError, UnknownNameError, is_safe, listed, printable
+from analytic.shelves import announced
 
 CATALOGUE = Path(__file__).parents[1] / "catalogue"
 LITERATURE = CATALOGUE / "literature"
@@ -34,11 +35,15 @@ PLACE: Final = re.compile(r" \(at (?:line (\d+), column (\d+)|end of document)\)
 
 @dataclass(frozen=True)
 class LinkageFile:
-    """A linkage file as it was read: the mechanism's name, what messages call the file, and its text."""
+    """A linkage file as it was read: the mechanism's name, the file's in messages, its text.
+
+    ``is_known`` says whether its name is enough to find it, on any machine that has what this one has installed.
+    """
 
     name: str
     origin: str
     text: str
+    is_known: bool = False
 
     def linkage(self, variant: str | None = None) -> Linkage:
         """The linkage in a variant, the file's own values if None; raises as ``load`` does."""
@@ -55,23 +60,41 @@ def literature() -> tuple[str, ...]:
     return _names(LITERATURE)
 
 
+def installed() -> tuple[str, ...]:
+    """Names of the linkages that other packages announce, sorted: taken where they are named.
+
+    Raises LinkproofError as ``announced`` does, and where one has the name of a linkage of ours.
+    """
+    ours = {*catalogue(), *literature()}
+    for name, (_, package) in announced().items():
+        if name in ours:
+            raise LinkproofError(
+                f"mechanism '{name}': expected a name of its own, got one of linkproof's from {package}; have it "
+                "rename its file, or uninstall it"
+            )
+    return tuple(announced())
+
+
 def _names(shelf: Path) -> tuple[str, ...]:
     return tuple(sorted(path.stem for path in shelf.glob("*.toml")))
 
 
 def find(name: str) -> Path:
-    """Path of a mechanism: a catalogue name, or the path of a user's own ``.toml`` file."""
+    """Path of a mechanism: a name known here, or the path of a user's own ``.toml`` file."""
     path = Path(name)
-    names = (*catalogue(), *literature())
+    ours = (*catalogue(), *literature())
     if not path.suffix and path.parent == Path():
+        if name in ours:
+            return (CATALOGUE if name in catalogue() else LITERATURE) / f"{name}.toml"
+        names = (*ours, *installed())
         if name not in names and _fault(Path(f"{name}.toml")) is None:
             raise DescriptionError(
                 f"unknown mechanism '{name}': did you mean the file '{name}.toml'? give its whole name"
             )
         if name not in names:
             raise UnknownNameError("mechanism", name, names)
-        return (CATALOGUE if name in catalogue() else LITERATURE) / f"{name}.toml"
-    known = f"the path of a linkage file, whose name ends in .toml, or one of the mechanisms {listed(names)}"
+        return announced()[name][0]
+    known = f"the path of a linkage file, whose name ends in .toml, or one of the mechanisms {listed(ours)}"
     if path.suffix.lower() != ".toml":
         raise DescriptionError(f"expected {known}, got '{name}'; give one of them")
     fault = _fault(path)
@@ -88,7 +111,7 @@ def _fault(path: Path) -> str | None:
         return "does not exist"
 
 
-def read(name: str) -> LinkageFile:
+def read(name: str | Path) -> LinkageFile:
     """Read a mechanism's file by catalogue name or path; raises DescriptionError or UnknownNameError."""
     path = find(str(name))
     try:
@@ -100,10 +123,12 @@ def read(name: str) -> LinkageFile:
         ) from error
     except OSError as error:
         raise DescriptionError(f"{path}: expected a readable file, got '{error.strerror}'; check it") from error
-    return LinkageFile(printable(path.stem), path.name if path.parent in (CATALOGUE, LITERATURE) else str(path), text)
+    is_shipped = path.parent in (CATALOGUE, LITERATURE)
+    is_known = is_shipped or path != Path(name)
+    return LinkageFile(printable(path.stem), path.name if is_shipped else str(path), text, is_known)
 
 
-def load(name: str, variant: str | None = None) -> Linkage:
+def load(name: str | Path, variant: str | None = None) -> Linkage:
     """Read a mechanism by catalogue name or path, in the variant asked for (its first one if None).
 
     Raises DescriptionError, with file and line, or UnknownNameError.

@@ -11,7 +11,6 @@ from analytic.description.linkage import Linkage
 from analytic.errors import LinkproofError, UnknownNameError
 from analytic.kinematics.mechanism import Mechanism
 from comparisons.invariants.checks import checks
-from comparisons.judging import baseline
 from comparisons.judging.deviations import Deviation, NoSampleError, deviation
 from comparisons.judging.quantities import JOINT_FORCE, Quantity, check_defined, chosen_quantities
 from comparisons.judging.records import CONTROL, Record, Verdict, blank_record
@@ -114,9 +113,8 @@ def compare(
     those that it has kept already.
 
     What ``tasks`` raises is raised at once, before the first run is asked for; LinkproofError too, if the journal is
-    another request's or the baseline is damaged.
+    another request's.
     """
-    baseline.recorded()
     todo = tasks(request)
     count = usual_processes(len(todo)) if processes is None else processes
     study = Study(judged, lost, to_bytes, from_bytes, journal, announce, count)
@@ -190,9 +188,10 @@ def _compared(
         blank,
         error_max=found.error_max,
         error_rms=found.error_rms,
+        error_at_jumps=found.error_at_jumps,
         peak=found.peak,
         worst_time=found.worst_time,
         samples=found.samples,
         left_out=found.left_out,
     )
-    return judge(record, found.error_at_jumps), found
+    return judge(record), found

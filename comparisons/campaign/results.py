@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict, dataclass, replace
+from dataclasses import asdict, dataclass, fields, replace
 from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -16,10 +16,13 @@ from analytic.description.loading import parse
 from analytic.errors import LinkproofError
 from comparisons.campaign.campaign import CampaignRequest, RunResult
 from comparisons.campaign.errata import ErratumRecord
-from comparisons.campaign.saved_document import checked
+from comparisons.campaign.key_figures import KeyFigure
+from comparisons.campaign.saved_document import checked, limits_of
+from comparisons.campaign.standards import checksum
 from comparisons.datasheet.saved import FILE as SHEETS
 from comparisons.datasheet.saved import load_sheets, save_sheets
 from comparisons.datasheet.sheet import Sheet
+from comparisons.judging.limits import LimitTable
 from comparisons.judging.records import Record, from_rows, to_json
 from comparisons.judging.run_result import ARRAYS
 from comparisons.runs.environment import environment
@@ -50,6 +53,17 @@ class Results:
     def invariants(self) -> tuple[Record, ...]:
         """One record per run and invariant."""
         return from_rows(self.document["invariants"])
+
+    @cached_property
+    def limits(self) -> LimitTable:
+        """The limits that the records are held against; of a campaign that did not save them the suite's."""
+        return limits_of(self.document)
+
+    @cached_property
+    def figures(self) -> tuple[KeyFigure, ...]:
+        """Key figures of every linkage and motion, beside what was recorded of them."""
+        names = [field.name for field in fields(KeyFigure)]
+        return tuple(KeyFigure(**{name: row[name] for name in names}) for row in self.document.get("figures", ()))
 
     @cached_property
     def linkages(self) -> tuple[Linkage, ...]:
@@ -112,7 +126,13 @@ def document(
             for m in request.motions
         ],
         "descriptions": [
-            {"name": linkage.name, "variant": linkage.variant, "gravity": list(linkage.gravity), "text": linkage.text}
+            {
+                "name": linkage.name,
+                "variant": linkage.variant,
+                "gravity": list(linkage.gravity),
+                "text": linkage.text,
+                "checksum": checksum(linkage.text),
+            }
             for linkage in request.linkages
         ],
     }
@@ -168,8 +188,11 @@ def save(folder: Path, results: Sequence[RunResult], told: dict[str, Any], sheet
     return Results(told, curves, tuple(sheets))
 
 
-def load(folder: Path) -> Results:
-    """Read a saved campaign back, from its folder or from the dataset itself; no engine is imported."""
+def load(folder: Path, *, with_sheets: bool = True) -> Results:
+    """Read a saved campaign back, from its folder or from the dataset itself; no engine is imported.
+
+    Without sheets where none is needed: the first campaigns of version 0.1.0 wrote none.
+    """
     import xarray  # noqa: PLC0415
 
     path = folder / DATASET if folder.is_dir() else folder
@@ -181,6 +204,8 @@ def load(folder: Path) -> Results:
         told = checked(curves.attrs["document"], curves)
     except Exception as error:  # a damaged file raises anything at all
         raise LinkproofError(f"'{path}' is no dataset of a campaign ({error}); run compare with --out again") from error
+    if not with_sheets:
+        return Results(told, curves)
     found = Results(told, curves, load_sheets(path.parent))
     _check_sheets(found, path.parent)
     return found

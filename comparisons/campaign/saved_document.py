@@ -12,7 +12,8 @@ from pydantic import Field, TypeAdapter, ValidationError
 from typing_extensions import TypedDict
 
 from comparisons.campaign.errata import ErratumRecord
-from comparisons.judging.limits import limit
+from comparisons.campaign.key_figures import KeyFigure
+from comparisons.judging.limits import LimitTable, shipped_limits, table_of
 from comparisons.judging.records import Record, Verdict, from_rows
 from comparisons.judging.run_result import ARRAYS
 from engines.contract import ReadOut
@@ -36,8 +37,12 @@ ROWS: Final[Mapping[str, TypeAdapter[Any]]] = {
     "records": RECORDS,
     "invariants": RECORDS,
     "errata": _form({**get_type_hints(ErratumRecord), "sentence": str}),
+    "figures": _form({**get_type_hints(KeyFigure), "sentence": str}),
     "readouts": _form(get_type_hints(ReadOut), ReadOuts),
 }
+NEWER: Final = ("figures",)  # which campaigns of version 0.1.0 do not have
+# What a record tells since then, as it is where nothing was told.
+NEWER_FIELDS: Final = {"error_at_jumps": 0.0, "origin": "", "runs": 0, "shared": ""}
 COLUMNS: Final = {**dict.fromkeys(ARRAYS, "sample"), **dict.fromkeys(("row_size", "run", "quantity"), "curve")}
 
 
@@ -48,6 +53,17 @@ class MotionRow(TypedDict):
     segments: Annotated[list[tuple[float, float, Annotated[list[float], Field(min_length=1)]]], Field(min_length=1)]
 
 
+class LimitData(TypedDict):
+    """A row of the table of limits, as its file has it."""
+
+    quantities: list[str]
+    settings: list[str]
+    regimes: list[str]
+    mechanisms: list[str]
+    value: float
+    reason: str
+
+
 class DescriptionRow(TypedDict):
     """A linkage as it was described, under a gravity, m/s²."""
 
@@ -55,6 +71,7 @@ class DescriptionRow(TypedDict):
     variant: str
     gravity: tuple[float, float]
     text: str
+    checksum: NotRequired[str]
 
 
 class Document(TypedDict):
@@ -71,6 +88,9 @@ class Document(TypedDict):
     details: Mapping[str, Mapping[str, Any]]
     motions: list[MotionRow]
     descriptions: list[DescriptionRow]
+    limits: NotRequired[list[LimitData]]
+    figures: NotRequired[list[Any]]
+    notes: NotRequired[list[str]]
     judgement: NotRequired[list[str]]
 
 
@@ -80,18 +100,31 @@ DOCUMENT: Final = TypeAdapter(Document)
 def checked(text: str, curves: xarray.Dataset) -> dict[str, Any]:
     """The document of a campaign from its text; raises ValueError, which names the key, where it is damaged."""
     at: tuple[str, ...] = ()
+    parsed = json.loads(text)
+    document: dict[str, Any] = _completed(parsed)
     try:
-        DOCUMENT.validate_json(text, strict=True)
-        document: dict[str, Any] = json.loads(text)
+        DOCUMENT.validate_json(text if document is parsed else json.dumps(document), strict=True)
         for key, form in ROWS.items():
             at = (key,)
-            form.validate_python(document[key], strict=True)
+            if key in document or key not in NEWER:
+                form.validate_python(document[key], strict=True)
     except ValidationError as error:
         first = error.errors(include_url=False, include_input=False)[0]
         raise ValueError(f"{'.'.join(map(str, (*at, *first['loc'])))}: {first['msg']}") from error
     for fault in chain(_curve_faults(curves), _record_faults(document, curves)):
         raise ValueError(fault)
     return document
+
+
+def _completed(document: Any) -> Any:  # noqa: ANN401 - whatever JSON holds
+    """A document of version 0.1.0, which told no limits, with what was not told then; any other as it is."""
+    if not isinstance(document, dict) or "limits" in document:
+        return document
+    found = {"readouts": {}, **document}
+    for key in ("records", "invariants"):
+        if isinstance(found.get(key), list):
+            found[key] = [NEWER_FIELDS | row if isinstance(row, dict) else row for row in found[key]]
+    return found
 
 
 def _curve_faults(curves: xarray.Dataset) -> Iterator[str]:
@@ -116,7 +149,7 @@ def _record_faults(document: Mapping[str, Any], curves: xarray.Dataset) -> Itera
     columns = ([str(name) for name in curves[key].values] if key in curves else [] for key in ("run", "quantity"))
     known = set(zip(*columns, strict=True))
     rows = {key: from_rows(document[key]) for key in ("records", "invariants")}
-    runs = {record.run for record in rows["records"]}
+    runs, limits = {record.run for record in rows["records"]}, limits_of(document)
     for key, records in rows.items():
         for number, record in enumerate(records):
             where, run = f"{key}.{number}", "/".join(record.run)
@@ -131,12 +164,17 @@ def _record_faults(document: Mapping[str, Any], curves: xarray.Dataset) -> Itera
             if key == "records" and record.error_max is not None and (run, record.quantity) not in known:
                 yield f"{where}: no curve of {record.quantity} by {run}"
             if "judgement" not in document:  # another tool's signals have any name
-                yield from _limit_faults(record, where)
+                yield from _limit_faults(record, limits, where)
 
 
-def _limit_faults(record: Record, where: str) -> Iterator[str]:
+def limits_of(document: Mapping[str, Any]) -> LimitTable:
+    """The limits that a document's records are held against; of a campaign that did not save them the suite's."""
+    return table_of(document["limits"]) if "limits" in document else shipped_limits()
+
+
+def _limit_faults(record: Record, limits: LimitTable, where: str) -> Iterator[str]:
     """A quantity or a setting for which there is no limit."""
     try:
-        limit(record.quantity, record.setting, record.regime)
+        limits.limit(record.quantity, record.setting, record.regime, record.mechanism)
     except LookupError:
         yield f"{where}: no limit of {record.quantity or 'a nameless quantity'} at {record.setting or 'no setting'}"

@@ -107,8 +107,14 @@ def failing_rows(of: Case, engine: Engine, run: Run) -> Iterator[str]:
             found = deviation(of, quantity, motion)
         except NoSampleError:
             continue
-        row = replace(blank, quantity=quantity.name, origin=quantity.origin(motion).value, error_max=found.error_max)
-        if judge(row, found.error_at_jumps).outcome == Verdict.OVER_LIMIT:
+        row = replace(
+            blank,
+            quantity=quantity.name,
+            origin=quantity.origin(motion).value,
+            error_max=found.error_max,
+            error_at_jumps=found.error_at_jumps,
+        )
+        if judge(row).outcome == Verdict.OVER_LIMIT:
             yield quantity.name
     for row in checks(of, motion, blank):
         if Verdict(row.outcome).failed:

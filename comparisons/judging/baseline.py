@@ -1,61 +1,135 @@
-"""The recorded deviations: a guard that notices when an engine's upgrade makes it worse, even within its limit."""
+"""A baseline: errors and key figures as recorded before, to notice what changed within its limit.
+
+One JSON file beside a user's linkages, with an entry per linkage file, by its path from there; two files of one name
+have an entry each.
+"""
 
 from __future__ import annotations
 
 import json
-from collections.abc import Iterable
-from functools import cache
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, field
 from pathlib import Path
+from typing import Any, Final
 
 from analytic.errors import LinkproofError
 from comparisons.judging.records import Record
 from comparisons.runs.files import write_text
 
-TABLE = Path(__file__).with_name("baseline.json")
-
+FORMAT: Final = 1
 # A deviation may grow to this multiple of its recorded value before the check fails.
-GROWTH = 3.0
+GROWTH: Final = 3.0
 # Deviations below this share of their limit are round-off and are never judged by growth.
-FLOOR_SHARE = 1e-3
+FLOOR_SHARE: Final = 1e-3
+# What a key figure of the closed form may change by, relative.
+SAME_FIGURE: Final = 1e-6
 
 
-def key(record: Record) -> str:
-    """Under what name a record's deviation is kept; the regime's speed, times and angle belong to it."""
-    return "/".join((record.mechanism, record.variant, record.regime, record.conditions, record.engine, record.setting))
+@dataclass(frozen=True)
+class Place:
+    """Where a linkage stands in a baseline: its file's path from there, and the checksum of its text."""
+
+    path: str
+    checksum: str
 
 
-@cache
-def recorded() -> dict[str, dict[str, float]]:
-    """Deviations by key and quantity; empty before the first recording. Raises LinkproofError if it cannot be read."""
-    if not TABLE.is_file():
-        return {}
+@dataclass(frozen=True)
+class Baseline:
+    """What was recorded. ``places`` has every linkage's, by the name its records have.
+
+    ``linkages`` is as in the file: by path its checksum, and by variant and regime with its conditions the figures, and
+    by engine and setting the errors.
+    """
+
+    linkages: Mapping[str, Any] = field(default_factory=dict)
+    places: Mapping[str, Place] = field(default_factory=dict)
+
+    def allowed(self, record: Record) -> float | None:
+        """The largest deviation the baseline lets pass, None where none was recorded."""
+        errors = self._regime(record).get("errors", {}).get(f"{record.engine} {record.setting}", {})
+        value = errors.get(record.quantity)
+        if value is None or record.limit is None:
+            return None
+        return max(GROWTH * float(value), FLOOR_SHARE * record.limit)
+
+    def figures(self, record: Record) -> Mapping[str, float]:
+        """The key figures recorded for a record's linkage, variant and regime; none where there are none."""
+        return {name: float(value) for name, value in self._regime(record).get("figures", {}).items()}
+
+    def knows(self, record: Record) -> bool:
+        """Whether anything was recorded for a record's linkage, variant and regime."""
+        return bool(self._regime(record))
+
+    def changed(self) -> tuple[str, ...]:
+        """Paths of the files that are not as they were when their entry was recorded."""
+        known = [place for place in self.places.values() if place.path in self.linkages]
+        return tuple(place.path for place in known if self.linkages[place.path]["checksum"] != place.checksum)
+
+    def _regime(self, record: Record) -> Mapping[str, Any]:
+        place = self.places.get(record.mechanism)
+        entry = self.linkages.get(place.path, {}) if place else {}
+        found: Mapping[str, Any] = entry.get("variants", {}).get(record.variant, {}).get(_key(record), {})
+        return found
+
+    def recorded(self, records: Iterable[Record], figures: Mapping[tuple[str, str, str], Any]) -> Baseline:
+        """The same with these records and figures, by mechanism, variant and ``regime_key``, over the old ones."""
+        linkages = json.loads(json.dumps(self.linkages))
+        for record in records:
+            regime = self._entry(linkages, record.mechanism, record.variant, _key(record))
+            if record.error_max is not None:
+                errors = regime.setdefault("errors", {}).setdefault(f"{record.engine} {record.setting}", {})
+                errors[record.quantity] = float(f"{record.error_max:.3e}")
+        for (mechanism, variant, key), values in figures.items():
+            self._entry(linkages, mechanism, variant, key)["figures"] = {
+                name: float(f"{value:.9g}") for name, value in values.items()
+            }
+        return Baseline(linkages, self.places)
+
+    def _entry(self, linkages: dict[str, Any], mechanism: str, variant: str, key: str) -> dict[str, Any]:
+        place = self.places[mechanism]
+        entry = linkages.setdefault(place.path, {"variants": {}})
+        entry["checksum"] = place.checksum
+        found: dict[str, Any] = entry["variants"].setdefault(variant, {}).setdefault(key, {})
+        return found
+
+    def write(self, path: Path) -> None:
+        """Write the file in one step, sorted, so that two of them are compared line by line."""
+        document = {"format": FORMAT, "linkages": self.linkages}
+        write_text(path, json.dumps(document, indent=1, sort_keys=True, ensure_ascii=False) + "\n")
+
+
+def _key(record: Record) -> str:
+    return regime_key(record.regime, record.conditions)
+
+
+def regime_key(regime: str, conditions: str) -> str:
+    """What an entry's regimes are called: speed, times and angles belong to it."""
+    return f"{regime}: {conditions}"
+
+
+def read_baseline(path: Path, places: Mapping[str, Place]) -> Baseline:
+    """A baseline back from its file, empty where there is none; raises LinkproofError for one that is damaged."""
+    if not path.exists():
+        return Baseline({}, places)
     try:
-        table = json.loads(TABLE.read_text(encoding="utf-8"))
-        return {key: {name: float(value) for name, value in row.items()} for key, row in table.items()}
-    except (OSError, ValueError, TypeError, AttributeError) as error:
+        document = json.loads(path.read_text(encoding="utf-8"))
+        if document["format"] != FORMAT:
+            raise ValueError(f"its format is {document['format']!r}, this version's is {FORMAT}")
+        for entry in document["linkages"].values():
+            _check(entry)
+        return Baseline(document["linkages"], places)
+    except (OSError, ValueError, TypeError, KeyError, AttributeError) as error:
         raise LinkproofError(
-            f"expected recorded deviations in '{TABLE}', got a damaged file ({error}); restore it, or delete it to "
+            f"expected a baseline of linkproof in '{path}', got a damaged file ({error}); restore it, or delete it to "
             "judge by the limits alone"
         ) from error
 
 
-def allowed(record: Record) -> float | None:
-    """The largest deviation the baseline lets pass, None where none was recorded."""
-    value = recorded().get(key(record), {}).get(record.quantity)
-    if value is None or record.limit is None:
-        return None
-    return max(GROWTH * value, FLOOR_SHARE * record.limit)
-
-
-def record_all(records: Iterable[Record]) -> int:
-    """Write the deviations of these records over the old ones; returns how many."""
-    table = {name: dict(values) for name, values in recorded().items()}
-    count = 0
-    for record in records:
-        if record.error_max is not None:
-            table.setdefault(key(record), {})[record.quantity] = float(f"{record.error_max:.3e}")
-            count += 1
-    ordered = {name: dict(sorted(table[name].items())) for name in sorted(table)}
-    write_text(TABLE, json.dumps(ordered, indent=1) + "\n")
-    recorded.cache_clear()
-    return count
+def _check(entry: Any) -> None:  # noqa: ANN401 - whatever JSON holds
+    """Raise ValueError, TypeError, KeyError or AttributeError for an entry that is none."""
+    str.encode(entry["checksum"])
+    for regimes in entry["variants"].values():
+        for regime in regimes.values():
+            tables = [regime.get("figures", {}), *regime.get("errors", {}).values()]
+            for value in (value for table in tables for value in table.values()):
+                float(value)

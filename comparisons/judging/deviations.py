@@ -60,7 +60,11 @@ def deviation(case: Case, quantity: Quantity, motion: ObservedMotion) -> Deviati
         raise NoSampleError(UNBOUNDED.format(angle=degrees(case.unbounded_at)))
     if quantity.needs_thread and (reason := quantity.undefined(case)):
         raise NoSampleError(reason)
-    signal = quantity.observed(case, motion)
+    return signal_deviation(case, quantity, quantity.observed(case, motion), len(_clock(quantity, motion)))
+
+
+def signal_deviation(case: Case, quantity: Quantity, signal: Signal, clock: int) -> Deviation:
+    """As ``deviation``, of a signal read from an engine's motion before; ``clock`` counts the engine's samples."""
     kept = np.ones(len(signal.time), dtype=bool)
     if quantity.holds_acceleration:
         kept &= ~at_jumps(signal.time, case)
@@ -87,7 +91,7 @@ def deviation(case: Case, quantity: Quantity, motion: ObservedMotion) -> Deviati
         error_rms=float(np.sqrt(np.mean(difference**2)) / scale),
         worst_time=float(signal.time[kept][worst]),
         samples=len(difference),
-        left_out=len(_clock(quantity, motion)) - len(difference),
+        left_out=clock - len(difference),
         error_at_jumps=_beyond_jumps(case, quantity, signal, reference) / scale,
     )
 

@@ -1,18 +1,24 @@
-"""The table of limits: one data file, one look-up."""
+"""Tables of limits: the one that comes with the suite, and rows of a user's own that go before it."""
 
 from __future__ import annotations
 
+import math
 import tomllib
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
-from typing import Any
+from typing import Any, Final
 
 from analytic.description.crank_motion import LAWS, REGIMES
+from analytic.errors import LinkproofError, UnknownNameError
+from engines.contract import Setting
 
 OWN = "own"  # stands in the table for every regime of a linkage's own
 SWING = "swing"  # stands there for every law from one crank angle to another but constant speed, which is one law
 TABLE = Path(__file__).with_name("limits.toml")
+LISTS: Final = ("quantities", "settings", "regimes", "mechanisms")
+USERS: Final = "set by the user"
 
 
 @dataclass(frozen=True)
@@ -23,21 +29,123 @@ class Limit:
     reason: str
 
 
+@dataclass(frozen=True)
+class LimitRow:
+    """A limit and what it is for; no settings, regimes or mechanisms means all of them."""
+
+    limit: Limit
+    quantities: frozenset[str]
+    settings: frozenset[str] = frozenset()
+    regimes: frozenset[str] = frozenset()
+    mechanisms: frozenset[str] = frozenset()
+
+    def fits(self, quantity: str, setting: str, regime: str, mechanism: str) -> bool:
+        """Whether the limit holds for a record."""
+        kind = regime if regime in REGIMES else SWING if regime in LAWS else OWN
+        return (
+            quantity in self.quantities
+            and (not self.settings or setting in self.settings)
+            and (not self.regimes or bool({regime, kind} & self.regimes))
+            and (not self.mechanisms or mechanism in self.mechanisms)
+        )
+
+
+@dataclass(frozen=True)
+class LimitTable:
+    """Rows of which the first that fits a record holds."""
+
+    rows: tuple[LimitRow, ...]
+
+    def limit(self, quantity: str, setting: str, regime: str, mechanism: str = "") -> Limit:
+        """The limit a record is held against; raises LookupError for a quantity the table does not cover.
+
+        Forces of all joints share a limit, and so do all regimes that linkages define for themselves.
+        """
+        name = quantity.partition(":")[0]
+        for row in self.rows:
+            if row.fits(name, setting, regime, mechanism):
+                return row.limit
+        raise LookupError(f"limits.toml has no row for {name}, {setting}, {regime}: add one with its reason")
+
+    @property
+    def told(self) -> list[dict[str, Any]]:
+        """The rows as a file of limits has them, JSON-ready; ``table_of`` reads them back."""
+        return [
+            {
+                **{name: sorted(getattr(row, name)) for name in LISTS},
+                "value": row.limit.value,
+                "reason": row.limit.reason,
+            }
+            for row in self.rows
+        ]
+
+    @property
+    def quantities(self) -> tuple[str, ...]:
+        """Every quantity that has a limit, sorted."""
+        return tuple(sorted({name for row in self.rows for name in row.quantities}))
+
+
 @cache
-def _rows() -> list[dict[str, Any]]:
-    found: list[dict[str, Any]] = tomllib.loads(TABLE.read_text(encoding="utf-8"))["limit"]
-    return found
+def shipped_limits() -> LimitTable:
+    """The table that comes with the suite."""
+    return table_of(tomllib.loads(TABLE.read_text(encoding="utf-8"))["limit"])
+
+
+def table_of(rows: Iterable[Mapping[str, Any]]) -> LimitTable:
+    """A whole table from its rows, which are not checked."""
+    return LimitTable(tuple(map(_row, rows)))
 
 
 def limit(quantity: str, setting: str, regime: str) -> Limit:
-    """The limit a record is held against; raises LookupError for a quantity the table does not cover.
+    """The limit of the suite's own table, as ``LimitTable.limit``."""
+    return shipped_limits().limit(quantity, setting, regime)
 
-    Forces of all joints share a limit, and so do all regimes that linkages define for themselves.
-    """
-    quantity = quantity.partition(":")[0]
-    regime = regime if regime in REGIMES else SWING if regime in LAWS else OWN
-    for row in _rows():
-        fits = setting in row.get("settings", [setting]) and regime in row.get("regimes", [regime])
-        if quantity in row["quantities"] and fits:
-            return Limit(float(row["value"]), row["reason"])
-    raise LookupError(f"limits.toml has no row for {quantity}, {setting}, {regime}: add one with its reason")
+
+def read_limits(path: Path) -> LimitTable:
+    """The suite's table behind the ``[[limit]]`` rows of a user's file; raises LinkproofError for what is wrong."""
+    try:
+        table = tomllib.loads(path.read_text(encoding="utf-8"))
+    except (OSError, ValueError) as error:
+        raise LinkproofError(f"expected a TOML file of limits at '{path}', got {error}; correct it") from error
+    return with_rows(table.get("limit", []), str(path), unknown=sorted({*table} - {"limit"}))
+
+
+def with_rows(rows: object, origin: str, unknown: list[str] | None = None) -> LimitTable:
+    """The suite's table behind rows as TOML has them; ``origin`` names their file in messages."""
+    if unknown:
+        raise LinkproofError(f"{origin}: expected tables [[limit]], got the key '{unknown[0]}'; leave it out")
+    if not isinstance(rows, list) or not rows:
+        raise LinkproofError(f"{origin}: expected tables [[limit]] with quantities and a value, got none; add one")
+    for number, row in enumerate(rows, start=1):
+        _check(row, f"{origin}: limit {number}")
+    return LimitTable((*map(_row, rows), *shipped_limits().rows))
+
+
+def _check(row: Any, place: str) -> None:  # noqa: ANN401 - whatever TOML holds
+    """Raise LinkproofError for a user's row that cannot be."""
+    known = (*LISTS, "value", "reason")
+    if not isinstance(row, Mapping):
+        raise LinkproofError(f"{place}: expected a table with quantities and a value, got {row!r}; write one")
+    for name in row:
+        if name not in known:
+            raise UnknownNameError(f"key of {place}", name, known)
+    value = row.get("value")
+    if isinstance(value, bool) or not isinstance(value, (int, float)) or not 0.0 < value < math.inf:
+        raise LinkproofError(f"{place}: value: expected a positive share of the peak, such as 1e-4, got {value!r}")
+    for name in LISTS:
+        words = row.get(name, [])
+        if not isinstance(words, list) or not all(isinstance(word, str) for word in words):
+            raise LinkproofError(f"{place}: {name}: expected a list of names, got {words!r}; write it in brackets")
+    for name in row.get("settings", []):
+        if name not in list(Setting):
+            raise UnknownNameError(f"setting of {place}", name, Setting)
+    if not row.get("quantities"):
+        raise LinkproofError(f'{place}: quantities: expected what it is for, such as ["Mkr"], got none; name some')
+    for name in row["quantities"]:
+        if name not in shipped_limits().quantities:
+            raise UnknownNameError(f"quantity of {place}", name, shipped_limits().quantities)
+
+
+def _row(row: Mapping[str, Any]) -> LimitRow:
+    found = Limit(float(row["value"]), str(row.get("reason", USERS)))
+    return LimitRow(found, *(frozenset(row.get(name, ())) for name in LISTS))

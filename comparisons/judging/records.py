@@ -49,7 +49,8 @@ class Record:
     """A deviation beside its limit. Errors are relative to ``peak``, the reference's largest magnitude in ``unit``.
 
     ``seconds`` is the stepping alone of the run the record belongs to, ``steps`` all its time steps; ``left_out``
-    counts the samples not compared (acceleration jumps, standstill). ``detail`` says why, wherever it did not pass.
+    counts the samples not compared (acceleration jumps, standstill); ``error_at_jumps`` is the error at acceleration
+    jumps, beyond the jumps themselves. ``detail`` says why, wherever it did not pass.
     ``origin`` says where the engine's figure comes from (``engines.contract.Origin``, the weakest of all that it is
     made of, or ``CONTROL``), ``runs`` of how many runs of the engine it is made, ``shared`` what of it the reference
     and the engine have in common.
@@ -66,6 +67,7 @@ class Record:
     unit: str = ""
     error_max: float | None = None
     error_rms: float | None = None
+    error_at_jumps: float = 0.0
     limit: float | None = None
     baseline: float | None = None
     outcome: str = Verdict.PASSED.value

@@ -31,6 +31,7 @@ from reports.document.parts import (
 from reports.document.templates import lines, sentence
 from reports.mechanism.engines import errors_fold
 from reports.records import matrix
+from reports.records.changed_figures import changed_figures
 from reports.records.environment import environment_facts
 from reports.records.origins import exceptions, origin_words
 from reports.records.readouts import readout_table
@@ -82,7 +83,9 @@ def _engines(results: Results, trust: Trust) -> tuple[Section, ...]:
     parts = (_settings_table(trust), families_table(trust))
     caught = matrix.past_baseline(results)
     worse = (Fold("Within their limit, yet worse than three times their recorded value", (Bullets(caught),)),)
-    return (Section("engines", "The engines", (*parts, *(worse if caught else ()))),)
+    notes = map(Paragraph, results.document.get("notes", ()))
+    moved: tuple[Part, ...] = (*notes, *changed_figures(results.figures))
+    return (Section("engines", "The engines", (*parts, *(worse if caught else ()), *moved)),)
 
 
 def _settings_table(trust: Trust) -> Table:

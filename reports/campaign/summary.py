@@ -5,7 +5,7 @@ Same rows, same order, same digits; no date, machine or time. Those stand on the
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 
 from comparisons.campaign.results import Results
 from comparisons.datasheet.sheet import Sheet
@@ -17,6 +17,7 @@ from reports.document.parts import Bullets, Mono, Paragraph, Part, Section
 from reports.mechanism.engines import errors_fold
 from reports.mechanism.published import published_section
 from reports.records import matrix
+from reports.records.changed_figures import changed_figures
 from reports.records.views import views
 
 
@@ -35,6 +36,7 @@ def markdown(results: Results, sheets: Sequence[Sheet] = ()) -> str:
         Paragraph(words),
         Section("", "Verdict", (*map(Paragraph, lines), families_table(trust))),
         *_section("Errors", _errors(results)),
+        *_section("Key figures", changed_figures(results.figures)),
         *_section("Printed models", _printed_models(results)),
         *_section("Published figures against ours", _published(sheets)),
         Section("", "Limits", (matrix.limit_table(results),)),
@@ -42,7 +44,7 @@ def markdown(results: Results, sheets: Sequence[Sheet] = ()) -> str:
     return f"# {title}\n\n{written(parts)}\n"
 
 
-def _section(heading: str, parts: Iterator[Part]) -> tuple[Section, ...]:
+def _section(heading: str, parts: Iterable[Part]) -> tuple[Section, ...]:
     found = tuple(parts)
     return (Section("", heading, found),) if found else ()
 

@@ -6,11 +6,13 @@ from collections.abc import Sequence
 from itertools import groupby
 
 from comparisons.campaign.campaign import RunResult
+from comparisons.campaign.key_figures import KeyFigure
 from comparisons.judging.records import CONTROL, Record, Verdict
 from reports.document.numbers import bound, error, figure
 from reports.document.parts import Cell, Paragraph, Table, Words
 from reports.document.signs import RUNS
 from reports.document.terminal import Printed, Printout
+from reports.records.changed_figures import changed_figures
 from reports.records.origins import exceptions, origin_words
 from reports.records.views import family
 
@@ -22,8 +24,11 @@ DETAILS = (
 )
 
 
-def printout(results: Sequence[RunResult]) -> Printout:
-    """One table per mechanism and regime, quantities down, engines and settings across."""
+def printout(results: Sequence[RunResult], figures: Sequence[KeyFigure] = (), notes: Sequence[str] = ()) -> Printout:
+    """One table per mechanism and regime, quantities down, engines and settings across; then key figures that changed.
+
+    ``notes`` are sentences that always stand before the closing line.
+    """
     tables: list[Printed] = []
     details: list[Printed] = []
     kept = [result for result in results if result.records]
@@ -36,7 +41,15 @@ def printout(results: Sequence[RunResult]) -> Printout:
             tables += [_mechanism_table(beside), *_exceptions(beside), ""]
         rows = [_detail(record) for result in together for record in _all(result)]
         details += [heading, Table("", DETAILS, rows, "l"), ""]
-    return Printout(tables, [*_reasons(results), _closing_line(results)], details)
+    tables += [part for table in changed_figures(figures) for part in (table, "")]
+    return Printout(tables, [*notes, *_reasons(results), *_changes(figures), _closing_line(results)], details)
+
+
+def _changes(figures: Sequence[KeyFigure]) -> list[str]:
+    """How many key figures are not as recorded, in a sentence."""
+    known = [figure for figure in figures if figure.changed or figure.recorded is not None]
+    changed = sum(figure.changed for figure in known)
+    return [f"{changed} of {len(known)} key figures are not as recorded"] if changed else []
 
 
 def _all(result: RunResult) -> tuple[Record, ...]:
@@ -75,7 +88,7 @@ def _worst(result: RunResult, row: str) -> Record | None:
 
 def _limits(records: Sequence[Record | None]) -> str:
     limits = sorted({r.limit for r in records if r is not None and r.limit is not None}, reverse=True)
-    return ", ".join(f"{limit:.0e}" for limit in limits)
+    return ", ".join(f"{limit:.0e}" if float(f"{limit:.0e}") == limit else f"{limit:.3g}" for limit in limits)
 
 
 def _cell(record: Record | None) -> Cell | str:

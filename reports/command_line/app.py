@@ -240,7 +240,13 @@ def compare(
     full: Annotated[bool, flag("Run the files' own regimes in every setting, not tuned alone.", "--full")] = False,
     out: options.Out = None,
     json: options.Json = None,
-    record_baseline: Annotated[bool, flag("Record these errors as the new baseline.", "--record-baseline")] = False,
+    limits: Annotated[Path | None, valued("FILE", "Limits of your own, which go before the suite's.")] = None,
+    baseline: Annotated[Path | None, valued("FILE", "Errors and key figures as recorded before.")] = None,
+    record_baseline: Annotated[
+        bool,
+        flag("Record errors and key figures into the baseline, of --baseline or the project.", "--record-baseline"),
+    ] = False,
+    junit: Annotated[Path | None, valued("FILE", "Write every verdict as a test case, in JUnit's XML.")] = None,
     resume: options.Resume = False,
     quiet: options.Quiet = False,
     verbose: options.Verbose = False,
@@ -250,12 +256,14 @@ def compare(
 ) -> None:
     """Simulate mechanisms in engines and compare every error with its limit.
 
-    MECHANISM is a name in the catalogue or the path of a .toml file; default: the whole catalogue.
+    MECHANISM is a name in the catalogue or the path of a .toml file; default: those of the linkproof.toml in the
+    working folder or above it, or the whole catalogue. A linkproof.toml above the file says what options leave open.
 
     The naive setting shows what a user gets without tuning: beside other settings its rows do not decide the exit code.
     An engine that crashes, hangs or runs out of memory fails in its own row only.
 
-    Exit codes: 0 every error within its limit, 1 an error over its limit or a run that failed, 2 bad input.
+    Exit codes: 0 every error within its limit, 1 an error over its limit, a run that failed or a key figure that is not
+    as recorded, 2 bad input.
     """
     from comparisons.runs.worker_process import start_server
 
@@ -263,15 +271,16 @@ def compare(
         start_server(["comparisons.campaign.campaign"])  # its imports run beside ours
     from reports.command_line.commands import compare
     from reports.command_line.requests import CampaignChoice, RunLimits
+    from reports.command_line.standard_choice import StandardChoice
 
     choice = CampaignChoice(
         _names(mechanisms), _names(engine), _names(setting), _names(quantity), not no_gravity, full,
         variant=variant, regimes=_names(regime), **_speed(speed), ramp_time=ramp_time, hold_time=hold_time,
         start_angle=start_angle, clockwise=clockwise, from_angle=from_angle, to_angle=to_angle,
     )  # fmt: skip
-    destination = _destination(json, out, resume, quiet, verbose)
-    limits = RunLimits(time_limit, memory_limit, jobs)
-    raise typer.Exit(compare.compare(choice, destination, limits, record_baseline=record_baseline))
+    destination = _destination(json, out, resume, quiet, verbose, junit)
+    held = StandardChoice(limits, baseline, record_baseline)
+    raise typer.Exit(compare.compare(choice, destination, RunLimits(time_limit, memory_limit, jobs), held))
 
 
 @app.command(short_help="Judge the results of another tool: right or not, and what is likely wrong.")
@@ -449,18 +458,71 @@ def export(
     engines.export(choice, cell, out)
 
 
-@app.command(short_help="Write the pages of what was saved again.")
+@app.command(short_help="Write the pages of what was saved again, or its curves as CSV.")
 def report(
     saved: Annotated[Path, typer.Argument(metavar="DIR", hidden=True)],
     out: Annotated[Path | None, valued("DIR", "Where to write the pages; default: the same folder.")] = None,
     single_file: Annotated[Path | None, valued("FILE", "Write one page that holds everything, to mail.")] = None,
+    csv: Annotated[Path | None, valued("DIR", "Write the curves, a CSV file per run, and no pages.")] = None,
     png: Annotated[bool, flag("Write every figure as PNG beside its SVG.", "--png")] = False,
     show: Annotated[bool, flag("Open the report in the browser.", "--open")] = False,
 ) -> None:
     """Write the pages of what was saved again; needs no engine.
 
-    DIR is the folder that compare, bench, stress or judge wrote with --out, or the curves.nc in it.
+    DIR is the folder that compare, bench, stress or judge wrote with --out, the curves.nc in it, or what merge wrote.
     """
-    from reports.command_line.commands import compare
+    from reports.command_line.commands import folders
 
-    compare.report(saved, out, single_file, opens=show, png=png)
+    folders.report(saved, out, single_file, csv, opens=show, png=png)
+
+
+@app.command(short_help="Judge a folder that someone else sent anew.")
+def verify(
+    saved: Annotated[Path, typer.Argument(metavar="DIR", hidden=True)],
+    limits: Annotated[Path | None, valued("FILE", "Judge by these limits; default: those saved in DIR.")] = None,
+    json: options.Json = None,
+    quiet: options.Quiet = False,
+) -> None:
+    """Judge a campaign's folder anew: texts, curves and records are held against each other and the closed form.
+
+    DIR is the folder that compare wrote with --out; no engine is needed.
+
+    Exit codes: 0 nothing differs, whatever the verdicts, 1 something differs, 2 bad input.
+    """
+    from reports.command_line.commands import folders
+
+    raise typer.Exit(folders.verify(saved, limits, _destination(json, None, False, quiet)))
+
+
+@app.command(short_help="Tell what has moved from one folder to another.")
+def diff(
+    before: Annotated[Path, typer.Argument(metavar="DIR", hidden=True)],
+    after: Annotated[Path, typer.Argument(metavar="DIR", hidden=True)],
+    json: options.Json = None,
+    quiet: options.Quiet = False,
+    verbose: options.Verbose = False,
+) -> None:
+    """Tell what has moved between two campaigns: an engine's upgrade, two designs, two variants.
+
+    The folders are those that compare wrote with --out, the earlier one first.
+
+    Exit codes: 0 nothing is beyond limits, 1 something is: a run fails that did not, or an error is three times what it
+    was or a key figure has moved in the same linkage; 2 bad input or nothing in common.
+    """
+    from reports.command_line.commands import folders
+
+    raise typer.Exit(folders.diff(before, after, _destination(json, None, False, quiet, verbose)))
+
+
+@app.command(short_help="Join folders of several machines into one report.")
+def merge(
+    saved: Annotated[list[Path], typer.Argument(metavar="DIR...", hidden=True)],
+    out: Annotated[Path, valued("DIR", "The new folder.")],
+) -> None:
+    """Join folders of several machines into one report, grouped by hardware; nothing is ranked across machines.
+
+    The folders are those that compare, bench or stress wrote with --out, or merge itself.
+    """
+    from reports.command_line.commands import folders
+
+    folders.merge(saved, out)

@@ -9,13 +9,16 @@ from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
 
+from analytic.errors import LinkproofError
+from analytic.shelves import announced
+
 CATALOGUE = Path(__file__).parents[2] / "analytic" / "catalogue"
 
 
 def mechanisms(incomplete: str) -> list[str]:
     """The catalogue, and linkage files that lie where the words point."""
     files = Path().glob(f"{incomplete}*.toml") if incomplete and not Path(incomplete).is_absolute() else []
-    return [*_starting((path.stem for path in CATALOGUE.rglob("*.toml")), incomplete), *sorted(map(str, files))]
+    return [*_starting(_known(), incomplete), *sorted(map(str, files))]
 
 
 def variants(incomplete: str) -> list[str]:
@@ -60,6 +63,14 @@ def axes(incomplete: str) -> list[str]:
     return _starting(known(), incomplete)
 
 
+def _known() -> dict[str, Path]:
+    """The files of the mechanisms that are known by name; of the catalogue alone where packages are at odds."""
+    ours = {path.stem: path for path in CATALOGUE.rglob("*.toml")}
+    with contextlib.suppress(LinkproofError):
+        return {name: path for name, (path, _) in announced().items()} | ours
+    return ours
+
+
 def _starting(names: Iterable[str], incomplete: str) -> list[str]:
     return sorted({str(name) for name in names if str(name).startswith(incomplete)})
 
@@ -67,9 +78,8 @@ def _starting(names: Iterable[str], incomplete: str) -> list[str]:
 def _tables() -> list[dict[str, Any]]:
     """The linkage files among the words typed so far, as far as they can be read."""
     typed = os.environ.get("_TYPER_COMPLETE_ARGS") or os.environ.get("COMP_WORDS", "")
-    found = []
+    found, known = [], _known()
     for word in typed.split()[2:]:
-        shelves = [path for path in CATALOGUE.rglob("*.toml") if path.stem == word]
         with contextlib.suppress(OSError, ValueError):
-            found.append(tomllib.loads((shelves or [Path(word)])[0].read_text(encoding="utf-8-sig")))
+            found.append(tomllib.loads(known.get(word, Path(word)).read_text(encoding="utf-8-sig")))
     return found

@@ -4,17 +4,21 @@ from __future__ import annotations
 
 import io
 import sys
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from contextlib import AbstractContextManager
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from analytic.errors import LinkproofError
 from comparisons.judging.records import to_json
 from comparisons.runs.files import check_writable, write_text
 from reports.command_line.progress import progress
 from reports.document.terminal import Printed, Printout, show, write
+
+if TYPE_CHECKING:
+    from comparisons.campaign.key_figures import KeyFigure
+    from comparisons.judging.records import Record
 
 STDOUT = "-"
 
@@ -23,6 +27,7 @@ STDOUT = "-"
 class Destination:
     """``json`` is a file, or "-" for stdout, which then holds nothing else; ``folder`` takes all files of a command.
 
+    ``junit`` is a file of test cases, as CI services read them.
     ``resume`` finishes what an interrupted command left in ``folder``; ``quiet`` prints no progress and no tables,
     ``verbose`` adds every record's details.
     """
@@ -32,6 +37,7 @@ class Destination:
     resume: bool = False
     quiet: bool = False
     verbose: bool = False
+    junit: Path | None = None
 
     def check(self, file: str) -> None:
         """Raise LinkproofError now, rather than after the work, where options exclude each other or a file cannot be.
@@ -44,6 +50,8 @@ class Destination:
             raise LinkproofError("--quiet and --verbose exclude each other: leave one of them out")
         if self.json not in (None, STDOUT):
             check_writable(Path(self.json))
+        if self.junit is not None:
+            check_writable(self.junit)
         if self.folder is not None:
             check_writable(self.folder / file)
 
@@ -81,6 +89,13 @@ class Destination:
             write_out(to_json(document))
         elif self.json is not None:
             write_text(Path(self.json), to_json(document))
+
+    def write_junit(self, records: Sequence[Record], figures: Sequence[KeyFigure]) -> None:
+        """Write records and key figures as test cases, where it was asked for."""
+        if self.junit is not None:
+            from reports.campaign.junit import junit  # noqa: PLC0415
+
+            write_text(self.junit, junit(records, figures))
 
     def say(self, text: str) -> None:
         """A remark on stderr, unless quiet."""

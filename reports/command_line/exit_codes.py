@@ -7,27 +7,30 @@ from collections.abc import Iterable, Sequence
 
 from analytic.errors import LinkproofError
 from comparisons.campaign.errata import ErratumRecord
+from comparisons.campaign.key_figures import KeyFigure
 from comparisons.judging.records import Record, Verdict
+from comparisons.judging.verdicts import deciding
 from comparisons.runs.failures import Failure
 from comparisons.stress.cells import CellResult
 from comparisons.stress.verdict import StressVerdict
 from comparisons.work_precision.points import OUT_OF_TIME
 from comparisons.work_precision.records import BenchRecord
-from engines.contract import Outcome, Setting
+from engines.contract import Outcome
 from reports.command_line import FAILED, PASSED, SUITE_ERROR
 
 
-def campaign_exit_code(records: Sequence[Record], errata: Iterable[ErratumRecord] = ()) -> int:
+def campaign_exit_code(
+    records: Sequence[Record], errata: Iterable[ErratumRecord] = (), figures: Iterable[KeyFigure] = ()
+) -> int:
     """Of judged records; naive ones count only where nothing else ran, errata only where they are a fault of ours.
 
-    Raises LinkproofError where not one says anything of an engine.
+    A key figure that is not as recorded fails. Raises LinkproofError where no record says anything of an engine.
     """
-    counted = [record for record in records if record.setting != Setting.NAIVE] or records
-    verdicts = {Verdict(record.outcome) for record in counted}
+    verdicts = {Verdict(record.outcome) for record in deciding(records)}
     outcomes = {record.outcome for record in records} | {record.outcome for record in errata}
     if Verdict.SUITE_ERROR in outcomes:
         return SUITE_ERROR
-    if any(verdict.failed for verdict in verdicts):
+    if any(verdict.failed for verdict in verdicts) or any(figure.changed for figure in figures):
         return FAILED
     if not any(verdict.judged for verdict in verdicts):
         raise _nothing_judged((record.outcome, record.detail) for record in records)

@@ -12,7 +12,7 @@ from pathlib import Path
 from analytic.compiled.choice import cores
 from analytic.description.changes import without
 from analytic.description.linkage import Linkage
-from analytic.description.loading import LinkageFile, catalogue, read
+from analytic.description.loading import LinkageFile, catalogue, load, read
 from analytic.errors import LinkproofError, UnknownNameError, printable
 from comparisons.campaign.campaign import CampaignRequest
 from comparisons.runs.failures import GIB
@@ -21,6 +21,8 @@ from engines.contract import Setting
 from engines.registry import engine, engine_names, why_unavailable
 from reports.command_line.linear_drive import prescribed
 from reports.command_line.motion_choice import EVERYTHING, MotionChoice, own_regimes
+
+DEEPEST_FOLDER = 5  # by which files of one name are told apart
 
 
 @dataclass(frozen=True)
@@ -107,26 +109,35 @@ class RunLimits:
         return "".join(f" {option} {value:g}" for option, value in limits if value is not None)
 
 
+def files(choice: CampaignChoice) -> list[LinkageFile]:
+    """The files of the linkages asked for; all of the catalogue that have the variant, where none is named.
+
+    Files of one name from different folders have the names of folders before theirs, as many as tell them apart.
+    """
+    names = tuple(dict.fromkeys(choice.mechanisms or having(catalogue(), choice.variant)))
+    found = [read(name) for name in names]
+    own = [file.name for file in found]
+    for depth in range(1, DEEPEST_FOLDER + 1):
+        counts = Counter(file.name for file in found)
+        found = [
+            replace(file, name=printable("-".join((*Path(path).resolve().parent.parts[-depth:], name))))
+            if counts[file.name] > 1 and Path(path).suffix
+            else file
+            for path, name, file in zip(names, own, found, strict=True)
+        ]
+    return found
+
+
+def having(names: Sequence[str], variant: str | None) -> tuple[str, ...]:
+    """Of several linkages those that have a variant; all of them where none has."""
+    return tuple(name for name in names if variant is None or variant in load(name).variants) or tuple(names)
+
+
 def linkages(choice: CampaignChoice) -> tuple[Linkage, ...]:
-    """The linkages asked for; all of the catalogue that have the variant, where none is named."""
-    names = tuple(dict.fromkeys(choice.mechanisms or catalogue()))
-    files = _told_apart(names, [read(name) for name in names])
-    if choice.variant is not None and not choice.mechanisms:
-        files = [file for file in files if choice.variant in file.linkage().variants] or files
-    chosen = [file.linkage(choice.variant) for file in files]
+    """The linkages of ``files``, in the variant and under the gravity asked for."""
+    chosen = [file.linkage(choice.variant) for file in files(choice)]
     _check_names_differ(chosen)
     return tuple(chosen if choice.gravity else [without(linkage, "gravity") for linkage in chosen])
-
-
-def _told_apart(names: Sequence[str], files: list[LinkageFile]) -> list[LinkageFile]:
-    """Files of one name from different folders, each with its folder's name before its own."""
-    counts = Counter(file.name for file in files)
-    return [
-        replace(file, name=printable(f"{Path(name).resolve().parent.name}-{file.name}"))
-        if counts[file.name] > 1 and Path(name).suffix
-        else file
-        for name, file in zip(names, files, strict=True)
-    ]
 
 
 def _check_names_differ(chosen: list[Linkage]) -> None:
@@ -170,8 +181,11 @@ def _own_settings(choice: CampaignChoice) -> tuple[Setting, ...]:
     return _settings(choice) if choice.full or EVERYTHING not in choice.settings else (Setting.TUNED,)
 
 
-def request(choice: CampaignChoice) -> CampaignRequest:
-    """The campaign's request; raises LinkproofError for anything that does not exist or cannot be."""
+def request(choice: CampaignChoice, known: Sequence[Linkage] = ()) -> CampaignRequest:
+    """The campaign's request; raises LinkproofError for anything that does not exist or cannot be.
+
+    Regimes that other ``known`` linkages define may be asked for: those that do not define them are not run in them.
+    """
     choice.check()
     found = linkages(choice)
     motions, conditions = prescribed(choice, found)
@@ -182,7 +196,7 @@ def request(choice: CampaignChoice) -> CampaignRequest:
         engines=_engines(choice),
         settings=_settings(choice),
         quantities=tuple(dict.fromkeys(choice.quantities)),
-        own_regimes=own_regimes(choice, found),
+        own_regimes=own_regimes(choice, (*found, *known)),
         own_settings=_own_settings(choice),
         with_invariants=not choice.quantities,
     )

@@ -21,10 +21,12 @@ if TYPE_CHECKING:
     from comparisons.reference.published import PublishedRecord
 
 
-def catalogue(sewing: Iterable[Linkage], literature: Iterable[Linkage]) -> list[Printed]:
-    """Mechanisms with their variants and sources: the sewing mechanisms, then the linkages of others."""
-    heading = Paragraph("Linkages of the literature, taken where they are named:", colour="bold")
-    return [_shelf(sewing), "", heading, _shelf(literature)]
+def catalogue(shelves: Mapping[str, Sequence[Linkage]]) -> list[Printed]:
+    """Mechanisms with their variants and sources, shelf by shelf: a table each, its heading before it."""
+    blocks: list[Printed] = []
+    for heading, linkages in shelves.items():
+        blocks += ["", Paragraph(f"{heading}:", colour="bold"), _shelf(linkages)] if linkages else []
+    return blocks[1:]
 
 
 def _shelf(linkages: Iterable[Linkage]) -> Table:

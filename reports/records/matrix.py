@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from comparisons.campaign.results import Results
-from comparisons.judging.limits import limit
+from comparisons.judging.limits import LimitTable
 from comparisons.judging.records import IMPORTED, Record, Verdict
 from reports.document.numbers import bound
 from reports.document.parts import Table
@@ -26,11 +26,11 @@ def past_baseline(results: Results) -> tuple[str, ...]:
     )
 
 
-def _limit(record: Record) -> tuple[float, str]:
+def _limit(record: Record, limits: LimitTable) -> tuple[float, str]:
     """The limit of a record and its reason; that of another tool's results is what the user asked for."""
     if record.origin == IMPORTED and record.limit is not None:
         return record.limit, "as asked for, or of a check the rounding of its columns"
-    table = limit(record.quantity, record.setting, record.regime)
+    table = limits.limit(record.quantity, record.setting, record.regime, record.mechanism)
     value = record.limit if record.limit is not None else table.value
     return value, table.reason if value == table.value else "as the table of limits stood when the campaign ran"
 
@@ -40,7 +40,7 @@ def limit_table(results: Results) -> Table:
     names = [name for part in columns(results) for name in part]
     groups: dict[tuple[float, str], list[Record]] = {}
     for record in every_record(results):
-        value, reason = _limit(record)
+        value, reason = _limit(record, results.limits)
         groups.setdefault((value, reason), []).append(record)
     rows = []
     for (value, reason), records in groups.items():

@@ -10,12 +10,12 @@ from typing import Any
 
 from analytic.description.loading import catalogue
 from analytic.errors import LinkproofError
-from comparisons.campaign.campaign import CampaignRequest, tasks
+from comparisons.campaign.campaign import CampaignRequest, cases, tasks
 from comparisons.campaign.campaign import compare as run_campaign
 from comparisons.campaign.errata import ErratumRecord, judge_errata
 from comparisons.campaign.results import document, save
 from comparisons.campaign.sheets import sheets
-from comparisons.judging import baseline
+from comparisons.campaign.standards import judged_campaign
 from comparisons.reference.published import all_variants, compare_published
 from comparisons.runs.failures import Failure
 from engines.registry import engine, engine_names
@@ -25,6 +25,7 @@ from reports.command_line.destination import Destination
 from reports.command_line.exit_codes import campaign_exit_code
 from reports.command_line.interruption import interruptible, journal
 from reports.command_line.requests import CampaignChoice, RunLimits, installed, request
+from reports.command_line.standard_choice import StandardChoice, in_project
 from reports.document.terminal import show
 from reports.mechanism import terminal
 
@@ -32,13 +33,21 @@ PAGE = "index.html"
 
 
 def compare(
-    choice: CampaignChoice, destination: Destination, limits: RunLimits | None = None, *, record_baseline: bool = False
+    choice: CampaignChoice,
+    destination: Destination,
+    limits: RunLimits | None = None,
+    held: StandardChoice | None = None,
 ) -> int:
-    """Run a campaign, write what was asked for, print its tables; returns the exit code."""
-    limits, out = limits or RunLimits(), destination.folder
+    """Run a campaign, write what was asked for, print its tables; returns the exit code.
+
+    What the words leave open the project says that the linkages belong to.
+    """
+    limits, held, out = limits or RunLimits(), held or StandardChoice(), destination.folder
     limits.check()
     destination.check(PAGE)
-    wanted = request(choice)
+    choice, limits, held, known = in_project(choice, limits, held)
+    held.check()
+    wanted, standard = request(choice, known), held.standard(choice)
     if out:
         tasks(wanted)  # what cannot run is refused before the folder is touched
     kept = journal(out, choice.command, wanted.engines, wanted.linkages, resume=destination.resume) if out else None
@@ -47,21 +56,22 @@ def compare(
             running: dict[str, Any] = {"bounds": limits.bounds, "processes": limits.processes, "journal": kept}
             results = list(run_campaign(wanted, counting(announce), **running))
             errata = _errata(wanted, running) if destination.json or out else []
-        records = [record for result in results for record in (*result.records, *result.invariants)]
-        if record_baseline:
-            baseline.record_all(records)
+        judged = judged_campaign(cases(wanted), results, standard, held.file if held.record else None)
         if destination.json or out:
-            command = choice.command + limits.words + (" --out DIR" if out else "")
+            command = choice.command + held.words + limits.words + (" --out DIR" if out else "")
             readouts = {name: engine(name).abilities.told() for name in wanted.engines}
-            saved = document(wanted, results, command, errata, readouts)
+            saved = {**document(wanted, judged.results, command, errata, readouts), **judged.told}
             destination.write_json(saved)
             if out:
-                save(out, results, saved, sheets(wanted, bounds=limits.bounds, processes=limits.processes))
+                save(out, judged.results, saved, sheets(wanted, bounds=limits.bounds, processes=limits.processes))
                 destination.write_pages(limits.processes)
         if kept:
             kept.clear()
-    destination.print_out(printout(results))
-    return campaign_exit_code(records, errata)
+    if held.record:
+        destination.say(f"baseline: {held.file}")
+    destination.write_junit(judged.records, judged.figures)
+    destination.print_out(printout(judged.results, judged.figures, judged.notes))
+    return campaign_exit_code(judged.records, errata, judged.figures)
 
 
 def _errata(wanted: CampaignRequest, running: dict[str, Any]) -> list[ErratumRecord]:

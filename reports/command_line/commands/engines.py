@@ -104,27 +104,32 @@ def export(choice: CampaignChoice, cell: str | None, out: Path | None) -> None:
 
 
 def check(name: str, destination: Destination, processes: int | None = None) -> int:
-    """Make every check of an engine, print a line of each; returns the exit code.
-
-    Raises UnknownNameError for an engine that is not announced, LinkproofError where nothing could be checked,
-    AdapterError for one that cannot be loaded.
-    """
+    """Make every check of an engine, print a line of each; returns the exit code. Raises as ``findings``."""
     adapter = engine(name)
+    found = findings(adapter, processes)
+    counts = Counter(each.finding for each in found)
+    destination.write_json({"engine": name, "version": adapter.version(), "checks": [asdict(each) for each in found]})
+    closing = f"{name}: " + ", ".join(f"{counts[finding]} {finding}" for finding in Finding if counts[finding])
+    shown = Table("", ("check", "", ""), _rows(found), "l")
+    destination.print_out(Printout([shown], [closing]))
+    return FAILED if counts[Finding.FAILED] else PASSED
+
+
+def findings(adapter: Engine, processes: int | None = None) -> list[Found]:
+    """What comes of every check of an engine.
+
+    Raises LinkproofError where nothing could be checked, AdapterError for an engine that cannot be loaded.
+    """
     if isinstance(adapter, Unusable):
         if adapter.error is None:
             raise LinkproofError(adapter.reason)
         with blamed_on(adapter):
             raise adapter.error
     found = check_engine(adapter, processes)
-    counts = Counter(each.finding for each in found)
     absent = next((each.detail for each in found if each.check == INSTALLED and each.finding in UNTESTED), None)
     if absent is not None:
         raise LinkproofError(f"expected an engine to check, got none: {absent}")
-    destination.write_json({"engine": name, "version": adapter.version(), "checks": [asdict(each) for each in found]})
-    closing = f"{name}: " + ", ".join(f"{counts[finding]} {finding}" for finding in Finding if counts[finding])
-    shown = Table("", ("check", "", ""), _rows(found), "l")
-    destination.print_out(Printout([shown], [closing]))
-    return FAILED if counts[Finding.FAILED] else PASSED
+    return found
 
 
 def _rows(found: Sequence[Found]) -> list[Sequence[Cell | Words]]:

@@ -48,6 +48,16 @@ class JudgeChoice:
     write_mapping: Path | None = None
     gravity: bool = True
 
+    def check(self) -> None:
+        """Raise LinkproofError for what cannot be, before anything is read."""
+        self.motion.check()
+        if not 0.0 < self.limit < math.inf:
+            raise LinkproofError(f"--limit: expected a positive share of the peak, such as 0.01, got {self.limit:g}")
+
+    def model(self, linkage: Linkage) -> Linkage:
+        """A linkage under the gravity asked for."""
+        return linkage if self.gravity else without(linkage, "gravity")
+
     @property
     def command(self) -> str:
         """The command that asks for the same."""
@@ -63,24 +73,13 @@ class JudgeChoice:
 def judge(choice: JudgeChoice, destination: Destination) -> int:
     """Judge result files, print and write what came of it; returns the exit code."""
     destination.check(PAGE)
-    choice.motion.check()
-    if not 0.0 < choice.limit < math.inf:
-        raise LinkproofError(f"--limit: expected a positive share of the peak, such as 0.01, got {choice.limit:g}")
+    choice.check()
     if choice.write_mapping is not None:
         _check_is_new(choice.write_mapping, choice.mapping)
-    found = load(choice.mechanism, choice.motion.variant)
-    linkage = found if choice.gravity else without(found, "gravity")
-    imported = _read(choice, linkage, destination)
-    judgement = judge_results(
-        linkage,
-        imported,
-        _motion(choice, linkage, imported),
-        limit=choice.limit,
-        start_angle=math.radians(choice.motion.start_angle),
-        gives_speed=choice.motion.gives_speed,
-    )
+    linkage = choice.model(load(choice.mechanism, choice.motion.variant))
+    judgement = judgement_of(choice, linkage, _read(choice, linkage, destination))
     if choice.write_mapping is not None:
-        write_text(choice.write_mapping, with_proposals(imported.mapping_text, judgement.proposals))
+        write_text(choice.write_mapping, with_proposals(judgement.imported.mapping_text, judgement.proposals))
         destination.say(f"mapping: {choice.write_mapping}")
     if destination.folder is not None:
         _write_page(choice, judgement, destination.folder, destination)
@@ -92,6 +91,18 @@ def judge(choice: JudgeChoice, destination: Destination) -> int:
     if all(verdict.outcome is Verdict.UNDEFINED for verdict in judgement.verdicts):
         raise LinkproofError(f"expected a signal to judge, got none: {judgement.verdicts[0].detail}")
     return PASSED if judgement.passed else FAILED
+
+
+def judgement_of(choice: JudgeChoice, linkage: Linkage, imported: ImportedResults) -> ImportedJudgement:
+    """What comes of a tool's results beside the closed form of a linkage under the motion asked for."""
+    return judge_results(
+        linkage,
+        imported,
+        _motion(choice, linkage, imported),
+        limit=choice.limit,
+        start_angle=math.radians(choice.motion.start_angle),
+        gives_speed=choice.motion.gives_speed,
+    )
 
 
 def _check_is_new(path: Path, mapping: Path | None) -> None:

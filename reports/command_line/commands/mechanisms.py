@@ -2,25 +2,42 @@
 
 from __future__ import annotations
 
+import os
+from dataclasses import replace
 from pathlib import Path
+from typing import Final
 
 import numpy as np
 
 from analytic.description.linkage import Linkage
-from analytic.description.loading import catalogue, literature, load
-from analytic.errors import LinkproofError
+from analytic.description.loading import catalogue, installed, literature, load
+from analytic.errors import LinkproofError, printable
 from analytic.kinematics.mechanism import Mechanism
 from analytic.turn.required_feed import compare_feed, read_required_feed
+from comparisons.campaign.project import FILE, find_project
 from comparisons.datasheet.mechanism_summary import portrait, thread_facts
 from reports.command_line.destination import Destination
 from reports.mechanism import terminal
 
+SHELVES: Final = {
+    "catalogue": "The catalogue, taken where nothing is named",
+    "literature": "Linkages of the literature, taken where they are named",
+    "installed": "Linkages of installed packages, taken where they are named",
+    "project": f"Linkages of the {FILE} here, taken in the catalogue's place",
+}
+
 
 def list_mechanisms(destination: Destination) -> None:
-    """Print or write the catalogue, the linkages of the literature in a part of their own."""
-    sewing, others = ([load(name) for name in names] for names in (catalogue(), literature()))
-    destination.print(*terminal.catalogue(sewing, others))
-    shelves = {"catalogue": sewing, "literature": others}
+    """Print or write the linkages shelf by shelf: the suite's own, those of packages, those of the project here.
+
+    A linkage of the project is called by the path that commands take.
+    """
+    project = find_project(Path())
+    paths = [os.path.relpath(path) for path in project.linkages] if project else []
+    names = (catalogue(), literature(), installed())
+    shelves = {shelf: [load(name) for name in held] for shelf, held in zip(SHELVES, names, strict=False)}
+    shelves["project"] = [replace(load(path), name=printable(path)) for path in paths]
+    destination.print(*terminal.catalogue({SHELVES[shelf]: held for shelf, held in shelves.items()}))
     destination.write_json({"records": [_entry(each, shelf) for shelf in shelves for each in shelves[shelf]]})
 
 

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from analytic.description.changes import without
 from analytic.description.crank_motion import RPM, CrankMotion, Segment
 from analytic.description.law import FULL_TURN
+from analytic.description.linkage import Linkage
 from analytic.description.loading import load
 from analytic.errors import LinkproofError
 from analytic.kinematics.crank_range import crank_range
@@ -87,23 +88,26 @@ def _check_is_other(option: str, file: Path, linkage: Path) -> None:
 def results(choice: ResultsChoice, *, quiet: bool = False) -> None:
     """Print the key figures of a linkage, or its signals at chosen instants, and write the files asked for."""
     choice.check()
-    linkage = load(choice.mechanism, choice.variant)
-    mechanism = Mechanism(linkage if choice.gravity else without(linkage, "gravity"))
-    case = chosen_case(mechanism, choice)
-    case.check_motion()
-    found = DesignerResults(case, _instants(case, choice))
+    found = designer_results(load(choice.mechanism, choice.variant), choice)
     texts = {file: _text(option, found) for option, file in choice.files.items()}
     for file, text in texts.items():
         if file != STDOUT:
             write_text(Path(file), text)
     if choice.out is not None:
-        _write_page(choice.out, case, opens=choice.opens, quiet=quiet)
+        _write_page(choice.out, found.case, opens=choice.opens, quiet=quiet)
     if STDOUT in texts:
         write_out(texts[STDOUT])
     elif not quiet:
         from reports.results import terminal  # noqa: PLC0415 - JSON and CSV need no tables
 
         show(*(terminal.key_figures(found) if found.instants.chosen is None else terminal.at_instants(found)))
+
+
+def designer_results(linkage: Linkage, choice: ResultsChoice) -> DesignerResults:
+    """The results of a linkage under the motion and at the instants asked for."""
+    case = chosen_case(Mechanism(linkage if choice.gravity else without(linkage, "gravity")), choice)
+    case.check_motion()
+    return DesignerResults(case, _instants(case, choice))
 
 
 def _write_page(out: Path, case: Case, *, opens: bool, quiet: bool) -> None:

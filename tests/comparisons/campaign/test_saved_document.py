@@ -3,15 +3,20 @@
 import json
 import random
 from contextlib import suppress
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
 from analytic.description.loading import load
 from analytic.errors import LinkproofError
+from comparisons.campaign.key_figures import KeyFigure
 from comparisons.campaign.results import ARRAYS, DATASET
 from comparisons.campaign.results import load as load_results
+from comparisons.campaign.standards import JudgedCampaign
 from comparisons.datasheet.saved import save_sheets
+from comparisons.judging.limits import shipped_limits
+from comparisons.judging.verdicts import shipped_standard
 from tests.reports.made_up_results import made_up_results
 
 INSTEAD = (None, "x", "", 3.5, -7, [1], {"a": 1})
@@ -19,7 +24,10 @@ INSTEAD = (None, "x", "", 3.5, -7, [1], {"a": 1})
 
 @pytest.fixture(scope="module")
 def results():
-    return made_up_results([load("juki-mf7923d")], samples=31)
+    found = made_up_results([load("juki-mf7923d")], samples=31)
+    figure = KeyFigure("juki-mf7923d", "as-built", "run-up", "c", "Mkr.peak", 1.0, 1.01, changed=True)
+    judged = JudgedCampaign(shipped_standard(), [], [figure], ["a note"])
+    return replace(found, document={**found.document, **judged.told})
 
 
 @pytest.fixture(scope="module")
@@ -40,6 +48,8 @@ def read_all(folder):
     found = load_results(folder)
     assert found.invariants
     assert found.linkages
+    assert all(figure.sentence for figure in found.figures)
+    assert found.limits.limit("Mkr", "tuned", "run-up").value
     assert all(motion.duration and motion.peak_speed for motion in found.motions)
     for record in found.records:
         if record.error_max is not None:
@@ -66,6 +76,8 @@ def damage(document, chance):
 def test_what_is_whole_is_read(results, folder):
     found = read_all(written(folder, results.document, results.curves))
     assert found.records == results.records
+    assert found.figures == results.figures
+    assert found.limits == shipped_limits()
     assert [sheet.name for sheet in found.sheets] == ["juki-mf7923d"]
 
 
@@ -89,6 +101,22 @@ def test_the_key_that_is_missing_is_told(results, folder, key, match):
     document = {name: value for name, value in results.document.items() if name != key}
     with pytest.raises(LinkproofError, match=rf"{match}.*run compare with --out again"):
         load_results(written(folder, document, results.curves))
+
+
+def test_a_campaign_that_saved_no_standard_has_the_suites(results, folder):
+    newer = ("limits", "figures", "notes")
+    document = {name: value for name, value in results.document.items() if name not in newer}
+    found = read_all(written(folder, document, results.curves))
+    assert (found.figures, found.limits) == ((), shipped_limits())
+
+
+@pytest.mark.parametrize(
+    ("damage", "match"),
+    [({"limits": []}, "no limit of"), ({"limits": [{"value": 1.0}]}, r"limits\.0"), ({"figures": [{}]}, r"figures\.0")],
+)
+def test_a_damaged_standard_is_told(results, folder, damage, match):
+    with pytest.raises(LinkproofError, match=match):
+        load_results(written(folder, {**results.document, **damage}, results.curves))
 
 
 def test_a_wrong_type_is_told_by_its_place(results, folder):

@@ -1,62 +1,94 @@
-"""The baseline is written, read and applied."""
+"""A baseline is recorded, written, read and applied; two files of one name have an entry each."""
 
 import dataclasses
+import json
 
 import pytest
 
 from analytic.errors import LinkproofError
-from comparisons.judging import baseline
+from comparisons.judging.baseline import Baseline, Place, read_baseline, regime_key
 from comparisons.judging.records import Record
 
 RECORD = Record(
     mechanism="m", variant="v", regime="r", conditions="c", engine="e", engine_version="1", setting="tuned",
-    quantity="Mkr", unit="N m", error_max=1.23456e-5, error_rms=1e-6, limit=1e-4, baseline=None, outcome="passed",
-    detail="", peak=1.0, worst_time=0.1, samples=10, left_out=0, seconds=1.0, setup_seconds=0.1, steps=100,
+    quantity="Mkr", unit="N m", error_max=1.23456e-5, limit=1e-4, peak=1.0,
 )  # fmt: skip
+PLACES = {"m": Place("m.toml", "0a"), "b-press": Place("b/press.toml", "0b"), "c-press": Place("c/press.toml", "0c")}
+WORDS = {"e": {"Mkr": "much"}}
+EMPTY = Baseline({}, PLACES)
 
 
-@pytest.fixture
-def table(tmp_path, monkeypatch):
-    monkeypatch.setattr(baseline, "TABLE", tmp_path / "baseline.json")
-    baseline.recorded.cache_clear()
-    yield
-    baseline.recorded.cache_clear()
+def _with(*records, figures=()):
+    return EMPTY.recorded(records, dict(figures))
 
 
-@pytest.mark.usefixtures("table")
 def test_nothing_is_held_before_the_first_recording():
-    assert baseline.allowed(RECORD) is None
+    assert EMPTY.allowed(RECORD) is None
+    assert Baseline().allowed(RECORD) is None
+    assert not EMPTY.knows(RECORD)
 
 
-@pytest.mark.usefixtures("table")
 def test_recording_allows_three_times_the_value_and_keeps_other_records():
-    assert baseline.record_all([RECORD, dataclasses.replace(RECORD, engine="other")]) == 2
-    assert baseline.allowed(RECORD) == pytest.approx(3 * 1.235e-5)
-    baseline.record_all([dataclasses.replace(RECORD, error_max=2e-5)])
-    assert baseline.allowed(RECORD) == pytest.approx(6e-5)
-    assert baseline.allowed(dataclasses.replace(RECORD, engine="other")) == pytest.approx(3 * 1.235e-5)
+    other = dataclasses.replace(RECORD, engine="other")
+    found = _with(RECORD, other).recorded([dataclasses.replace(RECORD, error_max=2e-5)], {})
+    assert found.allowed(RECORD) == pytest.approx(6e-5)
+    assert found.knows(RECORD)
+    assert found.allowed(other) == pytest.approx(3 * 1.235e-5)
 
 
-@pytest.mark.usefixtures("table")
+def test_what_is_not_the_same_run_has_a_baseline_of_its_own():
+    found = _with(RECORD)
+    for change in ({"conditions": "2000 rpm"}, {"variant": "w"}, {"regime": "s"}, {"setting": "best"}):
+        assert found.allowed(dataclasses.replace(RECORD, **change)) is None
+
+
+def test_two_files_of_one_name_stand_side_by_side():
+    first, second = (dataclasses.replace(RECORD, mechanism=name) for name in ("b-press", "c-press"))
+    found = _with(first, dataclasses.replace(second, error_max=3e-5))
+    assert found.allowed(first) == pytest.approx(3 * 1.235e-5)
+    assert found.allowed(second) == pytest.approx(9e-5)
+
+
 def test_round_off_is_never_judged_by_growth():
-    baseline.record_all([dataclasses.replace(RECORD, error_max=1e-15)])
-    assert baseline.allowed(RECORD) == pytest.approx(1e-7)
+    assert _with(dataclasses.replace(RECORD, error_max=1e-15)).allowed(RECORD) == pytest.approx(1e-7)
 
 
-@pytest.mark.usefixtures("table")
-def test_other_conditions_have_other_baselines():
-    baseline.record_all([RECORD])
-    assert baseline.allowed(dataclasses.replace(RECORD, conditions="2000 rpm")) is None
+def test_failed_runs_are_not_recorded():
+    assert _with(dataclasses.replace(RECORD, error_max=None)).allowed(RECORD) is None
 
 
-@pytest.mark.usefixtures("table")
-@pytest.mark.parametrize("text", ["{", "[1]", '{"a": 1}', '{"a": {"Mkr": "much"}}', "\ufeff{}"])
-def test_a_damaged_baseline_is_said_in_one_sentence(text):
-    baseline.TABLE.write_text(text, encoding="utf-8")
-    for use in (lambda: baseline.allowed(RECORD), lambda: baseline.record_all([RECORD])):
-        with pytest.raises(LinkproofError, match=r"expected recorded deviations in .*, got a damaged file"):
-            use()
+def test_a_file_holds_what_was_recorded_and_says_what_changed_since(tmp_path):
+    key = "m", "v", regime_key("r", "c")
+    _with(RECORD, figures={key: {"Mkr.peak": 0.123456789012}}.items()).write(tmp_path / "b.json")
+    back = read_baseline(tmp_path / "b.json", PLACES)
+    assert back.allowed(RECORD) == pytest.approx(3 * 1.235e-5)
+    assert back.figures(RECORD) == {"Mkr.peak": 0.123456789}
+    assert back.changed() == ()
+    assert read_baseline(tmp_path / "b.json", {"m": Place("m.toml", "ff")}).changed() == ("m.toml",)
+    assert read_baseline(tmp_path / "none.json", PLACES).allowed(RECORD) is None
 
 
-def test_failed_runs_are_not_recorded(table):
-    assert baseline.record_all([dataclasses.replace(RECORD, error_max=None)]) == 0
+def test_a_file_is_the_same_for_the_same_records_in_any_order(tmp_path):
+    records = [RECORD, dataclasses.replace(RECORD, engine="a"), dataclasses.replace(RECORD, quantity="Jeq")]
+    _with(*records).write(tmp_path / "one.json")
+    _with(*reversed(records)).write(tmp_path / "two.json")
+    assert (tmp_path / "one.json").read_bytes() == (tmp_path / "two.json").read_bytes()
+
+
+@pytest.mark.parametrize(
+    "text",
+    ["{", "[1]", "{}", '{"format": 9, "linkages": {}}', "\ufeff{}"]
+    + [json.dumps({"format": 1, "linkages": entry}) for entry in ([], {"a": 1}, {"a": {"checksum": "0"}})]
+    + [
+        json.dumps(
+            {
+                "format": 1,
+                "linkages": {"a": {"checksum": "0", "variants": {"v": {"r": {"errors": WORDS}}}}},
+            }
+        )
+    ],
+)
+def test_a_damaged_baseline_is_said_in_one_sentence(tmp_path, text):
+    (tmp_path / "b.json").write_text(text, encoding="utf-8")
+    with pytest.raises(LinkproofError, match=r"expected a baseline of linkproof in .*, got a damaged file"):
+        read_baseline(tmp_path / "b.json", PLACES)

@@ -87,7 +87,7 @@ def test_a_torque_three_times_too_large_at_a_jump_is_over_the_limit(case, motion
     assert found.error_at_jumps > 0.1
     record = replace(blank_record(case, "tuned"), quantity="Mkr", error_max=found.error_max)
     assert judge(record).outcome == Verdict.PASSED
-    judged = judge(record, found.error_at_jumps)
+    judged = judge(replace(record, error_at_jumps=found.error_at_jumps))
     assert (judged.outcome, judged.error_max) == (Verdict.OVER_LIMIT, found.error_at_jumps)
 
 

@@ -1,11 +1,13 @@
 """Every quantity has a limit with a reason in every setting and regime."""
 
 import itertools
+import json
 
 import pytest
 
 from analytic.description.crank_motion import REGIMES
-from comparisons.judging.limits import limit
+from analytic.errors import LinkproofError
+from comparisons.judging.limits import USERS, Limit, limit, read_limits, table_of
 from comparisons.judging.quantities import QUANTITIES
 from comparisons.stress.verdict import SAID as INVARIANTS
 from engines.contract import Setting
@@ -31,3 +33,46 @@ def test_best_is_held_to_more_than_tuned():
 def test_an_uncovered_quantity_says_what_to_add():
     with pytest.raises(LookupError, match="add one with its reason"):
         limit("colour", "tuned", "run-up")
+
+
+def test_rows_of_a_user_go_before_the_table(tmp_path):
+    path = tmp_path / "limits.toml"
+    path.write_text('[[limit]]\nquantities = ["Mkr"]\nmechanisms = ["press"]\nregimes = ["own"]\nvalue = 0.5\n')
+    table = read_limits(path)
+    assert table.limit("Mkr", "tuned", "a-regime-of-its-own", "press") == Limit(0.5, USERS)
+    for quantity, regime, mechanism in ("Jeq", "free", "press"), ("Mkr", "run-up", "press"), ("Mkr", "free", "other"):
+        assert table.limit(quantity, "tuned", regime, mechanism) == limit(quantity, "tuned", regime)
+
+
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [
+        ("[[limit", "expected a TOML file of limits"),
+        ("", "expected tables [[limit]]"),
+        ("limit = 3", "expected tables [[limit]]"),
+        ("limits = 3", "got the key 'limits'"),
+        ("limit = [3]", "limit 1: expected a table"),
+        ("[[limit]]\nvalue = 1e-3", "limit 1: quantities: expected what it is for"),
+        ('[[limit]]\nquantities = ["Mkr"]', "limit 1: value: expected a positive share"),
+        ('[[limit]]\nquantities = ["Mkr"]\nvalue = nan', "limit 1: value"),
+        ('[[limit]]\nquantities = ["Mkr"]\nvalue = true', "limit 1: value"),
+        ('[[limit]]\nquantities = "Mkr"\nvalue = 1', "limit 1: quantities: expected a list of names"),
+        (
+            '[[limit]]\nquantities = ["Mkr"]\nvalue = 1\nsettings = ["tune"]',
+            "unknown setting of .* limit 1 'tune': .*tuned",
+        ),
+        ('[[limit]]\nquantities = ["Mrk"]\nvalue = 1', "unknown quantity of .* limit 1 'Mrk': .*Mkr"),
+        ('[[limit]]\nquantities = ["Mkr"]\nvalue = 1\nreasons = ""', "unknown key of .* limit 1 'reasons'"),
+    ],
+)
+def test_a_wrong_table_is_said_in_one_sentence(tmp_path, text, words):
+    (tmp_path / "limits.toml").write_text(text)
+    with pytest.raises(LinkproofError, match=words.replace("[[limit]]", r"\[\[limit\]\]")):
+        read_limits(tmp_path / "limits.toml")
+
+
+def test_a_table_comes_back_from_its_data(tmp_path):
+    path = tmp_path / "limits.toml"
+    path.write_text('[[limit]]\nquantities = ["Mkr", "Peq"]\nsettings = ["best"]\nvalue = 1e-3\nreason = "mine"\n')
+    table = read_limits(path)
+    assert table_of(json.loads(json.dumps(table.told))) == table

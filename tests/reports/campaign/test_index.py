@@ -5,6 +5,7 @@ from dataclasses import asdict, replace
 import pytest
 
 from analytic.description.loading import load
+from comparisons.campaign.key_figures import KeyFigure
 from comparisons.campaign.results import Results
 from comparisons.datasheet.building import usual_sheet
 from comparisons.judging.records import Verdict
@@ -119,3 +120,13 @@ def test_a_campaign_that_gave_nothing_has_its_page(sheets):
     page = index(made_up_results(samples=21, broken=broken), sheets)
     assert "Do not trust alpha" in page.parts[0].words
     assert "Nothing was judged of beta" in page.parts[0].words
+
+
+def test_key_figures_that_changed_stand_below_the_engines(results, sheets, page):
+    figure = KeyFigure("juki-mf7923d", "as-built", "run-up", "c", "Mkr.peak", 1.0, 1.01, changed=True)
+    told = {"figures": [asdict(figure)], "notes": ["juki.toml has changed"]}
+    found = Results({**results.document, **told}, results.curves)
+    parts = section(index(found, sheets, ()), "engines").parts
+    assert [part.words for part in parts if isinstance(part, Paragraph)] == ["juki.toml has changed"]
+    assert [row[2] for row in parts[-1].rows] == ["Mkr.peak"]
+    assert len(tables(page)) == len([part for part in parts if isinstance(part, Table)]) - 1

@@ -6,6 +6,7 @@ from dataclasses import asdict, replace
 import pytest
 
 from analytic.description.loading import load
+from comparisons.campaign.key_figures import KeyFigure
 from comparisons.campaign.results import Results
 from comparisons.datasheet.building import usual_sheet
 from comparisons.judging.records import Verdict
@@ -70,3 +71,10 @@ def test_the_order_of_the_records_changes_nothing(results, text):
 def test_round_off_has_no_digits(results):
     rows = [asdict(replace(record, error_max=4.4e-16)) for record in results.records if record.error_max is not None]
     assert "| < 1e-13 |" in markdown(Results({**results.document, "records": rows}, results.curves))
+
+
+def test_key_figures_that_changed_have_a_table(results):
+    figure = KeyFigure("juki-mf7923d", "as-built", "run-up", "c", "Mkr.peak", 1.0, 1.01, changed=True)
+    told = {"figures": [asdict(figure)], "notes": ["juki.toml has changed"]}
+    found = Results({**results.document, **told}, results.curves)
+    assert "| juki-mf7923d (as-built) | run-up | Mkr.peak | 1 | 1.01 | +1 % |" in markdown(found).splitlines()

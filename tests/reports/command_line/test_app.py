@@ -88,8 +88,8 @@ def test_a_file_is_completed_from_where_it_lies(tmp_path, monkeypatch):
     assert completed("show", "mi") == ["mine.toml"]
 
 
-def test_the_readme_explains_the_same_symbols_in_the_same_words():
-    readme = (Path(__file__).parents[3] / "README.md").read_text(encoding="utf-8")
+def test_the_page_of_quantities_explains_the_same_symbols_in_the_same_words():
+    page = (Path(__file__).parents[3] / "docs" / "quantities.md").read_text(encoding="utf-8")
     for words in GLOSSARY.read_text(encoding="utf-8").strip().splitlines()[1:]:
         symbol, unit, meaning = re.split(r"\s{2,}", words.strip())
-        assert f"| {symbol} | {unit} | {meaning} |" in readme
+        assert f"| {symbol} | {unit} | {meaning} |" in page

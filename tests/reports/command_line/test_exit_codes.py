@@ -8,6 +8,7 @@ import pytest
 
 from analytic.errors import LinkproofError
 from comparisons.campaign.errata import ErratumRecord
+from comparisons.campaign.key_figures import KeyFigure
 from comparisons.judging.records import Record
 from comparisons.judging.run_result import RunResult
 from comparisons.stress.cells import CellResult, find_cell
@@ -39,6 +40,12 @@ def test_a_campaign_fails_by_its_worst_record(outcomes, code):
 def test_naive_records_count_only_where_nothing_else_ran():
     assert campaign_exit_code([_record("diverged", "naive"), _record("passed")]) == 0
     assert campaign_exit_code([_record("diverged", "naive")]) == 1
+
+
+@pytest.mark.parametrize("changed", [False, True])
+def test_a_key_figure_that_is_not_as_recorded_fails(changed):
+    figure = KeyFigure("m", "v", "run-up", "c", "Mkr.peak", 1.0, 1.01, changed=changed)
+    assert campaign_exit_code([_record("passed")], [], [figure]) == int(changed)
 
 
 @pytest.mark.parametrize(("outcome", "code"), [("finished", 0), ("diverged", 0), ("suite-error", 3)])

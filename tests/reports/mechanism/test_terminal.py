@@ -9,8 +9,9 @@ from reports.mechanism import terminal
 
 def test_catalogue_portrait_and_published_name_their_mechanism():
     sewing, others = ([load(name) for name in names] for names in (catalogue(), literature()))
-    text = rendered(*terminal.catalogue(sewing, others))
+    text = rendered(*terminal.catalogue({"Sewing": sewing, "Linkages of the literature": others, "Nothing": []}))
     assert all(linkage.name in text for linkage in sewing + others)
+    assert "Nothing" not in text
     assert text.index(sewing[-1].name) < text.index("Linkages of the literature") < text.index(others[0].name)
     assert "juki-mf7923d (as-built)" in rendered(*terminal.portrait(portrait(load("juki-mf7923d"))))
     text = rendered(*terminal.published(compare_published(all_variants("juki-mf7923d"))))

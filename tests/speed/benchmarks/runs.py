@@ -52,7 +52,7 @@ class Judging:
         self.quantities = lacking.module("comparisons.judging.quantities").chosen_quantities
         self.checks = lacking.module("comparisons.invariants.checks").checks
         record = lacking.module("comparisons.judging.records").Record
-        words = {field.name: "" for field in dataclasses.fields(record)}
+        words = {field.name: "" for field in dataclasses.fields(record) if field.default is dataclasses.MISSING}
         self.blank = record(**{**words, "setting": "tuned", "regime": "run-up"})
         self.history = adapter.run(self.scene, setting).history
 

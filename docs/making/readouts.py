@@ -1,4 +1,4 @@
-"""The tables of docs/engines.md: ``python -m docs.engines docs/engines.md`` writes them anew."""
+"""The tables of docs/engines.md: ``python -m docs.making.readouts docs/engines.md`` writes them anew."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from engines.registry import engine, engine_names
 from reports.document.markdown import table
 from reports.records.readouts import readout_table
 
-MARK = "<!-- below: python -m docs.engines docs/engines.md -->"
+MARK = "<!-- below: python -m docs.making.readouts docs/engines.md -->"
 
 
 def tables() -> str:

@@ -1,0 +1,51 @@
+"""Linkages of other packages: each announces a folder of linkage files under the entry points ``linkproof.linkages``.
+
+An entry's value names the folder as Python names a package, ``mill.linkages``; nothing of the package is imported.
+"""
+
+from __future__ import annotations
+
+from functools import cache
+from importlib.metadata import EntryPoint, entry_points
+from importlib.util import find_spec
+from pathlib import Path
+
+from analytic.errors import LinkproofError
+
+GROUP = "linkproof.linkages"
+
+
+@cache
+def announced() -> dict[str, tuple[Path, str]]:
+    """The announced linkages by name, sorted: each file, and the package that announces it.
+
+    Raises LinkproofError where a folder does not exist or is empty, and where two packages have files of one name.
+    """
+    found: dict[str, tuple[Path, str]] = {}
+    for entry in sorted(entry_points(group=GROUP), key=lambda entry: (_package(entry), entry.value)):
+        package = _package(entry)
+        for path in _files(entry, package):
+            other, owner = found.setdefault(path.stem, (path, package))
+            if other.resolve() != path.resolve():
+                raise LinkproofError(
+                    f"mechanism '{path.stem}': expected one package that announces it, got {owner} and {package}; "
+                    "uninstall one of them, or have one rename its file"
+                )
+    return dict(sorted(found.items()))
+
+
+def _package(entry: EntryPoint) -> str:
+    return entry.dist.name if entry.dist else entry.name
+
+
+def _files(entry: EntryPoint, package: str) -> list[Path]:
+    first, *below = entry.value.split(".")
+    spec = find_spec(first)
+    places = (spec.submodule_search_locations if spec else None) or ()
+    found = [path for place in places for path in sorted(Path(place, *below).glob("*.toml"))]
+    if not found:
+        raise LinkproofError(
+            f"{package}: expected linkage files in the folder '{entry.value}' that it announces under {GROUP}, got "
+            "none; correct its entry point or uninstall it"
+        )
+    return found

@@ -1,0 +1,102 @@
+"""A user's project: the folder of a ``linkproof.toml``, which says what is compared there and by what standard."""
+
+from __future__ import annotations
+
+import math
+import tomllib
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any, Final
+
+from analytic.errors import LinkproofError, UnknownNameError
+from comparisons.judging.limits import LimitTable, shipped_limits, with_rows
+
+FILE: Final = "linkproof.toml"
+BASELINE: Final = "linkproof-baseline.json"
+LISTS: Final = ("linkages", "engines", "settings", "regimes")
+KEYS: Final = (*LISTS, "time_limit", "memory_limit", "baseline", "limit")
+
+
+@dataclass(frozen=True)
+class Project:
+    """What a ``linkproof.toml`` says; nothing means the command's default.
+
+    ``linkages`` are the files that its patterns match, ``engines``, ``settings`` and ``regimes`` names as the commands
+    take them, ``time_limit`` s and ``memory_limit`` GiB of each run, ``baseline`` the file of what was recorded.
+    """
+
+    folder: Path
+    baseline: Path
+    linkages: tuple[Path, ...] = ()
+    engines: tuple[str, ...] = ()
+    settings: tuple[str, ...] = ()
+    regimes: tuple[str, ...] = ()
+    time_limit: float | None = None
+    memory_limit: float | None = None
+    limits: LimitTable = field(default_factory=shipped_limits)
+
+
+def find_project(start: Path) -> Project | None:
+    """The project that a file or folder belongs to: the nearest ``linkproof.toml`` there or above; None without one."""
+    here = start.resolve()
+    for folder in (here, *here.parents):
+        if (folder / FILE).is_file():
+            return read_project(folder / FILE)
+    return None
+
+
+def read_project(path: Path) -> Project:
+    """A project from its file; raises LinkproofError for what it cannot say."""
+    try:
+        table = tomllib.loads(path.read_text(encoding="utf-8"))
+    except (OSError, ValueError) as error:
+        raise LinkproofError(f"{path}: expected TOML, got {error}; correct it") from error
+    for name in table:
+        if name not in KEYS:
+            raise UnknownNameError(f"key of {path}", name, KEYS)
+    lists = {name: _names(table, name, path) for name in LISTS}
+    folder = path.parent
+    return Project(
+        folder=folder,
+        baseline=folder / _text(table, "baseline", BASELINE, path),
+        linkages=tuple(file for pattern in lists.pop("linkages") for file in _files(folder, pattern, path)),
+        limits=with_rows(table["limit"], str(path)) if "limit" in table else shipped_limits(),
+        time_limit=_number(table, "time_limit", path),
+        memory_limit=_number(table, "memory_limit", path),
+        **lists,
+    )
+
+
+def _names(table: Mapping[str, Any], name: str, path: Path) -> tuple[str, ...]:
+    words = table.get(name, [])
+    if not isinstance(words, list) or not all(isinstance(word, str) and word for word in words):
+        raise LinkproofError(f"{path}: {name}: expected a list of words, got {words!r}; write it in brackets")
+    return tuple(words)
+
+
+def _text(table: Mapping[str, Any], name: str, default: str, path: Path) -> str:
+    text = table.get(name, default)
+    if not isinstance(text, str) or not text:
+        raise LinkproofError(f"{path}: {name}: expected the name of a file, got {text!r}; write one")
+    return text
+
+
+def _number(table: Mapping[str, Any], name: str, path: Path) -> float | None:
+    value = table.get(name)
+    if value is None:
+        return None
+    if isinstance(value, bool) or not isinstance(value, (int, float)) or not 0.0 < value < math.inf:
+        raise LinkproofError(f"{path}: {name}: expected a positive finite number, got {value!r}; correct it")
+    return float(value)
+
+
+def _files(folder: Path, pattern: str, path: Path) -> list[Path]:
+    """The files that a pattern matches, sorted; raises LinkproofError where none does."""
+    try:
+        found = sorted(file for file in folder.glob(pattern) if file.is_file() and file.name != FILE)
+    except (ValueError, NotImplementedError) as error:  # an absolute pattern, or a double star beside letters
+        raise LinkproofError(f"{path}: linkages: expected a pattern beneath its folder, got '{pattern}'") from error
+    if not found:
+        raise LinkproofError(f"{path}: linkages: expected linkage files, got none that match '{pattern}'; correct it")
+    return found

@@ -1,0 +1,121 @@
+"""A user's own standard: limits of a file, a baseline beside the linkages, and what results are under it."""
+
+from __future__ import annotations
+
+import hashlib
+import os
+from collections.abc import Iterable, Sequence
+from dataclasses import asdict, dataclass, replace
+from pathlib import Path
+from typing import Any
+
+from analytic.description.loading import LinkageFile
+from analytic.errors import LinkproofError
+from comparisons.campaign.key_figures import KeyFigure, compared, figures
+from comparisons.campaign.project import Project
+from comparisons.judging.baseline import Baseline, Place, read_baseline
+from comparisons.judging.limits import read_limits, shipped_limits
+from comparisons.judging.records import Record, blank_record
+from comparisons.judging.run_result import RunResult
+from comparisons.judging.verdicts import Standard
+from comparisons.reference.case import Case
+
+
+def places(files: Iterable[LinkageFile], folder: Path) -> dict[str, Place]:
+    """Where linkages stand in a baseline in a folder, by name: the path from there, or the catalogue's own name."""
+    return {file.name: Place(_path(file, folder), checksum(file.text)) for file in files}
+
+
+def _path(file: LinkageFile, folder: Path) -> str:
+    if file.is_known:
+        return file.name
+    return Path(os.path.relpath(Path(file.origin).resolve(), folder.resolve())).as_posix()
+
+
+def checksum(text: str) -> str:
+    """What tells one text of a linkage file from another."""
+    return hashlib.sha256(text.encode()).hexdigest()[:16]
+
+
+def standard(
+    files: Iterable[LinkageFile],
+    project: Project | None = None,
+    limits: Path | None = None,
+    baseline: Path | None = None,
+    *,
+    may_lack: bool = False,
+) -> Standard:
+    """What results of these files are held against: a file of limits and a baseline, each before the project's.
+
+    Without any of them the suite's limits alone. Raises LinkproofError for what cannot be read, and for a baseline
+    named by its path that is not there, unless it ``may_lack``.
+    """
+    table = read_limits(limits) if limits is not None else project.limits if project else shipped_limits()
+    file = baseline or (project.baseline if project else None)
+    if file is None:
+        return Standard(table)
+    if baseline is not None and not may_lack and not baseline.exists():
+        raise LinkproofError(
+            f"expected a baseline at '{baseline}', got no such file: correct its name, or add --record-baseline"
+        )
+    return Standard(table, read_baseline(file, places(files, project.folder if project else file.parent)))
+
+
+def notes(cases: Iterable[Case], baseline: Baseline) -> tuple[str, ...]:
+    """What a baseline says of files and motions, a sentence each: those that changed, those it does not know."""
+    if not baseline.places:
+        return ()
+    if not baseline.linkages:
+        return ("the baseline holds nothing yet: --record-baseline writes it",)
+    blanks = [blank_record(case, "") for case in cases]
+    unknown = [f"{one.mechanism} ({one.variant}), {one.regime}" for one in blanks if not baseline.knows(one)]
+    lacking = (f"not in the baseline: {'; '.join(unknown)}",) if unknown else ()
+    return (*(f"{path} has changed since its baseline was recorded" for path in baseline.changed()), *lacking)
+
+
+@dataclass(frozen=True)
+class JudgedCampaign:
+    """The results of a campaign under a standard, its key figures beside the recorded, and what the baseline says."""
+
+    standard: Standard
+    results: Sequence[RunResult]
+    figures: Sequence[KeyFigure]
+    notes: Sequence[str]
+
+    @property
+    def records(self) -> list[Record]:
+        """Every record and invariant."""
+        return [record for result in self.results for record in (*result.records, *result.invariants)]
+
+    @property
+    def told(self) -> dict[str, Any]:
+        """What a campaign's document has of it besides the records, JSON-ready."""
+        return {
+            "limits": self.standard.limits.told,
+            "figures": [{**asdict(figure), "sentence": figure.sentence} for figure in self.figures],
+            "notes": list(self.notes),
+        }
+
+
+def judged_campaign(
+    cases: Sequence[Case], results: Iterable[RunResult], standard: Standard, record_into: Path | None = None
+) -> JudgedCampaign:
+    """Results under a standard; with ``record_into`` by its limits alone, and written there as its baseline."""
+    if record_into is not None:
+        limits_alone = replace(standard, baseline=Baseline())
+        found = [rejudged(result, limits_alone) for result in results]
+        records = [record for result in found for record in (*result.records, *result.invariants)]
+        standard = replace(standard, baseline=standard.baseline.recorded(records, figures(cases)))
+        standard.baseline.write(record_into)
+    else:
+        found = [rejudged(result, standard) for result in results]
+    return JudgedCampaign(standard, found, compared(cases, standard.baseline), notes(cases, standard.baseline))
+
+
+def rejudged(result: RunResult, standard: Standard) -> RunResult:
+    """A result under another standard; what was measured stays."""
+    return replace(
+        result,
+        records=tuple(map(standard.judge, result.records)),
+        invariants=tuple(map(standard.judge, result.invariants)),
+    )

@@ -1,0 +1,209 @@
+"""Two folders of campaigns side by side: what has moved between them, and by how much."""
+
+from __future__ import annotations
+
+from collections.abc import Container, Iterable, Mapping, Sequence
+from dataclasses import asdict, dataclass, replace
+from typing import Any, Final
+
+from analytic.errors import LinkproofError
+from comparisons.campaign.key_figures import KeyFigure, compared
+from comparisons.campaign.results import Results
+from comparisons.folders.saved_cases import as_baseline, saved_cases, saved_figures
+from comparisons.judging.baseline import Baseline
+from comparisons.judging.records import Record, Verdict
+from comparisons.judging.verdicts import deciding
+
+# What of an error, and of a peak, is told as moved; and what rounding is.
+SHARE: Final = 0.01
+PEAK_SHARE: Final = 1e-3
+ROUNDING: Final = 1e-12
+
+Name = tuple[str, str]  # of a linkage: mechanism and variant
+
+
+@dataclass(frozen=True)
+class Move:
+    """A record of both folders; ``beyond`` says that it fails and did not before, or is over what is ``allowed``.
+
+    Allowed is three times the error before, at least round-off; None where other designs or variants are compared.
+    """
+
+    before: Record
+    after: Record
+    allowed: float | None
+    beyond: bool
+
+    @property
+    def factor(self) -> float | None:
+        """The error over the one before; None where there is none."""
+        old, new = self.before.error_max, self.after.error_max
+        return new / old if old and new is not None else None
+
+    @property
+    def peak_share(self) -> float | None:
+        """By what share of the one before the truth's peak over the samples has moved."""
+        old, new = self.before.peak, self.after.peak
+        return new / old - 1.0 if old and new is not None else None
+
+
+@dataclass(frozen=True)
+class RunPair:
+    """A run in both folders: seconds of stepping and steps, each before and after."""
+
+    run: tuple[str, ...]
+    versions: tuple[str, str]
+    seconds: tuple[float, float]
+    steps: tuple[int, int]
+
+
+@dataclass(frozen=True)
+class FolderDifference:
+    """What has moved from one folder to another; records and figures bear the second folder's names.
+
+    ``linkages`` are pairs of those that are compared, ``compared`` counts the records in both folders. ``facts`` are
+    name, before and after of what the folders were made on. Figures decide in ``same`` linkages alone: other designs
+    and variants have others.
+    """
+
+    linkages: tuple[tuple[Name, Name], ...]
+    compared: int
+    moves: tuple[Move, ...]
+    runs: tuple[RunPair, ...]
+    figures: tuple[KeyFigure, ...]
+    only_before: tuple[str, ...]
+    only_after: tuple[str, ...]
+    facts: tuple[tuple[str, str, str], ...]
+    same_machine: bool
+
+    @property
+    def beyond(self) -> int:
+        """How many records and figures of the same linkage moved by more than is allowed."""
+        same = {after for before, after in self.linkages if before == after}
+        return sum(move.beyond for move in self.moves) + sum((f.mechanism, f.variant) in same for f in self.figures)
+
+    @property
+    def told(self) -> dict[str, Any]:
+        """All of it, JSON-ready."""
+        moves = [{**asdict(move), "factor": move.factor, "peak_share": move.peak_share} for move in self.moves]
+        figures = [{**asdict(figure), "sentence": figure.sentence} for figure in self.figures]
+        return {**asdict(self), "moves": moves, "figures": figures, "beyond": self.beyond}
+
+
+def difference(before: Results, after: Results) -> FolderDifference:
+    """Compare two campaigns, run by run, under the same conditions.
+
+    Linkages of one name and variant are pairs, then one left of a name in another variant, then the one design left.
+    Raises LinkproofError where no run is in both.
+    """
+    names = _pairs(_names(before), _names(after))
+    old, new = _by_key(_renamed(_records(before), names)), _by_key(_records(after))
+    both = [key for key in new if key in old]
+    if not both:
+        raise LinkproofError(
+            "expected runs under the same conditions in both folders, got none in common: give folders of the same "
+            "linkages, regimes, speeds and engines, or of one linkage each"
+        )
+    places = {key[:3] for key in both}
+    figures = {place: told for place, told in _figures(before, names).items() if place in places}
+    baseline = as_baseline(after, figures, [old[key] for key in both])
+    moves = _moves([(old[key], new[key]) for key in both], baseline, {p for p in names if names[p] == p})
+    here, there = before.document["environment"], after.document["environment"]
+    return FolderDifference(
+        tuple(names.items()),
+        len(both),
+        tuple(filter(_has_moved, moves)),
+        _runs([(old[key], new[key]) for key in both]),
+        tuple(figure for figure in _compared(after, baseline) if figure.changed),
+        _others(old, new),
+        _others(new, old),
+        tuple(
+            (k, here.get(k, ""), there.get(k, ""))
+            for k in {**here, **there}
+            if here.get(k) != there.get(k) and k != "date"
+        ),
+        here["machine"] == there["machine"],
+    )
+
+
+def _names(results: Results) -> list[Name]:
+    return list(dict.fromkeys((row["name"], row["variant"]) for row in results.document["descriptions"]))
+
+
+def _pairs(before: Sequence[Name], after: Sequence[Name]) -> dict[Name, Name]:
+    """The linkages to compare, from those before to those after."""
+    found = {name: name for name in before if name in after}
+    for part in (lambda name: name[0], lambda _: ""):  # one left of a name, and then of all
+        old, new = ([name for name in side if name not in known] for side, known in
+                    ((before, found.keys()), (after, set(found.values()))))  # fmt: skip
+        for name in old:
+            alike = [[one for one in side if part(one) == part(name)] for side in (old, new)]
+            if list(map(len, alike)) == [1, 1]:
+                found[name] = alike[1][0]
+    return found
+
+
+def _records(results: Results) -> list[Record]:
+    return [*results.records, *results.invariants]
+
+
+def _renamed(records: Iterable[Record], names: Mapping[Name, Name]) -> list[Record]:
+    """Records by the names of the other folder, those of a pair alone."""
+    pairs = [(record, names.get((record.mechanism, record.variant))) for record in records]
+    return [replace(record, mechanism=name[0], variant=name[1]) if name else record for record, name in pairs]
+
+
+def _by_key(records: Iterable[Record]) -> dict[tuple[str, ...], Record]:
+    return {(*record.run, record.conditions, record.quantity): record for record in records}
+
+
+def _others(records: Mapping[tuple[str, ...], Record], others: Mapping[tuple[str, ...], Record]) -> tuple[str, ...]:
+    """Runs, or quantities of a run, that the other folder has not."""
+    runs = {key[:-1] for key in others}
+    lacking = [key for key in records if key not in others]
+    words = (f"{'/'.join(k[:5])} ({k[5]})" if k[:-1] not in runs else f"{'/'.join(k[:5])}: {k[6]}" for k in lacking)
+    return tuple(dict.fromkeys(words))
+
+
+def _moves(pairs: Sequence[tuple[Record, Record]], baseline: Baseline, same: Container[Name]) -> list[Move]:
+    """Pairs of records; a failure that is new decides, and in the ``same`` linkages an error that has grown."""
+    decides = {id(record) for record in deciding([after for _, after in pairs])}
+    found = []
+    for before, after in pairs:
+        allowed = baseline.allowed(after) if after.run[:2] in same else None
+        was, now = Verdict(before.outcome), Verdict(after.outcome)
+        grown = allowed is not None and after.error_max is not None and not after.error_max <= allowed
+        worse = (now.failed and not was.failed) or (grown and now.judged)
+        found.append(Move(before, after, allowed, beyond=worse and id(after) in decides))
+    return found
+
+
+def _has_moved(move: Move) -> bool:
+    old, new = move.before.error_max, move.after.error_max
+    if move.beyond or move.before.outcome != move.after.outcome or (old is None) != (new is None):
+        return True
+    moved = old is not None and new is not None and abs(new - old) > max(SHARE * max(old, new), ROUNDING)
+    return moved or abs(move.peak_share or 0.0) > PEAK_SHARE
+
+
+def _runs(pairs: Iterable[tuple[Record, Record]]) -> tuple[RunPair, ...]:
+    found = {
+        new.run: RunPair(
+            new.run, (old.engine_version, new.engine_version), (old.seconds, new.seconds), (old.steps, new.steps)
+        )
+        for old, new in pairs
+    }
+    return tuple(found.values())
+
+
+def _figures(results: Results, names: Mapping[Name, Name]) -> dict[tuple[str, str, str], dict[str, float]]:
+    """Key figures by the names of the other folder; none of another tool's results."""
+    if "judgement" in results.document:
+        return {}
+    told = saved_figures(results, saved_cases(results) if "figures" not in results.document else {})
+    return {(*names[place[:2]], place[2]): figures for place, figures in told.items() if place[:2] in names}
+
+
+def _compared(results: Results, baseline: Baseline) -> list[KeyFigure]:
+    """The key figures of a folder's texts beside a baseline's."""
+    return [] if "judgement" in results.document else compared(saved_cases(results).values(), baseline)

@@ -1,0 +1,148 @@
+"""Folders of several machines joined: each kept whole in a folder of its own, named in one list, no run twice."""
+
+from __future__ import annotations
+
+import json
+import re
+import shutil
+from collections import Counter
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property, partial
+from pathlib import Path
+from typing import Final
+
+from analytic.errors import LinkproofError
+from comparisons.campaign.results import DATASET, RECORDS, Results, load
+from comparisons.datasheet.saved import FILE as SHEETS
+from comparisons.runs.files import claim, write_file, write_text
+from comparisons.stress import saved as stress_test
+from comparisons.stress.saved import Stress
+from comparisons.work_precision import records as work_precision
+from comparisons.work_precision.records import Bench, PointRecord
+
+LIST: Final = "merged.json"
+FILES: Final = (DATASET, RECORDS, SHEETS, work_precision.FILE, stress_test.FILE)
+
+
+@dataclass(frozen=True)
+class MergedFolder:
+    """One folder of those that are joined: where it is, and the name it has among them."""
+
+    path: Path
+    name: str
+
+    @cached_property
+    def campaign(self) -> Results | None:
+        """The campaign in it, if there is one."""
+        return load(self.path) if (self.path / DATASET).is_file() else None
+
+    @cached_property
+    def bench(self) -> Bench | None:
+        """The benchmark in it, if there is one."""
+        return work_precision.load(self.path) if (self.path / work_precision.FILE).is_file() else None
+
+    @cached_property
+    def stress(self) -> Stress | None:
+        """The stability maps in it, if there are any."""
+        return stress_test.load(self.path) if (self.path / stress_test.FILE).is_file() else None
+
+    @cached_property
+    def environment(self) -> Mapping[str, str]:
+        """What it was made on; raises LinkproofError where it holds nothing, or work of several machines."""
+        studies = [study.document for study in (self.campaign, self.bench, self.stress) if study is not None]
+        if not studies:
+            raise LinkproofError(
+                f"nothing to merge in '{self.path}': expected the folder given to --out of compare, bench or stress"
+            )
+        machines = dict.fromkeys(document["environment"]["machine"] for document in studies)
+        if len(machines) > 1:
+            raise LinkproofError(
+                f"expected the work of one machine in '{self.path}', got that of {' and of '.join(machines)}: make "
+                "the studies again in folders of their own"
+            )
+        found: Mapping[str, str] = studies[0]["environment"]
+        return found
+
+    @property
+    def machine(self) -> str:
+        """The hardware."""
+        return self.environment["machine"]
+
+    @cached_property
+    def runs(self) -> frozenset[str]:
+        """What was run, in words that tell one run from every other on the same machine."""
+        campaign, bench, stress = self.campaign, self.bench, self.stress
+        records = campaign.records if campaign else ()
+        points = bench.points if bench else ()
+        return frozenset((
+            *(f"compare {'/'.join(record.run)}, {record.conditions}" for record in records),
+            *(f"bench {_point(point)}" for point in points),
+            *(f"stress {result.cell.key}" for result in (stress.results if stress else ())),
+        ))  # fmt: skip
+
+
+def _point(point: PointRecord) -> str:
+    """What tells a point of a benchmark from every other."""
+    steps = (("step", point.step), ("effort", point.effort))
+    told = (f", {name} {value!r}" for name, value in steps if value is not None)
+    return "/".join((*point.place, point.engine, point.setting)) + "".join(told)
+
+
+def folders_of(paths: Sequence[Path]) -> tuple[MergedFolder, ...]:
+    """The folders to join, those of a folder that is joined already one by one.
+
+    Raises LinkproofError for one that holds nothing, and where one machine made the same run twice.
+    """
+    found = [place for path in paths for place in (merged_folders(path) or [path])]
+    taken: Counter[str] = Counter()
+    folders = []
+    for path in found:
+        stem = re.sub(r"[^\w+.-]+", "-", path.resolve().name).strip(".") or "folder"
+        taken[stem.casefold()] += 1
+        count = taken[stem.casefold()]
+        folders.append(MergedFolder(path, stem if count == 1 else f"{stem}~{count}"))
+    seen: dict[tuple[str, str], Path] = {}
+    for folder in folders:
+        machine = folder.machine
+        for run in sorted(folder.runs):
+            if (machine, run) in seen:
+                raise LinkproofError(
+                    f"expected every run once, got {run} of one machine in '{seen[machine, run]}' and in "
+                    f"'{folder.path}': leave one out, or see what has moved with linkproof diff"
+                )
+            seen[machine, run] = folder.path
+    return tuple(folders)
+
+
+def merged_folders(path: Path) -> list[Path]:
+    """The folders within one that ``merge`` wrote; none of any other. Raises LinkproofError for a damaged list."""
+    file = path / LIST
+    if not file.is_file():
+        return []
+    try:
+        document = json.loads(file.read_text(encoding="utf-8"))
+        names = [str.strip(name) for name in document["folders"] if Path(name).name == name]
+        if document["format"] != 1 or not names or len(names) != len(document["folders"]):
+            raise ValueError(f"got {document}")
+    except (OSError, ValueError, TypeError, KeyError) as error:
+        raise LinkproofError(f"'{file}' is no list of merged folders ({error}); merge them again") from error
+    return [path / name for name in names]
+
+
+def merge(folders: Sequence[MergedFolder], out: Path) -> tuple[MergedFolder, ...]:
+    """Copy the data of folders into a new one; returns them in their new places. The list is written last.
+
+    Raises LinkproofError where ``out`` holds something already, or cannot be written.
+    """
+    if out.exists() and (not out.is_dir() or any(out.iterdir())):
+        raise LinkproofError(f"expected a new or an empty folder to merge into, got '{out}': give another")
+    held = claim(out)
+    for folder in folders:
+        for name in FILES:
+            if (folder.path / name).is_file():
+                write_file(out / folder.name / name, partial(shutil.copyfile, folder.path / name))
+    names = [folder.name for folder in folders]
+    write_text(out / LIST, json.dumps({"format": 1, "folders": names}, indent=1, ensure_ascii=False) + "\n")
+    del held
+    return tuple(MergedFolder(out / name, name) for name in names)

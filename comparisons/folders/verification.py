@@ -1,0 +1,221 @@
+"""A campaign's folder judged anew: texts, curves and records held against each other and against the closed form."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from analytic.errors import LinkproofError
+from comparisons.campaign.key_figures import changes
+from comparisons.campaign.results import RECORDS, Results, load
+from comparisons.campaign.standards import checksum
+from comparisons.datasheet.saved import FILE as SHEETS
+from comparisons.datasheet.saved import load_sheets
+from comparisons.folders.saved_cases import Place, as_baseline, saved_cases, saved_figures
+from comparisons.judging.baseline import Baseline
+from comparisons.judging.deviations import Deviation, signal_deviation
+from comparisons.judging.limits import LimitTable, read_limits, shipped_limits, table_of
+from comparisons.judging.quantities import Quantity, chosen_quantities
+from comparisons.judging.records import Record
+from comparisons.judging.verdicts import Standard
+from comparisons.reference.case import Case
+from comparisons.runs.environment import environment
+from engines.contract import Signal
+
+# Of a peak: what rounding may change on another machine. A thousandth of the tightest limit.
+SAME: Final = 1e-9
+
+
+@dataclass(frozen=True)
+class Finding:
+    """Where a folder contradicts itself or the closed form, and how."""
+
+    place: str
+    sentence: str
+
+
+@dataclass(frozen=True)
+class Verification:
+    """What came of judging a folder anew.
+
+    ``records`` and ``invariants`` are as judged now, ``curves``, ``figures`` and ``texts`` count what was worked out
+    again; ``notes`` say what they were judged by and what a folder cannot show.
+    """
+
+    records: tuple[Record, ...]
+    invariants: tuple[Record, ...]
+    curves: int
+    figures: int
+    texts: int
+    notes: tuple[str, ...]
+    findings: tuple[Finding, ...]
+
+
+class _SavedBounds(Baseline):
+    """The bounds of a baseline as records have them; the baseline itself stayed where they were made."""
+
+    def allowed(self, record: Record) -> float | None:
+        """The bound in the record."""
+        return record.baseline
+
+
+def verify(folder: Path, limits: Path | None = None) -> Verification:
+    """Judge what compare saved in a folder, by the limits saved there or by a file's.
+
+    Every curve is held against the closed form of the folder's texts, worked out now, and every record against its
+    curve. Raises LinkproofError for a folder that cannot be read, or that judge wrote.
+    """
+    results = load(folder, with_sheets=False)
+    if "judgement" in results.document:
+        raise LinkproofError(
+            f"expected the folder of a compare in '{folder}', got one of judge: judge the tool's own files again"
+        )
+    cases = saved_cases(results)
+    table, told = _limits(results, limits)
+    standard = Standard(table, _SavedBounds())
+    judged = [_judged(results, cases[record.run[:3]], record, standard) for record in results.records]
+    invariants = [(fresh := standard.judge(record), _verdict(record, fresh)) for record in results.invariants]
+    figures = results.document.get("figures", [])
+    return Verification(
+        tuple(record for record, _ in judged),
+        tuple(record for record, _ in invariants),
+        sum(record.error_max is not None for record in results.records),
+        len(figures),
+        sum("checksum" in row for row in results.document["descriptions"]),
+        (told, *_notes(results, folder)),
+        (
+            *_files(results, folder),
+            *_texts(results),
+            *(Finding(_name(record), words) for record, found in (*judged, *invariants) for words in found),
+            *_figures(results, cases),
+        ),
+    )
+
+
+def _name(record: Record) -> str:
+    return f"{'/'.join(record.run)}: {record.quantity}"
+
+
+def _limits(results: Results, file: Path | None) -> tuple[LimitTable, str]:
+    """The table to judge by, and what it is."""
+    if file is not None:
+        return read_limits(file), f"judged by the limits of {file}"
+    rows = results.document.get("limits")
+    if rows is None:
+        return shipped_limits(), "the folder tells no limits: judged by those of this version"
+    shipped = shipped_limits().told
+    own = [f"{', '.join(row['quantities'])} {row['value']:g} ({row['reason']})" for row in rows if row not in shipped]
+    words = f"judged by the folder's limits, of which this version has not: {'; '.join(own)}" if own else ""
+    return table_of(rows), words or "judged by the limits of this version, which are the folder's"
+
+
+def _notes(results: Results, folder: Path) -> Iterator[str]:
+    made, here = results.document["environment"], environment()
+    changed = [f"{name} {made[name]} ({here[name]} here)" for name in ("linkproof", "numpy", "scipy")
+               if name in made and made[name] != here.get(name, made[name])]  # fmt: skip
+    if changed:
+        yield f"made with {', '.join(changed)}"
+    if results.invariants:
+        yield (
+            f"{len(results.invariants)} invariants are judged by their saved errors: the motions that they check are "
+            "not in the folder"
+        )
+    if any(record.baseline is not None for record in results.records):
+        yield "what a baseline allowed is taken from the records: the baseline is not in the folder"
+    if not _beside(folder, SHEETS).is_file():
+        yield f"the folder has no {SHEETS}, without which no pages are made of it"
+
+
+def _beside(folder: Path, name: str) -> Path:
+    return (folder if folder.is_dir() else folder.parent) / name
+
+
+def _files(results: Results, folder: Path) -> Iterator[Finding]:
+    """Files beside the curves that are damaged, or tell something else."""
+    path = _beside(folder, RECORDS)
+    try:
+        if json.loads(path.read_text(encoding="utf-8")) != json.loads(results.curves.attrs["document"]):
+            yield Finding(RECORDS, "it tells something else than the curves' own document")
+    except (OSError, ValueError) as error:
+        yield Finding(RECORDS, f"it cannot be read: {error}")
+    if _beside(folder, SHEETS).is_file():
+        try:
+            load_sheets(_beside(folder, SHEETS).parent)
+        except LinkproofError as error:
+            yield Finding(SHEETS, str(error))
+
+
+def _texts(results: Results) -> Iterator[Finding]:
+    for row in results.document["descriptions"]:
+        now = checksum(row["text"])
+        if row.get("checksum", now) != now:
+            yield Finding(
+                f"{row['name']} ({row['variant']})", f"its text has the checksum {now}, recorded is {row['checksum']}"
+            )
+
+
+def _judged(results: Results, case: Case, record: Record, standard: Standard) -> tuple[Record, list[str]]:
+    """A record as its curve has it, judged now, and what of it is not as saved."""
+    if record.error_max is None:
+        return record, []
+    (quantity,) = chosen_quantities(case, [record.quantity])
+    time, angle, observed, reference = results.curve(record.run, record.quantity)
+    found = signal_deviation(case, quantity, Signal(time, observed), record.samples + record.left_out)
+    faults = [*_curve_faults(found, angle, reference), *_error_faults(case, quantity, found, record)]
+    measured = max(found.error_max, record.error_max) if _is_vector(case, quantity) else found.error_max
+    fresh = standard.judge(replace(record, error_max=measured, error_at_jumps=found.error_at_jumps))
+    return fresh, faults + _verdict(record, fresh)
+
+
+def _is_vector(case: Case, quantity: Quantity) -> bool:
+    return quantity.reference(case, np.zeros(1)).ndim > 1
+
+
+def _curve_faults(found: Deviation, angle: NDArray[np.float64], reference: NDArray[np.float64]) -> Iterator[str]:
+    """Where a saved curve of the truth is not the closed form of the folder's text."""
+    scale = found.peak or 1.0
+    off = float(np.max(np.abs(found.reference - reference), initial=0.0)) / scale
+    if not off <= SAME:
+        yield f"the saved reference differs from the closed form of the folder's text by {off:.2g} of the peak"
+    turned = float(np.max(np.abs(found.angle - angle), initial=0.0))
+    if not turned <= SAME * max(1.0, float(np.max(np.abs(found.angle), initial=0.0))):
+        yield f"the saved crank angle differs from the folder's motion by {turned:.2g}"
+
+
+def _error_faults(case: Case, quantity: Quantity, found: Deviation, record: Record) -> Iterator[str]:
+    """Where a record does not tell what its curve shows; magnitudes of a vector bound its errors from below."""
+    pairs = {"error_max": found.error_max, "error_rms": found.error_rms, "error_at_jumps": found.error_at_jumps}
+    for name, now in pairs.items():
+        saved = getattr(record, name) or 0.0
+        if name == "error_max" and saved == record.error_at_jumps > now:
+            continue  # a record that failed at a jump has that error
+        slack = SAME + SAME * now
+        if not (now <= saved + slack and (saved <= now + slack or _is_vector(case, quantity))):
+            yield f"its {name} is {saved:.3g}, its curve's is {now:.3g}"
+    if record.samples != found.samples:
+        yield f"it tells of {record.samples} samples compared, its curve has {found.samples}"
+    if not abs((record.peak or 0.0) - found.peak) <= SAME * found.peak:
+        yield f"its peak is {record.peak:.9g}, the closed form's is {found.peak:.9g} {record.unit}"
+
+
+def _verdict(record: Record, fresh: Record) -> list[str]:
+    """A verdict or a limit that is not the saved one."""
+    if record.outcome != fresh.outcome:
+        detail = f": {fresh.detail}" if fresh.detail else ""
+        return [f"saved as {record.outcome}, judged {fresh.outcome}{detail}"]
+    if record.limit is not None and fresh.limit is not None and record.limit != fresh.limit:
+        return [f"its limit is {record.limit:.3g}, judged by {fresh.limit:.3g}; {fresh.outcome} by both"]
+    return []
+
+
+def _figures(results: Results, cases: Mapping[Place, Case]) -> Iterator[Finding]:
+    """Key figures that the folder's texts do not give."""
+    if results.document.get("figures"):
+        for figure in changes(cases.values(), as_baseline(results, saved_figures(results, cases))):
+            yield Finding("key figures", figure.sentence)

@@ -1,0 +1,126 @@
+"""What MkDocs makes of these pages: README as the first one, tables from their data, files' names over their blocks."""
+
+from __future__ import annotations
+
+import inspect
+import re
+from collections.abc import Iterator, Mapping
+from dataclasses import is_dataclass
+from importlib import import_module, util
+from pathlib import Path
+from typing import Any
+
+from analytic.description.format.json_schema import json_schema
+from comparisons.judging.limits import LimitRow, shipped_limits
+from reports.document.markdown import table
+from reports.document.numbers import bound
+from reports.document.parts import Table
+
+ROOT = Path(__file__).parents[2]
+SHOWN = {"README.md": "index.md", "CONTRIBUTING.md": "contributing.md", "CHANGELOG.md": "changelog.md",
+         "reports/RESULTS.md": "results.md"}  # fmt: skip
+NAMED_BLOCK = re.compile(r"^```(\w+) (\S+)$", re.MULTILINE)
+FILE_NAME = re.compile(r"\[(?:docs/)?([\w-]+)\.md\](?=\()")
+LINK = re.compile(r"\]\((?:\.\./)?(?:docs/)?([^)#:]+)")
+
+
+def on_config(config: Any) -> Any:  # noqa: ANN401 - MkDocs need not be installed
+    """Leave pages that do not exist out of the navigation."""
+    config.nav = [entry for entry in map(_existing, config.nav) if entry]
+    return config
+
+
+def _existing(entry: Any) -> Any:  # noqa: ANN401 - nested lists of dictionaries
+    if isinstance(entry, str):
+        return entry if entry in SHOWN.values() or (ROOT / "docs" / entry).exists() else None
+    ((title, below),) = entry.items()
+    kept = [one for one in map(_existing, below) if one] if isinstance(below, list) else _existing(below)
+    return {title: kept} if kept else None
+
+
+def on_files(files: Any, config: Any) -> Any:  # noqa: ANN401
+    """Add the pages that lie outside of the folder."""
+    from mkdocs.structure.files import File  # noqa: PLC0415 - the tables need no MkDocs
+
+    for source, page in SHOWN.items():
+        files.append(File.generated(config, page, content=(ROOT / source).read_text(encoding="utf-8")))
+    return files
+
+
+def on_page_markdown(markdown: str, page: Any, **_: Any) -> str:  # noqa: ANN401
+    """A page's text with its links, the names of its files and what is made from data."""
+    markdown = FILE_NAME.sub(lambda name: f"[{name[1].replace('-', ' ')}]", markdown)
+    text = NAMED_BLOCK.sub(r'```\1 title="\2"', LINK.sub(lambda link: f"]({SHOWN.get(link[1], link[1])}", markdown))
+    made = MADE.get(page.file.src_uri)
+    return f"{text}\n\n{made()}\n" if made else text
+
+
+def limits() -> str:
+    """The table of limits that comes with the suite."""
+    head = ("quantities", "settings", "regimes", "limit", "reason")
+    return table(Table("", head, tuple(map(_limit, shipped_limits().rows)), align="lllrl"))
+
+
+def _limit(row: LimitRow) -> tuple[str, ...]:
+    names = (row.quantities, row.settings, row.regimes)
+    return (*(", ".join(sorted(one)) or "all" for one in names), bound(row.limit.value), row.limit.reason)
+
+
+def keys() -> str:
+    """Every key of a linkage file, a table for the file and one for each kind of table in it."""
+    schema = json_schema()
+    tables = {"TheWholeFile": schema} | {
+        name: part for name, part in schema["definitions"].items() if not name.startswith(("Variant", "Repeated"))
+    }
+    return "\n\n".join(f"## {_title(name)}\n\n{_keys(part)}" for name, part in tables.items())
+
+
+def _title(name: str) -> str:
+    return " ".join(re.findall(r"[A-Z][a-z]*", name.removesuffix("Table"))).capitalize()
+
+
+def _keys(part: Mapping[str, Any]) -> str:
+    needed = part.get("required", ())
+    rows = tuple(
+        (f"`{key}`", "needed" if key in needed else _default(value), value.get("description", ""))
+        for key, value in part["properties"].items()
+    )
+    about = part.get("description", "").partition("\n\n")[0].replace("``", "`")
+    return table(Table(about, ("key", "default", "what is expected"), rows, align="l"))
+
+
+def _default(value: Mapping[str, Any]) -> str:
+    default = value.get("default")
+    return "" if default in (None, "", [], {}) or isinstance(default, dict) else f"`{default}`"
+
+
+def reference() -> str:
+    """Every name that ``import linkproof`` offers, from its docstring."""
+    if util.find_spec("linkproof") is None:
+        return ""
+    package = import_module("linkproof")
+    return "\n\n".join(["## Reference", *_documented(package, "linkproof", 3)])
+
+
+def _documented(place: Any, within: str, level: int) -> Iterator[str]:  # noqa: ANN401 - a module or a class
+    """What a module announces, or a class offers, in the order of the alphabet."""
+    for name in sorted(getattr(place, "__all__", vars(place))):
+        thing = getattr(place, name)
+        shown = inspect.isroutine(thing) or inspect.isclass(thing) or inspect.ismodule(thing)
+        if name.startswith("_") or not (shown or isinstance(thing, property)):
+            continue
+        called = inspect.isroutine(thing) or is_dataclass(thing)
+        signature = f"```python\n{_signature(name, thing)}\n```\n\n" if called else ""
+        text = (inspect.getdoc(thing) or "").replace("``", "`").replace(":class:", "")
+        yield f"{'#' * level} `{within}.{name}`\n\n{signature}{text}"
+        if inspect.ismodule(thing) or (inspect.isclass(thing) and within == "linkproof"):
+            yield from _documented(thing, f"{within}.{name}", level + 1)
+
+
+def _signature(name: str, function: Any) -> str:  # noqa: ANN401 - any function, or a class by its fields
+    given = [one for one in inspect.signature(function).parameters.values() if one.name != "self"]
+    lines = [re.sub(r"'|<factory>", lambda found: "" if found[0] == "'" else "…", f"    {one},\n") for one in given]
+    return f"{name}(\n{''.join(lines)})" if lines else f"{name}()"
+
+
+MADE = {"limits.md": limits, "keys.md": keys, "python.md": reference}

@@ -1,0 +1,74 @@
+"""How far is a multibody simulation of a planar linkage from the truth? The names that others may rely on.
+
+Everything else is private and may change with any version. A name is imported when it is first used.
+"""
+
+from __future__ import annotations
+
+import os.path
+from importlib import import_module
+from importlib.util import find_spec
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from analytic.description.linkage import Linkage
+    from analytic.description.loading import load
+    from analytic.errors import LinkproofError
+    from linkproof import engine
+    from reports.python.campaign import Comparison, compare
+    from reports.python.checking import check, check_engine, judge
+    from reports.python.evaluation import evaluate
+    from reports.python.results import results
+
+    __version__: str
+
+__all__ = [
+    "Comparison", "Linkage", "LinkproofError", "__version__", "check", "check_engine", "compare", "engine", "evaluate",
+    "judge", "load", "results",
+]  # fmt: skip
+
+_MODULES = {
+    "analytic.description.linkage": ("Linkage",),
+    "analytic.description.loading": ("load",),
+    "analytic.errors": ("LinkproofError",),
+    "reports.python.campaign": ("Comparison", "compare"),
+    "reports.python.checking": ("check", "check_engine", "judge"),
+    "reports.python.evaluation": ("evaluate",),
+    "reports.python.results": ("results",),
+}
+
+
+def refuse_strangers() -> None:
+    """Raise ImportError where one of linkproof's own packages would be imported from elsewhere.
+
+    Not before a name is used: a plug-in of pytest does no harm to a project that has nothing to do with linkproof.
+    """
+    home = os.path.dirname(os.path.dirname(os.path.abspath(__file__)))
+    for name in ("analytic", "engines", "comparisons", "reports"):
+        try:
+            spec = find_spec(name)
+        except ValueError:  # a module without a spec stands in its place
+            spec = None
+        place = os.path.dirname(spec.origin) if spec and spec.origin else ""
+        if os.path.realpath(place) != os.path.realpath(os.path.join(home, name)):
+            got = f"another one in '{place}'" if place else "none"
+            cure = "rename that one, or take its folder out of sys.path"
+            raise ImportError(f"expected linkproof's package '{name}' in '{home}', got {got}: {cure}", name=name)
+
+
+if not TYPE_CHECKING:  # a type checker would take it for any name at all
+
+    def __getattr__(name: str) -> object:
+        if name == "__version__":
+            return import_module("importlib.metadata").version("linkproof")
+        if name == "engine":
+            return import_module("linkproof.engine")
+        refuse_strangers()
+        for module, names in _MODULES.items():
+            if name in names:
+                return getattr(import_module(module), name)
+        raise AttributeError(f"module 'linkproof' has no attribute '{name}': it has {', '.join(__all__)}")
+
+
+def __dir__() -> list[str]:
+    return __all__

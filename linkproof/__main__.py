@@ -1,0 +1,15 @@
+"""The command line: ``linkproof``, and ``python -m linkproof``."""
+
+from linkproof import refuse_strangers
+
+
+def main() -> None:
+    """Run the command line."""
+    refuse_strangers()
+    from reports.command_line.main import main as run  # noqa: PLC0415  not a stranger's
+
+    run()
+
+
+if __name__ == "__main__":
+    main()

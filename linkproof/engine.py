@@ -1,0 +1,25 @@
+"""The contract between linkproof and an engine: what an adapter of one's own is made of, and the test that holds it."""
+# ruff: noqa: E402, I001  - strangers are refused first; a line of its own for every name would be two pages
+
+import linkproof
+
+linkproof.refuse_strangers()
+
+from analytic.description.linkage import DriverKind
+from comparisons.conformance.conformance import parametrize_engine_checks
+from engines.contract import (
+    Abilities, Engine, History, Method, Origin, Outcome, ReadOut, Run, Setting, Signal, StudiedEngine,
+)  # fmt: skip
+from engines.scene import (
+    AppliedForce, AppliedTorque, Body, Channel, Cylinder, Free, PinJoint, PointSpring, Prescribed, Scene, SliderJoint,
+    SlotJoint, TurnDamper,
+)  # fmt: skip
+from engines.stepping.driver import DivergedError, UnsupportedError
+from engines.stepping.stepped_engine import Course, Recipe, SteppedEngine
+
+__all__ = [
+    "Abilities", "AppliedForce", "AppliedTorque", "Body", "Channel", "Course", "Cylinder", "DivergedError",
+    "DriverKind", "Engine", "Free", "History", "Method", "Origin", "Outcome", "PinJoint", "PointSpring", "Prescribed",
+    "ReadOut", "Recipe", "Run", "Scene", "Setting", "Signal", "SliderJoint", "SlotJoint", "SteppedEngine",
+    "StudiedEngine", "TurnDamper", "UnsupportedError", "parametrize_engine_checks",
+]  # fmt: skip

@@ -1,0 +1,67 @@
+"""pytest's way to linkproof, which is imported where a linkproof.toml or --linkproof asks for it and nowhere else.
+
+A project that has nothing to do with linkproof may have a package ``reports`` of its own.
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+from types import ModuleType
+from typing import TYPE_CHECKING
+
+import pytest
+
+from linkproof import refuse_strangers
+
+if TYPE_CHECKING:
+    from reports.pytest_plugin.asserting import Assertion
+
+FILE = "linkproof.toml"
+
+
+def pytest_addoption(parser: pytest.Parser) -> None:
+    """``--linkproof``: linkage files named on the command line are tests wherever they are."""
+    text = f"test the linkage files (.toml) that are named, though no {FILE} is above them"
+    parser.getgroup("linkproof").addoption("--linkproof", action="store_true", help=text)
+
+
+def pytest_configure(config: pytest.Config) -> None:
+    """Begin at once in a project."""
+    if config.getoption("linkproof") or _has_project(config.rootpath):
+        _plugin(config)
+
+
+def pytest_collect_file(file_path: Path, parent: pytest.Collector) -> pytest.Collector | None:
+    """Begin at the first file of a project further down."""
+    config = parent.config
+    if file_path.suffix.lower() != ".toml" or config.pluginmanager.has_plugin(FILE) or not _has_project(file_path):
+        return None
+    collected: pytest.Collector | None = _plugin(config).pytest_collect_file(file_path, parent)
+    return collected
+
+
+@pytest.fixture(scope="session")
+def linkproof_compare() -> Assertion:
+    """Compares a linkage file as ``linkproof compare`` does, and fails the test where that would fail.
+
+    Called as ``linkproof.compare``, whose ``Comparison`` it gives. The same call in another test costs nothing.
+    """
+    refuse_strangers()
+    from reports.pytest_plugin.asserting import Assertion  # noqa: PLC0415  numpy and all the rest
+
+    return Assertion()
+
+
+def _has_project(place: Path) -> bool:
+    return any((folder / FILE).is_file() for folder in (place, *place.parents))
+
+
+def _plugin(config: pytest.Config) -> ModuleType:
+    try:
+        refuse_strangers()
+    except ImportError as error:
+        raise pytest.UsageError(str(error)) from error
+    from reports import pytest_plugin  # noqa: PLC0415  not a stranger's
+
+    config.pluginmanager.register(pytest_plugin, FILE)
+    return pytest_plugin

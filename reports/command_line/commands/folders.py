@@ -1,0 +1,68 @@
+"""What ``linkproof verify``, ``diff`` and ``merge`` do, and ``report --csv``: folders that travel."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+
+from analytic.errors import LinkproofError
+from comparisons.campaign.results import load
+from comparisons.folders import merging
+from comparisons.folders.difference import difference
+from comparisons.folders.merging import MergedFolder
+from comparisons.folders.tables import write_tables
+from comparisons.folders.verification import verify as verify_folder
+from reports.command_line import FAILED, PASSED
+from reports.command_line.commands.compare import report as report_saved
+from reports.command_line.destination import Destination
+from reports.document.terminal import show
+from reports.records.differences import difference_printout
+from reports.records.findings import verification_printout, verification_told
+
+
+def verify(saved: Path, limits: Path | None, destination: Destination) -> int:
+    """Judge a folder anew; returns the exit code: 1 where something differs."""
+    destination.check("")
+    found = verify_folder(saved, limits)
+    destination.write_json(verification_told(found))
+    destination.print_out(verification_printout(found))
+    return FAILED if found.findings else PASSED
+
+
+def diff(before: Path, after: Path, destination: Destination) -> int:
+    """Print what has moved between two folders; returns the exit code: 1 where it is more than is allowed."""
+    destination.check("")
+    found = difference(load(before, with_sheets=False), load(after, with_sheets=False))
+    destination.write_json(found.told)
+    destination.print_out(difference_printout(found))
+    return FAILED if found.beyond else PASSED
+
+
+def merge(saved: Sequence[Path], out: Path) -> None:
+    """Join folders into one, and write its report."""
+    _write_machines(merging.merge(merging.folders_of(saved), out), out)
+
+
+def _write_machines(folders: Sequence[MergedFolder], out: Path) -> None:
+    from reports.site.machines import write_machines  # noqa: PLC0415  figures cost a second
+
+    show(f"report: {write_machines(folders, out)}", stderr=True)
+
+
+def report(
+    saved: Path, out: Path | None, single: Path | None, csv: Path | None, *, opens: bool = False, png: bool = False
+) -> None:
+    """Write the pages of what a folder holds, or its curves as CSV."""
+    merged = merging.merged_folders(saved)
+    if csv is None and merged:
+        if out is not None or single is not None or opens or png:
+            raise LinkproofError(f"'{saved}' is merged: leave the options out, or name one of the folders in it")
+        _write_machines([MergedFolder(path, path.name) for path in merged], saved)
+        return
+    if csv is None:
+        report_saved(saved, out, single, opens=opens, png=png)
+        return
+    if out is not None or single is not None or opens or png:
+        raise LinkproofError("--csv writes curves and no pages: leave the other options out")
+    paths = write_tables(load(saved, with_sheets=False), csv)
+    show(f"{len(paths)} files of curves in {csv}", stderr=True)

@@ -1,0 +1,54 @@
+"""The fixture's comparison: as ``linkproof.compare``, and a test that fails where that has not passed."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from comparisons.judging.records import Verdict
+from comparisons.judging.verdicts import deciding
+from engines.registry import engine, why_unavailable
+from reports.command_line.requests import CampaignChoice
+from reports.pytest_plugin.words import changed, failure
+from reports.python.campaign import Comparison, compare
+from reports.python.options import MotionOptions, choice, words
+
+
+@dataclass
+class Assertion:
+    """Comparisons of a session, each made once."""
+
+    made: dict[str, Comparison] = field(default_factory=dict)
+
+    def __call__(self, *mechanisms: str | Path, **options: Any) -> Comparison:  # noqa: ANN401 - as compare has them
+        """Compare mechanisms under the options of ``linkproof.compare``; fail the test with every failed record.
+
+        Skips it where an engine that is named is not installed, and where no record says anything of an engine.
+        """
+        for name in words(options.get("engine", ())):
+            absent = why_unavailable(engine(name))
+            if absent is not None:
+                pytest.skip(absent)
+        key = repr((mechanisms, sorted(options.items())))
+        if key not in self.made:
+            self.made[key] = compare(*mechanisms, **{"jobs": 1, **options})
+        found = self.made[key]
+        motion: Any = {name: options[name] for name in MotionOptions.__annotations__ if name in options}
+        named = words(options.get("quantity", ()))
+        asked = CampaignChoice(
+            tuple(map(str, mechanisms)), quantities=named, gravity=options.get("gravity", True), **choice(motion)
+        )
+        texts = [failure(record, asked, found.notes) for record in deciding(found.records) if _fails(record.outcome)]
+        texts += [changed(figure, asked, found.notes) for figure in found.figures if figure.changed]
+        if texts:
+            pytest.fail("\n\n".join(texts), pytrace=False)
+        if not any(Verdict(record.outcome).judged for record in found.records):
+            pytest.skip("; ".join(sorted({f"{record.outcome}: {record.detail}" for record in found.records})))
+        return found
+
+
+def _fails(outcome: str) -> bool:
+    return Verdict(outcome).failed or outcome == Verdict.SUITE_ERROR

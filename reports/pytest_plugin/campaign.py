@@ -1,0 +1,115 @@
+"""A linkage file's campaign as its project asks for it, run by run."""
+
+from __future__ import annotations
+
+import os
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+from comparisons.campaign.campaign import CampaignRequest, cases, judged, lost, tasks
+from comparisons.campaign.key_figures import KeyFigure, compared
+from comparisons.campaign.standards import rejudged
+from comparisons.invariants.checks import NEEDS as INVARIANTS
+from comparisons.judging.records import Record
+from comparisons.judging.run_result import from_bytes, to_bytes
+from comparisons.judging.verdicts import Standard
+from comparisons.reference.case import Case, unpickled
+from comparisons.runs.study import Study, Task
+from comparisons.runs.workers import Bounds
+from engines.contract import Setting
+from engines.registry import engine
+from reports.command_line.requests import CampaignChoice, RunLimits, request
+from reports.command_line.standard_choice import StandardChoice, in_project
+
+
+@dataclass(frozen=True)
+class FileCampaign:
+    """What is run of a linkage file and by what standard it is judged; ``asked`` are the words for its commands."""
+
+    asked: CampaignChoice
+    request: CampaignRequest
+    standard: Standard
+    bounds: Bounds
+
+    @property
+    def runs(self) -> tuple[CampaignRun, ...]:
+        """Every run; none where none of the regimes asked for is the linkage's."""
+        return tuple(CampaignRun(self, task) for task in tasks(self.request)) if self._moves else ()
+
+    def figures(self) -> list[KeyFigure]:
+        """Every key figure beside the recorded one, where there is a baseline."""
+        return compared(cases(self.request), self.standard.baseline) if self._moves else []
+
+    @property
+    def _moves(self) -> bool:
+        (linkage,) = self.request.linkages
+        own = {regime.name for regime in linkage.regimes}
+        return bool(self.request.motions or own & {*self.request.own_regimes})
+
+    def decides(self, setting: str) -> bool:
+        """Whether a failure in a setting counts: in naive only where there is no other."""
+        return setting != Setting.NAIVE or {*self.request.settings, *self.request.own_settings} == {Setting.NAIVE}
+
+    @property
+    def notes(self) -> tuple[str, ...]:
+        """What is known of the file besides, in sentences."""
+        changed = self.standard.baseline.changed()
+        return tuple(f"{path} has changed since its baseline was recorded" for path in changed)
+
+
+@dataclass(frozen=True)
+class CampaignRun:
+    """One run of a campaign."""
+
+    campaign: FileCampaign
+    task: Task
+
+    @property
+    def case(self) -> Case:
+        """The case that is run."""
+        return unpickled(self.task.job[0])
+
+    @property
+    def engine(self) -> str:
+        """The engine's name."""
+        return str(self.task.job[1])
+
+    @property
+    def setting(self) -> str:
+        """The setting's name."""
+        return str(self.task.job[2])
+
+    @property
+    def quantities(self) -> tuple[str, ...]:
+        """What it is judged by."""
+        *_, names, with_invariants = self.task.job
+        return (*names, *(INVARIANTS if with_invariants else ()))
+
+    def records(self) -> tuple[Record, ...]:
+        """Make the run in a worker process, within its bounds, and judge it; no invariants where it failed."""
+        study = Study(judged, lost, to_bytes, from_bytes, processes=1)
+        (result,) = study.in_order([self.task], self.campaign.bounds)
+        result = rejudged(result, self.campaign.standard)
+        return (*result.records, *result.invariants)
+
+
+def file_campaign(path: Path, folder: Path) -> FileCampaign:
+    """The campaign of a linkage file; its project says what is run. Commands are worded for ``folder``.
+
+    Engines need not be installed. Raises LinkproofError for what does not exist or cannot be.
+    """
+    words = CampaignChoice((str(path),))
+    choice, limits, held, known = in_project(words, RunLimits(), StandardChoice())
+    wanted = request(replace(choice, engines=()), known)
+    names = tuple(dict.fromkeys(choice.engines)) or wanted.engines
+    for name in names:
+        engine(name)
+    asked = replace(words, mechanisms=(_relative(path, folder),))
+    return FileCampaign(asked, replace(wanted, engines=names), held.standard(choice), limits.bounds)
+
+
+def _relative(path: Path, folder: Path) -> str:
+    try:
+        return os.path.relpath(path, folder)
+    except ValueError:  # another drive
+        return str(path)

@@ -1,0 +1,1 @@
+"""What the package linkproof offers to Python: the commands as functions."""

@@ -1,0 +1,108 @@
+"""``linkproof.compare``: engines against the closed form, as the command compares them."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Unpack
+
+from comparisons.campaign.campaign import cases
+from comparisons.campaign.campaign import compare as run_campaign
+from comparisons.campaign.key_figures import KeyFigure
+from comparisons.campaign.standards import judged_campaign
+from comparisons.judging.records import Record
+from reports.command_line import PASSED
+from reports.command_line.exit_codes import campaign_exit_code
+from reports.command_line.requests import CampaignChoice, RunLimits, request
+from reports.command_line.standard_choice import StandardChoice, in_project
+from reports.python.options import MotionOptions, Words, choice, words
+
+if TYPE_CHECKING:
+    import xarray
+
+RUN = ("mechanism", "variant", "regime", "engine", "setting")
+
+
+@dataclass(frozen=True)
+class Comparison:
+    """What came of a comparison: a record of every run's quantities and checks, the key figures beside the recorded.
+
+    ``notes`` say what the baseline does not know or what has changed since it was recorded.
+    """
+
+    records: tuple[Record, ...]
+    figures: tuple[KeyFigure, ...]
+    notes: tuple[str, ...]
+
+    @property
+    def passed(self) -> bool:
+        """Whether the command would exit with 0; raises LinkproofError where no record says anything of an engine."""
+        return campaign_exit_code(self.records, figures=self.figures) == PASSED
+
+    @property
+    def table(self) -> xarray.Dataset:
+        """The records over ``run`` and ``quantity``: errors and limits as shares of the peak, NaN where there is none.
+
+        ``mechanism``, ``variant``, ``regime``, ``engine`` and ``setting`` stand along ``run``, with ``seconds`` and
+        ``steps`` of each.
+        """
+        import xarray  # noqa: PLC0415  half a second that records alone do not pay
+
+        runs = {record.run: record for record in self.records}
+        quantities = list(dict.fromkeys(record.quantity for record in self.records))
+        places = {(record.run, record.quantity): record for record in self.records}
+
+        def cells(field: str, lacking: float | str) -> tuple[tuple[str, str], list[list[Any]]]:
+            found = [[getattr(places.get((run, name)), field, None) for name in quantities] for run in runs]
+            return ("run", "quantity"), [[lacking if cell is None else cell for cell in row] for row in found]
+
+        labels = {name: ("run", [run[number] for run in runs]) for number, name in enumerate(RUN)}
+        return xarray.Dataset(
+            {
+                **{name: (*cells(name, math.nan), {"units": "1"}) for name in ("error_max", "error_rms", "limit")},
+                "outcome": cells("outcome", ""),
+                "seconds": ("run", [record.seconds for record in runs.values()], {"units": "s"}),
+                "steps": ("run", [record.steps for record in runs.values()]),
+            },
+            coords={"quantity": quantities, **labels},
+        )
+
+
+def compare(
+    *mechanisms: str | Path,
+    engine: Words = (),
+    setting: Words = (),
+    quantity: Words = (),
+    full: bool = False,
+    limits: str | Path | None = None,
+    baseline: str | Path | None = None,
+    record_baseline: bool = False,
+    time_limit: float | None = None,
+    memory_limit: float | None = None,
+    jobs: int | None = None,
+    **options: Unpack[MotionOptions],
+) -> Comparison:
+    """Simulate mechanisms in engines and compare every error with its limit, as ``linkproof compare`` does.
+
+    Mechanisms are names of the catalogue and paths of files; the options are the command's, ``time_limit`` in s and
+    ``memory_limit`` in GiB among them. A ``linkproof.toml`` above the first file says what they leave open. Raises
+    LinkproofError for bad input; a run that fails is a record.
+    """
+    asked = CampaignChoice(
+        tuple(map(str, mechanisms)), words(engine), words(setting), words(quantity), options.get("gravity", True),
+        full, **choice(options),
+    )  # fmt: skip
+    bounds = RunLimits(time_limit, memory_limit, jobs)
+    bounds.check()
+    held = StandardChoice(_path(limits), _path(baseline), record_baseline)
+    asked, bounds, held, known = in_project(asked, bounds, held)
+    held.check()
+    wanted, standard = request(asked, known), held.standard(asked)
+    results = list(run_campaign(wanted, bounds=bounds.bounds, processes=bounds.processes))
+    judged = judged_campaign(cases(wanted), results, standard, held.file if held.record else None)
+    return Comparison(tuple(judged.records), tuple(judged.figures), tuple(judged.notes))
+
+
+def _path(given: str | Path | None) -> Path | None:
+    return None if given is None else Path(given)

@@ -1,0 +1,62 @@
+"""``linkproof.check``, ``check_engine`` and ``judge``: a linkage, an adapter and another tool's results looked over."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any, Unpack
+
+from analytic.description.linkage import Linkage
+from analytic.errors import LinkproofError
+from comparisons.conformance.findings import Found
+from comparisons.datasheet.linkage_check import check as linkage_facts
+from comparisons.imported.judge import ImportedJudgement
+from comparisons.imported.judging.judgement import DEFAULT_LIMIT
+from comparisons.imported.reading import read_results
+from comparisons.runs.failures import AdapterError
+from engines.contract import Engine
+from engines.registry import engine as registered
+from reports.command_line.commands.engines import findings
+from reports.command_line.commands.judge import JudgeChoice, judgement_of
+from reports.command_line.motion_choice import MotionChoice
+from reports.python.options import MotionOptions, choice, chosen_linkage
+
+
+def check(linkage: Linkage | str | Path, variant: str | None = None) -> dict[str, Any]:
+    """What ``linkproof check --json`` says of a linkage: mobility, groups, range of the crank, transmission, slips.
+
+    SI, angles in rad. Under ``fault`` stands the sentence of the first fault, None where there is none. Raises
+    LinkproofError for a file that cannot be read.
+    """
+    return linkage_facts(chosen_linkage(linkage, variant))[0]
+
+
+def check_engine(engine: Engine | str, jobs: int | None = None) -> list[Found]:
+    """What comes of every check of an engine's adapter, by its name or as it is, in ``jobs`` worker processes.
+
+    Each has a ``check``, a ``finding`` and a ``detail``. Raises LinkproofError where there is nothing to check, and for
+    an adapter that cannot be loaded.
+    """
+    try:
+        return findings(registered(engine) if isinstance(engine, str) else engine, jobs)
+    except AdapterError as error:
+        raise LinkproofError(f"expected an adapter that can be loaded, but {error}; correct it") from error
+
+
+def judge(
+    linkage: Linkage | str | Path,
+    *results: str | Path,
+    mapping: str | Path | None = None,
+    limit: float = DEFAULT_LIMIT,
+    **options: Unpack[MotionOptions],
+) -> ImportedJudgement:
+    """Judge the result files of another tool by the closed form, as ``linkproof judge`` does; ``limit`` is of the peak.
+
+    The judgement has ``passed``, and ``verdicts`` of every signal. Raises LinkproofError for what cannot be read; a
+    ``MappingNeededError`` among them has the ``mapping_text`` to fill in.
+    """
+    given = choice(options)
+    paths, map_ = tuple(map(Path, results)), None if mapping is None else Path(mapping)
+    asked = JudgeChoice(str(linkage), paths, MotionChoice(**given), limit, map_, gravity=options.get("gravity", True))
+    asked.check()
+    model = asked.model(chosen_linkage(linkage, asked.motion.variant))
+    return judgement_of(asked, model, read_results(paths, model, map_))

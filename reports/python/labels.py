@@ -1,0 +1,83 @@
+"""Signals by their names as labelled arrays: what belongs together is one variable over its parts and components."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Final, NamedTuple
+
+import numpy as np
+import xarray
+from numpy.typing import NDArray
+
+from analytic.description.linkage import Linkage
+from analytic.request import UNITS, unit_of
+from comparisons.datasheet.curves import MAGNITUDE, TIME
+from comparisons.reference import signals
+
+Array = NDArray[np.float64]
+
+GROUP: Final = "transmission_angle"
+# Of a kind of signal the dimension of its parts; a shaking force has none.
+DIMENSIONS: Final = {"point": "point", "link": "link", "joint_force": "joint", GROUP: "group"}
+# Of a kind's components the variable that each belongs to.
+VARIABLES: Final[Mapping[str, Mapping[str, str]]] = {
+    "point": {
+        **{"x": "point_position", "y": "point_position", "vx": "point_velocity", "vy": "point_velocity"},
+        **{"ax": "point_acceleration", "ay": "point_acceleration"},
+    },
+    "link": {"angle": "link_angle", "omega": "link_omega", "alpha": "link_alpha"},
+    "joint_force": {"x": "joint_force", "y": "joint_force", "magnitude": "joint_force_magnitude"},
+    "shaking_force": {"x": "shaking_force", "y": "shaking_force", "magnitude": "shaking_force_magnitude"},
+}
+
+
+class Label(NamedTuple):
+    """Where a signal stands: its variable, the dimension and name of its part, its component; "" where none."""
+
+    variable: str
+    dimension: str = ""
+    part: str = ""
+    component: str = ""
+
+
+def label(name: str) -> Label:
+    """Where the signal of a name stands."""
+    kind, _, rest = name.partition(":")
+    if kind == GROUP:
+        return Label(kind, DIMENSIONS[kind], rest)
+    if kind not in VARIABLES:
+        return Label(name)
+    part, _, component = rest.rpartition(":")
+    axis = component[-1] if component[-1] in "xy" else ""
+    return Label(VARIABLES[kind][component], DIMENSIONS.get(kind, ""), part, axis)
+
+
+def unit(name: str, linkage: Linkage) -> str:
+    """SI unit of a signal or quantity."""
+    if name in (TIME, *UNITS):
+        return "s" if name == TIME else unit_of(name, UNITS[name], is_linear=linkage.is_linear)
+    return signals.unit(name.replace(MAGNITUDE, ":x"), linkage)
+
+
+def labelled(linkage: Linkage, axis: str, values: Mapping[str, Array], about: Mapping[str, str]) -> xarray.Dataset:
+    """Signals (n,) by name over the one that is their axis, with units and what they are of in the attributes."""
+    variables: dict[str, dict[Label, str]] = {}
+    for name in values:
+        variables.setdefault(label(name).variable, {})[label(name)] = name
+    arrays: dict[str, xarray.Variable] = {}
+    coordinates: dict[str, list[str]] = {}
+    for variable, names in variables.items():
+        first = next(iter(names))
+        sides = {
+            first.dimension: list(dict.fromkeys(one.part for one in names)),
+            "component": list(dict.fromkeys(one.component for one in names)),
+        }
+        sides = {side: places for side, places in sides.items() if places != [""]}
+        shape = [*map(len, sides.values()), -1]
+        stacked = np.stack([values[name] for name in names.values()]).reshape(shape)
+        units = {"units": unit(names[first], linkage)}
+        arrays[variable] = xarray.Variable((*sides, axis), stacked, units)
+        coordinates |= sides
+    beside = {name: arrays.pop(name) for name in (TIME, "phi") if name in arrays}
+    attributes = {"mechanism": linkage.name, "variant": linkage.variant, **about}
+    return xarray.Dataset(arrays, coords={**beside, **coordinates}, attrs=attributes)

@@ -1,0 +1,56 @@
+"""The options of the commands as arguments of functions: which linkage, and how its crank moves."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from pathlib import Path
+from typing import Any, TypedDict
+
+from analytic.description.changes import without
+from analytic.description.linkage import Linkage
+from analytic.description.loading import in_variant, load
+
+Words = str | Iterable[str]  # a name, or several
+
+
+class MotionOptions(TypedDict, total=False):
+    """The motion of the crank by the options of the commands: rpm, seconds and degrees; what is not said has a default.
+
+    Of a drive along a line ``speed``, ``from_angle`` and ``to_angle`` are in its file's unit of length.
+    """
+
+    variant: str | None
+    regime: Words
+    speed: float | None
+    ramp_time: float
+    hold_time: float
+    start_angle: float
+    from_angle: float | None
+    to_angle: float | None
+    clockwise: bool
+    gravity: bool
+
+
+def words(given: Words) -> tuple[str, ...]:
+    """A name, or several, as the command line has them."""
+    return (given,) if isinstance(given, str) else tuple(given)
+
+
+def choice(options: MotionOptions) -> dict[str, Any]:
+    """The options as a ``MotionChoice`` takes them, ``gravity`` left out."""
+    chosen: dict[str, Any] = {name: value for name, value in options.items() if name != "gravity"}
+    chosen["regimes"] = words(chosen.pop("regime", None) or ())
+    if chosen.get("speed") is None:
+        chosen.pop("speed", None)
+    else:
+        chosen["gives_speed"] = True
+    return chosen
+
+
+def chosen_linkage(linkage: Linkage | str | Path, variant: str | None = None, *, gravity: bool = True) -> Linkage:
+    """A linkage by its name, its file or as it is, in another variant if one is named."""
+    if not isinstance(linkage, Linkage):
+        found = load(linkage, variant)
+    else:
+        found = linkage if variant is None else in_variant(linkage, variant)
+    return found if gravity else without(found, "gravity")

@@ -1,0 +1,69 @@
+"""Key figures tell a changed file: a mass of 1 %, not rounding."""
+
+import re
+from dataclasses import replace
+
+import pytest
+
+from analytic.description.crank_motion import crank_motion
+from analytic.description.loading import load, parse
+from analytic.kinematics.mechanism import Mechanism
+from comparisons.campaign.key_figures import changes, compared, figures, key_figures
+from comparisons.judging.baseline import Baseline, Place
+from comparisons.reference.case import Case
+
+LINKAGE = load("juki-mf7923d")
+
+
+def _case(linkage=LINKAGE) -> Case:
+    return Case(Mechanism(linkage), crank_motion("run-up"), conditions="c")
+
+
+def _heavier(share: float):
+    mass = re.search(r"\bmass *= *([\d.]+)", LINKAGE.text)
+    assert mass is not None
+    text = LINKAGE.text[: mass.start(1)] + f"{float(mass[1]) * (1.0 + share):.12g}" + LINKAGE.text[mass.end(1) :]
+    return parse(text, LINKAGE.name, LINKAGE.name, LINKAGE.variant)
+
+
+def _baseline() -> Baseline:
+    return Baseline({}, {LINKAGE.name: Place("press.toml", "0")}).recorded([], figures([_case()]))
+
+
+def test_the_same_file_has_the_same_figures():
+    assert changes([_case()], _baseline()) == []
+    assert changes([replace(_case(), conditions="another")], _baseline()) == []
+
+
+@pytest.mark.parametrize("share", [0.01, 1e-5])
+def test_another_mass_is_seen(share):
+    found = changes([_case(_heavier(share))], _baseline())
+    assert {"joint_force:O1.peak", "joint_force:A.peak"} & {one.figure for one in found}
+    assert all("was" in one.sentence and "of it" in one.sentence for one in found)
+
+
+def test_figures_are_the_peaks_of_the_motion():
+    found = key_figures(_case())
+    assert found["Peq.peak"] == pytest.approx(found["Mkr.peak"] * 104.72, rel=0.05)  # near full speed
+    assert {name.partition(":")[0].partition(".")[0] for name in found} == {"Mkr", "Peq", "Jeq", "joint_force"}
+
+
+def test_a_figure_that_is_lost_or_new_is_said():
+    key = next(iter(figures([_case()])))
+    baseline = _baseline().recorded([], {key: {"Mkr.peak": key_figures(_case())["Mkr.peak"], "old": 1.0}})
+    told = {one.figure: one.sentence for one in changes([_case()], baseline)}
+    assert "is no figure any more" in told.pop("old")
+    assert all("was not recorded" in words for words in told.values())
+
+
+def test_without_a_recording_every_figure_is_told_and_none_has_changed():
+    found = compared([_case()], Baseline())
+    assert {one.figure: one.now for one in found} == key_figures(_case())
+    assert not any(one.changed or one.recorded is not None for one in found)
+
+
+def test_rounding_of_what_is_nothing_is_no_change():
+    """A force that is zero but for rounding differs between machines by more than a millionth of itself."""
+    recorded = {**key_figures(_case()), "Jeq.mean": key_figures(_case())["Jeq.mean"] + 1e-15}
+    baseline = _baseline().recorded([], {next(iter(figures([_case()]))): recorded})
+    assert changes([_case()], baseline) == []

@@ -1,0 +1,81 @@
+"""The documentation as a site: every page is there, nothing comes from a network, tables are those of their data."""
+
+import re
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+import linkproof
+from analytic.description.format.json_schema import json_schema
+from comparisons.judging.limits import shipped_limits
+from docs.making.pages import keys, limits, reference
+
+ROOT = Path(__file__).parents[2]
+LOADED = re.compile(r"<(?:script|img|iframe|source)[^>]* src=\"?([^\" >]+)|<link[^>]* href=\"?([^\" >]+)")
+ASKED = re.compile(r"url\((https?:[^)]+)\)|@import")
+
+
+@pytest.fixture(scope="module")
+def site(tmp_path_factory):
+    """The built site."""
+    pytest.importorskip("material", reason="the documentation is built with linkproof[docs]")
+    folder = tmp_path_factory.mktemp("site")
+    command = [sys.executable, "-m", "mkdocs", "build", "--strict", "--quiet", "--site-dir", str(folder)]
+    subprocess.run(command, cwd=ROOT, check=True, capture_output=True, text=True)
+    return folder
+
+
+@pytest.mark.slow
+def test_a_page_loads_nothing_from_a_network(site):
+    pages = list(site.glob("*.html"))
+    loaded = {next(filter(None, found)) for page in pages for found in LOADED.findall(page.read_text(encoding="utf-8"))}
+    assert len(pages) > 15
+    assert any(address.startswith("assets/") for address in loaded)
+    assert not {address for address in loaded if re.match(r"(https?:)?//", address)}
+    assert not [sheet for sheet in site.rglob("*.css") if ASKED.search(sheet.read_text(encoding="utf-8"))]
+
+
+@pytest.mark.slow
+def test_every_page_of_the_folder_is_in_the_navigation(site):
+    index = (site / "index.html").read_text(encoding="utf-8")
+    missing = [page.stem for page in (ROOT / "docs").glob("*.md") if f'href="{page.stem}.html"' not in index]
+    assert not missing
+
+
+@pytest.mark.slow
+@pytest.mark.skipif(shutil.which("chromium") is None, reason="no chromium here")
+def test_the_site_is_searched_from_the_disk(site):
+    sync_api = pytest.importorskip("playwright.sync_api")
+    with sync_api.sync_playwright() as playwright:
+        browser = playwright.chromium.launch(executable_path=shutil.which("chromium"), args=["--no-sandbox"])
+        page = browser.new_page()
+        asked = []
+        page.on("request", lambda request: asked.append(request.url))
+        page.goto((site / "index.html").as_uri())
+        page.keyboard.press("/")
+        page.keyboard.type("shaking force")
+        page.wait_for_selector(".md-search-result__item a[href*='quantities.html']")
+        browser.close()
+    assert not [url for url in asked if url.startswith("http")]
+
+
+def test_every_limit_stands_with_its_reason():
+    table = limits()
+    assert all(f"| {row.limit.reason} |" in table for row in shipped_limits().rows)
+
+
+def test_every_key_of_the_schema_is_told():
+    text = keys()
+    schema = json_schema()
+    names = set(schema["properties"]) | set(schema["definitions"]["RegimeTable"]["properties"])
+    assert not {name for name in names if f"| `{name}` |" not in text}
+
+
+def test_the_reference_has_every_public_name_with_its_arguments():
+    text = reference()
+    assert not [name for name in linkproof.__all__ if f"### `linkproof.{name}`" not in text and name != "__version__"]
+    assert not [name for name in linkproof.engine.__all__ if f"#### `linkproof.engine.{name}`" not in text]
+    assert "    record_baseline: bool = False,\n" in text

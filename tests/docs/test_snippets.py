@@ -1,0 +1,115 @@
+"""Every command and Python snippet of the documentation does what its page shows."""
+
+import contextlib
+import io
+import os
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from tests.docs.given import lay_out
+
+ROOT = Path(__file__).parents[2]
+PAGES = [ROOT / "README.md", ROOT / "CONTRIBUTING.md", *sorted((ROOT / "docs").glob("*.md"))]
+BLOCK = re.compile(r"^```(console|python)\n(.*?)^```$", re.MULTILINE | re.DOTALL)
+FILE = re.compile(r"^```toml (\S+)\n(.*?)^```$", re.MULTILINE | re.DOTALL)
+PRINTS = re.compile(r"^ *print\(.*\)  # (.*)$", re.MULTILINE)
+# What sets up a machine; docs/your-first-engine.md has a test of its own, which installs its blocks first.
+SETTING_UP = {"git", "python3", "pip", "make", "barwork"}
+# Their figures are errors and times of engines, which differ from machine to machine.
+MEASURING = {"compare", "bench", "stress", "export", "published"}
+LONG = {"bench", "stress"}
+NUMBER = re.compile(r"[-−+]?\d+(?:\.\d+)?(?:e[-+]?\d+)?")
+
+
+def blocks(page):
+    """Kind and text of every block that can be run, in order."""
+    return BLOCK.findall(page.read_text(encoding="utf-8"))
+
+
+def commands(text):
+    """Every command of a console block, and the lines shown below it."""
+    for part in re.split(r"^\$ ", text, flags=re.MULTILINE)[1:]:
+        command, _, shown = part.partition("\n")
+        yield command.partition("  #")[0].strip(), shown
+
+
+def words(command):
+    """The words of a command, and what ``linkproof`` is asked for."""
+    found = command.split()
+    return found, found[1] if found[0] == "linkproof" else found[0]
+
+
+def quick(command):
+    """A command of many engines and mechanisms, in one engine and one mechanism."""
+    found, name = words(command)
+    if name in LONG or (name == "compare" and not {"--engine", "short.toml", "rocker.toml"} & set(found)):
+        command += " --engine direct"
+        return command.replace("compare --", "compare juki-mf7923d --").replace("speed start jump", "start")
+    return command
+
+
+def shape(line, measured):
+    """A line as it is compared: roundings are not told apart, of measured figures none."""
+    if measured:
+        return " ".join(NUMBER.sub("#", line).split())
+    return NUMBER.sub(lambda n: "~0" if "e" in n[0] and abs(float(n[0].replace("−", "-"))) < 1e-9 else n[0], line)
+
+
+def agrees(told, shown, measured):
+    """Whether the lines shown are those told, or some of them in order where a line of dots says so."""
+    told, shown = ([shape(line, measured) for line in text.rstrip().splitlines()] for text in (told, shown))
+    if "..." not in shown:
+        return told == shown
+    rest = iter(told)
+    return all(line in rest for line in shown if line != "...")
+
+
+@pytest.fixture(scope="module")
+def shell(tmp_path_factory):
+    """Run a line of a shell that knows ``linkproof``, in a folder with the files that pages take as given."""
+    programs = tmp_path_factory.mktemp("programs")
+    for name, module in (("linkproof", " -m reports.command_line.main"), ("python", "")):
+        (programs / name).write_text(f'#!/bin/sh\nexec "{sys.executable}"{module} "$@"\n')
+        (programs / name).chmod(0o755)
+    env = {**os.environ, "PATH": f"{programs}{os.pathsep}{os.environ['PATH']}", "PYTHONPATH": str(ROOT)}
+
+    def run(command, folder):
+        return subprocess.run(["bash", "-o", "pipefail", "-c", command], stdout=subprocess.PIPE,
+                              stderr=subprocess.STDOUT, text=True, cwd=folder, env=env, check=False)  # fmt: skip
+
+    return run
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("page", PAGES, ids=lambda page: page.stem)
+def test_what_a_page_shows_is_what_happens(page, shell, tmp_path):
+    lay_out(tmp_path)
+    for name, text in FILE.findall(page.read_text(encoding="utf-8")):
+        (tmp_path / name).write_text(text, encoding="utf-8")
+    known = {}
+    for kind, text in blocks(page):
+        if kind == "python":
+            with contextlib.redirect_stdout(io.StringIO()) as printed:
+                exec(compile(text, str(page), "exec"), known)
+            assert printed.getvalue().splitlines() == PRINTS.findall(text)
+            continue
+        for command, shown in commands(text):
+            if SETTING_UP & set(command.split()):
+                continue
+            done = shell(quick(command), tmp_path)
+            expected = {2} if shown.startswith("linkproof: ") else {0, 1}
+            assert done.returncode in expected, f"{command}\n{done.stdout}"
+            if shown and quick(command) == command:
+                measured = words(command)[1] in MEASURING | {"python"}
+                assert agrees(done.stdout, shown, measured), f"{command} shows\n{done.stdout}"
+
+
+def test_every_block_says_what_it_is():
+    pages = {page.name: page.read_text(encoding="utf-8") for page in PAGES}
+    hidden = re.compile(r"^(    \$ |```\n(?=\$ |linkproof ))", re.MULTILINE)
+    assert not {name for name, text in pages.items() if hidden.search(text)}
+    assert sum(len(list(commands(text))) for page in PAGES for kind, text in blocks(page) if kind == "console") > 25

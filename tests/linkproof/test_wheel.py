@@ -1,0 +1,105 @@
+"""What a user installs: a type checker takes it for typed, and a script of the public names runs."""
+
+import os
+import subprocess
+import sys
+import venv
+import zipfile
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+ROOT = Path(__file__).parents[2]
+SCRIPT = """
+import numpy as np
+import linkproof
+from linkproof.engine import Abilities, Channel, Engine, Run, Scene, Setting, SteppedEngine
+
+
+def heaviest(linkage: linkproof.Linkage) -> float:
+    values = linkproof.evaluate(linkage, np.linspace(0.0, 6.0, 50), "Jeq")
+    return float(values["Jeq"].max())
+
+
+def told(engine: Engine) -> list[Channel]:
+    return list(engine.abilities.readouts)
+
+
+class Mine:
+    name = "mine"
+    is_control = False
+    abilities = Abilities({}, frozenset(), frozenset(), frozenset())
+
+    def version(self) -> str | None:
+        return None
+
+    def run(self, scene: Scene, setting: Setting) -> Run:
+        raise NotImplementedError
+
+
+needle = linkproof.load("juki-mf7923d")
+peak: float = heaviest(needle)
+curves = linkproof.results(needle, speed=1200.0, clockwise=True)
+force = curves["joint_force"].sel(joint="A", component="x")
+try:
+    comparison = linkproof.compare("juki-mf7923d", engine="direct", speed=1200)
+    passed: bool = comparison.passed
+    worst = max(record.error_max or 0.0 for record in comparison.records)
+except linkproof.LinkproofError as error:
+    print(error)
+facts = linkproof.check(needle)
+print(f"{peak:.3g}", force.attrs["units"], passed, worst < 1e-3, facts["structure"], told(Mine()))
+"""
+WRONG = """
+import linkproof
+
+linkproof.load(3)
+linkproof.results("juki-mf7923d", speed="fast")
+linkproof.compare("juki-mf7923d", engines="direct")
+linkproof.Mechanism
+"""
+
+
+@pytest.fixture(scope="module")
+def python(tmp_path_factory):
+    """A Python with the built wheel and, from this one, what the wheel depends on."""
+    folder = tmp_path_factory.mktemp("installed")
+    built = [sys.executable, "-m", "hatchling", "build", "-t", "wheel", "-d", str(folder)]
+    subprocess.run(built, cwd=ROOT, check=True, capture_output=True)
+    venv.create(folder / "venv", symlinks=os.name != "nt")
+    place = next((folder / "venv").rglob("site-packages"))
+    with zipfile.ZipFile(next(folder.glob("*.whl"))) as wheel:
+        wheel.extractall(place)
+    (place / "dependencies.pth").write_text(str(Path(np.__file__).parents[1]))
+    return next((folder / "venv").glob("*/python"))
+
+
+def _run(folder, *command):
+    environment = {name: value for name, value in os.environ.items() if name not in ("PYTHONPATH", "MYPYPATH")}
+    return subprocess.run(command, capture_output=True, text=True, cwd=folder, env=environment, check=False)
+
+
+def _checked(python, folder, text):
+    (folder / "script.py").write_text(text)
+    mypy = (sys.executable, "-m", "mypy", "--strict", "--config-file=", "--cache-dir=.mypy_cache")
+    return _run(folder, *mypy, f"--python-executable={python}", "script.py")
+
+
+@pytest.mark.slow
+def test_a_users_script_is_clean_under_strict_types_and_runs(python, tmp_path):
+    done = _checked(python, tmp_path, SCRIPT)
+    assert done.returncode == 0, done.stdout + done.stderr
+    wrong = _checked(python, tmp_path, WRONG).stdout
+    assert [int(line.split(":")[1]) for line in wrong.splitlines() if ": error:" in line] == [4, 5, 6, 7], wrong
+    (tmp_path / "script.py").write_text(SCRIPT)
+    done = _run(tmp_path, str(python), "script.py")
+    assert done.stdout == "9.13e-05 N True True I (crank) -> coupler + needle_bar (RRP) []\n", done.stderr
+
+
+@pytest.mark.slow
+def test_every_package_of_the_wheel_says_that_it_is_typed(python):
+    place = next(python.parents[1].rglob("site-packages"))
+    packages = [path.parent for path in place.glob("*/__init__.py")]
+    assert len(packages) == 5
+    assert all((package / "py.typed").is_file() for package in packages)

@@ -1,0 +1,114 @@
+"""`compare` in a project of a user's own: limits, a baseline and an engine that come from outside the suite."""
+
+import json
+import os
+import subprocess
+import sys
+from pathlib import Path
+from xml.etree import ElementTree
+
+import pytest
+
+from analytic.description.loading import read
+from comparisons.campaign.results import load
+from reports.records import matrix
+from tests.comparisons.faults import announce
+
+ROOT = Path(__file__).parents[4]
+PROJECT = """
+linkages = ["*/press.toml"]
+engines = ["heavy"]
+[[limit]]
+quantities = ["Mkr"]
+value = 0.25
+reason = "what the gearbox takes"
+"""
+HEAVY = """
+import os
+from dataclasses import replace
+from engines.direct_adapter.adapter import DirectEngine
+
+class HeavyEngine(DirectEngine):
+    name, is_control = "heavy", False
+
+    def run(self, scene, setting):
+        more = float(os.environ.get("MORE", "0"))
+        bodies = tuple(replace(body, mass=body.mass * (1.0 + more)) for body in scene.bodies)
+        return super().run(replace(scene, bodies=bodies), setting)
+"""
+
+
+@pytest.fixture
+def folder(tmp_path):
+    """A stranger's repository: two linkages of one name, limits, and an engine that makes its parts heavier."""
+    (tmp_path / "heavy_engine.py").write_text(HEAVY)
+    announce(tmp_path, "heavy-engine", {"heavy": "heavy_engine:HeavyEngine"})
+    text = read("juki-mf7923d").text
+    for name in ("a", "b"):
+        (tmp_path / name).mkdir()
+        (tmp_path / name / "press.toml").write_text(text, encoding="utf-8")
+    (tmp_path / "linkproof.toml").write_text(PROJECT)
+    return tmp_path
+
+
+def _compare(folder, *words, more="0"):
+    command = [sys.executable, "-m", "reports.command_line.main", "compare", *map(str, words), "--jobs", "0"]
+    environment = {**os.environ, "PYTHONPATH": os.pathsep.join([str(folder), str(ROOT)]), "MORE": more}
+    return subprocess.run(
+        command, capture_output=True, text=True, cwd=folder, env=environment, timeout=120, check=False
+    )
+
+
+def _heavier(path):
+    path.write_text(path.read_text(encoding="utf-8").replace("mass    = 0.03\n", "mass    = 0.0303\n"), "utf-8")
+
+
+def test_a_changed_mass_is_red_by_its_figures_and_in_an_engine_by_its_rows(folder):
+    done = _compare(folder, "--record-baseline")
+    assert (done.returncode, done.stderr) == (0, "baseline: " + str(folder / "linkproof-baseline.json") + "\n")
+    assert _compare(folder).returncode == 0
+
+    done = _compare(folder, "--quantity", "joint_force", "--junit", "red.xml", more="0.01")
+    assert done.returncode == 1
+    assert "key figures" not in done.stdout
+    failed = {case.get("classname") for case in ElementTree.parse(folder / "red.xml").iter("testcase") if len(case)}
+    assert failed == {"a-press/as-built/run-up/heavy/tuned", "b-press/as-built/run-up/heavy/tuned"}
+
+    _heavier(folder / "b" / "press.toml")
+    done = _compare(folder, "--quantity", "Jeq", "--junit", "red.xml")
+    assert done.returncode == 1
+    assert "b/press.toml has changed since its baseline was recorded" in done.stdout
+    assert "b-press (as-built)  run-up  Mkr.peak" in done.stdout
+    assert "6 of 14 key figures are not as recorded" in done.stdout
+    assert "a-press (as-built)  run-up" not in done.stdout
+    failed = {case.get("classname") for case in ElementTree.parse(folder / "red.xml").iter("testcase") if len(case)}
+    assert failed == {"b-press/as-built/run-up/key figures"}
+    assert _compare(folder / "a", "press.toml", "--engine", "direct", "--quantity", "Jeq").returncode == 0
+
+
+def test_what_is_saved_holds_the_standard(folder):
+    _compare(folder, "--record-baseline", "--quantity", "Mkr")
+    limits = folder / "tight.toml"
+    limits.write_text('[[limit]]\nquantities = ["Mkr"]\nvalue = 0.001\nreason = "my own"\n')
+    done = _compare(folder, "a/press.toml", "--limits", limits, "--quantity", "Mkr", "--json", "r.json", "--out", "out")
+    assert done.returncode == 0, done.stderr
+    document = json.loads((folder / "r.json").read_text(encoding="utf-8"))
+    assert document["command"].endswith(f"--quantity Mkr --limits {limits} --out DIR")
+    assert document["limits"][0] == {
+        "quantities": ["Mkr"], "settings": [], "regimes": [], "mechanisms": [], "value": 0.001, "reason": "my own",
+    }  # fmt: skip
+    assert {row["changed"] for row in document["figures"]} == {False}
+    assert len(document["descriptions"][0]["checksum"]) == 16
+    saved = load(folder / "out")
+    assert saved.figures
+    assert matrix.limit_table(saved).rows[0][3:] == ("1e-3", "my own")
+    assert "my own" in (folder / "out" / "RESULTS.md").read_text(encoding="utf-8")
+
+
+def test_nothing_is_recorded_where_no_file_is_named(tmp_path):
+    before = {path: path.stat().st_mtime_ns for path in (ROOT / "comparisons").rglob("*.json")}
+    done = _compare(tmp_path, "juki-mf7923d", "--engine", "direct", "--record-baseline")
+    assert (done.returncode, done.stdout) == (2, "")
+    assert "--record-baseline: expected a file to record into" in done.stderr
+    assert {path: path.stat().st_mtime_ns for path in (ROOT / "comparisons").rglob("*.json")} == before
+    assert list(tmp_path.iterdir()) == []

@@ -1,0 +1,107 @@
+"""A project's words stand where options say nothing; what is recorded goes to a file that a user names."""
+
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+
+from analytic.description.loading import read
+from analytic.errors import LinkproofError, UnknownNameError
+from reports.command_line.requests import CampaignChoice, RunLimits, files, request
+from reports.command_line.standard_choice import StandardChoice, in_project
+
+PROJECT = """
+linkages = ["*/*.toml"]
+engines = ["direct"]
+settings = ["best"]
+regimes = ["coast", "run-up"]
+time_limit = 30
+memory_limit = 2
+"""
+COAST = "\n[regimes.coast]\nstart_angle = 0\nstart_speed = 10\nduration = 0.5\n"
+
+
+@pytest.fixture
+def folder(tmp_path, monkeypatch):
+    """A project of two linkages of one name, the first of which can be released."""
+    text = read("juki-mf7923d").text
+    for name, more in (("a", COAST), ("b", "")):
+        (tmp_path / name).mkdir()
+        (tmp_path / name / "press.toml").write_text(text + more, encoding="utf-8")
+    (tmp_path / "linkproof.toml").write_text(PROJECT)
+    monkeypatch.chdir(tmp_path)
+    return tmp_path
+
+
+def _in_project(choice=None, limits=None):
+    return in_project(choice or CampaignChoice(), limits or RunLimits(), StandardChoice())
+
+
+def test_without_words_a_project_says_everything(folder):
+    choice, limits, held, _ = _in_project()
+    assert choice.mechanisms == ("a/press.toml", "b/press.toml")
+    assert (choice.engines, choice.settings, choice.regimes) == (("direct",), ("best",), ("coast", "run-up"))
+    assert (limits.time_limit, limits.memory_limit) == (30.0, 2.0)
+    assert held.file == folder / "linkproof-baseline.json"
+    assert "linkproof compare a/press.toml b/press.toml --regime coast" in choice.command
+
+
+def test_words_go_before_the_project(folder):
+    given = CampaignChoice(("b/press.toml",), ("exudyn",), ("tuned",), regimes=("run-up-cubic",))
+    choice, limits, held, known = in_project(given, RunLimits(5.0), StandardChoice(baseline=Path("mine.json")))
+    assert (choice, known) == (given, ())
+    assert (limits.time_limit, limits.memory_limit) == (5.0, 2.0)
+    assert held.file == Path("mine.json")
+
+
+def test_a_swing_or_no_worker_processes_leave_out_what_would_contradict_them(folder):
+    swing = CampaignChoice(from_angle=10.0, to_angle=40.0)
+    assert _in_project(swing)[0].regimes == ()
+    none = RunLimits(jobs=0)
+    assert _in_project(limits=none)[1] == none
+
+
+def test_the_project_is_that_of_the_first_file(folder, monkeypatch):
+    monkeypatch.chdir("/")
+    shipped, own = "juki-mf7923d", str(folder / "b" / "press.toml")
+    assert _in_project(CampaignChoice((shipped,)))[2].project is None
+    assert _in_project(CampaignChoice((shipped, own)))[2].project.folder == folder
+    assert _in_project()[0] == CampaignChoice()
+
+
+def test_a_linkage_without_a_regime_of_the_project_is_not_run_in_it(folder):
+    choice, *_, known = _in_project(CampaignChoice(("b/press.toml",)))
+    wanted = request(choice, known)
+    assert [motion.regime for motion in wanted.motions] == ["run-up"]
+    (folder / "linkproof.toml").write_text(PROJECT.replace("coast", "cost"))
+    choice, *_, known = _in_project(CampaignChoice(("b/press.toml",)))
+    with pytest.raises(UnknownNameError, match="unknown regime 'cost': did you mean 'coast'"):
+        request(choice, known)
+
+
+def test_a_variant_takes_those_of_the_project_that_have_it(folder):
+    text = (folder / "b" / "press.toml").read_text(encoding="utf-8")
+    (folder / "b" / "press.toml").write_text(text + "\n[variants.light.links.needle_bar]\nmass = 0.01\n", "utf-8")
+    assert _in_project(CampaignChoice(variant="light"))[0].mechanisms == ("b/press.toml",)
+
+
+def test_files_of_one_name_have_as_many_folders_before_it_as_tell_them_apart(folder):
+    deep = [folder / name / "parts" / "press.toml" for name in ("a", "b")]
+    for path in deep:
+        path.parent.mkdir()
+        path.write_text((folder / "b" / "press.toml").read_text(encoding="utf-8"), encoding="utf-8")
+    names = ("a/press.toml", *(str(path.relative_to(folder)) for path in deep))
+    assert [file.name for file in files(CampaignChoice(names))] == ["a-press", "a-parts-press", "b-parts-press"]
+
+
+def test_recording_needs_a_file_of_the_users_own(folder, tmp_path):
+    with pytest.raises(LinkproofError, match=r"--record-baseline: .* --baseline, or put a linkproof.toml"):
+        StandardChoice(record=True).check()
+    replace(_in_project()[2], record=True).check()
+    with pytest.raises(LinkproofError, match="cannot write"):
+        StandardChoice(baseline=tmp_path, record=True).check()
+
+
+def test_the_words_ask_for_the_same_standard(tmp_path):
+    held = StandardChoice(Path("my limits.toml"), Path("b.json"))
+    assert held.words == " --limits 'my limits.toml' --baseline b.json"

@@ -1,0 +1,108 @@
+"""What Windows lacks and does otherwise, as far as it can be tried elsewhere: no POSIX modules, cp1252, CRLF."""
+
+import json
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from analytic.description.loading import load
+
+pytestmark = pytest.mark.slow
+ROOT = Path(__file__).parents[3]
+START = """
+import sys
+for name in ("resource", "fcntl", "termios", "pwd", "grp"):
+    sys.modules[name] = None
+"""
+EVERYTHING = (
+    START
+    + """
+import importlib, pkgutil, analytic, engines, comparisons, linkproof, reports
+for top in (analytic, engines, comparisons, linkproof, reports):
+    for found in pkgutil.walk_packages(top.__path__, top.__name__ + "."):
+        importlib.import_module(found.name)
+print(len([name for name in sys.modules if name.startswith("comparisons.")]))
+"""
+)
+COMMAND = (
+    START
+    + """
+from reports.command_line.main import main
+sys.argv = ["linkproof", *sys.argv[1:]]
+main()
+"""
+)
+
+
+def _python(script, *words, cwd=ROOT):
+    """A Python without the modules that Windows lacks, printing in its old character set."""
+    environment = os.environ | {
+        "PYTHONPATH": str(ROOT),
+        "PYTHONIOENCODING": "cp1252",
+        "LINKPROOF_WORKER_START": "spawn",
+    }
+    command = [sys.executable, "-X", "warn_default_encoding", "-c", script, *map(str, words)]
+    return subprocess.run(
+        command, capture_output=True, encoding="cp1252", timeout=300, check=False, cwd=cwd, env=environment
+    )
+
+
+def _of_ours(warnings):
+    """Warnings of text read or written in whatever the system's character set is, in files of ours."""
+    return [line for line in warnings.splitlines() if "EncodingWarning" in line and str(ROOT) in line]
+
+
+def test_everything_is_imported_without_posix_modules():
+    done = _python(EVERYTHING)
+    assert done.returncode == 0, done.stderr
+    assert int(done.stdout) > 100
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory):
+    """A linkage file as an editor on Windows saves it, and a campaign of it."""
+    place = tmp_path_factory.mktemp("windows")
+    text = load("juki-mf7923d").text
+    (place / "press.toml").write_bytes(text.replace("\n", "\r\n").encode())
+    done = _python(
+        COMMAND, "compare", "press.toml", "--engine", "direct", "--jobs", "0", "--out", "made", "--verbose", cwd=place
+    )
+    assert done.returncode == 0, done.stderr
+    assert _of_ours(done.stderr) == []
+    assert "passed" in done.stdout
+    return place
+
+
+@pytest.mark.parametrize(
+    "words",
+    [
+        ("list",),
+        ("engines",),
+        ("show", "press.toml"),
+        ("check", "press.toml"),
+        ("results", "press.toml"),
+        ("published", "juki-mf7923d"),
+        ("verify", "made"),
+        ("diff", "made", "made", "--verbose"),
+        ("report", "made", "--csv", "curves"),
+        ("merge", "made", "--out", "merged"),
+    ],
+    ids=lambda words: words[0],
+)
+def test_a_command_runs(folder, words):
+    done = _python(COMMAND, *words, cwd=folder)
+    assert done.returncode == 0, done.stderr
+    assert _of_ours(done.stderr) == []
+
+
+def test_a_text_with_other_line_ends_is_the_same_linkage(folder):
+    (folder / "unix").mkdir()
+    (folder / "unix" / "press.toml").write_text(load("juki-mf7923d").text, encoding="utf-8", newline="\n")
+    words = ("compare", "unix/press.toml", "--engine", "direct", "--jobs", "0", "--quiet", "--out", "other")
+    assert _python(COMMAND, *words, cwd=folder).returncode == 0
+    documents = [json.loads((folder / name / "records.json").read_text(encoding="utf-8")) for name in ("made", "other")]
+    first, second = ([row["checksum"] for row in document["descriptions"]] for document in documents)
+    assert first == second

@@ -1,0 +1,97 @@
+"""Where the plug-in is active, what it costs where it is not, and what it says of markers and of what is skipped."""
+
+import os
+import subprocess
+import sys
+from importlib.metadata import entry_points
+
+import pytest
+
+from engines.pymunk_adapter.adapter import PymunkEngine
+from reports.pytest_plugin import ENGINES, FILE, collecting
+from tests.reports.pytest_plugin.projects import BAR, ROOT, project, run
+
+pytest_plugins = ["pytester"]
+assert collecting  # imported once, for all runs of pytest in this process
+MOST = 0.030  # s
+
+
+def test_its_import_costs_next_to_nothing():
+    script = (
+        "import pytest, sys, time; began = time.process_time(); import linkproof.pytest_plugin; "
+        "print(time.process_time() - began, *{'numpy', 'pydantic', 'analytic', 'engines.registry'} & {*sys.modules})"
+    )
+    env = {**os.environ, "PYTHONPATH": str(ROOT)}
+    told = [
+        subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=True, env=env).stdout
+        for _ in range(3)
+    ]
+    assert min(float(line) for line in told) < MOST  # float() fails where a module's name stands behind the time
+
+
+def test_the_names_it_repeats_are_the_projects():
+    from comparisons.campaign import project as project_file  # noqa: PLC0415
+    from engines import registry  # noqa: PLC0415
+
+    assert (FILE, ENGINES) == (project_file.FILE, registry.GROUP)
+
+
+def test_nothing_is_collected_without_a_project(pytester):
+    (pytester.path / "bar.toml").write_text(BAR)
+    assert run(pytester).ret == pytest.ExitCode.NO_TESTS_COLLECTED
+    assert run(pytester, "bar.toml").ret == pytest.ExitCode.USAGE_ERROR
+
+
+def test_a_file_that_is_named_is_tested_without_a_project(pytester):
+    (pytester.path / "bar.toml").write_text(BAR)
+    (pytester.path / "other.toml").write_text(BAR)
+    done = run(pytester, "--linkproof", "bar.toml", "-k", "direct", "-v")
+    done.stdout.fnmatch_lines(["bar.toml::run-up-direct-tuned::Mkr PASSED*"])
+    done.stdout.no_fnmatch_line("*other.toml*")
+    assert run(pytester, "--linkproof").ret == pytest.ExitCode.NO_TESTS_COLLECTED
+
+
+def test_other_files_of_a_project_are_no_tests(pytester):
+    project(pytester)
+    (pytester.path / "settings.toml").write_text("[tool]")
+    done = run(pytester, "--collect-only", "-q")
+    assert {line.partition("::")[0] for line in done.outlines if "::" in line} == {"linkages/bar.toml"}
+
+
+@pytest.mark.parametrize("broken", ["engines = 3", "engines = [", 'linkages = ["none/*"]'])
+def test_a_project_that_cannot_be_read_is_an_error_in_one_sentence(pytester, broken):
+    project(pytester, *([broken] if "linkages" not in broken else []))
+    if "linkages" in broken:
+        (pytester.path / FILE).write_text(broken)
+    done = run(pytester)
+    assert done.ret == pytest.ExitCode.INTERRUPTED
+    done.stdout.fnmatch_lines(["*linkproof.toml: *expected*got*"])
+    done.stdout.no_fnmatch_line("*Traceback*")
+    done.stdout.no_fnmatch_line("*INTERNALERROR*")
+
+
+def test_markers_choose_engines_and_are_known(pytester):
+    project(pytester, 'engines = ["direct", "pymunk"]')
+    told = {}
+    for words in ("direct", "pymunk", "linkproof", "not linkproof"):
+        done = run(pytester, "--strict-markers", "--collect-only", "-q", "-m", words)
+        told[words] = [line for line in done.outlines if "::" in line]
+    figures = [line for line in told["linkproof"] if "key-figures" in line]
+    assert told["linkproof"] == [*told["direct"], *told["pymunk"], *figures]
+    assert len(told["direct"]) == len(told["pymunk"]) == 12
+    assert all("-direct-" in line for line in told["direct"])
+    assert told["not linkproof"] == []
+    listed = run(pytester, "--markers").stdout.str()
+    assert all(f"@pytest.mark.{name}:" in listed for name in ("linkproof", *entry_points(group=ENGINES).names))
+
+
+def test_an_engine_that_is_not_installed_is_skipped_and_named(pytester, monkeypatch):
+    project(pytester, 'engines = ["pymunk"]')
+    monkeypatch.setattr(PymunkEngine, "why_unavailable", lambda _: "engine 'pymunk' is not installed: install it")
+    done = run(pytester)
+    assert done.ret == pytest.ExitCode.OK
+    done.assert_outcomes(skipped=13)
+    done.stdout.fnmatch_lines(["12 of: engine 'pymunk' is not installed: install it"])
+    told = run(pytester, "-rs").stdout.str()
+    assert told.count("is not installed") == 1
+    assert "SKIPPED [12] linkages/bar.toml" in told

@@ -1,0 +1,84 @@
+"""``linkproof.evaluate`` beside textbook formulas, beside ``results``, and of many designs beside each of them."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import linkproof
+
+LINKAGES = Path(__file__).parents[2] / "linkages"
+CRANK, ROD = 0.05, 0.2  # m, of the centric slider-crank
+EXACT = {"rtol": 1e-12, "atol": 1e-14}
+
+
+def test_the_stroke_of_a_slider_crank_is_the_textbooks():
+    phi = np.array([0.0, 0.3, 2.0, 4.0])
+    found = linkproof.evaluate(LINKAGES / "centric-slider-crank.toml", phi, ["S", "point_position", "v"], speed=60.0)
+    angle = np.arcsin(CRANK / ROD * np.sin(phi))
+    reached = CRANK * np.cos(phi) + ROD * np.cos(angle)
+    away = CRANK * 2.0 * np.pi * np.sin(phi + angle) / np.cos(angle)  # at one turn a second
+    assert np.allclose(found["S"], CRANK + ROD - reached, **EXACT)
+    assert np.allclose(found["point_position"].sel(point="D", component="x"), reached, **EXACT)
+    assert np.allclose(found["v"], away, **EXACT)
+    assert list(found.data_vars) == ["S", "v", "point_position"]
+
+
+@pytest.mark.parametrize("name", ["rimoldi-164", str(LINKAGES / "drives" / "linear-motor.toml")])
+def test_all_of_it_is_as_in_results(name):
+    told = linkproof.results(name, speed=12.0, regime="constant-speed")
+    found = linkproof.evaluate(name, told["phi"], speed=12.0)
+    shared = [variable for variable in found if variable in told and variable != "S"]
+    assert {"Mkr", "Peq", "v", "a", "joint_force", "point_acceleration", "link_alpha", "shaking_moment"} <= {*shared}
+    for variable in shared:
+        size = float(np.abs(told[variable]).max()) or 1.0
+        assert np.allclose(found[variable].values, told[variable].values, rtol=0.0, atol=1e-11 * size), variable
+        assert found[variable].attrs == told[variable].attrs
+    assert np.allclose(found["S"].values, told["S"].values, rtol=0.0, atol=1e-11)
+
+
+def test_acceleration_and_speed_are_of_each_angle():
+    phi, speed, rise = np.array([1.0, 1.0]), np.array([0.0, 60.0]), np.array([3.0, 0.0])
+    found = linkproof.evaluate("juki-mf7923d", phi, ["Jeq", "Mkr", "joint_force"], speed=speed, acceleration=rise)
+    still = linkproof.evaluate("juki-mf7923d", [1.0], ["Mkr", "joint_force"], speed=0.0)
+    assert np.isclose(found["Mkr"][0], found["Jeq"][0] * 3.0 + still["Mkr"][0], rtol=1e-12)
+    moving = linkproof.evaluate("juki-mf7923d", [1.0], ["joint_force"], speed=60.0)
+    assert np.array_equal(found["joint_force"][..., 1], moving["joint_force"][..., 0])
+
+
+def test_without_a_speed_there_is_what_needs_none():
+    found = linkproof.evaluate("juki-mf7923d", [0.0, 1.0])
+    assert {"Jeq", "S", "half_slope", "link_angle", "point_position", "transmission_angle"} == {*found.data_vars}
+
+
+def test_designs_are_each_by_itself():
+    phi, rods = np.array([0.2, 1.5]), np.array([0.2, 0.25, 0.01])
+    slider_crank = LINKAGES / "centric-slider-crank.toml"
+    found = linkproof.evaluate(slider_crank, phi, ["v", "Jeq"], speed=60.0, designs={"rod.D.x": rods})
+    assert found["v"].dims == ("design", "phi")
+    assert found["rod.D.x"].values.tolist() == rods.tolist()
+    alone = linkproof.evaluate(slider_crank, phi, ["v", "Jeq"], speed=60.0)
+    assert np.allclose(found["Jeq"][0], alone["Jeq"], **EXACT)
+    angle = np.arcsin(CRANK / 0.25 * np.sin(phi))
+    assert np.allclose(found["v"][1], CRANK * 2.0 * np.pi * np.sin(phi + angle) / np.cos(angle), **EXACT)
+    assert found["assembled"].values.tolist() == [[True, True], [True, True], [True, False]]
+    assert np.isnan(found["v"][2, 1])
+
+
+@pytest.mark.parametrize(
+    ("words", "told"),
+    [
+        (([0.0], "Mkr"), "expected the crank's speed in rpm for Mkr, got none"),
+        (([0.0], "omega"), "unknown quantity 'omega'"),
+        (([[0.0]], "Jeq"), r"expected a flat list of crank angles, got shape \(1, 1\)"),
+        (([], "Jeq"), "expected a flat list of crank angles"),
+    ],
+)
+def test_what_cannot_be_is_said(words, told):
+    with pytest.raises(linkproof.LinkproofError, match=told):
+        linkproof.evaluate("juki-mf7923d", *words)
+
+
+def test_many_designs_have_no_dead_centre():
+    with pytest.raises(linkproof.LinkproofError, match="unknown quantity 'S'"):
+        linkproof.evaluate("juki-mf7923d", [0.0], "S", designs={"coupler.D.x": [0.05]})
