@@ -74,7 +74,7 @@ class DescriptionRow(TypedDict):
     checksum: NotRequired[str]
 
 
-class Document(TypedDict):
+class SavedCampaign(TypedDict):
     """Everything but the curves."""
 
     format: Literal[1]
@@ -94,7 +94,7 @@ class Document(TypedDict):
     judgement: NotRequired[list[str]]
 
 
-DOCUMENT: Final = TypeAdapter(Document)
+DOCUMENT: Final = TypeAdapter(SavedCampaign)
 
 
 def checked(text: str, curves: xarray.Dataset) -> dict[str, Any]:

@@ -31,11 +31,11 @@ from comparisons.datasheet.positions import over_motion
 from comparisons.datasheet.released import printed, released
 from comparisons.datasheet.sheet import (
     Eye,
-    Figures,
     Normalised,
     PublishedFigure,
     Released,
     Sheet,
+    SheetFigures,
     ThreadSheet,
 )
 from comparisons.reference.case import Case, own_motion
@@ -138,7 +138,7 @@ class _Building:
     def sheet(self) -> Sheet:
         """All of it."""
         names = [name for name in self.results.curves.names if not name.startswith(NOT_SAVED)]
-        nothing: Figures = {"drive": [], "forces": [], "transmission": [], "output": []}
+        nothing: SheetFigures = {"drive": [], "forces": [], "transmission": [], "output": []}
         values: Mapping[str, Array] = self.part("values", lambda: self.values(names), {})
         return Sheet(
             name=self.linkage.name,

@@ -12,12 +12,12 @@ from numpy.typing import NDArray
 from comparisons.datasheet.curves import TIME
 from comparisons.datasheet.designer_results import DesignerResults
 from comparisons.datasheet.figures import DrivePoint, Extreme, ForcePeak, stroke
-from comparisons.datasheet.sheet import Figures, Peak
+from comparisons.datasheet.sheet import SheetFigures, SheetPeak
 
 Array = NDArray[np.float64]
 
 
-def figures(results: DesignerResults) -> Figures:
+def figures(results: DesignerResults) -> SheetFigures:
     """What the table of a designer says: ``drive``, ``forces``, ``transmission``, ``output`` and, m, ``stroke``."""
     parts: Mapping[str, Sequence[DrivePoint | ForcePeak | Extreme]] = {
         "drive": results.drive,
@@ -27,10 +27,10 @@ def figures(results: DesignerResults) -> Figures:
     }
     told = {key: [{**one._asdict(), "at": place(results, one.time)} for one in part] for key, part in parts.items()}
     ends = {"stroke": finite(stroke(results.output))} if results.output else {}
-    return cast("Figures", {key: _defined(value) for key, value in told.items()} | ends)
+    return cast("SheetFigures", {key: _defined(value) for key, value in told.items()} | ends)
 
 
-def peaks(results: DesignerResults, names: Iterable[str]) -> Mapping[str, Peak]:
+def peaks(results: DesignerResults, names: Iterable[str]) -> Mapping[str, SheetPeak]:
     """By name the value of the largest magnitude, of a transmission angle the one farthest from π/2, and its place."""
     found = results.curves.peaks(names)
     return {name: {"value": finite(peak.value), "at": place(results, peak.time)} for name, peak in found.items()}

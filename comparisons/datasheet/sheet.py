@@ -38,7 +38,7 @@ def _listed(values: NDArray[np.float64]) -> list[Any]:
 Array = Annotated[NDArray[np.float64], PlainValidator(_array), PlainSerializer(_listed)]
 
 
-class Peak(TypedDict):
+class SheetPeak(TypedDict):
     """A value and its place on the sheet's axis."""
 
     value: float | None
@@ -77,7 +77,7 @@ class ExtremeFigure(TypedDict):
     at: float | None
 
 
-class Figures(TypedDict):
+class SheetFigures(TypedDict):
     """What the table of ``linkproof results`` says; ``stroke``, m, where there is an output."""
 
     drive: list[DriveFigure]
@@ -247,8 +247,8 @@ class Sheet:
     axis: str
     units: Mapping[str, str]
     values: Mapping[str, Array]
-    peaks: Mapping[str, Peak]
-    figures: Figures
+    peaks: Mapping[str, SheetPeak]
+    figures: SheetFigures
     facts: Mapping[str, Any]
     moment_centre: str = ""
     positions: Positions | None = None

@@ -23,7 +23,7 @@ Name = tuple[str, str]  # of a linkage: mechanism and variant
 
 
 @dataclass(frozen=True)
-class Move:
+class MovedRecord:
     """A record of both folders; ``beyond`` says that it fails and did not before, or is over what is ``allowed``.
 
     Allowed is three times the error before, at least round-off; None where other designs or variants are compared.
@@ -68,7 +68,7 @@ class FolderDifference:
 
     linkages: tuple[tuple[Name, Name], ...]
     compared: int
-    moves: tuple[Move, ...]
+    moves: tuple[MovedRecord, ...]
     runs: tuple[RunPair, ...]
     figures: tuple[KeyFigure, ...]
     only_before: tuple[str, ...]
@@ -165,7 +165,7 @@ def _others(records: Mapping[tuple[str, ...], Record], others: Mapping[tuple[str
     return tuple(dict.fromkeys(words))
 
 
-def _moves(pairs: Sequence[tuple[Record, Record]], baseline: Baseline, same: Container[Name]) -> list[Move]:
+def _moves(pairs: Sequence[tuple[Record, Record]], baseline: Baseline, same: Container[Name]) -> list[MovedRecord]:
     """Pairs of records; a failure that is new decides, and in the ``same`` linkages an error that has grown."""
     decides = {id(record) for record in deciding([after for _, after in pairs])}
     found = []
@@ -174,11 +174,11 @@ def _moves(pairs: Sequence[tuple[Record, Record]], baseline: Baseline, same: Con
         was, now = Verdict(before.outcome), Verdict(after.outcome)
         grown = allowed is not None and after.error_max is not None and not after.error_max <= allowed
         worse = (now.failed and not was.failed) or (grown and now.judged)
-        found.append(Move(before, after, allowed, beyond=worse and id(after) in decides))
+        found.append(MovedRecord(before, after, allowed, beyond=worse and id(after) in decides))
     return found
 
 
-def _has_moved(move: Move) -> bool:
+def _has_moved(move: MovedRecord) -> bool:
     old, new = move.before.error_max, move.after.error_max
     if move.beyond or move.before.outcome != move.after.outcome or (old is None) != (new is None):
         return True

@@ -33,7 +33,7 @@ SAME: Final = 1e-9
 
 
 @dataclass(frozen=True)
-class Finding:
+class VerificationFinding:
     """Where a folder contradicts itself or the closed form, and how."""
 
     place: str
@@ -54,7 +54,7 @@ class Verification:
     figures: int
     texts: int
     notes: tuple[str, ...]
-    findings: tuple[Finding, ...]
+    findings: tuple[VerificationFinding, ...]
 
 
 class _SavedBounds(Baseline):
@@ -92,7 +92,7 @@ def verify(folder: Path, limits: Path | None = None) -> Verification:
         (
             *_files(results, folder),
             *_texts(results),
-            *(Finding(_name(record), words) for record, found in (*judged, *invariants) for words in found),
+            *(VerificationFinding(_name(record), words) for record, found in (*judged, *invariants) for words in found),
             *_figures(results, cases),
         ),
     )
@@ -136,26 +136,26 @@ def _beside(folder: Path, name: str) -> Path:
     return (folder if folder.is_dir() else folder.parent) / name
 
 
-def _files(results: Results, folder: Path) -> Iterator[Finding]:
+def _files(results: Results, folder: Path) -> Iterator[VerificationFinding]:
     """Files beside the curves that are damaged, or tell something else."""
     path = _beside(folder, RECORDS)
     try:
         if json.loads(path.read_text(encoding="utf-8")) != json.loads(results.curves.attrs["document"]):
-            yield Finding(RECORDS, "it tells something else than the curves' own document")
+            yield VerificationFinding(RECORDS, "it tells something else than the curves' own document")
     except (OSError, ValueError) as error:
-        yield Finding(RECORDS, f"it cannot be read: {error}")
+        yield VerificationFinding(RECORDS, f"it cannot be read: {error}")
     if _beside(folder, SHEETS).is_file():
         try:
             load_sheets(_beside(folder, SHEETS).parent)
         except LinkproofError as error:
-            yield Finding(SHEETS, str(error))
+            yield VerificationFinding(SHEETS, str(error))
 
 
-def _texts(results: Results) -> Iterator[Finding]:
+def _texts(results: Results) -> Iterator[VerificationFinding]:
     for row in results.document["descriptions"]:
         now = checksum(row["text"])
         if row.get("checksum", now) != now:
-            yield Finding(
+            yield VerificationFinding(
                 f"{row['name']} ({row['variant']})", f"its text has the checksum {now}, recorded is {row['checksum']}"
             )
 
@@ -214,8 +214,8 @@ def _verdict(record: Record, fresh: Record) -> list[str]:
     return []
 
 
-def _figures(results: Results, cases: Mapping[Place, Case]) -> Iterator[Finding]:
+def _figures(results: Results, cases: Mapping[Place, Case]) -> Iterator[VerificationFinding]:
     """Key figures that the folder's texts do not give."""
     if results.document.get("figures"):
         for figure in changes(cases.values(), as_baseline(results, saved_figures(results, cases))):
-            yield Finding("key figures", figure.sentence)
+            yield VerificationFinding("key figures", figure.sentence)

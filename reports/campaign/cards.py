@@ -8,7 +8,7 @@ from typing import Final
 from comparisons.datasheet.sheet import Sheet
 from reports.campaign.verdict import Trust, ratio, share
 from reports.charts.moving import moving_scheme
-from reports.document.parts import Card, Drawn, Facts, Link, Part
+from reports.document.parts import Card, Drawn, Facts, PageLink, Part
 from reports.mechanism.key_figures import key_figures
 from reports.mechanism.page import file_of
 from reports.records.views import family_title
@@ -24,7 +24,7 @@ def card(sheet: Sheet, trust: Trust | None) -> Card:
     words = linkage.title + (f", {sheet.variant}" if len(linkage.variants) > 1 else "")
     engine = _engine(sheet, trust) if trust is not None else ""
     rows = (*_key_figures(sheet), *((("worst error", engine),) if engine else ()))
-    return Card(Link(words, file_of(sheet)), (*_scheme(sheet), Facts(rows)))
+    return Card(PageLink(words, file_of(sheet)), (*_scheme(sheet), Facts(rows)))
 
 
 def _scheme(sheet: Sheet) -> Iterator[Part]:

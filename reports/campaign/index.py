@@ -15,7 +15,6 @@ from reports.document import numbers
 from reports.document.parts import (
     Bullets,
     Cards,
-    Cell,
     Command,
     Drawn,
     Facts,
@@ -26,6 +25,7 @@ from reports.document.parts import (
     Part,
     Section,
     Table,
+    TableCell,
     Words,
 )
 from reports.document.templates import lines, sentence
@@ -90,9 +90,9 @@ def _engines(results: Results, trust: Trust) -> tuple[Section, ...]:
 
 def _settings_table(trust: Trust) -> Table:
     """Engines down, settings across: how much of a limit is used at worst, what a run takes, what its figures are."""
-    rows: list[list[Cell | str]] = []
+    rows: list[list[TableCell | str]] = []
     for engine in trust.engines:
-        row: list[Cell | str] = [engine]
+        row: list[TableCell | str] = [engine]
         for setting in trust.settings:
             row += _standing(trust, engine, setting)
         rows.append(row)
@@ -111,21 +111,21 @@ def _setting_words(trust: Trust, setting: str) -> str:
     return f"{setting} (decides nothing)" if untuned else setting
 
 
-def _standing(trust: Trust, engine: str, setting: str) -> tuple[Cell | str, Cell | str]:
+def _standing(trust: Trust, engine: str, setting: str) -> tuple[TableCell | str, TableCell | str]:
     """The worst of what is compared with the closed form; the checks, which need none, stand in the other table."""
     records = trust.records(engine, setting)
     held = Held(tuple(record for record in records if record.quantity not in trust.checks))
     if held.worst is None:
         reason = _reason(held)
-        return Cell(numbers.ABSENT, _failure(held), told=reason, note=reason), ""
+        return TableCell(numbers.ABSENT, _failure(held), told=reason, note=reason), ""
     seconds = trust.seconds(engine, setting)
     place = f"{family_title(held.worst.quantity)}, {held.worst.mechanism}"
-    largest = Cell(
+    largest = TableCell(
         ratio(held.worst), _style(trust, setting, held), note=place, told=sentence("index_worst", record=held.worst)
     )
     computed = [words for words in exceptions(records).split("; ") if not words.startswith("shared")]
     origin = "; ".join(filter(None, (origin_words(records), *computed)))
-    return largest, Cell(numbers.ABSENT if seconds is None else numbers.seconds(seconds), note=origin)
+    return largest, TableCell(numbers.ABSENT if seconds is None else numbers.seconds(seconds), note=origin)
 
 
 def _failure(held: Held) -> str:
@@ -145,7 +145,7 @@ def _style(trust: Trust, setting: str, held: Held) -> str:
 
 def families_table(trust: Trust) -> Table:
     """Engines down, families of quantities across: the largest error of each, the least of a column marked."""
-    rows: list[list[Cell | str]] = []
+    rows: list[list[TableCell | str]] = []
     for setting in [name for name in trust.settings if name != Setting.NAIVE.value] or trust.settings:
         for engine in trust.engines:
             cells = [trust.cell(engine, setting, name) for name in trust.families]
@@ -161,13 +161,13 @@ def families_table(trust: Trust) -> Table:
     )
 
 
-def _family_cell(trust: Trust, engine: str, setting: str, name: str) -> Cell:
+def _family_cell(trust: Trust, engine: str, setting: str, name: str) -> TableCell:
     held = trust.cell(engine, setting, name)
     if held.error is None or held.worst is None:
-        return Cell("✗" if held.failed else numbers.ABSENT, _failure(held), told=_reason(held))
+        return TableCell("✗" if held.failed else numbers.ABSENT, _failure(held), told=_reason(held))
     best = " best" if name != CHECKS and trust.nearest(setting, name) == engine else ""
     sign = "✗ " if held.failed else ""
-    return Cell(
+    return TableCell(
         sign + numbers.steady_error(held.error),
         _style(trust, setting, held) + best,
         told=sentence("index_worst", record=held.worst),

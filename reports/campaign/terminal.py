@@ -9,7 +9,7 @@ from comparisons.campaign.campaign import RunResult
 from comparisons.campaign.key_figures import KeyFigure
 from comparisons.judging.records import CONTROL, Record, Verdict
 from reports.document.numbers import bound, error, figure
-from reports.document.parts import Cell, Paragraph, Table, Words
+from reports.document.parts import Paragraph, Table, TableCell, Words
 from reports.document.signs import RUNS
 from reports.document.terminal import Printed, Printout
 from reports.records.changed_figures import changed_figures
@@ -63,7 +63,7 @@ def _heading(record: Record) -> Paragraph:
 
 def _mechanism_table(results: Sequence[RunResult]) -> Table:
     first = [result.records[0] for result in results]
-    rows: list[Sequence[Cell | Words]] = []
+    rows: list[Sequence[TableCell | Words]] = []
     for quantity in dict.fromkeys(family(record.quantity) for result in results for record in _all(result)):
         worst = [_worst(result, quantity) for result in results]
         rows.append((quantity, _limits(worst), *map(_cell, worst)))
@@ -91,19 +91,19 @@ def _limits(records: Sequence[Record | None]) -> str:
     return ", ".join(f"{limit:.0e}" if float(f"{limit:.0e}") == limit else f"{limit:.3g}" for limit in limits)
 
 
-def _cell(record: Record | None) -> Cell | str:
+def _cell(record: Record | None) -> TableCell | str:
     if record is None:
         return ""
     sign = RUNS[record.outcome]
     words = sign.word if record.error_max is None else f"{record.error_max:.1e} {sign.symbol}"
-    return Cell(words, colour=sign.colour)
+    return TableCell(words, colour=sign.colour)
 
 
-def _detail(record: Record) -> tuple[Cell | str, ...]:
+def _detail(record: Record) -> tuple[TableCell | str, ...]:
     time = "" if record.worst_time is None else f"{record.worst_time:.6g}"
     return (
         record.engine, record.setting, record.quantity, record.origin,
-        Cell(record.outcome, colour=RUNS[record.outcome].colour),
+        TableCell(record.outcome, colour=RUNS[record.outcome].colour),
         error(record.error_max), error(record.error_rms), bound(record.limit), error(record.baseline),
         figure(record.peak), record.unit, time, f"{record.samples}", f"{record.left_out}", record.detail,
     )  # fmt: skip

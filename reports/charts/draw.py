@@ -15,7 +15,7 @@ from matplotlib.lines import Line2D
 from numpy.typing import NDArray
 
 from reports.charts import labels
-from reports.charts.layout import EDGE, LEAST, SAMPLE, TICK, Layout, key_width, named_uprights
+from reports.charts.layout import EDGE, LEAST, SAMPLE, TICK, ChartLayout, key_width, named_uprights
 from reports.charts.scales import Scale
 from reports.charts.style import DARK, DOTS_PER_INCH, FAINT, FULL_WIDTH, MUTED, WIDTH, drawn, house_style, ink
 from reports.document.chart import Chart, Curve, Panel
@@ -37,7 +37,7 @@ def figure(chart: Chart) -> Figure:
 
 def place(found: Figure, chart: Chart, corner: tuple[float, float], size: tuple[float, float]) -> None:
     """Draw the chart into a part of a figure: its lower left corner and its width and height, in."""
-    layout = Layout(chart, size)
+    layout = ChartLayout(chart, size)
     for number in range(len(chart.panels)):
         _draw_panel(found, layout, number, corner)
 
@@ -45,14 +45,14 @@ def place(found: Figure, chart: Chart, corner: tuple[float, float], size: tuple[
 def edges(chart: Chart) -> tuple[float, float]:
     """Left and right end of the axes of a chart's first panel, as shares of the width."""
     size = _size(chart)
-    left, _, width, _ = Layout(chart, size).box(0)
+    left, _, width, _ = ChartLayout(chart, size).box(0)
     return left / size[0], (left + width) / size[0]
 
 
 def _size(chart: Chart) -> tuple[float, float]:
     """Width and height of a chart's figure, in: higher than it asks for where its names take all the room."""
     width = FULL_WIDTH if chart.wide else WIDTH
-    layout = Layout(chart, (width, chart.height))
+    layout = ChartLayout(chart, (width, chart.height))
     return width, chart.height + layout.rows * max(0.0, LEAST - layout.height)
 
 
@@ -88,7 +88,7 @@ def _dark(text: str) -> str:
     )
 
 
-def _draw_panel(found: Figure, layout: Layout, number: int, corner: tuple[float, float]) -> None:
+def _draw_panel(found: Figure, layout: ChartLayout, number: int, corner: tuple[float, float]) -> None:
     panel, (x, y) = layout.chart.panels[number], layout.fitted(number)
     (left, bottom, width, height), (wide, high) = layout.box(number), found.get_size_inches()
     axes = found.add_axes(((corner[0] + left) / wide, (corner[1] + bottom) / high, width / wide, height / high))
@@ -160,7 +160,7 @@ def _line(curve: Curve, x: Array | Sequence[float], y: Array | Sequence[float], 
                   marker=curve.marker or "none", markersize=4.5, zorder=3.0 - broad, **more)  # fmt: skip
 
 
-def _draw_marks(axes: Axes, panel: Panel, layout: Layout, number: int) -> None:
+def _draw_marks(axes: Axes, panel: Panel, layout: ChartLayout, number: int) -> None:
     """Lines across the panel; the names of uprights stand above it."""
     for mark in panel.marks:
         line = axes.axvline if mark.along == "x" else axes.axhline
@@ -171,13 +171,13 @@ def _draw_marks(axes: Axes, panel: Panel, layout: Layout, number: int) -> None:
         _above(axes, 0.5 * (left + right), row, mark.name, layout, ha="center", color=ink(mark.ink))
 
 
-def _above(axes: Axes, left: float, row: int, text: str, layout: Layout, **style: Any) -> None:  # noqa: ANN401
+def _above(axes: Axes, left: float, row: int, text: str, layout: ChartLayout, **style: Any) -> None:  # noqa: ANN401
     """Words in a row above the axes, from ``left``, in."""
     place = 1.0 + (0.4 * labels.LINE + row * labels.LINE) / layout.height
     axes.text(left / layout.width, place, text, transform=axes.transAxes, va="bottom", **style)
 
 
-def _draw_heads(axes: Axes, panel: Panel, layout: Layout, number: int) -> None:
+def _draw_heads(axes: Axes, panel: Panel, layout: ChartLayout, number: int) -> None:
     """The key above the names of the uprights, the title on top."""
     first = max(layout.uprights[number], default=-1) + 1
     rows = layout.keys[number][::-1]

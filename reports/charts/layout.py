@@ -25,7 +25,7 @@ SPACED = {"x": 0.75, "y": 0.22, "equal": 0.42}  # inches from tick to tick, at l
 
 
 @dataclass(frozen=True)
-class Layout:
+class ChartLayout:
     """Panels, their scales and words within ``size``, width and height in inches."""
 
     chart: Chart

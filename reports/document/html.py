@@ -14,7 +14,7 @@ from markupsafe import Markup, escape
 
 from comparisons.runs.files import write_text
 from reports.document.chart import Chart
-from reports.document.parts import Figure, Link, Mono, Page, Widget, Words
+from reports.document.parts import Mono, Page, PageFigure, PageLink, Widget, Words
 from reports.document.templates import FOLDER, render
 
 STYLE, SCRIPTS, PLOTLY, FIRST = "linkproof.css", "linkproof.js", "plotly-basic.min.js", "boot.js"
@@ -36,12 +36,12 @@ class Picture(NamedTuple):
     edges: tuple[float, ...]
 
 
-def write(page: Page, folder: Path, pages: Sequence[Link], *, png: bool = False) -> Path:
+def write(page: Page, folder: Path, pages: Sequence[PageLink], *, png: bool = False) -> Path:
     """Write a page and all that lies beside it, as ``write_all`` does; returns its path."""
     return folder / write_all(page, folder, pages, png=png)[0]
 
 
-def write_all(page: Page, folder: Path, pages: Sequence[Link], *, png: bool = False) -> list[str]:
+def write_all(page: Page, folder: Path, pages: Sequence[PageLink], *, png: bool = False) -> list[str]:
     """Write a page into a report's folder, with its figures and the further data of its widgets.
 
     Returns the files' names within the folder, the page's first. ``pages`` are the report's pages; ``png`` writes every
@@ -81,7 +81,7 @@ class _Beside:
         match words:
             case tuple():
                 return Markup("").join(map(self.inline, words))
-            case Link(text, href):
+            case PageLink(text, href):
                 place = href if ELSEWHERE.match(href) else self.root + href
                 return Markup('<a href="{}">{}</a>').format(place, text)
             case Mono(text):
@@ -102,7 +102,7 @@ class _Beside:
             write_text(self._file(f"{folder}{name}.js"), f"linkproof.loaded({self.json(name)}, {self.json(data)});\n")
         return self.root + folder
 
-    def picture(self, figure: Figure) -> Picture:
+    def picture(self, figure: PageFigure) -> Picture:
         """Draw a figure into its files."""
         from reports.charts import draw  # noqa: PLC0415  a page without figures needs no matplotlib
 

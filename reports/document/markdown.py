@@ -4,7 +4,19 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 
-from reports.document.parts import Bullets, Cell, Facts, Fold, Link, Mono, Paragraph, Part, Section, Table, Words
+from reports.document.parts import (
+    Bullets,
+    Facts,
+    Fold,
+    Mono,
+    PageLink,
+    Paragraph,
+    Part,
+    Section,
+    Table,
+    TableCell,
+    Words,
+)
 
 RULES = {"l": "---", "r": "---:"}
 
@@ -40,8 +52,8 @@ def table(found: Table) -> str:
     return "\n\n".join(filter(None, (found.caption, "\n".join(map(_row, rows)), found.note)))
 
 
-def _cell(cell: Cell | Words) -> str:
-    if isinstance(cell, Cell):
+def _cell(cell: TableCell | Words) -> str:
+    if isinstance(cell, TableCell):
         return inline(cell.words) + (f" ({cell.note})" if cell.note else "")
     return inline(cell)
 
@@ -56,7 +68,7 @@ def inline(words: Words) -> str:
     match words:
         case tuple():
             return "".join(map(inline, words))
-        case Link(text, href):
+        case PageLink(text, href):
             return f"[{text}]({href})"
         case Mono(text):
             return f"`{text}`"

@@ -18,7 +18,7 @@ NOTHING: Final = Markup("")
 
 
 @dataclass(frozen=True)
-class Link:
+class PageLink:
     """Words that lead somewhere: a path within the report's folder, "#key" on the page, or an address."""
 
     text: str
@@ -32,7 +32,7 @@ class Mono:
     text: str
 
 
-Inline = str | Link | Mono
+Inline = str | PageLink | Mono
 Words = Inline | tuple[Inline, ...]
 
 
@@ -74,7 +74,7 @@ class Command:
 
 
 @dataclass(frozen=True)
-class Cell:
+class TableCell:
     """A cell with more to it than words.
 
     ``style`` is a class of the style sheet, ``colour`` a style of the terminal, ``note`` small print beneath, ``told``
@@ -99,8 +99,8 @@ class Table:
     """
 
     caption: str
-    head: Sequence[Cell | Words]
-    rows: Sequence[Sequence[Cell | Words]]
+    head: Sequence[TableCell | Words]
+    rows: Sequence[Sequence[TableCell | Words]]
     align: str = "lr"
     note: str = ""
     groups: tuple[tuple[str, int], ...] = ()
@@ -112,7 +112,7 @@ class Table:
 
 
 @dataclass(frozen=True)
-class Figure:
+class PageFigure:
     """A figure, written as a file beside the page: ``name`` is that of its file, unique on the page.
 
     ``alt`` is for a reader without pictures; ``wide`` takes the page's whole width. ``drawing`` is a chart, or draws.
@@ -169,10 +169,10 @@ class Cards:
 
 
 @dataclass(frozen=True)
-class Figures:
+class FigureGroup:
     """Figures in two columns, those that are wide across both."""
 
-    figures: tuple[Figure, ...]
+    figures: tuple[PageFigure, ...]
 
 
 @dataclass(frozen=True)
@@ -192,7 +192,9 @@ class Section:
     parts: tuple[Part, ...]
 
 
-Part = Paragraph | Bullets | Facts | Command | Table | Figure | Figures | Widget | Fold | Cards | Drawn | Section
+Part = (
+    Paragraph | Bullets | Facts | Command | Table | PageFigure | FigureGroup | Widget | Fold | Cards | Drawn | Section
+)
 
 
 @dataclass(frozen=True)

@@ -16,7 +16,7 @@ from rich.table import Table as Grid
 from rich.text import Text
 
 from analytic.errors import printable
-from reports.document.parts import Cell, Paragraph, Table, Words, as_text
+from reports.document.parts import Paragraph, Table, TableCell, Words, as_text
 
 Printed = str | Paragraph | Table  # what a command prints; a text is a line, or several
 UNBOUNDED = 1_000_000  # columns where nobody's terminal sets a width
@@ -86,8 +86,8 @@ def _table(table: Table) -> Iterator[Text | Grid]:
         yield _text(table.note)
 
 
-def _cell(cell: Cell | Words) -> Text:
-    return _text(cell.words, cell.colour) if isinstance(cell, Cell) else _text(cell)
+def _cell(cell: TableCell | Words) -> Text:
+    return _text(cell.words, cell.colour) if isinstance(cell, TableCell) else _text(cell)
 
 
 def _text(words: Words, colour: str = "") -> Text:

@@ -14,7 +14,7 @@ from comparisons.imported.judge import ImportedJudgement
 from comparisons.imported.judging.judgement import NEAR_ZERO, SignalVerdict
 from comparisons.judging.records import Verdict
 from reports.document.numbers import figure
-from reports.document.parts import Cell, Paragraph, Table, Words
+from reports.document.parts import Paragraph, Table, TableCell, Words
 from reports.document.signs import RUNS
 from reports.document.terminal import Printed, Printout
 
@@ -123,12 +123,12 @@ def _place(judgement: ImportedJudgement, verdict: SignalVerdict) -> str:
     return f"{degrees % 360.0 if makes_a_turn else degrees:.1f}°"
 
 
-def _row(verdict: SignalVerdict, place: str) -> tuple[Cell | Words, ...]:
+def _row(verdict: SignalVerdict, place: str) -> tuple[TableCell | Words, ...]:
     sign = RUNS[verdict.outcome.value]
     error = f"{share(verdict.error_max)} {sign.symbol}" if verdict.outcome is not Verdict.UNDEFINED else sign.word
     moment = verdict.worst_time if abs(verdict.worst_time) > NOTHING * np.ptp(verdict.samples.time) else 0.0
     return (
-        verdict.name + ("*" if verdict.near_zero else ""), Cell(error, colour=sign.colour), share(verdict.floor),
+        verdict.name + ("*" if verdict.near_zero else ""), TableCell(error, colour=sign.colour), share(verdict.floor),
         f"{moment:.5g} s", place, figure(verdict.value_there, 5), figure(verdict.truth_there, 5),
         verdict.unit,
     )  # fmt: skip
@@ -185,7 +185,7 @@ def _checks(judgement: ImportedJudgement) -> Iterator[Printed]:
         for check in judgement.checks:
             sign = RUNS[Verdict.PASSED.value if check.passed else Verdict.OVER_LIMIT.value]
             rows.append(
-                (check.words, Cell(f"{share(check.error)} {sign.symbol}", colour=sign.colour), share(check.floor))
+                (check.words, TableCell(f"{share(check.error)} {sign.symbol}", colour=sign.colour), share(check.floor))
             )
         yield Table("", ("check", "off by", "floor"), rows)
 

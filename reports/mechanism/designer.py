@@ -13,7 +13,19 @@ from comparisons.datasheet.sheet import Normalised
 from reports.charts.scheme import scheme_figure
 from reports.document.chart import Chart, Curve, Note, Panel
 from reports.document.numbers import ABSENT, figure, printed
-from reports.document.parts import Bullets, Card, Cards, Facts, Figure, Figures, Fold, Paragraph, Part, Section, Table
+from reports.document.parts import (
+    Bullets,
+    Card,
+    Cards,
+    Facts,
+    FigureGroup,
+    Fold,
+    PageFigure,
+    Paragraph,
+    Part,
+    Section,
+    Table,
+)
 from reports.document.templates import lines, plain, sentence
 from reports.mechanism.check import range_lines
 from reports.mechanism.key_figures import force_words
@@ -57,13 +69,13 @@ def _motion(shown: ShownSheet) -> Section:
         figures.append(shown.figure("output", caption, "S, v and a", chart))
     if normalised:
         figures.append(_normalised(shown, normalised))
-    parts: tuple[Part, ...] = (Figures(tuple(figures)),) if figures else ()
+    parts: tuple[Part, ...] = (FigureGroup(tuple(figures)),) if figures else ()
     if not shown.has("S"):
         parts += (Paragraph("The file names no output: there is no S, v and a.", "small"),)
     return Section("motion", "Motion of the output", (*parts, *told(shown, "normalised")))
 
 
-def _normalised(shown: ShownSheet, found: Normalised) -> Figure:
+def _normalised(shown: ShownSheet, found: Normalised) -> PageFigure:
     """Unit functions in colour, harmonics dashed, both from top dead centre."""
     phase, words = np.degrees(found.phase), ("S / stroke", "v / max |v|", "a / max |a|")
     panels = []
@@ -87,7 +99,7 @@ def _drive(shown: ShownSheet) -> Section:
     caption = f"Driving {force} Mkr, power Peq and kinetic energy Teq; dots are peaks."
     drive = shown.figure("drive", caption, caption, shown.stacked(names, TALL))
     words = (Paragraph(_jeq(shown)),) if "Jeq" in shown.sheet.facts else ()
-    figures = Figures((drive, *_inertia(shown)))
+    figures = FigureGroup((drive, *_inertia(shown)))
     return Section("drive", "Torque, power and inertia", (*words, figures, *told(shown, "shares")))
 
 
@@ -97,7 +109,7 @@ def _jeq(shown: ShownSheet) -> str:
     return sentence("sheet_inertia", facts=shown.sheet.facts["Jeq"], **found)
 
 
-def _inertia(shown: ShownSheet) -> tuple[Figure, ...]:
+def _inertia(shown: ShownSheet) -> tuple[PageFigure, ...]:
     """Jeq by group, one on the other, and by link."""
     groups, links = shown.shares("groups"), shown.shares("links")
     whole = sum((float(np.mean(values)) for values in links.values()), 0.0)
@@ -140,14 +152,14 @@ def _forces(shown: ShownSheet) -> Section:
     caption = f"Force{most}, named with its peak."
     magnitudes = shown.chart([shown.panel(curves, f"|F|, {unit}")], 3.2, wide=True)
     parts = (
-        Figures((shown.figure("joint-forces", caption, caption, magnitudes), *_on_frame(shown, unit))),
+        FigureGroup((shown.figure("joint-forces", caption, caption, magnitudes), *_on_frame(shown, unit))),
         _hodographs(shown, joints, unit),
         Fold("Largest force of every joint, in figures", (_force_table(shown),)),
     )
     return Section("forces", "Forces in the joints and on the frame", parts)
 
 
-def _on_frame(shown: ShownSheet, unit: str) -> tuple[Figure, ...]:
+def _on_frame(shown: ShownSheet, unit: str) -> tuple[PageFigure, ...]:
     """Shaking force and shaking moment."""
     if not shown.has("shaking_moment"):
         return ()
@@ -167,7 +179,7 @@ def _dots(shown: ShownSheet) -> str:
     return f": dots are {DOTS}° of the crank apart, the quarters of the turn named" if shown.is_turn else ""
 
 
-def _hodographs(shown: ShownSheet, joints: list[str], unit: str) -> Figure:
+def _hodographs(shown: ShownSheet, joints: list[str], unit: str) -> PageFigure:
     """The tip of every joint's force, each to its own scale."""
     drawn = joints[:MOST_HODOGRAPHS]
     panels = [hodograph(shown, f"joint_force:{name}", number, unit) for number, name in enumerate(drawn)]

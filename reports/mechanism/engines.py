@@ -12,7 +12,7 @@ from comparisons.judging.records import Record, Verdict
 from reports.charts.errors import errors_chart
 from reports.document import numbers
 from reports.document.chart import Chart, Curve, Panel
-from reports.document.parts import Bullets, Cell, Figure, Fold, Part, Section, Table, Widget
+from reports.document.parts import Bullets, Fold, PageFigure, Part, Section, Table, TableCell, Widget
 from reports.document.signs import RUNS
 from reports.document.templates import plain, sentence
 from reports.mechanism.curves import chart_data, curves, extremes
@@ -52,11 +52,11 @@ def chart(view: View) -> Widget:
     return Widget("curves", "curves", label, data, further, instead=figures)
 
 
-def errors_of(view: View, regime: Regime) -> Figure:
+def errors_of(view: View, regime: Regime) -> PageFigure:
     """Every error of a regime as a figure."""
     caption = sentence("errors", regime=regime, setting=view.standing(regime))
     alt = f"{view.linkage.title} ({view.linkage.variant}): errors of every quantity and engine under {regime.name}"
-    return Figure(anchor("errors", regime.name), caption, alt, errors_chart(view, regime), wide=True)
+    return PageFigure(anchor("errors", regime.name), caption, alt, errors_chart(view, regime), wide=True)
 
 
 def errors_fold(view: View, regime: Regime) -> Fold:
@@ -84,25 +84,25 @@ def _matrix(view: View, regime: Regime, runs: Sequence[Sequence[Record]]) -> Tab
     return Table(caption, head, rows, note=note, groups=(("", 2), *groups), style="matrix")
 
 
-def _row_head(view: View, records: Sequence[Record]) -> tuple[Cell, str]:
+def _row_head(view: View, records: Sequence[Record]) -> tuple[TableCell, str]:
     """The quantity with its peak, and the limits in the order of the settings."""
     quantity = records[0].quantity
     measured = records if quantity not in view.invariants else ()
     peak = next((f"{numbers.figure(record.peak)} {record.unit}" for record in measured if record.peak), "")
     limits = {r.setting: r.limit for r in records if r.limit}
     words = dict.fromkeys(numbers.bound(limits[name]) for name in sorted(limits, key=setting_rank))
-    return Cell(view.title(quantity), note=peak), ", ".join(words)
+    return TableCell(view.title(quantity), note=peak), ", ".join(words)
 
 
-def _cell(record: Record | None) -> Cell | str:
+def _cell(record: Record | None) -> TableCell | str:
     """An error, with a sign where it is over its limit; what did not pass tells why."""
     if record is None:
         return numbers.ABSENT
     sign = RUNS[record.outcome]
     if record.outcome == Verdict.PASSED.value:
-        return Cell(numbers.steady_error(record.error_max), style=sign.style)
+        return TableCell(numbers.steady_error(record.error_max), style=sign.style)
     words = sign.symbol if record.error_max is None else f"{numbers.steady_error(record.error_max)} {sign.symbol}"
-    return Cell(words, style=sign.style, told=record.detail or sign.word)
+    return TableCell(words, style=sign.style, told=record.detail or sign.word)
 
 
 def _reasons(runs: Sequence[Sequence[Record]]) -> tuple[str, ...]:
@@ -131,7 +131,7 @@ def _printed_models(view: View, printed: Mapping[str, Printed]) -> list[Part]:
     return [Fold("Printed models put to the engines", tuple(parts))] if parts else []
 
 
-def _printed_figure(view: View, regime: str, name: str, motion: Printed) -> Figure:
+def _printed_figure(view: View, regime: str, name: str, motion: Printed) -> PageFigure:
     """The crank's speed by both models and by the engines."""
     at = next((one for one in view.regimes if one.name == regime), None)
     traces = [trace for trace in view.traces(at, "omega") if trace.record.setting == view.standing(at)] if at else []
@@ -144,7 +144,7 @@ def _printed_figure(view: View, regime: str, name: str, motion: Printed) -> Figu
     curves.append(Curve(motion.time, motion.printed, "as printed", "limit"))
     panel = Panel(tuple(curves), "time, s", "ω, rad/s", names="key")
     caption = f"Crank speed by the corrected model, by the engines and as printed: {name}."
-    return Figure(anchor("printed", name), caption, caption, Chart((panel,), height=2.8, wide=True), wide=True)
+    return PageFigure(anchor("printed", name), caption, caption, Chart((panel,), height=2.8, wide=True), wide=True)
 
 
 def _printed_model(rows: Sequence[Mapping[str, Any]]) -> Table:

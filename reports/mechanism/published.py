@@ -8,7 +8,7 @@ from dataclasses import replace
 from typing import Any, Final
 
 from reports.document.numbers import ABSENT
-from reports.document.parts import Bullets, Cell, Section, Table, Words
+from reports.document.parts import Bullets, Section, Table, TableCell, Words
 from reports.document.signs import PUBLISHED
 from reports.document.templates import worded
 
@@ -32,7 +32,7 @@ def published_table(rows: Sequence[Row], named: Callable[[str], str] = str) -> T
     for key in dict.fromkeys(map(_key, rows)):
         ours = {row["variant"]: row for row in rows if _key(row) == key}
         first = next(iter(ours.values()))
-        found: list[Cell | Words] = [_ours(ours[variant]) if variant in ours else "" for variant in variants]
+        found: list[TableCell | Words] = [_ours(ours[variant]) if variant in ours else "" for variant in variants]
         cells.append((named(first["quantity"]), _printed(first), *found, first["source"]))
     return Table("", ("quantity", "printed", *variants, "place"), tuple(cells), "l")
 
@@ -61,13 +61,13 @@ def _printed(row: Row) -> str:
     return f"{_digits(row, row['published'])} {row['unit']}".strip()
 
 
-def _ours(row: Row) -> Cell:
+def _ours(row: Row) -> TableCell:
     sign, deviation = PUBLISHED[row["verdict"]], row["deviation"]
     share = ""
     if deviation is not None:
         share = f" {deviation:+.1%}" if abs(deviation) >= VISIBLE or not deviation else f" {deviation:+.0e}"
     value = ABSENT if row["ours"] is None else _digits(row, row["ours"])
-    return Cell(f"{value} {sign.symbol}{share}", sign.style, sign.colour)
+    return TableCell(f"{value} {sign.symbol}{share}", sign.style, sign.colour)
 
 
 def _digits(row: Row, value: float) -> str:

@@ -7,7 +7,7 @@ import numpy as np
 from analytic.description.crank_motion import RPM
 from comparisons.datasheet.sheet import Released
 from reports.document.chart import Chart, Curve, Panel
-from reports.document.parts import Bullets, Figure, Figures, Part, Section
+from reports.document.parts import Bullets, FigureGroup, PageFigure, Part, Section
 from reports.document.templates import lines
 from reports.mechanism.shown import ShownSheet
 from reports.records.views import anchor
@@ -18,7 +18,9 @@ def released_section(shown: ShownSheet) -> Section:
     parts: list[Part] = []
     for regime, one in shown.sheet.released.items():
         figures = (_speed(shown, regime, one), *_last_turn(shown, regime, one))
-        parts.append(Section(anchor("released", regime), regime, (Bullets(tuple(sentences(one))), Figures(figures))))
+        parts.append(
+            Section(anchor("released", regime), regime, (Bullets(tuple(sentences(one))), FigureGroup(figures)))
+        )
     return Section("released", "Released crank", tuple(parts))
 
 
@@ -27,7 +29,7 @@ def sentences(one: Released) -> list[str]:
     return lines("released_sheet", one=one, rpm=RPM)
 
 
-def _speed(shown: ShownSheet, regime: str, one: Released) -> Figure:
+def _speed(shown: ShownSheet, regime: str, one: Released) -> PageFigure:
     """The crank's speed over time."""
     curve = Curve(one.motion["time"], one.motion["omega"] / RPM)
     chart = Chart((Panel((curve,), "time, s", "n, rpm"),), 2.8)
@@ -35,7 +37,7 @@ def _speed(shown: ShownSheet, regime: str, one: Released) -> Figure:
     return shown.figure(anchor("released", regime), words, words, chart)
 
 
-def _last_turn(shown: ShownSheet, regime: str, one: Released) -> tuple[Figure, ...]:
+def _last_turn(shown: ShownSheet, regime: str, one: Released) -> tuple[PageFigure, ...]:
     """Speed and acceleration over the last whole turn, where the crank ends in one."""
     if not one.last_turn:
         return ()

@@ -14,7 +14,7 @@ from comparisons.datasheet.sheet import Sheet
 from comparisons.datasheet.units import FileUnit, file_unit
 from reports.document.chart import Chart, Curve, Panel
 from reports.document.numbers import ABSENT, figure, within_turn
-from reports.document.parts import Figure
+from reports.document.parts import PageFigure
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure as Drawing
@@ -33,10 +33,10 @@ class ShownSheet:
 
     sheet: Sheet
 
-    def figure(self, name: str, caption: str, what: str, drawing: Chart | Callable[[], Drawing]) -> Figure:
+    def figure(self, name: str, caption: str, what: str, drawing: Chart | Callable[[], Drawing]) -> PageFigure:
         """A figure of the mechanism; ``what`` it is stands for it where there are no pictures."""
         is_wide = isinstance(drawing, Chart) and drawing.wide
-        return Figure(
+        return PageFigure(
             name, caption, f"{self.sheet.linkage.title} ({self.sheet.variant}): {what}", drawing, wide=is_wide
         )
 

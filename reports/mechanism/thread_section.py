@@ -9,7 +9,7 @@ import numpy as np
 from comparisons.datasheet.sheet import ThreadSheet
 from reports.charts import thread as drawings
 from reports.document.chart import Chart, Curve, Mark, Panel
-from reports.document.parts import Figures, Section
+from reports.document.parts import FigureGroup, Section
 from reports.mechanism.shown import ShownSheet
 
 
@@ -32,7 +32,7 @@ def thread_section(shown: ShownSheet, thread: ThreadSheet) -> Section:
     caption = "Feed Pd, and beneath it the length of the contour; uprights mark where an eye turns round."
     chart = feed_chart(shown, thread, wide=is_spatial)
     figures.append(shown.figure("feed", caption, "thread feed and contour length", chart))
-    return Section("thread", "Thread", (Figures(tuple(figures)),))
+    return Section("thread", "Thread", (FigureGroup(tuple(figures)),))
 
 
 def feed_chart(shown: ShownSheet, thread: ThreadSheet, *, wide: bool) -> Chart:

@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import replace
 
-from comparisons.folders.difference import FolderDifference, Move, Name, RunPair
+from comparisons.folders.difference import FolderDifference, MovedRecord, Name, RunPair
 from reports.document.numbers import ABSENT, figure, seconds
 from reports.document.numbers import error as error_words
-from reports.document.parts import Cell, Table
+from reports.document.parts import Table, TableCell
 from reports.document.signs import RUNS
 from reports.document.terminal import Printed, Printout
 from reports.records.changed_figures import changed_figures
@@ -58,13 +58,13 @@ def moved_table(found: FolderDifference) -> Table:
                  [tuple(_move(move)) for move in found.moves], "llllrrrrl")  # fmt: skip
 
 
-def _move(move: Move) -> Iterator[Cell | str]:
+def _move(move: MovedRecord) -> Iterator[TableCell | str]:
     record = move.after
     yield from (_name(record.run[:2]), record.regime, f"{record.engine} {record.setting}", record.quantity)
     for one in (move.before, record):
         sign = RUNS[one.outcome]
         words = sign.word if one.error_max is None else f"{error_words(one.error_max)} {sign.symbol}"
-        yield Cell(words, colour=sign.colour)
+        yield TableCell(words, colour=sign.colour)
     yield ABSENT if move.factor is None else figure(move.factor, 2)
     share = move.peak_share
     yield ABSENT if share is None else f"{100.0 * share:+.1f} %".replace("-", "−")

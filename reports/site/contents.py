@@ -19,13 +19,13 @@ from comparisons.work_precision.records import Bench
 from reports.campaign.index import FILE as INDEX
 from reports.campaign.index import TITLE as INDEX_TITLE
 from reports.campaign.index import index
-from reports.document.parts import Link, Page, Words
+from reports.document.parts import Page, PageLink, Words
 from reports.document.templates import sentence
 from reports.mechanism import page as mechanism_page
 from reports.stress import page as stress_page
 from reports.work_precision import page as bench_page
 
-BENCH, STRESS = Link("Work-precision", "bench.html"), Link("Stability", "stress.html")
+BENCH, STRESS = PageLink("Work-precision", "bench.html"), PageLink("Stability", "stress.html")
 
 
 @dataclass(frozen=True)
@@ -61,13 +61,13 @@ class Contents:
         """The stability maps, if there are any."""
         return stress_test.load(self.folder) if (self.folder / stress_test.FILE).is_file() else None
 
-    def links(self) -> tuple[Link, ...]:
+    def links(self) -> tuple[PageLink, ...]:
         """Its pages in the order of a reader; raises LinkproofError where there is nothing to make one of."""
         studies = ((BENCH, self.bench), (STRESS, self.stress))
         names = [sheet.name for sheet in self.sheets]
         found = (
             *(
-                Link(name if names.count(name) == 1 else f"{name} ({sheet.variant})", mechanism_page.file_of(sheet))
+                PageLink(name if names.count(name) == 1 else f"{name} ({sheet.variant})", mechanism_page.file_of(sheet))
                 for name, sheet in zip(names, self.sheets, strict=True)
             ),
             *(link for link, study in studies if study is not None),
@@ -77,7 +77,7 @@ class Contents:
                 f"nothing to report in '{self.folder}': expected the folder given to --out of compare, bench, stress, "
                 "judge or results"
             )
-        return (Link(INDEX_TITLE, INDEX), *found)
+        return (PageLink(INDEX_TITLE, INDEX), *found)
 
     def page(self, file: str) -> Page:
         """One of the pages, by its file."""

@@ -16,7 +16,7 @@ from reports.campaign.index import FILE as INDEX
 from reports.document import html
 from reports.document.numbers import error as error_words
 from reports.document.numbers import seconds
-from reports.document.parts import Facts, Link, Page, Paragraph, Part, Section, Table
+from reports.document.parts import Facts, Page, PageLink, Paragraph, Part, Section, Table
 from reports.records.differences import closing_line, moved_table
 from reports.records.environment import environment_facts
 from reports.site.site import write_site
@@ -32,7 +32,7 @@ def write_machines(folders: Sequence[MergedFolder], out: Path) -> Path:
     for folder in folders:
         write_site(folder.path)
     html.write_assets(out)
-    links = [Link("Machines", INDEX), *(Link(folder.name, f"{folder.name}/{INDEX}") for folder in folders)]
+    links = [PageLink("Machines", INDEX), *(PageLink(folder.name, f"{folder.name}/{INDEX}") for folder in folders)]
     return html.write(page(folders), out, links)
 
 
@@ -53,7 +53,7 @@ def page(folders: Sequence[MergedFolder]) -> Page:
 
 
 def _folder(folder: MergedFolder) -> Iterator[Part]:
-    yield Paragraph((Link(folder.name, f"{folder.name}/{INDEX}"), f": {'; '.join(_studies(folder))}"))
+    yield Paragraph((PageLink(folder.name, f"{folder.name}/{INDEX}"), f": {'; '.join(_studies(folder))}"))
     environment = {name: value for name, value in folder.environment.items() if name != "machine"}
     yield Facts(tuple(environment_facts(environment)))
     if folder.campaign is not None:

@@ -13,7 +13,7 @@ from urllib.parse import quote
 from comparisons.runs.files import write_text
 from engines.contract import Setting
 from reports.document import html
-from reports.document.parts import Drawn, Figure, Link, Page, Paragraph, Section, Widget
+from reports.document.parts import Drawn, Page, PageFigure, PageLink, Paragraph, Section, Widget
 from reports.document.templates import sentence
 from reports.site.contents import contents
 
@@ -31,7 +31,7 @@ def write_single_file(saved: Path, file: Path) -> Path:
     found = contents(saved)
     links = found.links()
     page = one_page([found.page(link.href) for link in links])
-    places = [Link(link.text, f"#{_stem(link.href) if number else MAIN}") for number, link in enumerate(links)]
+    places = [PageLink(link.text, f"#{_stem(link.href) if number else MAIN}") for number, link in enumerate(links)]
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
         html.write_assets(folder)
@@ -66,14 +66,14 @@ def _moved(found: Any, stem: str, files: dict[str, str]) -> Any:  # noqa: ANN401
     values = {field.name: getattr(found, field.name) for field in fields(found)}
     changes = {name: _moved(value, stem, files) for name, value in values.items() if name not in kept}
     own = f"{stem}-" if stem else ""
-    if isinstance(found, Link):
+    if isinstance(found, PageLink):
         file, _, place = found.href.partition("#")
         if file in files or not file:
             target = files.get(file, stem)
             changes["href"] = f"#{'-'.join(filter(None, (target, place))) or MAIN}"
     elif isinstance(found, Section):
         changes["key"] = own + found.key
-    elif isinstance(found, (Figure, Widget)):
+    elif isinstance(found, (PageFigure, Widget)):
         changes["name"] = own + found.name
     if isinstance(found, (Drawn, Widget)):
         changes["markup"] = _renamed(found.markup, own)

@@ -16,7 +16,7 @@ from comparisons.runs.workers import run_jobs, usual_processes
 from reports.campaign.index import FILE as INDEX
 from reports.campaign.summary import markdown
 from reports.document import html
-from reports.document.parts import Link
+from reports.document.parts import PageLink
 from reports.site.contents import BENCH, STRESS, Contents, contents
 
 SUMMARY: Final = "RESULTS.md"
@@ -53,7 +53,7 @@ def _turn(file: str) -> int:
     return {BENCH.href: 1, STRESS.href: 2, INDEX: 3}.get(file, 0)
 
 
-def _write(found: Contents, folder: Path, links: Sequence[Link], png: bool, file: str) -> tuple[str, ...]:
+def _write(found: Contents, folder: Path, links: Sequence[PageLink], png: bool, file: str) -> tuple[str, ...]:
     """Write one page; returns the names of its files. The garbage collector waits: its walks take long."""
     gc.disable()
     try:

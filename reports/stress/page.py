@@ -9,7 +9,7 @@ from typing import Any
 from comparisons.stress.saved import FILE, Stress
 from comparisons.stress.verdict import StressVerdict
 from reports.document import parts
-from reports.document.parts import Figure, Figures, Fold, Page, Paragraph, Section, Widget
+from reports.document.parts import FigureGroup, Fold, Page, PageFigure, Paragraph, Section, Widget
 from reports.document.templates import sentence
 from reports.records.environment import environment_facts
 from reports.stress import tables
@@ -31,7 +31,7 @@ def page(stress: Stress) -> Page:
         Paragraph(tables.told(stress, "stress_scope"), "small"),
     )
     caption = sentence("stress_counts")
-    by_axis = tables.count_table(stress, lambda axis: parts.Link(axis_title(axis), f"#map-{axis}"), caption)
+    by_axis = tables.count_table(stress, lambda axis: parts.PageLink(axis_title(axis), f"#map-{axis}"), caption)
     return Page(
         PAGE,
         "Stability",
@@ -52,7 +52,7 @@ def _maps(stress: Stress) -> Section:
     first, *others = maps
     data = {"axes": {axis: found["title"] for axis, found in maps.items()}, "signs": signs(stress), "map": maps[first]}
     widget = Widget("maps", "maps", "Stability map of one axis", data, {axis: maps[axis] for axis in others})
-    figures = Figures(tuple(_figure(stress, found) for found in maps.values()))
+    figures = FigureGroup(tuple(_figure(stress, found) for found in maps.values()))
     borders = tables.border_table(stress, axis_title)
     folds = (
         Fold(f"Every map as a figure ({len(maps)})", (figures,)),
@@ -61,12 +61,12 @@ def _maps(stress: Stress) -> Section:
     return Section("maps", "Maps", (Paragraph(sentence("stress_maps")), widget, *folds[: 2 if borders.rows else 1]))
 
 
-def _figure(stress: Stress, found: Mapping[str, Any]) -> Figure:
+def _figure(stress: Stress, found: Mapping[str, Any]) -> PageFigure:
     seen = stress.count(axis=found["axis"])
     shown = [(sign.symbol, verdict.value) for verdict, sign in SIGNS.items() if seen[verdict]]
     caption = sentence("stress_caption", title=found["title"], label=found["label"], easy=found["easy"], signs=shown)
     alt = f"Verdicts over {found['label']} for every engine and usage"
-    return Figure(f"map-{found['axis']}", caption, alt, partial(draw_map, found), wide=True)
+    return PageFigure(f"map-{found['axis']}", caption, alt, partial(draw_map, found), wide=True)
 
 
 def _incidents(stress: Stress) -> Iterator[parts.Part]:

@@ -8,7 +8,7 @@ from collections.abc import Callable, Iterable
 from comparisons.stress.cells import CellResult
 from comparisons.stress.saved import Stress
 from comparisons.stress.verdict import StressVerdict
-from reports.document.parts import Cell, Facts, Mono, Table, Words
+from reports.document.parts import Facts, Mono, Table, TableCell, Words
 from reports.document.templates import sentence
 from reports.stress.facts import APART, SIGNS, SILENT, axis_title, border_words, shown_verdicts, value_words
 
@@ -56,7 +56,7 @@ def verdict_facts(stress: Stress) -> Facts:
 
 def count_table(stress: Stress, name: Callable[[str], Words], caption: str = "") -> Table:
     """A row to an axis, a column to an engine: how many cells came to what; ``name`` is how an axis is named."""
-    rows: list[tuple[Words | Cell, ...]] = [
+    rows: list[tuple[Words | TableCell, ...]] = [
         (name(axis), *(_compact(stress.count(engine, axis)) for engine in stress.engines)) for axis in stress.axes
     ]
     if len(stress.axes) > 1:
@@ -64,22 +64,22 @@ def count_table(stress: Stress, name: Callable[[str], Words], caption: str = "")
     return Table(caption, ("axis", *stress.engines), tuple(rows), align="l")
 
 
-def _compact(count: Counter[StressVerdict]) -> Cell:
+def _compact(count: Counter[StressVerdict]) -> TableCell:
     """``12✓ 3○ 2!``, in the colour of the worst."""
     text = " ".join(f"{count[verdict]}{SIGNS[verdict].symbol}" for verdict in StressVerdict if count[verdict])
     loud = next((SIGNS[verdict].terminal for verdict in LOUD if count[verdict]), "")
     fine = count[StressVerdict.WITHIN] and not any(count[one] for one in FAULTS)
-    return Cell(text, style="failed" if loud else ("pass" if fine else ""), colour=loud)
+    return TableCell(text, style="failed" if loud else ("pass" if fine else ""), colour=loud)
 
 
 def border_table(stress: Stress, name: Callable[[str], str]) -> Table:
     """A row to a border; what it shares with the one before is left out. ``name`` is how an axis is named."""
-    rows: list[tuple[Cell | Words, ...]] = []
+    rows: list[tuple[TableCell | Words, ...]] = []
     before: tuple[str, ...] = ()
     for border in stress.borders:
         place = (name(border.axis), *border.line[1:])
         shown = [word if place[: n + 1] != before[: n + 1] else "" for n, word in enumerate(place)]
-        rows.append((*shown, Cell(border_words(border), colour=SIGNS[border.verdict].terminal)))
+        rows.append((*shown, TableCell(border_words(border), colour=SIGNS[border.verdict].terminal)))
         before = place
     return Table("", ("axis", "row", "engine", "usage", "last within, first beyond"), tuple(rows), align="l")
 
@@ -95,8 +95,8 @@ def incident_table(results: Iterable[CellResult]) -> Table:
     return Table("", INCIDENT, rows, align="llrl", style="incidents")
 
 
-def _incident(result: CellResult, others: int) -> tuple[Cell | Words, ...]:
+def _incident(result: CellResult, others: int) -> tuple[TableCell | Words, ...]:
     cell = result.cell
-    place = Cell(f"{axis_title(cell.axis)}: {cell.row}", note=f"and {others} more on this axis" if others else "")
+    place = TableCell(f"{axis_title(cell.axis)}: {cell.row}", note=f"and {others} more on this axis" if others else "")
     told = (result.judgement.reason, Mono(result.document["command"]))
     return (cell.engine, place, value_words(cell.value), cell.usage, *told)

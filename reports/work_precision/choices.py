@@ -10,7 +10,7 @@ from comparisons.work_precision.analysis import WANTED
 from comparisons.work_precision.places import EngineFacts, PlaceFacts, Regimes
 from comparisons.work_precision.records import BenchRecord
 from reports.document.numbers import ABSENT, bound, error, seconds
-from reports.document.parts import Cell, Fold, Paragraph, Section, Table
+from reports.document.parts import Fold, Paragraph, Section, Table, TableCell
 from reports.document.templates import sentence
 from reports.work_precision.words import judged_by, label_of, once, way_words
 
@@ -72,22 +72,22 @@ def _table(caption: str, corner: str, groups: Mapping[str, Sequence[PlaceFacts]]
     return Table(caption, head, tuple(once(_rows(groups))), "l", style="choices")
 
 
-def _rows(groups: Mapping[str, Sequence[PlaceFacts]]) -> Iterator[tuple[Cell | str, ...]]:
+def _rows(groups: Mapping[str, Sequence[PlaceFacts]]) -> Iterator[tuple[TableCell | str, ...]]:
     for name, places in groups.items():
         engines: dict[str, list[EngineFacts]] = {}
         for facts in (one for place in places for one in place.engines(place.foremost)):
             engines.setdefault(label_of(facts), []).append(facts)
         for label, mine in engines.items():
             cells = [(cell, len(list(same))) for cell, same in groupby(_cell(mine, n) for n in range(len(WANTED)))]
-            yield name, label, *(Cell(cell.words, cell.style, note=cell.note, span=span) for cell, span in cells)
+            yield name, label, *(TableCell(cell.words, cell.style, note=cell.note, span=span) for cell, span in cells)
 
 
-def _cell(engines: Sequence[EngineFacts], column: int) -> Cell:
+def _cell(engines: Sequence[EngineFacts], column: int) -> TableCell:
     """The times of one engine to one error over the mechanisms, and the way that most of them take."""
     met = _met(engines, column)
     if not met:
         least = [facts.choices[column].closest.error_max or 0.0 for facts in engines if facts.choices]
-        return Cell(ABSENT, "absent", note=f"least {error(min(least))}" if least else "nothing finished")
+        return TableCell(ABSENT, "absent", note=f"least {error(min(least))}" if least else "nothing finished")
     share = f"; in {len(met)} of {len(engines)}" if len(met) < len(engines) else ""
     taken = Counter(way_words(*found) for found in met).most_common(1)[0][0]
-    return Cell(_span(met), note=f"{taken}{share}")
+    return TableCell(_span(met), note=f"{taken}{share}")

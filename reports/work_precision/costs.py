@@ -9,7 +9,7 @@ from itertools import groupby
 from comparisons.work_precision.records import MeasuredCost
 from engines.contract import Outcome
 from reports.document.numbers import figure, seconds
-from reports.document.parts import Cell, Paragraph, Section, Table
+from reports.document.parts import Paragraph, Section, Table, TableCell
 from reports.document.templates import sentence
 from reports.work_precision.words import engine_label
 
@@ -82,8 +82,8 @@ def _across(corner: str, lead: str, costs: Sequence[MeasuredCost], noted: Sequen
     return Table(lead, (corner, *solvers), rows, "lr", sentence("cost_notes", costs=noted))
 
 
-def _cell(cost: MeasuredCost, costs: Sequence[MeasuredCost]) -> Cell:
+def _cell(cost: MeasuredCost, costs: Sequence[MeasuredCost]) -> TableCell:
     if cost.outcome != Outcome.FINISHED:
-        return Cell(cost.outcome, "failed", told=cost.reason)
+        return TableCell(cost.outcome, "failed", told=cost.reason)
     least, median, share = _times(cost, costs)
-    return Cell(least, note=share, told=f"median {median}")
+    return TableCell(least, note=share, told=f"median {median}")

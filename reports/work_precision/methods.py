@@ -7,12 +7,12 @@ from typing import Any
 
 from comparisons.work_precision.places import EngineFacts, Regimes
 from reports.document.numbers import ABSENT, error, seconds
-from reports.document.parts import Cell, Fold, Section, Table
+from reports.document.parts import Fold, Section, Table, TableCell
 from reports.document.templates import sentence
 from reports.work_precision.words import judged_by, label_of, limit_words, once, standing_words, way
 
 # Of one engine in one place: a row's head and its cell there.
-Rows = Callable[[EngineFacts], Iterator[tuple[Cell, Cell]]]
+Rows = Callable[[EngineFacts], Iterator[tuple[TableCell, TableCell]]]
 
 
 def method_section(regimes: Regimes, methods: Sequence[Mapping[str, Any]], noise: float) -> Section:
@@ -22,17 +22,20 @@ def method_section(regimes: Regimes, methods: Sequence[Mapping[str, Any]], noise
     """
     about = {(one["engine"], one["name"]): one["about"] for one in methods}
 
-    def settings(facts: EngineFacts) -> Iterator[tuple[Cell, Cell]]:
+    def settings(facts: EngineFacts) -> Iterator[tuple[TableCell, TableCell]]:
         for one in facts.standings:
             told = standing_words(one, facts, noise).lstrip(":; ") if facts.sweeps else ""
             words = f"{error(one.record.error_max)} in {seconds(one.record.seconds_min or 0.0)}"
-            yield Cell(one.record.setting), Cell(words.replace(" ", "\u00a0"), note=told.partition(":")[0], told=told)
+            yield (
+                TableCell(one.record.setting),
+                TableCell(words.replace(" ", "\u00a0"), note=told.partition(":")[0], told=told),
+            )
 
-    def sweeps(facts: EngineFacts) -> Iterator[tuple[Cell, Cell]]:
+    def sweeps(facts: EngineFacts) -> Iterator[tuple[TableCell, TableCell]]:
         for one in facts.methods:
             order = "no order" if one.order is None else f"order {one.order:.1f}"
-            row = Cell(way(facts, one.first), note=about[facts.engine, one.first.setting])
-            yield row, Cell(order, note=limit_words(one), told=one.floor.evidence)
+            row = TableCell(way(facts, one.first), note=about[facts.engine, one.first.setting])
+            yield row, TableCell(order, note=limit_words(one), told=one.floor.evidence)
 
     orders = _by_mechanism(regimes, "bench_orders", "Method", sweeps)
     folds = (Fold("The methods: orders and floors", (orders,)),) if orders.rows else ()
@@ -45,12 +48,12 @@ def method_section(regimes: Regimes, methods: Sequence[Mapping[str, Any]], noise
 def _by_mechanism(regimes: Regimes, about: str, name: str, rows_of: Rows) -> Table:
     """Engines and their rows down, mechanisms by regime across; an engine is named in its first row."""
     places = [place for part in regimes.values() for place in part]
-    found: dict[str, dict[Cell, dict[int, Cell]]] = {}
+    found: dict[str, dict[TableCell, dict[int, TableCell]]] = {}
     for column, place in enumerate(places):
         for facts in place.engines(place.foremost):
             for row, cell in rows_of(facts):
                 found.setdefault(label_of(facts), {}).setdefault(row, {})[column] = cell
-    none = Cell(ABSENT, "absent")
+    none = TableCell(ABSENT, "absent")
     rows = once(
         (label, row, *(mine.get(column, none) for column in range(len(places))))
         for label, cells in found.items()

@@ -10,7 +10,7 @@ from comparisons.work_precision.analysis import apart, on_front
 from comparisons.work_precision.places import EngineFacts, PlaceFacts, Regimes
 from comparisons.work_precision.records import SETTING, BenchRecord
 from reports.document.chart import Array, Chart, Curve, Ink, Panel
-from reports.document.parts import Figure
+from reports.document.parts import PageFigure
 from reports.document.templates import plain, sentence
 
 # Nothing below round-off is worth a decade, and nothing ten times as large as its own peak one more.
@@ -27,11 +27,11 @@ def inks(labels: Mapping[str, str]) -> dict[str, Ink]:
     return {name: order.index(name) % COLOURS if labels[name] == name else "muted" for name in labels}
 
 
-def figures(regimes: Regimes, colours: Mapping[str, Ink]) -> tuple[Figure, ...]:
+def figures(regimes: Regimes, colours: Mapping[str, Ink]) -> tuple[PageFigure, ...]:
     """A figure for every regime."""
     alt = "error over stepping time, {}, every engine, {} mechanisms"
     return tuple(
-        Figure(
+        PageFigure(
             name, sentence("bench_overview", regime=name), alt.format(name, len(places)), chart(places, colours), True
         )
         for name, places in regimes.items()

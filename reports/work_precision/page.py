@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from comparisons.work_precision.places import PlaceFacts, by_regime, places
 from comparisons.work_precision.records import FILE, Bench
 from reports.document.numbers import seconds
-from reports.document.parts import Bullets, Command, Facts, Figures, Fold, Mono, Page, Paragraph, Part, Section
+from reports.document.parts import Bullets, Command, Facts, FigureGroup, Fold, Mono, Page, Paragraph, Part, Section
 from reports.document.templates import lines, sentence
 from reports.records.environment import environment_facts
 from reports.work_precision import choices
@@ -26,7 +26,7 @@ def page(bench: Bench) -> Page:
     first: tuple[Part, ...] = (Paragraph("Nothing finished: no engine has an error and a time.", "verdict"),)
     sections: list[Section] = []
     if found := by_regime(every):
-        as_figures = Fold("The same as figures", (Figures(figures(found, inks(labels))),))
+        as_figures = Fold("The same as figures", (FigureGroup(figures(found, inks(labels))),))
         reading = Paragraph(sentence("bench_reading"), "small")
         first = (*choices.verdicts(found), widget(found, labels), reading, as_figures)
         methods = method_section(found, bench.document["methods"], noise_share(bench))

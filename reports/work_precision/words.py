@@ -11,7 +11,7 @@ from comparisons.work_precision.records import SETTING, Bench, BenchRecord
 from comparisons.work_precision.step_sweep import SATURATED, falls_with_effort
 from engines.contract import Setting
 from reports.document.numbers import bound, error, figure, seconds
-from reports.document.parts import Cell
+from reports.document.parts import TableCell
 from reports.document.templates import plain, sentence
 
 # Times closer than this are the same time, however quiet the machine.
@@ -103,9 +103,9 @@ def judged_by(regimes: Regimes) -> str:
     return " or ".join(dict.fromkeys(plain(place.foremost) for places in regimes.values() for place in places))
 
 
-def once(rows: Iterable[tuple[Cell | str, ...]]) -> Iterator[tuple[Cell | str, ...]]:
+def once(rows: Iterable[tuple[TableCell | str, ...]]) -> Iterator[tuple[TableCell | str, ...]]:
     """Rows whose first word is left out where the row before begins with it too."""
-    before: Cell | str = ""
+    before: TableCell | str = ""
     for first, *others in rows:
         yield ("" if first == before else first, *others)
         before = first

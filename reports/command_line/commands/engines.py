@@ -22,7 +22,7 @@ from engines.registry import Unusable, engine, engine_names, why_unavailable
 from reports.command_line import FAILED, PASSED
 from reports.command_line.destination import Destination
 from reports.command_line.requests import CampaignChoice, command_line, request
-from reports.document.parts import Cell, Paragraph, Table, Words
+from reports.document.parts import Paragraph, Table, TableCell, Words
 from reports.document.terminal import Printed, Printout, write
 from reports.records.readouts import readout_table
 
@@ -132,7 +132,7 @@ def findings(adapter: Engine, processes: int | None = None) -> list[Found]:
     return found
 
 
-def _rows(found: Sequence[Found]) -> list[Sequence[Cell | Words]]:
+def _rows(found: Sequence[Found]) -> list[Sequence[TableCell | Words]]:
     """A line of every check; of mutants that say the same, one line."""
     groups: dict[tuple[str, Finding, str], int] = {}
     for each in found:
@@ -142,7 +142,7 @@ def _rows(found: Sequence[Found]) -> list[Sequence[Cell | Words]]:
     return [
         (
             f"{count} {name}" if name == "mutants" else name,
-            Cell(finding.value, colour=STYLES.get(finding, "dim")),
+            TableCell(finding.value, colour=STYLES.get(finding, "dim")),
             detail,
         )
         for (name, finding, detail), count in groups.items()

@@ -11,12 +11,12 @@ from comparisons.datasheet.building import usual_sheet
 from comparisons.judging.records import Verdict
 from reports.campaign.index import index
 from reports.document.markdown import written
-from reports.document.parts import Cards, Fold, Link, Paragraph, Table
+from reports.document.parts import Cards, Fold, PageLink, Paragraph, Table
 from reports.document.terminal import rendered
 from tests.reports.made_up_results import made_up_results
 
 NAMES = ("juki-mf7923d", "two-crank-takeup")
-STUDY = (Link("Stability", "stress.html"), ": 480 runs")
+STUDY = (PageLink("Stability", "stress.html"), ": 480 runs")
 
 
 @pytest.fixture(scope="module")

@@ -15,19 +15,19 @@ from reports.document.parts import (
     Bullets,
     Card,
     Cards,
-    Cell,
     Command,
     Drawn,
     Facts,
-    Figure,
-    Figures,
+    FigureGroup,
     Fold,
-    Link,
     Mono,
     Page,
+    PageFigure,
+    PageLink,
     Paragraph,
     Section,
     Table,
+    TableCell,
     Widget,
 )
 
@@ -38,13 +38,16 @@ TURN = np.linspace(0.0, 360.0, 50)
 
 def figure(name):
     panel = Panel((Curve(TURN, np.sin(np.radians(TURN)), "S"),), "φ, °", "S, mm", turn=True)
-    return Figure(name, FOREIGN, FOREIGN, Chart((panel,), axis="phi"))
+    return PageFigure(name, FOREIGN, FOREIGN, Chart((panel,), axis="phi"))
 
 
 TABLE = Table(
     FOREIGN,
     ("name", "limit", "", "b"),
-    ((FOREIGN, "1e-4", Cell("2e-5", "pass", note="small print", told="more of it"), "x"), ("y", Cell("gone", span=3))),
+    (
+        (FOREIGN, "1e-4", TableCell("2e-5", "pass", note="small print", told="more of it"), "x"),
+        ("y", TableCell("gone", span=3)),
+    ),
     "lr",
     FOREIGN,
     (("", 2), ("engine", 2)),
@@ -55,12 +58,12 @@ PAGE = Page(
     "mechanisms/one.html",
     FOREIGN,
     FOREIGN,
-    ("of ", Link("others", "index.html"), Link("here", "#a"), Link("source", "https://example.org/x")),
+    ("of ", PageLink("others", "index.html"), PageLink("here", "#a"), PageLink("source", "https://example.org/x")),
     (Paragraph(FOREIGN, "verdict"), Bullets((FOREIGN, ("x", Mono(FOREIGN)))), Facts(((FOREIGN, FOREIGN),))),
     (
         Section("a", FOREIGN, (TABLE, Section("in", "within", (Command(FOREIGN),)))),
-        Section("b", "Figures", (Figures((figure("one"), figure("two"))), Fold(FOREIGN, (Paragraph("folded"),)))),
-        Section("c", "Rest", (Cards((Card(Link(FOREIGN, "index.html"), (DRAWN,)),)), WIDGET)),
+        Section("b", "Figures", (FigureGroup((figure("one"), figure("two"))), Fold(FOREIGN, (Paragraph("folded"),)))),
+        Section("c", "Rest", (Cards((Card(PageLink(FOREIGN, "index.html"), (DRAWN,)),)), WIDGET)),
     ),
 )  # fmt: skip
 
@@ -93,7 +96,7 @@ class Elements(HTMLParser):
 def folder(tmp_path_factory):
     folder = tmp_path_factory.mktemp("report")
     html.write_assets(folder)
-    html.write(PAGE, folder, [Link("Index", "index.html"), Link("One", PAGE.file)], png=True)
+    html.write(PAGE, folder, [PageLink("Index", "index.html"), PageLink("One", PAGE.file)], png=True)
     return folder
 
 

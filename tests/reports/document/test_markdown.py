@@ -1,14 +1,25 @@
 """Parts as Markdown: the same words, no picture, no script."""
 
 from reports.document.markdown import inline, table, written
-from reports.document.parts import Bullets, Cell, Facts, Figure, Fold, Link, Mono, Paragraph, Section, Table
+from reports.document.parts import (
+    Bullets,
+    Facts,
+    Fold,
+    Mono,
+    PageFigure,
+    PageLink,
+    Paragraph,
+    Section,
+    Table,
+    TableCell,
+)
 
 
 def test_rows_of_a_table_are_as_wide_as_their_head_and_bars_are_escaped():
     found = Table(
         "What <it> is.",
         ("name", "kind", "1/2 | value"),
-        (("a|b", "<x>", "3"), ("[/c]", Cell("y", "pass", note="of z"), "40")),
+        (("a|b", "<x>", "3"), ("[/c]", TableCell("y", "pass", note="of z"), "40")),
         "llr",
         "A note.",
         groups=(("", 1), ("of it", 2)),
@@ -24,11 +35,11 @@ def test_rows_of_a_table_are_as_wide_as_their_head_and_bars_are_escaped():
 
 
 def test_words_keep_links_and_commands():
-    assert inline(("see ", Link("it", "a.html"), ": ", Mono("x --y"))) == "see [it](a.html): `x --y`"
+    assert inline(("see ", PageLink("it", "a.html"), ": ", Mono("x --y"))) == "see [it](a.html): `x --y`"
 
 
 def test_headings_go_down_and_pictures_are_left_out():
-    figure = Figure("f", "caption", "alt", lambda: None)
+    figure = PageFigure("f", "caption", "alt", lambda: None)
     within = Section("", "Within", (Facts((("n", "v"),)), Fold("more", (Paragraph("folded"),))))
     parts = (Paragraph("words", "lead"), Bullets(("one", "two")), figure, Section("k", "Rest", (within,)))
     assert written(parts).split("\n\n") == [

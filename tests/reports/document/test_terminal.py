@@ -3,7 +3,7 @@
 import io
 import sys
 
-from reports.document.parts import Cell, Link, Mono, Paragraph, Table
+from reports.document.parts import Mono, PageLink, Paragraph, Table, TableCell
 from reports.document.terminal import rendered, show
 
 FOREIGN = "[/rod] [bold]x[/] :smile: \x1b[2J\x07 \u202e"
@@ -12,7 +12,7 @@ FOREIGN = "[/rod] [bold]x[/] :smile: \x1b[2J\x07 \u202e"
 def test_foreign_text_is_neither_markup_nor_obeyed():
     shown = "[/rod] [bold]x[/] :smile: \\x1b[2J\\x07 \\u202e"
     assert rendered(FOREIGN) == rendered(Paragraph(FOREIGN, colour="bold")) == f"{shown}\n"
-    table = rendered(Table(FOREIGN, (FOREIGN,), ((FOREIGN,), (Cell(FOREIGN, colour="red"),)), note=FOREIGN))
+    table = rendered(Table(FOREIGN, (FOREIGN,), ((FOREIGN,), (TableCell(FOREIGN, colour="red"),)), note=FOREIGN))
     assert [line.strip() for line in table.splitlines()] == [shown] * 5
 
 
@@ -36,7 +36,7 @@ def test_figures_stand_to_the_right_of_words():
 
 
 def test_links_and_commands_are_their_words():
-    assert rendered(Paragraph(("see ", Link("the page", "x.html"), " or ", Mono("linkproof list")))) == (
+    assert rendered(Paragraph(("see ", PageLink("the page", "x.html"), " or ", Mono("linkproof list")))) == (
         "see the page or linkproof list\n"
     )
 

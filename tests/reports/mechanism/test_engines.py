@@ -10,7 +10,7 @@ from comparisons.datasheet.sheet import Printed
 from comparisons.judging.records import Verdict
 from engines.contract import Setting
 from reports.charts import draw
-from reports.document.parts import Bullets, Cell, Fold, Table, Widget
+from reports.document.parts import Bullets, Fold, Table, TableCell, Widget
 from reports.mechanism.engines import engines_section, errors_fold, runs_fold
 from reports.records.views import views
 from tests.reports.made_up_results import made_up_results
@@ -28,7 +28,7 @@ def results():
 
 
 def words(cell):
-    return cell.words if isinstance(cell, Cell) else cell
+    return cell.words if isinstance(cell, TableCell) else cell
 
 
 def with_records(results, change):

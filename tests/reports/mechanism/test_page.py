@@ -8,7 +8,7 @@ from analytic.description.loading import catalogue, load
 from comparisons.datasheet.building import sheet, usual_sheet
 from comparisons.reference.case import Case
 from reports.document import html
-from reports.document.parts import Facts, Figure, Figures, Fold, Paragraph, Table
+from reports.document.parts import Facts, FigureGroup, Fold, PageFigure, Paragraph, Table
 from reports.mechanism.page import file_of, page
 from tests.analytic.linkages import MADE_UP, from_text, mechanism
 from tests.reports.made_up_results import made_up_results
@@ -17,9 +17,9 @@ from tests.reports.results.samples import MASS, TURN, piston_text
 
 def figures(found):
     """Every figure of a page's sections."""
-    if isinstance(found, Figure):
+    if isinstance(found, PageFigure):
         return [found]
-    if isinstance(found, Figures):
+    if isinstance(found, FigureGroup):
         return list(found.figures)
     inner = next((getattr(found, name) for name in ("sections", "parts", "cards") if hasattr(found, name)), ())
     return [figure for part in inner for figure in figures(part)]

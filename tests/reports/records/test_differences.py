@@ -1,6 +1,6 @@
 """What has moved between two folders, as a table tells it."""
 
-from comparisons.folders.difference import FolderDifference, Move, RunPair
+from comparisons.folders.difference import FolderDifference, MovedRecord, RunPair
 from comparisons.judging.records import Record
 from reports.document.terminal import rendered
 from reports.records.differences import difference_printout
@@ -13,7 +13,7 @@ def _record(error, outcome="passed", peak=2.0):
 
 
 def _difference(same_machine, seconds=(0.5, 0.25)):
-    move = Move(_record(1e-5), _record(4e-5, "over-limit", peak=1.0), 3e-5, beyond=True)
+    move = MovedRecord(_record(1e-5), _record(4e-5, "over-limit", peak=1.0), 3e-5, beyond=True)
     runs = (RunPair(RUN, ("7.0", "7.1"), seconds, (100, 200)),)
     names = ((("press", "base"), ("press", "base")),)
     facts = (("pymunk", "7.0", "7.1"),)

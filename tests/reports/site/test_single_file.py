@@ -6,7 +6,7 @@ import numpy as np
 from markupsafe import Markup
 
 from reports.document.chart import Chart, Curve, Panel
-from reports.document.parts import Drawn, Figure, Link, Page, Paragraph, Section, Widget
+from reports.document.parts import Drawn, Page, PageFigure, PageLink, Paragraph, Section, Widget
 from reports.site.single_file import one_page, write_single_file
 from tests.reports.site.test_site import save_campaign
 
@@ -14,9 +14,9 @@ CHART = Chart((Panel((Curve(np.arange(3.0), np.arange(3.0)),)),))
 
 
 def page(file, *links):
-    words = tuple(Link("x", link) for link in links)
+    words = tuple(PageLink("x", link) for link in links)
     parts = (
-        Figure("f", "", "", CHART),
+        PageFigure("f", "", "", CHART),
         Widget("k", "w", "", {}),
         Drawn(Markup('<b id="m"></b><i href="#m" class="m-1">m mm-1</i>'), ""),
     )
@@ -42,11 +42,11 @@ def test_names_stay_apart_and_links_lead_to_them():
             page("bench.html"),
         )
     )
-    for kind, name in ((Figure, "name"), (Widget, "name"), (Section, "key")):
+    for kind, name in ((PageFigure, "name"), (Widget, "name"), (Section, "key")):
         names = [getattr(part, name) for part in found(one, kind)]
         assert len(names) == len(set(names))
     keys = {section.key for section in found(one, Section)} | {"main"}
-    links = [link.href for link in found(one, Link)]
+    links = [link.href for link in found(one, PageLink)]
     assert links == ["#a-b", "#bench-s", "#a-b-s", "#s"]
     assert {link[1:] for link in links} <= keys
     drawn = [part.markup for part in found(one, Drawn)]
