@@ -114,11 +114,18 @@ def read_baseline(path: Path, places: Mapping[str, Place]) -> Baseline:
     try:
         document = json.loads(path.read_text(encoding="utf-8"))
         if document["format"] != FORMAT:
-            raise ValueError(f"its format is {document['format']!r}, this version's is {FORMAT}")
+            raise LinkproofError(
+                f"expected a baseline of format {FORMAT} in '{path}', got format {document['format']!r}: read it with "
+                "the version that wrote it, or record it anew"
+            )
         for entry in document["linkages"].values():
             _check(entry)
         return Baseline(document["linkages"], places)
-    except (OSError, ValueError, TypeError, KeyError, AttributeError) as error:
+    except OSError as error:
+        raise LinkproofError(
+            f"expected a baseline of linkproof in '{path}', got '{error.strerror}'; check it"
+        ) from error
+    except (ValueError, TypeError, KeyError, AttributeError) as error:
         raise LinkproofError(
             f"expected a baseline of linkproof in '{path}', got a damaged file ({error}); restore it, or delete it to "
             "judge by the limits alone"
