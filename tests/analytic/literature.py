@@ -154,7 +154,7 @@ def steep(phi: mpf) -> Points:
 
 
 def slotted_lever(phi: mpf) -> Points:
-    """Crank AB = 0.15, lever through B about C = (-0.30, 0) with CD = 0.20 and CF = 0.50, DE = 0.14, E on x = -0.55; m."""
+    """Crank AB = 0.15, lever through B about C = (-0.30, 0), CD = 0.20, CF = 0.50, DE = 0.14, E on x = -0.55; m."""
     c, b = mpc(mpf("-0.30"), 0), mpf("0.15") * mp.expj(phi)
     axis, x = (b - c) / abs(b - c), mpf("-0.55")
     d = c - mpf("0.20") * axis
