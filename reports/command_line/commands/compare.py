@@ -54,7 +54,7 @@ def compare(
         tasks(wanted)  # what cannot run is refused before the folder is touched
     kept = journal(out, choice.command, wanted.engines, wanted.linkages, resume=destination.resume) if out else None
     with interruptible(out) as counting:
-        with destination.progress() as announce:
+        with destination.progress() as announce, destination.own_stdout():
             running: dict[str, Any] = {"bounds": limits.bounds, "processes": limits.processes, "journal": kept}
             results = list(run_campaign(wanted, counting(announce), **running))
             errata = _errata(wanted, running) if destination.json or out else []
