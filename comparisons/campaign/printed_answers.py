@@ -1,4 +1,4 @@
-"""What engines answer to printed figures: signals of a crank that turns steadily past their angles, or is released.
+"""What engines answer to printed figures: signals of a crank that turns steadily up to their angles, or is released.
 
 A figure of another kind, a stroke or a range, is the closed form's alone.
 """
@@ -38,8 +38,8 @@ from engines.scene import Channel
 Array = NDArray[np.float64]
 Asked = tuple[str, float]  # names of signals, and the time, s
 
-MARGIN: Final = math.radians(10.0)  # that a crank turns beyond the printed angles, so that no value lies at an end
-SHARE: Final = 0.1  # of the way to a toggle, where that is less
+MARGIN: Final = math.radians(10.0)  # that a crank turns before a printed angle
+SHARE: Final = 0.5  # of the way from a toggle, where that is less
 LEVELS: Final = (Channel.POSITION, Channel.VELOCITY, Channel.ACCELERATION)
 DRIVE: Final[Mapping[str, Channel]] = dict(zip(("phi", "omega", "epsilon"), LEVELS, strict=True))
 
@@ -100,35 +100,31 @@ def engine_answers(
 
 
 def _trials(linkage: Linkage) -> Iterator[Trial]:
-    """One run for each speed and each regime that figures are printed for."""
-    groups: dict[float | str, list[tuple[Published, str, float]]] = {}
+    """One run for each regime, and for each speed and crank angle that figures are printed for."""
+    groups: dict[str | tuple[float, float], list[tuple[Published, str, float]]] = {}
     for entry in linkage.published:
         names, _, place = entry.quantity.rpartition("@")
         if names and applies(linkage, entry) and entry.relative_to is None:
             number, regime = instant(place)
-            groups.setdefault(regime or speed_of(entry), []).append((entry, names, number))
+            groups.setdefault(regime or (speed_of(entry), number), []).append((entry, names, number))
     mechanism = Mechanism(linkage)
     for key, group in groups.items():
-        times = [number for _, _, number in group]
-        case, times = (case_of(mechanism, key), times) if isinstance(key, str) else _past(mechanism, key, times)
+        case = case_of(mechanism, key) if isinstance(key, str) else _up_to(mechanism, *key)
+        times = [number if isinstance(key, str) else case.motion.duration for _, _, number in group]
         asked = tuple((names, time) for (_, names, _), time in zip(group, times, strict=True))
         yield Trial(case, tuple(entry for entry, _, _ in group), asked)
 
 
-def _past(mechanism: Mechanism, speed: float, angles: Sequence[float]) -> tuple[Case, list[float]]:
-    """A crank that turns steadily past these angles, rad, and the times at which it is there, s."""
-    low, high = min(angles) - MARGIN, max(angles) + MARGIN
-    reach = crank_range(mechanism)
+def _up_to(mechanism: Mechanism, speed: float, angle: float) -> Case:
+    """A crank that turns steadily and ends at an angle, rad: its last sample is read, and nothing between samples."""
+    way, reach = MARGIN, crank_range(mechanism)
     if not reach.is_full_turn:
-        first, last = reach.limits
-        low = max(low, min(angles) - SHARE * (min(angles) - first))
-        high = min(high, max(angles) + SHARE * (last - max(angles)))
-    start = low if speed > 0.0 else high
+        way = min(way, SHARE * abs(angle - reach.limits[0 if speed > 0.0 else 1]))
     motion = crank_motion(
-        "constant-speed", speed=abs(speed), clockwise=speed < 0.0, start_angle=start, ramp_time=0.0,
-        hold_time=(high - low) / abs(speed),
+        "constant-speed", speed=abs(speed), clockwise=speed < 0.0, start_angle=angle - math.copysign(way, speed),
+        ramp_time=0.0, hold_time=way / abs(speed),
     )  # fmt: skip
-    return Case(mechanism, motion), [(angle - start) / speed for angle in angles]
+    return Case(mechanism, motion)
 
 
 def _task(number: int, trial: Trial, name: str) -> Task:
@@ -165,7 +161,8 @@ def _signal(linkage: Linkage, motion: ObservedMotion, name: str, time: Array) ->
     part, _, component = rest.rpartition(":")
     if kind == "joint_force":
         force = motion.history.joint_force.get(part)
-        return None if force is None else np.asarray(resample(force, time)[:, "xy".index(component)])
+        is_vector = force is not None and force.values.ndim > 1  # some engines tell a force's size alone
+        return None if force is None or not is_vector else np.asarray(resample(force, time)[:, "xy".index(component)])
     if kind == "link":
         level = LEVELS[tuple(COMPONENTS["link"]).index(component)]
         return motion.bodies(level, time)[:, motion.numbers[part], 2] if motion.has(level) else None
