@@ -91,6 +91,8 @@ def find(name: str) -> Path:
             raise DescriptionError(
                 f"unknown mechanism '{name}': did you mean the file '{name}.toml'? give its whole name"
             )
+        if name and name not in names and _fault(path) == "is a folder":
+            raise DescriptionError(f"expected the path of a linkage file, got the folder '{name}'; name its files")
         if name not in names:
             raise UnknownNameError("mechanism", name, names)
         return announced()[name][0]

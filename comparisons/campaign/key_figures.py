@@ -43,7 +43,7 @@ class KeyFigure:
             return f"{place} was {self.recorded:.9g} and is no figure any more"
         if self.recorded is None:
             return f"{place} is {self.now:.9g} and was not recorded"
-        share = f", {self.share:+.2g} of it" if self.share is not None else ""
+        share = f", {100.0 * self.share:+.2g} %" if self.share is not None else ""
         return f"{place} was {self.recorded:.9g} and is {self.now:.9g}{share}"
 
     @property

@@ -202,8 +202,9 @@ def load(folder: Path, *, with_sheets: bool = True) -> Results:
         with xarray.open_dataset(path, engine="scipy", mmap=False) as opened:
             curves = opened.load()
         told = checked(curves.attrs["document"], curves)
-    except Exception as error:  # a damaged file raises anything at all
-        raise LinkproofError(f"'{path}' is no dataset of a campaign ({error}); run compare with --out again") from error
+    except Exception as error:  # a damaged file raises anything at all, in any number of lines
+        why = next(iter(str(error).splitlines()), type(error).__name__)
+        raise LinkproofError(f"'{path}' is no dataset of a campaign ({why}); run compare with --out again") from error
     if not with_sheets:
         return Results(told, curves)
     found = Results(told, curves, load_sheets(path.parent))

@@ -58,11 +58,14 @@ def standard(
         raise LinkproofError(
             f"expected a baseline at '{baseline}', got no such file: correct its name, or add --record-baseline"
         )
-    return Standard(table, read_baseline(file, places(files, project.folder if project else file.parent)))
+    home = project.folder if project else file.parent
+    found = read_baseline(file, places(files, home))
+    lost = (path for path in sorted(found.linkages) if path.endswith(".toml") and not (home / path).is_file())
+    return Standard(table, replace(found, lost=tuple(lost)))
 
 
 def notes(cases: Iterable[Case], baseline: Baseline) -> tuple[str, ...]:
-    """What a baseline says of files and motions, a sentence each: those that changed, those it does not know."""
+    """What a baseline says of files and motions, a sentence each: changed, not known, without a file."""
     if not baseline.places:
         return ()
     if not baseline.linkages:
@@ -70,7 +73,9 @@ def notes(cases: Iterable[Case], baseline: Baseline) -> tuple[str, ...]:
     blanks = [blank_record(case, "") for case in cases]
     unknown = [f"{one.mechanism} ({one.variant}), {one.regime}" for one in blanks if not baseline.knows(one)]
     lacking = (f"not in the baseline: {'; '.join(unknown)}",) if unknown else ()
-    return (*(f"{path} has changed since its baseline was recorded" for path in baseline.changed()), *lacking)
+    changed = (f"{path} has changed since its baseline was recorded" for path in baseline.changed())
+    lost = (f"{path} is in the baseline and does not exist any more" for path in baseline.lost)
+    return (*changed, *lacking, *lost)
 
 
 @dataclass(frozen=True)

@@ -38,11 +38,12 @@ class Baseline:
     """What was recorded. ``places`` has every linkage's, by the name its records have.
 
     ``linkages`` is as in the file: by path its checksum, and by variant and regime with its conditions the figures, and
-    by engine and setting the errors.
+    by engine and setting the errors. ``lost`` are paths in it whose files do not exist any more.
     """
 
     linkages: Mapping[str, Any] = field(default_factory=dict)
     places: Mapping[str, Place] = field(default_factory=dict)
+    lost: tuple[str, ...] = ()
 
     def allowed(self, record: Record) -> float | None:
         """The largest deviation the baseline lets pass, None where none was recorded."""
@@ -72,8 +73,8 @@ class Baseline:
         return found
 
     def recorded(self, records: Iterable[Record], figures: Mapping[tuple[str, str, str], Any]) -> Baseline:
-        """The same with these records and figures, by mechanism, variant and ``regime_key``, over the old ones."""
-        linkages = json.loads(json.dumps(self.linkages))
+        """The same with records and figures, by mechanism, variant and ``regime_key``, over the old, none lost."""
+        linkages = json.loads(json.dumps({path: self.linkages[path] for path in {*self.linkages} - {*self.lost}}))
         for record in records:
             regime = self._entry(linkages, record.mechanism, record.variant, _key(record))
             if record.error_max is not None:
@@ -114,11 +115,18 @@ def read_baseline(path: Path, places: Mapping[str, Place]) -> Baseline:
     try:
         document = json.loads(path.read_text(encoding="utf-8"))
         if document["format"] != FORMAT:
-            raise ValueError(f"its format is {document['format']!r}, this version's is {FORMAT}")
+            raise LinkproofError(
+                f"expected a baseline of format {FORMAT} in '{path}', got format {document['format']!r}: read it with "
+                "the version that wrote it, or record it anew"
+            )
         for entry in document["linkages"].values():
             _check(entry)
         return Baseline(document["linkages"], places)
-    except (OSError, ValueError, TypeError, KeyError, AttributeError) as error:
+    except OSError as error:
+        raise LinkproofError(
+            f"expected a baseline of linkproof in '{path}', got '{error.strerror}'; check it"
+        ) from error
+    except (ValueError, TypeError, KeyError, AttributeError) as error:
         raise LinkproofError(
             f"expected a baseline of linkproof in '{path}', got a damaged file ({error}); restore it, or delete it to "
             "judge by the limits alone"

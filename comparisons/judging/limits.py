@@ -105,7 +105,9 @@ def read_limits(path: Path) -> LimitTable:
     """The suite's table behind the ``[[limit]]`` rows of a user's file; raises LinkproofError for what is wrong."""
     try:
         table = tomllib.loads(path.read_text(encoding="utf-8"))
-    except (OSError, ValueError) as error:
+    except OSError as error:
+        raise LinkproofError(f"expected a TOML file of limits at '{path}', got '{error.strerror}'; check it") from error
+    except ValueError as error:
         raise LinkproofError(f"expected a TOML file of limits at '{path}', got {error}; correct it") from error
     return with_rows(table.get("limit", []), str(path), unknown=sorted({*table} - {"limit"}))
 

@@ -151,13 +151,14 @@ def all_variants(name: str) -> tuple[Linkage, ...]:
     return (first, *(load(name, variant) for variant in first.variants[1:]))
 
 
-def _applies(linkage: Linkage, entry: Published) -> bool:
+def applies(linkage: Linkage, entry: Published) -> bool:
+    """Whether a printed figure is of the linkage's variant."""
     return entry.variant is None or entry.variant == linkage.variant
 
 
 def _records(linkage: Linkage) -> Iterator[PublishedRecord]:
     """One mechanism serves all figures of its linkage."""
-    entries = [entry for entry in linkage.published if _applies(linkage, entry)]
+    entries = [entry for entry in linkage.published if applies(linkage, entry)]
     if entries:
         mechanism = Mechanism(linkage)
         yield from (_record(mechanism, entry) for entry in entries)
@@ -165,7 +166,7 @@ def _records(linkage: Linkage) -> Iterator[PublishedRecord]:
 
 def _record(mechanism: Mechanism, entry: Published) -> PublishedRecord:
     linkage = mechanism.linkage
-    unit, ours = _in_printed_unit(entry, *figure(mechanism, entry.quantity, _speed(entry)))
+    unit, ours = in_printed_unit(entry, *figure(mechanism, entry.quantity, speed_of(entry)))
     quantity = entry.quantity
     if entry.relative_to is not None:
         other = load(entry.relative_to)
@@ -187,11 +188,13 @@ def _record(mechanism: Mechanism, entry: Published) -> PublishedRecord:
     )
 
 
-def _speed(entry: Published) -> float:
+def speed_of(entry: Published) -> float:
+    """Speed of the crank that a figure is printed for, rad/s; 1 where none is."""
     return 1.0 if entry.speed is None else entry.speed * RPM
 
 
-def _in_printed_unit(entry: Published, unit: str, ours: float) -> tuple[str, float]:
+def in_printed_unit(entry: Published, unit: str, ours: float) -> tuple[str, float]:
+    """Unit and value as they are printed, from SI."""
     return (unit, ours) if entry.unit is None else (entry.unit, ours / conversion(entry.unit, unit))
 
 

@@ -58,8 +58,11 @@ def _difference(names: str, value: Callable[[str], float], mechanism: Mechanism)
     return unit(first, mechanism.linkage), result
 
 
-def _at(mechanism: Mechanism, place: str, speed: float) -> Truth:
-    """The closed form at one instant."""
+def instant(place: str) -> tuple[float, str | None]:
+    """What stands behind the '@': a crank angle, rad, or a time, s, and the regime whose time it is.
+
+    Raises LinkproofError for anything else.
+    """
     read = PLACE.fullmatch(place)
     if read is None:
         raise LinkproofError(
@@ -67,15 +70,22 @@ def _at(mechanism: Mechanism, place: str, speed: float) -> Truth:
             "write 30, 0.5rad or 0.03s:REGIME"
         )
     number = float(read["number"])
-    if read["regime"] is None:
-        angle = number if read["angle"] == "rad" else math.radians(number)
-        return _turning(mechanism, np.array([0.0]), speed, angle)
-    case = _case_of(mechanism, read["regime"])
+    if read["regime"] is not None or read["angle"] == "rad":
+        return number, read["regime"]
+    return math.radians(number), None
+
+
+def _at(mechanism: Mechanism, place: str, speed: float) -> Truth:
+    """The closed form at one instant."""
+    number, regime = instant(place)
+    if regime is None:
+        return _turning(mechanism, np.array([0.0]), speed, number)
+    case = case_of(mechanism, regime)
     return Truth(case.mechanism, case.motion, np.array([number]))
 
 
 @lru_cache(maxsize=4)
-def _case_of(mechanism: Mechanism, name: str) -> Case:
+def case_of(mechanism: Mechanism, name: str) -> Case:
     """The case of one of the linkage's own regimes: many figures are printed of one motion."""
     own = {regime.name: regime for regime in mechanism.linkage.regimes}
     if name not in own:

@@ -154,14 +154,20 @@ def thread(
 
 
 @app.command(short_help="Compare figures printed in the sources with the closed form.")
-def published(mechanisms: options.Mechanisms = None, json: options.Json = None) -> None:
+def published(
+    mechanisms: options.Mechanisms = None,
+    literature: Annotated[
+        bool, flag("The linkages of the literature, with every installed engine's answer.", "--literature")
+    ] = False,
+    json: options.Json = None,
+) -> None:
     """Compare the figures printed in the sources with the closed form, in every variant.
 
     MECHANISM is a name in the catalogue or the path of a .toml file; default: the whole catalogue.
     """
     from reports.command_line.commands import compare
 
-    raise typer.Exit(compare.published(mechanisms or [], _destination(json)))
+    raise typer.Exit(compare.published(mechanisms or [], _destination(json), with_literature=literature))
 
 
 @app.command(short_help="Peaks, bearing forces and every signal of one linkage, without an engine.")

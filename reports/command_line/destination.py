@@ -5,7 +5,7 @@ from __future__ import annotations
 import io
 import sys
 from collections.abc import Callable, Mapping, Sequence
-from contextlib import AbstractContextManager
+from contextlib import AbstractContextManager, nullcontext, redirect_stdout
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -58,6 +58,10 @@ class Destination:
     def progress(self) -> AbstractContextManager[Callable[[str, int, int], None]]:
         """A progress bar, if it is to be seen."""
         return progress(visible=not self.quiet)
+
+    def own_stdout(self) -> AbstractContextManager[object]:
+        """Send what engines print in this process to stderr, where stdout is for JSON."""
+        return redirect_stdout(sys.stderr) if self.json == STDOUT else nullcontext()
 
     def print(self, *parts: Printed) -> None:
         """Print, unless stdout is for JSON."""

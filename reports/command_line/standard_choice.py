@@ -9,13 +9,16 @@ from pathlib import Path
 
 from analytic.description.linkage import Linkage
 from analytic.description.loading import load, read
-from analytic.errors import LinkproofError
+from analytic.errors import LinkproofError, UnknownNameError
 from comparisons.campaign.project import FILE, Project, find_project
 from comparisons.campaign.standards import standard
 from comparisons.judging.verdicts import Standard
 from comparisons.runs.files import check_writable
+from engines.registry import engine_names
 from reports.command_line.motion_choice import EVERYTHING, OWN
 from reports.command_line.requests import CampaignChoice, RunLimits, files, having
+
+INSTALLATIONS = {"site-packages", "dist-packages"}  # what stands there is gone with the next installation
 
 
 @dataclass(frozen=True)
@@ -40,6 +43,11 @@ class StandardChoice:
             raise LinkproofError(
                 "--record-baseline: expected a file to record into, got none: name one with --baseline, or put a "
                 f"{FILE} beside your linkages"
+            )
+        if {*self.file.resolve().parts} & INSTALLATIONS:
+            raise LinkproofError(
+                f"--record-baseline: expected a file of your own, got '{self.file}' among installed packages: "
+                "give a place beside your linkages"
             )
         check_writable(self.file)
 
@@ -78,6 +86,9 @@ def in_project(
 
 
 def _completed(choice: CampaignChoice, project: Project) -> CampaignChoice:
+    for name in () if choice.engines else project.engines:
+        if name not in engine_names():
+            raise UnknownNameError(f"engine of {project.folder / FILE}", name, engine_names())
     paths = [os.path.relpath(path) for path in project.linkages]
     return replace(
         choice,

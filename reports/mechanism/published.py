@@ -37,6 +37,31 @@ def published_table(rows: Sequence[Row], named: Callable[[str], str] = str) -> T
     return Table("", ("quantity", "printed", *variants, "place"), tuple(cells), "l")
 
 
+def answers_table(rows: Sequence[Row], answers: Sequence[Row]) -> Table:
+    """One variant's figures: printed, how far each can be trusted, the closed form and every engine less printed.
+
+    ``answers`` have the fields of ``PrintedAnswer``; a figure that engines are not asked for has a dash.
+    """
+    engines = list(dict.fromkeys(answer["engine"] for answer in answers))
+    told = {(answer["quantity"], answer["published"], answer["engine"]): answer for answer in answers}
+    cells = []
+    for row in rows:
+        of = [told.get((row["quantity"], row["published"], name)) for name in engines]
+        trusted = next((answer["uncertainty"] for answer in of if answer), row["half_digit"])
+        found = [_away(row, answer["answer"], answer["verdict"]) if answer else ABSENT for answer in of]
+        ours = _away(row, row["ours"], row["verdict"])
+        cells.append((row["quantity"], _printed(row), f"±{trusted:.0e}", ours, *found, row["source"]))
+    return Table("", ("quantity", "printed", "itself", "closed form", *engines, "place"), tuple(cells), "l")
+
+
+def _away(row: Row, value: float | None, verdict: str) -> Cell | str:
+    """How far a value is from the printed one, in its unit."""
+    if value is None:
+        return ABSENT
+    sign = PUBLISHED[verdict]
+    return Cell(f"{sign.symbol} {value - row['published']:+.0e}", sign.style, sign.colour)
+
+
 def notes(rows: Sequence[Row], named: Callable[[str], str] = str) -> tuple[str, ...]:
     """What the file notes on some of them, each once."""
     return tuple(dict.fromkeys(f"{named(r['quantity'])} {_printed(r)}: {r['note']}" for r in rows if r["note"]))

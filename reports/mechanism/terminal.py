@@ -13,11 +13,12 @@ from reports.document.parts import Paragraph, Table
 from reports.document.templates import lines
 from reports.document.terminal import Printed
 from reports.mechanism.check import range_lines
-from reports.mechanism.published import SIGNS, notes, published_table
+from reports.mechanism.published import SIGNS, answers_table, notes, published_table
 
 if TYPE_CHECKING:
     from analytic.description.linkage import Linkage
     from analytic.turn.required_feed import FeedComparison
+    from comparisons.campaign.printed_answers import PrintedAnswer
     from comparisons.reference.published import PublishedRecord
 
 
@@ -98,3 +99,17 @@ def published(records: Sequence[PublishedRecord]) -> list[Printed]:
         *blocks,
         f"{SIGNS} (reproduced: to the printed digits, or to the source's own accuracy where that is known)",
     ]
+
+
+def answered(
+    records: Sequence[PublishedRecord], answers: Sequence[PrintedAnswer], sources: Mapping[str, str]
+) -> list[Printed]:
+    """Printed figures beside the closed form and every engine, a table per variant under its source."""
+    blocks: list[Printed] = []
+    for (mechanism, variant), part in groupby(map(vars, records), key=lambda row: (row["mechanism"], row["variant"])):
+        rows = list(part)
+        told = [vars(one) for one in answers if (one.mechanism, one.variant) == (mechanism, variant)]
+        silent = dict.fromkeys(f"{one['engine']}: {one['reason']}" for one in told if one["reason"])
+        heading = Paragraph(f"{mechanism} ({variant})", colour="bold")
+        blocks += [heading, sources[mechanism], answers_table(rows, told), *silent, *notes(rows), ""]
+    return [*blocks, f"{SIGNS}; columns are differences from the printed figure, 'itself' how far that can be trusted"]

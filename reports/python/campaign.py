@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Unpack
 
+from analytic.errors import LinkproofError
 from comparisons.campaign.campaign import cases
 from comparisons.campaign.campaign import compare as run_campaign
 from comparisons.campaign.key_figures import KeyFigure
@@ -89,6 +90,12 @@ def compare(
     ``memory_limit`` in GiB among them. A ``linkproof.toml`` above the first file says what they leave open. Raises
     LinkproofError for bad input; a run that fails is a record.
     """
+    for mechanism in mechanisms:
+        if not isinstance(mechanism, (str, Path)):
+            raise LinkproofError(
+                f"expected names and paths of linkages, got a {type(mechanism).__name__}: give its file, since "
+                "limits and baselines belong to files"
+            )
     asked = CampaignChoice(
         tuple(map(str, mechanisms)), words(engine), words(setting), words(quantity), options.get("gravity", True),
         full, **choice(options),

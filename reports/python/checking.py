@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import Any, Unpack
 
 from analytic.description.linkage import Linkage
-from analytic.errors import LinkproofError
+from analytic.errors import LinkproofError, shortened
 from comparisons.conformance.findings import Found
 from comparisons.datasheet.linkage_check import check as linkage_facts
 from comparisons.imported.judge import ImportedJudgement
@@ -36,6 +36,8 @@ def check_engine(engine: Engine | str, jobs: int | None = None) -> list[Found]:
     Each has a ``check``, a ``finding`` and a ``detail``. Raises LinkproofError where there is nothing to check, and for
     an adapter that cannot be loaded.
     """
+    if not isinstance(engine, str) and not hasattr(engine, "run"):
+        raise LinkproofError(f"expected the name of an engine, or an adapter, got {shortened(repr(engine))}: give one")
     try:
         return findings(registered(engine) if isinstance(engine, str) else engine, jobs)
     except AdapterError as error:

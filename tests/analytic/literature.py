@@ -22,6 +22,11 @@ STEPHENSON = {
     **{"A": ("7", "4"), "B": ("5", "16"), "C": ("25", "25"), "D": ("23", "10")},
     **{"E": ("18", "35"), "F": ("43", "32"), "G": ("45", "17")},
 }
+TEACHING = {"A": ("0", "0"), "B": ("1.52", "0"), "C": ("4.23", "3.029"), "D": ("4.572", "0"), "G": ("2.053", "3.543")}
+STEEP = {
+    **{"A": ("0", "0"), "B": ("-1.9965085803955582", "4.001743805943468")},
+    **{"C": ("0.010471974182821878", "11.999995430738993"), "D": ("-1.9825459481517957", "20.00173771359546")},
+}
 # Jansen's thirteen numbers.
 JANSEN = {
     **{"a": "38.0", "b": "41.5", "c": "39.3", "d": "40.1", "e": "55.8", "f": "39.4", "g": "36.7", "h": "65.7"},
@@ -130,6 +135,33 @@ def four_bars(phi: mpf) -> Points:
     return {f"B{number}": number + mp.expj(phi) for number in range(41)}
 
 
+def teaching(phi: mpf) -> Points:
+    """The joints with the crank turned by phi from the drawing: A, D fixed; AB, BCG, CD; m."""
+    old = drawn(TEACHING)
+    new = {name: old[name] for name in "AD"} | {"B": old["B"] * mp.expj(phi)}
+    new["C"] = met(old, new, "B", "D", "C")
+    new["G"] = carried((old["B"], old["C"]), (new["B"], new["C"]), old["G"])
+    return new
+
+
+def steep(phi: mpf) -> Points:
+    """Crank AB, rod BCD with C on a line through A, on the far side of B's foot; m."""
+    old = drawn(STEEP)
+    axis, b = mpc(mpf("0.0008726645152351565"), mpf("0.9999996192282494")), old["B"] * mp.expj(phi)
+    foot = b / axis
+    c = axis * (foot.real + mp.sqrt(abs(old["C"] - old["B"]) ** 2 - foot.imag**2))
+    return {"B": b, "C": c, "D": carried((old["B"], old["C"]), (b, c), old["D"])}
+
+
+def slotted_lever(phi: mpf) -> Points:
+    """Crank AB = 0.15, lever through B about C = (-0.30, 0), CD = 0.20, CF = 0.50, DE = 0.14, E on x = -0.55; m."""
+    c, b = mpc(mpf("-0.30"), 0), mpf("0.15") * mp.expj(phi)
+    axis, x = (b - c) / abs(b - c), mpf("-0.55")
+    d = c - mpf("0.20") * axis
+    e = mpc(x, d.imag + mp.sqrt(mpf("0.14") ** 2 - (x - d.real) ** 2))
+    return {"B": b, "D": d, "F": c + mpf("0.50") * axis, "E": e}
+
+
 # Rough places of the tool, m, by crank angle, degrees: the source's at 90, from which the others were followed.
 SHAPER_TOOL = {30: "0.25", 90: "0.06", 150: "-0.2", 270: "0.02"}
 
@@ -139,7 +171,10 @@ FORMULAS: Mapping[str, tuple[Formula, str, tuple[float, ...]]] = {
     "jansen-leg": (jansen, "1e-3", (0.0, 77.0, 180.0, 256.9)),
     "n-four-bar": (four_bars, "1", (-179.0, 0.0, 0.1, 90.0, 180.0, 400.0)),
     "shaper-quick-return": (shaper, "1", (30.0, 90.0, 150.0, 270.0)),
+    "slotted-lever": (slotted_lever, "1", (0.0, 60.0, 200.0, 333.3)),
+    "steep-slider-crank": (steep, "1", (0.0, 60.0, 200.0, 300.0)),
     "stephenson-six-bar": (stephenson, "1", (-58.89, -20.0, 0.0, 41.3)),
+    "teaching-four-bar": (teaching, "1", (0.0, 60.0, 200.0, 300.0)),
     "watt-six-bar": (watt, "1", (-5.63, 0.0, 2.0, 5.33)),
     "whitworth-quick-return": (whitworth, "1e-3", (0.0, 90.0, 221.81, 300.0)),
 }

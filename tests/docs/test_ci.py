@@ -36,16 +36,12 @@ class Repository:
             )
         for name in ("linkproof.toml", "tests/test_press.py"):
             (self.folder / name).write_text(PAGE[name], encoding="utf-8")
-        announced = outside / "linkproof_barwork-0.1.dist-info"
+        announced = outside / "barwork-0.3.dist-info"
         announced.mkdir(parents=True)
-        (announced / "METADATA").write_text("Metadata-Version: 2.1\nName: linkproof-barwork\nVersion: 0.1\n")
+        (announced / "METADATA").write_text("Metadata-Version: 2.1\nName: barwork\nVersion: 0.3\n")
         (announced / "entry_points.txt").write_text("[linkproof.engines]\nbarwork = linkproof_barwork:BarworkEngine\n")
         for name in ("barwork.py", "linkproof_barwork.py"):
             (outside / name).write_text(PLUGGED[name], encoding="utf-8")
-        (outside / "barwork-0.3.dist-info").mkdir()
-        (outside / "barwork-0.3.dist-info" / "METADATA").write_text(
-            "Metadata-Version: 2.1\nName: barwork\nVersion: 0.3\n"
-        )
         programs = folder / "programs"
         programs.mkdir()
         for name, words in PROGRAMS.items():

@@ -8,15 +8,17 @@ from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
-from analytic.description.loading import catalogue
+from analytic.description.linkage import Linkage
+from analytic.description.loading import catalogue, literature
 from analytic.errors import LinkproofError
 from comparisons.campaign.campaign import CampaignRequest, cases, tasks
 from comparisons.campaign.campaign import compare as run_campaign
 from comparisons.campaign.errata import ErratumRecord, judge_errata
+from comparisons.campaign.printed_answers import engine_answers
 from comparisons.campaign.results import document, save
 from comparisons.campaign.sheets import sheets
 from comparisons.campaign.standards import judged_campaign
-from comparisons.reference.published import all_variants, compare_published
+from comparisons.reference.published import PublishedRecord, all_variants, compare_published
 from comparisons.runs.failures import Failure
 from engines.registry import engine, engine_names
 from reports.campaign.terminal import printout
@@ -52,7 +54,7 @@ def compare(
         tasks(wanted)  # what cannot run is refused before the folder is touched
     kept = journal(out, choice.command, wanted.engines, wanted.linkages, resume=destination.resume) if out else None
     with interruptible(out) as counting:
-        with destination.progress() as announce:
+        with destination.progress() as announce, destination.own_stdout():
             running: dict[str, Any] = {"bounds": limits.bounds, "processes": limits.processes, "journal": kept}
             results = list(run_campaign(wanted, counting(announce), **running))
             errata = _errata(wanted, running) if destination.json or out else []
@@ -95,10 +97,16 @@ def report(saved: Path, out: Path | None, single: Path | None, *, opens: bool = 
         webbrowser.open(page.resolve().as_uri())
 
 
-def published(names: Sequence[str], destination: Destination) -> int:
-    """Print or write the published figures beside ours; returns the exit code."""
-    linkages = [linkage for name in names or catalogue() for linkage in all_variants(name)]
+def published(names: Sequence[str], destination: Destination, *, with_literature: bool = False) -> int:
+    """Print or write the published figures beside ours; returns the exit code.
+
+    ``with_literature`` takes the linkages of the literature where none is named, and asks every installed engine.
+    """
+    names = names or (literature() if with_literature else catalogue())
+    linkages = [linkage for name in names for linkage in all_variants(name)]
     records = compare_published(linkages)
+    if with_literature:
+        return _answered(linkages, records, destination)
     errata = []
     with destination.progress() as announce:
         judged = judge_errata(linkages, installed(engine_names()))
@@ -109,3 +117,14 @@ def published(names: Sequence[str], destination: Destination) -> int:
     rows = [{**asdict(record), "sentence": record.sentence} for record in errata]
     destination.write_json({"records": [asdict(record) for record in records], "errata": rows})
     return SUITE_ERROR if any(record.outcome == Failure.SUITE_ERROR for record in errata) else PASSED
+
+
+def _answered(linkages: Sequence[Linkage], records: Sequence[PublishedRecord], destination: Destination) -> int:
+    """The same with every installed engine's answer."""
+    with destination.progress() as announce:
+        answers = list(engine_answers(linkages, installed(engine_names()), announce))
+    sources = {linkage.name: linkage.source for linkage in linkages}
+    destination.print(*terminal.answered(records, answers, sources))
+    rows = [[asdict(one) for one in part] for part in (records, answers)]
+    destination.write_json({"records": rows[0], "answers": rows[1], "sources": sources})
+    return PASSED

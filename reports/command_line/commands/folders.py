@@ -23,6 +23,7 @@ from reports.records.findings import verification_printout, verification_told
 def verify(saved: Path, limits: Path | None, destination: Destination) -> int:
     """Judge a folder anew; returns the exit code: 1 where something differs."""
     destination.check("")
+    _refuse_merged(saved)
     found = verify_folder(saved, limits)
     destination.write_json(verification_told(found))
     destination.print_out(verification_printout(found))
@@ -32,10 +33,20 @@ def verify(saved: Path, limits: Path | None, destination: Destination) -> int:
 def diff(before: Path, after: Path, destination: Destination) -> int:
     """Print what has moved between two folders; returns the exit code: 1 where it is more than is allowed."""
     destination.check("")
+    _refuse_merged(before, after)
     found = difference(load(before, with_sheets=False), load(after, with_sheets=False))
     destination.write_json(found.told)
     destination.print_out(difference_printout(found))
     return FAILED if found.beyond else PASSED
+
+
+def _refuse_merged(*folders: Path) -> None:
+    for folder in folders:
+        parts = merging.merged_folders(folder)
+        if parts:
+            raise LinkproofError(
+                f"expected the folder of one campaign, got the merged '{folder}': name one in it, such as '{parts[0]}'"
+            )
 
 
 def merge(saved: Sequence[Path], out: Path) -> None:

@@ -378,3 +378,12 @@ def _everything_of(text):
     except LinkproofError as error:
         return str(error)
     return None
+
+
+def test_a_folder_is_no_linkage(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "linkages").mkdir()
+    with pytest.raises(
+        LinkproofError, match=r"^expected the path of a linkage file, got the folder 'linkages'; name its"
+    ):
+        read("linkages")

@@ -39,7 +39,7 @@ def test_the_same_file_has_the_same_figures():
 def test_another_mass_is_seen(share):
     found = changes([_case(_heavier(share))], _baseline())
     assert {"joint_force:O1.peak", "joint_force:A.peak"} & {one.figure for one in found}
-    assert all("was" in one.sentence and "of it" in one.sentence for one in found)
+    assert all("was" in one.sentence and one.sentence.endswith(" %") for one in found)
 
 
 def test_figures_are_the_peaks_of_the_motion():

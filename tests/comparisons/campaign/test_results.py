@@ -93,8 +93,9 @@ def test_loading_imports_no_engine(saved):
 def test_what_is_no_dataset_is_refused_in_one_sentence(tmp_path, content):
     if content is not None:
         (tmp_path / "curves.nc").write_bytes(content)
-    with pytest.raises(LinkproofError, match=r"curves\.nc"):
+    with pytest.raises(LinkproofError, match=r"curves\.nc") as refused:
         load_results(tmp_path)
+    assert "\n" not in str(refused.value)
 
 
 def test_curves_without_the_crank_angle_are_refused(saved, tmp_path):

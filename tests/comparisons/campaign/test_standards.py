@@ -116,3 +116,15 @@ def test_a_document_holds_limits_figures_and_notes(folder):
 
 def test_checksums_tell_texts_apart():
     assert checksum("mass = 1") == checksum("mass = 1") != checksum("mass = 2")
+
+
+def test_a_recorded_linkage_whose_file_is_gone_is_said_until_it_is_recorded_anew(folder):
+    file = folder / "held.json"
+    _campaign(folder, file)
+    (folder / "b" / "press.toml").unlink()
+    kept = [replace(read(str(folder / "a" / "press.toml")), name="a-press")]
+    held = standard(kept, read_project(folder / "linkproof.toml"), baseline=file)
+    one = cases(CampaignRequest((kept[0].linkage(),), (MOTION,), "c", ()))
+    assert notes(one, held.baseline) == ("b/press.toml is in the baseline and does not exist any more",)
+    judged_campaign(one, [], held, file)
+    assert [*json.loads(file.read_text(encoding="utf-8"))["linkages"]] == ["a/press.toml"]

@@ -77,7 +77,7 @@ def test_a_file_is_the_same_for_the_same_records_in_any_order(tmp_path):
 
 @pytest.mark.parametrize(
     "text",
-    ["{", "[1]", "{}", '{"format": 9, "linkages": {}}', "\ufeff{}"]
+    ["{", "[1]", "{}", "\ufeff{}"]
     + [json.dumps({"format": 1, "linkages": entry}) for entry in ([], {"a": 1}, {"a": {"checksum": "0"}})]
     + [
         json.dumps(
@@ -92,3 +92,13 @@ def test_a_damaged_baseline_is_said_in_one_sentence(tmp_path, text):
     (tmp_path / "b.json").write_text(text, encoding="utf-8")
     with pytest.raises(LinkproofError, match=r"expected a baseline of linkproof in .*, got a damaged file"):
         read_baseline(tmp_path / "b.json", PLACES)
+
+
+def test_a_baseline_of_another_version_or_none_is_not_called_damaged(tmp_path):
+    (tmp_path / "b.json").write_text('{"format": 9, "linkages": {}}', encoding="utf-8")
+    with pytest.raises(LinkproofError, match=r"expected a baseline of format 1 in .*, got format 9: read it with"):
+        read_baseline(tmp_path / "b.json", PLACES)
+    with pytest.raises(
+        LinkproofError, match=r"expected a baseline of linkproof in .*, got 'Is a directory'; check it$"
+    ):
+        read_baseline(tmp_path, PLACES)

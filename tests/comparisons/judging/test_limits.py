@@ -76,3 +76,11 @@ def test_a_table_comes_back_from_its_data(tmp_path):
     path.write_text('[[limit]]\nquantities = ["Mkr", "Peq"]\nsettings = ["best"]\nvalue = 1e-3\nreason = "mine"\n')
     table = read_limits(path)
     assert table_of(json.loads(json.dumps(table.told))) == table
+
+
+def test_a_file_that_cannot_be_read_is_said_in_one_sentence(tmp_path):
+    for path in (tmp_path, tmp_path / "none.toml"):
+        with pytest.raises(
+            LinkproofError, match=r"expected a TOML file of limits at '.*', got '[A-Z][a-z ]+'; check it$"
+        ):
+            read_limits(path)

@@ -105,3 +105,18 @@ def test_recording_needs_a_file_of_the_users_own(folder, tmp_path):
 def test_the_words_ask_for_the_same_standard(tmp_path):
     held = StandardChoice(Path("my limits.toml"), Path("b.json"))
     assert held.words == " --limits 'my limits.toml' --baseline b.json"
+
+
+def test_nothing_is_recorded_among_installed_packages(tmp_path):
+    file = tmp_path / "lib" / "site-packages" / "base.json"
+    with pytest.raises(
+        LinkproofError, match=r"expected a file of your own, got .*base\.json' among installed packages"
+    ):
+        StandardChoice(baseline=file, record=True).check()
+
+
+def test_an_unknown_engine_of_a_project_is_said_with_its_file(folder):
+    (folder / "linkproof.toml").write_text(PROJECT.replace('"direct"', '"adams"'))
+    with pytest.raises(UnknownNameError, match=r"unknown engine of .*linkproof\.toml 'adams'"):
+        _in_project()
+    assert _in_project(CampaignChoice(engines=("direct",)))[0].engines == ("direct",)

@@ -65,3 +65,10 @@ def test_bad_words_are_refused():
         linkproof.compare("juki-mf7923d", engine="diretc")
     with pytest.raises(linkproof.LinkproofError, match="--time-limit: expected a positive"):
         linkproof.compare("juki-mf7923d", engine="direct", time_limit=-1)
+
+
+def test_a_linkage_in_place_of_its_file_is_refused_in_a_sentence():
+    with pytest.raises(
+        linkproof.LinkproofError, match=r"expected names and paths of linkages, got a Linkage: give its"
+    ):
+        linkproof.compare(linkproof.load("juki-mf7923d"), **FAST)

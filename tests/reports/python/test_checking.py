@@ -65,3 +65,8 @@ def test_an_adapter_that_cannot_be_loaded_is_an_error():
 def test_an_engine_that_is_not_announced_is_an_error():
     with pytest.raises(linkproof.LinkproofError, match="unknown engine 'barwork'"):
         linkproof.check_engine("barwork")
+
+
+def test_what_is_no_engine_is_an_error():
+    with pytest.raises(linkproof.LinkproofError, match="expected the name of an engine, or an adapter, got 3"):
+        linkproof.check_engine(3)

@@ -112,3 +112,13 @@ def test_nothing_is_recorded_where_no_file_is_named(tmp_path):
     assert "--record-baseline: expected a file to record into" in done.stderr
     assert {path: path.stat().st_mtime_ns for path in (ROOT / "comparisons").rglob("*.json")} == before
     assert list(tmp_path.iterdir()) == []
+
+
+def test_an_engine_that_prints_leaves_stdout_to_json(folder):
+    engine = folder / "heavy_engine.py"
+    engine.write_text(
+        engine.read_text().replace("        more =", "        print('free for research')\n        more =")
+    )
+    done = _compare(folder, "a/press.toml", "--json", "-")
+    assert "free for research" in done.stderr
+    assert {record["engine"] for record in json.loads(done.stdout)["records"]} == {"heavy"}

@@ -76,3 +76,10 @@ def test_report_writes_csv_and_no_page(folder, tmp_path):
     assert [path.suffix for path in (tmp_path / "csv").iterdir()] == [".csv"]
     refused = _typed("report", folder, "--csv", tmp_path / "csv", "--png")
     assert isinstance(refused.exception, LinkproofError)
+
+
+def test_a_merged_folder_is_not_judged_as_one_campaign(folder, worse, tmp_path):
+    assert _typed("merge", folder, worse, "--out", tmp_path / "both").exit_code == 0
+    for words in (("verify", tmp_path / "both"), ("diff", folder, tmp_path / "both")):
+        with pytest.raises(LinkproofError, match=r"got the merged '.*both': name one in it, such as '.*both/a'"):
+            CliRunner().invoke(app, list(map(str, words)), catch_exceptions=False)
