@@ -54,12 +54,12 @@ def answers_table(rows: Sequence[Row], answers: Sequence[Row]) -> Table:
     return Table("", ("quantity", "printed", "itself", "closed form", *engines, "place"), tuple(cells), "l")
 
 
-def _away(row: Row, value: float | None, verdict: str) -> Cell | str:
+def _away(row: Row, value: float | None, verdict: str) -> TableCell | str:
     """How far a value is from the printed one, in its unit."""
     if value is None:
         return ABSENT
     sign = PUBLISHED[verdict]
-    return Cell(f"{sign.symbol} {value - row['published']:+.0e}", sign.style, sign.colour)
+    return TableCell(f"{sign.symbol} {value - row['published']:+.0e}", sign.style, sign.colour)
 
 
 def notes(rows: Sequence[Row], named: Callable[[str], str] = str) -> tuple[str, ...]:
