@@ -64,7 +64,7 @@ class PrintedAnswer:
 
 
 @dataclass(frozen=True)
-class ReadOut:
+class RunAnswers:
     """The values, SI, that were asked for of one run; None where the engine records too little, or was stopped."""
 
     values: tuple[float | None, ...]
@@ -133,15 +133,15 @@ def _task(number: int, trial: Trial, name: str) -> Task:
     return Task(f"printed/{number}/{name}", (pickle.dumps(trial.case), name, trial.asked), label)
 
 
-def read_out(pickled: bytes, name: str, asked: tuple[Asked, ...]) -> ReadOut:
+def read_out(pickled: bytes, name: str, asked: tuple[Asked, ...]) -> RunAnswers:
     """One run of a pickled case, and what its history has of the signals asked for."""
     case = unpickled(pickled)
     model = case.scene(frozenset(Channel))
     run = run_engine(engine(name), model, Setting.TUNED)
     if run.outcome is not Outcome.FINISHED or run.history is None:
-        return ReadOut((None,) * len(asked), f"{run.outcome}: {run.reason}")
+        return RunAnswers((None,) * len(asked), f"{run.outcome}: {run.reason}")
     motion, linkage = ObservedMotion(model, run.history), case.mechanism.linkage
-    return ReadOut(tuple(_difference(linkage, motion, *each) for each in asked), "records none of it")
+    return RunAnswers(tuple(_difference(linkage, motion, *each) for each in asked), "records none of it")
 
 
 def _difference(linkage: Linkage, motion: ObservedMotion, names: str, time: float) -> float | None:
@@ -178,7 +178,7 @@ def _point(linkage: Linkage, motion: ObservedMotion, name: str, component: str, 
     return np.asarray(motion.point(body, anchor, time, order)[:, axis])
 
 
-def _answers(trial: Trial, name: str, told: ReadOut) -> Iterator[PrintedAnswer]:
+def _answers(trial: Trial, name: str, told: RunAnswers) -> Iterator[PrintedAnswer]:
     linkage = trial.case.mechanism.linkage
     for entry, (names, _), value in zip(trial.entries, trial.asked, told.values, strict=True):
         answer = None
@@ -198,15 +198,15 @@ def _answers(trial: Trial, name: str, told: ReadOut) -> Iterator[PrintedAnswer]:
         )
 
 
-def _lost(failure: Lost, _pickled: bytes, _name: str, asked: tuple[Asked, ...]) -> ReadOut:
-    return ReadOut((None,) * len(asked), f"{failure.outcome}: {failure.reason}")
+def _lost(failure: Lost, _pickled: bytes, _name: str, asked: tuple[Asked, ...]) -> RunAnswers:
+    return RunAnswers((None,) * len(asked), f"{failure.outcome}: {failure.reason}")
 
 
-def _encoded(told: ReadOut) -> bytes:
+def _encoded(told: RunAnswers) -> bytes:
     return json.dumps([told.values, told.reason]).encode()
 
 
-def _decoded(content: bytes) -> ReadOut:
+def _decoded(content: bytes) -> RunAnswers:
     values: Any
     values, reason = json.loads(content)
-    return ReadOut(tuple(values), reason)
+    return RunAnswers(tuple(values), reason)
