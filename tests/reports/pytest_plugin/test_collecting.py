@@ -101,7 +101,8 @@ def test_a_run_that_is_lost_fails_in_every_quantity_and_invariant(pytester):
     project(pytester, 'engines = ["direct"]', "time_limit = 1e-6")
     done = run(pytester, "-k", "not figures")
     done.assert_outcomes(failed=12, deselected=1)
-    assert sum(line == "took longer than 1e-06 s" for line in done.outlines) == 12
+    failures = done.stdout.str().partition("short test summary info")[0]  # which tells it again on a CI machine
+    assert failures.count("took longer than 1e-06 s") == 12
 
 
 @pytest.mark.parametrize(("line", "words"), [('engines = ["dirct"]', "did you mean"), ('regimes = ["run"]', "regime")])
