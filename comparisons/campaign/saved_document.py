@@ -16,6 +16,7 @@ from comparisons.campaign.key_figures import KeyFigure
 from comparisons.judging.limits import LimitTable, shipped_limits, table_of
 from comparisons.judging.records import Record, Verdict, from_rows
 from comparisons.judging.run_result import ARRAYS
+from comparisons.runs.damage import first_fault
 from engines.contract import ReadOut
 
 if TYPE_CHECKING:
@@ -99,18 +100,18 @@ DOCUMENT: Final = TypeAdapter(SavedCampaign)
 
 def checked(text: str, curves: xarray.Dataset) -> dict[str, Any]:
     """The document of a campaign from its text; raises ValueError, which names the key, where it is damaged."""
-    at: tuple[str, ...] = ()
+    at = ""
     parsed = json.loads(text)
     document: dict[str, Any] = _completed(parsed)
     try:
         DOCUMENT.validate_json(text if document is parsed else json.dumps(document), strict=True)
         for key, form in ROWS.items():
-            at = (key,)
+            at = key
             if key in document or key not in NEWER:
                 form.validate_python(document[key], strict=True)
     except ValidationError as error:
-        first = error.errors(include_url=False, include_input=False)[0]
-        raise ValueError(f"{'.'.join(map(str, (*at, *first['loc'])))}: {first['msg']}") from error
+        key, what = first_fault(error)
+        raise ValueError(f"{'.'.join(filter(None, (at, key)))}: {what}") from error
     for fault in chain(_curve_faults(curves), _record_faults(document, curves)):
         raise ValueError(fault)
     return document

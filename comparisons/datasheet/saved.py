@@ -12,6 +12,7 @@ from pydantic import TypeAdapter, ValidationError
 
 from analytic.errors import LinkproofError
 from comparisons.datasheet.sheet import Sheet
+from comparisons.runs.damage import first_fault
 from comparisons.runs.files import write_text
 
 FILE: Final = "mechanisms.json"
@@ -47,8 +48,7 @@ def load_sheets(folder: Path) -> tuple[Sheet, ...]:
         content = path.read_bytes()
         found = FORM.validate_json(content, strict=True)
     except ValidationError as error:
-        first = error.errors(include_url=False, include_input=False)[0]
-        raise _damaged(path, ".".join(map(str, first["loc"])), first["msg"]) from error
+        raise _damaged(path, *first_fault(error)) from error
     except OSError as error:
         raise LinkproofError(f"cannot read '{path}': {error.strerror}; {AGAIN}") from error
     if _digest(content.partition(BODY)[2]) != found.digest:

@@ -10,9 +10,10 @@ from functools import cached_property
 from pathlib import Path
 from typing import Any, Final, TypeVar
 
-from pydantic import TypeAdapter, ValidationError
+from pydantic import TypeAdapter
 
 from analytic.errors import LinkproofError
+from comparisons.runs.damage import fault_words
 from comparisons.stress.axes import axes
 from comparisons.stress.border import Border
 from comparisons.stress.cells import Cell, CellResult, from_document
@@ -128,13 +129,7 @@ def load(saved: Path) -> Stress:
         if not stress.results:
             raise ValueError("it has no cell")
     except (OSError, ValueError, KeyError, TypeError) as fault:
-        raise LinkproofError(f"'{path}' is no stress test ({_told(fault)}); run stress with --out again") from fault
+        raise LinkproofError(
+            f"'{path}' is no stress test ({fault_words(fault)}); run stress with --out again"
+        ) from fault
     return stress
-
-
-def _told(fault: Exception) -> str:
-    """What is wrong with a file, in a line."""
-    if not isinstance(fault, ValidationError):
-        return str(fault)
-    first = fault.errors(include_url=False, include_input=False)[0]
-    return f"{'.'.join(map(str, first['loc']))}: {first['msg']}"

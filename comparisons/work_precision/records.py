@@ -9,10 +9,11 @@ from functools import cached_property
 from pathlib import Path
 from typing import Annotated, Any, TypeVar
 
-from pydantic import BaseModel, ConfigDict, Field, NonNegativeFloat, ValidationError
+from pydantic import BaseModel, ConfigDict, Field, NonNegativeFloat
 
 from analytic.errors import LinkproofError
 from comparisons.judging.records import Verdict
+from comparisons.runs.damage import fault_words
 from comparisons.runs.files import write_text
 from comparisons.runs.timing import Noise
 from comparisons.work_precision.step_sweep import StepSweep
@@ -321,13 +322,5 @@ def load(saved: Path) -> Bench:
         bench = Bench(document)
         _ = bench.records, bench.costs
     except (OSError, ValueError, KeyError, TypeError) as error:
-        raise LinkproofError(f"'{path}' is no benchmark ({_fault(error)}); run bench with --out again") from error
+        raise LinkproofError(f"'{path}' is no benchmark ({fault_words(error)}); run bench with --out again") from error
     return bench
-
-
-def _fault(error: Exception) -> str:
-    """What is wrong with a file: of its checked parts the first, by its place."""
-    if not isinstance(error, ValidationError):
-        return str(error)
-    first = error.errors(include_url=False, include_input=False)[0]
-    return f"{'.'.join(map(str, first['loc']))}: {first['msg']}"
