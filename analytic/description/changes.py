@@ -149,7 +149,8 @@ class _Walk:
 
     def direction(self, name: str, old: Vector) -> Vector:
         new = self.vector(name, old, "direction")
-        return old if new == old else self.unit(new)
+        same = all(isinstance(one, float) and one == other for one, other in zip(new, old, strict=True))
+        return old if same else self.unit(new)
 
     def points(self, body: str, points: Mapping[str, Vector]) -> dict[str, Vector]:
         return {point: self.vector(f"{body}.{point}", place) for point, place in points.items()}

@@ -1,14 +1,16 @@
 """Bodies in the plane: points of a frame and frames through points, with two derivatives over the crank angle.
 
-Vectors are pairs (x, y) of floats or arrays of one shape. A pose is (x, y, c, s): origin and cosine and sine of the
+Vectors are pairs (x, y) of floats or arrays that go together. A pose is (x, y, c, s): origin and cosine and sine of the
 frame's angle. A rate is (x', y', θ'), an acceleration (x'', y'', θ''); primes are d/dφ.
 
 NumPy calls these functions with arrays, and numba compiles the same functions for the kernels. ``is_zero``,
-``is_origin`` and ``is_still`` spare NumPy the work with constants that are zero; in compiled code they are False.
+``is_one``, ``is_origin`` and ``is_still`` spare NumPy the work with constants that are zero; in compiled code they are
+False.
 """
 
 from __future__ import annotations
 
+import math
 from typing import Any
 
 import numpy as np
@@ -28,9 +30,14 @@ def is_zero(scalar: Scalar) -> bool:
     return type(scalar) is float and scalar == 0.0
 
 
+def is_one(scalar: Scalar) -> bool:
+    """Whether a factor is a plain one."""
+    return type(scalar) is float and scalar == 1.0
+
+
 def is_origin(local: Vector) -> bool:
     """Whether a point is the origin of its frame."""
-    return local == (0.0, 0.0)
+    return is_zero(local[0]) and is_zero(local[1])
 
 
 def is_still(rate: Rate) -> bool:
@@ -84,7 +91,7 @@ def point_acceleration(pose: Pose, rate: Rate, acceleration: Rate, local: Vector
 def turned(pose: Pose, turn: Vector) -> Pair:
     """Cosine and sine of a body's angle plus a constant angle (cos, sin)."""
     c, s = pose[2], pose[3]
-    if is_zero(turn[1]) and turn[0] == 1.0:
+    if is_zero(turn[1]) and is_one(turn[0]):
         return (c, s)
     return (c * turn[0] - s * turn[1], s * turn[0] + c * turn[1])
 
@@ -175,6 +182,16 @@ def coriolis(turn_rate: Scalar, travel: Scalar, direction: Pair) -> Pair:
     """2 θ' t' e⊥: what sliding along e adds to a second derivative on a host that turns."""
     twice = 2.0 * turn_rate * travel
     return (-twice * direction[1], twice * direction[0])
+
+
+def is_plain(vector: Pair) -> bool:
+    """Whether both components are plain numbers, so that the standard library's functions will do."""
+    return isinstance(vector[0], float | int) and isinstance(vector[1], float | int)
+
+
+def length(vector: Pair) -> Scalar:
+    """Length of a vector, free from overflow."""
+    return math.hypot(vector[0], vector[1]) if is_plain(vector) else np.hypot(vector[0], vector[1])
 
 
 def root(square: Scalar) -> Scalar:

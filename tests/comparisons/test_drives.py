@@ -7,7 +7,7 @@ import pytest
 
 from analytic.description.crank_motion import CrankMotion, Segment, crank_motion
 from analytic.description.linkage import DriverKind
-from analytic.designs import evaluate_designs
+from analytic.designs.values import evaluate_designs
 from analytic.dynamics.equation_of_motion import equation_of_motion
 from analytic.dynamics.equilibrium import equilibria
 from analytic.dynamics.joint_forces import reactions

@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 from analytic.compiled import choice
 from analytic.compiled.flat_linkage import flatten
 from analytic.description.loading import load
-from analytic.designs import evaluate_designs
+from analytic.designs.values import evaluate_designs
 from analytic.evaluation import PIECE
 from analytic.kinematics.mechanism import Mechanism
 from analytic.motion.released import free_motion

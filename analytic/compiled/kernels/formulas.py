@@ -1,7 +1,7 @@
 """The closed form's own formulas, compiled: numba finds them here when a kernel calls them.
 
 NumPy calls the same functions with arrays. What spares NumPy the work with zeros is False in compiled code, so that
-loops have no branches.
+loops have no branches; what asks for plain numbers is True.
 """
 
 from __future__ import annotations
@@ -18,7 +18,8 @@ from analytic.kinematics import frames
 from analytic.kinematics.dyads import arms, crossing, prp, rpp, rpr, rrp, rrr
 from analytic.numerics import step_control
 
-NEVER = (frames.is_zero, frames.is_origin, frames.is_still)
+NEVER = (frames.is_zero, frames.is_one, frames.is_origin, frames.is_still)
+ALWAYS = (frames.is_plain,)
 
 
 def _never(function: Callable[[Any], bool]) -> None:
@@ -26,15 +27,22 @@ def _never(function: Callable[[Any], bool]) -> None:
     overload(function, jit_options=INLINED)(lambda _: lambda _: False)
 
 
+def _always(function: Callable[[Any], bool]) -> None:
+    """Make a question True in compiled code."""
+    overload(function, jit_options=INLINED)(lambda _: lambda _: True)
+
+
 def _compiled(module: ModuleType) -> None:
     """Let kernels call a module's functions."""
     for function in vars(module).values():
         is_own = isinstance(function, FunctionType) and function.__module__ == module.__name__
-        if is_own and function not in NEVER:
+        if is_own and function not in (*NEVER, *ALWAYS):
             register_jitable(**INLINED)(function)
 
 
 for question in NEVER:
     _never(question)
+for question in ALWAYS:
+    _always(question)
 for source in (frames, arms, crossing, rrr, rrp, rpr, rpp, prp, link_sums, step_control):
     _compiled(source)

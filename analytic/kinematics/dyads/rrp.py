@@ -29,7 +29,7 @@ class RRPConstants(NamedTuple):
 def constants(first: Revolute, inner: Revolute, second: Prismatic, sign: float) -> RRPConstants:
     """The arm and its length; where C is on the host at zero travel."""
     r = frames.minus(inner.far_local, first.far_local)
-    length = math.hypot(r[0], r[1])
+    length = frames.length(r)
     return RRPConstants(
         first.near_local,
         first.far_local,

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from typing import NamedTuple
 
 import numpy as np
@@ -31,7 +30,7 @@ class RRRConstants(NamedTuple):
 def constants(first: Revolute, inner: Revolute, second: Revolute, sign: float) -> RRRConstants:
     """Arms and their lengths."""
     r, q = frames.minus(inner.far_local, first.far_local), frames.minus(inner.near_local, second.far_local)
-    one, two = math.hypot(r[0], r[1]), math.hypot(q[0], q[1])
+    one, two = frames.length(r), frames.length(q)
     return RRRConstants(
         first.near_local,
         second.near_local,

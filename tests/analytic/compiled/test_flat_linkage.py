@@ -160,14 +160,15 @@ def test_without_an_output_the_tables_name_the_ground():
 def test_neither_the_tables_nor_small_evaluations_import_numba():
     code = (
         "import sys, numpy as np\n"
-        "from analytic import designs, evaluation\n"
+        "from analytic import evaluation\n"
+        "from analytic.designs import values\n"
         "from analytic.compiled import choice, flat_linkage\n"
         "from analytic.description.loading import load\n"
         "from analytic.kinematics.mechanism import Mechanism\n"
         "sample = Mechanism(load('juki-mf7923d'))\n"
         "flat_linkage.flatten(sample)\n"
         "evaluation.evaluate(sample, np.linspace(0.0, 6.0, 1000), ['Mkr'], speed=1.0)\n"
-        "designs.evaluate_designs(sample, {'crank.mass': np.ones(3)}, np.linspace(0.0, 6.0, 9), ['Jeq'])\n"
+        "values.evaluate_designs(sample, {'crank.mass': np.ones(3)}, np.linspace(0.0, 6.0, 9), ['Jeq'])\n"
         "choice.is_installed()\n"
         "assert 'numba' not in sys.modules\n"
     )

@@ -56,7 +56,7 @@ class Designs:
             lacking.module("analytic.kinematics.mechanism"),
         )
         lacking.module("numba")
-        self.evaluate = lacking.module("analytic.designs").evaluate_designs
+        self.evaluate = lacking.module("analytic.designs.values").evaluate_designs
         self.mechanism = mechanism.Mechanism(loading.load("rimoldi-164"))
         self.rods = {"rod.B.x": np.linspace(0.174, 0.176, DESIGNS)}
         self.angle = np.linspace(0.0, 6.0, ANGLES)
