@@ -16,6 +16,7 @@ from analytic.compiled.flat_linkage import Integers, has_kernels
 from analytic.dynamics import reduced
 from analytic.kinematics.mechanism import Mechanism
 from analytic.kinematics.sweep import Sweep
+from analytic.moving import Moving
 from analytic.request import EvaluationRequest, evaluation_request
 
 Array = NDArray[np.float64]
@@ -28,23 +29,14 @@ PER_ANGLE: Final = 3e-8
 
 
 @dataclass(frozen=True)
-class MovingSweep:
-    """Some crank angles with the crank's speed, rad/s, and acceleration, rad/s², at each."""
+class MovingSweep(Moving):
+    """Some crank angles with the crank's speed, rad/s, and acceleration, rad/s², at each; S counts from the origin."""
 
+    mechanism: Mechanism
     sweep: Sweep
     speed: Array
     acceleration: Array
-
-    @cached_property
-    def inertia(self) -> Array:
-        """Jeq, which Teq and Mkr need as well."""
-        return reduced.reduced_inertia(self.sweep)
-
-    @cached_property
-    def torque(self) -> Array:
-        """Mkr, which Peq needs as well."""
-        inertia = self.inertia if np.any(self.acceleration) else np.zeros(self.sweep.angle.shape)
-        return reduced.balance(self.sweep, inertia, self.speed, self.acceleration)
+    farthest: float = 0.0
 
     @cached_property
     def squared_speed(self) -> Array:
@@ -99,12 +91,13 @@ def _by_numpy(mechanism: Mechanism, request: EvaluationRequest) -> Array:
     values = np.empty((len(request.names), request.angle.size))
     for start in range(0, request.angle.size, PIECE):
         here = slice(start, start + PIECE)
-        at = moving_sweep(mechanism.sweep(request.angle[here]), request, here)
+        at = moving_sweep(mechanism, mechanism.sweep(request.angle[here]), request, here)
         for row, name in zip(values, request.names, strict=True):
             row[here] = QUANTITIES[name](at)
     return values
 
 
-def moving_sweep(sweep: Sweep, request: EvaluationRequest, here: slice | Integers) -> MovingSweep:
+def moving_sweep(mechanism: Mechanism, sweep: Sweep, request: EvaluationRequest, here: slice | Integers) -> MovingSweep:
     """A sweep of some of the crank angles, with the crank's motion there."""
-    return MovingSweep(sweep, *(move[here] if move.ndim else move for move in (request.speed, request.acceleration)))
+    speed, acceleration = (move[here] if move.ndim else move for move in (request.speed, request.acceleration))
+    return MovingSweep(mechanism, sweep, speed, acceleration)

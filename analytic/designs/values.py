@@ -71,7 +71,7 @@ def evaluate_designs(
     ):
         values, moving = compute(flat, request, largest, count=designs.count, designs=designs.rows, cores=cores)
     else:
-        values, moving = _plain(flat, request, needs(largest, request.names, turns=request.turns), designs)
+        values, moving = _plain(mechanism, flat, request, needs(largest, request.names, turns=request.turns), designs)
     return {**dict(zip(request.names, values, strict=True)), ASSEMBLED: moving}
 
 
@@ -150,7 +150,9 @@ def _check_directions(flat: FlatLinkage, designs: Designs) -> None:
             raise LinkproofError(f"{name}: expected a direction, got (0, 0) in design {first}; correct it")
 
 
-def _plain(flat: FlatLinkage, request: EvaluationRequest, needed: Needs, designs: Designs) -> Outcome:
+def _plain(
+    mechanism: Mechanism, flat: FlatLinkage, request: EvaluationRequest, needed: Needs, designs: Designs
+) -> Outcome:
     """Design by design with NumPy."""
     values = np.full((len(request.names), designs.count, request.angle.size), np.nan)
     moving = np.zeros((designs.count, request.angle.size), dtype=np.bool_)
@@ -163,7 +165,7 @@ def _plain(flat: FlatLinkage, request: EvaluationRequest, needed: Needs, designs
             structure, _ = through_change_points(structure, linkage.sketch_angle)
 
         def at(here: Integers, linkage: Linkage = linkage, structure: Structure = structure) -> Array:
-            return _piece(Sweep(linkage, structure, request.angle[here]), request, needed, here)
+            return _piece(mechanism, Sweep(linkage, structure, request.angle[here]), request, needed, here)
 
         for start in range(0, request.angle.size, PIECE):
             here = np.arange(start, min(start + PIECE, request.angle.size))
@@ -172,9 +174,9 @@ def _plain(flat: FlatLinkage, request: EvaluationRequest, needed: Needs, designs
     return values, moving
 
 
-def _piece(sweep: Sweep, request: EvaluationRequest, needed: Needs, here: Integers) -> Array:
+def _piece(mechanism: Mechanism, sweep: Sweep, request: EvaluationRequest, needed: Needs, here: Integers) -> Array:
     """Quantities at some of the crank angles, and a row of ones; raises AssemblyError if any of them has no motion."""
     for body, order in needed.orders.items():
         (sweep.poses, sweep.rates, sweep.accelerations)[order](body)
-    at = moving_sweep(sweep, request, here)
+    at = moving_sweep(mechanism, sweep, request, here)
     return np.array([*(QUANTITIES[name](at) for name in request.names), np.ones(here.shape)])

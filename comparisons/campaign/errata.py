@@ -19,7 +19,8 @@ from analytic.description.schema import Erratum
 from analytic.kinematics.mechanism import Mechanism
 from comparisons.campaign.campaign import judged, lost
 from comparisons.judging.run_result import RunResult, from_bytes, to_bytes
-from comparisons.reference.case import Case, Spin, own_case
+from comparisons.reference.case import Case, own_case
+from comparisons.reference.motion import Spin
 from comparisons.reference.printed_models import printed_motion
 from comparisons.runs.journal import Journal
 from comparisons.runs.study import Study, Task

@@ -9,12 +9,12 @@ from typing import Final
 
 import numpy as np
 
+from analytic.signals import signal
 from comparisons.datasheet.curves import MAGNITUDE, Curves
 from comparisons.datasheet.instants import Instants
 from comparisons.judging.baseline import SAME_FIGURE, Baseline, regime_key
 from comparisons.judging.records import blank_record
 from comparisons.reference.case import Case
-from comparisons.reference.signals import signal
 
 ROUNDINGS: Final = 16  # of the largest figure: what is less is not told from none
 

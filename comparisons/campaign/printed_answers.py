@@ -21,12 +21,12 @@ from analytic.description.linkage import Linkage
 from analytic.description.schema import Published
 from analytic.kinematics.crank_range import crank_range
 from analytic.kinematics.mechanism import Mechanism
+from analytic.signals import COMPONENTS, ORDERS, unit
 from comparisons.observation.interpolation import resample
 from comparisons.observation.observed_motion import ObservedMotion
 from comparisons.reference.case import Case, unpickled
 from comparisons.reference.published import applies, in_printed_unit, speed_of, verdict
 from comparisons.reference.signal_figures import case_of, instant
-from comparisons.reference.signals import COMPONENTS, ORDERS, unit
 from comparisons.runs.failures import Lost
 from comparisons.runs.run_engine import run_engine
 from comparisons.runs.study import Announce, Study, Task

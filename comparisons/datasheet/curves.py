@@ -10,11 +10,11 @@ from typing import Final, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from analytic import signals
 from analytic.description.law import FULL_TURN
 from analytic.description.linkage import Linkage
 from analytic.numerics.peaks import highest
 from comparisons.datasheet.instants import Instants, with_near_toggles
-from comparisons.reference import signals
 from comparisons.reference.case import Case, Truth
 
 Array = NDArray[np.float64]
@@ -38,7 +38,7 @@ class Peak(NamedTuple):
 
 @dataclass(frozen=True)
 class Curves:
-    """The signals of a case by name: those of ``comparisons.reference.signals``, the time, and magnitudes of forces.
+    """The signals of a case by name: those of ``analytic.signals``, the time, and magnitudes of forces.
 
     A magnitude is ``joint_force:A:magnitude``, or ``shaking_force:magnitude``.
     """
@@ -55,7 +55,7 @@ class Curves:
     def names(self) -> tuple[str, ...]:
         """Every name, the time first, a magnitude after the components of its vector."""
         found = [TIME]
-        for name in signals.names(self.case):
+        for name in signals.names(self.case.mechanism):
             found.append(name)
             if name.startswith(FORCES) and name.endswith(":y"):
                 found.append(name.removesuffix(":y") + MAGNITUDE)

@@ -15,7 +15,8 @@ from analytic.description.crank_motion import CrankMotion
 from analytic.description.law import FULL_TURN
 from analytic.errors import LinkproofError
 from analytic.kinematics.transmission import transmission_angle
-from comparisons.reference.case import Case, Motion
+from comparisons.reference.case import Case
+from comparisons.reference.motion import Motion
 
 Array = NDArray[np.float64]
 

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from analytic.description.linkage import Linkage
 from analytic.errors import LinkproofError
+from analytic.signals import names
 from comparisons.imported.causes.corrections import proposals
 from comparisons.imported.causes.search import Explanation, explain
 from comparisons.imported.columns import Column, Correction, ImportedResults, ImportedSignal
@@ -25,8 +26,7 @@ from comparisons.imported.judging.crank_column import (
 from comparisons.imported.judging.judgement import DEFAULT_LIMIT, SignalVerdict, verdicts
 from comparisons.imported.judging.samples import JudgedModel, Samples, floor, is_angle
 from comparisons.judging.records import Verdict
-from comparisons.reference.case import Case, Motion
-from comparisons.reference.signals import names
+from comparisons.reference.motion import Motion
 
 Array = NDArray[np.float64]
 
@@ -93,7 +93,7 @@ def judge(
     truth = model.predicted(signals)
     signals = [_without_turns(one, values) for one, values in zip(signals, truth, strict=True)]
     judged = verdicts(model, signals, truth, floor(model, signals, truth), limit)
-    known = names(Case(model.mechanism, source_motion))
+    known = names(model.mechanism)
     return ImportedJudgement(
         model,
         tuple(judged),

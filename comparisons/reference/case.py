@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import math
 import pickle
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable
 from dataclasses import dataclass, field, replace
 from functools import cached_property, lru_cache
-from typing import Any, Final, Protocol
+from typing import Any, Final
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
 from analytic.description.crank_motion import CrankMotion
 from analytic.description.linkage import (
@@ -22,14 +22,14 @@ from analytic.description.linkage import (
     ReleasedRegime,
     Vector,
 )
-from analytic.dynamics import reduced
-from analytic.dynamics.joint_forces import joint_forces, shaking_force, shaking_moment
 from analytic.errors import AssemblyError, LinkproofError
 from analytic.kinematics.crank_range import crank_range
 from analytic.kinematics.mechanism import FULL_TURN, Mechanism
-from analytic.kinematics.structure import Revolute
 from analytic.kinematics.sweep import Sweep
 from analytic.motion.released import FreeMotion, free_motion
+from analytic.moving import Moving
+from comparisons.reference.farthest import farthest
+from comparisons.reference.motion import INSTANTS, Motion
 from comparisons.reference.start_state import scene
 from engines.scene import Channel, Drive, Free, Prescribed, Scene
 
@@ -37,56 +37,15 @@ Array = NDArray[np.float64]
 
 # Jeq = 2T/ω² says nothing near standstill: samples slower than this share of the peak speed are left out.
 SLOW_SHARE = 0.05
-# Instants and, rad, steps at which a motion is checked before it is run.
-INSTANTS: Final = 2001
+# Steps, rad, at which a motion is checked before it is run.
 LOOK: Final = math.radians(0.5)
 # Clocks whose truth is kept. A run has no more than two or three, and no other run has the same.
 KEPT: Final = 4
 AT_REST: Final = 1e-9  # of the peak speed
 
 
-class Spin(Protocol):
-    """A crank motion whose angle and speed can be asked for at any time."""
-
-    def angle(self, time: ArrayLike) -> Array:
-        """φ(t), rad."""
-        ...
-
-    def speed(self, time: ArrayLike) -> Array:
-        """ω(t), rad/s."""
-        ...
-
-
-class Motion(Spin, Protocol):
-    """A crank motion, prescribed or found by integration."""
-
-    @property
-    def regime(self) -> str:
-        """Name of the regime."""
-        ...
-
-    @property
-    def duration(self) -> float:
-        """Time at which it ends, s; it starts at 0."""
-        ...
-
-    @property
-    def peak_speed(self) -> float:
-        """Largest |ω|, rad/s."""
-        ...
-
-    @property
-    def jumps(self) -> tuple[float, ...]:
-        """Times at which the acceleration jumps, s."""
-        ...
-
-    def acceleration(self, time: ArrayLike) -> Array:
-        """ε(t), rad/s²."""
-        ...
-
-
 @dataclass(frozen=True)
-class Truth:
+class Truth(Moving):
     """The closed form at the instants ``time`` (n,), s, of a motion: each of it computed once, when it is asked for."""
 
     mechanism: Mechanism
@@ -108,28 +67,10 @@ class Truth:
         """The linkage at φ(t)."""
         return self.mechanism.sweep(self.motion.angle(self.time))
 
-    @cached_property
-    def inertia(self) -> Array:
-        """Jeq, kg m²."""
-        return reduced.reduced_inertia(self.sweep)
-
-    @cached_property
-    def torque(self) -> Array:
-        """Mkr, N m."""
-        return reduced.drive_torque(self.sweep, self.speed, self.acceleration)
-
-    @cached_property
-    def joint_forces(self) -> Mapping[str, Array]:
-        """Force of every joint by name, (2, n), N: one analysis of the linkage gives them all."""
-        return joint_forces(self.sweep, self.speed, self.acceleration)
-
-    @cached_property
-    def shaking(self) -> Array:
-        """Force on the frame, N, and its moment about the crank's pivot, or the origin, N m: (3, n)."""
-        moved = (self.sweep, self.speed, self.acceleration)
-        pivot = self.mechanism.structure.pivot
-        about = pivot.near_local if isinstance(pivot, Revolute) else (0.0, 0.0)
-        return np.stack([*shaking_force(*moved), shaking_moment(*moved, about)])
+    @property
+    def farthest(self) -> float:
+        """The output's coordinate at which S is 0, m."""
+        return farthest(self.mechanism, self.motion)
 
 
 @dataclass(frozen=True)

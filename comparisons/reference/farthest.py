@@ -11,7 +11,7 @@ from analytic.errors import AssemblyError
 from analytic.kinematics.mechanism import Mechanism
 from analytic.numerics.peaks import highest
 from analytic.turn.unit_functions import top_dead_centre
-from comparisons.reference.case import INSTANTS, Motion
+from comparisons.reference.motion import INSTANTS, Motion
 
 Array = NDArray[np.float64]
 

@@ -13,7 +13,8 @@ from analytic.description.schema import Erratum
 from analytic.kinematics.mechanism import Mechanism
 from analytic.motion.rkfixed import fixed_step
 from comparisons.observation.interpolation import resample
-from comparisons.reference.case import Spin, own_motion
+from comparisons.reference.case import own_motion
+from comparisons.reference.motion import Spin
 from engines.contract import Signal
 
 Array = NDArray[np.float64]

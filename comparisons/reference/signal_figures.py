@@ -5,7 +5,7 @@
 ``point:D:y.max`` ``.min`` ``.range``  over a turn of the crank
 ``link:K2:angle - phi@30``     of a difference of signals
 
-The signals are those of ``comparisons.reference.signals``.
+The signals are those of ``analytic.signals``.
 """
 
 from __future__ import annotations
@@ -22,8 +22,8 @@ from analytic.description.crank_motion import crank_motion
 from analytic.errors import LinkproofError, UnknownNameError
 from analytic.kinematics.mechanism import Mechanism
 from analytic.numerics.extremes import Array, Extremes, extremes
+from analytic.signals import signal, unit
 from comparisons.reference.case import Case, Truth, own_case
-from comparisons.reference.signals import signal, unit
 
 PLACE: Final = re.compile(r"(?P<number>[-+]?\d+\.?\d*(?:e[-+]?\d+)?)(?:(?P<angle>deg|rad)?|s:(?P<regime>.+))")
 REDUCTIONS: Final[Mapping[str, Callable[[Extremes], float]]] = {

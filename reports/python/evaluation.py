@@ -11,6 +11,7 @@ import numpy as np
 import xarray
 from numpy.typing import ArrayLike, NDArray
 
+from analytic import signals
 from analytic.description.crank_motion import RPM
 from analytic.description.linkage import Linkage
 from analytic.description.units import factor
@@ -19,7 +20,6 @@ from analytic.errors import LinkproofError, UnknownNameError
 from analytic.evaluation import evaluate as evaluate_quantities
 from analytic.kinematics.mechanism import Mechanism
 from analytic.request import UNITS
-from comparisons.reference import signals
 from comparisons.reference.case import Truth
 from comparisons.reference.farthest import farthest
 from reports.python.labels import label, labelled, unit
@@ -119,7 +119,7 @@ def evaluate(
 def _parts(mechanism: Mechanism) -> dict[str, list[str]]:
     """Every variable that can be asked for, with the signals that it is made of; none of what ``UNITS`` has."""
     known: dict[str, list[str]] = {"Q": [], "half_slope": []}
-    for name in signals.names_of(mechanism):
+    for name in signals.names(mechanism):
         if name not in GIVEN:
             known.setdefault(label(name).variable, []).extend([] if name in UNITS else [name])
     return known

@@ -9,10 +9,10 @@ import numpy as np
 import xarray
 from numpy.typing import NDArray
 
+from analytic import signals
 from analytic.description.linkage import Linkage
 from analytic.request import UNITS, unit_of
 from comparisons.datasheet.curves import MAGNITUDE, TIME
-from comparisons.reference import signals
 
 Array = NDArray[np.float64]
 

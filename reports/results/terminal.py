@@ -6,11 +6,11 @@ import math
 from collections.abc import Iterator, Sequence
 from typing import Final
 
+from analytic.signals import COMPONENTS
 from comparisons.datasheet.curves import MAGNITUDE
 from comparisons.datasheet.designer_results import DesignerResults
 from comparisons.datasheet.figures import NEGLIGIBLE, stroke
 from comparisons.datasheet.units import FileUnit, file_unit
-from comparisons.reference.signals import COMPONENTS
 from reports.document.numbers import ABSENT, figure
 from reports.document.parts import Paragraph, Table
 from reports.document.terminal import Printed

@@ -19,7 +19,6 @@ from analytic.kinematics.dyads import arms, crossing, prp, rpp, rpr, rrp, rrr
 from analytic.numerics import step_control
 
 NEVER = (frames.is_zero, frames.is_one, frames.is_origin, frames.is_still)
-ALWAYS = (frames.is_plain,)
 
 
 def _never(function: Callable[[Any], bool]) -> None:
@@ -27,22 +26,16 @@ def _never(function: Callable[[Any], bool]) -> None:
     overload(function, jit_options=INLINED)(lambda _: lambda _: False)
 
 
-def _always(function: Callable[[Any], bool]) -> None:
-    """Make a question True in compiled code."""
-    overload(function, jit_options=INLINED)(lambda _: lambda _: True)
-
-
 def _compiled(module: ModuleType) -> None:
     """Let kernels call a module's functions."""
     for function in vars(module).values():
         is_own = isinstance(function, FunctionType) and function.__module__ == module.__name__
-        if is_own and function not in (*NEVER, *ALWAYS):
+        if is_own and function not in (*NEVER, frames.is_plain):
             register_jitable(**INLINED)(function)
 
 
 for question in NEVER:
     _never(question)
-for question in ALWAYS:
-    _always(question)
+overload(frames.is_plain, jit_options=INLINED)(lambda _: lambda _: True)
 for source in (frames, arms, crossing, rrr, rrp, rpr, rpp, prp, link_sums, step_control):
     _compiled(source)

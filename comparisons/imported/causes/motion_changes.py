@@ -16,7 +16,7 @@ from comparisons.imported.judging.changed_motion import ChangedMotion
 from comparisons.imported.judging.crank_column import ColumnMotion
 from comparisons.imported.judging.judgement import SignalVerdict
 from comparisons.imported.judging.samples import JudgedModel, Samples, at_jumps, holds_acceleration
-from comparisons.reference.case import Motion
+from comparisons.reference.motion import Motion
 
 Array = NDArray[np.float64]
 

@@ -9,6 +9,7 @@ from typing import Final
 
 import numpy as np
 
+from analytic import signals
 from analytic.description.linkage import Linkage
 from analytic.errors import UnknownNameError, listed, shortened
 from analytic.kinematics.mechanism import Mechanism
@@ -25,7 +26,6 @@ from comparisons.imported.headers.said import (
 )
 from comparisons.imported.headers.units import OFFERED, Unit, parsed
 from comparisons.imported.headers.words import Names, Word, bodies, names_of, words
-from comparisons.reference import signals
 
 ORDERS: Final = {"displacement": ("S", "", "phi"), "speed": ("v", "v", "omega"), "acceleration": ("a", "a", "epsilon")}
 
@@ -54,7 +54,7 @@ class Recognition:
     @cached_property
     def signals(self) -> tuple[str, ...]:
         """Names of all signals, with the sizes of joint forces."""
-        known = signals.names_of(Mechanism(self.linkage))
+        known = signals.names(Mechanism(self.linkage))
         sizes = [
             f"{name[:-2]}:{MAGNITUDE}" for name in known if name.startswith("joint_force:") and name.endswith(":x")
         ]

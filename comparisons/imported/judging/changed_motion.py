@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from comparisons.reference.case import Motion
+from comparisons.reference.motion import Motion
 
 Array = NDArray[np.float64]
 

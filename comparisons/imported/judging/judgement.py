@@ -9,11 +9,11 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
+from analytic.signals import unit
 from comparisons.imported.judging.samples import JudgedModel, Samples, is_angle, is_force, jumps_of
 from comparisons.judging.deviations import Deviation
 from comparisons.judging.records import IMPORTED, Record, Verdict
-from comparisons.reference.case import Motion
-from comparisons.reference.signals import unit
+from comparisons.reference.motion import Motion
 
 Array = NDArray[np.float64]
 

@@ -13,11 +13,12 @@ from scipy.ndimage import maximum_filter1d
 
 from analytic.description.linkage import Linkage
 from analytic.kinematics.mechanism import Mechanism
+from analytic.signals import signal
 from comparisons.imported.columns import MAGNITUDE, ImportedSignal
 from comparisons.imported.judging.changed_motion import ChangedMotion
 from comparisons.imported.judging.crank_column import SPREAD, ColumnMotion
-from comparisons.reference.case import Motion, Truth
-from comparisons.reference.signals import signal
+from comparisons.reference.case import Truth
+from comparisons.reference.motion import Motion
 
 Array = NDArray[np.float64]
 

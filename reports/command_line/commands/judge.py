@@ -23,7 +23,8 @@ from comparisons.imported.mapping.writing import with_proposals
 from comparisons.imported.reading import read_results
 from comparisons.judging.records import Verdict
 from comparisons.judging.run_result import RunResult
-from comparisons.reference.case import Motion, own_case
+from comparisons.reference.case import own_case
+from comparisons.reference.motion import Motion
 from comparisons.runs.files import check_writable, write_text
 from reports.command_line import FAILED, PASSED
 from reports.command_line.destination import Destination

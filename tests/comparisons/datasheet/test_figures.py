@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 
 from analytic.description.crank_motion import RPM, crank_motion, swing
+from analytic.signals import signal
 from comparisons.datasheet.figures import BRAKING, drive_points, force_peaks, output_extremes, stroke, transmission
 from comparisons.reference.case import Case, own_case
-from comparisons.reference.signals import signal
 from reports.command_line.commands.files import TEMPLATE
 from tests.analytic.linkages import EVERY, from_text, mechanism
 from tests.reports.results.samples import CRANK, MASS, ROD, SPEED, piston, results

@@ -10,14 +10,14 @@ from analytic.description.crank_motion.table import table_motion
 from analytic.description.loading import load
 from analytic.errors import LinkproofError
 from analytic.kinematics.mechanism import Mechanism
+from analytic.signals import names as signal_names
 from comparisons.imported.causes.signal_changes import signal_changes
 from comparisons.imported.columns import Correction
 from comparisons.imported.judge import judge
 from comparisons.imported.judging.samples import JudgedModel
 from comparisons.imported.reading import read_results
 from comparisons.judging.records import Verdict
-from comparisons.reference.case import Case, own_case
-from comparisons.reference.signals import names as signal_names
+from comparisons.reference.case import own_case
 from engines.registry import engine, why_unavailable
 from tests.comparisons.imported.campaign import CLEAN, PLANTED, Export, is_right, judged
 from tests.comparisons.imported.engine_curves import curves
@@ -115,7 +115,7 @@ def test_pushed_linkages_change_points_and_released_cranks_are_judged(path, regi
     motion = case.motion if case else crank_motion("constant-speed")
     time = np.linspace(0.0, motion.duration, 301)
     told = motion if regime == "squeezing" else None
-    names = [name for name in signal_names(Case(mechanism, motion)) if "force" not in name and "shaking" not in name]
+    names = [name for name in signal_names(mechanism) if "force" not in name and "shaking" not in name]
     assert judge(linkage, exported(linkage, motion, names, time), told).passed
     heavier = with_link(linkage, body, mass=1.5 * linkage.links[body].mass)
     torque = ("phi", "Peq" if regime == "squeezing" else "Mkr", "Teq")

@@ -5,12 +5,12 @@ import pickle
 import numpy as np
 import pytest
 
+from analytic import moving
 from analytic.description.crank_motion import crank_motion
 from analytic.dynamics import joint_forces, reduced
 from analytic.kinematics.dyad_solver import DyadSolver
 from comparisons.judging.deviations import deviation
 from comparisons.judging.quantities import chosen_quantities
-from comparisons.reference import case as cases
 from comparisons.reference.case import KEPT, Case
 from engines.scene import Channel
 from reports.command_line.requests import CampaignChoice, request
@@ -68,20 +68,20 @@ def test_jeq_alone_asks_an_engine_for_velocities_and_for_no_invariant():
 
 def test_the_truth_on_a_clock_is_worked_out_once(monkeypatch):
     case = Case(mechanism(SIX_BAR), MOTION)
-    forces = calls(monkeypatch, cases, "joint_forces")
-    torques, inertias = calls(monkeypatch, reduced, "drive_torque"), calls(monkeypatch, reduced, "reduced_inertia")
+    forces = calls(monkeypatch, moving, "joint_forces")
+    torques, inertias = calls(monkeypatch, reduced, "balance"), calls(monkeypatch, reduced, "reduced_inertia")
     for _ in range(3):
         at = case.at(TIMES.copy())
         assert set(at.joint_forces) == set(case.joint_names())
         assert at.torque is case.at(TIMES).torque
         assert at.inertia is case.at(TIMES).inertia
-    assert (len(forces), len(torques), len(inertias)) == (1, 1, 2)  # the torque has its own Jeq
+    assert (len(forces), len(torques), len(inertias)) == (1, 1, 1)
 
 
 def test_all_joints_of_a_run_share_one_analysis_and_torque_and_power_one_torque(monkeypatch):
     sample = mechanism(SIX_BAR)
     motion, case = perfect_motion(sample, MOTION, 101), Case(sample, MOTION)
-    forces, torques = calls(monkeypatch, cases, "joint_forces"), calls(monkeypatch, reduced, "drive_torque")
+    forces, torques = calls(monkeypatch, moving, "joint_forces"), calls(monkeypatch, reduced, "balance")
     found = _judged(case, motion, ["Mkr", "Peq", "joint_force"])
     assert len(found) == 2 + len(case.joint_names())
     assert (len(forces), len(torques)) == (1, 1)

@@ -12,8 +12,8 @@ from analytic.description.crank_motion import CrankMotion, Segment, crank_motion
 from analytic.dynamics.joint_forces import reactions
 from analytic.errors import UnknownNameError
 from analytic.kinematics.mechanism import Mechanism
+from analytic.signals import names, signal, unit
 from comparisons.reference.case import Case
-from comparisons.reference.signals import names, signal, unit
 from tests.analytic.linkages import EVERY, from_text, mechanism
 from tests.analytic.newton_euler import Balance, scene_at
 from tests.analytic.textbook import DOUBLE_ROCKER
@@ -131,8 +131,8 @@ def test_every_name_has_a_unit_and_a_value_at_every_instant():
     for name, variant in EVERY:
         case = Case(mechanism(name, variant), crank_motion("run-up", ramp_time=0.1, start_angle=0.3, speed=30.0))
         truth = case.at(np.array([0.0, 0.01]))
-        assert len(set(names(case))) == len(names(case))
-        for one in names(case):
+        assert len(set(names(case.mechanism))) == len(names(case.mechanism))
+        for one in names(case.mechanism):
             assert unit(one, case.mechanism.linkage) in UNITS, one
             values = signal(truth, one)
             assert values.shape == (2,), one
@@ -143,16 +143,16 @@ UNITS = {"rad", "rad/s", "rad/s²", "N m", "W", "J", "kg m²", "m", "m/s", "m/s�
 
 
 def test_a_joint_of_several_links_and_a_slot_have_their_own_names():
-    on_one_pin = names(Case(mechanism("three-on-one-pin"), MOTION))
+    on_one_pin = names(mechanism("three-on-one-pin"))
     assert [n for n in on_one_pin if n.startswith("joint_force:") and n.count(":") == 3]
-    in_slot = names(Case(mechanism("ground-pin-in-slot"), MOTION))
+    in_slot = names(mechanism("ground-pin-in-slot"))
     assert any(" in " in name and name.startswith("joint_force:") for name in in_slot)
 
 
 def test_without_an_output_there_is_no_s_and_a_swinging_crank_counts_it_from_where_it_gets_to():
     rocker = from_text(DOUBLE_ROCKER)
     swing = CrankMotion("swing", (Segment(0.0, 0.1, (math.radians(60), math.radians(200))),))
-    assert not {"S", "v", "a"} & {*names(Case(rocker, swing))}
+    assert not {"S", "v", "a"} & {*names(rocker)}
     with_output = from_text('output = { point = "C", along = [1, 0] }\n' + DOUBLE_ROCKER)
     displacement = signal(Case(with_output, swing).at(np.linspace(0.0, 0.1, 2001)), "S")
     assert np.min(displacement) == 0.0
@@ -162,7 +162,7 @@ def test_without_an_output_there_is_no_s_and_a_swinging_crank_counts_it_from_whe
 def test_a_linkage_without_mass_and_loads_has_no_torques_and_forces():
     linkage = without(slider_crank().linkage, "gravity")
     bare = {name: replace(link, mass=0.0, inertia=None) for name, link in linkage.links.items()}
-    found = names(Case(Mechanism(replace(linkage, links=bare)), MOTION))
+    found = names(Mechanism(replace(linkage, links=bare)))
     assert not [n for n in found if n.startswith(("joint", "shaking")) or n in ("Mkr", "Peq", "Teq", "Jeq")]
     assert {"phi", "S", "point:A:x", "link:rod:alpha"} <= {*found}
 

@@ -28,14 +28,12 @@ from numpy.typing import NDArray
 from analytic.description.linkage import Linkage
 from analytic.errors import UnknownNameError
 from analytic.kinematics.mechanism import Mechanism
-from analytic.kinematics.structure import Dyad
 from analytic.kinematics.transmission import transmission_angle
+from analytic.moving import Moving
 from analytic.request import unit_of
-from comparisons.reference.case import Case, Truth
-from comparisons.reference.farthest import farthest
 
 Array = NDArray[np.float64]
-Formula = Callable[[Truth], Array]
+Formula = Callable[[Moving], Array]
 
 DRIVE: Final[Mapping[str, Formula]] = {
     "phi": lambda at: at.sweep.angle,
@@ -49,7 +47,7 @@ LOADS: Final[Mapping[str, Formula]] = {
     "Jeq": lambda at: at.inertia,
 }
 OUTPUT: Final[Mapping[str, Formula]] = {
-    "S": lambda at: farthest(at.mechanism, at.motion) - at.sweep.output(),
+    "S": lambda at: at.farthest - at.sweep.output(),
     "v": lambda at: -at.sweep.output(1) * at.speed,
     "a": lambda at: -(at.sweep.output(2) * at.speed**2 + at.sweep.output(1) * at.acceleration),
 }
@@ -68,14 +66,9 @@ COMPONENTS: Final[Mapping[str, Mapping[str, str]]] = {
 ORDERS: Final = ("x", "y", "vx", "vy", "ax", "ay")  # of a point: two components of each derivative
 
 
-def names(case: Case) -> tuple[str, ...]:
-    """Names of all signals that a case has, always in the same order."""
-    return names_of(case.mechanism)
-
-
-def names_of(mechanism: Mechanism) -> tuple[str, ...]:
-    """Names of all signals that a mechanism has under any motion."""
-    return tuple(_formulas(mechanism))
+def names(mechanism: Mechanism) -> tuple[str, ...]:
+    """Names of all signals that a mechanism has under any motion, always in the same order."""
+    return tuple(formulas(mechanism))
 
 
 def unit(name: str, linkage: Linkage) -> str:
@@ -86,12 +79,12 @@ def unit(name: str, linkage: Linkage) -> str:
     return COMPONENTS[kind][part.rpartition(":")[2] if kind != "transmission_angle" else ""]
 
 
-def signal(truth: Truth, name: str) -> Array:
-    """A signal (n,) at the instants of ``truth``; raises UnknownNameError for one that the linkage does not have."""
-    known = _formulas(truth.mechanism)
+def signal(at: Moving, name: str) -> Array:
+    """A signal, of the shape of the angles; raises UnknownNameError for one that the linkage does not have."""
+    known = formulas(at.mechanism)
     if name not in known:
         raise UnknownNameError("signal", name, known)
-    return np.array(np.broadcast_to(known[name](truth), truth.time.shape), dtype=float)
+    return np.array(np.broadcast_to(known[name](at), at.sweep.angle.shape), dtype=float)
 
 
 def moving_points(linkage: Linkage) -> tuple[str, ...]:
@@ -100,7 +93,7 @@ def moving_points(linkage: Linkage) -> tuple[str, ...]:
 
 
 @lru_cache(maxsize=64)
-def _formulas(mechanism: Mechanism) -> Mapping[str, Formula]:
+def formulas(mechanism: Mechanism) -> Mapping[str, Formula]:
     """Every signal of a mechanism by name."""
     linkage, found = mechanism.linkage, dict(DRIVE)
     loaded = not linkage.is_idle
@@ -115,7 +108,9 @@ def _formulas(mechanism: Mechanism) -> Mapping[str, Formula]:
         shaking = ("shaking_force:x", "shaking_force:y", "shaking_moment")
         found |= {name: partial(_shaking, row=row) for row, name in enumerate(shaking)}
     dyads = mechanism.structure.dyads
-    return found | {f"transmission_angle:{dyad.name}": partial(_transmission, dyad=dyad) for dyad in dyads}
+    return found | {
+        f"transmission_angle:{dyad.name}": partial(_transmission, row=row) for row, dyad in enumerate(dyads)
+    }
 
 
 def _each(kind: str, parts: Iterable[str], formula: Callable[..., Array]) -> dict[str, Formula]:
@@ -127,7 +122,7 @@ def _each(kind: str, parts: Iterable[str], formula: Callable[..., Array]) -> dic
     }
 
 
-def _point(at: Truth, name: str, component: str) -> Array:
+def _point(at: Moving, name: str, component: str) -> Array:
     order, axis = divmod(ORDERS.index(component), 2)
     if order == 0:
         return np.asarray(at.sweep.point(name)[axis])
@@ -137,7 +132,7 @@ def _point(at: Truth, name: str, component: str) -> Array:
     return np.asarray(at.sweep.point(name, 2)[axis] * at.speed**2 + first * at.acceleration)
 
 
-def _link(at: Truth, name: str, component: str) -> Array:
+def _link(at: Moving, name: str, component: str) -> Array:
     if component == "angle":
         return at.sweep.angles(name)
     first = at.sweep.rates(name)[2]
@@ -146,13 +141,13 @@ def _link(at: Truth, name: str, component: str) -> Array:
     return np.asarray(at.sweep.accelerations(name)[2] * at.speed**2 + first * at.acceleration)
 
 
-def _joint_force(at: Truth, name: str, component: str) -> Array:
+def _joint_force(at: Moving, name: str, component: str) -> Array:
     return np.asarray(at.joint_forces[name]["xy".index(component)])
 
 
-def _shaking(at: Truth, row: int) -> Array:
+def _shaking(at: Moving, row: int) -> Array:
     return np.asarray(at.shaking[row])
 
 
-def _transmission(at: Truth, dyad: Dyad) -> Array:
-    return transmission_angle(at.sweep, dyad)
+def _transmission(at: Moving, row: int) -> Array:
+    return transmission_angle(at.sweep, at.sweep.structure.dyads[row])
