@@ -19,7 +19,7 @@ from dataclasses import dataclass, field
 from functools import partial
 from multiprocessing.connection import Connection, wait
 from multiprocessing.process import BaseProcess
-from typing import Any, Final, TypeVar
+from typing import Any, Final, Protocol, TypeVar
 
 from analytic.compiled.choice import cores
 from analytic.errors import LinkproofError
@@ -52,6 +52,37 @@ DEFAULT_BOUNDS = Bounds()
 def usual_processes(count: int) -> int:
     """How many processes ``count`` jobs are given where nobody says: the cores; none for a single one."""
     return 0 if count == 1 else cores()
+
+
+class Pool(Protocol):
+    """Where jobs are run."""
+
+    def run(
+        self,
+        function: Callable[..., R],
+        jobs: Sequence[tuple[Any, ...]],
+        bounds: Bounds = ...,
+        begun: Callable[[int], object] = ...,
+    ) -> Generator[tuple[int, R | Lost], None, None]:
+        """Call ``function(*job)`` for every job; yields (index of the job, result) as they complete."""
+        ...
+
+
+@dataclass(frozen=True)
+class LocalPool:
+    """Worker ``processes`` of this machine, as ``run_jobs`` takes them."""
+
+    processes: int | None = None
+
+    def run(
+        self,
+        function: Callable[..., R],
+        jobs: Sequence[tuple[Any, ...]],
+        bounds: Bounds = DEFAULT_BOUNDS,
+        begun: Callable[[int], object] = lambda _: None,
+    ) -> Generator[tuple[int, R | Lost], None, None]:
+        """Call ``function(*job)`` for every job in worker processes."""
+        return run_jobs(function, jobs, bounds=bounds, processes=self.processes, begun=begun)
 
 
 def run_jobs(

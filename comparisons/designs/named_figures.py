@@ -1,0 +1,113 @@
+"""Figures of a design by the names that are typed: ``Mkr.peak``, ``joint_force:A.peak``, ``point:D:y@30``, ``stroke``.
+
+``SIGNAL.REDUCTION``     a signal of ``linkproof results`` over the motion: .peak .mean .rms .max .min .range
+``SIGNAL@30``            its value at a crank angle, in the unit of the file, or ``@0.5rad``
+``joint_force:A.peak``   of a vector without a component, its magnitude
+``joint_force.peak``     of every joint; likewise transmission_angle, of every group
+``stroke``               the range of S
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+from typing import Final
+
+from analytic import signals
+from analytic.designs.figures import Figure, Reduction
+from analytic.errors import LinkproofError, UnknownNameError
+from analytic.kinematics.mechanism import Mechanism
+from comparisons.datasheet.curves import FORCES, MAGNITUDE
+from comparisons.datasheet.units import FileUnit, file_unit
+
+STROKE: Final = "stroke"
+FAMILIES: Final = ("joint_force", "transmission_angle")
+REDUCTIONS: Final = tuple(one.value for one in Reduction if one is not Reduction.AT)
+NOT_OF_A_DESIGN: Final = ("phi", "omega", "epsilon")  # they are given
+
+
+@dataclass(frozen=True)
+class NamedFigure:
+    """A figure of a design by its name, with the unit of the file."""
+
+    name: str
+    figure: Figure
+    unit: FileUnit
+
+    @property
+    def shown(self) -> str:
+        """The name with the unit, as tables are headed."""
+        return f"{self.name} [{self.unit.name}]" if self.unit.name else self.name
+
+
+def named_figures(mechanism: Mechanism, names: Iterable[str]) -> tuple[NamedFigure, ...]:
+    """The figures of these names, each once, in their order; a family stands for all its members.
+
+    Raises UnknownNameError for a signal or a reduction that there is not, LinkproofError for a wrong angle.
+    """
+    known = _signals(mechanism)
+    found = {one.name: one for name in names for one in _figures(mechanism, known, name)}
+    return tuple(found.values())
+
+
+def _signals(mechanism: Mechanism) -> dict[str, str]:
+    """Signals by the names they are asked for: a vector's own name stands for its magnitude."""
+    found = {}
+    for name in signals.names(mechanism):
+        if name in NOT_OF_A_DESIGN:
+            continue
+        found[name] = name
+        if name.startswith(FORCES) and name.endswith(":y"):
+            vector = name.removesuffix(":y")
+            found[vector] = vector + MAGNITUDE
+    return found
+
+
+def _figures(mechanism: Mechanism, known: Mapping[str, str], name: str) -> list[NamedFigure]:
+    signal, mark, angle = name.rpartition("@")
+    if mark:
+        return [_named(mechanism, f"{one}@{angle}", _angle(mechanism, name, angle), known[one])
+                for one in _members(mechanism, known, signal)]  # fmt: skip
+    signal, _, word = ("S", ".", "range") if name == STROKE else name.rpartition(".")
+    if word not in REDUCTIONS:
+        examples = [STROKE, *(f"{name}.{one}" for one in REDUCTIONS)]
+        raise UnknownNameError("figure", name, examples if name in known or name in FAMILIES else _examples(known))
+    return [
+        _named(mechanism, STROKE if name == STROKE else f"{one}.{word}", Reduction(word), known[one])
+        for one in _members(mechanism, known, signal)
+    ]
+
+
+def _examples(known: Mapping[str, str]) -> list[str]:
+    """Every figure, the peaks first."""
+    return [STROKE, *(f"{one}.{word}" for word in REDUCTIONS for one in (*known, *FAMILIES))]
+
+
+def _members(mechanism: Mechanism, known: Mapping[str, str], signal: str) -> list[str]:
+    """The signal, or every member of the family: the magnitudes of all forces, the angles of all groups."""
+    if signal in FAMILIES:
+        ending = MAGNITUDE if signal == "joint_force" else ""
+        return [one for one, told in known.items() if told == f"{one}{ending}" and one.startswith(f"{signal}:")]
+    if signal not in known:
+        raise UnknownNameError(f"signal of '{mechanism.linkage.name}'", signal, [*known, *FAMILIES])
+    return [signal]
+
+
+def _angle(mechanism: Mechanism, name: str, text: str) -> float:
+    """The place of the driver behind the @, rad or m."""
+    unit = file_unit("m" if mechanism.linkage.is_linear else "rad", mechanism.linkage)
+    in_radians = text.endswith("rad") and not mechanism.linkage.is_linear
+    try:
+        place = float(text.removesuffix("rad") if in_radians else text)
+    except ValueError:
+        place = math.nan
+    if not math.isfinite(place):
+        raise LinkproofError(f"{name}: expected a crank angle in {unit.name} after '@', got '{text}'; correct it")
+    return place if in_radians else place * unit.size
+
+
+def _named(mechanism: Mechanism, name: str, how: Reduction | float, signal: str) -> NamedFigure:
+    si = signals.unit(signal.replace(MAGNITUDE, ":x"), mechanism.linkage)
+    figure = Figure(signal, how) if isinstance(how, Reduction) else Figure(signal, Reduction.AT, how)
+    return NamedFigure(name, figure, file_unit(si, mechanism.linkage))

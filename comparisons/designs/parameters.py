@@ -1,0 +1,90 @@
+"""Numbers of a linkage's file that designs differ in: by name, in the units of the file."""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Final
+
+from analytic.description.changes import Kind, changed
+from analytic.description.linkage import Linkage
+from analytic.description.units import factor
+from analytic.errors import LinkproofError, UnknownNameError
+from comparisons.datasheet.units import FileUnit
+
+# The units of kinds that a file does not state.
+FIXED: Final[Mapping[str, FileUnit]] = {"direction": FileUnit("", 1.0), "acceleration": FileUnit("m/s^2", 1.0)}
+WRITTEN: Final = re.compile(r"\s*(?P<number>[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*(?P<unit>\D.*?)?\s*")
+NOT_OF_A_DESIGN: Final = "sketch."  # it says which assembly mode is meant, and is the same for all designs
+
+
+@dataclass(frozen=True)
+class Parameter:
+    """A number by its name in the file (``analytic.description.changes``), its SI value and the unit of the file."""
+
+    name: str
+    kind: Kind
+    value: float
+    unit: FileUnit
+
+    @property
+    def shown(self) -> str:
+        """The name with the unit, as tables are headed."""
+        return f"{self.name} [{self.unit.name}]" if self.unit.name else self.name
+
+    def si(self, text: str) -> float:
+        """The SI value of a number as it is typed: in the unit of the file, or with one of its own, 17cm.
+
+        Raises LinkproofError for no number, UnknownNameError for a unit that does not measure this.
+        """
+        read = WRITTEN.fullmatch(text)
+        number = float(read["number"]) if read else math.nan
+        if read is None or not math.isfinite(number):
+            raise LinkproofError(
+                f"{self.name}: expected a finite number{f' of {self.unit.name}' if self.unit.name else ''}, got "
+                f"'{text}'; correct it"
+            )
+        return number * (self.unit.size if read["unit"] is None else self._size(read["unit"]))
+
+    def _size(self, unit: str) -> float:
+        if self.kind in FIXED:
+            fixed = FIXED[self.kind]
+            if unit != fixed.name:
+                raise LinkproofError(
+                    f"{self.name}: expected {fixed.name or 'a plain number'}, got '{unit}'; correct it"
+                )
+            return fixed.size
+        try:
+            return factor(self.kind, unit)
+        except UnknownNameError as error:
+            raise LinkproofError(f"{self.name}: {error}") from error
+
+
+def parameters(linkage: Linkage) -> dict[str, Parameter]:
+    """Every number of a linkage that its designs may differ in, by name."""
+    found: dict[str, Parameter] = {}
+
+    def note(name: str, kind: Kind, value: float) -> float:
+        if not name.startswith(NOT_OF_A_DESIGN):
+            found[name] = Parameter(name, kind, value, _unit(linkage, kind))
+        return value
+
+    changed(linkage, note)
+    return found
+
+
+def parameter(linkage: Linkage, name: str) -> Parameter:
+    """One of them; raises UnknownNameError, which names those that are near."""
+    known = parameters(linkage)
+    if name not in known:
+        raise UnknownNameError(f"parameter of '{linkage.name}'", name, known)
+    return known[name]
+
+
+def _unit(linkage: Linkage, kind: Kind) -> FileUnit:
+    if kind in FIXED:
+        return FIXED[kind]
+    name = linkage.units[kind]
+    return FileUnit(name, factor(kind, name))

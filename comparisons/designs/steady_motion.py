@@ -1,0 +1,64 @@
+"""The motion under which designs are compared: the driver at constant speed over a turn, or over a range."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from analytic.description.law import FULL_TURN
+from analytic.errors import LinkproofError
+from analytic.kinematics.crank_range import crank_range
+from analytic.kinematics.mechanism import Mechanism
+from comparisons.datasheet.building import within
+
+Array = NDArray[np.float64]
+
+SAMPLES: Final = 180
+FEWEST: Final = 8
+
+
+@dataclass(frozen=True)
+class SteadyMotion:
+    """Sampled places of the driver, rad or m, ascending, and its constant speed, rad/s or m/s, signed.
+
+    The ``weights`` (places,) of means add up to one: equal over a turn, whose end is not sampled twice, else those of
+    the trapezoid rule.
+    """
+
+    places: Array
+    speed: float
+    is_full_turn: bool
+
+    @property
+    def weights(self) -> Array:
+        """Shares of the samples in a mean over the angle."""
+        if self.is_full_turn:
+            return np.full(len(self.places), 1.0 / len(self.places))
+        share = np.full(len(self.places), 1.0 / (len(self.places) - 1))
+        share[[0, -1]] *= 0.5
+        return share
+
+
+def steady_motion(
+    mechanism: Mechanism, speed: float, *, samples: int = SAMPLES, start: float | None = None, end: float | None = None
+) -> SteadyMotion:
+    """A turn at a ``speed``, rad/s; over the range of a driver that makes none, or from ``start`` to ``end``, rad or m.
+
+    The range is that of the linkage as its file has it, short of its limits. Raises LinkproofError for a speed that is
+    none and for too few samples.
+    """
+    if not math.isfinite(speed) or speed == 0.0:
+        raise LinkproofError(f"--speed: expected a finite speed that is not zero, got {speed:g}; give another")
+    if samples < FEWEST:
+        raise LinkproofError(f"--angles: expected {FEWEST} crank angles or more, got {samples}; give more")
+    if start is not None and end is not None:
+        return SteadyMotion(np.linspace(min(start, end), max(start, end), samples), speed, is_full_turn=False)
+    reach = crank_range(mechanism)
+    if reach.is_full_turn:
+        return SteadyMotion(np.linspace(0.0, FULL_TURN, samples, endpoint=False), speed, is_full_turn=True)
+    low, high = within(reach)
+    return SteadyMotion(np.linspace(low, high, samples), speed, is_full_turn=False)
