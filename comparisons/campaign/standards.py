@@ -14,7 +14,7 @@ from analytic.errors import LinkproofError
 from comparisons.campaign.key_figures import KeyFigure, compared, figures
 from comparisons.campaign.project import Project
 from comparisons.judging.baseline import Baseline, Place, read_baseline
-from comparisons.judging.limits import read_limits, shipped_limits
+from comparisons.judging.limits import LimitTable, read_limits, shipped_limits
 from comparisons.judging.records import Record, blank_record
 from comparisons.judging.run_result import RunResult
 from comparisons.judging.verdicts import Standard
@@ -114,7 +114,17 @@ def judged_campaign(
         standard.baseline.write(record_into)
     else:
         found = [rejudged(result, standard) for result in results]
-    return JudgedCampaign(standard, found, compared(cases, standard.baseline), notes(cases, standard.baseline))
+    told = (*_strangers(cases, standard.limits), *notes(cases, standard.baseline))
+    return JudgedCampaign(standard, found, compared(cases, standard.baseline), told)
+
+
+def _strangers(cases: Sequence[Case], limits: LimitTable) -> tuple[str, ...]:
+    """Limits for linkages that are not here, a sentence each: a slip in a name would go unseen."""
+    here = {case.mechanism.linkage.name for case in cases}
+    named = {name for row in limits.rows for name in row.mechanisms}
+    return tuple(
+        f"a limit is for '{name}', which is not among the linkages of this run" for name in sorted(named - here)
+    )
 
 
 def rejudged(result: RunResult, standard: Standard) -> RunResult:

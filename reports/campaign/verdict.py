@@ -148,15 +148,22 @@ def ratio(record: Record) -> str:
 
 
 def verdict(trust: Trust, *, timed: bool = True) -> tuple[str, ...]:
-    """The verdict: whom to trust for what, who is nearest, and if ``timed`` quickest, what defaults do."""
+    """What is not as recorded, whom to trust for what, who is nearest, and if ``timed`` quickest, what defaults do."""
     setting = trust.settings[0]
     engines = [name for name in trust.engines if name not in trust.controls] or list(trust.engines)
     lines = (
+        _moved(trust.results),
         _trust(trust, engines, setting),
         _nearest(trust, engines, setting, timed=timed),
         _untuned(trust, engines) if Setting.NAIVE.value in trust.settings[1:] else "",
     )
     return tuple(line for line in lines if line)
+
+
+def _moved(results: Results) -> str:
+    """That linkages are not what was recorded of them, which goes before what engines make of them."""
+    moved = [figure for figure in results.figures if figure.changed]
+    return sentence("verdict_moved", count=len(moved), all=len(results.figures)) if moved else ""
 
 
 def _trust(trust: Trust, engines: Sequence[str], setting: str) -> str:

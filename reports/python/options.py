@@ -9,6 +9,7 @@ from typing import Any, TypedDict
 from analytic.description.changes import without
 from analytic.description.linkage import Linkage
 from analytic.description.loading import in_variant, load
+from analytic.errors import UnknownNameError
 
 Words = str | Iterable[str]  # a name, or several
 
@@ -37,7 +38,10 @@ def words(given: Words) -> tuple[str, ...]:
 
 
 def choice(options: MotionOptions) -> dict[str, Any]:
-    """The options as a ``MotionChoice`` takes them, ``gravity`` left out."""
+    """The options as a ``MotionChoice`` takes them, ``gravity`` left out; raises TypeError for others."""
+    for name in options:
+        if name not in MotionOptions.__annotations__:
+            raise TypeError(str(UnknownNameError("argument", name, MotionOptions.__annotations__)))
     chosen: dict[str, Any] = {name: value for name, value in options.items() if name != "gravity"}
     chosen["regimes"] = words(chosen.pop("regime", None) or ())
     if chosen.get("speed") is None:

@@ -137,11 +137,11 @@ def _rows(found: Sequence[Found]) -> list[Sequence[TableCell | Words]]:
     groups: dict[tuple[str, Finding, str], int] = {}
     for each in found:
         alike = each.check.startswith(MUTANT) and each.finding is not Finding.FAILED
-        key = ("mutants" if alike else each.check, each.finding, each.detail)
+        key = (MUTANT if alike else each.check, each.finding, each.detail)
         groups[key] = groups.get(key, 0) + 1
     return [
         (
-            f"{count} {name}" if name == "mutants" else name,
+            f"{count} mutant{'s' if count > 1 else ''}" if name == MUTANT else name,
             TableCell(finding.value, colour=STYLES.get(finding, "dim")),
             detail,
         )

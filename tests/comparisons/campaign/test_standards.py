@@ -128,3 +128,18 @@ def test_a_recorded_linkage_whose_file_is_gone_is_said_until_it_is_recorded_anew
     assert notes(one, held.baseline) == ("b/press.toml is in the baseline and does not exist any more",)
     judged_campaign(one, [], held, file)
     assert [*json.loads(file.read_text(encoding="utf-8"))["linkages"]] == ["a/press.toml"]
+
+
+def test_a_limit_for_a_linkage_that_is_not_here_is_said(folder):
+    (folder / "limits.toml").write_text(
+        '[[limit]]\nquantities = ["Mkr"]\nvalue = 1e-3\nmechanisms = ["mine", "my-slip"]\n', encoding="utf-8"
+    )
+    files = _files(folder)
+    linkages = tuple(file.linkage() for file in files)
+    request = CampaignRequest(linkages, (crank_motion("constant-speed"),), "", (), ())
+    judged = judged_campaign(cases(request), [], standard(files, limits=folder / "limits.toml"))
+    strangers = {"mine", "my-slip"} - {linkage.name for linkage in linkages}
+    assert [note for note in judged.notes if note.startswith("a limit is for")] == [
+        f"a limit is for '{name}', which is not among the linkages of this run" for name in sorted(strangers)
+    ]
+    assert "my-slip" in strangers

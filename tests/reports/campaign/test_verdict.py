@@ -98,3 +98,14 @@ def test_the_control_is_shown_last_and_never_named(results):
 @pytest.mark.parametrize(("words", "text"), [((), ""), (("a",), "a"), (("a", "b"), "a and b"), ("abc", "a, b and c")])
 def test_lists_read_as_a_sentence_does(words, text):
     assert listed(words) == text
+
+
+def test_key_figures_that_have_moved_come_before_whom_to_trust(results):
+    figure = {
+        **dict.fromkeys(("mechanism", "variant", "regime", "conditions"), "some"),
+        **{"figure": "Mkr.peak", "recorded": 1.0, "now": 1.5, "changed": True, "sentence": ""},
+    }
+    moved = Results({**results.document, "figures": [figure, {**figure, "changed": False}]}, results.curves)
+    first, second, *_ = verdict(Trust(moved))
+    assert first.startswith("1 of 2 key figures of the closed form is not as recorded")
+    assert second == verdict(Trust(results))[0]
