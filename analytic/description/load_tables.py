@@ -20,8 +20,7 @@ LEAST_STEP = 1e-6  # rad between the angles of a law: nearer ones are one angle 
 def forces(reader: Reader) -> tuple[PointForce, ...]:
     """Forces at points; one on the ground moves nothing and is left out."""
     loads = [_force(reader, table, f"forces.{number}") for number, table in enumerate(reader.document.forces)]
-    moving = (load for load in loads if load.link != GROUND)
-    return tuple(sorted(moving, key=lambda load: (load.point, load.link, _key(load.force))))
+    return tuple(sorted((load for load in loads if load.link != GROUND), key=order))
 
 
 def _force(reader: Reader, table: doc.ForceTable, where: str) -> PointForce:
@@ -33,7 +32,7 @@ def _force(reader: Reader, table: doc.ForceTable, where: str) -> PointForce:
 def torques(reader: Reader) -> tuple[LinkTorque, ...]:
     """Torques on links; one on the ground moves nothing and is left out."""
     loads = [_torque(reader, table, f"torques.{number}") for number, table in enumerate(reader.document.torques)]
-    return tuple(sorted((t for t in loads if t.link != GROUND), key=lambda load: (load.link, _key(load.torque))))
+    return tuple(sorted((load for load in loads if load.link != GROUND), key=order))
 
 
 def _torque(reader: Reader, table: doc.TorqueTable, where: str) -> LinkTorque:
@@ -45,6 +44,18 @@ def _torque(reader: Reader, table: doc.TorqueTable, where: str) -> LinkTorque:
 def law_over_angle(reader: Reader, values: list[float], angles: list[float], kind: str, where: str) -> Law:
     """The law of one component through values at angles, both in the file's units."""
     return _law(reader, [(value,) for value in values], angles, kind, where)
+
+
+def order(load: PointForce | LinkTorque | Spring | RotaryDamper) -> tuple[object, ...]:
+    """The place of a load among those of its kind: by what it acts on, then by its numbers."""
+    match load:
+        case PointForce():
+            return (load.point, load.link, _key(load.force))
+        case LinkTorque():
+            return (load.link, _key(load.torque))
+        case Spring():
+            return (load.points, load.links, load.stiffness, load.length, load.damping)
+    return (load.links, load.coefficient)
 
 
 def _key(law: Law) -> tuple[bytes, bytes]:
@@ -85,7 +96,7 @@ def _law(reader: Reader, rows: Sequence[tuple[float, ...]], angles: list[float] 
 def springs(reader: Reader) -> tuple[Spring, ...]:
     """Springs with their dashpots; an end on a pivot of the ground counts as the ground's."""
     loads = [_spring(reader, table, f"springs.{number}") for number, table in enumerate(reader.document.springs)]
-    return tuple(sorted(loads, key=lambda load: (load.points, load.links, load.stiffness, load.length, load.damping)))
+    return tuple(sorted(loads, key=order))
 
 
 def _spring(reader: Reader, table: doc.SpringTable, where: str) -> Spring:
@@ -105,7 +116,7 @@ def _spring(reader: Reader, table: doc.SpringTable, where: str) -> Spring:
 def dampers(reader: Reader) -> tuple[RotaryDamper, ...]:
     """Dampers of the relative rotation of two bodies."""
     loads = [_damper(reader, table, f"dampers.{number}") for number, table in enumerate(reader.document.dampers)]
-    return tuple(sorted(loads, key=lambda load: (load.links, load.coefficient)))
+    return tuple(sorted(loads, key=order))
 
 
 def _damper(reader: Reader, table: doc.DamperTable, where: str) -> RotaryDamper:

@@ -146,6 +146,17 @@ def in_variant(linkage: Linkage, variant: str) -> Linkage:
 @lru_cache(maxsize=64)
 def parse(text: str, name: str, origin: str, variant: str | None = None) -> Linkage:
     """Turn a file's text into a Linkage; ``origin`` names the file in messages."""
+    raw, names, source = document(text, name, origin, variant)
+    return interpret(validated(raw, source), name, names, source)
+
+
+def document(
+    text: str, name: str, origin: str, variant: str | None = None
+) -> tuple[dict[str, Any], tuple[str, ...], Source]:
+    """A file's text as nested dictionaries, copies and the variant in their places, with the names of all variants.
+
+    Raises as ``parse`` does, short of what only a look at the whole linkage shows.
+    """
     text = text.removeprefix(BYTE_ORDER_MARK)
     raw = tables(text, origin)
     source = Source(origin, text)
@@ -172,7 +183,7 @@ def parse(text: str, name: str, origin: str, variant: str | None = None) -> Link
         raw = _merged(raw, overlay)
         raw["variant"] = chosen
         source = replace(source, variant=chosen)
-    return interpret(_validated(raw, source), name, names, source)
+    return raw, names, source
 
 
 def tables(text: str, origin: str) -> dict[str, Any]:
@@ -253,7 +264,8 @@ def _merged(base: Mapping[str, Any], over: Mapping[str, Any]) -> dict[str, Any]:
     return result
 
 
-def _validated(raw: Mapping[str, Any], source: Source) -> Document:
+def validated(raw: Mapping[str, Any], source: Source) -> Document:
+    """The document of nested dictionaries; raises DescriptionError."""
     try:
         return Document.model_validate(raw)
     except ValidationError as error:

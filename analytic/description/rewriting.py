@@ -1,0 +1,248 @@
+"""A linkage file written anew with other numbers: another design of the linkage, in the units of its file.
+
+The text stays as it was written, comments included, wherever nothing changes. The file's own values become those of
+the variant chosen, copies are written out, and what does not hold of another design is left out: published figures,
+errata and variants.
+"""
+
+from __future__ import annotations
+
+import itertools
+import math
+import tomllib
+from collections.abc import Callable, Iterator, Mapping, MutableMapping, MutableSequence, Sequence
+from dataclasses import replace
+from typing import Any, Final, cast
+
+from analytic.description import load_tables, loading
+from analytic.description.changes import Kind, changed
+from analytic.description.changes import numbers as numbers_of
+from analytic.description.law import Law
+from analytic.description.linkage import GROUND, Linkage, LinkTorque, PointForce, RotaryDamper, Spring
+from analytic.description.lookup import Reader, reader_of
+from analytic.errors import LinkproofError, UnknownNameError, printable, shortened
+
+Place = tuple[str | int, ...]  # the keys and indices that lead to a number in a file
+
+DESIGN: Final = "design"
+MARK: Final = "# Made by linkproof from "
+OF_THE_ORIGINAL: Final = ("published", "errata")
+Load = PointForce | LinkTorque | Spring | RotaryDamper
+LOADS: Final[Mapping[str, Callable[[Reader], Sequence[Load]]]] = {
+    "forces": load_tables.forces,
+    "torques": load_tables.torques,
+    "springs": load_tables.springs,
+    "dampers": load_tables.dampers,
+}
+LOST: Final = 4 * 2.0**-52  # relative; what a number may lose on its way through the file's units and unit vectors
+MOST_TOLD: Final = 12  # changed numbers in the first line
+
+
+def rewritten(
+    text: str, name: str, variant: str | None, numbers: Mapping[str, float], *, new_variant: str = DESIGN
+) -> str:
+    """The text of a linkage file whose own values are those of a variant, with other numbers in place.
+
+    Args:
+        text: The file as it is.
+        name: Its mechanism's name, for messages and for the first line of the new file, which says how it was made.
+        variant: The variant to begin with, the file's own values if None.
+        numbers: SI values by name, as in ``analytic.description.changes``; those not named stay. A component of a
+            direction takes the other one with it, as it does in ``changed``.
+        new_variant: What the new file calls its values, in the key ``variant``.
+
+    Raises:
+        UnknownNameError: For a number or a variant that the file does not have.
+        LinkproofError: Where the numbers describe no linkage, or cannot be written in the units of the file.
+
+    """
+    old = loading.parse(text, name, name, variant)
+    known = numbers_of(old)
+    for number, value in numbers.items():
+        if number not in known:
+            raise UnknownNameError(f"parameter of '{name}'", number, known)
+        if not math.isfinite(value):
+            raise LinkproofError(f"{number}: expected a finite number, got {value:g}; correct it")
+    wanted = {number: value for number, value in numbers.items() if value != known[number]}
+    try:
+        target = changed(old, lambda number, _, value: wanted.get(number, value))
+    except ZeroDivisionError:
+        raise LinkproofError(
+            f"{', '.join(one for one in wanted if '.along.' in one)}: expected a direction, got [0, 0]; give another"
+        ) from None
+    raw, _, source = loading.document(text, name, name, variant)
+    raw = {"variant": new_variant} | {key: part for key, part in raw.items() if key not in OF_THE_ORIGINAL}
+    raw["variant"] = new_variant
+    file = _File(raw, reader_of(loading.validated(raw, source), source), old)
+    told = [file.set(number, value) for number, value in wanted.items()]
+    if target.output and any(".along." in number for number in wanted):
+        raw["output"]["along"] = list(target.output.along)  # where it followed a guide, S stays what it was
+    result = f"{_first_line(name, old.variant, told)}\n{_text(text, raw)}"
+    _check(result, name, target)
+    return result
+
+
+class _File:
+    """A linkage file as nested dictionaries, in which numbers are set by name."""
+
+    def __init__(self, raw: dict[str, Any], reader: Reader, linkage: Linkage) -> None:
+        self.raw = raw
+        self.units = reader.document.units.model_dump()
+        self.scale = reader.scale
+        kinds: dict[str, Kind] = {}
+
+        def note(number: str, kind: Kind, value: float) -> float:
+            kinds[number] = kind
+            return value
+
+        changed(linkage, note)
+        self.places = dict(zip(kinds, _places(linkage, reader), strict=True))
+        self.kinds = {self.places[number]: kind for number, kind in kinds.items()}
+        self.values = {self.places[number]: value for number, value in numbers_of(linkage).items()}
+
+    def set(self, number: str, value: float) -> str:
+        """Put an SI value in its place; gives the number as the file has it, for a reader."""
+        place = self.places[number]
+        self.values[place] = value
+        table: Any = self.raw
+        for depth, key in enumerate(place[:-1], start=1):
+            if isinstance(key, str):
+                is_pair = place[depth:] in ((0,), (1,)) and place[0] not in LOADS
+                if is_pair and (not isinstance(table.get(key), list) or self.kinds[place] == "direction"):
+                    # left out, given by radius and angle, or of any length
+                    table[key] = [self._written((*place[:depth], component)) for component in (0, 1)]
+                table.setdefault(key, {})
+            table = table[key]
+        table[place[-1]] = self._written(place)
+        return f"{number} = {table[place[-1]]!r} {self.units.get(self.kinds[place], '')}".rstrip()
+
+    def _written(self, place: Place) -> float:
+        """The number in the file's unit that gives the SI value: the shortest that does, else the nearest."""
+        value, size = self.values[place], self.scale.get(self.kinds[place], 1.0)
+        near = value / size
+        tried = (float(f"{near:.15g}"), near, math.nextafter(near, math.inf), math.nextafter(near, -math.inf))
+        return next((one for one in tried if one * size == value), near)
+
+
+def _places(linkage: Linkage, reader: Reader) -> Iterator[Place]:
+    """Where each number of a linkage stands in its file, in the order in which ``changed`` visits them."""
+    for name, link in linkage.links.items():
+        yield ("links", name, "mass")
+        yield from _pair("links", name, "centre")
+        if link.inertia is not None:
+            yield ("links", name, "inertia")
+    for point in linkage.ground:
+        yield from _pair(GROUND, point)
+    for name, link in linkage.links.items():
+        for point in link.points:
+            yield from _pair("links", name, "points", point)
+    slots = {(table.point, table.on): number for number, table in enumerate(reader.document.slots)}
+    for slider in linkage.sliders:
+        yield from _pair("links", slider.link, "slides", "through")
+        yield from _pair("links", slider.link, "slides", "along")
+    for slot in linkage.slots:
+        yield from _pair("slots", slots[slot.point, slot.guide.host], "through")
+        yield from _pair("slots", slots[slot.point, slot.guide.host], "along")
+    yield from _pair("gravity")
+    yield from _loads(linkage, reader)
+    if linkage.output:
+        yield from _pair("output", "along")
+    for point in linkage.sketch:
+        yield from _pair("sketch", "points", point)
+
+
+def _pair(*place: str | int) -> Iterator[Place]:
+    yield from ((*place, component) for component in (0, 1))
+
+
+def _law(place: Place, law: Law, *, is_listed: bool) -> Iterator[Place]:
+    rows, components = (1, len(law.values)) if law.is_constant else law.values.shape
+    for row, component in itertools.product(range(rows), range(components)):
+        yield (*place, *((row,) if is_listed else ()), *((component,) if components > 1 else ()))
+
+
+def _loads(linkage: Linkage, reader: Reader) -> Iterator[Place]:
+    for index, force in zip(_order("forces", reader), linkage.forces, strict=True):
+        rows = reader.document.forces[index].force
+        yield from _law(("forces", index, "force"), force.force, is_listed=isinstance(rows, list))
+    for index, torque in zip(_order("torques", reader), linkage.torques, strict=True):
+        values = reader.document.torques[index].torque
+        yield from _law(("torques", index, "torque"), torque.torque, is_listed=isinstance(values, list))
+    for index in _order("springs", reader):
+        yield from (("springs", index, key) for key in ("stiffness", "length", "damping"))
+    for index in _order("dampers", reader):
+        yield ("dampers", index, "coefficient")
+
+
+def _order(kind: str, reader: Reader) -> list[int]:
+    """The file's loads of a kind, by their numbers there, in the order in which a linkage has them."""
+    placed = []
+    for index, table in enumerate(getattr(reader.document, kind)):
+        alone = replace(reader, document=reader.document.model_copy(update={kind: [table]}))
+        placed += [(load_tables.order(load), index) for load in LOADS[kind](alone)]
+    return [index for _, index in sorted(placed)]
+
+
+def _first_line(name: str, variant: str, told: list[str]) -> str:
+    more = [f"{len(told) - MOST_TOLD} more numbers"] if len(told) > MOST_TOLD else []
+    numbers = ", ".join([*told[:MOST_TOLD], *more]) or "no number changed"
+    return f"{MARK}{printable(name)}, variant {shortened(printable(variant))}: {printable(numbers)}"
+
+
+def _text(text: str, raw: Mapping[str, Any]) -> str:
+    """The text changed as little as it takes to hold these values; written afresh where that fails."""
+    import tomlkit  # noqa: PLC0415 - only what writes a file pays for it
+    from tomlkit.exceptions import TOMLKitError  # noqa: PLC0415
+
+    text = text.removeprefix(loading.BYTE_ORDER_MARK)
+    if text.startswith(MARK):
+        text = text.partition("\n")[2]
+    try:
+        document = tomlkit.parse(text)
+        _lay(document, raw)
+        result = f"{tomlkit.dumps(document).rstrip()}\n"
+        if tomllib.loads(result) == raw:
+            return result
+    except (TOMLKitError, tomllib.TOMLDecodeError):
+        pass
+    return tomlkit.dumps(raw)
+
+
+def _lay(old: Any, new: Any) -> None:  # noqa: ANN401 - TOML values
+    """Give a table or a list other values of the same shape, touching only what differs."""
+    if isinstance(old, MutableMapping):
+        for key in [key for key in old if key not in new]:
+            del old[key]
+    pairs = new.items() if isinstance(old, MutableMapping) else enumerate(new)
+    for key, value in pairs:
+        inner = old.get(key) if isinstance(old, MutableMapping) else old[key]
+        if inner == value:
+            continue
+        if _is_alike(inner, value):
+            _lay(inner, value)
+        else:
+            old[key] = value
+
+
+def _is_alike(old: object, new: object) -> bool:
+    if isinstance(old, MutableSequence):
+        return isinstance(new, list) and len(old) == len(new)
+    return isinstance(old, MutableMapping) and isinstance(new, dict)
+
+
+def _check(result: str, name: str, target: Linkage) -> None:
+    """Hold what was written against what was meant: every number, to the rounding of the file's units."""
+    new = loading.parse(result, name, f"{name} with other numbers")
+    loads = {kind: tuple(sorted(getattr(target, kind), key=load_tables.order)) for kind in LOADS}
+    meant, got = numbers_of(replace(target, **cast("Any", loads))), numbers_of(new)
+    for number in [*meant, *got]:
+        if number not in got or number not in meant or not _is_near(number, got, meant):
+            raise LinkproofError(
+                f"{number}: expected a number that can be written in the units of '{name}', got "
+                f"{meant.get(number, math.nan)!r}; correct it"
+            )
+
+
+def _is_near(number: str, got: Mapping[str, float], meant: Mapping[str, float]) -> bool:
+    size = 1.0 if ".along." in number else max(abs(meant[number]), math.ulp(0.0))
+    return abs(got[number] - meant[number]) <= LOST * size
