@@ -36,7 +36,7 @@ class MovingSweep(Moving):
     sweep: Sweep
     speed: Array
     acceleration: Array
-    farthest: float = 0.0
+    farthest: float | Array = 0.0
 
     @cached_property
     def squared_speed(self) -> Array:

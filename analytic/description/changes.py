@@ -16,7 +16,7 @@ from typing import Final, Literal
 
 import numpy as np
 
-from analytic.description.law import Law
+from analytic.description.law import Law, LawOfNumbers
 from analytic.description.linkage import GROUND, Guide, Link, Linkage, RotaryDamper, Slot, Spring, Vector, unit
 from analytic.errors import UnknownNameError
 
@@ -188,6 +188,8 @@ class _Walk:
         ends = ("",) if law.values.shape[-1] == 1 else (".x", ".y")
         names = [f"{row}{end}" for row in rows for end in ends]
         flat = [self.number(one, kind, float(value)) for one, value in zip(names, law.values.flat, strict=True)]
+        if not all(isinstance(value, float | int) for value in flat):
+            return LawOfNumbers(law.values, law.angles, law.periodic, tuple(flat))
         values = np.reshape(flat, law.values.shape)
         return law if np.array_equal(values, law.values) else replace(law, values=values)
 

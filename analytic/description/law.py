@@ -109,3 +109,24 @@ class Law:
             return tuple(a + x * (b + x * (c + x * d)) for a, b, c, d in pieces[piece])
 
         return value
+
+
+@dataclass(frozen=True, eq=False)
+class LawOfNumbers(Law):
+    """A law whose values are arrays, one number for each of many designs: the splines are linear in them.
+
+    ``numbers`` are the values in order, of a table row by row, each a number or an array that goes with the angles;
+    ``values`` are of the law's own shape.
+    """
+
+    numbers: tuple[Any, ...] = ()
+
+    def __call__(self, angle: ArrayLike, order: int = 0) -> Any:  # noqa: ANN401 - what the numbers are
+        """Value of each component, of the shape that numbers and angles have together."""
+        parts = self.values.shape[-1]
+        rows = [self.numbers[start : start + parts] for start in range(0, len(self.numbers), parts)]
+        shares = Law(np.eye(len(rows))[0] if self.angles is None else np.eye(len(rows)), self.angles, self.periodic)
+        weights = shares(angle, order)
+        return tuple(
+            sum(weight * row[part] for weight, row in zip(weights, rows, strict=True)) for part in range(parts)
+        )

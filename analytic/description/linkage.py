@@ -18,6 +18,8 @@ from dataclasses import dataclass, field
 from enum import StrEnum
 from typing import Final
 
+import numpy as np
+
 from analytic.description.crank_motion import degrees
 from analytic.description.crank_motion.prescribed import CrankMotion
 from analytic.description.law import Law, TimeLaw
@@ -37,7 +39,8 @@ def rotate(vector: Vector, turn: Vector) -> Vector:
 
 def unit(vector: Vector) -> Vector:
     """The unit vector along a non-zero vector."""
-    length = math.hypot(*vector)
+    plain = all(isinstance(part, float | int) for part in vector)
+    length = math.hypot(*vector) if plain else np.hypot(*vector)
     return (vector[0] / length, vector[1] / length)
 
 

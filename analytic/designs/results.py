@@ -2,24 +2,26 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
-from typing import Any
+from collections.abc import Mapping, Sequence
+from typing import Final, Literal
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from analytic.description.changes import changed
-from analytic.description.linkage import Linkage
-from analytic.designs.figures import Figure, Reduction
-from analytic.errors import AssemblyError
-from analytic.evaluation import MovingSweep
-from analytic.kinematics.decomposition import find_structure
+from analytic.compiled.evaluation import in_threads
+from analytic.description.law import FULL_TURN
+from analytic.designs.batches import alone, goes_together, together
+from analytic.designs.checking import checked
+from analytic.designs.figures import Figure
+from analytic.designs.sampling import Asked
+from analytic.errors import AssemblyError, LinkproofError
 from analytic.kinematics.mechanism import Mechanism
-from analytic.kinematics.sweep import Sweep
-from analytic.signals import signal
 
 Array = NDArray[np.float64]
-MAGNITUDE = ":magnitude"
+
+CHUNK: Final = 1024  # designs a thread takes at a time: their tops are refined together
+FEWEST: Final = 3  # crank angles, so that a top has neighbours
+EVEN: Final = 1e-9  # of a step
 
 
 def design_figures(
@@ -30,6 +32,7 @@ def design_figures(
     *,
     speed: float,
     weights: ArrayLike | None = None,
+    period: float | Literal["auto"] | None = "auto",
     refine: bool = False,
     cores: int | None = None,
     path: str = "auto",
@@ -39,60 +42,43 @@ def design_figures(
     ``parameters`` are arrays (designs,) of numbers of the description, SI, by the names of
     ``analytic.description.changes``; all else is as described, and the assembly modes are those that its sketch picks.
     A signal is sampled at the crank angles ``angle`` (angles,), rad, ascending; its means take the ``weights``
-    (angles,), which add up to one: equal ones if None. With ``refine`` the extremes are the true ones, looked for
-    between neighbours of the highest samples.
+    (angles,), which add up to one: equal ones if None. S counts from the design's own largest output.
+
+    With ``refine`` the extremes are the true ones, looked for between neighbours of the highest samples, and S counts
+    from the true top. They are those over a ``period``, rad, or over a range, whose ends count, if that is None; by
+    default over a turn where the angles divide one evenly, its end left out.
 
     The figures of a design that cannot be assembled, or stands in a dead position, at any of the angles are nan.
     ``cores`` and ``path`` are as for ``analytic.evaluation.evaluate``. Raises UnknownNameError and LinkproofError as
     ``analytic.designs.values.evaluate_designs`` does.
     """
-    angle = np.asarray(angle, dtype=float)
-    count = len(np.asarray(next(iter(parameters.values()))))
-    share = np.full(angle.shape, 1.0 / len(angle)) if weights is None else np.asarray(weights)
+    places = np.asarray(angle, dtype=float)
+    if places.ndim != 1 or len(places) < FEWEST or not np.all(np.diff(places) > 0.0) or not np.all(np.isfinite(places)):
+        raise LinkproofError(
+            f"angle: expected a flat list of {FEWEST} or more finite crank angles in rad, ascending, got "
+            f"{f'shape {places.shape}' if places.ndim != 1 or len(places) < FEWEST else 'others'}; pass such a list"
+        )
+    arrays = checked(mechanism.linkage, parameters)
+    count = len(next(iter(arrays.values())))
+    share = np.full(places.shape, 1.0 / len(places)) if weights is None else np.asarray(weights, dtype=float)
+    full = None if mechanism.linkage.is_linear or not _is_turn(places) else FULL_TURN
+    asked = Asked(mechanism, tuple(figures), places, speed, share, full if period == "auto" else period, refine)
+    jointly = goes_together(mechanism)
     found = np.full((len(figures), count), np.nan)
-    for number in range(count):
-        own = {name: float(np.asarray(values)[number]) for name, values in parameters.items()}
-        linkage = _with(mechanism, own)
-        structure = find_structure(linkage).with_signs(tuple(dyad.sign for dyad in mechanism.structure.dyads))
-        chosen = np.array([one.angle if one.reduction is Reduction.AT else angle[0] for one in figures])
+
+    def work(rows: range) -> None:
         try:
-            at, there = (_moving(mechanism, Sweep(linkage, structure, phi), speed) for phi in (angle, chosen))
-            for body in structure.bodies:
-                at.sweep.rates(body)
-            for row, one in enumerate(figures):
-                if one.reduction is Reduction.AT:
-                    found[row, number] = _values(there, one.signal)[row]
-                else:
-                    found[row, number] = _reduced(one, _values(at, one.signal), share)
-        except AssemblyError:
-            found[:, number] = np.nan
+            sweeps = together(mechanism, arrays) if jointly else alone(mechanism, arrays, rows.start)
+            found[:, rows.start : rows.stop] = asked.of(sweeps, np.asarray(rows))
+        except AssemblyError:  # of one that goes alone
+            return
+
+    size = CHUNK if jointly else 1
+    in_threads(work, [range(first, min(first + size, count)) for first in range(0, count, size)], cores)
     return found
 
 
-def _with(mechanism: Mechanism, numbers: Mapping[str, float]) -> Linkage:
-    return changed(mechanism.linkage, lambda name, _, value: numbers.get(name, value))
-
-
-def _moving(mechanism: Mechanism, sweep: Sweep, speed: float) -> MovingSweep:
-    top = float(np.max(sweep.output())) if mechanism.linkage.output else 0.0
-    return MovingSweep(mechanism, sweep, np.asarray(speed), np.asarray(0.0), top)
-
-
-def _values(at: MovingSweep, name: str) -> Array:
-    if name.endswith(MAGNITUDE):
-        vector = name.removesuffix(MAGNITUDE)
-        return np.hypot(signal(at, f"{vector}:x"), signal(at, f"{vector}:y"))
-    return signal(at, name)
-
-
-def _reduced(figure: Figure, values: Array, share: Array) -> float:
-    middle = 0.5 * np.pi if figure.signal.startswith("transmission_angle:") else 0.0
-    reductions: dict[Reduction, Callable[[], Any]] = {
-        Reduction.PEAK: lambda: values[np.argmax(np.abs(values - middle))],
-        Reduction.MEAN: lambda: share @ values,
-        Reduction.RMS: lambda: np.sqrt(share @ np.square(values)),
-        Reduction.MAX: lambda: np.max(values),
-        Reduction.MIN: lambda: np.min(values),
-        Reduction.RANGE: lambda: np.max(values) - np.min(values),
-    }
-    return float(reductions[figure.reduction]())
+def _is_turn(places: Array) -> bool:
+    """Whether crank angles, rad, divide a turn evenly, the end left out."""
+    step = FULL_TURN / len(places)
+    return bool(np.all(np.abs(np.diff(places) - step) <= EVEN * step))

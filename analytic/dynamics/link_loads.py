@@ -52,10 +52,10 @@ class LoadedSweep:
         """Weights, inertia forces, forces at points and torques on links: what has no counterpart in the linkage."""
         yield from (self._of_mass(link) for link in self.linkage.links.values())
         for force in self.linkage.forces:
-            x, y = force.force(self.sweep.angle)
+            x, y = force.force(self.sweep.places)
             yield Load(force.link, self.linkage.local(force.point, force.link), (x, y))
         for torque in self.linkage.torques:
-            yield Load(torque.link, self.linkage.links[torque.link].centre, None, torque.torque(self.sweep.angle)[0])
+            yield Load(torque.link, self.linkage.links[torque.link].centre, None, torque.torque(self.sweep.places)[0])
 
     def between_bodies(self) -> Iterator[Load]:
         """Springs, dashpots and dampers, which push two bodies, or a link and the ground, apart: two loads each."""
@@ -88,7 +88,7 @@ class LoadedSweep:
         square = np.asarray(frames.dot(span, span))
         inverse = 1.0 / np.sqrt(np.where(square > 0.0, square, np.inf))
         pull = spring.stiffness * (1.0 - spring.length * inverse)  # per unit of length
-        if spring.damping and self.turns:
+        if self.turns and not frames.is_zero(spring.damping):
             rate = frames.minus(*(self.sweep.local_point(body, at, 1) for body, at in ((one, here), (two, there))))
             pull = pull + spring.damping * self.speed * frames.dot(span, rate) * inverse * inverse
         force = (pull * span[0], pull * span[1])

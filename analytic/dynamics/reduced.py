@@ -13,10 +13,10 @@ from collections.abc import Iterable
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from analytic.description.linkage import Linkage
+from analytic.description.linkage import Link, Linkage
 from analytic.dynamics.link_sums import stretching, weighed
 from analytic.kinematics import frames
-from analytic.kinematics.frames import STILL, Pair, Scalar
+from analytic.kinematics.frames import STILL, Pair, Scalar, is_zero
 from analytic.kinematics.structure import Prismatic
 from analytic.kinematics.sweep import Sweep
 
@@ -35,21 +35,25 @@ def _link_inertia(sweep: Sweep, link: str) -> Scalar:
         if isinstance(pivot, Prismatic):
             return body.mass
         x, y = frames.minus(body.centre, pivot.far_local)
-        return body.mass * (x * x + y * y) + (body.inertia or 0.0)
+        return body.mass * (x * x + y * y) + _inertia(body)
     return _weighed(sweep, link, 1)
 
 
 def _weighed(sweep: Sweep, link: str, order: int) -> Scalar:
     """A link's first derivatives times those of an order, weighed with mass and inertia; none for what is zero."""
     body = sweep.linkage.links[link]
-    mass, inertia = body.mass, body.inertia or 0.0
+    mass, inertia = body.mass, _inertia(body)
     first, other = STILL, STILL
-    if mass:
+    if not is_zero(mass):
         first, other = (*sweep.centre(link, 1), 0.0), (*sweep.centre(link, order), 0.0)
-    if inertia:
+    if not is_zero(inertia):
         turns = sweep.rates(link)[2], (sweep.rates if order == 1 else sweep.accelerations)(link)[2]
         first, other = (*first[:2], turns[0]), (*other[:2], turns[1])
     return weighed(mass, inertia, first, other)
+
+
+def _inertia(body: Link) -> Scalar:
+    return 0.0 if body.inertia is None else body.inertia
 
 
 def reduced_inertia(sweep: Sweep, links: Iterable[str] | None = None) -> Array:
@@ -83,10 +87,10 @@ def gravity_force(sweep: Sweep) -> Array:
     """Generalised force of gravity, Σ m g·S', N m; exactly zero without a gravity vector."""
     gravity = sweep.linkage.gravity
     total = np.zeros(sweep.angle.shape)
-    if gravity == (0.0, 0.0):
+    if frames.is_origin(gravity):
         return total
     for name, body in sweep.linkage.links.items():
-        if body.mass:
+        if not is_zero(body.mass):
             total += body.mass * _along(gravity, sweep.centre(name, 1))
     return total
 
@@ -94,7 +98,7 @@ def gravity_force(sweep: Sweep) -> Array:
 def _along(constant: tuple[float, float], vector: Pair) -> Array:
     """Scalar product with a constant vector, without work for its zero components."""
     x, y = constant
-    if x == 0.0:
+    if is_zero(x):
         return np.asarray(y * vector[1])
     return np.asarray(x * vector[0] + y * vector[1])
 
@@ -104,11 +108,11 @@ def load_force(sweep: Sweep) -> Array:
     linkage = sweep.linkage
     total = np.zeros(sweep.angle.shape)
     for force in linkage.forces:
-        fx, fy = force.force(sweep.angle)
+        fx, fy = force.force(sweep.places)
         vx, vy = sweep.local_point(force.link, linkage.local(force.point, force.link), 1)
         total += fx * vx + fy * vy
     for torque in linkage.torques:
-        total += torque.torque(sweep.angle)[0] * sweep.rates(torque.link)[2]
+        total += torque.torque(sweep.places)[0] * sweep.rates(torque.link)[2]
     for number, spring in enumerate(linkage.springs):
         length, rate = spring_length(sweep, number)
         total -= spring.stiffness * (length - spring.length) * rate
@@ -140,7 +144,7 @@ def damping_coefficient(sweep: Sweep) -> Array:
         first, second = (sweep.rates(name)[2] for name in damper.links)
         total += damper.coefficient * (first - second) ** 2
     for number, spring in enumerate(linkage.springs):
-        if spring.damping:
+        if not is_zero(spring.damping):
             total += spring.damping * spring_length(sweep, number)[1] ** 2
     return total
 
@@ -187,4 +191,4 @@ def balance(sweep: Sweep, inertia: Array, speed: Array, acceleration: Array) -> 
 
 def is_damped(linkage: Linkage) -> bool:
     """Whether there are any dampers or dashpots."""
-    return bool(linkage.dampers) or any(spring.damping for spring in linkage.springs)
+    return bool(linkage.dampers) or any(not is_zero(spring.damping) for spring in linkage.springs)

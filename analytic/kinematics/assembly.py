@@ -13,6 +13,7 @@ from analytic.kinematics.frames import Scalar
 from analytic.kinematics.groups.solver import GroupSolver
 
 Array = NDArray[np.float64]
+Booleans = NDArray[np.bool_]
 
 
 def check_assembly(linkage: Linkage, solver: DyadSolver | GroupSolver, angle: Array) -> None:
@@ -27,15 +28,32 @@ def check_assembly(linkage: Linkage, solver: DyadSolver | GroupSolver, angle: Ar
         raise AssemblyError(
             f"'{linkage.name}' cannot be assembled at {linkage.place(_at(angle, angle, worst))}: {solver.why(linkage)}"
         )
-    with np.errstate(invalid="ignore"):
-        missing, lengths = solver.missing()
-        short = np.minimum(missing + ROUNDING * lengths, 0.0)
-    undefined = ~(np.isfinite(solver.own[0][0]) & np.isfinite(solver.own[0][2]))
-    severity = np.where(undefined & (short == 0.0), -np.finfo(float).tiny, short)
+    severity = _severity(solver)
     if np.any(severity < 0.0):
         worst = int(np.argmin(np.broadcast_to(severity, angle.shape)))
         fault, detail = solver.shortfall(lambda value: _at(value, angle, worst), linkage.written)
         raise AssemblyError(f"'{linkage.name}' {fault} at {linkage.place(_at(angle, angle, worst))}: {detail}")
+
+
+def note_assembly(solver: DyadSolver | GroupSolver, faults: Booleans) -> None:
+    """Set ``faults`` (of the angles' shape) where ``check_assembly`` would raise."""
+    if not np.all(solver.moves):
+        faults |= ~solver.moves if isinstance(solver, GroupSolver) else _severity(solver) < 0.0
+
+
+def note_motion(solver: DyadSolver | GroupSolver, faults: Booleans) -> None:
+    """Set ``faults`` (of the angles' shape) where ``check_motion`` would raise."""
+    if not np.all(solver.moves):
+        faults |= ~solver.moves
+
+
+def _severity(solver: DyadSolver) -> Scalar:
+    """Length by which the links fail to meet, m, below zero; zero where no more than rounding is missing."""
+    with np.errstate(invalid="ignore"):
+        missing, lengths = solver.missing()
+        short = np.minimum(missing + ROUNDING * lengths, 0.0)
+    undefined = ~(np.isfinite(solver.own[0][0]) & np.isfinite(solver.own[0][2]))
+    return np.where(undefined & (short == 0.0), -np.finfo(float).tiny, short)
 
 
 def check_motion(linkage: Linkage, solver: DyadSolver | GroupSolver, angle: Array) -> None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from copy import copy
 from dataclasses import replace
 from functools import cached_property
@@ -42,10 +43,19 @@ class Mechanism:
     """
 
     def __init__(self, linkage: Linkage) -> None:
+        self._assemble(linkage, ())
+
+    def _assemble(self, linkage: Linkage, signs: Sequence[int]) -> None:
         self.linkage = linkage
-        signed = _signed(linkage, find_structure(linkage))
+        signed = _signed(linkage, find_structure(linkage), signs)
         self.structure, self.undetermined = through_change_points(signed, linkage.sketch_angle)
         self.period = period_of(self.structure)
+
+    def redesigned(self, linkage: Linkage) -> Mechanism:
+        """The closed form of a linkage that differs in numbers only, its dyads in the assembly modes of this one."""
+        other = Mechanism.__new__(Mechanism)
+        other._assemble(linkage, [dyad.sign for dyad in self.structure.dyads])
+        return other
 
     def with_loads_of(self, linkage: Linkage) -> Mechanism:
         """The closed form of a linkage that differs in nothing but masses and loads: it moves as this one does."""
@@ -123,13 +133,18 @@ class Mechanism:
                     )
 
 
-def _signed(linkage: Linkage, structure: Structure) -> Structure:
-    """Choose each group's assembly mode as the one that lies nearest to the sketch, one group after the other."""
+def _signed(linkage: Linkage, structure: Structure, signs: Sequence[int] = ()) -> Structure:
+    """Choose each group's assembly mode as the one that lies nearest to the sketch, one group after the other.
+
+    Dyads take the ``signs``, if there are any.
+    """
+    left = iter(signs)
     poses = placed(structure, linkage.sketch_angle)
     done: list[AnyGroup] = []
     for group in structure.groups:
         if isinstance(group, Dyad):
-            done.append(_nearest_mode(linkage, structure, group, poses))
+            known = replace(group, sign=next(left)) if signs else None
+            done.append(known or _nearest_mode(linkage, structure, group, poses))
         else:
             done.append(_on_branch(linkage, replace(structure, groups=tuple(done)), group))
         solver = solver_of(done[-1], np.asarray(linkage.sketch_angle))

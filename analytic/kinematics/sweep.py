@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from analytic.description.linkage import GROUND, Linkage, Output, Vector
 from analytic.errors import LinkproofError, UnknownNameError
 from analytic.kinematics import frames
-from analytic.kinematics.assembly import check_assembly, check_motion
+from analytic.kinematics.assembly import Booleans, check_assembly, check_motion, note_assembly, note_motion
 from analytic.kinematics.dyad_solver import DyadSolver
 from analytic.kinematics.frames import STILL, Pair, Pose, Rate, Scalar
 from analytic.kinematics.groups.solver import GroupSolver
@@ -65,19 +65,25 @@ class Sweep:
     Everything is lazy: a pose solves only the dyads its link depends on, rates are computed only where a first
     derivative is asked for, and so on. All derivatives are over φ (transfer functions), exact, and hold for any motion:
     velocity = first · ω, acceleration = second · ω² + first · ε.
+
+    Where a group cannot be assembled or moved AssemblyError is raised; with ``faults``, of the angles' shape, they are
+    set True there instead, and what depends on the group is nan or meaningless. ``places`` are the angles without the
+    first axis if they are the same all along it, as those of many designs are.
     """
 
-    def __init__(self, linkage: Linkage, structure: Structure, angle: Array) -> None:
+    def __init__(self, linkage: Linkage, structure: Structure, angle: Array, faults: Booleans | None = None) -> None:
         self.linkage = linkage
         self.structure = structure
         self.angle = angle
+        self.faults = faults
+        self.places = angle[0] if angle.ndim > 1 and angle.strides[0] == 0 and len(angle) > 1 else angle
         self._solvers: dict[str, DyadSolver | GroupSolver] = {}
         self._centres: dict[tuple[str, int], Pair] = {}
         self._needs = {name: group for group in structure.groups for name in group.links}
         # Poses, rates and accelerations.
         self._known: list[dict[str, Any]] = [{GROUND: fixed} for fixed in FIXED]
         if structure.pivot is not None:
-            for known, part in zip(self._known, crank_motion(structure.pivot, angle), strict=True):
+            for known, part in zip(self._known, crank_motion(structure.pivot, self.places), strict=True):
                 known[linkage.crank] = part
 
     def poses(self, body: str) -> Pose:
@@ -110,12 +116,24 @@ class Sweep:
             for host in solver.hosts:
                 self._solved(host, order)
             if order == 1:
-                check_motion(self.linkage, solver, self.angle)
+                self._check_motion(solver)
             solved = (solver.poses, solver.rates, solver.accelerations)[order](known)
             if order == 0:
-                check_assembly(self.linkage, solver, self.angle)  # before it counts as known: it fails every time
+                self._check_assembly(solver)  # before it counts as known: it fails every time
             known.update(zip(group.links, solved, strict=True))
         return known[body]
+
+    def _check_assembly(self, solver: DyadSolver | GroupSolver) -> None:
+        if self.faults is None:
+            check_assembly(self.linkage, solver, self.angle)
+        else:
+            note_assembly(solver, self.faults)
+
+    def _check_motion(self, solver: DyadSolver | GroupSolver) -> None:
+        if self.faults is None:
+            check_motion(self.linkage, solver, self.angle)
+        else:
+            note_motion(solver, self.faults)
 
     def local_point(self, body: str, local: Vector, order: int = 0) -> Pair:
         """Coordinates x and y of a point given in a body's frame, or their derivative of order 1 or 2 over φ."""

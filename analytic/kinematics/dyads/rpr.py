@@ -103,7 +103,7 @@ def missing(k: RPRConstants, near: Poses, closure: Closure) -> tuple[Scalar, Sca
     """The distance AB less the line's offset from B; a line through B needs A away from it, to have a direction."""
     offset = abs(k.line[0])
     pins = size(frames.point(near[0], k.a), frames.point(near[1], k.b))
-    needed = offset if offset > 0.0 else 2.0 * ROUNDING * pins
+    needed = offset + (2.0 * ROUNDING) * pins * (offset == 0.0)
     return np.sqrt(frames.dot(closure.v, closure.v)) - needed, pins + offset
 
 

@@ -1,0 +1,126 @@
+"""The true highest values of sampled curves, closed in between the neighbours of their highest samples.
+
+Of many curves at once, each with places of its own, unlike ``analytic.numerics.peaks``, which sees all at the same.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Final, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+Integers = NDArray[np.int64]
+# Heights (n, 3) of the tops of some numbers (n,) at places (n, 3).
+Heights = Callable[[Integers, Array], Array]
+
+MOST: Final = 3  # tops of a curve that are looked at: of more, the highest
+# Three places about the top of a parabola, a share NEAR of the bracket apart. Where that leaves a wide bracket, as the
+# curve is no parabola yet, the next three divide it evenly. Brackets FINE of the first ones leave a parabola through
+# them with an error below rounding: the third power of what is left of the distance of two samples.
+NEAR: Final = 1.0 / 32.0
+FINE: Final = 1.0 / 2000.0
+LOOKS: Final = 12
+
+
+class Tops(NamedTuple):
+    """Sampled tops of curves: the curve of each (n,), three neighbouring places (n, 3), ascending, and heights there.
+
+    The highest is in the middle, or at an end where the curve ends.
+    """
+
+    curve: Integers
+    places: Array
+    heights: Array
+
+
+class Samples(NamedTuple):
+    """Samples that are tops: the curve of each (n,), the sample, and three neighbours of which it is one, (n, 3)."""
+
+    curve: Integers
+    best: Integers
+    near: Integers
+
+
+def tops(heights: Array) -> Samples:
+    """The sampled tops of curves (k, m), m ≥ 3, that may be highest between the samples."""
+    walled = np.pad(heights, ((0, 0), (1, 1)), constant_values=-np.inf)
+    bend = np.abs(np.diff(heights, 2, axis=1))  # a parabola rises above its samples by an eighth of it at most
+    reach = heights + np.concatenate([bend[:, :1], bend, bend[:, -1:]], axis=1)
+    is_top = (heights > walled[:, :-2]) & (heights >= walled[:, 2:])
+    is_top &= reach >= np.max(heights, axis=1, keepdims=True)
+    many = np.flatnonzero(np.count_nonzero(is_top, axis=1) > MOST)
+    for row in many:  # a curve that is flat but for rounding
+        places = np.flatnonzero(is_top[row])
+        is_top[row] = False
+        is_top[row, places[np.argsort(-heights[row, places], kind="stable")[:MOST]]] = True
+    curve, best = np.nonzero(is_top)
+    return Samples(curve, best, np.clip(best, 1, heights.shape[1] - 2)[:, None] + np.array([-1, 0, 1]))
+
+
+def summits(found: Tops, signs: Array, heights: Heights, count: int) -> tuple[Array, Array]:
+    """The highest value of each of ``count`` curves, nan where it has no tops, and the sign of the top that has it."""
+    climbed = climb(found, heights)
+    order = np.lexsort((climbed, found.curve))[::-1]
+    curve, first = np.unique(found.curve[order], return_index=True)
+    result = np.full((2, count), np.nan)
+    result[:, curve] = climbed[order[first]], signs[order[first]]
+    return result[0], result[1]
+
+
+def climb(found: Tops, heights: Heights) -> Array:
+    """The height of each top, (n,)."""
+    result = np.empty(len(found.curve))
+    x, y = found.places, found.heights
+    left: Integers = np.arange(len(x))
+    low, high = _bounds(x, np.argmax(y, axis=1))
+    fine = FINE * (high - low)
+    share = np.full(len(x), NEAR)
+    for _ in range(LOOKS):
+        reach = share * (high - low)
+        top, _ = _parabola(x, y)
+        top = np.where(np.isfinite(top), top, 0.5 * (low + high))
+        top = np.clip(top, low + 1.5 * reach, high - 1.5 * reach)
+        top = np.where(np.abs(top - x[:, 1]) < 0.125 * reach, x[:, 1] + 0.25 * reach, top)  # not the same place twice
+        near = top[:, None] + reach[:, None] * np.array([-1.0, 0.0, 1.0])
+        x, y = np.concatenate([x, near], axis=1), np.concatenate([y, heights(left, near)], axis=1)
+        order = np.argsort(x, axis=1)
+        x, y = np.take_along_axis(x, order, 1), np.take_along_axis(y, order, 1)
+        best = np.argmax(y, axis=1)
+        was = high - low
+        low, high = _bounds(x, best)
+        share = np.where(high - low < 0.4 * was, NEAR, 0.25)
+        three = np.clip(best, 1, x.shape[1] - 2)[:, None] + np.array([-1, 0, 1])
+        x, y = np.take_along_axis(x, three, 1), np.take_along_axis(y, three, 1)
+        result[left] = _height(x, y, low, high)
+        on = (high - low > fine) & np.isfinite(result[left])
+        left, x, y = left[on], x[on], y[on]
+        low, high, fine, share = low[on], high[on], fine[on], share[on]
+        if not len(left):
+            break
+    return result
+
+
+def _bounds(x: Array, best: Integers) -> tuple[Array, Array]:
+    """The places beside the best one of some."""
+    row = np.arange(len(x))
+    return x[row, np.maximum(best - 1, 0)], x[row, np.minimum(best + 1, x.shape[1] - 1)]
+
+
+def _parabola(x: Array, y: Array) -> tuple[Array, Array]:
+    """Place and height of the top of the parabola through three points; infinite or nan where it has none."""
+    one, two = x[:, 1] - x[:, 0], x[:, 2] - x[:, 1]
+    rise, fall = (y[:, 1] - y[:, 0]) / one, (y[:, 2] - y[:, 1]) / two
+    bend = (fall - rise) / (one + two)
+    slope = (rise * two + fall * one) / (one + two)
+    bend = np.where(bend < 0.0, bend, np.nan)
+    return x[:, 1] - 0.5 * slope / bend, y[:, 1] - 0.25 * slope * slope / bend
+
+
+def _height(x: Array, y: Array, low: Array, high: Array) -> Array:
+    """The top of the parabola, if that is between the bounds, or the highest of the points; nan if one is nan."""
+    place, top = _parabola(x, y)
+    best = np.max(y, axis=1)
+    return np.asarray(np.where((place > low) & (place < high), np.fmax(top, best), best))
