@@ -8,18 +8,17 @@ from typing import Final, Literal
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from analytic.compiled.evaluation import in_threads
 from analytic.description.law import FULL_TURN
-from analytic.designs.batches import alone, goes_together, together
+from analytic.designs.batches import Integers, Sweeps, in_blocks
 from analytic.designs.checking import checked
 from analytic.designs.figures import Figure
 from analytic.designs.sampling import Asked
-from analytic.errors import AssemblyError, LinkproofError
+from analytic.errors import LinkproofError
 from analytic.kinematics.mechanism import Mechanism
 
 Array = NDArray[np.float64]
 
-CHUNK: Final = 1024  # designs a thread takes at a time: their tops are refined together
+CHUNK: Final = 2048  # designs a thread takes at a time: their tops are refined together
 FEWEST: Final = 3  # crank angles, so that a top has neighbours
 EVEN: Final = 1e-9  # of a step
 
@@ -63,18 +62,12 @@ def design_figures(
     share = np.full(places.shape, 1.0 / len(places)) if weights is None else np.asarray(weights, dtype=float)
     full = None if mechanism.linkage.is_linear or not _is_turn(places) else FULL_TURN
     asked = Asked(mechanism, tuple(figures), places, speed, share, full if period == "auto" else period, refine)
-    jointly = goes_together(mechanism)
     found = np.full((len(figures), count), np.nan)
 
-    def work(rows: range) -> None:
-        try:
-            sweeps = together(mechanism, arrays) if jointly else alone(mechanism, arrays, rows.start)
-            found[:, rows.start : rows.stop] = asked.of(sweeps, np.asarray(rows))
-        except AssemblyError:  # of one that goes alone
-            return
+    def work(rows: Integers, sweeps: Sweeps) -> None:
+        found[:, rows] = asked.of(sweeps, rows)
 
-    size = CHUNK if jointly else 1
-    in_threads(work, [range(first, min(first + size, count)) for first in range(0, count, size)], cores)
+    in_blocks(mechanism, arrays, CHUNK, work, cores)
     return found
 
 

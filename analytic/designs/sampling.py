@@ -9,7 +9,7 @@ from typing import Any, Final, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from analytic.designs.batches import Integers, Sweeps
+from analytic.designs.batches import BLOCK, Integers, Sweeps, faults_of
 from analytic.designs.figures import Figure, Reduction
 from analytic.designs.tops import Tops, summits, tops
 from analytic.evaluation import MovingSweep
@@ -28,7 +28,6 @@ EXTREMES: Final = {
     Reduction.MIN: (Reduction.MIN,),
     Reduction.RANGE: (Reduction.MAX, Reduction.MIN),
 }
-BLOCK: Final = 6144  # designs times crank angles of one sweep
 
 
 @dataclass(frozen=True)
@@ -48,8 +47,7 @@ class Asked:
 
     def of(self, sweeps: Sweeps, rows: Integers) -> Array:
         """The figures of the designs of some rows, (figures, rows)."""
-        with np.errstate(all="ignore"):
-            return _Chunk(self, sweeps, rows).all(self.figures)
+        return _Chunk(self, sweeps, rows).all(self.figures)
 
 
 class _Marked(NamedTuple):
@@ -118,8 +116,7 @@ class _Chunk:
         if not only_output:
             for body in sweep.structure.bodies:
                 sweep.rates(body)
-            assert sweep.faults is not None
-            self.faulty[here[sweep.faults.any(axis=1)]] = True
+            self.faulty[here[faults_of(sweep).any(axis=1)]] = True
         return MovingSweep(
             self.asked.mechanism, sweep, np.asarray(self.asked.speed), np.asarray(0.0), self.farthest[here, None]
         )

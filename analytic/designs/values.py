@@ -11,17 +11,13 @@ from numpy.typing import ArrayLike, NDArray
 
 from analytic.compiled.choice import is_compiled
 from analytic.compiled.evaluation import compute
-from analytic.compiled.flat_linkage import FlatLinkage, Integers, flatten, redesigned
-from analytic.description.linkage import Linkage
+from analytic.compiled.flat_linkage import Integers, flatten, redesigned
+from analytic.designs.batches import BLOCK, Sweeps, faults_of, in_blocks
+from analytic.designs.checking import checked
 from analytic.dynamics.derivative_orders import Needs, needs
-from analytic.errors import LinkproofError, UnknownNameError
-from analytic.evaluation import PER_ANGLE, PIECE, QUANTITIES, moving_sweep
-from analytic.kinematics.change_points import through_change_points
-from analytic.kinematics.decomposition import find_structure
+from analytic.errors import LinkproofError
+from analytic.evaluation import PER_ANGLE, QUANTITIES, moving_sweep
 from analytic.kinematics.mechanism import Mechanism
-from analytic.kinematics.structure import Structure
-from analytic.kinematics.sweep import Sweep
-from analytic.numerics.where_assembled import where_assembled
 from analytic.request import EvaluationRequest, evaluation_request
 
 Array = NDArray[np.float64]
@@ -29,9 +25,6 @@ Booleans = NDArray[np.bool_]
 Outcome = tuple[Array, Booleans]
 
 ASSEMBLED: Final = "assembled"
-# Crank angles that cost NumPy as much as a design may: building one takes 0.26 ms, but one that cannot be assembled at
-# some angles is halved down to single angles, 30 to 60 ms measured on the six-bar.
-ANGLES_OF_A_DESIGN: Final = 200_000
 
 
 def evaluate_designs(
@@ -53,7 +46,7 @@ def evaluate_designs(
 
     Where a design cannot be assembled or stands in a dead position its values are nan, and False in ``assembled``,
     which is returned besides; that counts for every link that the quantities need in any of the designs. ``cores`` is
-    the number of threads of the compiled path, all of the machine's if None; ``path`` is as for
+    the number of threads, all of the machine's if None; ``path`` is as for
     ``analytic.evaluation.evaluate``.
     """
     request = evaluation_request(angle, quantities, speed, acceleration)
@@ -63,15 +56,16 @@ def evaluate_designs(
             f"{'nan or infinity' if len(request.shape) == 1 else f'shape {request.shape}'}; pass such a list"
         )
     flat = flatten(mechanism)
-    designs = _designs(flat, parameters)
+    arrays = checked(mechanism.linkage, parameters, flat.places)
+    places = np.array([flat.places[name] for name in arrays], dtype=np.int64)
+    designs = Designs(flat.numbers, places, np.stack(list(arrays.values()), axis=1))
     largest = redesigned(flat, designs.largest())
-    angles = request.angle.size + ANGLES_OF_A_DESIGN
-    if not mechanism.changes and is_compiled(
-        path, "evaluation", PER_ANGLE * designs.count * angles * len(flat.structure.bodies)
-    ):
+    seconds = PER_ANGLE * designs.count * request.angle.size * len(flat.structure.bodies)
+    if not mechanism.changes and is_compiled(path, "evaluation", seconds):
         values, moving = compute(flat, request, largest, count=designs.count, designs=designs.rows, cores=cores)
     else:
-        values, moving = _plain(mechanism, flat, request, needs(largest, request.names, turns=request.turns), designs)
+        needed = needs(largest, request.names, turns=request.turns)
+        values, moving = _plain(mechanism, arrays, request, needed, cores)
     return {**dict(zip(request.names, values, strict=True)), ASSEMBLED: moving}
 
 
@@ -102,81 +96,29 @@ class Designs:
         return numbers
 
 
-def _designs(flat: FlatLinkage, parameters: Mapping[str, ArrayLike]) -> Designs:
-    """The designs, checked."""
-    for name in parameters:
-        if name not in flat.places:
-            raise UnknownNameError(f"parameter of '{flat.linkage.name}'", name, flat.places)
-    arrays = {name: np.asarray(values, dtype=float) for name, values in parameters.items()}
-    shapes = {values.shape for values in arrays.values()}
-    if len(shapes) != 1 or len(next(iter(shapes))) != 1 or next(iter(shapes)) == (0,):
-        raise LinkproofError(
-            "parameters: expected one or more flat arrays of one length, a value per design, got "
-            f"{', '.join(f'{name} of shape {values.shape}' for name, values in arrays.items()) or 'none'}; "
-            "give every parameter a value per design"
-        )
-    for name, values in arrays.items():
-        _check(name, values)
-    places = np.array([flat.places[name] for name in arrays], dtype=np.int64)
-    designs = Designs(flat.numbers, places, np.stack(list(arrays.values()), axis=1))
-    _check_directions(flat, designs)
-    return designs
-
-
-def _check(name: str, values: Array) -> None:
-    """Finite numbers, and no negative masses."""
-    wrong = ~np.isfinite(values)
-    kind = "finite numbers"
-    if name.endswith((".mass", ".inertia")):
-        wrong |= values < 0.0
-        kind = "finite numbers, none negative"
-    if np.any(wrong):
-        first = int(np.argmax(wrong))
-        raise LinkproofError(f"{name}: expected {kind}, got {values[first]:g} in design {first}; correct it")
-
-
-def _check_directions(flat: FlatLinkage, designs: Designs) -> None:
-    """A direction needs a length."""
-    names = {place: name for name, place in flat.places.items()}
-    for start in flat.directions:
-        columns = [np.flatnonzero(designs.places == at) for at in (start, start + 1)]
-        parts = [
-            designs.values[:, column[0]] if len(column) else designs.numbers[at]
-            for at, column in zip((start, start + 1), columns, strict=True)
-        ]
-        zero = np.broadcast_to(np.hypot(*parts) == 0.0, designs.count)
-        if np.any(zero):
-            name, first = names[start].removesuffix(".x"), int(np.argmax(zero))
-            raise LinkproofError(f"{name}: expected a direction, got (0, 0) in design {first}; correct it")
-
-
 def _plain(
-    mechanism: Mechanism, flat: FlatLinkage, request: EvaluationRequest, needed: Needs, designs: Designs
+    mechanism: Mechanism,
+    arrays: Mapping[str, Array],
+    request: EvaluationRequest,
+    needed: Needs,
+    cores: int | None,
 ) -> Outcome:
-    """Design by design with NumPy."""
-    values = np.full((len(request.names), designs.count, request.angle.size), np.nan)
-    moving = np.zeros((designs.count, request.angle.size), dtype=np.bool_)
-    signs = tuple(dyad.sign for dyad in flat.structure.dyads)
-    follows = any(dyad.changes for dyad in flat.structure.dyads)
-    for number in range(designs.count):
-        linkage = redesigned(flat, designs.rows(number, number + 1)[0])
-        structure = find_structure(linkage).with_signs(signs)
-        if follows:
-            structure, _ = through_change_points(structure, linkage.sketch_angle)
+    """Block by block with NumPy."""
+    count = len(next(iter(arrays.values())))
+    values = np.full((len(request.names), count, request.angle.size), np.nan)
+    moving = np.zeros(values.shape[1:], dtype=np.bool_)
+    angles = [slice(start, start + BLOCK) for start in range(0, request.angle.size, BLOCK)]
 
-        def at(here: Integers, linkage: Linkage = linkage, structure: Structure = structure) -> Array:
-            return _piece(mechanism, Sweep(linkage, structure, request.angle[here]), request, needed, here)
+    def work(rows: Integers, sweeps: Sweeps) -> None:
+        for here in angles:
+            phi = request.angle[here]
+            sweep = sweeps(rows, np.broadcast_to(phi, (len(rows), len(phi))))
+            for body, order in needed.orders.items():
+                (sweep.poses, sweep.rates, sweep.accelerations)[order](body)
+            own = moving[rows[0] : rows[-1] + 1, here] = ~faults_of(sweep)
+            at = moving_sweep(mechanism, sweep, request, here)
+            for row, name in zip(values, request.names, strict=True):
+                row[rows[0] : rows[-1] + 1, here] = np.where(own, QUANTITIES[name](at), np.nan)
 
-        for start in range(0, request.angle.size, PIECE):
-            here = np.arange(start, min(start + PIECE, request.angle.size))
-            rows = where_assembled(at, here, (len(values) + 1,))
-            values[:, number, here], moving[number, here] = rows[:-1], rows[-1] == 1.0
+    in_blocks(mechanism, arrays, max(1, BLOCK // max(1, request.angle.size)), work, cores)
     return values, moving
-
-
-def _piece(mechanism: Mechanism, sweep: Sweep, request: EvaluationRequest, needed: Needs, here: Integers) -> Array:
-    """Quantities at some of the crank angles, and a row of ones; raises AssemblyError if any of them has no motion."""
-    for body, order in needed.orders.items():
-        (sweep.poses, sweep.rates, sweep.accelerations)[order](body)
-    at = moving_sweep(mechanism, sweep, request, here)
-    return np.array([*(QUANTITIES[name](at) for name in request.names), np.ones(here.shape)])

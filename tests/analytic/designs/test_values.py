@@ -250,7 +250,7 @@ def test_the_path_is_chosen_by_the_work(monkeypatch):
     asked, sample = [], mechanism("juki-mf7923d")
     monkeypatch.setattr(designs, "is_compiled", lambda *how: bool(asked.append(how)))
     evaluate_designs(sample, {"crank.mass": np.ones(7)}, np.zeros(100), ["Jeq"])
-    work = 7 * (100 + designs.ANGLES_OF_A_DESIGN) * len(sample.structure.bodies)
+    work = 7 * 100 * len(sample.structure.bodies)
     assert asked == [("auto", "evaluation", pytest.approx(designs.PER_ANGLE * work))]
 
 
