@@ -22,7 +22,8 @@ from comparisons.runs.failures import Failure, Lost, blamed_on
 from comparisons.runs.journal import Journal
 from comparisons.runs.run_engine import run_engine
 from comparisons.runs.study import Announce, Study, Task
-from comparisons.runs.workers import DEFAULT_BOUNDS, Bounds, usual_processes
+from comparisons.runs.worker_process import host
+from comparisons.runs.workers import DEFAULT_BOUNDS, Bounds, LocalPool, Pool, usual_processes
 from engines.contract import Engine, Outcome, Setting
 from engines.registry import engine, engine_names, why_unavailable
 from engines.scene import Channel
@@ -102,29 +103,29 @@ def compare(
     announce: Announce = lambda *_: None,
     *,
     bounds: Bounds = DEFAULT_BOUNDS,
-    processes: int | None = None,
+    pool: Pool | None = None,
     journal: Journal | None = None,
 ) -> Iterator[RunResult]:
     """Make the runs, in parallel, and yield them in the order of ``tasks``.
 
     ``announce`` hears the label of the run begun last, how many are finished and how many there are. Runs are made in
-    ``processes`` worker processes (the cores by default), each run within ``bounds``; with 0, the default for a single
-    run, they are made here, one by one and unbounded. A ``journal`` is given every finished run to keep, and spares
+    the ``pool``, each within ``bounds``: in worker processes, one for every core, by default; a single run is made
+    here, unbounded. A ``journal`` is given every finished run to keep, and spares
     those that it has kept already.
 
     What ``tasks`` raises is raised at once, before the first run is asked for; LinkproofError too, if the journal is
     another request's.
     """
     todo = tasks(request)
-    count = usual_processes(len(todo)) if processes is None else processes
-    study = Study(judged, lost, to_bytes, from_bytes, journal, announce, count)
+    where = pool or LocalPool(usual_processes(len(todo)))
+    study = Study(judged, lost, to_bytes, from_bytes, journal, announce, where)
     return study.in_order(todo, bounds)
 
 
 def lost(failure: Lost, pickled: bytes, name: str, setting: Setting, names: tuple[str, ...], _: bool) -> RunResult:
     """The records of a run whose process gave no result."""
     case = unpickled(pickled)
-    blank = blank_record(case, setting, name, engine(name).version() or "")
+    blank = blank_record(case, setting, name, engine(name).version() or "", failure.host)
     return _all_alike(chosen_quantities(case, names), blank, failure.outcome, failure.reason)
 
 
@@ -139,7 +140,7 @@ def judged(pickled: bytes, name: str, setting: Setting, names: tuple[str, ...], 
     quantities = chosen_quantities(case, names)
     with blamed_on(adapter):
         version, absent = adapter.version(), why_unavailable(adapter)
-    blank = blank_record(case, setting, name, version or "")
+    blank = blank_record(case, setting, name, version or "", host())
     if absent is not None:
         return _all_alike(quantities, blank, Outcome.UNAVAILABLE, absent)
     model = case.scene(_channels(quantities, with_invariants))

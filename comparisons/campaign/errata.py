@@ -24,7 +24,7 @@ from comparisons.reference.motion import Spin
 from comparisons.reference.printed_models import printed_motion
 from comparisons.runs.journal import Journal
 from comparisons.runs.study import Study, Task
-from comparisons.runs.workers import DEFAULT_BOUNDS, Bounds, usual_processes
+from comparisons.runs.workers import DEFAULT_BOUNDS, Bounds, LocalPool, Pool, usual_processes
 from engines.contract import Outcome, Setting, Signal
 
 Array = NDArray[np.float64]
@@ -83,7 +83,7 @@ def judge_errata(
     engines: Sequence[str],
     *,
     bounds: Bounds = DEFAULT_BOUNDS,
-    processes: int | None = None,
+    pool: Pool | None = None,
     journal: Journal | None = None,
 ) -> Iterator[ErratumRecord]:
     """Put every printed model of these linkages to every engine, tuned.
@@ -92,8 +92,8 @@ def judge_errata(
     """
     trials = list(_trials(linkages))
     tasks = [_task(*trial, name) for trial in trials for name in engines]
-    count = usual_processes(len({task.key for task in tasks})) if processes is None else processes
-    study = Study(judged, lost, to_bytes, from_bytes, journal, processes=count)
+    where = pool or LocalPool(usual_processes(len({task.key for task in tasks})))
+    study = Study(judged, lost, to_bytes, from_bytes, journal, pool=where)
     with closing(study.in_order(tasks, bounds)) as runs:
         for erratum, case in trials:
             printed = None

@@ -30,7 +30,7 @@ from comparisons.reference.signal_figures import case_of, instant
 from comparisons.runs.failures import Lost
 from comparisons.runs.run_engine import run_engine
 from comparisons.runs.study import Announce, Study, Task
-from comparisons.runs.workers import DEFAULT_BOUNDS, Bounds, usual_processes
+from comparisons.runs.workers import DEFAULT_BOUNDS, Bounds, LocalPool, Pool, usual_processes
 from engines.contract import Outcome, Setting
 from engines.registry import engine
 from engines.scene import Channel
@@ -86,13 +86,13 @@ def engine_answers(
     announce: Announce = lambda *_: None,
     *,
     bounds: Bounds = DEFAULT_BOUNDS,
-    processes: int | None = None,
+    pool: Pool | None = None,
 ) -> Iterator[PrintedAnswer]:
     """Every engine's answer, tuned, to every printed signal of the linkages at an angle or a time."""
     trials = [trial for linkage in linkages for trial in _trials(linkage)]
     tasks = [_task(number, trial, name) for number, trial in enumerate(trials) for name in engines]
-    count = usual_processes(len(tasks)) if processes is None else processes
-    study = Study(read_out, _lost, _encoded, _decoded, None, announce, count)
+    where = pool or LocalPool(usual_processes(len(tasks)))
+    study = Study(read_out, _lost, _encoded, _decoded, None, announce, where)
     with closing(study.in_order(tasks, bounds)) as runs:
         for trial in trials:
             for name in engines:

@@ -43,7 +43,7 @@ ROWS: Final[Mapping[str, TypeAdapter[Any]]] = {
 }
 NEWER: Final = ("figures",)  # which campaigns of version 0.1.0 do not have
 # What a record tells since then, as it is where nothing was told.
-NEWER_FIELDS: Final = {"error_at_jumps": 0.0, "origin": "", "runs": 0, "shared": ""}
+NEWER_FIELDS: Final = {"error_at_jumps": 0.0, "origin": "", "runs": 0, "shared": "", "host": ""}
 COLUMNS: Final = {**dict.fromkeys(ARRAYS, "sample"), **dict.fromkeys(("row_size", "run", "quantity"), "curve")}
 
 
@@ -118,13 +118,15 @@ def checked(text: str, curves: xarray.Dataset) -> dict[str, Any]:
 
 
 def _completed(document: Any) -> Any:  # noqa: ANN401 - whatever JSON holds
-    """A document of version 0.1.0, which told no limits, with what was not told then; any other as it is."""
-    if not isinstance(document, dict) or "limits" in document:
+    """A document with what was not told in its time: of a host, and in version 0.1.0, which told no limits, of more."""
+    if not isinstance(document, dict):
         return document
-    found = {"readouts": {}, **document}
+    newer = {"host": ""} if "limits" in document else NEWER_FIELDS
+    found = document if "limits" in document else {"readouts": {}, **document}
     for key in ("records", "invariants"):
-        if isinstance(found.get(key), list):
-            found[key] = [NEWER_FIELDS | row if isinstance(row, dict) else row for row in found[key]]
+        rows = found.get(key)
+        if isinstance(rows, list) and any(isinstance(row, dict) and not newer.keys() <= row.keys() for row in rows):
+            found = {**found, key: [newer | row if isinstance(row, dict) else row for row in rows]}
     return found
 
 

@@ -53,7 +53,7 @@ class Record:
     jumps, beyond the jumps themselves. ``detail`` says why, wherever it did not pass.
     ``origin`` says where the engine's figure comes from (``engines.contract.Origin``, the weakest of all that it is
     made of, or ``CONTROL``), ``runs`` of how many runs of the engine it is made, ``shared`` what of it the reference
-    and the engine have in common.
+    and the engine have in common. ``host`` names the machine of a cluster that it was made on.
     """
 
     mechanism: str
@@ -82,6 +82,7 @@ class Record:
     origin: str = ""
     runs: int = 0
     shared: str = ""
+    host: str = ""
 
     @property
     def run(self) -> tuple[str, str, str, str, str]:
@@ -89,10 +90,11 @@ class Record:
         return (self.mechanism, self.variant, self.regime, self.engine, self.setting)
 
 
-def blank_record(case: Case, setting: str, engine: str = "", version: str = "") -> Record:
+def blank_record(case: Case, setting: str, engine: str = "", version: str = "", host: str = "") -> Record:
     """What all records of one run of a case share."""
     linkage = case.mechanism.linkage
-    return Record(linkage.name, linkage.variant, case.motion.regime, case.conditions, engine, version, setting)
+    names = (linkage.name, linkage.variant, case.motion.regime, case.conditions)
+    return Record(*names, engine, version, setting, host=host)
 
 
 def to_json(document: Mapping[str, Any]) -> str:

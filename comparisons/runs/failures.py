@@ -35,10 +35,11 @@ class Failure(StrEnum):
 
 @dataclass(frozen=True)
 class Lost:
-    """A job that gave no result; ``reason`` in one sentence."""
+    """A job that gave no result; ``reason`` in one sentence, ``host`` as in records."""
 
     outcome: Failure
     reason: str
+    host: str = ""
 
 
 class AdapterError(Exception):

@@ -9,7 +9,7 @@ from typing import Any, Generic, TypeVar
 
 from comparisons.runs.failures import Lost
 from comparisons.runs.journal import Journal
-from comparisons.runs.workers import DEFAULT_BOUNDS, Bounds, run_jobs
+from comparisons.runs.workers import DEFAULT_BOUNDS, EVERY_CORE, Bounds, LocalPool, Pool
 
 R = TypeVar("R")
 
@@ -35,8 +35,8 @@ class Study(Generic[R]):
     """Tasks of one kind and the ``results`` so far, by key; what the ``journal`` holds is not made again.
 
     ``function``, a module's own, makes a result of a task's job; ``lost`` does so from what went wrong and the same
-    job, or None where the task counts as never begun. ``encode`` and ``decode`` are for the journal. ``processes`` are
-    as ``run_jobs`` takes them. Raises LinkproofError if the journal is another request's.
+    job, or None where the task counts as never begun. ``encode`` and ``decode`` are for the journal. The ``pool`` says
+    where they are made. Raises LinkproofError if the journal is another request's.
     """
 
     function: Callable[..., R]
@@ -45,7 +45,7 @@ class Study(Generic[R]):
     decode: Callable[[bytes], R]
     journal: Journal | None = None
     announce: Announce = lambda *_: None
-    processes: int | None = None
+    pool: Pool = EVERY_CORE
     results: dict[str, R] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
@@ -67,7 +67,7 @@ class Study(Generic[R]):
             self._announce(todo[number])
 
         jobs = [task.job for task in todo]
-        with closing(run_jobs(self.function, jobs, bounds=bounds, processes=self.processes, begun=begun)) as ended:
+        with closing(self.pool.run(self.function, jobs, bounds, begun)) as ended:
             for number, outcome in ended:
                 task = todo[number]
                 result = self.lost(outcome, *task.job) if isinstance(outcome, Lost) else outcome
@@ -81,7 +81,7 @@ class Study(Generic[R]):
         Several processes begin with the heaviest, so that none is left alone with it at the end.
         """
         self.expect(tasks)
-        first = tasks if self.processes == 0 else sorted(tasks, key=lambda task: -task.weight)
+        first = tasks if self.pool == LocalPool(0) else sorted(tasks, key=lambda task: -task.weight)
         with closing(self.make(first, bounds)) as ended:
             for task in tasks:
                 while task.key not in self.results:

@@ -23,9 +23,15 @@ from typing import Final
 
 from comparisons.runs.failures import SHOW_OUTPUT, lost
 
+HOST: Final = "LINKPROOF_HOST"  # in a worker's environment: the name of its machine, where results are to tell it
 READY: Final = b""  # a worker's first message; every other is the pickled result of a job
 # How workers are started: fork, forkserver or spawn, as multiprocessing has it.
 START: Final = "LINKPROOF_WORKER_START"
+
+
+def host() -> str:
+    """Name of the machine that this worker runs on; empty in one of the same machine as its results, and elsewhere."""
+    return os.environ.get(HOST, "")
 
 
 def start_method() -> str:
@@ -112,9 +118,10 @@ def _silent() -> Iterator[None]:
             os.close(descriptor)
 
 
-def serve(channel: Connection, output: Connection | None, function: bytes, memory: int) -> None:
+def serve(channel: Connection, output: Connection | None, function: bytes, memory: int, host: str = "") -> None:
     """Answer every pickled tuple of arguments on the channel by what ``function`` makes of it, until it is closed."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
+    os.environ[HOST] = host
     if hasattr(os, "setpgid"):
         os.setpgid(0, 0)  # what an engine starts of its own is in the worker's group, and dies with it
     _die_with_parent()

@@ -13,7 +13,7 @@ from comparisons.runs.environment import environment
 from comparisons.runs.failures import GIB
 from comparisons.runs.journal import Journal
 from comparisons.runs.study import Announce, Study, Task
-from comparisons.runs.workers import Bounds
+from comparisons.runs.workers import EVERY_CORE, Bounds, Pool
 from comparisons.stress.axes import Axis, axes
 from comparisons.stress.border import COARSE, PRECISE, Border, bisected, borders
 from comparisons.stress.cells import Cell, CellResult, cells, from_document, lost, made
@@ -36,7 +36,7 @@ class StressRequest:
     engines: tuple[str, ...]
     usages: tuple[str, ...] = ()
     quick: bool = False
-    processes: int | None = None
+    pool: Pool = EVERY_CORE
     time_limit: float | None = None
 
 
@@ -86,7 +86,7 @@ def stress(request: StressRequest, announce: Announce = lambda *_: None, journal
     if not wanted:
         usages = ", ".join(request.usages) or "any setting"
         raise LinkproofError(f"expected a cell to make, got none with {usages}: ask for other axes or settings")
-    study = _study(announce, journal, request.processes)
+    study = _study(announce, journal, request.pool)
     make = partial(_made, study, request)
     grid = make(wanted)
     rough = borders(grid)
@@ -96,13 +96,13 @@ def stress(request: StressRequest, announce: Announce = lambda *_: None, journal
     return Stressed(tuple(study.results.values()), tuple(narrow))
 
 
-def make_cells(chosen: Sequence[Cell], time_limit: float | None = None) -> list[CellResult]:
+def make_cells(chosen: Sequence[Cell], time_limit: float | None = None, pool: Pool = EVERY_CORE) -> list[CellResult]:
     """These cells alone, each in a worker process of its own, in their order; ``time_limit`` as in a request."""
-    return _made(_study(lambda *_: None, None, None), StressRequest((), (), time_limit=time_limit), chosen)
+    return _made(_study(lambda *_: None, None, pool), StressRequest((), (), time_limit=time_limit), chosen)
 
 
-def _study(announce: Announce, journal: Journal | None, processes: int | None) -> Study[CellResult]:
-    return Study(made, lost, _to_bytes, _from_bytes, journal, announce, processes)
+def _study(announce: Announce, journal: Journal | None, pool: Pool) -> Study[CellResult]:
+    return Study(made, lost, _to_bytes, _from_bytes, journal, announce, pool)
 
 
 def _to_bytes(result: CellResult) -> bytes:

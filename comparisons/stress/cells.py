@@ -17,6 +17,7 @@ from analytic.errors import LinkproofError, UnknownNameError
 from comparisons.reference.case import Case
 from comparisons.runs.failures import Lost, blamed_on
 from comparisons.runs.run_engine import run_engine
+from comparisons.runs.worker_process import host
 from comparisons.stress.axes import Axis, axes
 from comparisons.stress.scenes import Conditions, case, scene
 from comparisons.stress.verdict import Judgement, StressVerdict, judged
@@ -58,6 +59,7 @@ class CellResult:
     """A cell with what came of it. ``conditions`` is what differs from a plain run-up of the linkage.
 
     ``seconds`` is the stepping alone, ``spent`` everything: reference, set-up, stepping, judging.
+    ``host`` names the machine of a cluster that it was made on.
     """
 
     cell: Cell
@@ -69,6 +71,7 @@ class CellResult:
     spent: float = 0.0
     steps: int = 0
     solver_work: int = 0
+    host: str = ""
 
     @property
     def verdict(self) -> StressVerdict:
@@ -144,7 +147,7 @@ def made(cell: Cell) -> CellResult:
     """Make a cell's run here and now, and judge it."""
     begun = time.perf_counter()
     conditions = axes()[cell.axis].conditions(cell.row, cell.value)
-    blank = replace(_unmade(cell), conditions=conditions.differing)
+    blank = replace(_unmade(cell), conditions=conditions.differing, host=host())
     adapter = engine(cell.engine)
     absent = why_unavailable(adapter)
     if absent is not None:
@@ -172,7 +175,7 @@ def made(cell: Cell) -> CellResult:
 def lost(loss: Lost, cell: Cell) -> CellResult:
     """A cell whose worker gave no result."""
     judgement = Judgement(StressVerdict(loss.outcome.value), loss.reason)
-    return replace(_unmade(cell), judgement=judgement, outcome=loss.outcome.value)
+    return replace(_unmade(cell), judgement=judgement, outcome=loss.outcome.value, host=loss.host)
 
 
 def _unmade(cell: Cell) -> CellResult:

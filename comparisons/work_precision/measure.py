@@ -15,6 +15,7 @@ from comparisons.reference.case import Case, unpickled
 from comparisons.runs.failures import blamed_on
 from comparisons.runs.run_engine import checked, started
 from comparisons.runs.timing import calibrate, timed
+from comparisons.runs.worker_process import host
 from comparisons.work_precision.records import PointError
 from engines.contract import Engine, Method, Origin, Outcome, Run, Setting, StudiedEngine
 from engines.registry import engine
@@ -31,7 +32,8 @@ class Taken:
     """One measurement of a point: times of its parts, s, what the engine did, and its errors by quantity if asked for.
 
     ``runs`` of the engine make its motion, 0 where it gave none. ``calibration`` is what the fixed work took just
-    before, s. ``readout`` is the wall time of the call less stepping and set-up. ``left_out`` is as in ``PointRecord``.
+    before, s. ``readout`` is the wall time of the call less stepping and set-up. ``left_out`` and ``host`` are as in
+    ``PointRecord``.
     """
 
     outcome: str
@@ -46,6 +48,7 @@ class Taken:
     calibration: float = 0.0
     errors: Mapping[str, PointError] = field(default_factory=dict)
     left_out: Mapping[str, str] = field(default_factory=dict)
+    host: str = ""
 
 
 def longest_step(case: Case, steps_per_turn: float) -> float:
@@ -126,6 +129,7 @@ def _taken(run: Run, wall: float, steady: float) -> Taken:
         runs=max(1, len(run.passes)) if run.history else 0,
         used=used,
         calibration=steady,
+        host=host(),
     )
 
 

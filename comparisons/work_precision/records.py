@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import asdict, dataclass, fields, replace
+from dataclasses import asdict, dataclass, field, fields, replace
 from functools import cached_property
 from pathlib import Path
 from typing import Annotated, Any, TypeVar
@@ -52,6 +52,7 @@ class PointRecord:
     are of ``repeats``, all wall times of the stepping alone, s; ``setup_seconds`` and ``readout_seconds`` are the
     shortest of theirs. ``left_out`` says of quantities, by name, what of them the engine does not tell. ``detail`` says
     why, where it did not finish; ``used`` is what the adapter says of the run, ``ended`` why its sweep goes no further.
+    ``host`` names the machine of a cluster that all of it was measured on.
     """
 
     mechanism: str
@@ -81,6 +82,7 @@ class PointRecord:
     detail: str
     used: str
     ended: str
+    host: str = field(default="", kw_only=True)
 
     @property
     def place(self) -> tuple[str, str, str]:
@@ -285,8 +287,9 @@ def rows(records: Iterable[PointRecord | MeasuredCost]) -> list[dict[str, Any]]:
 
 
 def _from_row(kind: type[Row], row: Mapping[str, Any]) -> Row:
-    """A record back from JSON, which knows lists alone; raises KeyError where a field is missing."""
-    values: dict[str, Any] = {entry.name: row[entry.name] for entry in fields(kind)}
+    """A record back from JSON, which knows lists alone; raises KeyError where a field but the newest is missing."""
+    names = [entry.name for entry in fields(kind) if entry.name in row or entry.name != "host"]
+    values: dict[str, Any] = {name: row[name] for name in names}
     values = {name: tuple(value) if isinstance(value, list) else value for name, value in values.items()}
     return kind(**values)
 

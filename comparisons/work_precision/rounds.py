@@ -16,7 +16,7 @@ from comparisons.runs.failures import Failure, Lost
 from comparisons.runs.journal import Journal
 from comparisons.runs.study import Announce, Study, Task
 from comparisons.runs.timing import smallest_and_median
-from comparisons.runs.workers import Bounds
+from comparisons.runs.workers import Bounds, Pool
 from comparisons.work_precision.measure import Taken, longest_step, measure
 from comparisons.work_precision.points import Extent, Point, Track
 from comparisons.work_precision.records import METHOD, SETTING, PointError, PointRecord
@@ -41,12 +41,12 @@ class Rounds:
         *,
         announce: Announce,
         journal: Journal | None,
-        processes: int,
+        pool: Pool,
     ) -> None:
         self.cases, self.quantities, self.extent = cases, quantities, extent
         self.pickled = [pickle.dumps(case) for case in cases]
         self.ends = time.monotonic() + extent.deadline
-        self.study: Study[Taken] = Study(measure, self._lost, _to_json, _from_json, journal, announce, processes)
+        self.study: Study[Taken] = Study(measure, self._lost, _to_json, _from_json, journal, announce, pool)
 
     def run(self, number: int, points: Sequence[Point]) -> None:
         """Measure points in a round, as long as there is time."""
@@ -64,9 +64,9 @@ class Rounds:
         return self.study.results.get(_key(number, point))
 
     def repeats(self, point: Point, rounds: int) -> list[Taken]:
-        """What a point took, round by round, where it finished."""
-        every = (self.taken(number, point) for number in range(rounds))
-        return [taken for taken in every if taken is not None and taken.outcome == Outcome.FINISHED]
+        """What a point took, round by round, where it finished, on the machine that made the first."""
+        every = [taken for number in range(rounds) if (taken := self.taken(number, point)) is not None]
+        return [taken for taken in every if taken.outcome == Outcome.FINISHED and taken.host == every[0].host]
 
     def is_worth_repeating(self, point: Point, number: int) -> bool:
         """Whether a point takes part in a later round: while it has not taken too long."""
@@ -89,7 +89,7 @@ class Rounds:
 
     def _lost(self, lost: Lost, *_: object) -> Taken | None:
         """A run that gave no result; None where it was ended by our own deadline, not by the engine's fault."""
-        return Taken(lost.outcome.value, lost.reason) if self._left() > 0.0 else None
+        return Taken(lost.outcome.value, lost.reason, host=lost.host) if self._left() > 0.0 else None
 
     def _left(self) -> float:
         return self.ends - time.monotonic()
@@ -153,4 +153,5 @@ def _record(
         outcome=taken.outcome,
         detail=taken.reason,
         used=taken.used,
+        host=taken.host,
     )

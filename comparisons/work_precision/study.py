@@ -16,6 +16,7 @@ from comparisons.reference.case import Case
 from comparisons.runs.journal import Journal
 from comparisons.runs.study import Announce
 from comparisons.runs.timing import Noise
+from comparisons.runs.workers import ONE_BY_ONE, Pool
 from comparisons.work_precision.analysis import judged
 from comparisons.work_precision.points import FULL, Extent, Point, Track, tracks
 from comparisons.work_precision.records import BenchRecord, PointRecord, by_quantity
@@ -32,7 +33,7 @@ class BenchRequest:
     """What to measure; no ``methods`` means all of them.
 
     Solver efforts are tried on the first regime of every mechanism alone, which is enough to tell what they do.
-    ``processes`` is 1, or 0 to stay in this process, without bounds.
+    The ``pool`` makes one run at a time on a machine.
     """
 
     cases: tuple[Case, ...]
@@ -41,7 +42,7 @@ class BenchRequest:
     settings: tuple[Setting, ...] = tuple(Setting)
     methods: tuple[str, ...] = ()
     extent: Extent = FULL
-    processes: int = 1
+    pool: Pool = ONE_BY_ONE
 
 
 @dataclass(frozen=True)
@@ -72,7 +73,7 @@ def bench(request: BenchRequest, announce: Announce = lambda *_: None, journal: 
         *(request.cases, request.quantities, request.extent),
         announce=announce,
         journal=journal,
-        processes=request.processes,
+        pool=request.pool,
     )
     while batch := [(track, point) for track in sweeps if (point := track.next()) is not None]:
         rounds.run(0, [point for _, point in batch])

@@ -15,7 +15,7 @@ from comparisons.judging.run_result import from_bytes, to_bytes
 from comparisons.judging.verdicts import Standard
 from comparisons.reference.case import Case, unpickled
 from comparisons.runs.study import Study, Task
-from comparisons.runs.workers import Bounds
+from comparisons.runs.workers import Bounds, LocalPool
 from engines.contract import Setting
 from engines.registry import engine
 from reports.command_line.requests import CampaignChoice, RunLimits, request
@@ -87,7 +87,7 @@ class CampaignRun:
 
     def records(self) -> tuple[Record, ...]:
         """Make the run in a worker process, within its bounds, and judge it; no invariants where it failed."""
-        study = Study(judged, lost, to_bytes, from_bytes, processes=1)
+        study = Study(judged, lost, to_bytes, from_bytes, pool=LocalPool(1))
         (result,) = study.in_order([self.task], self.campaign.bounds)
         result = rejudged(result, self.campaign.standard)
         return (*result.records, *result.invariants)

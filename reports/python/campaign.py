@@ -13,6 +13,7 @@ from comparisons.campaign.campaign import compare as run_campaign
 from comparisons.campaign.key_figures import KeyFigure
 from comparisons.campaign.standards import judged_campaign
 from comparisons.judging.records import Record
+from comparisons.runs.workers import LocalPool
 from reports.command_line import PASSED
 from reports.command_line.exit_codes import campaign_exit_code
 from reports.command_line.requests import CampaignChoice, RunLimits, request
@@ -106,7 +107,7 @@ def compare(
     asked, bounds, held, known = in_project(asked, bounds, held)
     held.check()
     wanted, standard = request(asked, known), held.standard(asked)
-    results = list(run_campaign(wanted, bounds=bounds.bounds, processes=bounds.processes))
+    results = list(run_campaign(wanted, bounds=bounds.bounds, pool=LocalPool(bounds.processes)))
     judged = judged_campaign(cases(wanted), results, standard, held.file if held.record else None)
     return Comparison(tuple(judged.records), tuple(judged.figures), tuple(judged.notes))
 

@@ -17,6 +17,7 @@ from comparisons.campaign.errata import judge_errata
 from comparisons.reference.case import Case
 from comparisons.runs.failures import AdapterError
 from comparisons.runs.run_engine import run_engine
+from comparisons.runs.workers import LocalPool
 from comparisons.stress.campaign import make_cells
 from comparisons.stress.cells import find_cell
 from comparisons.work_precision.points import Extent
@@ -99,7 +100,7 @@ def test_two_plugins_of_one_name_are_unavailable_and_both_are_named(plugins):
     reason = "engine 'twin' is announced by other-engines 1.0 and some-engines 1.0: uninstall all of them but one"
     assert (twin.version(), registry.why_unavailable(twin)) == (None, reason)
     request = CampaignRequest((CASE.mechanism.linkage,), (CASE.motion,), "", ("direct", "twin"), quantities=("Mkr",))
-    direct, other = compare(request, processes=0)
+    direct, other = compare(request, pool=LocalPool(0))
     assert {record.outcome for record in direct.records} == {"passed"}
     assert {(record.outcome, record.detail) for record in other.records} == {("unavailable", reason)}
 
@@ -117,10 +118,10 @@ def test_an_engine_too_old_is_refused_by_name_and_a_row_otherwise(monkeypatch):
 def test_a_plugin_that_cannot_be_imported_costs_its_own_rows_in_every_study(plugins):
     names, words = ("raising", "failing"), {"ValueError: at import", "ZeroDivisionError: ran"}
     request = CampaignRequest((CASE.mechanism.linkage,), (CASE.motion,), "", names, quantities=("Mkr",))
-    compared = [record for result in compare(request, processes=0) for record in result.records]
+    compared = [record for result in compare(request, pool=LocalPool(0)) for record in result.records]
     extent = Extent((8.0,), budget=1.0, repeats=1, patience=0.1)
-    benched = bench(BenchRequest((CASE,), names, ("Mkr",), (Setting.TUNED,), extent=extent, processes=0)).records
-    errata = list(judge_errata([load("slotted-takeup")], names, processes=0))
+    benched = bench(BenchRequest((CASE,), names, ("Mkr",), (Setting.TUNED,), extent=extent, pool=LocalPool(0))).records
+    errata = list(judge_errata([load("slotted-takeup")], names, pool=LocalPool(0)))
     cells = make_cells([find_cell(f"start/positions/1e-06/{name}/tuned") for name in names])
     rows = [
         *((record.engine, record.outcome, record.detail) for record in (*compared, *benched)),

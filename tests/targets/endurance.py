@@ -31,6 +31,7 @@ from comparisons.datasheet.saved import FILE as SHEETS
 from comparisons.judging.run_result import ARRAYS
 from comparisons.runs.journal import HEADER, Journal
 from comparisons.runs.worker_process import START
+from comparisons.runs.workers import LocalPool
 from engines.contract import Setting
 
 COMMAND = "linkproof compare --regime all --engine direct"
@@ -97,7 +98,7 @@ def request() -> CampaignRequest:
 def run_campaign(folder: Path, processes: int) -> None:
     """The campaign as the command runs it: taking up what is kept, keeping what is finished, then written at once."""
     asked, journal = request(), Journal(folder, COMMAND)
-    results = list(compare(asked, processes=processes, journal=journal))
+    results = list(compare(asked, pool=LocalPool(processes), journal=journal))
     save(folder, results, document(asked, results, COMMAND), sheets(asked, processes=processes))
     journal.clear()
 

@@ -20,6 +20,7 @@ from comparisons.campaign.sheets import sheets
 from comparisons.campaign.standards import judged_campaign
 from comparisons.reference.published import PublishedRecord, all_variants, compare_published
 from comparisons.runs.failures import Failure
+from comparisons.runs.workers import LocalPool
 from engines.registry import engine, engine_names
 from reports.campaign.terminal import printout
 from reports.command_line import PASSED, SUITE_ERROR
@@ -55,7 +56,7 @@ def compare(
     kept = journal(out, choice.command, wanted.engines, wanted.linkages, resume=destination.resume) if out else None
     with interruptible(out) as counting:
         with destination.progress() as announce, destination.own_stdout():
-            running: dict[str, Any] = {"bounds": limits.bounds, "processes": limits.processes, "journal": kept}
+            running: dict[str, Any] = {"bounds": limits.bounds, "pool": LocalPool(limits.processes), "journal": kept}
             results = list(run_campaign(wanted, counting(announce), **running))
             errata = _errata(wanted, running) if destination.json or out else []
         judged = judged_campaign(cases(wanted), results, standard, held.file if held.record else None)

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from analytic.errors import LinkproofError
 from comparisons.judging.records import to_json
 from comparisons.runs.files import write_text
+from comparisons.runs.workers import LocalPool
 from comparisons.stress.axes import chosen_axes
 from comparisons.stress.campaign import StressRequest, make_cells, stress
 from comparisons.stress.cells import find_cell
@@ -80,7 +81,7 @@ def _request(choice: StressChoice, jobs: int | None) -> StressRequest:
             f"'linkproof[{engines[0] if engines else 'pymunk'}]'"
         )
     axes = tuple(chosen_axes(choice.words))
-    return StressRequest(axes, present, choice.settings, choice.quick, jobs, choice.time_limit)
+    return StressRequest(axes, present, choice.settings, choice.quick, LocalPool(jobs), choice.time_limit)
 
 
 def _alone(choice: StressChoice, destination: Destination) -> int:

@@ -22,7 +22,7 @@ from comparisons.judging.run_result import ARRAYS
 from comparisons.judging.verdicts import Standard, shipped_standard
 from comparisons.runs.failures import GIB
 from comparisons.runs.journal import Journal
-from comparisons.runs.workers import Bounds
+from comparisons.runs.workers import Bounds, LocalPool
 from engines.contract import Abilities, Origin, Outcome, ReadOut, Run, Setting, Signal
 from engines.scene import Channel
 from tests.comparisons.faults import announce_engines, fail
@@ -188,7 +188,7 @@ def test_an_exception_of_ours_is_no_fault_of_the_engine(with_engine, monkeypatch
     with_engine(Scripted(_finished))
     monkeypatch.setenv("LINKPROOF_WORKER_START", "fork")
     monkeypatch.setattr(campaign, function, _raise_type_error)
-    (result,) = compare(_request(), processes=processes)
+    (result,) = compare(_request(), pool=LocalPool(processes))
     assert {r.outcome for r in result.records} == {"suite-error"}
     assert result.records[0].detail.startswith(
         "this is a fault of linkproof: TypeError: of our own making (comparisons"
@@ -201,7 +201,7 @@ def test_the_whole_traceback_is_shown_where_it_is_asked_for(with_engine, monkeyp
     with_engine(Scripted(_raise_type_error))
     monkeypatch.setenv("LINKPROOF_WORKER_START", "fork")
     monkeypatch.setenv("LINKPROOF_WORKER_OUTPUT", "1")
-    list(compare(_request(), processes=processes))
+    list(compare(_request(), pool=LocalPool(processes)))
     assert "in _raise_type_error" in capfd.readouterr().err
 
 
@@ -339,21 +339,21 @@ def _untimed(result):
 
 
 def test_runs_in_workers_give_the_same_in_the_same_order():
-    expected = [_untimed(result) for result in compare(_parallel(), processes=0)]
-    assert [_untimed(result) for result in compare(_parallel(), processes=2)] == expected
+    expected = [_untimed(result) for result in compare(_parallel(), pool=LocalPool(0))]
+    assert [_untimed(result) for result in compare(_parallel(), pool=LocalPool(2))] == expected
     assert len(expected) == 8
 
 
 def test_a_released_crank_is_the_same_in_a_worker():
     own = _parallel(linkages=(TAKEUP,), motions=(), own_regimes=("free",))
-    (here,), (there,) = compare(own, processes=0), compare(own, processes=1)
+    (here,), (there,) = compare(own, pool=LocalPool(0)), compare(own, pool=LocalPool(1))
     assert _untimed(there) == _untimed(here)
     assert {record.outcome for record in here.records} == {"passed"}
 
 
 def test_every_run_begun_and_every_run_finished_is_announced():
     heard = []
-    list(compare(_parallel(), lambda *words: heard.append(words), processes=2))
+    list(compare(_parallel(), lambda *words: heard.append(words), pool=LocalPool(2)))
     labels = {f"{k.name}, {m.regime}: direct {s}" for k in (JUKI, TAKEUP) for m in BRIEF for s in ("naive", "tuned")}
     assert {label for label, *_ in heard} == labels
     assert sorted({finished for _, finished, _ in heard}) == list(range(9))
@@ -362,21 +362,21 @@ def test_every_run_begun_and_every_run_finished_is_announced():
 
 @pytest.mark.parametrize("processes", [0, 2])
 def test_a_journal_keeps_what_is_finished_and_spares_it(tmp_path, processes):
-    expected = [_untimed(result) for result in compare(_parallel(), processes=0)]
+    expected = [_untimed(result) for result in compare(_parallel(), pool=LocalPool(0))]
     journal = Journal(tmp_path, "as tested")
-    begun = compare(_parallel(), processes=processes, journal=journal)
+    begun = compare(_parallel(), pool=LocalPool(processes), journal=journal)
     next(begun)
     begun.close()
     kept = journal.kept()
     assert 1 <= len(kept) < 8
     heard = []
-    results = compare(_parallel(), lambda *words: heard.append(words), processes=processes, journal=journal)
+    results = compare(_parallel(), lambda *words: heard.append(words), pool=LocalPool(processes), journal=journal)
     assert [_untimed(result) for result in results] == expected
     assert min(finished for _, finished, _ in heard) == len(kept)
     assert set(journal.kept()) == {task.key for task in tasks(_parallel())}
     # no run left: nothing is begun, and what was kept is what comes, timings and all
     heard.clear()
-    again = list(compare(_parallel(), lambda *words: heard.append(words), processes=processes, journal=journal))
+    again = list(compare(_parallel(), lambda *words: heard.append(words), pool=LocalPool(processes), journal=journal))
     assert heard == []
     assert [_untimed(result) for result in again] == expected
 
@@ -404,7 +404,7 @@ def test_faulty_engines_cost_their_own_rows(tmp_path, monkeypatch, capfd):
     monkeypatch.syspath_prepend(tmp_path)
     faulty = ("aborting", "hanging", "leaving", "raising", "swelling", "writing")
     request = _parallel(linkages=(JUKI,), motions=BRIEF[:1], engines=("direct", *faulty), settings=(Setting.TUNED,))
-    results = list(compare(request, bounds=Bounds(seconds=3.0, memory=GIB // 4), processes=2))
+    results = list(compare(request, bounds=Bounds(seconds=3.0, memory=GIB // 4), pool=LocalPool(2)))
     told = {result.records[0].engine: {(r.outcome, r.detail) for r in result.records} for result in results}
     assert list(told) == list(request.engines)
     assert told == {

@@ -6,6 +6,7 @@ import pytest
 from analytic.description.loading import literature, load
 from comparisons.campaign.campaign import compare
 from comparisons.judging.records import Verdict
+from comparisons.runs.workers import LocalPool
 from reports.command_line.requests import CampaignChoice, request
 from tests.analytic.linkages import FOLDER
 
@@ -28,7 +29,7 @@ def _choice(name: str, variant: str) -> CampaignChoice:
 
 @pytest.mark.parametrize(("name", "variant"), VARIANTS)
 def test_the_second_derivation_agrees_to_rounding(name, variant):
-    for result in compare(request(_choice(name, variant)), processes=0):
+    for result in compare(request(_choice(name, variant)), pool=LocalPool(0)):
         records = [*result.records, *result.invariants]
         assert {record.outcome for record in records} == {Verdict.PASSED}
         held = [record.error_max for record in records if record.quantity != "energy_balance"]

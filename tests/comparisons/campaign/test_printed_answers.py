@@ -4,13 +4,14 @@ import pytest
 
 from comparisons.campaign.printed_answers import engine_answers
 from comparisons.reference.published import all_variants, compare_published
+from comparisons.runs.workers import LocalPool
 from reports.document.terminal import rendered
 from reports.mechanism import terminal
 from tests.comparisons.faults import announce
 
 
 def _answers(name, *engines):
-    return list(engine_answers(all_variants(name)[:1], engines, processes=0))
+    return list(engine_answers(all_variants(name)[:1], engines, pool=LocalPool(0)))
 
 
 @pytest.mark.parametrize("name", ["slotted-lever", "shaper-quick-return", "teaching-four-bar", "jansen-leg"])
@@ -34,7 +35,7 @@ def test_an_engine_that_fails_says_why_and_the_table_names_the_source(tmp_path, 
     announce(tmp_path, "bad", {"bad": "tests.comparisons.faults:Raising"})
     monkeypatch.syspath_prepend(str(tmp_path))
     linkages = all_variants("teaching-four-bar")
-    answers = list(engine_answers(linkages, ("bad", "direct"), processes=0))
+    answers = list(engine_answers(linkages, ("bad", "direct"), pool=LocalPool(0)))
     assert {one.answer for one in answers if one.engine == "bad"} == {None}
     assert all("adapter" in one.reason for one in answers if one.engine == "bad")
     sources = {one.name: one.source for one in linkages}

@@ -2,10 +2,10 @@
 
 import pytest
 
-from comparisons.runs import study as spine
 from comparisons.runs.failures import Failure, Lost
 from comparisons.runs.journal import Journal
 from comparisons.runs.study import Study, Task
+from comparisons.runs.workers import LocalPool
 from tests.comparisons.faults import job
 
 TASKS = [Task(f"task {n}", ("fine", n), f"label {n}", weight=n) for n in (1, 3, 2)]
@@ -15,7 +15,7 @@ def study(**changes):
     def lost(loss, kind, value):
         return f"{kind} {value}: {loss.outcome}"
 
-    common = {"lost": lost, "encode": lambda value: str(value).encode(), "decode": int, "processes": 0}
+    common = {"lost": lost, "encode": lambda value: str(value).encode(), "decode": int, "pool": LocalPool(0)}
     return Study(**{"function": job, **common, **changes})
 
 
@@ -25,7 +25,7 @@ def failing(*_):
 
 def test_results_come_in_the_order_of_the_tasks():
     assert list(study().in_order(TASKS)) == [1, 3, 2]
-    assert list(study(processes=2).in_order(TASKS)) == [1, 3, 2]
+    assert list(study(pool=LocalPool(2)).in_order(TASKS)) == [1, 3, 2]
 
 
 def test_several_processes_begin_with_the_heaviest(monkeypatch):
@@ -36,8 +36,8 @@ def test_several_processes_begin_with_the_heaviest(monkeypatch):
             begun.append(arguments[1])
             yield number, function(*arguments)
 
-    monkeypatch.setattr(spine, "run_jobs", run_jobs)
-    assert list(study(processes=2).in_order(TASKS)) == [1, 3, 2]
+    monkeypatch.setattr("comparisons.runs.workers.run_jobs", run_jobs)
+    assert list(study(pool=LocalPool(2)).in_order(TASKS)) == [1, 3, 2]
     assert begun == [3, 2, 1]
 
 
@@ -90,7 +90,7 @@ def test_closing_a_study_ends_its_workers(monkeypatch):
         finally:
             closed.append(True)
 
-    monkeypatch.setattr(spine, "run_jobs", run_jobs)
+    monkeypatch.setattr("comparisons.runs.workers.run_jobs", run_jobs)
     results = study().in_order(TASKS)
     next(results)
     results.close()

@@ -5,6 +5,7 @@ from dataclasses import replace
 import pytest
 
 from comparisons.runs.journal import Journal
+from comparisons.runs.workers import LocalPool
 from comparisons.stress import campaign
 from comparisons.stress.axes import axes
 from comparisons.stress.campaign import StressRequest, make_cells, stress, summary
@@ -15,7 +16,7 @@ START = replace(axes()["start"], quick=(1e-8,))
 
 
 def request(**changes):
-    return replace(StressRequest((START,), ("direct",), ("tuned",), quick=True, processes=0), **changes)
+    return replace(StressRequest((START,), ("direct",), ("tuned",), quick=True, pool=LocalPool(0)), **changes)
 
 
 def test_every_cell_is_made_once_and_counted():

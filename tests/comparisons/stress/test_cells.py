@@ -9,6 +9,7 @@ import pytest
 from analytic.errors import LinkproofError, UnknownNameError
 from comparisons.runs.failures import AdapterError, Failure, Lost
 from comparisons.runs.journal import Journal
+from comparisons.runs.workers import LocalPool
 from comparisons.stress import campaign
 from comparisons.stress import cells as stress
 from comparisons.stress.axes import axes
@@ -172,7 +173,7 @@ def test_json_holds_all_of_a_cell(with_engine, engine):
 
 def request(**changes):
     axis = dataclasses.replace(axes()["mass"], rows=(axes()["mass"].row("four-bar, coupler"),))
-    return StressRequest((axis,), ("perfect",), ("tuned",), processes=0, **changes)
+    return StressRequest((axis,), ("perfect",), ("tuned",), pool=LocalPool(0), **changes)
 
 
 def test_an_engine_that_lies_is_caught_in_every_cell_and_its_border_found(with_engine):

@@ -10,10 +10,9 @@ from analytic.description.loading import load
 from analytic.errors import UnknownNameError
 from analytic.kinematics.mechanism import Mechanism
 from comparisons.reference.case import Case
-from comparisons.runs import study as spine
-from comparisons.runs import workers
 from comparisons.runs.failures import Failure, Lost
 from comparisons.runs.journal import Journal
+from comparisons.runs.workers import LocalPool, run_jobs
 from comparisons.work_precision import measure, rounds
 from comparisons.work_precision import study as benchmark
 from comparisons.work_precision.analysis import findings
@@ -26,7 +25,7 @@ from tests.comparisons.bench_engine import KnownEngine
 
 CASE = Case(Mechanism(load("juki-mf7923d")), crank_motion("run-up-quintic", ramp_time=0.15, hold_time=0.0))
 EXTENT = Extent(tuple(12.0 * 2.0**k for k in range(9)), budget=1.0, repeats=3, patience=10.0, effort_stride=1)
-REQUEST = BenchRequest((CASE,), ("known",), ("Mkr",), extent=EXTENT, processes=0)
+REQUEST = BenchRequest((CASE,), ("known",), ("Mkr",), extent=EXTENT, pool=LocalPool(0))
 
 
 def _installed(monkeypatch):
@@ -120,17 +119,17 @@ def test_a_method_that_raises_costs_its_own_points(measured):
 
 
 def _here(function, job):
-    ((_, found),) = workers.run_jobs(function, [job], processes=0)
+    ((_, found),) = run_jobs(function, [job], processes=0)
     return found
 
 
 def test_a_process_that_dies_costs_its_own_point(known, monkeypatch):
-    def run_jobs(function, jobs, **_):
+    def dying(function, jobs, **_):
         for number, job in enumerate(jobs):
             dies = job[2] is Setting.BEST
             yield number, Lost(Failure.CRASHED, "died by signal 6 (SIGABRT)") if dies else _here(function, job)
 
-    monkeypatch.setattr(spine, "run_jobs", run_jobs)
+    monkeypatch.setattr("comparisons.runs.workers.run_jobs", dying)
     found = {one.setting: one for one in bench(REQUEST).records if one.kind == SETTING}
     assert (found["best"].outcome, found["best"].detail) == ("crashed", "died by signal 6 (SIGABRT)")
     assert found["tuned"].finished
