@@ -17,7 +17,7 @@ from comparisons.campaign.errata import ErratumRecord, judge_errata
 from comparisons.campaign.printed_answers import engine_answers
 from comparisons.campaign.results import document, save
 from comparisons.campaign.sheets import sheets
-from comparisons.campaign.standards import judged_campaign
+from comparisons.campaign.standards import JudgedCampaign, judged_campaign
 from comparisons.reference.published import PublishedRecord, all_variants, compare_published
 from comparisons.runs.failures import Failure
 from comparisons.runs.workers import LocalPool
@@ -62,12 +62,9 @@ def compare(
         judged = judged_campaign(cases(wanted), results, standard, held.file if held.record else None)
         if destination.json or out:
             command = choice.command + held.words + limits.words + (" --out DIR" if out else "")
-            readouts = {name: engine(name).abilities.told() for name in wanted.engines}
-            saved = {**document(wanted, judged.results, command, errata, readouts), **judged.told}
+            saved = campaign_document(wanted, judged, command, errata)
             destination.write_json(saved)
-            if out:
-                save(out, judged.results, saved, sheets(wanted, bounds=limits.bounds, processes=limits.processes))
-                destination.write_pages(limits.processes)
+            save_campaign(destination, wanted, judged, saved, limits)
         if kept:
             kept.clear()
     if held.record:
@@ -75,6 +72,24 @@ def compare(
     destination.write_junit(judged.records, judged.figures)
     destination.print_out(printout(judged.results, judged.figures, judged.notes))
     return campaign_exit_code(judged.records, errata, judged.figures)
+
+
+def campaign_document(
+    wanted: CampaignRequest, judged: JudgedCampaign, command: str, errata: Sequence[ErratumRecord] = ()
+) -> dict[str, Any]:
+    """Everything of a judged campaign but its curves, JSON-ready."""
+    readouts = {name: engine(name).abilities.told() for name in wanted.engines}
+    return {**document(wanted, judged.results, command, errata, readouts), **judged.told}
+
+
+def save_campaign(
+    destination: Destination, wanted: CampaignRequest, judged: JudgedCampaign, told: dict[str, Any], limits: RunLimits
+) -> None:
+    """Write a judged campaign and its pages into the folder of the destination, if it has one."""
+    if destination.folder is not None:
+        made = sheets(wanted, bounds=limits.bounds, processes=limits.processes)
+        save(destination.folder, judged.results, told, made)
+        destination.write_pages(limits.processes)
 
 
 def _errata(wanted: CampaignRequest, running: dict[str, Any]) -> list[ErratumRecord]:
