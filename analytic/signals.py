@@ -27,13 +27,14 @@ from numpy.typing import NDArray
 
 from analytic.description.linkage import Linkage
 from analytic.errors import UnknownNameError
+from analytic.kinematics.frames import Scalar
 from analytic.kinematics.mechanism import Mechanism
 from analytic.kinematics.transmission import transmission_angle
 from analytic.moving import Moving
 from analytic.request import unit_of
 
 Array = NDArray[np.float64]
-Formula = Callable[[Moving], Array]
+Formula = Callable[[Moving], Scalar]
 
 DRIVE: Final[Mapping[str, Formula]] = {
     "phi": lambda at: at.sweep.angle,
@@ -84,7 +85,7 @@ def signal(at: Moving, name: str) -> Array:
     known = formulas(at.mechanism)
     if name not in known:
         raise UnknownNameError("signal", name, known)
-    return np.array(np.broadcast_to(known[name](at), at.sweep.angle.shape), dtype=float)
+    return np.copy(np.broadcast_to(known[name](at), at.sweep.angle.shape))
 
 
 def moving_points(linkage: Linkage) -> tuple[str, ...]:
@@ -113,7 +114,7 @@ def formulas(mechanism: Mechanism) -> Mapping[str, Formula]:
     }
 
 
-def _each(kind: str, parts: Iterable[str], formula: Callable[..., Array]) -> dict[str, Formula]:
+def _each(kind: str, parts: Iterable[str], formula: Callable[..., Scalar]) -> dict[str, Formula]:
     """The signals of a kind: every component of every part."""
     return {
         f"{kind}:{part}:{component}": partial(formula, name=part, component=component)
@@ -122,32 +123,32 @@ def _each(kind: str, parts: Iterable[str], formula: Callable[..., Array]) -> dic
     }
 
 
-def _point(at: Moving, name: str, component: str) -> Array:
+def _point(at: Moving, name: str, component: str) -> Scalar:
     order, axis = divmod(ORDERS.index(component), 2)
     if order == 0:
-        return np.asarray(at.sweep.point(name)[axis])
+        return at.sweep.point(name)[axis]
     first = at.sweep.point(name, 1)[axis]
     if order == 1:
-        return np.asarray(first * at.speed)
-    return np.asarray(at.sweep.point(name, 2)[axis] * at.speed**2 + first * at.acceleration)
+        return first * at.speed
+    return at.sweep.point(name, 2)[axis] * at.speed**2 + first * at.acceleration
 
 
-def _link(at: Moving, name: str, component: str) -> Array:
+def _link(at: Moving, name: str, component: str) -> Scalar:
     if component == "angle":
         return at.sweep.angles(name)
     first = at.sweep.rates(name)[2]
     if component == "omega":
-        return np.asarray(first * at.speed)
-    return np.asarray(at.sweep.accelerations(name)[2] * at.speed**2 + first * at.acceleration)
+        return first * at.speed
+    return at.sweep.accelerations(name)[2] * at.speed**2 + first * at.acceleration
 
 
-def _joint_force(at: Moving, name: str, component: str) -> Array:
-    return np.asarray(at.joint_forces[name]["xy".index(component)])
+def _joint_force(at: Moving, name: str, component: str) -> Scalar:
+    return at.joint_forces[name]["xy".index(component)]
 
 
-def _shaking(at: Moving, row: int) -> Array:
-    return np.asarray(at.shaking[row])
+def _shaking(at: Moving, row: int) -> Scalar:
+    return at.shaking[row]
 
 
-def _transmission(at: Moving, row: int) -> Array:
+def _transmission(at: Moving, row: int) -> Scalar:
     return transmission_angle(at.sweep, at.sweep.structure.dyads[row])

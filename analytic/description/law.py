@@ -76,6 +76,9 @@ class Law:
 
     def __call__(self, angle: ArrayLike, order: int = 0) -> NDArray[np.float64]:
         """Value (or its derivative of the given order over φ) at each angle; shape (k, *angle.shape)."""
+        if hasattr(angle, "chained"):  # an angle that carries derivatives
+            chained: NDArray[np.float64] = angle.chained(lambda plain, further: self(plain, order + further))
+            return chained
         angle = np.asarray(angle, dtype=float)
         if self.angles is None:
             values = self.values if order == 0 else np.zeros_like(self.values)

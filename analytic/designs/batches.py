@@ -43,7 +43,7 @@ def in_blocks(
     which nothing can be said, as a group that is followed cannot be assembled as its sketch shows it, are left out.
     """
     count = len(next(iter(arrays.values())))
-    jointly = not mechanism.is_numerical and not any(dyad.changes for dyad in mechanism.structure.dyads)
+    jointly = goes_together(mechanism)
     jointly_swept = _together(mechanism, arrays)
 
     def part(rows: range) -> None:
@@ -55,6 +55,11 @@ def in_blocks(
 
     step = size if jointly else 1
     in_threads(part, [range(first, min(first + step, count)) for first in range(0, count, step)], cores)
+
+
+def goes_together(mechanism: Mechanism) -> bool:
+    """Whether all designs of a linkage can be put into one sweep."""
+    return not mechanism.is_numerical and not any(dyad.changes for dyad in mechanism.structure.dyads)
 
 
 def faults_of(sweep: Sweep) -> Booleans:
@@ -69,7 +74,7 @@ def _together(mechanism: Mechanism, arrays: Mapping[str, Array]) -> Sweeps:
     zeros = {name: 0.0 for name, values in arrays.items() if not np.any(values)}
 
     def sweep(rows: Integers, phi: Array) -> Sweep:
-        linkage = _with(mechanism.linkage, {name: values[rows, None] for name, values in arrays.items()} | zeros)
+        linkage = with_numbers(mechanism.linkage, {name: values[rows, None] for name, values in arrays.items()} | zeros)
         return Sweep(linkage, find_structure(linkage).with_signs(signs), phi, np.zeros(phi.shape, dtype=bool))
 
     return sweep
@@ -77,9 +82,10 @@ def _together(mechanism: Mechanism, arrays: Mapping[str, Array]) -> Sweeps:
 
 def _alone(mechanism: Mechanism, arrays: Mapping[str, Array], design: int) -> Sweeps:
     """Sweeps of one of these designs; raises AssemblyError where it cannot be assembled as its sketch shows it."""
-    own = mechanism.redesigned(_with(mechanism.linkage, {name: float(a[design]) for name, a in arrays.items()}))
+    own = mechanism.redesigned(with_numbers(mechanism.linkage, {name: float(a[design]) for name, a in arrays.items()}))
     return lambda _, phi: Sweep(own.linkage, own.structure, phi, np.zeros(phi.shape, dtype=bool))
 
 
-def _with(linkage: Linkage, numbers: Mapping[str, Any]) -> Linkage:
+def with_numbers(linkage: Linkage, numbers: Mapping[str, Any]) -> Linkage:
+    """The linkage with numbers by name in place of its own; they may be arrays."""
     return changed(linkage, lambda name, _, value: numbers.get(name, value))

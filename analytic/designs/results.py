@@ -60,7 +60,7 @@ def design_figures(
     arrays = checked(mechanism.linkage, parameters)
     count = len(next(iter(arrays.values())))
     share = np.full(places.shape, 1.0 / len(places)) if weights is None else np.asarray(weights, dtype=float)
-    full = None if mechanism.linkage.is_linear or not _is_turn(places) else FULL_TURN
+    full = None if mechanism.linkage.is_linear or not is_turn(places) else FULL_TURN
     asked = Asked(mechanism, tuple(figures), places, speed, share, full if period == "auto" else period, refine)
     found = np.full((len(figures), count), np.nan)
 
@@ -71,7 +71,7 @@ def design_figures(
     return found
 
 
-def _is_turn(places: Array) -> bool:
+def is_turn(places: Array) -> bool:
     """Whether crank angles, rad, divide a turn evenly, the end left out."""
     step = FULL_TURN / len(places)
     return bool(np.all(np.abs(np.diff(places) - step) <= EVEN * step))

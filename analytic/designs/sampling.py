@@ -108,7 +108,7 @@ class _Chunk:
         if "S" in names and not self.asked.refine:
             self.farthest[here] = np.max(at.sweep.output(), axis=1)
             at = replace(at, farthest=self.farthest[here, None])
-        return {name: _values(at, name) for name in names}
+        return {name: curve(at, name) for name in names}
 
     def _at(self, here: Integers, phi: Array, *, only_output: bool = False) -> MovingSweep:
         """Some of the designs at crank angles, (designs, angles), with all groups solved; faults are noted."""
@@ -128,7 +128,7 @@ class _Chunk:
         for start in range(0, len(every), BLOCK):
             here = slice(start, start + BLOCK)
             at = self._at(every[here], flat[here, None], only_output=name == OUTPUT)
-            values[here] = _values(at, name)[:, 0]
+            values[here] = curve(at, name)[:, 0]
         values = values.reshape(phi.shape)
         if _is_angle(name):
             values += FULL_TURN * np.round((near[:, None] - values) / FULL_TURN)
@@ -142,27 +142,27 @@ class _Chunk:
             turns = np.round((values[:, -1:] - values[:, :1]) / period) if _is_angle(extreme[0]) else 0.0
             values = np.concatenate([values, values[:, :1] + period * turns], axis=1)
         signs = _signs(extreme, values)
-        found = tops(signs * (values - _middle(extreme[0])))
+        found = tops(signs * (values - middle(extreme[0])))
         own = signs[found.curve, found.best]
-        heights = own[:, None] * (values[found.curve[:, None], found.near] - _middle(extreme[0]))
+        heights = own[:, None] * (values[found.curve[:, None], found.near] - middle(extreme[0]))
         return _Marked(Tops(found.curve + start, grid[found.near], heights), own)
 
     def _highest(self, extreme: Extreme, parts: Sequence[_Marked]) -> Array:
         """The true extreme of a signal of every design, (designs,)."""
-        name, middle = extreme[0], _middle(extreme[0])
+        name, level = extreme[0], middle(extreme[0])
         found = Tops(*(np.concatenate(columns) for columns in zip(*(part.tops for part in parts), strict=True)))
         signs = np.concatenate([part.signs for part in parts])
-        near = signs * np.max(found.heights, axis=1) + middle
+        near = signs * np.max(found.heights, axis=1) + level
 
         def heights(top: Integers, phi: Array) -> Array:
             seen = self._seen(name, found.curve[top], phi, near[top])
-            return np.asarray(signs[top, None] * (seen - middle))
+            return np.asarray(signs[top, None] * (seen - level))
 
         top, sign = summits(found, signs, heights, len(self.rows))
-        return np.asarray(sign * top + middle)
+        return np.asarray(sign * top + level)
 
 
-def _values(at: MovingSweep, name: str) -> Array:
+def curve(at: MovingSweep, name: str) -> Array:
     """A signal, the magnitude of a vector, or the output's coordinate."""
     if name == OUTPUT:
         return at.sweep.output()
@@ -176,7 +176,7 @@ def _is_angle(name: str) -> bool:
     return name == "phi" or (name.startswith("link:") and name.endswith(":angle"))
 
 
-def _middle(name: str) -> float:
+def middle(name: str) -> float:
     """What a peak is farthest from."""
     return 0.5 * np.pi if name.startswith("transmission_angle:") else 0.0
 
@@ -185,7 +185,7 @@ def _signs(extreme: Extreme, values: Array) -> Array:
     """What a signal is multiplied by so that its extreme is its highest value."""
     name, sense = extreme
     if sense is Reduction.PEAK:
-        return np.where(values < _middle(name), -1.0, 1.0)
+        return np.where(values < middle(name), -1.0, 1.0)
     return np.full(values.shape, -1.0 if sense is Reduction.MIN else 1.0)
 
 
@@ -193,7 +193,7 @@ def _reduced(figure: Figure, values: Array, share: Array) -> Array:
     """A signal (designs, angles) brought down to a number for each design."""
     reductions: dict[Reduction, Callable[[], Any]] = {
         Reduction.PEAK: lambda: np.take_along_axis(
-            values, np.argmax(np.abs(values - _middle(figure.signal)), axis=1)[:, None], 1
+            values, np.argmax(np.abs(values - middle(figure.signal)), axis=1)[:, None], 1
         )[:, 0],
         Reduction.MEAN: lambda: np.sum(values * share, axis=1),
         Reduction.RMS: lambda: np.sqrt(np.sum(np.square(values) * share, axis=1)),

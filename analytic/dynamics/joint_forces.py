@@ -141,7 +141,7 @@ def _undefined(singular: NDArray[np.bool_], force: Pair) -> Pair:
 
 
 def _full(sweep: Sweep, values: Scalar) -> Array:
-    return np.array(np.broadcast_to(values, sweep.angle.shape), dtype=float)
+    return np.copy(np.broadcast_to(values, sweep.angle.shape))
 
 
 def _vector(sweep: Sweep, pair: Pair) -> Array:

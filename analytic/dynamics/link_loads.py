@@ -85,7 +85,7 @@ class LoadedSweep:
         """A pull along the line between the ends; ends that meet have no such line and pull only by their stretch."""
         (one, two), (here, there) = spring.links, self._ends(spring)
         span = frames.minus(*(self.sweep.local_point(body, at) for body, at in ((one, here), (two, there))))
-        square = np.asarray(frames.dot(span, span))
+        square = frames.dot(span, span)
         inverse = 1.0 / np.sqrt(np.where(square > 0.0, square, np.inf))
         pull = spring.stiffness * (1.0 - spring.length * inverse)  # per unit of length
         if self.turns and not frames.is_zero(spring.damping):

@@ -95,12 +95,10 @@ def gravity_force(sweep: Sweep) -> Array:
     return total
 
 
-def _along(constant: tuple[float, float], vector: Pair) -> Array:
+def _along(constant: Pair, vector: Pair) -> Scalar:
     """Scalar product with a constant vector, without work for its zero components."""
     x, y = constant
-    if is_zero(x):
-        return np.asarray(y * vector[1])
-    return np.asarray(x * vector[0] + y * vector[1])
+    return y * vector[1] if is_zero(x) else x * vector[0] + y * vector[1]
 
 
 def load_force(sweep: Sweep) -> Array:
@@ -186,7 +184,7 @@ def balance(sweep: Sweep, inertia: Array, speed: Array, acceleration: Array) -> 
     torque -= generalised_force(sweep)
     if turns and is_damped(sweep.linkage):
         torque += damping_coefficient(sweep) * speed
-    return np.asarray(torque)
+    return torque
 
 
 def is_damped(linkage: Linkage) -> bool:

@@ -173,14 +173,14 @@ class Sweep:
         return self._centres[body, order]
 
     def _full(self, pair: Pair) -> Array:
-        return np.stack([np.broadcast_to(np.asarray(part, dtype=float), self.angle.shape) for part in pair])
+        return np.stack([np.broadcast_to(part, self.angle.shape) for part in pair])
 
     def output(self, order: int = 0) -> Array:
         """The linkage's output point along the output's direction, m, or a derivative of it; shape of the angles."""
         output = output_of(self.linkage)
         x, y = self.local_point(output.link, self.linkage.local(output.point, output.link), order)
         along = frames.dot(output.along, (x, y))
-        return np.broadcast_to(np.asarray(along, dtype=float), self.angle.shape)
+        return np.broadcast_to(along, self.angle.shape)
 
     def closure_error(self) -> Array:
         """Largest distance between the two ends of any joint, m, per crank angle: loop closure on trial."""

@@ -23,7 +23,7 @@ def transmission_angle(sweep: Sweep, dyad: Dyad) -> Array:
     """The dyad's transmission angle, rad, in [0, π], at every crank angle of the sweep."""
     one, other = _sides(sweep, dyad)
     angle = np.arctan2(np.abs(frames.cross(one, other)), frames.dot(one, other))
-    return np.array(np.broadcast_to(angle, sweep.angle.shape), dtype=float)
+    return np.copy(np.broadcast_to(angle, sweep.angle.shape))
 
 
 def _sides(sweep: Sweep, dyad: Dyad) -> tuple[Pair, Pair]:

@@ -27,24 +27,24 @@ def highest(curves: Callable[[Array], Array], grid: Array, values: Array) -> tup
     Of equal ones it is the first. ``curves`` gives k curves at places (m,) as (k, m); ``values`` (k, n) are theirs on
     the ascending ``grid`` (n,). A top narrower than two steps of the grid may be missed.
     """
-    brackets, row = _brackets(grid, values), np.arange(len(values))
+    sides, row = brackets(grid, values), np.arange(len(values))
     share = np.linspace(0.0, 1.0, PARTS + 1)
     for _ in range(LOOKS):
-        low, middle, high = (brackets[..., side, None] for side in range(3))
+        low, middle, high = (sides[..., side, None] for side in range(3))
         near = np.concatenate([low + (middle - low) * share[:-1], middle + (high - middle) * share], axis=2)
         seen = curves(near.ravel()).reshape(len(row), *near.shape)[row, row]
         best = np.argmax(seen, axis=2)[..., None]
         heights = np.take_along_axis(seen, best, 2)[..., 0]
         best = np.where(heights[..., None] > seen[..., PARTS, None], best, PARTS)  # not an empty left side
         beside = np.clip(best + np.array([-1, 0, 1]), 0, near.shape[2] - 1)
-        brackets = np.take_along_axis(near, beside, 2)
-    places = brackets[:, :, 1]
+        sides = np.take_along_axis(near, beside, 2)
+    places = sides[:, :, 1]
     equal = heights >= np.max(heights, axis=1, keepdims=True) - ROUNDING * np.max(np.abs(values), axis=1, keepdims=True)
     first = np.argmin(np.where(equal, places, np.inf), axis=1)
     return heights[row, first], places[row, first]
 
 
-def _brackets(grid: Array, values: Array) -> Array:
+def brackets(grid: Array, values: Array) -> Array:
     """Places left of, at and right of the highest sampled tops of every curve, (k, TOPS, 3)."""
     walled = np.pad(values, ((0, 0), (1, 1)), constant_values=-np.inf)
     is_top = (values >= walled[:, :-2]) & (values >= walled[:, 2:])

@@ -1,11 +1,17 @@
-"""The root of a function of one number within a bracket."""
+"""The root of a function of one number within a bracket, or of many at once."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
 from typing import Final
 
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+
 MOST_STEPS: Final = 200
+SETTLED: Final = 2e-13  # of a function's larger value at the ends: smaller ones are zero but for rounding
 
 
 def root(function: Callable[[float], float], left: float, right: float) -> float:
@@ -29,3 +35,28 @@ def root(function: Callable[[float], float], left: float, right: float) -> float
             left, low = right, high
         right, high = middle, value
     return right if abs(high) <= abs(low) else left
+
+
+def roots(function: Callable[[Array], Array], left: Array, middle: Array, right: Array) -> Array:
+    """Where each of many continuous functions is zero within its bracket, (m,), to 2e-13 of the bracket's width.
+
+    ``function`` gives the value of each at its own place. One that does not change sign within its bracket has its
+    ``middle`` for an answer. The Illinois method, as ``root`` has it.
+    """
+    low, high = function(left), function(right)
+    least = SETTLED * np.maximum(np.abs(low), np.abs(high))
+    sought = (low > 0.0) != (high > 0.0)
+    best = np.where(sought, np.where(np.abs(low) < np.abs(high), left, right), middle)
+    for _ in range(MOST_STEPS):
+        if not np.any(sought):
+            break
+        with np.errstate(divide="ignore", invalid="ignore"):
+            place = right - high * (right - left) / (high - low)
+        inside = (place > np.minimum(left, right)) & (place < np.maximum(left, right))
+        place = np.where(sought, np.where(inside, place, 0.5 * (left + right)), best)
+        value = function(place)
+        sought &= (np.abs(value) > least) & (np.abs(right - left) > 2.0 * np.spacing(np.abs(best)))
+        same = (value > 0.0) == (high > 0.0)
+        left, low = np.where(same, left, right), np.where(same, 0.5 * low, high)
+        right, high, best = place, value, place
+    return best

@@ -78,7 +78,7 @@ class Exact:
     def __init__(self, sweep: Sweep) -> None:
         mp.dps = DIGITS
         self.linkage: Linkage = sweep.linkage
-        self.angle = mpf(float(sweep.angle))
+        self.angle = sweep.angle if isinstance(sweep.angle, mpf) else mpf(float(sweep.angle))
         start = _start(sweep)
         self.inverse = np.linalg.inv(_jacobian(self.linkage, start))
         self.states = {k: self._solved(start, self.angle + k * STEP) for k in STENCIL}

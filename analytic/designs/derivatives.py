@@ -1,0 +1,293 @@
+"""Derivatives of a design's signals and figures by numbers of its description, exact where there is a closed form.
+
+The formulas of the closed form are given numbers that carry their derivatives (``analytic.numerics.dual``). An extreme
+moves with the numbers, but since the signal is level there only its value counts: its derivative is that of the signal
+at the place of the extreme, which is found as a root of the signal's slope over φ. Where two tops tie whose derivatives
+differ there is none, and it is nan.
+
+Linkages with groups of a higher class, with a driving cylinder or with change points have central differences instead,
+extrapolated to a step of zero (``is_exact`` tells).
+"""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any, Final, NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from analytic.description.changes import Kind, changed, numbers
+from analytic.description.law import FULL_TURN
+from analytic.description.linkage import Linkage
+from analytic.designs.batches import goes_together, with_numbers
+from analytic.designs.figures import Figure, Reduction
+from analytic.designs.results import design_figures, is_turn
+from analytic.designs.sampling import OUTPUT, curve, middle
+from analytic.errors import UnknownNameError
+from analytic.evaluation import MovingSweep
+from analytic.kinematics.decomposition import find_structure
+from analytic.kinematics.mechanism import Mechanism
+from analytic.kinematics.structure import Structure
+from analytic.kinematics.sweep import Sweep
+from analytic.numerics.dual import Dual
+from analytic.numerics.peaks import ROUNDING, brackets
+from analytic.numerics.roots import roots
+
+Array = NDArray[np.float64]
+Model = tuple[Linkage, Structure]
+
+TIE: Final = 1e-9  # of a signal's largest value: tops that differ by less count as equal
+STEP: Final = 2e-3  # of a number, the first of its differences
+SAME: Final = 1e-6  # relative: derivatives at such tops that differ by less count as equal
+
+
+def is_exact(mechanism: Mechanism) -> bool:
+    """Whether derivatives are exact; else they are differences."""
+    return goes_together(mechanism)
+
+
+def signal_gradients(
+    mechanism: Mechanism, parameters: Mapping[str, float], signals: Sequence[str], angle: ArrayLike, *, speed: float
+) -> tuple[Array, Array]:
+    """Signals (signals, angles) and their derivatives (signals, parameters, angles), SI, at crank angles (angles,).
+
+    ``parameters`` are numbers of the description by the names of ``analytic.description.changes``, with the SI values
+    at which to differentiate; a signal may be a magnitude, as in a ``Figure``. S counts from the highest of the angles.
+    The crank turns at a constant ``speed``, rad/s, signed. Raises UnknownNameError, and AssemblyError where the design
+    cannot be assembled.
+    """
+    places = np.asarray(angle, dtype=float)
+    _check_names(mechanism, parameters)
+    if not is_exact(mechanism):
+
+        def curves_of(own: Mapping[str, float]) -> Array:
+            sweep = mechanism.redesigned(with_numbers(mechanism.linkage, own)).sweep(places)
+            far = float(np.max(sweep.output())) if "S" in signals else 0.0
+            at = MovingSweep(mechanism, sweep, np.asarray(speed), np.asarray(0.0), far)
+            return np.stack([curve(at, name) for name in signals])
+
+        return differences(curves_of, parameters, _steps(mechanism, parameters))[:2]
+    design = _Design(mechanism, parameters, speed)
+    design.check(places)
+    far = design.farthest(places, refine=False) if "S" in signals else 0.0
+    at = design.varied(places, far)
+    pairs = [_parts(curve(at, name), len(parameters)) for name in signals]
+    return np.stack([value for value, _ in pairs]), np.stack([slopes for _, slopes in pairs])
+
+
+def figure_gradients(
+    mechanism: Mechanism,
+    parameters: Mapping[str, float],
+    figures: Sequence[Figure],
+    angle: ArrayLike,
+    *,
+    speed: float,
+    weights: ArrayLike | None = None,
+    refine: bool = True,
+) -> tuple[Array, Array]:
+    """Figures (figures,) and their derivatives (figures, parameters), SI.
+
+    ``angle``, ``speed``, ``weights`` and ``refine`` are as for ``analytic.designs.results.design_figures``, and
+    ``parameters`` as for ``signal_gradients``. The derivative is nan where tops tie that move apart.
+    """
+    places = np.asarray(angle, dtype=float)
+    _check_names(mechanism, parameters)
+    if not is_exact(mechanism):
+
+        def figures_of(own: Mapping[str, float]) -> Array:
+            arrays = {name: np.array([value]) for name, value in own.items()}
+            return design_figures(mechanism, arrays, figures, places, speed=speed, weights=weights, refine=refine)[:, 0]
+
+        return differences(figures_of, parameters, _steps(mechanism, parameters))[:2]
+    share = np.full(places.shape, 1.0 / len(places)) if weights is None else np.asarray(weights, dtype=float)
+    design = _Design(mechanism, parameters, speed)
+    design.check(places)
+    far = design.farthest(places, refine) if any(one.signal == "S" for one in figures) else 0.0
+    wanted = tuple(dict.fromkeys(Extreme(one.signal, way) for one in figures for way in WAYS[one.reduction]))
+    found = dict(zip(wanted, design.extremes(wanted, places, far, refine), strict=True))
+    there = design.varied(np.array([one.angle for one in figures if one.reduction is Reduction.AT]), far)
+    over = design.varied(places, far)
+    values, gradients, row = np.empty(len(figures)), np.empty((len(figures), len(parameters))), 0
+    for number, one in enumerate(figures):
+        if one.reduction is Reduction.AT:
+            value, slopes = (part[..., row] for part in _parts(curve(there, one.signal), len(parameters)))
+            row += 1
+        elif WAYS.get(one.reduction):
+            tops = [found[Extreme(one.signal, way)] for way in WAYS[one.reduction]]
+            value, slopes = tops[0] if len(tops) == 1 else tuple(a - b for a, b in zip(*tops, strict=True))
+        else:
+            value, slopes = _averaged(one.reduction, *_parts(curve(over, one.signal), len(parameters)), share)
+        values[number], gradients[number] = value, slopes
+    return values, gradients
+
+
+class Extreme(NamedTuple):
+    """The highest (1), the lowest (-1) value of a signal, or the one farthest from its middle (0)."""
+
+    signal: str
+    way: int
+
+    def height(self, values: Array) -> Array:
+        """What is largest at the extreme."""
+        return self.way * values if self.way else np.abs(values - middle(self.signal))
+
+    def side(self, values: Array) -> Array:
+        """The derivative of the height by the value."""
+        return np.full(values.shape, float(self.way)) if self.way else np.sign(values - middle(self.signal))
+
+
+WAYS: Final[Mapping[Reduction, tuple[int, ...]]] = {
+    **{Reduction.PEAK: (0,), Reduction.MAX: (1,), Reduction.MIN: (-1,), Reduction.RANGE: (1, -1)},
+    **{Reduction.MEAN: (), Reduction.RMS: (), Reduction.AT: ()},
+}
+
+
+@dataclass(frozen=True)
+class _Design:
+    """One design: as plain numbers, and as numbers that carry their derivatives by the parameters."""
+
+    mechanism: Mechanism
+    parameters: Mapping[str, float]
+    speed: float
+
+    @cached_property
+    def _plain(self) -> Model:
+        return self._model(self.parameters)
+
+    @cached_property
+    def _varied(self) -> Model:
+        seeds = np.eye(len(self.parameters))
+        return self._model({n: Dual(v, seed) for (n, v), seed in zip(self.parameters.items(), seeds, strict=True)})
+
+    def _model(self, own: Mapping[str, Any]) -> Model:
+        linkage = with_numbers(self.mechanism.linkage, own)
+        signs = tuple(dyad.sign for dyad in self.mechanism.structure.dyads)
+        return linkage, find_structure(linkage).with_signs(signs)
+
+    def _at(self, model: Model, angle: Any, far: Any) -> MovingSweep:  # noqa: ANN401 - plain or dual
+        return MovingSweep(self.mechanism, Sweep(*model, angle), np.asarray(self.speed), np.asarray(0.0), far)
+
+    def check(self, places: Array) -> None:
+        """Raise AssemblyError where the design has no motion at one of the places."""
+        sweep = Sweep(*self._plain, places)
+        for body in sweep.structure.bodies:
+            sweep.rates(body)
+
+    def varied(self, places: Array, far: Any) -> MovingSweep:  # noqa: ANN401 - a dual
+        """The design with derivatives at crank angles, rad."""
+        return self._at(self._varied, places, far)
+
+    def farthest(self, places: Array, refine: bool) -> Dual:
+        """The output's highest coordinate, with its derivatives."""
+        ((value, slopes),) = self.extremes((Extreme(OUTPUT, 1),), places, 0.0, refine)
+        return Dual(value, slopes)
+
+    def extremes(
+        self,
+        wanted: Sequence[Extreme],
+        places: Array,
+        far: Any,  # noqa: ANN401 - a dual
+        refine: bool,
+    ) -> list[tuple[Array, Array]]:
+        """Value of every extreme and its derivatives (parameters,)."""
+        if not wanted:
+            return []
+        grid = _closed(places) if refine else places
+        plain = self._at(self._plain, grid, 0.0)
+        sampled = np.stack([one.height(curve(plain, one.signal)) for one in wanted])
+        tops = self._tops(wanted, grid, sampled) if refine else grid[np.argmax(sampled, axis=1)][:, None]
+        at = self.varied(tops.ravel(), far)
+        found = []
+        for row, one in enumerate(wanted):
+            values, slopes = _parts(curve(at, one.signal), len(self.parameters))
+            own = slice(row * tops.shape[1], (row + 1) * tops.shape[1])
+            found.append(_best(one, values[own], slopes[:, own], tops[row], float(np.max(np.abs(sampled[row])))))
+        return found
+
+    def _tops(self, wanted: Sequence[Extreme], grid: Array, sampled: Array) -> Array:
+        """Places of the highest tops of every height, (extremes, tops): roots of its slope, or the ends of the grid."""
+        sides = brackets(grid, sampled)
+        row = np.repeat(np.arange(len(wanted)), sides.shape[1])
+
+        def slope(angle: Array) -> Array:
+            at = self._at(self._plain, Dual(angle, np.ones((1, len(angle)))), 0.0)
+            found = np.empty(angle.shape)
+            for number, one in enumerate(wanted):
+                values, slopes = _parts(curve(at, one.signal), 1)
+                own = row == number
+                found[own] = (one.side(values) * slopes[0])[own]
+            return found
+
+        return roots(slope, *(sides[..., side].ravel() for side in range(3))).reshape(sides.shape[:2])
+
+
+def differences(
+    function: Callable[[Mapping[str, float]], Array], at: Mapping[str, float], steps: Mapping[str, float]
+) -> tuple[Array, Array, Array]:
+    """Values of a function of named numbers, derivatives (values, numbers, ...) and their errors, as estimated.
+
+    Central differences over a step, a half and a quarter of it, extrapolated; the last two extrapolations differ by the
+    error.
+    """
+    slopes, errors = [], []
+    for name, value in at.items():
+        rows = []
+        for size in (steps[name], 0.5 * steps[name], 0.25 * steps[name]):
+            high, low = (function({**at, name: value + side * size}) for side in (1.0, -1.0))
+            rows.append((high - low) / (2.0 * size))
+        once = [(4.0 * fine - coarse) / 3.0 for coarse, fine in itertools.pairwise(rows)]
+        slopes.append((16.0 * once[1] - once[0]) / 15.0)
+        errors.append(np.abs(slopes[-1] - once[1]))
+    return function(at), np.stack(slopes, axis=1), np.stack(errors, axis=1)
+
+
+def _steps(mechanism: Mechanism, parameters: Mapping[str, float]) -> dict[str, float]:
+    """Steps of differences: a share of the number, of the drawing for a length of zero, of one for any other zero."""
+    sizes: dict[str, float] = {}
+
+    def note(name: str, kind: Kind, value: float) -> float:
+        sizes[name] = STEP * (abs(value) or (mechanism.linkage.extent() if kind == "length" else 1.0))
+        return value
+
+    changed(mechanism.linkage, note)
+    return {name: sizes[name] for name in parameters}
+
+
+def _best(one: Extreme, values: Array, slopes: Array, places: Array, largest: float) -> tuple[Array, Array]:
+    """Of several tops the highest, of equal ones the first; without derivatives that differ between equal ones."""
+    heights, rises = one.height(values), one.side(values) * slopes
+    highest = np.max(heights)
+    first = int(np.argmin(np.where(heights >= highest - ROUNDING * largest, places, np.inf)))
+    tied = rises[:, heights >= highest - TIE * largest]
+    apart = np.max(tied, axis=1) - np.min(tied, axis=1) > SAME * np.max(np.abs(tied), axis=1) + TIE * largest
+    return values[first], np.where(apart, np.nan, slopes[:, first])
+
+
+def _averaged(how: Reduction, values: Array, slopes: Array, share: Array) -> tuple[Any, Array]:
+    if how is Reduction.MEAN:
+        return share @ values, slopes @ share
+    size = np.sqrt(share @ np.square(values))
+    return size, (slopes @ (share * values)) / size
+
+
+def _parts(number: Any, count: int) -> tuple[Array, Array]:  # noqa: ANN401 - plain or dual
+    """Values and derivatives; those of a plain number are zero."""
+    if isinstance(number, Dual):
+        return number.value, number.full
+    return number, np.zeros((count, *np.shape(number)))
+
+
+def _closed(places: Array) -> Array:
+    """Samples of a full turn with its end; others as they are."""
+    return np.append(places, places[0] + FULL_TURN) if is_turn(places) else places
+
+
+def _check_names(mechanism: Mechanism, parameters: Mapping[str, float]) -> None:
+    known = numbers(mechanism.linkage)
+    for name in parameters:
+        if name not in known:
+            raise UnknownNameError(f"parameter of '{mechanism.linkage.name}'", name, known)

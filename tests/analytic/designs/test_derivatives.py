@@ -1,0 +1,243 @@
+"""Exact derivatives against central differences in 70 digits, of formulas that share none with the closed form."""
+
+from collections.abc import Mapping
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+from mpmath import mp, mpf
+
+from analytic import signals
+from analytic.description.changes import changed, numbers
+from analytic.description.linkage import Linkage
+from analytic.designs.derivatives import differences, figure_gradients, is_exact, signal_gradients
+from analytic.designs.figures import Figure, Reduction
+from analytic.designs.sampling import curve
+from analytic.errors import AssemblyError, UnknownNameError
+from analytic.evaluation import MovingSweep
+from analytic.kinematics.mechanism import Mechanism
+from analytic.numerics.peaks import highest
+from tests.analytic import fifty_digits
+from tests.analytic.exact_forces import forces_of, signals_of
+from tests.analytic.fifty_digits import Exact
+from tests.analytic.linkages import from_text, mechanism
+from tests.analytic.loaded_linkages import on_trial
+
+SPEED = 20.0
+# Between them they have every dyad, every joint, tables of loads, springs, dashpots and dampers.
+TRIALS = (
+    ("rimoldi-164", "as-built"),
+    ("juki-mf7923d", "as-built"),
+    ("shaper", None),
+    ("moving-guides", None),
+    ("scotch-yoke", None),
+    ("slotted-takeup", "corrected"),
+    ("three-on-one-pin", None),
+)
+DERIVATIVE = 1e-12  # 8e-14 is reached
+NONE = 1e-12
+LEAST = 1e-20  # what is smaller is zero
+IN_LINE = """
+title = "slider-crank in line"
+units = { length = "m", mass = "kg", inertia = "kg*m^2", angle = "deg" }
+source = "textbook"
+crank = "crank"
+ground = { O = [0, 0] }
+output = { point = "B" }
+[links.crank]
+points = { O = [0, 0], A = [0.03, 0] }
+mass = 0.5
+inertia = 1e-4
+[links.rod]
+points = { A = [0, 0], B = [0.11, 0] }
+mass = 0.2
+centre = [0.04, 0]
+inertia = 3e-4
+[links.piston]
+slides = { point = "B", through = [0, 0], along = [1, 0] }
+mass = 0.3
+[sketch]
+angle = 0
+points = { B = [0.14, 0] }
+"""
+GIVEN = ("phi", "omega", "epsilon", "S")  # or no signal of one angle
+NUDGE = mpf(10) ** -16
+
+
+@pytest.fixture(autouse=True)
+def _seventy_digits(monkeypatch):
+    monkeypatch.setattr(fifty_digits, "DIGITS", 70)
+    yield
+    mp.dps = 15
+
+
+def _nudged(linkage: Linkage, nudges: Mapping[str, mpf]) -> Linkage:
+    """The linkage in many digits with numbers moved; those of loads, in which all is linear, by whole units."""
+
+    def change(name: str, _: str, value: float) -> float | mpf:
+        if _is_load(name):
+            return value + float(nudges[name] / NUDGE) if name in nudges else value
+        return mpf(value) + nudges.get(name, 0)
+
+    return changed(linkage, change, lambda v: (v[0] / mp.hypot(*v), v[1] / mp.hypot(*v)))
+
+
+def _exact(sample: Mechanism, angle: float, nudges: Mapping[str, mpf]) -> Exact:
+    mp.dps = 70
+    sweep = sample.sweep(angle)
+    nudged = SimpleNamespace(linkage=_nudged(sample.linkage, nudges), poses=sweep.poses, angle=angle)
+    return Exact(nudged)
+
+
+def _differences(sample: Mechanism, angle: float, name: str, names: list[str]) -> list[float]:
+    """Derivatives of signals by a number, in many digits."""
+    ends = (_exact(sample, angle, {name: side * NUDGE}) for side in (1, -1))
+    high, low = (signals_of(end, SPEED) | forces_of(end, SPEED) for end in ends)
+    step = 1 if _is_load(name) else NUDGE
+    return [float((high[one] - low[one]) / (2 * step)) for one in names]
+
+
+def _is_load(name: str) -> bool:
+    return name.startswith(("forces.", "torques."))
+
+
+def _of_every_kind(linkage: Linkage, seed: int) -> dict[str, float]:
+    """A number of every kind that the linkage has, two lengths of links among them."""
+    found: dict[str, list[tuple[str, float]]] = {}
+
+    def note(name: str, kind: str, value: float) -> float:
+        if not name.startswith("sketch."):
+            place = "centre" if ".centre." in name else "through" if ".through." in name else ""
+            found.setdefault(f"{kind} {place}", []).append((name, value))
+        return value
+
+    changed(linkage, note)
+    draw = np.random.default_rng(seed)
+    return dict(names[draw.integers(len(names))] for names in found.values())
+
+
+@pytest.mark.parametrize(("name", "variant"), TRIALS)
+def test_every_signal_has_the_derivatives_of_seventy_digits(name, variant):
+    sample = on_trial(name, variant, True)
+    angle = 0.7
+    chosen = _of_every_kind(sample.linkage, 3)
+    before = signals.names(sample)
+    names = [
+        one for one in before if one not in ("phi", "omega", "epsilon", "S") and not one.startswith(("trans", "shak"))
+    ]
+    values, gradients = signal_gradients(sample, chosen, names, [angle], speed=SPEED)
+    expected = np.stack([_differences(sample, angle, parameter, names) for parameter in chosen], axis=1)
+    units = np.array([signals.unit(one, sample.linkage) for one in names])
+    for unit in {*units}:  # over the largest derivative of its unit by that number, or the values where there is none
+        own = units == unit
+        largest = np.max(np.abs(values[own]))
+        scale = np.max(np.abs(expected[own]), axis=0)
+        scale = np.where(scale > NONE * largest + LEAST, scale, largest + LEAST)
+        error = np.max(np.abs(gradients[own, :, 0] - expected[own]), axis=0)
+        assert np.all(error <= DERIVATIVE * scale), (unit, dict(zip(chosen, error, strict=True)))
+
+
+def _measure(sample: Mechanism, signal: str, angle: mpf, nudges: Mapping[str, mpf]) -> mpf:
+    """A signal, the magnitude of a vector, or the output's height."""
+    exact = _exact(sample, angle, nudges)
+    if signal.endswith(":magnitude"):
+        vector, forces = signal.removesuffix(":magnitude"), forces_of(exact, SPEED)
+        return mp.hypot(forces[f"{vector}:x"], forces[f"{vector}:y"])
+    found = signals_of(exact, SPEED)
+    return found["point:D:y"] if signal == "height" else found[signal]
+
+
+def _extreme(sample: Mechanism, signal: str, place: float, nudges: Mapping[str, mpf]) -> mpf:
+    """The value at a level place that is known to 1e-7 rad, by Newton's method on parabolas."""
+    angle, step = mpf(place), mpf(10) ** -12
+    for _ in range(2):
+        before, here, after = (_measure(sample, signal, angle + side * step, nudges) for side in (-1, 0, 1))
+        angle -= step * (after - before) / (2 * (after - 2 * here + before))
+    return _measure(sample, signal, angle, nudges)
+
+
+def test_figures_have_the_derivatives_of_seventy_digits():
+    sample, angle = mechanism("rimoldi-164", "as-built"), np.linspace(0.0, 2.0 * np.pi, 9, endpoint=False)
+    chosen, force = {"rod.B.x": 0.175, "rocker.mass": 0.662}, "joint_force:A:magnitude"
+    dense = np.linspace(0.0, 2.0 * np.pi, 720)
+
+    def mean(of):
+        return mp.fsum(of) / len(of)
+
+    def top(signal, of):
+        def curves(places):
+            moving = MovingSweep(sample, sample.sweep(places), np.asarray(SPEED), np.asarray(0.0))
+            return of(moving.sweep.output() if signal == "height" else curve(moving, signal))[None]
+
+        place = float(highest(curves, dense, curves(dense))[1][0])
+        return lambda nudges: _extreme(sample, signal, place, nudges)
+
+    def over(signal, of):
+        return lambda nudges: of([_measure(sample, signal, mpf(float(one)), nudges) for one in angle])
+
+    above, below = top("height", np.asarray), top("height", np.negative)
+    expected = {
+        Figure("Mkr", Reduction.PEAK): top("Mkr", np.abs),
+        Figure("Mkr", Reduction.MAX): top("Mkr", np.asarray),
+        Figure(force, Reduction.MIN): top(force, np.negative),
+        Figure("S", Reduction.RANGE): lambda nudges: above(nudges) - below(nudges),
+        Figure("S", Reduction.AT, 0.3): lambda nudges: above(nudges) - _measure(sample, "height", mpf(0.3), nudges),
+        Figure("Mkr", Reduction.AT, 0.3): lambda nudges: _measure(sample, "Mkr", mpf(0.3), nudges),
+        Figure("Mkr", Reduction.MEAN): over("Mkr", mean),
+        Figure(force, Reduction.RMS): over(force, lambda of: mp.sqrt(mean([one**2 for one in of]))),
+    }
+    fine = np.linspace(0.0, 2.0 * np.pi, 60, endpoint=False)
+    averages = [one for one in expected if one.reduction in (Reduction.MEAN, Reduction.RMS)]
+    others = [one for one in expected if one not in averages]
+    for figures, places in ((averages, angle), (others, fine)):
+        values, gradients = figure_gradients(sample, chosen, figures, places, speed=SPEED)
+        for one, value, slopes in zip(figures, values, gradients, strict=True):
+            assert value == pytest.approx(float(expected[one]({})), rel=DERIVATIVE)
+            for name, slope in zip(chosen, slopes, strict=True):
+                high, low = (expected[one]({name: side * NUDGE}) for side in (1, -1))
+                assert slope == pytest.approx(float((high - low) / (2 * NUDGE)), rel=DERIVATIVE, abs=1e-14), (one, name)
+
+
+@pytest.mark.parametrize(("name", "variant"), [*TRIALS, ("fork-takeup", "representative")])
+def test_transmission_angles_and_shaking_have_the_derivatives_of_differences(name, variant):
+    sample = on_trial(name, variant, True)
+    chosen = _of_every_kind(sample.linkage, 3)
+    names = [one for one in signals.names(sample) if one.startswith(("trans", "shak"))]
+    _, gradients = signal_gradients(sample, chosen, names, [0.7, 4.0], speed=SPEED)
+
+    def values(own):
+        return signal_gradients(sample, own, names, [0.7, 4.0], speed=SPEED)[0]
+
+    steps = {one: 1e-3 * (abs(value) or 0.1) for one, value in chosen.items()}
+    _, slopes, errors = differences(values, chosen, steps)
+    assert np.all(np.abs(gradients - slopes) <= 1e-8 * np.abs(slopes) + errors + 1e-9 * np.max(np.abs(slopes)))
+
+
+def test_tops_that_tie_have_a_derivative_only_where_they_have_it_in_common():
+    sample = from_text(IN_LINE)
+    angle = np.linspace(0.0, 2.0 * np.pi, 60, endpoint=False)
+    chosen = {"rod.B.x": 0.11, "piston.through.y": 0.0}
+    figures = [Figure("v", Reduction.PEAK), Figure("v", Reduction.MAX)]
+    values, gradients = figure_gradients(sample, chosen, figures, angle, speed=SPEED)
+    assert abs(values[0]) == pytest.approx(values[1], rel=1e-12)
+    assert np.all(np.isfinite(gradients[:, 0]))
+    assert np.isnan(gradients[0, 1])  # the offset makes one stroke faster and the other slower
+    assert np.isfinite(gradients[1, 1])
+
+
+def test_linkages_without_closed_form_have_differences():
+    sample = mechanism("parallelogram")
+    assert not is_exact(sample)
+    assert is_exact(mechanism("rimoldi-164", "as-built"))
+    chosen = {"coupler.mass": numbers(sample.linkage)["coupler.mass"]}
+    _, gradients = signal_gradients(sample, chosen, ["Jeq"], [0.7, 2.0], speed=SPEED)
+    radius = sample.linkage.local("A", sample.linkage.crank)[0]
+    assert gradients[0, 0] == pytest.approx([radius**2] * 2, rel=1e-9)  # its coupler turns about a circle
+
+
+def test_wrong_names_and_designs_that_cannot_be_assembled_are_told():
+    sample = mechanism("rimoldi-164", "as-built")
+    with pytest.raises(UnknownNameError, match=r"rod\.B\.x"):
+        signal_gradients(sample, {"rod.B.X": 0.2}, ["Mkr"], [0.0], speed=SPEED)
+    with pytest.raises(AssemblyError, match="cannot be assembled"):
+        signal_gradients(sample, {"rod.B.x": 0.05}, ["Mkr"], [0.0], speed=SPEED)
