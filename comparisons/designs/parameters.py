@@ -6,7 +6,7 @@ import math
 import re
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Final
+from typing import Final, Literal
 
 from analytic.description.changes import Kind, changed
 from analytic.description.linkage import Linkage
@@ -25,7 +25,7 @@ class Parameter:
     """A number by its name in the file (``analytic.description.changes``), its SI value and the unit of the file."""
 
     name: str
-    kind: Kind
+    kind: Kind | Literal["angle"]
     value: float
     unit: FileUnit
 
