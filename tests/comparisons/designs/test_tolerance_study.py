@@ -21,11 +21,6 @@ TABLE = {
     **{"rod.B.x": 0.05, "rocker.B.length": 0.05, "rocker.C.angle": 0.1},
     "rod.mass": {"plus_minus": 0.01, "distribution": "uniform"},
 }
-    "rod.B.x": 0.05,
-    "rocker.B.length": 0.05,
-    "rocker.C.angle": 0.1,
-    "rod.mass": {"plus_minus": 0.01, "distribution": "uniform"},
-}
 
 
 def study(table=TABLE, results=("Mkr.peak", "stroke", "Mkr@30"), **options):
