@@ -14,14 +14,15 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from numpy.typing import NDArray
 
-from reports.charts import labels
-from reports.charts.layout import EDGE, LEAST, SAMPLE, TICK, ChartLayout, key_width, named_uprights
+from reports.charts import labels, surfaces
+from reports.charts.layout import EDGE, LEAST, SAMPLE, TICK, ChartLayout, in_rows, key_width, named_uprights
 from reports.charts.scales import Scale
 from reports.charts.style import DARK, DOTS_PER_INCH, FAINT, FULL_WIDTH, MUTED, WIDTH, drawn, house_style, ink
-from reports.document.chart import Chart, Curve, Panel
+from reports.document.chart import Chart, Curve, Hatch, Panel
 
 Array = NDArray[np.float64]
 
+BAR = 3.0  # points, of lines that are bars
 
 _COORDINATES = re.compile(r'\b(?:d|x|y|x1|x2|y1|y2|width|height|transform|points)="[^"]*"')
 _LONG_NUMBER = re.compile(r"(\d\.\d\d)\d+")
@@ -37,9 +38,10 @@ def figure(chart: Chart) -> Figure:
 
 def place(found: Figure, chart: Chart, corner: tuple[float, float], size: tuple[float, float]) -> None:
     """Draw the chart into a part of a figure: its lower left corner and its width and height, in."""
-    layout = ChartLayout(chart, size)
+    layout = ChartLayout(chart, (size[0], size[1] - head_room(chart, size[0])))
     for number in range(len(chart.panels)):
         _draw_panel(found, layout, number, corner)
+    draw_head(found, chart, (corner[0], corner[1] + layout.size[1]), size[0])
 
 
 def edges(chart: Chart) -> tuple[float, float]:
@@ -53,7 +55,7 @@ def _size(chart: Chart) -> tuple[float, float]:
     """Width and height of a chart's figure, in: higher than it asks for where its names take all the room."""
     width = FULL_WIDTH if chart.wide else WIDTH
     layout = ChartLayout(chart, (width, chart.height))
-    return width, chart.height + layout.rows * max(0.0, LEAST - layout.height)
+    return width, head_room(chart, width) + chart.height + layout.rows * max(0.0, LEAST - layout.height)
 
 
 def svg(drawing: Figure, page: str = "none") -> str:
@@ -98,6 +100,11 @@ def _draw_panel(found: Figure, layout: ChartLayout, number: int, corner: tuple[f
     axes.set(xlim=(x.low, x.high), ylim=(y.low, y.high), autoscale_on=False)
     _draw_words(axes, x, y, room, named=layout.names_x(number))
     _draw_grid(axes, x, y, room, equal=panel.scale == "equal")
+    if panel.hatch:
+        for low, high in panel.hatch.stretches:
+            surfaces.hatched(axes, (low, 0.0, high - low, 1.0), axes.get_xaxis_transform())
+    if panel.surface:
+        surfaces.draw_surface(axes, panel.surface, layout.width)
     _draw_curves(axes, panel)
     _draw_marks(axes, panel, layout, number)
     labels.write_ends(axes, layout.ends[number], layout.height)
@@ -118,7 +125,8 @@ def _draw_words(axes: Axes, x: Scale, y: Scale, box: tuple[float, float, float],
     for tick, word in zip(y.ticks, y.words, strict=True):
         axes.text(beside, tick, word, transform=axes.get_yaxis_transform(), ha="right", va="center")
     if named:
-        axes.text(0.5, down - 1.1 * labels.LINE / height, x.label, transform=axes.transAxes, ha="center")
+        line = 0.1 + max(labels.lines(x.label), 1)
+        axes.text(0.5, down - line * labels.LINE / height, x.label, transform=axes.transAxes, ha="center")
     axes.text((EDGE - left) / width, 0.5, y.label, transform=axes.transAxes, rotation=90.0, va="center")
 
 
@@ -156,8 +164,10 @@ def _draw_curves(axes: Axes, panel: Panel) -> None:
 def _line(curve: Curve, x: Array | Sequence[float], y: Array | Sequence[float], **more: Any) -> Line2D:  # noqa: ANN401  matplotlib's own
     broad = 1.0 if curve.ink == "reference" else 0.0
     line: Any = curve.line or "none"
+    if curve.width >= BAR:
+        more["solid_capstyle"] = "butt"
     return Line2D(x, y, color=ink(curve.ink), linestyle=line, linewidth=curve.width,
-                  marker=curve.marker or "none", markersize=4.5, zorder=3.0 - broad, **more)  # fmt: skip
+                  marker=curve.marker or "none", markersize=curve.size, zorder=3.0 - broad, **more)  # fmt: skip
 
 
 def _draw_marks(axes: Axes, panel: Panel, layout: ChartLayout, number: int) -> None:
@@ -168,25 +178,64 @@ def _draw_marks(axes: Axes, panel: Panel, layout: ChartLayout, number: int) -> N
         line(mark.place, color=ink(mark.ink), linewidth=0.9, linestyle=style, zorder=1.4 if style == "-" else 2.0)
     for mark, row in zip(named_uprights(panel), layout.uprights[number], strict=True):
         left, right = layout.upright(number, mark.place, mark.name)
-        _above(axes, 0.5 * (left + right), row, mark.name, layout, ha="center", color=ink(mark.ink))
+        box = (layout.width, layout.height)
+        _above(axes, 0.5 * (left + right), row, mark.name, box, ha="center", color=ink(mark.ink))
 
 
-def _above(axes: Axes, left: float, row: int, text: str, layout: ChartLayout, **style: Any) -> None:  # noqa: ANN401
-    """Words in a row above the axes, from ``left``, in."""
-    place = 1.0 + (0.4 * labels.LINE + row * labels.LINE) / layout.height
-    axes.text(left / layout.width, place, text, transform=axes.transAxes, va="bottom", **style)
+def _above(axes: Axes, left: float, row: int, text: str, box: tuple[float, float], **style: Any) -> None:  # noqa: ANN401
+    """Words in a row above the axes, from ``left``, in; ``box`` is the size of the axes, in."""
+    place = 1.0 + (0.4 * labels.LINE + row * labels.LINE) / box[1]
+    axes.text(left / box[0], place, text, transform=axes.transAxes, va="bottom", **style)
 
 
 def _draw_heads(axes: Axes, panel: Panel, layout: ChartLayout, number: int) -> None:
     """The key above the names of the uprights, the title on top."""
-    first = max(layout.uprights[number], default=-1) + 1
-    rows = layout.keys[number][::-1]
-    wide = max((key_width(curve) for row in rows for curve in row), default=0.0)
-    for row, curves in enumerate(rows, start=first):
-        middle = 1.0 + (0.85 + row) * labels.LINE / layout.height
-        for left, curve in zip(wide * np.arange(len(curves)), curves, strict=True):
-            sample = np.array([left, left + SAMPLE - 0.06]) / layout.width
-            axes.add_artist(_line(curve, sample, [middle] * 2, transform=axes.transAxes, clip_on=False, markevery=[1]))
-            _above(axes, left + SAMPLE, row, curve.name, layout)
+    first, box = max(layout.uprights[number], default=-1) + 1, (layout.width, layout.height)
+    _draw_key(axes, layout.keys[number], first, box)
     if panel.title:
-        _above(axes, 0.0, first + len(rows), panel.title, layout, weight="bold")
+        _above(axes, 0.0, first + len(layout.keys[number]), panel.title, box, weight="bold")
+
+
+def _draw_key(axes: Axes, key: Sequence[Sequence[Curve | Hatch]], first: int, box: tuple[float, float]) -> None:
+    """Rows of names with their samples above axes of this size, in, the last in row ``first``."""
+    wide = max((key_width(entry) for row in key for entry in row), default=0.0)
+    for row, entries in enumerate(key[::-1], start=first):
+        middle = 1.0 + (0.85 + row) * labels.LINE / box[1]
+        for left, entry in zip(wide * np.arange(len(entries)), entries, strict=True):
+            ends = np.array([left, left + SAMPLE - 0.06]) / box[0]
+            if isinstance(entry, Hatch):
+                half = 0.35 * labels.LINE / box[1]
+                surfaces.hatched(axes, (ends[0], middle - half, ends[1] - ends[0], 2.0 * half), axes.transAxes)
+            else:
+                ends[1] -= 1.5 * (entry.size - Curve.size) / 72.0 / box[0]
+                sample = _line(entry, ends, [middle] * 2, transform=axes.transAxes, clip_on=False, markevery=[1])
+                axes.add_artist(sample)
+            _above(axes, left + SAMPLE, row, entry.name, box)
+
+
+def _head(chart: Chart, width: float) -> tuple[list[str], list[list[Curve | Hatch]]]:
+    """The lines above all panels and the rows of their key, in a chart so many inches wide."""
+    room = width - 2.0 * EDGE
+    lines = [line for text in chart.head for line in labels.fitting(text, room).splitlines()]
+    return lines, in_rows(chart.key, room) if chart.key else []
+
+
+def head_room(chart: Chart, width: float) -> float:
+    """Height of what stands above all panels, in."""
+    lines, key = _head(chart, width)
+    rows = len(lines) + len(key)
+    return EDGE + labels.LINE * (0.4 + rows) if rows else 0.0
+
+
+def draw_head(found: Figure, chart: Chart, corner: tuple[float, float], width: float) -> None:
+    """Draw what stands above all panels into a part of a figure: its lower left corner and its width, in."""
+    lines, key = _head(chart, width)
+    if not lines and not key:
+        return
+    (wide, high), box = found.get_size_inches(), (width - 2.0 * EDGE, 1.0)
+    axes = found.add_axes(((corner[0] + EDGE) / wide, (corner[1] - 1.0) / high, box[0] / wide, 1.0 / high))
+    axes.set_axis_off()
+    _draw_key(axes, key, 0, box)
+    for row, line in enumerate(lines[::-1], start=len(key)):
+        first = row == len(key) + len(lines) - 1
+        _above(axes, 0.0, row, line, box, weight="bold" if first else "normal")

@@ -24,6 +24,8 @@ BEFORE_UNIT = re.compile(r"(?<=\d) (?=\S+$)")
 LONGEST = 22  # characters of a name before it goes on in a second line
 # Where words may stand about a point, in halves of their size, the best first.
 SHIFTS = np.array([(0, 1), (0, -1), (1, 0.4), (-1, 0.4), (1, -0.4), (-1, -0.4), (1, 1.6), (-1, 1.6), (0, 2.6)])
+INSIDE_NAME, JOINT = re.compile(r"(?<=[.:])(?=[^\W\d])"), "\u2060"
+BOLD = 1.12  # how much wider bold words are
 GAP = 0.06  # in, between an end of a curve and its name
 
 
@@ -35,9 +37,26 @@ def width(text: str, size: float = FONT_SIZE) -> float:
     return max((size[0] for size in sizes), default=0.0) / 72.0
 
 
-def wrapped(name: str) -> str:
+def wrapped(name: str, longest: int = LONGEST) -> str:
     """A name in lines that leave room for the curves."""
-    return "\n".join(textwrap.wrap(BEFORE_UNIT.sub("\u00a0", name), LONGEST, break_long_words=False))
+    return "\n".join(textwrap.wrap(BEFORE_UNIT.sub("\u00a0", name), longest, break_long_words=False))
+
+
+def fitting(text: str, room: float) -> str:
+    """A text in lines no wider than so many inches, however bold; a name may also break behind a point or a colon."""
+    longest = max(int(len(text) * room / (BOLD * width(text) or 1.0)), 1)
+    return wrapped(INSIDE_NAME.sub(f"{JOINT} ", text), longest).replace(f"{JOINT} ", "").replace(JOINT, "")
+
+
+def fitting_label(label: str, room: float) -> str:
+    """A label in lines that are about so wide, in; its unit stays beside the end of the name."""
+    name, comma, unit = label.rpartition(", ")
+    return fitting(name, room) + comma + unit.replace(" ", "\u00a0") if comma else fitting(label, room)
+
+
+def lines(text: str) -> int:
+    """How many lines a text has."""
+    return text.count("\n") + bool(text)
 
 
 def height(text: str) -> float:

@@ -2,20 +2,23 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from typing import TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
-from reports.charts import labels, scales
+from reports.charts import labels, scales, surfaces
 from reports.charts.scales import Scale
 from reports.charts.style import ink
-from reports.document.chart import Chart, Curve, Mark, Panel
+from reports.document.chart import Chart, Curve, Hatch, Mark, Panel
 
 Array = NDArray[np.float64]
 # An end of a curve: its place as a share of the panel's height, its name and colour.
 End = tuple[float, str, str]
+Entry = TypeVar("Entry", bound=Curve | Hatch)
 
 # Inches: around a chart, of a tick with its pad, between panels, of a sample of a line in the key, between its entries.
 EDGE, TICK, BETWEEN, SAMPLE, APART = 0.06, 0.08, 0.1, 0.3, 0.2
@@ -44,7 +47,7 @@ class ChartLayout:
     @property
     def shares_x(self) -> bool:
         """Whether the panels of a column have one x axis, named below the last."""
-        return self.chart.panels[0].scale != "equal"
+        return self.chart.panels[0].scale != "equal" and not self.chart.own_x
 
     def names_x(self, number: int) -> bool:
         """Whether words stand below a panel: it is the last of its column, or has an axis of its own."""
@@ -65,7 +68,11 @@ class ChartLayout:
         """The x and y axis of a panel."""
         panel, both = self.chart.panels[number], self.scales[number]
         if panel.scale != "equal":
-            return both[0], scales.upward(panel, min(len(both[1].ticks), int(self.height / SPACED["y"])))
+            most = max(1, min(len(both[1].ticks), int(self.height / SPACED["y"])))
+            tried = [scales.upward(panel, count) for count in (most, *range(most - 1, 1, -1))]
+            return both[0], next(
+                (y for y in tried if max(map(labels.width, y.words), default=0.0) <= self.widest), tried[0]
+            )
         return scales.to_scale(panel, both, (self.width, self.height), max(2, int(self.width / SPACED["equal"])))
 
     @cached_property
@@ -81,14 +88,19 @@ class ChartLayout:
         tall = self.chart.height / self.rows - 0.4
         return panel.names == "key" or (panel.names == "ends" and sum(map(labels.height, names)) > tall)
 
+    @property
+    def widest(self) -> float:
+        """Width of the widest words at ticks on the left, for which there is room."""
+        return max((labels.width(word) for _, y in self.scales for word in y.words), default=0.0)
+
     @cached_property
     def margins(self) -> tuple[float, float]:
         """Room on the left and right of the axes of every panel."""
-        ticks = [labels.width(word) for _, y in self.scales for word in y.words]
         last = [0.5 * labels.width(x.words[-1]) for x, _ in self.scales if x.words]
         names = [labels.width(end[1]) + labels.GAP for ends in self.ends for end in ends]
         beside = (labels.LINE + 0.05) * any(y.label for _, y in self.scales)
-        return EDGE + TICK + max(ticks, default=0.0) + beside, EDGE + max([0.0, *last, *names])
+        bars = [surfaces.bar_room(panel.surface) for panel in self.chart.panels if panel.surface]
+        return EDGE + TICK + self.widest + beside, EDGE + max([0.0, *last, *names, *bars])
 
     @property
     def width(self) -> float:
@@ -115,14 +127,16 @@ class ChartLayout:
     def above(self, number: int) -> float:
         """Room above a panel."""
         named = max(self.uprights[number], default=-1) + 1
-        rows = named + len(self.keys[number]) + bool(self.chart.panels[number].title)
+        rows = named + len(self.keys[number]) + labels.lines(self.chart.panels[number].title)
         return EDGE + labels.LINE * (0.5 + rows)
 
     def below(self, number: int) -> float:
         """Room below a panel."""
         if not self.names_x(number):
             return 0.0
-        return TICK + labels.LINE * (1.2 + bool(self.scales[number][0].label)) + (0.04 if self.rows > 1 else 0.0)
+        return (
+            TICK + labels.LINE * (1.2 + labels.lines(self.scales[number][0].label)) + (0.04 if self.rows > 1 else 0.0)
+        )
 
     @cached_property
     def heights(self) -> list[tuple[float, float]]:
@@ -164,8 +178,8 @@ def _last(values: Array) -> float:
     return float(next((value for value in values[::-1] if np.isfinite(value)), 0.0))
 
 
-def key_width(curve: Curve) -> float:
-    """Of a curve's name in the key with its sample and the room behind it, in."""
+def key_width(curve: Curve | Hatch) -> float:
+    """Of a name in the key with its sample and the room behind it, in."""
     return SAMPLE + labels.width(curve.name) + APART
 
 
@@ -178,5 +192,10 @@ def _key_rows(panel: Panel, width: float) -> list[list[Curve]]:
         kept = sorted(np.argsort(sizes)[-MOST:])
         rest = Curve(np.zeros(0), np.zeros(0), f"and {len(named) - MOST} more", line="")
         named = [*(named[n] for n in kept), rest]
+    return in_rows(named, width)
+
+
+def in_rows(named: Sequence[Entry], width: float) -> list[list[Entry]]:
+    """Entries of a key in as many columns as fit."""
     columns = max(1, int(width / max(map(key_width, named), default=width)))
-    return [named[first : first + columns] for first in range(0, len(named), columns)]
+    return [list(named[first : first + columns]) for first in range(0, len(named), columns)]

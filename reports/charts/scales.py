@@ -51,13 +51,14 @@ def power_of_ten(value: float) -> str:
 def across(panels: Sequence[Panel], ticks: int) -> Scale:
     """The x axis that panels of one column share, with about so many ticks."""
     first, label = panels[0], panels[-1].x_label
-    values = _finite([*(c.x for p in panels for c in p.curves), [m.place for m in _marks(panels, "x")]])
+    fixed = [p.surface.x for p in panels if p.surface] + [p.hatch.stretches for p in panels if p.hatch]
+    values = _finite([*(c.x for p in panels for c in p.curves), [m.place for m in _marks(panels, "x")], *fixed])
     if first.turn:
         step = 60.0 if ticks > 4 else 120.0
         return _worded(0.0, 360.0, np.arange(0.0, 361.0, step), label)
     if first.scale in ("logx", "loglog"):
         return _decades(values, label, ticks)
-    lines = any(curve.line for panel in panels for curve in panel.curves)
+    lines = bool(fixed) or any(curve.line for panel in panels for curve in panel.curves)
     return _linear(values, label, ticks, _margin(first) if first.scale == "equal" else 0.0 if lines else MARGIN)
 
 
@@ -66,6 +67,8 @@ def upward(panel: Panel, ticks: int) -> Scale:
     if panel.rows:
         last = len(panel.rows) - 0.5
         return Scale(last, -0.5, tuple(map(float, range(len(panel.rows)))), panel.rows, panel.y_label)
+    if panel.surface:
+        return tight(panel.surface.y, panel.y_label, ticks)
     levels = [mark.place for mark in _marks([panel], "y")]
     if panel.scale in ("log", "loglog"):
         return _decades(_finite([*map(_above_dips, panel.curves), levels]), panel.y_label, ticks)
@@ -86,6 +89,11 @@ def _above_dips(curve: Curve) -> Array:
     if len(values) < LONG or curve.marker:
         return values
     return values[values >= np.quantile(values, DIPS)]
+
+
+def tight(values: Array, label: str, ticks: int) -> Scale:
+    """A linear axis from the least to the largest of the values that are there, with about so many ticks."""
+    return _linear(_finite([values]), label, ticks, 0.0)
 
 
 def to_scale(panel: Panel, both: tuple[Scale, Scale], size: tuple[float, float], ticks: int) -> tuple[Scale, Scale]:

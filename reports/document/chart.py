@@ -9,15 +9,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
-# "ink", "muted", "faint", "reference", "limit", or the number of a colour of the palette.
-Ink = str | int
+# "ink", "muted", "faint", "reference", "limit", "paper", the number of a colour of the palette, or a share of the ramp.
+Ink = str | int | float
 
 
 @dataclass(frozen=True)
 class Curve:
     """Points (n,) and how they are drawn; ``line`` is one of matplotlib's, or empty for marks alone.
 
-    ``stacked`` fills the area down to the curve before it. ``name`` stands in the key or at the right end.
+    ``stacked`` fills the area down to the curve before it. ``name`` stands in the key or at the right end; ``size`` is
+    that of a marker, points. Wide lines end where their points are, so that they serve as bars.
     """
 
     x: Array
@@ -28,6 +29,7 @@ class Curve:
     width: float = 1.4
     marker: str = ""
     stacked: bool = False
+    size: float = 4.5
 
 
 @dataclass(frozen=True)
@@ -50,6 +52,28 @@ class Note:
 
 
 @dataclass(frozen=True)
+class Hatch:
+    """Stretches (n, 2) of a panel's x axis that are hatched over its whole height, and what that says."""
+
+    stretches: Array
+    name: str = ""
+
+
+@dataclass(frozen=True)
+class Surface:
+    """Values (rows, columns) of cells between edges x (columns + 1,) and y (rows + 1,), ascending, as colours.
+
+    ``label`` stands beside the colour bar, whose round numbers have contour lines; nan is left open, so that a hatch
+    below shows.
+    """
+
+    x: Array
+    y: Array
+    values: Array
+    label: str = ""
+
+
+@dataclass(frozen=True)
 class Panel:
     """One pair of axes.
 
@@ -67,13 +91,16 @@ class Panel:
     names: Literal["ends", "key", ""] = "ends"
     title: str = ""
     rows: tuple[str, ...] = ()
+    hatch: Hatch | None = None
+    surface: Surface | None = None
 
 
 @dataclass(frozen=True)
 class Chart:
-    """Panels in ``columns``; those of one column share their x axis. ``height`` is that of the figure, inches.
+    """Panels in ``columns``; those of one column share their x axis, unless ``own_x``. ``height`` is in inches.
 
-    ``axis`` is "phi" or "time" where x is that of the mechanism's motion, so that a page may show where it is.
+    ``head`` are lines above all panels, the first in bold, and ``key`` what the panels have in common. ``axis`` is
+    "phi" or "time" where x is that of the mechanism's motion, so that a page may show where it is.
     """
 
     panels: tuple[Panel, ...]
@@ -81,3 +108,6 @@ class Chart:
     columns: int = 1
     wide: bool = False
     axis: Literal["", "phi", "time"] = ""
+    head: tuple[str, ...] = ()
+    key: tuple[Curve | Hatch, ...] = ()
+    own_x: bool = False
