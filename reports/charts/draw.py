@@ -54,8 +54,11 @@ def edges(chart: Chart) -> tuple[float, float]:
 def _size(chart: Chart) -> tuple[float, float]:
     """Width and height of a chart's figure, in: higher than it asks for where its names take all the room."""
     width = FULL_WIDTH if chart.wide else WIDTH
+    height = head_room(chart, width) + chart.height
+    if not chart.panels:
+        return width, height
     layout = ChartLayout(chart, (width, chart.height))
-    return width, head_room(chart, width) + chart.height + layout.rows * max(0.0, LEAST - layout.height)
+    return width, height + layout.rows * max(0.0, LEAST - layout.height)
 
 
 def svg(drawing: Figure, page: str = "none") -> str:

@@ -19,20 +19,20 @@ ROW, FRAME = 0.27, 0.95  # in, height of a parameter and of all else in a panel
 LANE, WIDE = 0.17, 6.0  # half a row's two bars apart, and their width in points
 
 
-class Tornado(Protocol):
+class _Tornado(Protocol):
     """A result, its unit and nominal value, and by how much each parameter moves it at its lower and upper limit."""
 
     @property
-    def result(self) -> str: ...  # noqa: D102
+    def result(self) -> str: ...
     @property
-    def unit(self) -> str: ...  # noqa: D102
+    def unit(self) -> str: ...
     @property
-    def nominal(self) -> float: ...  # noqa: D102
+    def nominal(self) -> float: ...
     @property
-    def bars(self) -> Sequence[tuple[str, float, float]]: ...  # noqa: D102
+    def bars(self) -> Sequence[tuple[str, float, float]]: ...
 
 
-def tornado_figure(tornados: Sequence[Tornado], *head: str) -> Figure:
+def tornado_figure(tornados: Sequence[_Tornado], *head: str) -> Figure:
     """A panel per result, below lines of words; parameters that move nothing, or cannot, are left out and counted."""
     panels = [_panel(one) for one in tornados]
     heights = [ROW * len(panel.rows) + FRAME for panel in panels]
@@ -49,7 +49,7 @@ def tornado_figure(tornados: Sequence[Tornado], *head: str) -> Figure:
     return drawn(FULL_WIDTH, sum(heights) + room, draw_all)
 
 
-def _panel(tornado: Tornado) -> Panel:
+def _panel(tornado: _Tornado) -> Panel:
     sizes = {bar: float(np.max(np.abs(bar[1:]))) for bar in tornado.bars}
     moving = sorted((bar for bar, size in sizes.items() if size > 0.0), key=lambda bar: -sizes[bar])
     shown = moving[:MOST]

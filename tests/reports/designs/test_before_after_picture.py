@@ -44,3 +44,7 @@ def test_signals_beyond_nine_are_said():
     figure = before_after_figure({f"s{n}": Change(ANGLE, WAVE, WAVE, "mm") for n in range(11)})
     assert len(figure.axes) == 10
     assert "The first 9 of 11 signals are drawn." in words(figure.axes[-1])
+
+
+def test_no_signals_are_words_alone():
+    assert "made-up" in words(before_after_figure({}, "made-up").axes[0])
