@@ -61,6 +61,11 @@ class EvaluationRequest:
         """Whether the crank turns at any instant."""
         return bool(np.any(self.speed))
 
+    @property
+    def accelerates(self) -> bool:
+        """Whether it has an acceleration at any instant."""
+        return bool(np.any(self.acceleration))
+
 
 def evaluation_request(
     angle: ArrayLike, quantities: Iterable[str], speed: ArrayLike | None, acceleration: ArrayLike

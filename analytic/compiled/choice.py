@@ -22,7 +22,7 @@ from analytic.errors import LinkproofError, UnknownNameError
 PATHS: Final = ("auto", "numpy", "compiled")
 PACKAGE: Final = "analytic.compiled.kernels"
 # The function of a module of kernels that Python calls.
-ENTRIES: Final = {"evaluation": "quantities", "integration": "advance"}
+ENTRIES: Final = {"evaluation": "quantities", "figures": "reduced", "integration": "advance"}
 # s: a call of kernels in memory, importing numba and reading them from disk, compiling them.
 CALLING, LOADING, COMPILING = 6e-4, 1.0, 30.0
 

@@ -56,7 +56,7 @@ def compute(
     if numba is not installed.
     """
     linkage, arrays = kernels("linkage"), kernels("evaluation")
-    needed = needs(largest, request.names, turns=request.turns)
+    needed = needs(largest, request.names, turns=request.turns, accelerates=request.accelerates)
     wanted = np.array([needed.inertia, needed.half_derivative, needed.forces, needed.output], dtype=np.int64)
     codes = np.array([arrays.CODES[name] for name in request.names], dtype=np.int64)
     orders = levels(flat.structure, needed.orders)

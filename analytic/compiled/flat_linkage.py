@@ -19,6 +19,7 @@ from analytic.description.changes import Kind, changed
 from analytic.description.law import Law
 from analytic.description.linkage import GROUND, Linkage
 from analytic.dynamics.derivative_orders import needs
+from analytic.dynamics.group_forces import references
 from analytic.errors import LinkproofError
 from analytic.kinematics.mechanism import Mechanism
 from analytic.kinematics.structure import KINDS, Dyad, Joint, Revolute, Structure
@@ -54,6 +55,7 @@ class Tables(NamedTuple):
     springs: Integers  # body and at the point of either end, at: stiffness, length, damping
     dampers: Integers  # two bodies, at the coefficient
     output: Integers  # body, at the point, at the direction; the ground if there is no output
+    references: Integers  # per body: at the point about which its balance of moments is made
     laws: Integers  # pieces, components, at the values, or where its table starts in ``curves``
     levels: Integers  # per dyad: order of the derivatives that the equation of motion needs, -1 if it needs none
     curves: Array  # per law: knots (pieces + 1), then (pieces, components, 4), highest power first
@@ -104,6 +106,13 @@ def redesigned(flat: FlatLinkage, numbers: Array) -> Linkage:
     return changed(flat.linkage, lambda name, _, value: values.get(name, value))
 
 
+def bodies(structure: Structure) -> dict[str, int]:
+    """Numbers of the bodies by name."""
+    assert structure.pivot is not None
+    links = [name for dyad in structure.dyads for name in dyad.links]
+    return {name: number for number, name in enumerate((GROUND, structure.pivot.far, *links))}
+
+
 def levels(structure: Structure, orders: Mapping[str, int]) -> Integers:
     """Order of the derivatives needed of each dyad, -1 if none, for those needed of some bodies, by name."""
     needed = dict(orders)
@@ -121,8 +130,7 @@ class _Writer:
 
     def __init__(self, mechanism: Mechanism) -> None:
         self.linkage, self.structure = mechanism.linkage, mechanism.structure
-        links = [name for dyad in self.structure.dyads for name in dyad.links]
-        self.bodies = {name: number for number, name in enumerate((GROUND, self.linkage.crank, *links))}
+        self.bodies = bodies(self.structure)
         self.values = [0.0, 0.0]  # a zero vector stands first, for what a description leaves out
         self.places: dict[str, int] = {}
         numbered = replace(
@@ -159,6 +167,7 @@ class _Writer:
             springs=_table(self._springs(), 7),
             dampers=_table(self._dampers(), 3),
             output=_row(self._output()),
+            references=_row(tuple(self._references())),
             laws=_table(self.laws, 3),
             levels=levels(self.structure, needs(self.linkage, {"Mkr"}, turns=True).orders),
             curves=np.array(self.curves, dtype=np.float64),
@@ -186,6 +195,30 @@ class _Writer:
         if isinstance(joint, Revolute):
             return (self._point(joint.near, joint.point), self._point(joint.far, joint.point), 0, 0)
         return (*self.guides[joint.slider], int(joint.near == joint.slider))
+
+    def _references(self) -> Iterator[float]:
+        """The points of ``group_forces.references``, which copies what a joint says of them: here their places."""
+
+        def placed(joint: Joint) -> Joint:
+            if not isinstance(joint, Revolute):
+                return joint
+            near, far = self._point(joint.near, joint.point), self._point(joint.far, joint.point)
+            return replace(joint, near_local=(near, 0), far_local=(far, 0))
+
+        dyads = tuple(
+            replace(
+                dyad,
+                first_joint=placed(dyad.first_joint),
+                inner_joint=placed(dyad.inner_joint),
+                second_joint=placed(dyad.second_joint),
+            )
+            for dyad in self.structure.dyads
+        )
+        assert self.structure.pivot is not None
+        links = {**self.structure.bodies, **self.at.links}
+        found = references(Structure(links, placed(self.structure.pivot), dyads))
+        for name in self.bodies:
+            yield found[name][0]
 
     def _crank(self) -> Row:
         assert isinstance(self.structure.pivot, Revolute)

@@ -64,7 +64,7 @@ def evaluate_designs(
     if not mechanism.changes and is_compiled(path, "evaluation", seconds):
         values, moving = compute(flat, request, largest, count=designs.count, designs=designs.rows, cores=cores)
     else:
-        needed = needs(largest, request.names, turns=request.turns)
+        needed = needs(largest, request.names, turns=request.turns, accelerates=request.accelerates)
         values, moving = _plain(mechanism, arrays, request, needed, cores)
     return {**dict(zip(request.names, values, strict=True)), ASSEMBLED: moving}
 

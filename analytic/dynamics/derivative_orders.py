@@ -30,13 +30,14 @@ class Needs:
     output: int
 
 
-def needs(linkage: Linkage, quantities: Collection[str], *, turns: bool) -> Needs:
+def needs(linkage: Linkage, quantities: Collection[str], *, turns: bool, accelerates: bool = True) -> Needs:
     """Needs of ``analytic.evaluation.QUANTITIES`` by name, of a crank that stands still unless it ``turns``.
 
-    Raises LinkproofError where a quantity of the output is among them and the linkage names none.
+    Its torque needs Jeq only where it ``accelerates``. Raises LinkproofError where a quantity of the output is among
+    them and the linkage names none.
     """
     torque = not {"Mkr", "Peq"}.isdisjoint(quantities)
-    inertia = torque or not {"Jeq", "Teq"}.isdisjoint(quantities)
+    inertia = (torque and accelerates) or not {"Jeq", "Teq"}.isdisjoint(quantities)
     half_derivative = "half_slope" in quantities or (torque and turns)
     forces = torque or "Q" in quantities
     output = max((order for name, order in OUTPUT_ORDERS.items() if name in quantities), default=NO_OUTPUT)

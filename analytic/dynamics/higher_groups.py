@@ -13,7 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from analytic.dynamics.group_forces import Wrench
+from analytic.dynamics.force_formulas import Wrench
 from analytic.dynamics.link_balance import LinkBalance
 from analytic.kinematics import frames
 from analytic.kinematics.frames import Scalar

@@ -23,7 +23,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from analytic.description.linkage import Vector
-from analytic.dynamics.group_forces import Wrench, joint_wrenches
+from analytic.dynamics.force_formulas import Wrench
+from analytic.dynamics.group_forces import joint_wrenches
 from analytic.dynamics.higher_groups import higher_wrenches
 from analytic.dynamics.link_balance import LinkBalance
 from analytic.dynamics.link_loads import LoadedSweep, resultant

@@ -5,7 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from analytic.description.linkage import GROUND, Vector
-from analytic.dynamics.group_forces import Statics, Wrench, references
+from analytic.dynamics.force_formulas import Wrench, charged, passed_on
+from analytic.dynamics.group_forces import Statics, references
 from analytic.dynamics.link_loads import LoadedSweep
 from analytic.kinematics import frames
 from analytic.kinematics.frames import Pair, Scalar
@@ -49,7 +50,8 @@ class LinkBalance:
             arm = self.arm(joint.near, joint.near_local)
         else:
             arm = frames.minus(self.place(joint.far), self.place(joint.near))
-        self._charge(joint.near, (-wrench[0], -wrench[1]), arm, -wrench[2])
+        if joint.near != GROUND:
+            self.needs[joint.near] = passed_on(self.needs[joint.near], wrench, arm)
 
     def book(self, joint: GroupJoint, wrench: Wrench) -> None:
         """Enter what a joint exerts on its far body, and the reverse on the near one."""
@@ -74,8 +76,7 @@ class LinkBalance:
     def _charge(self, body: str, force: Pair, arm: Pair, torque: Scalar = 0.0) -> None:
         """Enter a load on a body, its force at an arm from the reference point; the ground keeps no books."""
         if body != GROUND:
-            x, y, moment = self.needs[body]
-            self.needs[body] = (x - force[0], y - force[1], moment - frames.cross(arm, force) - torque)
+            self.needs[body] = charged(self.needs[body], force, arm, torque)
 
     def _add(self, point: str, body: str, force: Pair) -> None:
         """Add to the force of a pin on a body, which the pin may hold in one group and load from others."""

@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from analytic.description.linkage import Link, RotaryDamper, Spring, Vector
+from analytic.dynamics.force_formulas import drag, pull, weight_and_inertia
 from analytic.kinematics import frames
 from analytic.kinematics.frames import Pair, Scalar
 from analytic.kinematics.sweep import Sweep
@@ -71,10 +72,8 @@ class LoadedSweep:
         if self.is_static:
             return Load(link.name, link.centre, (link.mass * x, link.mass * y))
         first, second = (self.sweep.centre(link.name, order) for order in (1, 2))
-        force = (
-            link.mass * (x - self.square * second[0] - self.acceleration * first[0]),
-            link.mass * (y - self.square * second[1] - self.acceleration * first[1]),
-        )
+        moves = tuple(self.square * two + self.acceleration * one for one, two in zip(first, second, strict=True))
+        force = weight_and_inertia(link.mass, (x, y), (moves[0], moves[1]))
         if link.inertia is None:
             return Load(link.name, link.centre, force)
         turn = self.square * self.sweep.accelerations(link.name)[2]
@@ -85,13 +84,11 @@ class LoadedSweep:
         """A pull along the line between the ends; ends that meet have no such line and pull only by their stretch."""
         (one, two), (here, there) = spring.links, self._ends(spring)
         span = frames.minus(*(self.sweep.local_point(body, at) for body, at in ((one, here), (two, there))))
-        square = frames.dot(span, span)
-        inverse = 1.0 / np.sqrt(np.where(square > 0.0, square, np.inf))
-        pull = spring.stiffness * (1.0 - spring.length * inverse)  # per unit of length
+        per_length = pull(span, spring.stiffness, spring.length)
         if self.turns and not frames.is_zero(spring.damping):
             rate = frames.minus(*(self.sweep.local_point(body, at, 1) for body, at in ((one, here), (two, there))))
-            pull = pull + spring.damping * self.speed * frames.dot(span, rate) * inverse * inverse
-        force = (pull * span[0], pull * span[1])
+            per_length = per_length + drag(span, rate, spring.damping * self.speed)
+        force = (per_length * span[0], per_length * span[1])
         return Load(one, here, (-force[0], -force[1])), Load(two, there, force)
 
     def _ends(self, spring: Spring) -> tuple[Vector, Vector]:
@@ -100,8 +97,8 @@ class LoadedSweep:
 
     def _of_damper(self, damper: RotaryDamper) -> tuple[Load, Load]:
         first, second = (self.sweep.rates(name)[2] for name in damper.links)
-        drag = damper.coefficient * self.speed * (first - second)
-        return Load(damper.links[0], (0.0, 0.0), None, -drag), Load(damper.links[1], (0.0, 0.0), None, drag)
+        torque = damper.coefficient * self.speed * (first - second)
+        return Load(damper.links[0], (0.0, 0.0), None, -torque), Load(damper.links[1], (0.0, 0.0), None, torque)
 
 
 def resultant(sweep: Sweep, loads: Iterable[Load], about: Vector) -> tuple[Scalar, Scalar, Scalar]:

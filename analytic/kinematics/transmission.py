@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from analytic.kinematics import frames
-from analytic.kinematics.frames import Pair
+from analytic.kinematics.frames import Pair, Scalar
 from analytic.kinematics.structure import Dyad, Joint, Prismatic, Revolute
 from analytic.kinematics.sweep import Sweep
 
@@ -21,9 +21,13 @@ Array = NDArray[np.float64]
 
 def transmission_angle(sweep: Sweep, dyad: Dyad) -> Array:
     """The dyad's transmission angle, rad, in [0, π], at every crank angle of the sweep."""
-    one, other = _sides(sweep, dyad)
-    angle = np.arctan2(np.abs(frames.cross(one, other)), frames.dot(one, other))
+    angle = between(*_sides(sweep, dyad))
     return np.copy(np.broadcast_to(angle, sweep.angle.shape))
+
+
+def between(one: Pair, other: Pair) -> Scalar:
+    """Angle of two directions, rad, in [0, π]."""
+    return np.arctan2(np.abs(frames.cross(one, other)), frames.dot(one, other))
 
 
 def _sides(sweep: Sweep, dyad: Dyad) -> tuple[Pair, Pair]:

@@ -39,17 +39,31 @@ ENERGY, POWER, VELOCITY, PULL = CODES["Teq"], CODES["Peq"], CODES["v"], CODES["a
 WANTED_INERTIA, WANTED_SLOPE, WANTED_FORCES, WANTED_OUTPUT = range(4)
 
 
+@inlined
+def place(n: int, start: int, angle: Array, work: Array) -> None:
+    """Copy a block's crank angles, and find the cosines and sines."""
+    for i in range(n):
+        work[ANGLE + i] = angle[start + i]
+    cosines_and_sines(n, work[ANGLE : ANGLE + BLOCK], work[COSINE : COSINE + BLOCK], work[SINE : SINE + BLOCK])
+
+
 @kernel
 def begin(n: int, start: int, angle: Array, speed: Array, acceleration: Array, work: Array) -> None:
     """Copy a block's crank angles and motion, and find the cosines and sines."""
     speed_step, acceleration_step = min(len(speed) - 1, 1), min(len(acceleration) - 1, 1)
-    for i in range(n):
-        work[ANGLE + i] = angle[start + i]
+    place(n, start, angle, work)
     for i in range(n):
         work[SPEED + i] = speed[speed_step * (start + i)]
     for i in range(n):
         work[ACCELERATION + i] = acceleration[acceleration_step * (start + i)]
-    cosines_and_sines(n, work[ANGLE : ANGLE + BLOCK], work[COSINE : COSINE + BLOCK], work[SINE : SINE + BLOCK])
+
+
+@inlined
+def steady_torque(sums: Array, speed: float, i: int) -> float:
+    """The drive's torque at a constant crank speed."""
+    torque: float = sums[layout.HALF_DERIVATIVE + i] * (speed * speed)
+    torque = torque - sums[FORCE + i] + sums[layout.DAMPING + i] * speed
+    return torque
 
 
 @kernel
@@ -75,8 +89,7 @@ def emit(quantity: int, n: int, block: Array, sums: Array, result: Array) -> Non
     else:
         for i in range(n):
             speed = block[SPEED + i]
-            torque = sums[JEQ + i] * block[ACCELERATION + i] + sums[layout.HALF_DERIVATIVE + i] * (speed * speed)
-            torque = torque - sums[FORCE + i] + sums[layout.DAMPING + i] * speed
+            torque = sums[JEQ + i] * block[ACCELERATION + i] + steady_torque(sums, speed, i)
             result[i] = torque * speed if quantity == POWER else torque
 
 

@@ -13,8 +13,8 @@ from typing import Any
 from numba.extending import overload, register_jitable
 
 from analytic.compiled.kernels.jit import INLINED
-from analytic.dynamics import link_sums
-from analytic.kinematics import frames
+from analytic.dynamics import force_formulas, link_sums
+from analytic.kinematics import frames, transmission
 from analytic.kinematics.dyads import arms, crossing, prp, rpp, rpr, rrp, rrr
 from analytic.numerics import step_control
 
@@ -37,5 +37,5 @@ def _compiled(module: ModuleType) -> None:
 for question in NEVER:
     _never(question)
 overload(frames.is_plain, jit_options=INLINED)(lambda _: lambda _: True)
-for source in (frames, arms, crossing, rrr, rrp, rpr, rpp, prp, link_sums, step_control):
+for source in (frames, arms, crossing, rrr, rrp, rpr, rpp, prp, transmission, link_sums, force_formulas, step_control):
     _compiled(source)

@@ -54,6 +54,12 @@ def counting(function: Function) -> Function:
     return compiled
 
 
+def reducing(function: Function) -> Function:
+    """Compile a function that adds numbers up, in any order, or finds the largest of numbers that are no nan."""
+    compiled: Function = numba.njit(fastmath={"reassoc", "nnan", "nsz"}, **_OPTIONS)(function)
+    return compiled
+
+
 def entry(function: Function) -> Function:
     """Compile a function called from Python, or by kernels elsewhere, and keep it on disk where that can be."""
     compiled: Function
