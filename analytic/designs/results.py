@@ -2,25 +2,33 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from typing import Final, Literal
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from analytic.compiled.choice import cores as available
+from analytic.compiled.choice import is_compiled
+from analytic.compiled.design_figures import can_figure, compiled_figures
+from analytic.compiled.flat_linkage import flatten, redesigned
 from analytic.description.law import FULL_TURN
 from analytic.designs.batches import Integers, Sweeps, in_blocks
 from analytic.designs.checking import checked
 from analytic.designs.figures import Figure
-from analytic.designs.sampling import Asked
-from analytic.errors import LinkproofError
+from analytic.designs.sampling import MAGNITUDE, Asked
+from analytic.designs.values import designs_of
+from analytic.errors import LinkproofError, UnknownNameError
 from analytic.kinematics.mechanism import Mechanism
+from analytic.signals import formulas
 
 Array = NDArray[np.float64]
 
 CHUNK: Final = 2048  # designs a thread takes at a time: their tops are refined together
 FEWEST: Final = 3  # crank angles, so that a top has neighbours
 EVEN: Final = 1e-9  # of a step
+# s per design and crank angle on one core, measured on the six-bar.
+PLAIN, WITH_FORCES = 1.0e-7, 2.3e-7
 
 
 def design_figures(
@@ -48,7 +56,8 @@ def design_figures(
     default over a turn where the angles divide one evenly, its end left out.
 
     The figures of a design that cannot be assembled, or stands in a dead position, at any of the angles are nan.
-    ``cores`` and ``path`` are as for ``analytic.evaluation.evaluate``. Raises UnknownNameError and LinkproofError as
+    ``cores`` and ``path`` are as for ``analytic.evaluation.evaluate``; the compiled path has no refined extremes, and
+    of the angles of links only the crank's, which NumPy then finds. Raises UnknownNameError and LinkproofError as
     ``analytic.designs.values.evaluate_designs`` does.
     """
     places = np.asarray(angle, dtype=float)
@@ -61,6 +70,24 @@ def design_figures(
     count = len(next(iter(arrays.values())))
     share = np.full(places.shape, 1.0 / len(places)) if weights is None else np.asarray(weights, dtype=float)
     full = None if mechanism.linkage.is_linear or not is_turn(places) else FULL_TURN
+    names = {one.signal for one in figures}
+    _check_known(mechanism, names)
+    able = not refine and can_figure(mechanism.structure, names)
+    if is_compiled(path, "figures", _seconds(names, count * len(places), cores)) and able:
+        flat = flatten(mechanism)
+        if set(arrays) <= set(flat.places):
+            designs = designs_of(flat, arrays)
+            return compiled_figures(
+                flat,
+                figures,
+                places,
+                largest=redesigned(flat, designs.largest()),
+                count=count,
+                designs=designs.rows,
+                speed=speed,
+                weights=share,
+                cores=cores,
+            )
     asked = Asked(mechanism, tuple(figures), places, speed, share, full if period == "auto" else period, refine)
     found = np.full((len(figures), count), np.nan)
 
@@ -69,6 +96,22 @@ def design_figures(
 
     in_blocks(mechanism, arrays, CHUNK, work, cores)
     return found
+
+
+def _seconds(names: Collection[str], size: int, cores: int | None) -> float:
+    """What NumPy takes for signals of so many designs times crank angles, about."""
+    each = WITH_FORCES if any(name.startswith("joint_force:") for name in names) else PLAIN
+    return each * size / (cores or available())
+
+
+def _check_known(mechanism: Mechanism, names: Collection[str]) -> None:
+    """Raise UnknownNameError for a signal that the mechanism does not have."""
+    known = list(formulas(mechanism))
+    forces = [name.removesuffix(":x") for name in known if "force:" in name and name.endswith(":x")]
+    known += [force + MAGNITUDE for force in forces]
+    for name in names:
+        if name not in known:
+            raise UnknownNameError("signal", name, known)
 
 
 def is_turn(places: Array) -> bool:

@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from analytic.compiled.choice import is_compiled
 from analytic.compiled.evaluation import compute
-from analytic.compiled.flat_linkage import Integers, flatten, redesigned
+from analytic.compiled.flat_linkage import FlatLinkage, Integers, flatten, redesigned
 from analytic.designs.batches import BLOCK, Sweeps, faults_of, in_blocks
 from analytic.designs.checking import checked
 from analytic.dynamics.derivative_orders import Needs, needs
@@ -57,8 +57,7 @@ def evaluate_designs(
         )
     flat = flatten(mechanism)
     arrays = checked(mechanism.linkage, parameters, flat.places)
-    places = np.array([flat.places[name] for name in arrays], dtype=np.int64)
-    designs = Designs(flat.numbers, places, np.stack(list(arrays.values()), axis=1))
+    designs = designs_of(flat, arrays)
     largest = redesigned(flat, designs.largest())
     seconds = PER_ANGLE * designs.count * request.angle.size * len(flat.structure.bodies)
     if not mechanism.changes and is_compiled(path, "evaluation", seconds):
@@ -94,6 +93,12 @@ class Designs:
         rows = np.argmax(np.abs(self.values), axis=0)
         numbers[self.places] = self.values[rows, np.arange(len(self.places))]
         return numbers
+
+
+def designs_of(flat: FlatLinkage, arrays: Mapping[str, Array]) -> Designs:
+    """Designs by arrays (designs,) of numbers that have a place."""
+    places = np.array([flat.places[name] for name in arrays], dtype=np.int64)
+    return Designs(flat.numbers, places, np.stack(list(arrays.values()), axis=1))
 
 
 def _plain(

@@ -4,12 +4,15 @@ import numpy as np
 import pytest
 
 from analytic import signals
+from analytic.compiled import choice
+from analytic.compiled.flat_linkage import flatten
 from analytic.description.changes import changed
 from analytic.designs.figures import Figure, Reduction
 from analytic.designs.results import design_figures
-from analytic.errors import AssemblyError
+from analytic.errors import AssemblyError, UnknownNameError
 from analytic.evaluation import MovingSweep
 from analytic.kinematics.sweep import Sweep
+from tests.analytic.linkages import mechanism
 from tests.analytic.loaded_linkages import ALL, on_trial
 
 # Other orders of the same operations; of the peak.
@@ -81,3 +84,41 @@ def test_figures_are_those_of_linkages_built_one_by_one(case, is_laden):
             middle = 0.5 * np.pi if one.signal.startswith("transmission_angle:") else 0.0
             value = reduced(values, one.reduction, middle)
             assert abs(found[row, number] - value) <= SAME * np.max(np.abs(values)), one
+
+
+def both_paths(sample, parameters, names, **settings):
+    figures = [Figure(name, Reduction.PEAK) for name in names]
+    return [
+        design_figures(sample, parameters, figures, ANGLES, speed=SPEED, path=path, **settings)
+        for path in ("numpy", "compiled")
+    ]
+
+
+@pytest.mark.skipif(not choice.is_installed(), reason="numba is not installed")
+def test_either_path_gives_the_figures():
+    sample = mechanism("rimoldi-164")
+    parameters = varied(sample, 5, 200, 0.02)
+    names = ["Mkr", "S", "joint_force:A:magnitude", "shaking_force:magnitude", "point:B:vx"]
+    plain, compiled = both_paths(sample, parameters, names)
+    assert 0 < np.count_nonzero(np.isnan(plain[0])) < 200
+    np.testing.assert_array_equal(np.isnan(plain), np.isnan(compiled))
+    assert np.nanmax(np.abs(plain - compiled) / np.nanmax(np.abs(plain), axis=1, keepdims=True)) <= SAME
+
+
+@pytest.mark.skipif(not choice.is_installed(), reason="numba is not installed")
+def test_what_the_kernels_do_not_know_is_numpy_s():
+    sample = mechanism("rimoldi-164")
+    parameters = varied(sample, 5, 5, 1e-3)
+    for settings, names in (({"refine": True}, ["Mkr"]), ({}, ["Mkr", "link:rod:angle"])):
+        np.testing.assert_array_equal(*both_paths(sample, parameters, names, **settings))
+    laden = on_trial("pin in two slots", None, True)
+    tabled = varied(laden, 5, 5, 1e-3)
+    assert not set(tabled) <= set(flatten(laden).places)  # loads that are tables
+    np.testing.assert_array_equal(*both_paths(laden, tabled, ["Mkr"]))
+
+
+def test_a_signal_that_is_not_there_is_named():
+    sample = mechanism("rimoldi-164")
+    for name in ("Mrk", "point:B:magnitude", "joint_force:Q:magnitude"):
+        with pytest.raises(UnknownNameError, match="signal"):
+            design_figures(sample, {"rod.mass": [1.0]}, [Figure(name, Reduction.PEAK)], ANGLES, speed=SPEED)
