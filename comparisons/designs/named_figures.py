@@ -51,6 +51,11 @@ def named_figures(mechanism: Mechanism, names: Iterable[str]) -> tuple[NamedFigu
     return tuple(found.values())
 
 
+def figure_names(mechanism: Mechanism) -> list[str]:
+    """Every figure by name, the peaks first; those at an angle have names without end."""
+    return _examples(_signals(mechanism))
+
+
 def _signals(mechanism: Mechanism) -> dict[str, str]:
     """Signals by the names they are asked for: a vector's own name stands for its magnitude."""
     found = {}

@@ -39,6 +39,16 @@ class Parameter:
 
         Raises LinkproofError for no number, UnknownNameError for a unit that does not measure this.
         """
+        number, size = self._read(text)
+        return number * size
+
+    def in_file(self, text: str) -> float:
+        """The same number in the unit of the file."""
+        number, size = self._read(text)
+        return number if size == self.unit.size else float(f"{number * size / self.unit.size:.15g}")
+
+    def _read(self, text: str) -> tuple[float, float]:
+        """A number, and the size of its unit in SI."""
         read = WRITTEN.fullmatch(text)
         number = float(read["number"]) if read else math.nan
         if read is None or not math.isfinite(number):
@@ -46,7 +56,7 @@ class Parameter:
                 f"{self.name}: expected a finite number{f' of {self.unit.name}' if self.unit.name else ''}, got "
                 f"'{text}'; correct it"
             )
-        return number * (self.unit.size if read["unit"] is None else self._size(read["unit"]))
+        return number, self.unit.size if read["unit"] is None else self._size(read["unit"])
 
     def _size(self, unit: str) -> float:
         if self.kind in FIXED:

@@ -63,11 +63,15 @@ class Journal:
         _write(self._path(key), json.dumps(title).encode() + b"\n" + payload)
 
     def clear(self) -> None:
-        """Forget everything that is kept, of whatever request."""
+        """Forget everything that is kept, of whatever request; a kill leaves all of it or nothing."""
         if self.folder.is_dir():
             self._claim()
+        leaving = self.place.with_name(f".{FOLDER}")
+        if leaving.is_dir():
+            shutil.rmtree(leaving)
         if self.place.is_dir():
-            shutil.rmtree(self.place)
+            self.place.rename(leaving)
+            shutil.rmtree(leaving)
 
     def _claim(self) -> None:
         if not self._claims:

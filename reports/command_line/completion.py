@@ -5,12 +5,15 @@ from __future__ import annotations
 import contextlib
 import os
 import tomllib
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from analytic.errors import LinkproofError
 from analytic.shelves import announced
+
+if TYPE_CHECKING:
+    from analytic.description.linkage import Linkage
 
 CATALOGUE = Path(__file__).parents[2] / "analytic" / "catalogue"
 
@@ -56,6 +59,21 @@ def quantities(incomplete: str) -> list[str]:
     return _starting(QUANTITIES, incomplete)
 
 
+def parameters(incomplete: str) -> list[str]:
+    """The numbers of the mechanism on the command line that designs may differ in."""
+    from comparisons.designs.parameters import parameters as known
+
+    return _starting([f"{name}=" for linkage in _linkages() for name in known(linkage)], incomplete)
+
+
+def figures(incomplete: str) -> list[str]:
+    """The figures of a design of the mechanism on the command line."""
+    from analytic.kinematics.mechanism import Mechanism
+    from comparisons.designs.named_figures import figure_names
+
+    return _starting([name for linkage in _linkages() for name in figure_names(Mechanism(linkage))], incomplete)
+
+
 def axes(incomplete: str) -> list[str]:
     """The stability maps."""
     from comparisons.stress.axes import axes as known
@@ -75,11 +93,25 @@ def _starting(names: Iterable[str], incomplete: str) -> list[str]:
     return sorted({str(name) for name in names if str(name).startswith(incomplete)})
 
 
+def _linkages() -> Iterator[Linkage]:
+    """The linkages among the words typed so far, as far as they can be read."""
+    from analytic.description.loading import load
+
+    known = _known()
+    for word in _typed():
+        if word in known or word.endswith(".toml"):
+            with contextlib.suppress(LinkproofError):
+                yield load(word)
+
+
+def _typed() -> list[str]:
+    return (os.environ.get("_TYPER_COMPLETE_ARGS") or os.environ.get("COMP_WORDS", "")).split()[2:]
+
+
 def _tables() -> list[dict[str, Any]]:
     """The linkage files among the words typed so far, as far as they can be read."""
-    typed = os.environ.get("_TYPER_COMPLETE_ARGS") or os.environ.get("COMP_WORDS", "")
     found, known = [], _known()
-    for word in typed.split()[2:]:
+    for word in _typed():
         with contextlib.suppress(OSError, ValueError):
             found.append(tomllib.loads(known.get(word, Path(word)).read_text(encoding="utf-8-sig")))
     return found

@@ -4,3 +4,75 @@ They are added to the commands of ``app``; what they need is imported when they 
 """
 
 from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated, Any
+
+from reports.command_line import completion, options
+from reports.command_line.app import app
+from reports.command_line.options import flag, valued
+
+Quantities = Annotated[
+    list[str] | None,
+    valued(
+        "NAME",
+        "Figure of a design: SIGNAL.peak, .mean, .rms, .max, .min or .range, SIGNAL@DEGREES, joint_force.peak of every "
+        "joint, stroke; repeatable; default: peaks of torque, joint forces and transmission angles, and the stroke.",
+        "--quantity",
+        names=completion.figures,
+    ),
+]
+Angles = Annotated[int, valued("N", "Crank angles at which signals are sampled.")]
+Refine = Annotated[bool, flag("Look for true extremes between the sampled angles.", "--refine")]
+
+
+def speed_words(rpm: float | None) -> dict[str, Any]:
+    """The speed of a motion, and whether it was given: a drive along a line has a default of its own."""
+    return {} if rpm is None else {"speed": rpm, "gives_speed": True}
+
+
+@app.command(short_help="Figures of many designs: peaks of torque and forces over ranges of lengths.")
+def sweep(
+    mechanism: options.Mechanism,
+    variant: options.Variant = None,
+    vary: Annotated[
+        list[str] | None,
+        valued(
+            "NAME=FIRST:LAST:COUNT",
+            "Values of a number of the file, in its units or one of their own: rod.B.x=17cm:18cm:100; several make a "
+            "grid.",
+            names=completion.parameters,
+        ),
+    ] = None,
+    table: Annotated[Path | None, valued("CSV", "Designs one by one: columns rod.B.x or rod.B.x [mm].")] = None,
+    quantity: Quantities = None,
+    speed: options.Speed = None,
+    from_angle: options.FromAngle = None,
+    to_angle: options.ToAngle = None,
+    clockwise: options.Clockwise = False,
+    no_gravity: options.NoGravity = False,
+    angles: Angles = 180,
+    refine: Refine = False,
+    out: Annotated[Path | None, valued("DIR", "Write sweep.nc, every design, into this folder.")] = None,
+    csv: Annotated[str | None, valued("FILE|-", "Write every design as a table.")] = None,
+    json: Annotated[str | None, valued("FILE|-", "Write the summary as JSON.")] = None,
+    resume: options.Resume = False,
+    quiet: options.Quiet = False,
+    jobs: Annotated[int | None, valued("N", "Processor cores; default: all.")] = None,
+) -> None:
+    """Work out figures of many designs of one linkage: a grid of ranges, or a table; needs no engine.
+
+    MECHANISM is a name in the catalogue or the path of a .toml file.
+
+    All is in the units of the file. The crank turns at constant speed; extremes are those of the sampled angles, or
+    the true ones with --refine. A design that does not assemble at one of the angles has no figures.
+    """
+    from reports.command_line.commands import sweep
+    from reports.command_line.destination import Destination
+
+    choice = sweep.SweepChoice(
+        mechanism=mechanism, variant=variant, **speed_words(speed), clockwise=clockwise, from_angle=from_angle,
+        to_angle=to_angle, gravity=not no_gravity, angles=angles, refine=refine, vary=tuple(vary or ()), table=table,
+        quantities=tuple(quantity or ()), csv=csv, json=json, jobs=jobs,
+    )  # fmt: skip
+    sweep.run(choice, Destination(json, out, resume, quiet))

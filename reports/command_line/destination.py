@@ -107,6 +107,25 @@ class Destination:
             show(text, stderr=True)
 
 
+def check_files(named: Mapping[str, str], read: Mapping[str, Path]) -> None:
+    """Raise LinkproofError where files, by the option that names each, cannot be written, or are ``read``, by words.
+
+    "-" is stdout, which holds one of them.
+    """
+    seen: dict[str, str] = {}
+    for option, file in named.items():
+        if file in seen:
+            place = "stdout" if file == STDOUT else f"'{file}'"
+            raise LinkproofError(f"{seen[file]} and {option} cannot both go to {place}: give one of them a file")
+        seen[file] = option
+        if file == STDOUT:
+            continue
+        check_writable(Path(file))
+        for what, other in read.items():
+            if Path(file).resolve() == other.resolve():
+                raise LinkproofError(f"{option} '{file}' would take the place of {what}: give another name")
+
+
 def write_out(text: str) -> None:
     """Write data to stdout, in UTF-8 whatever its character set."""
     if isinstance(sys.stdout, io.TextIOWrapper):

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
+from types import MappingProxyType
 
 from analytic.description.linkage import Linkage
 from comparisons.runs.environment import environment
@@ -19,15 +20,23 @@ INCIDENTAL = ("date", "machine")
 
 
 def journal(
-    folder: Path, command: str, engines: Iterable[str], linkages: Iterable[Linkage] = (), *, resume: bool
+    folder: Path,
+    command: str,
+    engines: Iterable[str] = (),
+    linkages: Iterable[Linkage] = (),
+    *,
+    resume: bool,
+    files: Mapping[str, str] = MappingProxyType({}),
 ) -> Journal:
     """The journal of a request: empty, or what was kept of the same request before where it is resumed.
 
-    The same are the command, the linkage files and the versions of everything that computes.
+    The same are the command, the linkage files, other ``files`` by name with a digest of each, and the versions of
+    everything that computes.
     """
     facts = {name: value for name, value in environment().items() if name not in INCIDENTAL}
     facts |= {f"engine {name}": engine(name).version() or "not installed" for name in engines}
     facts |= {f"file of {k.name}": hashlib.sha256(k.text.encode()).hexdigest()[:16] for k in linkages}
+    facts |= {f"file {name}": digest[:16] for name, digest in files.items()}
     kept = Journal(folder, "\n".join([command, *(f"{name} {value}" for name, value in facts.items())]))
     if not resume:
         kept.clear()
@@ -35,8 +44,8 @@ def journal(
 
 
 @contextmanager
-def interruptible(folder: Path | None) -> Iterator[Callable[[Announce], Announce]]:
-    """What makes an ``announce`` count; Ctrl-C is then raised on with a sentence on how many runs ``folder`` keeps."""
+def interruptible(folder: Path | None, what: str = "runs") -> Iterator[Callable[[Announce], Announce]]:
+    """What makes an ``announce`` count; Ctrl-C is then raised on with a sentence on how many ``folder`` keeps."""
     finished, total = 0, 0
 
     def counting(announce: Announce) -> Announce:
@@ -53,5 +62,5 @@ def interruptible(folder: Path | None) -> Iterator[Callable[[Announce], Announce
         if folder is None or not total:
             raise
         raise KeyboardInterrupt(
-            f"{finished} of {total} runs are kept in {folder}: repeat the command with --resume to finish"
+            f"{finished} of {total} {what} are kept in {folder}: repeat the command with --resume to finish"
         ) from interrupt

@@ -25,7 +25,7 @@ from comparisons.datasheet.saved import FILE, load_sheets, save_sheets
 from comparisons.datasheet.units import file_unit
 from comparisons.reference.case import Case, own_case
 from comparisons.runs.files import check_writable, write_text
-from reports.command_line.destination import STDOUT, write_out
+from reports.command_line.destination import STDOUT, check_files, write_out
 from reports.command_line.linear_drive import prescribed
 from reports.command_line.motion_choice import EVERYTHING, OWN, MotionChoice, own_regimes
 from reports.document.terminal import show
@@ -69,20 +69,7 @@ class ResultsChoice(MotionChoice):
             raise LinkproofError("--open shows the page that --out writes: name a folder with --out")
         if self.out is not None:
             check_writable(self.out / PAGE)
-        seen: dict[str, str] = {}
-        for option, file in self.files.items():
-            if file in seen:
-                place = "stdout" if file == STDOUT else f"'{file}'"
-                raise LinkproofError(f"{seen[file]} and {option} cannot both go to {place}: give one of them a file")
-            seen[file] = option
-            if file != STDOUT:
-                check_writable(Path(file))
-                _check_is_other(option, Path(file), Path(self.mechanism))
-
-
-def _check_is_other(option: str, file: Path, linkage: Path) -> None:
-    if file.resolve() == linkage.resolve():
-        raise LinkproofError(f"{option} '{file}' would take the place of the linkage's file: give another name")
+        check_files(self.files, {"the linkage's file": Path(self.mechanism)})
 
 
 def results(choice: ResultsChoice, *, quiet: bool = False) -> None:

@@ -1,0 +1,233 @@
+"""Spaces of designs: the grid of several ranges, or a list; designs are numbered, and none is held before it is asked.
+
+The designs of a grid are numbered in C order, its last axis fastest. Values are in the units of the linkage's file.
+"""
+
+from __future__ import annotations
+
+import math
+import re
+from abc import ABC, abstractmethod
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Final, Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from analytic.description.linkage import Linkage
+from analytic.errors import LinkproofError
+from comparisons.designs.parameters import Parameter, parameter
+
+Array = NDArray[np.float64]
+
+MOST: Final = 10**12  # designs: half a day's work for a thousand cores
+ONE_BY_ONE: Final = "design"  # the dimension of a list
+WRITTEN: Final = "NAME=FIRST:LAST:COUNT, such as rod.B.x=170:180:1000"
+
+
+class Axis(Protocol):
+    """The values of one parameter of a grid."""
+
+    @property
+    def parameter(self) -> Parameter: ...  # noqa: D102
+    @property
+    def count(self) -> int: ...  # noqa: D102
+    def at(self, places: NDArray[np.int64]) -> Array:
+        """The values at these places."""
+        ...
+
+
+@dataclass(frozen=True)
+class Steps:
+    """Equal steps between two values, both included."""
+
+    parameter: Parameter
+    first: float
+    last: float
+    count: int
+
+    def at(self, places: NDArray[np.int64]) -> Array:
+        """The values at these places."""
+        if self.count == 1:
+            return np.full(places.shape, self.first)
+        values = self.first + (self.last - self.first) * (places / (self.count - 1))
+        return np.where(places == self.count - 1, self.last, values)
+
+
+@dataclass(frozen=True)
+class Values:
+    """Given values (count,)."""
+
+    parameter: Parameter
+    values: Array
+
+    @property
+    def count(self) -> int:
+        """How many there are."""
+        return len(self.values)
+
+    def at(self, places: NDArray[np.int64]) -> Array:
+        """The values at these places."""
+        return self.values[places]
+
+
+class Space(ABC):
+    """Designs by number: the values of their parameters in the units of the file."""
+
+    @property
+    @abstractmethod
+    def parameters(self) -> tuple[Parameter, ...]:
+        """What differs."""
+
+    @property
+    @abstractmethod
+    def shape(self) -> tuple[int, ...]:
+        """Designs along each dimension."""
+
+    @property
+    @abstractmethod
+    def dimensions(self) -> tuple[str, ...]:
+        """Names of the dimensions."""
+
+    @abstractmethod
+    def shown(self, first: int, last: int) -> Array:
+        """Values of the designs from number ``first`` up to ``last``, (parameters, designs), in the file's units."""
+
+    @property
+    @abstractmethod
+    def ends(self) -> Array:
+        """Least and largest value of every parameter, (parameters, 2), in the file's units."""
+
+    def part(self, first: int, last: int) -> Space:
+        """What knows these designs by the same numbers, and can be sent elsewhere."""
+        return self
+
+    @property
+    def count(self) -> int:
+        """Number of designs."""
+        return math.prod(self.shape)
+
+    @property
+    def slab(self) -> int:
+        """Designs of one place along the first dimension."""
+        return math.prod(self.shape[1:])
+
+    def block(self, first: int, last: int) -> dict[str, Array]:
+        """SI values (designs,) of the designs from number ``first`` up to ``last``, by parameter."""
+        values = self.shown(first, last)
+        return {one.name: row * one.unit.size for one, row in zip(self.parameters, values, strict=True)}
+
+
+@dataclass(frozen=True)
+class Grid(Space):
+    """Every combination of the values of its axes."""
+
+    axes: tuple[Axis, ...]
+
+    def __post_init__(self) -> None:
+        check_differ([one.name for one in self.parameters])
+        if self.count > MOST:
+            raise LinkproofError(
+                f"expected {MOST:.0e} designs at most, got {' × '.join(map(str, self.shape))}: give fewer steps"
+            )
+
+    @property
+    def parameters(self) -> tuple[Parameter, ...]:
+        """What differs, axis by axis."""
+        return tuple(axis.parameter for axis in self.axes)
+
+    @property
+    def shape(self) -> tuple[int, ...]:
+        """Values of every axis."""
+        return tuple(axis.count for axis in self.axes)
+
+    @property
+    def dimensions(self) -> tuple[str, ...]:
+        """The axes, by their parameters."""
+        return tuple(one.name for one in self.parameters)
+
+    @property
+    def ends(self) -> Array:
+        """Least and largest value of every axis."""
+        ends = [_ends(axis) for axis in self.axes]
+        return np.array([[np.min(values), np.max(values)] for values in ends])
+
+    def shown(self, first: int, last: int) -> Array:
+        """Values of a range of designs, (parameters, designs)."""
+        places = np.unravel_index(np.arange(first, last), self.shape)
+        return np.stack([axis.at(place) for axis, place in zip(self.axes, places, strict=True)])
+
+
+def _ends(axis: Axis) -> Array:
+    return axis.values if isinstance(axis, Values) else axis.at(np.array([0, axis.count - 1]))
+
+
+@dataclass(frozen=True)
+class Listed(Space):
+    """Designs one by one: ``values`` (parameters, designs), of which the first has the number ``start``."""
+
+    columns: tuple[Parameter, ...]
+    values: Array
+    start: int = 0
+
+    def __post_init__(self) -> None:
+        check_differ([one.name for one in self.columns])
+
+    @property
+    def parameters(self) -> tuple[Parameter, ...]:
+        """What differs, column by column."""
+        return self.columns
+
+    @property
+    def shape(self) -> tuple[int, ...]:
+        """The number of designs."""
+        return (self.values.shape[1],)
+
+    @property
+    def dimensions(self) -> tuple[str, ...]:
+        """One, of all designs."""
+        return (ONE_BY_ONE,)
+
+    @property
+    def ends(self) -> Array:
+        """Least and largest value of every column."""
+        return np.stack([np.min(self.values, axis=1), np.max(self.values, axis=1)], axis=1)
+
+    def shown(self, first: int, last: int) -> Array:
+        """Values of a range of designs, (parameters, designs)."""
+        return self.values[:, first - self.start : last - self.start]
+
+    def part(self, first: int, last: int) -> Listed:
+        """These designs alone."""
+        return Listed(self.columns, self.shown(first, last), first)
+
+
+def steps(linkage: Linkage, text: str) -> Steps:
+    """The axis that ``--vary rod.B.x=170:180:1000`` asks for.
+
+    Raises UnknownNameError for a parameter or a unit that there is not, LinkproofError for what is no range.
+    """
+    name, equals, ends = text.partition("=")
+    words = ends.split(":")
+    if not equals or len(words) != 3:
+        raise LinkproofError(f"--vary: expected {WRITTEN}, got '{text}'; correct it")
+    found = parameter(linkage, name.strip())
+    first, last = (found.in_file(word) for word in words[:2])
+    if not re.fullmatch(r"\s*\d{1,18}\s*", words[2], re.ASCII) or int(words[2]) < 1:
+        raise LinkproofError(f"--vary {name}: expected a number of values from 1 to {MOST:.0e}, got '{words[2]}'; "
+                             f"write {WRITTEN}")  # fmt: skip
+    count = int(words[2])
+    if (count == 1) != (first == last) or not math.isfinite(last - first):
+        raise LinkproofError(
+            f"--vary {name}: expected {'two values that differ' if count > 1 else 'a single value, twice'} for "
+            f"{count} value{'s' if count > 1 else ''}, got {words[0]} and {words[1]}; correct the range or the count"
+        )
+    return Steps(found, first, last, count)
+
+
+def check_differ(names: Sequence[str]) -> None:
+    """Raise LinkproofError for a parameter that is named twice."""
+    twice = next((name for name in names if names.count(name) > 1), None)
+    if twice is not None:
+        raise LinkproofError(f"expected every parameter once, got {twice} twice: leave one of the two out")

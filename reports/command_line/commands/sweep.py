@@ -1,0 +1,165 @@
+"""What ``linkproof sweep`` does: figures over a space of designs, summed up, and written as they come."""
+
+from __future__ import annotations
+
+import tempfile
+from contextlib import ExitStack
+from dataclasses import dataclass
+from functools import reduce
+from pathlib import Path
+
+from analytic.description.linkage import Linkage
+from analytic.description.loading import load
+from analytic.errors import LinkproofError
+from comparisons.designs.named_figures import named_figures
+from comparisons.designs.saved_sweep import SavedSweep
+from comparisons.designs.space import Grid, Space, steps
+from comparisons.designs.sweep import Summary, SweepRequest, own_figures, sweep, usual_figures, why_not
+from comparisons.designs.sweep_file import FILE, SweepFile
+from comparisons.designs.table import TableFile, table_file
+from comparisons.runs.files import write_file
+from comparisons.runs.journal import Journal
+from reports.command_line.destination import STDOUT, Destination, check_files, write_out
+from reports.command_line.interruption import interruptible, journal
+from reports.command_line.requests import command_line
+from reports.command_line.steady_choice import SteadyChoice, steady_case
+from reports.designs.sweep_table import csv_rows
+from reports.designs.sweep_terminal import SweepSummary
+from reports.document.terminal import Printout
+
+
+@dataclass(frozen=True, kw_only=True)
+class SweepChoice(SteadyChoice):
+    """What was asked for, in the user's words; ``csv`` and ``json`` are files, or "-" for stdout."""
+
+    vary: tuple[str, ...] = ()
+    table: Path | None = None
+    quantities: tuple[str, ...] = ()
+    csv: str | None = None
+    json: str | None = None
+    jobs: int | None = None
+
+    @property
+    def files(self) -> dict[str, str]:
+        """Files to be written, by option."""
+        named = {"--csv": self.csv, "--json": self.json}
+        return {option: file for option, file in named.items() if file is not None}
+
+    @property
+    def command(self) -> str:
+        """The command that asks for the same figures."""
+        table = [] if self.table is None else [str(self.table)]
+        options = {"vary": self.vary, "table": table, "quantity": self.quantities, **self.words}
+        return command_line("sweep", [self.mechanism], options, self.flags)
+
+    def check(self) -> None:
+        """Raise LinkproofError for what cannot be, before anything is worked out."""
+        super().check()
+        if bool(self.vary) == (self.table is not None):
+            got = "both" if self.vary else "neither"
+            raise LinkproofError(f"expected designs by --vary NAME=FIRST:LAST:COUNT or by --table FILE, got {got}: "
+                                 "give one of the two")  # fmt: skip
+        if self.jobs is not None and self.jobs < 1:
+            raise LinkproofError(f"--jobs: expected 1 or more cores, got {self.jobs}; correct it")
+        read = {"the linkage's file": Path(self.mechanism)}
+        check_files(self.files, read if self.table is None else {**read, "the table": self.table})
+
+
+def run(choice: SweepChoice, destination: Destination) -> None:
+    """Work a space through, print its summary and write the files asked for."""
+    destination.check(FILE)
+    choice.check()
+    request, conditions = sweep_request(load(choice.mechanism, choice.variant), choice)
+    own = own_figures(request)
+    with ExitStack() as stack:
+        folder = destination.folder
+        if folder is None and choice.csv:
+            folder = Path(stack.enter_context(tempfile.TemporaryDirectory(prefix="linkproof-")))
+        about = described(request, conditions, choice.command)
+        saved = None if folder is None else SavedSweep(request, folder, about)
+        found = SweepSummary(request, own, _worked(choice, destination, request, saved), conditions)
+        if saved is not None:
+            _write_data(choice, saved.file)
+            saved.finish()
+    destination.write_json(found.document)
+    if STDOUT not in choice.files.values():
+        wrote = [] if destination.folder is None else [f"wrote {destination.folder / FILE}"]
+        destination.print_out(Printout([*found.parts, ""], [found.sentence, *wrote] if destination.quiet else wrote))
+
+
+def sweep_request(linkage: Linkage, choice: SweepChoice) -> tuple[SweepRequest, str]:
+    """What is asked for, and its conditions in words; raises LinkproofError for anything that is not there."""
+    mechanism, motion, conditions = steady_case(linkage, choice)
+    figures = named_figures(mechanism, choice.quantities) if choice.quantities else usual_figures(mechanism)
+    if not figures:
+        raise LinkproofError(f"expected a figure of '{linkage.name}', got none: name one with --quantity")
+    space = designs_of(mechanism.linkage, choice)
+    return SweepRequest(mechanism.linkage, space, figures, motion, choice.refine, choice.jobs), conditions
+
+
+def designs_of(linkage: Linkage, choice: SweepChoice) -> Space:
+    """The grid of ``--vary``, or the list of ``--table``."""
+    if choice.table is not None:
+        return table_file(choice.table, linkage)
+    return Grid(tuple(steps(linkage, text) for text in choice.vary))
+
+
+def described(request: SweepRequest, conditions: str, command: str) -> dict[str, str | int]:
+    """What a sweep's dataset says of itself."""
+    return {
+        "mechanism": request.linkage.name,
+        "variant": request.linkage.variant,
+        "conditions": conditions,
+        "angles": len(request.motion.places),
+        "refined": int(request.refine),
+        "command": command,
+    }
+
+
+def _worked(choice: SweepChoice, destination: Destination, request: SweepRequest, saved: SavedSweep | None) -> Summary:
+    """Work the space through, or what is left of it."""
+    done: dict[int, Summary] = {}
+    if saved is not None:
+        saved.check(choice.command)
+        done = saved.begin(_journal(saved.folder, request, choice.command, resume=destination.resume))
+    begun = reduce(Summary.plus, done.values(), Summary())
+    with interruptible(destination.folder, "designs") as counting, destination.progress() as announce:
+        heard = counting(announce)
+        try:
+            found = sweep(
+                request,
+                keep=saved.keep if saved else lambda *_: None,
+                done=done.keys(),
+                begun=begun,
+                announce=lambda number: heard("designs", number, request.space.count),
+            )
+        except LinkproofError:
+            if saved is not None and not saved.holds_work:
+                saved.forget()
+            raise
+    if not found.assembled:
+        if saved is not None:
+            saved.forget()
+        raise LinkproofError(
+            f"expected designs that assemble, got none of {found.designs}, for {why_not(request)}; vary other ranges"
+        )
+    return found
+
+
+def _journal(folder: Path, request: SweepRequest, command: str, *, resume: bool) -> Journal:
+    files = {str(request.space.path): request.space.digest} if isinstance(request.space, TableFile) else {}
+    return journal(folder, command, linkages=[request.linkage], files=files, resume=resume)
+
+
+def _write_data(choice: SweepChoice, file: SweepFile) -> None:
+    """Write the designs as CSV, where it is asked for."""
+    if choice.csv == STDOUT:
+        for text in csv_rows(file):
+            write_out(text)
+    elif choice.csv is not None:
+        write_file(Path(choice.csv), lambda path: _write_rows(path, file))
+
+
+def _write_rows(path: Path, file: SweepFile) -> None:
+    with path.open("w", encoding="utf-8", newline="") as stream:
+        stream.writelines(csv_rows(file))

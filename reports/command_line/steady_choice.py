@@ -1,0 +1,72 @@
+"""The words of the commands about many designs that say how the driver moves: at constant speed, sampled."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+
+from analytic.description.changes import without
+from analytic.description.law import FULL_TURN
+from analytic.description.linkage import Linkage
+from analytic.kinematics.mechanism import Mechanism
+from comparisons.datasheet.designer_results import DesignerResults
+from comparisons.datasheet.figures import NEGLIGIBLE
+from comparisons.datasheet.instants import Instants
+from comparisons.designs.steady_motion import SAMPLES, SteadyMotion, steady_motion
+from reports.command_line.commands.results import chosen_case
+from reports.command_line.motion_choice import MotionChoice
+
+
+@dataclass(frozen=True, kw_only=True)
+class SteadyChoice(MotionChoice):
+    """A motion at constant speed, in the user's words, and at how many crank ``angles`` it is looked at.
+
+    With ``refine`` extremes are looked for between them.
+    """
+
+    mechanism: str
+    gravity: bool = True
+    angles: int = SAMPLES
+    refine: bool = False
+
+    @property
+    def words(self) -> dict[str, Sequence[str]]:
+        """The options that ask for the same, with their values."""
+        return {**super().words, "angles": [] if self.angles == SAMPLES else [str(self.angles)]}
+
+    @property
+    def flags(self) -> dict[str, bool]:
+        """Options without a value, and whether they are set."""
+        return {"clockwise": self.clockwise, "no-gravity": not self.gravity, "refine": self.refine}
+
+
+class SteadyCase(NamedTuple):
+    """A mechanism under a motion at constant speed; ``conditions`` are both in words."""
+
+    mechanism: Mechanism
+    motion: SteadyMotion
+    conditions: str
+
+
+def steady_case(linkage: Linkage, choice: SteadyChoice) -> SteadyCase:
+    """The motion asked for, in the case of a linkage: a turn, the range of a driver that makes none, or --from to --to.
+
+    Raises LinkproofError for what cannot be.
+    """
+    choice.check()
+    mechanism = Mechanism(linkage if choice.gravity else without(linkage, "gravity"))
+    case = chosen_case(mechanism, choice)
+    case.check_motion()
+    first, last = (float(case.motion.angle(np.array([time]))[0]) for time in (0.0, case.motion.duration))
+    speed = float(case.motion.speed(np.array([0.0]))[0])
+    turns = not (linkage.is_linear or choice.swings) and abs(last - first) >= FULL_TURN * (1.0 - NEGLIGIBLE)
+    start, end = (None, None) if turns else (first, last)
+    motion = steady_motion(mechanism, speed, samples=choice.angles, start=start, end=end)
+    told = DesignerResults(case, Instants(case.motion, turns=not linkage.is_linear)).conditions
+    how = f"refined between {choice.angles}" if choice.refine else f"sampled at {choice.angles}"
+    places = "places" if linkage.is_linear else "crank angles"
+    newton = ", a numerical reference: Newton's method solves a group" if mechanism.is_numerical else ""
+    return SteadyCase(mechanism, motion, f"{told}, {how} {places}{newton}")

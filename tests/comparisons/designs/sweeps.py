@@ -1,0 +1,22 @@
+"""Small sweeps of the six-bar."""
+
+from analytic.description.loading import load
+from analytic.kinematics.mechanism import Mechanism
+from comparisons.designs.named_figures import named_figures
+from comparisons.designs.space import Grid, steps
+from comparisons.designs.steady_motion import steady_motion
+from comparisons.designs.sweep import SweepRequest
+
+SIX_BAR = load("rimoldi-164")
+GRID = ("rod.B.x=160:180:5", "rod.mass=100g:0.2:3", "rod.centre.x=50:6cm:2")
+FIGURES = ("Mkr.peak", "transmission_angle:rocker + rod (RRR).peak", "stroke")
+
+
+def grid(*texts):
+    return Grid(tuple(steps(SIX_BAR, text) for text in texts))
+
+
+def request(space=None, figures=FIGURES, samples=8, speed=100.0):
+    mechanism = Mechanism(SIX_BAR)
+    motion = steady_motion(mechanism, speed, samples=samples)
+    return SweepRequest(SIX_BAR, space or grid(*GRID), named_figures(mechanism, figures), motion)

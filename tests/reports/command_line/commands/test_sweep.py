@@ -1,0 +1,159 @@
+"""``linkproof sweep`` as a designer meets it: a summary, files, and one sentence for every fault."""
+
+import json
+import shutil
+from pathlib import Path
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from analytic.errors import LinkproofError
+from comparisons.designs import sweep as sweeps
+from comparisons.designs.sweep_file import saved_sweep
+from reports.command_line.commands.sweep import SweepChoice, run
+from reports.command_line.destination import Destination
+from tests.analytic.drives import path_of
+from tests.reports.command_line.test_app import completed
+from tests.reports.command_line.test_main import linkproof
+
+VARY = ("rod.B.x=160:18cm:5", "rod.mass=100g:0.2:3")
+PLAIN = {"mechanism": "rimoldi-164", "vary": VARY, "quantities": ("Mkr.peak", "stroke"), "angles": 12}
+
+
+def swept(folder=None, *, resume=False, quiet=True, **options):
+    run(SweepChoice(**{**PLAIN, **options}), Destination(options.get("json"), folder, resume, quiet))
+
+
+def table(path):
+    lines = path.read_text(encoding="utf-8").splitlines()
+    return lines[0].split(","), np.array([[float(cell) for cell in line.split(",")] for line in lines[1:]])
+
+
+def test_it_says_how_many_assemble_and_where_figures_are_least_and_largest(tmp_path):
+    done = linkproof(
+        "sweep", "rimoldi-164", "--vary", VARY[0], "--vary", VARY[1], "--quantity", "stroke", "--speed", "-500",
+        "--out", tmp_path / "out",
+    )  # fmt: skip
+    assert done.returncode == 0, done.stderr
+    lines = done.stdout.splitlines()
+    assert lines[0].startswith("rimoldi-164 (as-built): constant-speed, 500 rpm clockwise, φ from 0° to -360°")
+    assert lines[0].endswith("gravity on, sampled at 180 crank angles")
+    assert lines[1] == (
+        "15 (5 × 3) designs, of which 9 (60 %) assemble at every angle: rod.B.x from 170 to 180 mm, rod.mass from 0.1 "
+        "to 0.2 kg"
+    )
+    assert [line.split()[-2:] for line in lines[4:7]] == [["180", "0.1"], ["175", "0.17"], ["170", "0.1"]]
+    assert lines[4].split()[:3] == ["stroke", "[mm]", "least"]
+    assert lines[-1] == f"wrote {tmp_path / 'out' / 'sweep.nc'}"
+    assert [path.name for path in (tmp_path / "out").iterdir()] == ["sweep.nc"]
+
+
+def test_every_file_tells_the_same(tmp_path):
+    out = tmp_path / "out"
+    swept(out, csv=str(tmp_path / "t.csv"), json=str(tmp_path / "t.json"))
+    head, rows = table(tmp_path / "t.csv")
+    assert head == ["rod.B.x [mm]", "rod.mass [kg]", "Mkr.peak [N*m]", "stroke [mm]"]
+    told = json.loads((tmp_path / "t.json").read_text())
+    with saved_sweep(out / "sweep.nc") as dataset:
+        assert dataset.sizes == {"rod.B.x": 5, "rod.mass": 3}
+        np.testing.assert_allclose(dataset["stroke"].values.ravel(), rows[:, 3], rtol=1e-14)
+        assert dataset.attrs["command"] == (
+            "linkproof sweep rimoldi-164 --vary rod.B.x=160:18cm:5 --vary rod.mass=100g:0.2:3 --quantity Mkr.peak "
+            "--quantity stroke --angles 12"
+        )
+        assert (dataset.attrs["angles"], dataset.attrs["refined"]) == (12, 0)
+    assert (told["designs"], told["assembled"]) == (15, 9)
+    least = told["figures"]["stroke"]["least"]
+    row = rows[np.nanargmin(rows[:, 3])]
+    assert [least["at"]["rod.B.x"], least["at"]["rod.mass"], round(least["value"], 9)] == [*row[:2], round(row[3], 9)]
+    peak = rows[np.nanargmax(np.abs(rows[:, 2])), 2]
+    assert told["figures"]["Mkr.peak"]["largest"]["value"] == pytest.approx(peak, rel=1e-14)
+
+
+def test_a_table_gives_what_a_grid_of_the_same_designs_does(tmp_path):
+    swept(csv=str(tmp_path / "grid.csv"))
+    head, rows = table(tmp_path / "grid.csv")
+    (tmp_path / "designs.csv").write_text(
+        "rod.mass [g], rod.B.x\n" + "\n".join(f"{1e3 * mass},{x}" for x, mass in rows[:, :2])
+    )
+    swept(tmp_path / "out", vary=(), table=tmp_path / "designs.csv", csv=str(tmp_path / "list.csv"))
+    other, again = table(tmp_path / "list.csv")
+    assert [other[1], other[0], *other[2:]] == head
+    np.testing.assert_allclose(again[:, [1, 0, 2, 3]], rows, rtol=1e-11)
+    with saved_sweep(tmp_path / "out" / "sweep.nc") as dataset:
+        assert dataset["stroke"].dims == ("design",)
+
+
+def test_an_interrupted_sweep_is_finished_and_another_is_not(tmp_path, monkeypatch):
+    monkeypatch.setattr(sweeps, "PLACES", 12 * 6)
+    real, made = sweeps.sweep_block, []
+
+    def interrupted(request, first, last):
+        made.append(first)
+        if len(made) == 2:
+            raise KeyboardInterrupt
+        return real(request, first, last)
+
+    monkeypatch.setattr(sweeps, "sweep_block", interrupted)
+    with pytest.raises(KeyboardInterrupt, match="6 of 15 designs are kept in"):
+        swept(tmp_path / "out")
+    with pytest.raises(LinkproofError, match="expected the request that was begun"):
+        swept(tmp_path / "out", angles=13, resume=True)
+    swept(tmp_path / "out", resume=True)
+    assert made == [0, 6, 6, 12]
+    swept(tmp_path / "whole")
+    assert (tmp_path / "out" / "sweep.nc").read_bytes() == (tmp_path / "whole" / "sweep.nc").read_bytes()
+
+
+def test_a_drive_along_a_line_has_places_and_speeds_in_its_unit(tmp_path):
+    motion = ("--from", 400, "--to", 300, "--speed", 50, "--angles", 9)
+    lines = linkproof("sweep", path_of("boom"), "--vary", "rod.mass=1:2:3", *motion).stdout.splitlines()
+    assert lines[0] == (
+        "boom (base): constant-speed, 50 mm/s, φ from 400 mm to 300 mm in 2 s, gravity on, sampled at 9 places, a "
+        "numerical reference: Newton's method solves a group"
+    )
+    assert lines[1] == "3 designs, all of which assemble at every angle"
+
+
+def test_nothing_is_kept_but_the_summary_without_a_folder(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    swept()
+    assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.parametrize(
+    ("options", "words"),
+    [
+        ({"vary": ("rod.B.q=1:2:3",)}, "unknown parameter of 'rimoldi-164' 'rod.B.q': did you mean"),
+        ({"vary": ("rod.B.x=170:180:0",)}, "expected a number of values"),
+        ({"vary": ("rod.B.x=1kg:2kg:3",)}, "unknown length unit 'kg'"),
+        ({"vary": ()}, "got neither"),
+        ({"table": Path("designs.csv")}, "got both"),
+        ({"vary": (), "table": Path("designs.csv")}, "No such file"),
+        ({"vary": ("rod.mass=-1:1:3",)}, "expected no negative mass"),
+        ({"vary": ("rod.B.x=100:110:3",)}, "expected designs that assemble, got none of 3, for 'rimoldi-164' cannot"),
+        ({"vary": (f"rod.B.x=1:2:{10**9}", f"rod.mass=1:2:{10**9}")}, "designs at most"),
+        ({"vary": (f"rod.B.x=170:180:{10**6}", f"rod.mass=1:2:{10**5}")}, "expected room for 100000000000 designs"),
+        ({"quantities": ("Mkr",)}, "unknown figure 'Mkr': did you mean"),
+        ({"quantities": ("nothing.peak",)}, "unknown signal"),
+        ({"angles": 3}, "--angles: expected 8 crank angles or more, got 3"),
+        ({"jobs": 0}, "--jobs: expected 1 or more cores, got 0"),
+        ({"speed": 0.0}, "--speed: expected"),
+        ({"from_angle": 10.0}, "add --to"),
+        ({"mechanism": "rimoldi"}, "did you mean 'rimoldi-164'"),
+    ],
+)
+def test_bad_input_is_a_sentence_and_writes_nothing(tmp_path, monkeypatch, options, words):
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr(shutil, "disk_usage", lambda _: SimpleNamespace(free=10**9))
+    files = {"csv": "t.csv", "json": "t.json"}
+    with pytest.raises(LinkproofError) as told:
+        swept(tmp_path / "new" / "out", **files, **options)
+    assert words in str(told.value)
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_parameters_and_figures_are_completed():
+    assert completed("sweep", "rimoldi-164", "--vary", "rod.B.") == ["rod.B.x=", "rod.B.y="]
+    assert completed("sweep", "rimoldi-164", "--quantity", "Mkr.p") == ["Mkr.peak"]
