@@ -19,12 +19,13 @@ if TYPE_CHECKING:
     from reports.python.checking import check, check_engine, judge
     from reports.python.evaluation import evaluate
     from reports.python.results import results
+    from reports.python.tolerance import tolerance
 
     __version__: str
 
 __all__ = [
     "Comparison", "Linkage", "LinkproofError", "__version__", "check", "check_engine", "compare", "engine", "evaluate",
-    "judge", "load", "results",
+    "judge", "load", "results", "tolerance",
 ]  # fmt: skip
 
 _MODULES = {
@@ -35,6 +36,7 @@ _MODULES = {
     "reports.python.checking": ("check", "check_engine", "judge"),
     "reports.python.evaluation": ("evaluate",),
     "reports.python.results": ("results",),
+    "reports.python.tolerance": ("tolerance",),
 }
 
 

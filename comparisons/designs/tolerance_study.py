@@ -16,16 +16,22 @@ import numpy as np
 from numpy.typing import NDArray
 
 from analytic.description.changes import numbers
+from analytic.description.crank_motion import RPM
+from analytic.description.linkage import Linkage
 from analytic.designs.derivatives import figure_gradients, is_exact
 from analytic.designs.results import design_figures
 from analytic.errors import LinkproofError
 from analytic.kinematics.mechanism import Mechanism
-from comparisons.designs.named_figures import NamedFigure
-from comparisons.designs.steady_motion import SteadyMotion
-from comparisons.designs.tolerances import ANGLE, LENGTH, Tolerance, Tornado
+from comparisons.datasheet.units import FileUnit, file_unit
+from comparisons.designs.named_figures import NamedFigure, named_figures
+from comparisons.designs.steady_motion import SAMPLES as PLACES
+from comparisons.designs.steady_motion import SteadyMotion, steady_motion
+from comparisons.designs.tolerances import ANGLE, LENGTH, Tolerance, Tolerances, Tornado, tolerances
 
 Array = NDArray[np.float64]
 
+FEWEST: Final = 2
+USUAL: Final = 1000.0  # rpm
 SAMPLES: Final = 10_000
 SHARES: Final = (0.00135, 0.99865)  # of the quantiles: three standard deviations of a normal distribution
 ALL_CORNERS: Final = 12  # tolerances whose corners are all worked out: 4096 designs
@@ -41,6 +47,18 @@ class ToleranceRequest:
     motion: SteadyMotion
     samples: int = SAMPLES
     seed: int = 0
+
+    @property
+    def conditions(self) -> str:
+        """Linkage and motion in words."""
+        linkage, unit = self.mechanism.linkage, speed_unit(self.mechanism.linkage)
+        variant = f" ({linkage.variant})" if linkage.variant else ""
+        places = "places" if linkage.is_linear else "crank angles"
+        gravity = "" if any(linkage.gravity) else ", no gravity"
+        return (
+            f"{linkage.name}{variant}: constant speed, {self.motion.speed / unit.size:g} {unit.name}{gravity}, "
+            f"refined between {len(self.motion.places)} {places}"
+        )
 
     def designs(self, offsets: Array) -> dict[str, Array]:
         """Numbers of the description (designs,) by name, at offsets (tolerances, designs) from the nominal; SI.
@@ -192,10 +210,40 @@ class ToleranceStudy:
         return Tornado(one.name, one.unit.name, float(self.nominal[row] / one.unit.size), tuple(bars))
 
 
+def speed_unit(linkage: Linkage) -> FileUnit:
+    """The unit in which the driver's speed is said: rpm, or the file's unit of length per second."""
+    if not linkage.is_linear:
+        return FileUnit("rpm", RPM)
+    return file_unit("m/s", linkage)
+
+
+def tolerance_request(
+    linkage: Linkage, asked: Tolerances, *, angles: int = PLACES, samples: int = SAMPLES, seed: int = 0
+) -> ToleranceRequest:
+    """What is asked for; raises LinkproofError for names that are not there and for a motion that cannot be."""
+    mechanism = Mechanism(linkage)
+    if asked.speed is None and linkage.is_linear:
+        raise LinkproofError(
+            f"{asked.origin}speed: expected the driver's speed in {speed_unit(linkage).name}, got nothing; add it"
+        )
+    speed = (USUAL if asked.speed is None else asked.speed) * speed_unit(linkage).size
+    found = tolerances(linkage, asked.table, f"{asked.origin}tolerances.")
+    if not asked.results:
+        raise LinkproofError(f'{asked.origin}results: expected a figure, as "Mkr.peak", got none; name one')
+    try:
+        figures = named_figures(mechanism, asked.results)
+    except LinkproofError as error:
+        raise LinkproofError(f"{asked.origin}{error}") from error
+    if samples < FEWEST:
+        raise LinkproofError(f"--samples: expected {FEWEST} or more random designs, got {samples}; draw more")
+    if seed < 0:
+        raise LinkproofError(f"--seed: expected a number from 0 on, got {seed}; give another")
+    motion = steady_motion(mechanism, speed, samples=angles)
+    return ToleranceRequest(mechanism, found, figures, motion, samples, seed)
+
+
 def tolerance_study(request: ToleranceRequest) -> ToleranceStudy:
     """Work tolerances through; raises LinkproofError where the nominal design or hardly any random one assembles."""
-    if request.samples < 2:
-        raise LinkproofError(f"--samples: expected 2 or more random designs, got {request.samples}; draw more")
     count, sizes = len(request.tolerances), np.array([one.plus_minus for one in request.tolerances])
     derivatives = request.derivatives()
     alone = np.concatenate([np.zeros((count, 1)), np.diag(-sizes), np.diag(sizes)], axis=1)

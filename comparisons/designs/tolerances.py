@@ -77,20 +77,19 @@ class Tornado:
 
 
 @dataclass(frozen=True)
-class TolerancesFile:
-    """What a file asks for: results by name, the speed, if it states one, and the table of tolerances."""
+class Tolerances:
+    """What is asked for: results by name, the speed in its file's unit, if one is said, and the table of tolerances.
+
+    ``origin`` begins what is told of a fault: the file's name.
+    """
 
     results: tuple[str, ...]
     speed: float | None
     table: Mapping[str, Any]
-    origin: str
-
-    def tolerances(self, linkage: Linkage) -> tuple[Tolerance, ...]:
-        """The tolerances; raises LinkproofError, which names the file and the key."""
-        return tolerances(linkage, self.table, f"{self.origin}: tolerances.")
+    origin: str = ""
 
 
-def read_tolerances(path: Path) -> TolerancesFile:
+def read_tolerances(path: Path) -> Tolerances:
     """The file; raises LinkproofError for one that cannot be read or says something else."""
     try:
         raw = tomllib.loads(path.read_text(encoding="utf-8"))
@@ -104,11 +103,11 @@ def read_tolerances(path: Path) -> TolerancesFile:
     results, speed, table = (raw.get(key) for key in KEYS)
     if not isinstance(results, list) or not results or not all(isinstance(one, str) for one in results):
         raise LinkproofError(f'{path}: results: expected a list of figures, as ["Mkr.peak"], got {_shown(results)}')
-    if speed is not None and not _is_number(speed):
-        raise LinkproofError(f"{path}: speed: expected a finite number, got {_shown(speed)}")
+    if speed is not None and not (_is_number(speed) and speed):
+        raise LinkproofError(f"{path}: speed: expected a finite number other than 0, got {_shown(speed)}; correct it")
     if not isinstance(table, dict) or not table:
         raise LinkproofError(f"{path}: expected a table [tolerances] with a number's ±, got {_shown(table)}; add it")
-    return TolerancesFile(tuple(results), speed, table, str(path))
+    return Tolerances(tuple(results), speed, table, f"{path}: ")
 
 
 def tolerances(linkage: Linkage, table: Mapping[str, Any], where: str = "") -> tuple[Tolerance, ...]:

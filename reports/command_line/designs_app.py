@@ -8,6 +8,8 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Annotated, Any
 
+import typer
+
 from reports.command_line import completion, options
 from reports.command_line.app import app
 from reports.command_line.options import flag, valued
@@ -76,3 +78,33 @@ def sweep(
         quantities=tuple(quantity or ()), csv=csv, json=json, jobs=jobs,
     )  # fmt: skip
     sweep.run(choice, Destination(json, out, resume, quiet))
+
+
+@app.command(short_help="Tolerances: which length, angle or mass moves which result by how much.")
+def tolerance(
+    mechanism: options.Mechanism,
+    tolerances: Annotated[Path, typer.Argument(metavar="TOLERANCES.toml", hidden=True)],
+    variant: options.Variant = None,
+    angles: Annotated[int, valued("N", "Crank angles between which extremes are refined.")] = 180,
+    no_gravity: options.NoGravity = False,
+    samples: Annotated[int, valued("N", "Random designs.")] = 10_000,
+    seed: Annotated[int, valued("N", "Seed of the random designs.")] = 0,
+    json: options.Json = None,
+    csv: Annotated[str | None, valued("FILE|-", "Write a row per result and parameter.")] = None,
+    svg: Annotated[str | None, valued("FILE|-", "Draw what moves each result into this file.")] = None,
+    quiet: options.Quiet = False,
+) -> None:
+    """Say by how much tolerances move results: each alone, the worst case, and random designs; in closed form.
+
+    MECHANISM is a name in the catalogue or the path of a .toml file. TOLERANCES.toml says what may move what:
+
+    results = ["Mkr.peak", "joint_force:A.peak", "stroke"]; speed = 1000; and under [tolerances] the ± of numbers of the
+    linkage's file, in its units or one of their own: "rod.B.x" = 0.05, "rod.B.length" = "50um", "rocker.C.angle" = 0.1,
+    "rod.mass" = { plus_minus = 0.01, distribution = "uniform" } (else normal: the ± are three standard deviations).
+    """
+    from reports.command_line.commands import tolerance
+
+    choice = tolerance.ToleranceChoice(
+        mechanism, tolerances, variant, not no_gravity, angles, samples, seed, json=json, csv=csv, svg=svg, quiet=quiet
+    )
+    tolerance.run(choice)

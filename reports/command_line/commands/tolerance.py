@@ -1,0 +1,79 @@
+"""What ``linkproof tolerance`` does: which number of a linkage moves which result by how much."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+
+from analytic.description.changes import without
+from analytic.description.loading import load
+from comparisons.designs.steady_motion import SAMPLES as PLACES
+from comparisons.designs.tolerance_study import SAMPLES, ToleranceStudy, tolerance_request, tolerance_study
+from comparisons.designs.tolerances import read_tolerances
+from comparisons.judging.records import to_json
+from comparisons.runs.files import write_text
+from reports.command_line.destination import STDOUT, check_files, write_out
+from reports.designs.tolerance_files import csv_table, document
+from reports.designs.tolerance_terminal import printout
+from reports.document.terminal import show
+
+
+@dataclass(frozen=True)
+class ToleranceChoice:
+    """What was asked for, in the user's words; ``json``, ``csv`` and ``svg`` are files, or "-" for stdout."""
+
+    mechanism: str
+    tolerances: Path
+    variant: str | None = None
+    gravity: bool = True
+    angles: int = PLACES
+    samples: int = SAMPLES
+    seed: int = 0
+    json: str | None = None
+    csv: str | None = None
+    svg: str | None = None
+    quiet: bool = False
+
+    @property
+    def files(self) -> dict[str, str]:
+        """Files to be written, by option."""
+        named = {"--json": self.json, "--csv": self.csv, "--svg": self.svg}
+        return {option: file for option, file in named.items() if file is not None}
+
+
+def run(choice: ToleranceChoice) -> None:
+    """Work the tolerances through, print the tables and write the files asked for."""
+    check_files(choice.files, {"the linkage's file": Path(choice.mechanism), "the tolerances": choice.tolerances})
+    linkage = load(choice.mechanism, choice.variant)
+    asked = read_tolerances(choice.tolerances)
+    request = tolerance_request(
+        linkage if choice.gravity else without(linkage, "gravity"),
+        asked,
+        angles=choice.angles,
+        samples=choice.samples,
+        seed=choice.seed,
+    )
+    found = tolerance_study(request)
+    for option, file in choice.files.items():
+        text = _written(option, found)
+        if file == STDOUT:
+            write_out(text)
+        else:
+            write_text(Path(file), text)
+    if STDOUT in choice.files.values():
+        return
+    printed = printout(found)
+    show(*([] if choice.quiet else printed.tables), *printed.closing)
+
+
+def _written(option: str, found: ToleranceStudy) -> str:
+    """The text of a file."""
+    if option == "--json":
+        return to_json(document(found))
+    if option == "--csv":
+        return csv_table(found)
+    from reports.charts.draw import svg  # noqa: PLC0415 - half a second that nothing else pays for
+    from reports.designs.tornado_picture import tornado_figure  # noqa: PLC0415
+
+    rows = range(len(found.request.figures))
+    return svg(tornado_figure([found.tornado(row) for row in rows], found.request.conditions), page="white")

@@ -1,0 +1,94 @@
+"""``linkproof.tolerance``: which number of a linkage moves which result by how much."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import xarray
+
+from analytic.description.linkage import Linkage
+from comparisons.designs.steady_motion import SAMPLES as PLACES
+from comparisons.designs.tolerance_study import SAMPLES, SHARES, ToleranceStudy, tolerance_request, tolerance_study
+from comparisons.designs.tolerances import Tolerances, read_tolerances
+from reports.python.options import Words, chosen_linkage, words
+
+
+def tolerance(
+    linkage: Linkage | str | Path,
+    tolerances: Mapping[str, Any] | str | Path,
+    results: Words | None = None,
+    *,
+    variant: str | None = None,
+    speed: float | None = None,
+    angles: int = PLACES,
+    gravity: bool = True,
+    samples: int = SAMPLES,
+    seed: int = 0,
+) -> xarray.Dataset:
+    """How tolerances of a linkage's numbers move results, over ``result`` and ``parameter``; in the file's units.
+
+    ``tolerances`` are ± by name, as under [tolerances] in a file of ``linkproof tolerance``, or such a file, which also
+    says ``results`` and ``speed`` where they are not given: rpm, or the file's unit of length per second.
+
+    ``contribution`` (±), ``share`` (of the variance), ``worst`` (±, all together) and ``linear_deviation`` follow from
+    ``derivative``, whose attribute ``derivatives`` is exact or difference. ``change`` (over ``limit``) is worked out
+    with one number at its limit, ``corner`` (``end``) with all; ``mean``, ``deviation`` and ``quantile`` are of random
+    designs. NaN are derivatives where two tops tie, and what belongs to designs that do not assemble. Raises
+    LinkproofError for what cannot be.
+    """
+    asked = Tolerances((), None, tolerances) if isinstance(tolerances, Mapping) else read_tolerances(Path(tolerances))
+    asked = Tolerances(
+        asked.results if results is None else words(results),
+        asked.speed if speed is None else speed,
+        asked.table,
+        asked.origin,
+    )
+    chosen = chosen_linkage(linkage, variant, gravity=gravity)
+    return dataset(tolerance_study(tolerance_request(chosen, asked, angles=angles, samples=samples, seed=seed)))
+
+
+def dataset(study: ToleranceStudy) -> xarray.Dataset:
+    """A study, labelled, in the units of the linkage's file."""
+    request = study.request
+    size = np.array([one.unit.size for one in request.figures])
+    own = np.array([one.parameter.unit.size for one in request.tolerances])
+    of, by = ("result",), ("result", "parameter")
+    return xarray.Dataset(
+        {
+            "nominal": (of, study.nominal / size),
+            "derivative": (by, study.derivatives * own / size[:, None]),
+            "contribution": (by, study.contributions / size[:, None]),
+            "share": (by, study.shares),
+            "change": ((*by, "limit"), study.changes / size[:, None, None]),
+            "worst": (of, study.worst / size),
+            "corner": ((*of, "end"), study.corners / size[:, None]),
+            "linear_deviation": (of, study.deviations / size),
+            "mean": (of, study.mean / size),
+            "deviation": (of, study.deviation / size),
+            "quantile": ((*of, "level"), study.quantiles / size[:, None]),
+        },
+        coords={
+            "result": [one.name for one in request.figures],
+            "units": (of, [one.unit.name for one in request.figures]),
+            "parameter": [one.name for one in request.tolerances],
+            "parameter_units": (("parameter",), [one.parameter.unit.name for one in request.tolerances]),
+            "plus_minus": (("parameter",), [one.plus_minus for one in request.tolerances] / own),
+            "distribution": (("parameter",), [str(one.distribution) for one in request.tolerances]),
+            "limit": ["lower", "upper"],
+            "end": ["least", "largest"],
+            "level": [*SHARES],
+        },
+        attrs={
+            "mechanism": request.mechanism.linkage.name,
+            "variant": request.mechanism.linkage.variant,
+            "conditions": request.conditions,
+            "derivatives": study.how,
+            "corners": "all" if study.has_all_corners else "those to which derivatives point",
+            "samples": request.samples,
+            "seed": request.seed,
+            "assembled": study.assembled,
+        },
+    )
