@@ -69,6 +69,8 @@ def upward(panel: Panel, ticks: int) -> Scale:
         return Scale(last, -0.5, tuple(map(float, range(len(panel.rows)))), panel.rows, panel.y_label)
     if panel.surface:
         return tight(panel.surface.y, panel.y_label, ticks)
+    if panel.span:
+        return _linear(np.array(panel.span), panel.y_label, ticks, _margin(panel))
     levels = [mark.place for mark in _marks([panel], "y")]
     if panel.scale in ("log", "loglog"):
         return _decades(_finite([*map(_above_dips, panel.curves), levels]), panel.y_label, ticks)

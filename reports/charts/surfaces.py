@@ -27,16 +27,21 @@ PIXELS, CONTOURED = 400, 120  # cells in one direction of an image of unequal ce
 
 def bar_room(surface: Surface) -> float:
     """Room on the right of a panel for the colour bar and its words, in."""
-    scale = scales.tight(surface.values, surface.label, TICKS)
+    scale = _scale(surface)
     words = max(map(labels.width, scale.words), default=0.0)
     return APART + BAR + labels.GAP + words + (labels.LINE + 0.05 if scale.label else 0.0)
+
+
+def _scale(surface: Surface) -> Scale:
+    """The scale of the colours."""
+    return scales.tight(surface.values if surface.span is None else np.array(surface.span), surface.label, TICKS)
 
 
 def draw_surface(axes: Axes, surface: Surface, width: float) -> None:
     """Draw a surface into axes of so many inches, and its colour bar beside them."""
     if not np.any(np.isfinite(surface.values)):
         return
-    scale = scales.tight(surface.values, surface.label, TICKS)
+    scale = _scale(surface)
     ends = (surface.x[0], surface.x[-1], surface.y[0], surface.y[-1])
     image = surface.values[np.ix_(_even(surface.y), _even(surface.x))]
     style: dict[str, Any] = {

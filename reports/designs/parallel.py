@@ -17,6 +17,7 @@ from reports.charts.scheme import BEHIND
 from reports.charts.style import FULL_WIDTH, INK, MUTED, SHADES, drawn, ink
 from reports.designs import thinning
 from reports.designs.swept import FAILS, OWN, Swept, grouped
+from reports.designs.thinning import Kept
 from reports.document.chart import Chart, Curve
 
 Array = NDArray[np.float64]
@@ -44,7 +45,7 @@ class Lines:
 
 def parallel_figure(swept: Swept) -> Figure:
     """The parameters, then the figures; designs that do not assemble end behind the parameters."""
-    lines, failing, meaning = _lines(swept)
+    lines, kept, meaning = _lines(swept)
     note = (
         f"{grouped(MOST)} designs are drawn, chosen at random with seed 0; among them the best, and the least and the "
         "largest of every figure."
@@ -54,8 +55,8 @@ def parallel_figure(swept: Swept) -> Figure:
     first = f"{swept.figures[0]}: {meaning}"
     key = [Curve(NOWHERE, NOWHERE, first, "limit", width=2.0)] if lines.best is not None else []
     key += [Curve(NOWHERE, NOWHERE, OWN, "ink", line="", marker="D", size=5.0)] if swept.own_place else []
-    key += [Curve(NOWHERE, NOWHERE, FAILS, "reference", width=0.8)] if failing else []
-    about = Chart((), head=swept.head(failing, note), key=tuple(key))
+    key += [Curve(NOWHERE, NOWHERE, FAILS, "reference", width=0.8)] if any(one.failing for one in kept) else []
+    about = Chart((), head=swept.head(kept, note), key=tuple(key))
     names = [labels.fitting_label(axis.label, APART - 0.1) for axis in lines.axes]
     width = max(FULL_WIDTH, APART * len(names))
     room = labels.LINE * max(map(labels.lines, names)) + 0.1
@@ -63,25 +64,23 @@ def parallel_figure(swept: Swept) -> Figure:
     return drawn(width, height, partial(_draw, about=about, names=names, lines=lines, own=swept.own_place))
 
 
-def _lines(swept: Swept) -> tuple[Lines, int, str]:
-    """The lines, how many designs do not assemble, and in what the best one is best."""
+def _lines(swept: Swept) -> tuple[Lines, list[Kept], str]:
+    """The lines, what is kept of the figures, and in what the best one is best."""
     kept = {name: swept.keep(name) for name in swept.figures}
     names = (*swept.parameters, *swept.figures)
-    spans = [*map(swept.ends, swept.parameters), *(one.extremes[:2] for one in kept.values())]
-    first, failing = kept[swept.figures[0]], max(one.failing for one in kept.values())
+    spans = [*map(swept.ends, swept.parameters), *(np.array(one.span or one.extremes[:2]) for one in kept.values())]
+    first = kept[swept.figures[0]]
     best = int(first.indices[2])
     always = {best} | {int(index) for one in kept.values() for index in one.indices[:2]}
     chosen = thinning.sample(swept.count, MOST, always - {-1})
-    axes = tuple(map(scales.tight, spans, map(swept.label, names), repeat(TICKS)))
+    told = [swept.label(name, kept.get(name)) for name in names]
+    axes = tuple(map(scales.tight, spans, told, repeat(TICKS)))
     heights = [
         (swept.pick(name, chosen) - axis.low) / (axis.high - axis.low) for name, axis in zip(names, axes, strict=True)
     ]
     line = None if best < 0 else int(np.searchsorted(chosen, best))
-    return (
-        Lines(axes, np.stack(heights, axis=1), len(swept.parameters), line),
-        failing,
-        swept.target(swept.figures[0])[1],
-    )
+    whole = Lines(axes, np.stack(heights, axis=1), len(swept.parameters), line)
+    return whole, list(kept.values()), swept.target(swept.figures[0])[1]
 
 
 def _draw(figure: Figure, about: Chart, names: list[str], lines: Lines, own: tuple[float, ...]) -> None:
@@ -113,7 +112,7 @@ def _draw_ramp(axes: Axes, number: int) -> None:
 
 def _draw_lines(axes: Axes, lines: Lines) -> None:
     """Those that end first, then one shade after the other, the smallest figures on top, the best above all."""
-    shades = np.round(lines.heights[:, lines.parameters] * (SHADES - 1))
+    shades = np.round(np.clip(lines.heights[:, lines.parameters], 0.0, 1.0) * (SHADES - 1))
     _draw_shade(axes, lines.heights[np.isnan(shades)], ink("reference"), 0.8)
     for shade in range(SHADES)[::-1]:
         _draw_shade(axes, lines.heights[shades == shade], ink(shade / (SHADES - 1)), THIN)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
@@ -15,7 +15,7 @@ from reports.charts import draw, labels
 from reports.charts.style import FULL_WIDTH
 from reports.designs.parallel import parallel_figure
 from reports.designs.swept import DESIGN, FAILS, OWN, Swept, grouped
-from reports.designs.thinning import Cells
+from reports.designs.thinning import Cells, Kept
 from reports.document.chart import Chart, Curve, Hatch, Mark, Panel, Surface
 
 if TYPE_CHECKING:
@@ -28,7 +28,6 @@ AROUND_CURVES, AROUND_MAP = 1.0, 1.6  # in, beside the axes of a panel
 CURVE_CELLS, MAP_CELLS = 1000, 300  # along an axis; finer than the paper shows
 NOWHERE = np.zeros(0)
 UPRIGHT = Curve(NOWHERE, NOWHERE, OWN, "muted", line="--", width=0.9)
-HATCHED = Hatch(np.zeros((0, 2)), FAILS)
 
 
 def sweep_svg(dataset: xarray.Dataset, own: Mapping[str, float] | None = None) -> str:
@@ -57,7 +56,7 @@ def _curves(swept: Swept) -> Chart:
     (parameter,) = swept.parameters
     cells, columns = Cells(swept.places(parameter), CURVE_CELLS), 1 if len(swept.figures) < 4 else 2
     uprights = tuple(Mark(place) for place in swept.own_place)
-    panels, best, failing = [], {}, 0
+    panels, best, seen = [], {}, []
     for name in swept.figures:
         kept = swept.keep(name, cells)
         found = [Curve(*cells.curve(kept), marker="" if swept.count > 1 else "o")]
@@ -65,20 +64,22 @@ def _curves(swept: Swept) -> Chart:
             meaning = swept.target(name)[1]
             best[meaning] = _star(meaning)
             found.append(_star("", cells.places[kept.indices[2]], kept.extremes[2]))
-        failing = max(failing, kept.failing)
-        hatch = Hatch(cells.failing(kept))
-        title = labels.fitting(swept.label(name), FULL_WIDTH / columns - AROUND_CURVES)
+        seen.append(kept)
+        title = labels.fitting(swept.label(name, kept), FULL_WIDTH / columns - AROUND_CURVES)
+        axes = (swept.label(parameter), swept.scale(name))
         panels.append(
-            Panel(tuple(found), swept.label(parameter), swept.scale(name), uprights, names="", title=title, hatch=hatch)
+            Panel(
+                tuple(found), *axes, uprights, names="", title=title, hatch=Hatch(cells.failing(kept)), span=kept.span
+            )
         )
     note = (
         f"The curve goes through the least and the largest of each {grouped(swept.count // CURVE_CELLS)} neighbours."
         if cells.are_thin
         else ""
     )
-    key: tuple[Curve | Hatch, ...] = (*best.values(), *(UPRIGHT,) * bool(uprights), *(HATCHED,) * bool(failing))
+    key: tuple[Curve | Hatch, ...] = (*best.values(), *(UPRIGHT,) * bool(uprights), *_hatched(seen))
     height = CURVES * -(-len(panels) // columns) + 0.5
-    return Chart(tuple(panels), height, columns, wide=True, head=swept.head(failing, note), key=key)
+    return Chart(tuple(panels), height, columns, wide=True, head=swept.head(seen, note), key=key)
 
 
 def _maps(swept: Swept) -> Chart:
@@ -87,7 +88,7 @@ def _maps(swept: Swept) -> Chart:
     cells = tuple(Cells(swept.places(name), MAP_CELLS) for name in swept.parameters)
     columns = min(3 if len(swept.figures) > 4 else 2, len(swept.figures))
     own = [_marker(OWN, swept.own_place, "D", 5.0)] if swept.own_place else []
-    panels, best, failing = [], {}, 0
+    panels, best, seen = [], {}, []
     for name in swept.figures:
         kept = swept.keep(name, *cells)
         found = list(own)
@@ -96,9 +97,9 @@ def _maps(swept: Swept) -> Chart:
             best[meaning] = _star(meaning)
             place = divmod(int(kept.indices[2]), len(cells[1].places))
             found.append(_star("", cells[0].places[place[0]], cells[1].places[place[1]]))
-        failing = max(failing, kept.failing)
-        surface = Surface(cells[0].edges, cells[1].edges, kept.surface().T, swept.scale(name))
-        title = labels.fitting(swept.label(name), FULL_WIDTH / columns - AROUND_MAP)
+        seen.append(kept)
+        surface = Surface(cells[0].edges, cells[1].edges, kept.surface().T, swept.scale(name), kept.span)
+        title = labels.fitting(swept.label(name, kept), FULL_WIDTH / columns - AROUND_MAP)
         whole = Hatch(cells[0].edges[[[0, -1]]][: bool(kept.failing)])
         outlined = [edge for one in found for edge in (_outline(one), replace(one, name=""))]
         panels.append(Panel(tuple(outlined), *axes, names="", title=title, hatch=whole, surface=surface))
@@ -109,9 +110,9 @@ def _maps(swept: Swept) -> Chart:
         if any(one.are_thin for one in cells)
         else ""
     )
-    key: tuple[Curve | Hatch, ...] = (*best.values(), *own, *(HATCHED,) * bool(failing))
+    key: tuple[Curve | Hatch, ...] = (*best.values(), *own, *_hatched(seen))
     height = MAP * -(-len(panels) // columns) * (1.25 if columns < 3 else 1.0)
-    return Chart(tuple(panels), height, columns, wide=len(panels) > 1, head=swept.head(failing, note), key=key)
+    return Chart(tuple(panels), height, columns, wide=len(panels) > 1, head=swept.head(seen, note), key=key)
 
 
 def _ascending(dataset: xarray.Dataset) -> xarray.Dataset:
@@ -121,6 +122,11 @@ def _ascending(dataset: xarray.Dataset) -> xarray.Dataset:
         if name != DESIGN and np.any(places[1:] < places[:-1]):
             dataset = dataset.isel({name: np.argsort(places, kind="stable")})
     return dataset
+
+
+def _hatched(seen: Sequence[Kept]) -> tuple[Hatch, ...]:
+    """The entry of the key for designs that do not assemble, if there are any."""
+    return (Hatch(np.zeros((0, 2)), FAILS),) * any(kept.failing for kept in seen)
 
 
 def _marker(name: str, place: tuple[float, ...], marker: str, size: float, ink: str = "ink") -> Curve:

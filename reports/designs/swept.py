@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass
 from functools import partial
 from typing import TYPE_CHECKING, Final
@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from analytic.errors import printable
 from reports.designs import thinning
 from reports.designs.thinning import Cells, Indices, Kept
+from reports.document import numbers
 
 if TYPE_CHECKING:
     import xarray
@@ -23,6 +24,7 @@ Array = NDArray[np.float64]
 DESIGN: Final = "design"  # the dimension of a table
 MOST: Final = 9  # figures in one picture
 COARSE: Final = 1000  # cells of which only the extremes count
+CUT: Final = "Where two numbers follow a name, values reach that far and are cut off, for the others to be told apart."
 FAILS: Final = "does not assemble"
 OWN: Final = "design of the file"
 
@@ -88,9 +90,10 @@ class Swept:
         """The unit of a parameter or figure, of the file."""
         return printable(str(self.dataset[name].attrs.get("units", "")))
 
-    def label(self, name: str) -> str:
-        """A name with its unit."""
-        return ", ".join(filter(None, (printable(name), self.unit(name))))
+    def label(self, name: str, kept: Kept | None = None) -> str:
+        """A name with its unit; of values that are cut off in the picture with both ends of all."""
+        low, high = map(numbers.figure, kept.extremes[:2]) if kept is not None and kept.span else ("", "")
+        return ", ".join(filter(None, (f"{printable(name)}{f' ({low} to {high})' if low else ''}", self.unit(name))))
 
     def scale(self, name: str) -> str:
         """What stands beside a scale of a figure that is named above it."""
@@ -118,14 +121,16 @@ class Swept:
             return np.array([np.min(places), np.max(places)])
         return self.keep(parameter).extremes[:2]
 
-    def head(self, failing: int, *notes: str) -> tuple[str, ...]:
+    def head(self, kept: Collection[Kept], *notes: str) -> tuple[str, ...]:
         """Lines above the picture: whose designs, under which conditions, what is left out."""
+        failing = max(one.failing for one in kept)
         about, left = self.dataset.attrs, len(self.dataset.data_vars) - len(self.figures)
         who = ", ".join(filter(None, (str(about.get(key, "")) for key in ("mechanism", "variant"))))
         fails = f", {grouped(failing)} of which {'does' if failing == 1 else 'do'} not assemble" if failing else ""
         what = f"{grouped(self.count)} design{'s' * (self.count != 1)}{fails}"
         more = f"The first {MOST} of {left + MOST} figures are drawn." if left else ""
-        texts = (f"{who}: {what}" if who else what, str(about.get("conditions", "")), *notes, more)
+        cut = CUT if any(one.span for one in kept) else ""
+        texts = (f"{who}: {what}" if who else what, str(about.get("conditions", "")), *notes, cut, more)
         return tuple(printable(text) for text in texts if text)
 
 

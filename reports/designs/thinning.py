@@ -20,6 +20,7 @@ Indices = NDArray[np.intp]
 Read = Callable[[int, int], Array]
 
 AT_ONCE = 1 << 20  # values
+FAR = 3.0  # times the span of eight tenths of the values: beyond, these are shown and the others cut off
 
 
 @dataclass(frozen=True)
@@ -86,6 +87,23 @@ class Kept:
         """A value for every cell: the one farthest from the middle of all, nan where a design fails."""
         middle = 0.5 * (self.extremes[0] + self.extremes[1])
         return np.where(self.fails, np.nan, np.where(self.high - middle > middle - self.low, self.high, self.low))
+
+    @cached_property
+    def span(self) -> tuple[float, float] | None:
+        """What to show where few values lie so far out that the others could not be told apart, as near dead positions.
+
+        Twice the span of eight tenths of all cells, and the value nearest to the target; None where all can be shown.
+        """
+        there = np.concatenate([self.low.ravel(), self.high.ravel()])
+        there = there[np.isfinite(there)]
+        if not len(there):
+            return None
+        low, high = np.quantile(there, [0.1, 0.9])
+        least, largest, nearest = self.extremes
+        if largest - least <= FAR * (high - low) or high == low:
+            return None
+        half = 0.5 * (high - low)
+        return float(max(least, min(low - half, nearest))), float(min(largest, max(high + half, nearest)))
 
 
 def keep(read: Read, cells: Sequence[Cells], size: int, target: float = 0.0) -> Kept:

@@ -64,13 +64,14 @@ class Surface:
     """Values (rows, columns) of cells between edges x (columns + 1,) and y (rows + 1,), ascending, as colours.
 
     ``label`` stands beside the colour bar, whose round numbers have contour lines; nan is left open, so that a hatch
-    below shows.
+    below shows. Colours are told apart between the ends of ``span``, if there is one.
     """
 
     x: Array
     y: Array
     values: Array
     label: str = ""
+    span: tuple[float, float] | None = None
 
 
 @dataclass(frozen=True)
@@ -79,6 +80,7 @@ class Panel:
 
     ``scale`` is linear, logarithmic in y, in x or in both, or equal in both directions; ``turn``: x is the crank angle
     of a whole turn, degrees. ``names`` says where the curves' names stand. ``rows`` name y = 0, 1, … from above.
+    What lies beyond ``span`` in y is cut off.
     """
 
     curves: tuple[Curve, ...]
@@ -93,6 +95,7 @@ class Panel:
     rows: tuple[str, ...] = ()
     hatch: Hatch | None = None
     surface: Surface | None = None
+    span: tuple[float, float] | None = None
 
 
 @dataclass(frozen=True)

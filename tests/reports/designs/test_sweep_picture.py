@@ -177,3 +177,16 @@ def test_a_file_is_the_same_every_time_and_stands_on_white():
 def test_nothing_to_draw_is_refused():
     with pytest.raises(LinkproofError, match="expected designs"):
         sweep_figure(sweep(0, table=True))
+
+
+@pytest.mark.parametrize("counts", [(400,), (40, 30), (400, 3, 3)])
+def test_values_that_grow_without_bounds_are_cut_off_and_the_picture_says_how_far_they_reach(counts):
+    dataset = sweep(*counts, change=lambda values: values + 1.0)
+    name = "Mkr.peak"
+    dataset[name][{"rod.B.x": -1}] = 1e4
+    figure = sweep_figure(dataset, OWN)
+    told = [" ".join(text.split()) for text in texts(figure)]
+    assert any(re.fullmatch(r"Mkr\.peak \(1\.000 to 10000\),.N\*m", text) for text in told)
+    assert any(text.startswith("Where two numbers follow a name") for text in told)
+    assert not any(text in {"5000", "10000"} for text in told)
+    assert len(marked(panels(figure)[0], "*", LIMIT_COLOUR)) == (len(counts) < 3)
