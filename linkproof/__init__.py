@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from reports.python.campaign import Comparison, compare
     from reports.python.checking import check, check_engine, judge
     from reports.python.evaluation import evaluate
+    from reports.python.optimise import optimise
     from reports.python.results import results
     from reports.python.tolerance import tolerance
 
@@ -25,7 +26,7 @@ if TYPE_CHECKING:
 
 __all__ = [
     "Comparison", "Linkage", "LinkproofError", "__version__", "check", "check_engine", "compare", "engine", "evaluate",
-    "judge", "load", "results", "tolerance",
+    "judge", "load", "optimise", "results", "tolerance",
 ]  # fmt: skip
 
 _MODULES = {
@@ -35,6 +36,7 @@ _MODULES = {
     "reports.python.campaign": ("Comparison", "compare"),
     "reports.python.checking": ("check", "check_engine", "judge"),
     "reports.python.evaluation": ("evaluate",),
+    "reports.python.optimise": ("optimise",),
     "reports.python.results": ("results",),
     "reports.python.tolerance": ("tolerance",),
 }

@@ -80,6 +80,67 @@ def sweep(
     sweep.run(choice, Destination(json, out, resume, quiet))
 
 
+@app.command(short_help="The best lengths of a linkage: least peak torque at the same stroke, say.")
+def optimise(
+    mechanism: options.Mechanism,
+    minimise: Annotated[
+        str | None, valued("FIGURE", "Make it as small as can be, such as Mkr.peak.", names=completion.figures)
+    ] = None,
+    maximise: Annotated[
+        str | None, valued("FIGURE", "Make it as large as can be: transmission_angle.min.", names=completion.figures)
+    ] = None,
+    over: Annotated[
+        list[str] | None,
+        valued(
+            "NAME=LOW:HIGH",
+            "A number of the file and its bounds, or NAME=±10%; repeatable.",
+            names=completion.parameters,
+        ),
+    ] = None,
+    keep: Annotated[
+        list[str] | None,
+        valued(
+            "FIGURE[=LOW:HIGH]",
+            "Keep a figure: as it is, at =VALUE, or in a range; repeatable.",
+            names=completion.figures,
+        ),
+    ] = None,
+    variant: options.Variant = None,
+    speed: options.Speed = None,
+    from_angle: options.FromAngle = None,
+    to_angle: options.ToAngle = None,
+    clockwise: options.Clockwise = False,
+    no_gravity: options.NoGravity = False,
+    angles: Angles = 180,
+    starts: Annotated[int, valued("N", "Search from so many designs, the file's first.")] = 1,
+    seed: Annotated[int, valued("N", "Seed of the other designs.")] = 0,
+    everywhere: Annotated[bool, flag("Look everywhere between the bounds.", "--global")] = False,
+    simulate: Annotated[
+        list[str] | None,
+        valued("ENGINE", "Simulate the result, as compare does; repeatable.", names=completion.engines),
+    ] = None,
+    out: Annotated[Path | None, valued("DIR", "Write the new linkage file, JSON and curves into this folder.")] = None,
+    json: options.Json = None,
+    quiet: options.Quiet = False,
+) -> None:
+    """Make a figure of a linkage least or largest by numbers of its file between bounds, others kept; in closed form.
+
+    MECHANISM is a name in the catalogue or the path of a .toml file; values are in the units of the file.
+
+    Figures are those of sweep: a peak is the largest magnitude. joint_force.peak is that of all joints together.
+    """
+    from reports.command_line.commands import optimise as command
+    from reports.command_line.destination import Destination
+
+    how = {"starts": starts, "seed": seed, "everywhere": everywhere}
+    wish = command.wish(minimise, maximise, over or (), keep or (), how)
+    choice = command.OptimiseChoice(
+        mechanism=mechanism, variant=variant, **speed_words(speed), clockwise=clockwise, from_angle=from_angle,
+        to_angle=to_angle, gravity=not no_gravity, angles=angles, wish=wish, simulate=tuple(simulate or ()),
+    )  # fmt: skip
+    raise typer.Exit(command.run(choice, Destination(json, out, quiet=quiet)))
+
+
 @app.command(short_help="Tolerances: which length, angle or mass moves which result by how much.")
 def tolerance(
     mechanism: options.Mechanism,

@@ -1,0 +1,191 @@
+"""The least of a problem: from one design downhill, or from many, with what the search cost and how sure it is."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Any, Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from analytic.errors import AssemblyError
+from comparisons.designs.optimum.problem import HELD, DesignProblem, Linearised
+from comparisons.designs.optimum.tops import Window
+
+Array = NDArray[np.float64]
+
+ROUNDS: Final = 15
+SETTLED: Final = 1e-10  # by which a round has to lower the aim for another one as wide
+STATIONARY: Final = 1e-7  # residual of a design from which no way leads down
+SMALLEST: Final = 1e-6  # part of the bounds in which a lower design is still looked for
+STEPS: Final = 60
+APART: Final = 1e-6  # shares of the aim by which two ends are different
+OUT_OF_REACH: Final = 10.0  # how far, scaled, a design that cannot be assembled is said to miss everything
+ACTIVE: Final = 1e-7
+
+
+@dataclass
+class Counter:
+    """What a search has asked for: designs with derivatives, and designs sampled."""
+
+    gradients: int = 0
+    sampled: int = 0
+    beyond: int = 0  # of those with derivatives, how many could not be assembled
+
+
+@dataclass(frozen=True)
+class End:
+    """Where a search from one design ended: scaled aim, and by how much it misses what is kept."""
+
+    place: Array
+    aim: float
+    missed: float
+
+    @property
+    def is_feasible(self) -> bool:
+        """Whether the kept figures are kept."""
+        return self.missed <= HELD
+
+    @property
+    def rank(self) -> tuple[float, float]:
+        """Sorts the best first."""
+        return (0.0, self.aim) if self.is_feasible else (self.missed, self.aim)
+
+
+@dataclass
+class Descent:
+    """One search downhill with SLSQP: the tops of the start are held apart, again in every round, until none lowers."""
+
+    problem: DesignProblem
+    counter: Counter = field(default_factory=Counter)
+
+    def run(self, start: Array) -> End | None:
+        """The end of a search from a design; None where that cannot be assembled."""
+        try:
+            end = self._end(start)
+        except AssemblyError:
+            return None
+        if not end.is_feasible:
+            end = self._towards_kept(end)
+        radius = 1.0
+        for _ in range(ROUNDS):
+            found = self._round(end, radius)
+            gain = -np.inf if found is None else end.missed - found.missed if end.missed > HELD else end.aim - found.aim
+            if found is not None and found.rank < end.rank:
+                end = found
+            if gain < SETTLED:
+                radius *= 0.1
+            done = self.residual(end.place) < STATIONARY if end.is_feasible else gain < SETTLED
+            if done or radius < SMALLEST:
+                break
+        return end
+
+    def residual(self, place: Array) -> float:
+        """How far a design is from Karush's, Kuhn's and Tucker's conditions: the slope that still leads down.
+
+        It is the change of the aim, as a share of it, over the whole of the bounds: the shortest combination of the
+        gradients of the highest tops with those of the kept figures and of the bounds that hold it there.
+        """
+        from scipy.optimize import nnls  # noqa: PLC0415
+
+        here = self.at(place, self.problem.windows(place))
+        aims = here.aim_slopes[here.aim > np.max(here.aim) - ACTIVE]
+        eye = np.eye(len(place))
+        walls = [here.inside_slopes[here.inside < ACTIVE], here.equal_slopes, -here.equal_slopes,
+                 eye[place < ACTIVE], -eye[place > 1.0 - ACTIVE]]  # fmt: skip
+        held = np.vstack(walls)
+        matrix = np.vstack([np.vstack([aims, -held]).T, np.append(np.ones(len(aims)), np.zeros(len(held)))])
+        shares, _ = nnls(matrix, np.append(np.zeros(len(place)), 1.0))
+        shares /= np.sum(shares[: len(aims)]) or 1.0
+        return float(np.linalg.norm(matrix[:-1] @ shares))
+
+    def _end(self, place: Array) -> End:
+        here = self.at(place, self.problem.windows(place))
+        return End(place, float(np.max(here.aim)), here.missed)
+
+    def at(self, place: Array, windows: tuple[Window, ...]) -> Linearised:
+        """A design, counted."""
+        self.counter.gradients += 1
+        return self.problem.at(place, windows)
+
+    def _towards_kept(self, end: End) -> End:
+        """A design near by that keeps what is kept, or misses it by less."""
+        from scipy.optimize import least_squares  # noqa: PLC0415 - seconds that help does not pay
+
+        held = _Held(self, end.place)
+
+        def residuals(place: Array) -> Array:
+            here = held(place)
+            return np.concatenate([np.minimum(here.inside, 0.0), here.equal])
+
+        def slopes(place: Array) -> Array:
+            here = held(place)
+            return np.vstack([np.where(here.inside < 0.0, 1.0, 0.0)[:, None] * here.inside_slopes, here.equal_slopes])
+
+        inside = np.clip(end.place, 1e-9, 1.0 - 1e-9)
+        found = least_squares(residuals, inside, slopes, bounds=(0.0, 1.0), xtol=1e-14, ftol=1e-14, gtol=1e-14,
+                              max_nfev=STEPS)  # fmt: skip
+        return self._better(end, np.asarray(found.x))
+
+    def _better(self, end: End, place: Array) -> End:
+        try:
+            found = self._end(np.clip(place, 0.0, 1.0))
+        except AssemblyError:
+            return end
+        return found if found.rank < end.rank else end
+
+    def _round(self, end: End, radius: float) -> End | None:
+        """The end of SLSQP within a radius; the aim is a variable of its own, above all tops."""
+        from scipy.optimize import minimize  # noqa: PLC0415
+
+        held = _Held(self, end.place)
+        column = np.append(np.zeros(len(end.place)), 1.0)
+
+        def above(z: Array) -> Array:
+            here = held(z[:-1])
+            return np.concatenate([z[-1] - here.aim, here.inside])
+
+        def above_slopes(z: Array) -> Array:
+            here = held(z[:-1])
+            aim = np.column_stack([-here.aim_slopes, np.ones(len(here.aim))])
+            return np.vstack([aim, np.column_stack([here.inside_slopes, np.zeros(len(here.inside))])])
+
+        limits: list[dict[str, Any]] = [{"type": "ineq", "fun": above, "jac": above_slopes}]
+        if len(held(end.place).equal):
+            limits.append({
+                "type": "eq",
+                "fun": lambda z: held(z[:-1]).equal,
+                "jac": lambda z: np.column_stack([held(z[:-1]).equal_slopes, np.zeros(len(held(z[:-1]).equal))]),
+            })  # fmt: skip
+        box = [(max(0.0, x - radius), min(1.0, x + radius)) for x in end.place]
+        found = minimize(
+            lambda z: z[-1], np.append(end.place, end.aim), jac=lambda _: column, bounds=[*box, (None, None)],
+            constraints=limits, method="SLSQP", options={"maxiter": STEPS, "ftol": 1e-15},
+        )  # fmt: skip
+        place = np.asarray(found.x[:-1])
+        try:
+            return self._end(np.clip(place, 0.0, 1.0)) if np.all(np.isfinite(place)) else None
+        except AssemblyError:
+            return None
+
+
+class _Held:
+    """Designs of one round by their place, worked out once; one that cannot be assembled misses everything by far."""
+
+    def __init__(self, descent: Descent, start: Array) -> None:
+        self.descent, self.windows = descent, descent.problem.windows(start)
+        self.last, self.found = start, descent.at(start, self.windows)
+        self.good = self.found
+
+    def __call__(self, place: Array) -> Linearised:
+        if not np.array_equal(place, self.last):
+            self.last = place.copy()
+            try:
+                self.found = self.good = self.descent.at(place, self.windows)
+            except AssemblyError:
+                self.descent.counter.beyond += 1
+                far = self.good
+                self.found = far._replace(
+                    aim=far.aim + OUT_OF_REACH, inside=far.inside - OUT_OF_REACH, equal=far.equal + OUT_OF_REACH
+                )
+        return self.found

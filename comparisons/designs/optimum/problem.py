@@ -1,0 +1,209 @@
+"""What is to be optimised: a figure of a linkage over numbers of its file between bounds, others kept as they are."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Final, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from analytic.designs.derivatives import figure_gradients
+from analytic.designs.figures import Figure, Reduction
+from analytic.designs.results import design_figures
+from analytic.kinematics.mechanism import Mechanism
+from comparisons.designs.named_figures import NamedFigure
+from comparisons.designs.optimum.tops import SeparateTops, TopSide, Window, reduction, sides
+from comparisons.designs.parameters import Parameter
+from comparisons.designs.steady_motion import SteadyMotion
+
+Array = NDArray[np.float64]
+
+HELD: Final = 1e-9  # by which share of its size a kept figure may differ from what it is kept at
+
+
+class Variable(NamedTuple):
+    """A number that may differ between bounds, SI."""
+
+    parameter: Parameter
+    low: float
+    high: float
+
+
+class KeptFigure(NamedTuple):
+    """A figure that stays between two values, SI, or at one; a peak by its magnitude."""
+
+    figure: NamedFigure
+    low: float
+    high: float
+
+    @property
+    def is_equal(self) -> bool:
+        """Whether one value is asked for."""
+        return self.low == self.high
+
+    def missed(self, value: Array) -> Array:
+        """By how much values are out of it, 0 where they are not."""
+        return np.maximum(np.maximum(self.low - value, value - self.high), 0.0)
+
+
+class Pieces(NamedTuple):
+    """A figure as ``sign`` times the highest of smooth values (k,), with their derivatives (k, variables)."""
+
+    sign: float
+    values: Array
+    slopes: Array
+
+    @property
+    def top(self) -> tuple[Array, Array]:
+        """The highest alone: (1,), (1, variables)."""
+        here = slice(best := int(np.argmax(self.values)), best + 1)
+        return self.values[here], self.slopes[here]
+
+    @property
+    def value(self) -> float:
+        """The figure."""
+        return self.sign * float(np.max(self.values))
+
+    def below(self, sign: float) -> tuple[Array, Array]:
+        """Values whose highest is ``sign`` times the figure: all the pieces, or the negative of the highest."""
+        if sign == self.sign:
+            return self.values, self.slopes
+        values, slopes = self.top
+        return -values, -slopes
+
+
+class Linearised(NamedTuple):
+    """A design: what the aim has to be above, and what has to be positive or zero, with their derivatives; scaled."""
+
+    aim: Array
+    aim_slopes: Array
+    inside: Array
+    inside_slopes: Array
+    equal: Array
+    equal_slopes: Array
+
+    @property
+    def missed(self) -> float:
+        """The largest share by which a kept figure is missed."""
+        return float(max(np.max(-self.inside, initial=0.0), np.max(np.abs(self.equal), initial=0.0)))
+
+
+def measured(figure: Figure, value: Array) -> Array:
+    """Values of a figure as they are minimised and kept: of a peak the magnitudes."""
+    return np.abs(value) if figure.reduction is Reduction.PEAK else value
+
+
+@dataclass(frozen=True)
+class DesignProblem:
+    """Minimise the largest of the ``aims``, or with ``sign`` -1 maximise the least, over ``variables``.
+
+    Designs are points between 0 and 1, the bounds. Sizes are those of the design ``start`` from the file.
+    """
+
+    mechanism: Mechanism
+    motion: SteadyMotion
+    aims: tuple[NamedFigure, ...]
+    sign: float
+    variables: tuple[Variable, ...]
+    kept: tuple[KeptFigure, ...]
+    aim_size: float
+    kept_sizes: tuple[float, ...]
+
+    @property
+    def figures(self) -> tuple[NamedFigure, ...]:
+        """The aims and the kept figures."""
+        return (*self.aims, *(one.figure for one in self.kept))
+
+    @cached_property
+    def tops(self) -> SeparateTops:
+        """The extremes among the figures."""
+        every = [side for one in self.figures for side in sides(one.figure)]
+        return SeparateTops(self.mechanism, self.motion, tuple(dict.fromkeys(every)))
+
+    @cached_property
+    def low(self) -> Array:
+        """Lower bounds, SI."""
+        return np.array([one.low for one in self.variables])
+
+    @cached_property
+    def width(self) -> Array:
+        """The bounds' distances, SI."""
+        return np.array([one.high - one.low for one in self.variables])
+
+    def numbers(self, place: Array) -> dict[str, float]:
+        """A design's numbers, SI."""
+        values = np.clip(self.low + self.width * place, self.low, self.low + self.width)
+        return dict(zip((one.parameter.name for one in self.variables), values.tolist(), strict=True))
+
+    def windows(self, place: Array) -> tuple[Window, ...]:
+        """Where a design's tops are; raises AssemblyError."""
+        return self.tops.windows(self.numbers(place)) if self.tops.sides else ()
+
+    def at(self, place: Array, windows: tuple[Window, ...]) -> Linearised:
+        """The design at a place, with the same tops for the same windows; raises AssemblyError."""
+        pieces = self._pieces(place, windows)
+        aims = [one.below(self.sign) for one in pieces[: len(self.aims)]]
+        inside, equal = [], []
+        for kept, one, size in zip(self.kept, pieces[len(self.aims) :], self.kept_sizes, strict=True):
+            if kept.is_equal:
+                values, slopes = one.top
+                equal.append(((one.sign * values - kept.low) / size, one.sign * slopes / size))
+                continue
+            for sign, bound in ((1.0, kept.high), (-1.0, -kept.low)):
+                if np.isfinite(bound):
+                    values, slopes = one.below(sign)
+                    inside.append(((bound - values) / size, -slopes / size))
+        values, slopes = self._stacked(aims)
+        return Linearised(values / self.aim_size, slopes / self.aim_size, *self._stacked(inside), *self._stacked(equal))
+
+    def _stacked(self, parts: list[tuple[Array, Array]]) -> tuple[Array, Array]:
+        if not parts:
+            return np.empty(0), np.empty((0, len(self.variables)))
+        return np.concatenate([values for values, _ in parts]), np.vstack([slopes for _, slopes in parts])
+
+    def _pieces(self, place: Array, windows: tuple[Window, ...]) -> list[Pieces]:
+        numbers = self.numbers(place)
+        heights: dict[TopSide, tuple[Array, Array]] = {}
+        if windows:
+            values, slopes = self.tops.heights(numbers, windows)
+            for side in self.tops.sides:
+                rows = [row for row, one in enumerate(windows) if one.side == side]
+                heights[side] = values[rows], slopes[rows] * self.width
+        plain = [one.figure for one in self.figures if not sides(one.figure)]
+        smooth = {}
+        if plain:
+            values, slopes = figure_gradients(
+                self.mechanism, numbers, plain, self.motion.places,
+                speed=self.motion.speed, weights=self.motion.weights, refine=True,
+            )  # fmt: skip
+            smooth = {one: Pieces(1.0, values[[row]], slopes[[row]] * self.width) for row, one in enumerate(plain)}
+        return [smooth[one.figure] if one.figure in smooth else _made(one.figure, heights) for one in self.figures]
+
+    def sampled(self, places: Array, angles: Array) -> Array:
+        """Aim and how far the kept figures are missed, scaled, of many designs (designs, variables): (2, designs).
+
+        Nan where a design cannot be assembled; extremes are those of the sampled angles.
+        """
+        values = self.low + self.width * places
+        named = {one.parameter.name: values[:, column] for column, one in enumerate(self.variables)}
+        figures = [one.figure for one in self.figures]
+        found = design_figures(self.mechanism, named, figures, angles, speed=self.motion.speed)
+        found = np.array([measured(figure, row) for figure, row in zip(figures, found, strict=True)])
+        aim = np.max(self.sign * found[: len(self.aims)], axis=0) / self.aim_size
+        missed = [one.missed(row) / size for one, row, size in
+                  zip(self.kept, found[len(self.aims) :], self.kept_sizes, strict=True)]  # fmt: skip
+        return np.array([aim, np.sum(missed, axis=0) if missed else np.zeros(len(places))])
+
+
+def _made(figure: Figure, heights: Mapping[TopSide, tuple[Array, Array]]) -> Pieces:
+    """A figure of the tops of its sides."""
+    parts = [heights[side] for side in sides(figure)]
+    if reduction(figure) is Reduction.RANGE:
+        (up, up_slopes), (down, down_slopes) = parts
+        slopes = up_slopes[:, None] + down_slopes[None]
+        return Pieces(1.0, (up[:, None] + down[None]).ravel(), slopes.reshape(-1, slopes.shape[-1]))
+    sign = -1.0 if figure.reduction is Reduction.MIN else 1.0
+    return Pieces(sign, np.concatenate([one for one, _ in parts]), np.vstack([one for _, one in parts]))

@@ -1,0 +1,112 @@
+"""Searches for the least of a problem: downhill from one design or several, or over all of the bounds."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from comparisons.designs.optimum.descent import APART, Counter, Descent, End
+from comparisons.designs.optimum.problem import DesignProblem
+
+Array = NDArray[np.float64]
+
+ANGLES: Final = 90  # crank angles at which designs are sampled, before the best are searched from
+SAMPLES: Final = 4096  # designs sampled over all of the bounds, times a power of two for each variable beyond two
+MOST_SAMPLES: Final = 65_536
+PICKED: Final = 12  # of them, from which is searched downhill
+SPACED: Final = 0.1  # share of the bounds by which two of these differ in one variable or more
+PENALTY: Final = 3.0  # by which a missed kept figure counts beside the aim
+Announce = Callable[[str, int, int], None]
+
+
+@dataclass(frozen=True)
+class Search:
+    """The ends of searches from several designs, the first from the file's; None where one cannot be assembled."""
+
+    method: str
+    ends: tuple[End | None, ...]
+    counter: Counter
+    residual: float
+
+    @property
+    def best(self) -> End | None:
+        """The lowest that keeps what is to be kept; else the one that misses it by least."""
+        return min((one for one in self.ends if one is not None), key=lambda one: one.rank, default=None)
+
+    @property
+    def elsewhere(self) -> tuple[End, ...]:
+        """Ends that are higher than the best, or miss a kept figure."""
+        best = self.best
+        return tuple(
+            one for one in self.ends if best is not None and one is not None
+            and (not one.is_feasible or one.aim > best.aim + APART * max(1.0, abs(best.aim)))
+        )  # fmt: skip
+
+
+def search(
+    problem: DesignProblem,
+    start: Array,
+    announce: Announce,
+    *,
+    starts: int = 1,
+    seed: int = 0,
+    everywhere: bool = False,
+) -> Search:
+    """Search from the file's design ``start``, and from others: ``starts`` in all, or ``everywhere`` the best sampled.
+
+    The others are drawn by ``seed``, a Sobol sequence.
+    """
+    counter = Counter()
+    descent = Descent(problem, counter)
+    others = _picked(problem, counter, seed) if everywhere else _drawn(problem, counter, starts - 1, seed)
+    ends = []
+    for number, place in enumerate([start, *others]):
+        announce(f"search {number + 1}", number, 1 + len(others))
+        ends.append(descent.run(place))
+    if ends == [None]:  # the file's design is out of the bounds, and the nearest within cannot be assembled
+        ends += map(descent.run, _drawn(problem, counter, 1, seed))
+    method = "SLSQP" + (", from the best of a Sobol sample" if everywhere else "")
+    found = Search(method, tuple(ends), counter, np.nan)
+    best = found.best
+    return found if best is None else replace(found, residual=descent.residual(best.place))
+
+
+def _drawn(problem: DesignProblem, counter: Counter, count: int, seed: int) -> list[Array]:
+    """Designs of a Sobol sequence that can be assembled, as many as are asked for if there are."""
+    found: list[Array] = []
+    if count < 1:
+        return found
+    places = _sobol(problem, max(64, 16 * count), seed)
+    return list(places[np.isfinite(_merits(problem, counter, places))][:count])
+
+
+def _picked(problem: DesignProblem, counter: Counter, seed: int) -> list[Array]:
+    """The best of a Sobol sample, no two of them near each other."""
+    count = min(SAMPLES * 2 ** max(0, len(problem.variables) - 2), MOST_SAMPLES)
+    places = _sobol(problem, count, seed)
+    merits = _merits(problem, counter, places)
+    picked: list[Array] = []
+    for number in np.argsort(merits):
+        if len(picked) == PICKED or not np.isfinite(merits[number]):
+            break
+        if all(np.max(np.abs(places[number] - one)) > SPACED for one in picked):
+            picked.append(places[number])
+    return picked
+
+
+def _sobol(problem: DesignProblem, count: int, seed: int) -> Array:
+    from scipy.stats import qmc  # noqa: PLC0415
+
+    drawn = qmc.Sobol(len(problem.variables), rng=seed).random_base2(int(np.ceil(np.log2(count))))
+    return np.asarray(drawn, dtype=float)
+
+
+def _merits(problem: DesignProblem, counter: Counter, places: Array) -> Array:
+    counter.sampled += len(places)
+    angles = problem.tops.grid[:: max(1, len(problem.tops.grid) // ANGLES)]
+    aim, missed = problem.sampled(places, angles)
+    return np.asarray(aim + PENALTY * missed)

@@ -1,0 +1,78 @@
+"""``linkproof.optimise``: the best of a linkage's designs, labelled."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Unpack
+
+import xarray
+
+from analytic.description.linkage import Linkage
+from analytic.description.rewriting import rewritten
+from comparisons.designs.steady_motion import SAMPLES
+from reports.command_line.commands.optimise import OptimiseChoice, optimum, wish
+from reports.command_line.destination import Destination
+from reports.designs.optimise_terminal import document
+from reports.python.options import MotionOptions, choice, chosen_linkage
+
+Range = str | float | tuple[float | None, float | None] | None
+
+
+def optimise(
+    linkage: Linkage | str | Path,
+    *,
+    over: Mapping[str, Range],
+    minimise: str | None = None,
+    maximise: str | None = None,
+    keep: Mapping[str, Range] | Sequence[str] = (),
+    angles: int = SAMPLES,
+    starts: int = 1,
+    seed: int = 0,
+    everywhere: bool = False,
+    **options: Unpack[MotionOptions],
+) -> xarray.Dataset:
+    """The best of a linkage's designs, as ``linkproof optimise`` finds it, in the units of its file.
+
+    ``over`` has the bounds of each number by name, (170, 180) or "±10%"; ``keep`` the figures that are kept: at None as
+    the file has them, at a value, or between two, of which None is none. ``everywhere`` is the command's ``--global``.
+
+    Numbers and figures are variables over ``design``, before and after, with their units; the attributes have the
+    ``toml`` of the new design's file, the ``method`` and its cost, and the ``residual``, 0 at a local optimum. Raises
+    LinkproofError for bad input and where no design keeps what is to be kept.
+    """
+    kept = dict.fromkeys(keep) if not isinstance(keep, Mapping) else keep
+    how = {"starts": starts, "seed": seed, "everywhere": everywhere}
+    wished = wish(minimise, maximise, [_word(*one) for one in over.items()], [_word(*one) for one in kept.items()], how)
+    asked = OptimiseChoice(
+        mechanism=str(linkage), wish=wished, angles=angles, gravity=options.get("gravity", True), **choice(options)
+    )
+    chosen = chosen_linkage(linkage, asked.variant)
+    found, conditions = optimum(chosen, asked, Destination(quiet=True))
+    saved = document(found, asked.command, conditions)
+    numbers = {
+        one.parameter.name: (
+            "design",
+            [side[one.parameter.name] / one.parameter.unit.size for side in (found.before, found.after)],
+            {"units": one.parameter.unit.name, "low": one.low / one.parameter.unit.size,
+             "high": one.high / one.parameter.unit.size},
+        )
+        for one in found.problem.variables
+    }  # fmt: skip
+    figures = {
+        one.name: ("design", found.values[:, column] / one.unit.size, {"units": one.unit.name})
+        for column, one in enumerate(found.figures)
+    }
+    about = {name: saved[name] for name in ("mechanism", "variant", "conditions", "command")}
+    cost = {name: value for name, value in saved["search"].items() if name != "ends"}
+    text = rewritten(chosen.text, chosen.name, asked.variant, found.after)
+    return xarray.Dataset({**numbers, **figures}, {"design": ["before", "after"]}, {**about, **cost, "toml": text})
+
+
+def _word(name: str, values: Range) -> str:
+    """The same as it is typed."""
+    if values is None:
+        return name
+    if isinstance(values, tuple):
+        return f"{name}={':'.join('' if end is None else repr(float(end)) for end in values)}"
+    return f"{name}={values if isinstance(values, str) else repr(float(values))}"

@@ -1,0 +1,170 @@
+"""The best designs against optima known from formulas, and against dense grids that no optimiser has seen."""
+
+import math
+
+import numpy as np
+import pytest
+from scipy.optimize import brentq
+
+from analytic.description.changes import changed
+from analytic.description.loading import load, parse
+from analytic.designs.figures import Figure, Reduction
+from analytic.designs.results import design_figures
+from analytic.kinematics.mechanism import Mechanism
+from comparisons.designs.optimum.optimisation import Wish, optimise
+from comparisons.designs.steady_motion import steady_motion
+
+SPEED = 100.0
+TURN = np.linspace(0.0, 2.0 * np.pi, 360, endpoint=False)
+PEAK, STROKE = Figure("Mkr", Reduction.PEAK), Figure("S", Reduction.RANGE)
+CRANK, GROUND, ROCKER = 1.0, 4.0, 3.5
+FOUR_BAR = f"""
+title = "crank-rocker"
+source = "made up for the tests"
+units = {{ length = "m", mass = "kg", inertia = "kg*m^2", angle = "deg" }}
+crank = "crank"
+[ground]
+O = [0, 0]
+C = [{GROUND}, 0]
+[links.crank]
+points = {{ O = [0, 0], A = [{CRANK}, 0] }}
+[links.coupler]
+points = {{ A = [0, 0], B = [2.3, 0] }}
+[links.rocker]
+points = {{ C = [0, 0], B = [{ROCKER}, 0] }}
+[sketch]
+points = {{ B = [2.5, 3] }}
+"""
+
+
+def best(mechanism, *over, **wish):
+    chosen = mechanism if isinstance(mechanism, Mechanism) else Mechanism(load(mechanism))
+    return optimise(chosen, steady_motion(chosen, SPEED), Wish(over=over, **wish), lambda *_: None)
+
+
+def moved(name, value):
+    """The four-bar with one number changed."""
+    linkage = parse(FOUR_BAR, "four-bar", "four-bar")
+    return Mechanism(changed(linkage, lambda one, _, old: value if one == name else old))
+
+
+def figures(mechanism, numbers, *wanted):
+    return design_figures(mechanism, numbers, wanted, TURN, speed=SPEED, refine=True)
+
+
+def test_the_least_transmission_angle_is_largest_where_the_formula_says():
+    # At the shortest diagonal, g - a, cos μ = (c² + d² - (g - a)²) / 2cd, which is least at c² = d² - (g - a)².
+    figure = "transmission_angle:coupler + rocker (RRR).min"
+    found = best(moved("", 0.0), "coupler.B.x=1.6:2.6", figure=figure, is_least=False)
+    coupler = math.sqrt(ROCKER**2 - (GROUND - CRANK) ** 2)
+    assert found.after["coupler.B.x"] == pytest.approx(coupler, abs=1e-7)
+    assert found.values[1, 0] == pytest.approx(math.acos(coupler / ROCKER), rel=1e-13)
+    assert found.search.residual < 1e-7
+
+
+@pytest.mark.parametrize("start", [0.3, -0.2])
+def test_where_two_tops_tie_the_optimum_is_the_kink(start):
+    # y of the crank's end is e + a sin φ: its largest magnitude, |e| + a, has a kink at its least, e = 0.
+    found = best(moved("ground.O.y", start), "ground.O.y=-0.4:0.5", figure="point:A:y.peak")
+    assert found.after["ground.O.y"] == pytest.approx(0.0, abs=1e-12)
+    assert abs(found.values[1, 0]) == pytest.approx(CRANK, rel=1e-12)
+    assert found.search.residual < 1e-9
+
+
+def test_the_largest_of_all_joints_is_lower_than_a_grid_finds():
+    found = best("rimoldi-164", "rod.B.x=±6%", "crank.centre.x=-4:8", figure="joint_force.peak")
+    mechanism, names = found.problem.mechanism, list(found.after)
+    rod, centre = (
+        side.ravel() for side in np.meshgrid(np.linspace(0.94, 1.06, 21) * 0.175, np.linspace(-4, 8, 21) * 1e-3)
+    )
+    joints = [one.figure for one in found.problem.aims]
+    grid = np.max(np.abs(figures(mechanism, dict(zip(names, (rod, centre), strict=True)), *joints)), axis=0)
+    least = np.max(np.abs(found.values[1, : len(joints)]))
+    assert least <= np.nanmin(grid) * (1.0 + 1e-12)
+    assert np.nanmin(grid) < 1.02 * least
+    assert found.search.residual < 1e-6
+
+
+def test_a_kept_stroke_is_kept_and_no_design_that_keeps_it_is_lower():
+    over = ("rod.B.x=172:178", "rocker.B.x=±10%")
+    found = best("rimoldi-164", *over, figure="Mkr.peak", keep=["stroke"])
+    own, after = found.values[:, 1]
+    assert after == pytest.approx(own, rel=1e-9)
+    mechanism = found.problem.mechanism
+
+    def peak(rod):
+        def miss(rocker):
+            return float(figures(mechanism, {"rod.B.x": [rod], "rocker.B.x": [rocker]}, STROKE)[0, 0]) - own
+
+        rocker = brentq(miss, 0.9 * 0.0213, 1.1 * 0.0213, xtol=1e-15)
+        return abs(float(figures(mechanism, {"rod.B.x": [rod], "rocker.B.x": [rocker]}, PEAK)[0, 0]))
+
+    least, place = abs(found.values[1, 0]), found.after["rod.B.x"]
+    others = [peak(rod) for rod in (*np.linspace(0.172, 0.178, 13), place - 1e-6, place + 1e-6)]
+    assert least <= min(others) + 1e-10
+    assert peak(place) == pytest.approx(least, rel=1e-8)
+
+
+def test_a_search_everywhere_finds_the_same_with_every_seed():
+    over = ("rod.B.x=±10%", "rocker.B.x=±10%", "link.D.x=±10%")
+    wish = {"figure": "Mkr.peak", "keep": ["stroke"], "everywhere": True}
+    found = [best("rimoldi-164", *over, **wish, seed=seed) for seed in (0, 7)]
+    assert found[1].values[1, 0] == pytest.approx(found[0].values[1, 0], rel=1e-9)
+    assert abs(found[0].values[1, 0]) < 0.93 * abs(found[0].values[0, 0])
+    assert found[0].bound(found[0].problem.variables[2]) == "upper"
+
+
+def test_the_same_seed_searches_from_the_same_designs():
+    wish = {"figure": "Mkr.peak", "starts": 3}
+    first, again, other = (best("rimoldi-164", "rod.B.x=±3%", **wish, seed=seed) for seed in (5, 5, 6))
+    assert [one.place.tolist() for one in first.search.ends] == [one.place.tolist() for one in again.search.ends]
+    assert first.search.counter == again.search.counter != other.search.counter
+
+
+def test_starts_that_end_elsewhere_are_counted_and_searching_everywhere_does_not_miss_the_least():
+    # The stroke has a least value near 172.7 mm, where the file's design leads, and a lower one at the bound.
+    alone, several, everywhere = (
+        best("rimoldi-164", "rod.B.x=170:180", figure="stroke", **how)
+        for how in ({}, {"starts": 8}, {"everywhere": True})
+    )
+    assert len(alone.search.ends) == 1
+    assert 0.0 < len(several.search.elsewhere) < 8
+    assert several.values[1, 0] == everywhere.values[1, 0] < 0.995 * alone.values[1, 0]
+    assert everywhere.bound(everywhere.problem.variables[0]) == "upper"
+
+
+def test_a_start_that_cannot_be_assembled_leaves_the_search_to_others():
+    found = best("rimoldi-164", "rod.B.x=120:170", figure="Mkr.peak")
+    assert found.search.ends[0] is not None or found.search.ends[1] is not None
+    far = best("rimoldi-164", "rod.B.x=185:230", "ground.O2.y=175:230", figure="Mkr.peak")
+    assert far.search.ends[-1] is not None
+    assert np.isfinite(far.values[1, 0])
+
+
+@pytest.mark.parametrize(
+    ("wish", "over"),
+    [
+        ({"figure": "Mkr.rms"}, "rocker.mass=±50%"),
+        ({"figure": "Mkr@30", "is_least": False}, "rocker.B.x=±5%"),
+        ({"figure": "Jeq.mean"}, "rocker.B.x=±5%"),
+        ({"figure": "Mkr.range"}, "rod.B.x=±3%"),
+        ({"figure": "S.max"}, "rod.B.x=170:176"),
+        ({"figure": "Mkr.max", "is_least": False}, "rod.B.x=±3%"),
+        ({"figure": "Mkr.peak", "keep": ["stroke=30.9:31", "Mkr.min=-0.26:"]}, "rocker.B.x=±5%"),
+        ({"figure": "link:rocker:angle.range"}, "rod.B.x=±3%"),
+    ],
+)
+def test_over_one_number_every_kind_of_figure_is_as_good_as_on_a_fine_grid(wish, over):
+    found = best("rimoldi-164", over, **wish)
+    problem = found.problem
+    values = np.linspace(0.0, 1.0, 401)[:, None]
+    named = dict.fromkeys(found.after, problem.low[0] + problem.width[0] * values[:, 0])
+    grid = figures(problem.mechanism, named, *(one.figure for one in problem.figures))
+    for one, row in zip(problem.kept, grid[1:], strict=True):
+        grid[0, one.missed(np.abs(row) if one.figure.figure.reduction is Reduction.PEAK else row) > 0.0] = np.nan
+    sided = problem.sign * (np.abs(grid[0]) if problem.aims[0].figure.reduction is Reduction.PEAK else grid[0])
+    least = problem.sign * (
+        abs(found.values[1, 0]) if problem.aims[0].figure.reduction is Reduction.PEAK else found.values[1, 0]
+    )
+    assert least <= np.nanmin(sided) + 1e-9 * abs(least)
+    assert least == pytest.approx(np.nanmin(sided), rel=1e-2)

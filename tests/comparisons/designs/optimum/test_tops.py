@@ -1,0 +1,58 @@
+"""Tops held apart: their heights and derivatives against the refined figures and differences of them."""
+
+from itertools import pairwise
+
+import numpy as np
+import pytest
+
+from analytic.description.loading import load
+from analytic.designs.results import design_figures
+from analytic.errors import AssemblyError
+from analytic.kinematics.mechanism import Mechanism
+from comparisons.designs.named_figures import named_figures
+from comparisons.designs.optimum.tops import SeparateTops, sides
+from comparisons.designs.steady_motion import steady_motion
+
+NUMBERS = {"rod.B.x": 0.1743, "rocker.mass": 0.6}
+
+
+@pytest.fixture(scope="module")
+def rimoldi():
+    return Mechanism(load("rimoldi-164"))
+
+
+@pytest.mark.parametrize("name", ["Mkr.max", "Mkr.min", "joint_force:A.max", "point:B:x.max", "transmission_angle.min"])
+def test_the_highest_top_is_the_figure_and_its_slope_is_a_difference(rimoldi, name):
+    (one, *_), motion = named_figures(rimoldi, [name]), steady_motion(rimoldi, 100.0)
+    (side,) = sides(one.figure)
+    tops = SeparateTops(rimoldi, motion, (side,))
+    heights, slopes = tops.heights(NUMBERS, tops.windows(NUMBERS))
+    best = int(np.argmax(heights))
+
+    def refined(numbers):
+        arrays = {key: np.array([value]) for key, value in numbers.items()}
+        return float(design_figures(rimoldi, arrays, [one.figure], motion.places, speed=100.0, refine=True)[0, 0])
+
+    assert side.sign * heights[best] == pytest.approx(refined(NUMBERS), rel=1e-12)
+    for column, key in enumerate(NUMBERS):
+        ends = [refined({**NUMBERS, key: NUMBERS[key] * (1.0 + step)}) for step in (-1e-4, 1e-4)]
+        difference = (ends[1] - ends[0]) / (2e-4 * NUMBERS[key])
+        assert side.sign * slopes[best, column] == pytest.approx(difference, rel=1e-4, abs=1e-6 * abs(heights[best]))
+
+
+def test_windows_cover_a_turn_once_and_each_has_one_top(rimoldi):
+    (one,) = named_figures(rimoldi, ["Mkr.peak"])
+    tops = SeparateTops(rimoldi, steady_motion(rimoldi, 100.0), sides(one.figure))
+    windows = tops.windows(NUMBERS)
+    for side in tops.sides:
+        own = [window for window in windows if window.side == side]
+        assert own[0].first + len(tops.grid) == own[-1].last
+        assert all(left.last == right.first for left, right in pairwise(own))
+    assert len(windows) > 2
+
+
+def test_a_design_that_cannot_be_assembled_is_said(rimoldi):
+    (one,) = named_figures(rimoldi, ["Mkr.peak"])
+    tops = SeparateTops(rimoldi, steady_motion(rimoldi, 100.0), sides(one.figure))
+    with pytest.raises(AssemblyError):
+        tops.windows({"rod.B.x": 0.05})

@@ -1,0 +1,99 @@
+"""``linkproof optimise`` as a designer meets it: tables, files, and one sentence for every fault."""
+
+import json
+
+import pytest
+from typer.testing import CliRunner
+
+from analytic.description.loading import load
+from analytic.errors import LinkproofError
+from reports.command_line import designs_app
+from reports.command_line.app import app
+
+PEAK = ("rimoldi-164", "--minimise", "Mkr.peak")
+ROD = ("--over", "rod.B.x=172:178")
+
+
+def run(*words):
+    assert designs_app.optimise
+    return CliRunner().invoke(app, ["optimise", *words])
+
+
+def test_tables_files_and_json_say_the_same(tmp_path):
+    done = run(*PEAK, *ROD, "--over", "rocker.B.x=±10%", "--keep", "stroke", "--starts", "2", "--out", str(tmp_path))
+    assert done.exit_code == 0, done.output
+    saved = json.loads((tmp_path / "optimise.json").read_text(encoding="utf-8"))
+    new = load(tmp_path / "rimoldi-164-optimised.toml")
+    numbers = {one["name"]: one for one in saved["numbers"]}
+    assert new.links["rod"].points["B"][0] == pytest.approx(numbers["rod.B.x"]["after"], rel=1e-15)
+    assert new.links["rocker"].points["B"][0] == pytest.approx(numbers["rocker.B.x"]["after"], rel=1e-15)
+    figures = {one["name"]: one for one in saved["figures"]}
+    assert figures["stroke"]["after"] == pytest.approx(figures["stroke"]["before"], rel=1e-9)
+    assert saved["search"]["residual"] < 1e-6
+    assert len(saved["search"]["ends"]) == 2
+    for words in (
+        "least Mkr.peak; rimoldi-164 (as-built): constant-speed, 1000 rpm counter-clockwise",
+        f"{figures['Mkr.peak']['after']:.6g}", "minimised",
+        f"{100.0 * figures['Mkr.peak']['change']:+.2f} %", "kept at 30.98", "joint_force:O1.peak", "Jeq.mean",
+        "transmission_angle:rocker + rod (RRR).min", "exact derivatives", "Starts: 2; 2 ended at this optimum.",
+    ):  # fmt: skip
+        assert words in done.output
+    assert "Mkr" in (tmp_path / "before-after.svg").read_text(encoding="utf-8")
+    assert f"linkproof compare {tmp_path / 'rimoldi-164-optimised.toml'}" in done.output
+    again = json.loads(run(*saved["command"].replace("'", "").split()[2:], "--json", "-", "-q").stdout)
+    assert again == saved
+
+
+def test_bounds_and_values_out_of_them_are_said():
+    done = run(*PEAK, "--over", "rod.B.x=176:17.8cm", "--speed", "-500")
+    assert "500 rpm clockwise" in done.output
+    assert "the file's value is out of the bounds" in done.output
+
+
+def test_an_engine_says_what_it_thinks_of_the_new_design():
+    done = run(*PEAK, *ROD, "--simulate", "direct")
+    assert done.exit_code == 0, done.output
+    assert "rimoldi-164-optimised" in done.output
+    assert "passed" in done.output
+
+
+@pytest.mark.parametrize(
+    ("words", "sentence"),
+    [
+        (PEAK, "expected numbers to vary, got none"),
+        ((*PEAK, "--over", "rod.B.z=1:2"), "did you mean 'rod.B.y'"),
+        ((*PEAK, "--over", "rod.B.x"), "expected NAME=LOW:HIGH or NAME=±10%, got 'rod.B.x'"),
+        ((*PEAK, "--over", "rod.B.x=170"), "expected LOW:HIGH or ±10%, got '170'"),
+        ((*PEAK, "--over", "rod.B.x=180:170"), "expected LOW below HIGH, got '180:170'"),
+        ((*PEAK, "--over", "rod.B.y=±10%"), "rod.B.y is 0"),
+        ((*PEAK, "--over", "rod.B.x=nan:180"), "expected a finite number of mm, got 'nan'"),
+        ((*PEAK, "--over", "rod.B.x=170:180kg"), "unknown length unit 'kg'"),
+        ((*PEAK, "--over", "rod.mass=-1:1"), "expected bounds that are not negative"),
+        ((*PEAK, *ROD, *ROD), "got rod.B.x twice"),
+        ((*PEAK, *ROD, "--maximise", "stroke"), "got both"),
+        (("rimoldi-164", *ROD), "got neither"),
+        ((*PEAK, *ROD, "--keep", "strok"), "did you mean 'stroke'"),
+        ((*PEAK, *ROD, "--keep", "stroke=31:30"), "expected LOW:HIGH, LOW:, :HIGH or a value, got '31:30'"),
+        ((*PEAK, *ROD, "--keep", "stroke="), "expected LOW:HIGH, LOW:, :HIGH or a value, got ''"),
+        ((*PEAK, *ROD, "--keep", "stroke=wide"), "expected finite numbers of mm, got 'wide'"),
+        ((*PEAK, *ROD, "--keep", "transmission_angle.peak"), "expected .min or .max, got .peak"),
+        ((*PEAK, *ROD, "--keep", "stroke=50:51"), "expected a design with stroke from 50 to 51 mm, got none within"),
+        ((*PEAK, *ROD, "--keep", "stroke=50"), "expected a design with stroke of 50 mm, got none within"),
+        ((*PEAK, "--over", "rod.B.x=10:18"), "expected designs that can be assembled at every angle, got none"),
+        ((*PEAK, *ROD, "--starts", "0"), "--starts: expected 1 or more designs, got 0"),
+        ((*PEAK, *ROD, "--seed", "-1"), "--seed: expected a number that is not negative"),
+        ((*PEAK, *ROD, "--starts", "3", "--global"), "leave one out"),
+        ((*PEAK, *ROD, "--speed", "0"), "expected a finite number of rpm other than 0"),
+        ((*PEAK, *ROD, "--speed", "-5", "--clockwise"), "turns clockwise already"),
+        ((*PEAK, *ROD, "--simulate", "exudym"), "did you mean 'exudyn'"),
+        (("rimoldi-164", "--minimise", "stroke", "--over", "rod.mass=0.1:0.2"), "which does not; choose others"),
+        (("rimoldi-164", "--minimise", "joint_force.mean", *ROD), "expected one figure, got joint_force.mean"),
+        (("rimoldi-164", "--minimise", "Mkr.pek", *ROD), "did you mean 'Mkr.peak'"),
+    ],
+)
+def test_bad_input_is_one_sentence_before_anything_is_written(words, sentence, tmp_path):
+    done = run(*words, "--out", str(tmp_path / "out"))
+    assert isinstance(done.exception, LinkproofError)
+    assert sentence in str(done.exception)
+    assert "\n" not in str(done.exception)
+    assert not (tmp_path / "out").exists()
