@@ -3,37 +3,29 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Final, Protocol
+from typing import Final
 
 import numpy as np
 from matplotlib.figure import Figure
 
 from analytic.errors import printable
+from comparisons.designs.tolerances import Tornado
 from reports.charts import draw
 from reports.charts.style import FULL_WIDTH, drawn
 from reports.document import numbers
 from reports.document.chart import Chart, Curve, Mark, Panel
 
+FAILS: Final = " (does not assemble)"  # at one of its limits
 MOST: Final = 25  # parameters in one panel
 ROW, FRAME = 0.27, 0.95  # in, height of a parameter and of all else in a panel
 LANE, WIDE = 0.17, 6.0  # half a row's two bars apart, and their width in points
 
 
-class _Tornado(Protocol):
-    """A result, its unit and nominal value, and by how much each parameter moves it at its lower and upper limit."""
+def tornado_figure(tornados: Sequence[Tornado], *head: str) -> Figure:
+    """A panel per result, below lines of words; parameters that move nothing are left out and counted.
 
-    @property
-    def result(self) -> str: ...
-    @property
-    def unit(self) -> str: ...
-    @property
-    def nominal(self) -> float: ...
-    @property
-    def bars(self) -> Sequence[tuple[str, float, float]]: ...
-
-
-def tornado_figure(tornados: Sequence[_Tornado], *head: str) -> Figure:
-    """A panel per result, below lines of words; parameters that move nothing, or cannot, are left out and counted."""
+    On top is what keeps the linkage from being assembled at one of its limits, where the change is nan.
+    """
     panels = [_panel(one) for one in tornados]
     heights = [ROW * len(panel.rows) + FRAME for panel in panels]
     about = Chart((), head=head, key=(_bar((), (), 0, "at the lower limit"), _bar((), (), 1, "at the upper limit")))
@@ -49,8 +41,8 @@ def tornado_figure(tornados: Sequence[_Tornado], *head: str) -> Figure:
     return drawn(FULL_WIDTH, sum(heights) + room, draw_all)
 
 
-def _panel(tornado: _Tornado) -> Panel:
-    sizes = {bar: float(np.max(np.abs(bar[1:]))) for bar in tornado.bars}
+def _panel(tornado: Tornado) -> Panel:
+    sizes = {bar: float(np.max(np.nan_to_num(np.abs(bar[1:]), nan=np.inf))) for bar in tornado.bars}
     moving = sorted((bar for bar, size in sizes.items() if size > 0.0), key=lambda bar: -sizes[bar])
     shown = moving[:MOST]
     curves = tuple(
@@ -63,7 +55,7 @@ def _panel(tornado: _Tornado) -> Panel:
     left += [f"{still} {'moves' if still == 1 else 'move'} nothing"] if still else []
     what = f"{tornado.result}: {numbers.figure(tornado.nominal)} {tornado.unit}".rstrip()
     label = ", ".join(filter(None, ("change", tornado.unit)))
-    rows = tuple(printable(bar[0]) for bar in shown) or ("–",)
+    rows = tuple(printable(bar[0]) + FAILS * (sizes[bar] == np.inf) for bar in shown) or ("–",)
     title = printable("; ".join([what, *left]))
     return Panel(curves, printable(label), "", (Mark(0.0),), names="", title=title, rows=rows)
 

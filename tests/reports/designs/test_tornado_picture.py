@@ -1,29 +1,17 @@
 """Tornadoes: bars sorted by size, either side of the nominal value, and nothing left out unsaid."""
 
-from dataclasses import dataclass
-
 import numpy as np
 import pytest
 
+from comparisons.designs.tolerances import Tornado
 from reports.charts import draw
 from reports.charts.style import PALETTE
 from reports.designs.tornado_picture import MOST, WIDE, tornado_figure
 
-
-@dataclass(frozen=True)
-class MadeUp:
-    """A tornado."""
-
-    result: str
-    unit: str
-    nominal: float
-    bars: tuple[tuple[str, float, float], ...]
-
-
-PEAK = MadeUp(
+PEAK = Tornado(
     "Mkr.peak", "N*m", 0.27, (("a.x", -1e-3, 2e-3), ("b.y", -5e-3, 4e-3), ("c.mass", 3e-3, 1e-3), ("d.x", 0.0, 0.0))
 )
-STROKE = MadeUp("stroke", "mm", 29.9, tuple((f"links.coupler_{n}.centre.x", -float(n), 0.5 * n) for n in range(1, 31)))
+STROKE = Tornado("stroke", "mm", 29.9, tuple((f"links.coupler_{n}.centre.x", -float(n), 0.5 * n) for n in range(1, 31)))
 
 
 def bars(axes):
@@ -60,8 +48,15 @@ def test_there_is_a_panel_per_result_of_its_own_height_and_the_smallest_are_left
 
 @pytest.mark.parametrize("values", [(), (("a.x", np.nan, 1.0),), (("a.x", 0.0, 0.0),), (("a.x", -1e-300, 1e300),)])
 def test_results_that_nothing_moves_or_that_break_are_drawn(values):
-    assert draw.svg(tornado_figure([MadeUp("stroke", "", np.nan, values)]))
+    assert draw.svg(tornado_figure([Tornado("stroke", "", np.nan, values)]))
 
 
 def test_no_results_are_no_panels():
     assert len(tornado_figure([]).axes) == 1
+
+
+def test_what_cannot_be_assembled_at_a_limit_stands_on_top_and_says_so():
+    broken = Tornado("stroke", "mm", 29.9, (("a.x", -9.0, 9.0), ("b.y", np.nan, 1e-3)))
+    axes = tornado_figure([broken]).axes[-1]
+    assert [word for word in words(axes) if word[:3] in {"a.x", "b.y"}] == ["b.y (does not assemble)", "a.x"]
+    assert not any("move" in word for word in words(axes))
