@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from analytic.compiled.evaluation import in_threads
 from analytic.description.changes import changed
 from analytic.description.linkage import Linkage
-from analytic.errors import AssemblyError
+from analytic.errors import AssemblyError, StructureError
 from analytic.kinematics.decomposition import find_structure
 from analytic.kinematics.mechanism import Mechanism
 from analytic.kinematics.sweep import Sweep
@@ -50,7 +50,7 @@ def in_blocks(
         with np.errstate(all="ignore"):
             try:
                 work(np.asarray(rows), jointly_swept if jointly else _alone(mechanism, arrays, rows.start))
-            except AssemblyError:
+            except (AssemblyError, StructureError):
                 return
 
     step = size if jointly else 1

@@ -11,6 +11,8 @@ from typing import Final, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from analytic.numerics.peaks import ROUNDING
+
 Array = NDArray[np.float64]
 Integers = NDArray[np.int64]
 # Heights (n, 3) of the tops of some numbers (n,) at places (n, 3).
@@ -22,6 +24,9 @@ MOST: Final = 3  # tops of a curve that are looked at: of more, the highest
 # them with an error below rounding: the third power of what is left of the distance of two samples.
 NEAR: Final = 1.0 / 32.0
 FINE: Final = 1.0 / 2000.0
+# A top that is still above its points by the share MISSED is sharper than the samples show it: it is closed in on
+# further. One that is above them by JUMP is no top but the side of a jump.
+MISSED, SHARP, JUMP = 1e-12, 1e-3, 1e-6
 LOOKS: Final = 12
 
 
@@ -61,11 +66,17 @@ def tops(heights: Array) -> Samples:
 
 
 def summits(found: Tops, signs: Array, heights: Heights, count: int) -> tuple[Array, Array]:
-    """The highest value of each of ``count`` curves, nan where it has no tops, and the sign of the top that has it."""
+    """The highest value of each of ``count`` curves, nan where it has no tops, and the sign of the top that has it.
+
+    Of tops that are equal but for rounding it is the first.
+    """
     climbed = climb(found, heights)
-    order = np.lexsort((climbed, found.curve))[::-1]
+    highest, result = np.full(count, -np.inf), np.full((2, count), np.nan)
+    np.maximum.at(highest, found.curve, climbed)
+    least = highest - ROUNDING * np.abs(highest)
+    order = np.lexsort((found.places[:, 1], found.curve))
+    order = order[~(climbed[order] < least[found.curve[order]])]
     curve, first = np.unique(found.curve[order], return_index=True)
-    result = np.full((2, count), np.nan)
     result[:, curve] = climbed[order[first]], signs[order[first]]
     return result[0], result[1]
 
@@ -94,8 +105,10 @@ def climb(found: Tops, heights: Heights) -> Array:
         share = np.where(high - low < 0.4 * was, NEAR, 0.25)
         three = np.clip(best, 1, x.shape[1] - 2)[:, None] + np.array([-1, 0, 1])
         x, y = np.take_along_axis(x, three, 1), np.take_along_axis(y, three, 1)
-        result[left] = _height(x, y, low, high)
-        on = (high - low > fine) & np.isfinite(result[left])
+        seen, top = np.max(y, axis=1), _height(x, y, low, high)
+        missed = top - seen > MISSED * np.abs(top)
+        result[left] = np.where(top - seen > JUMP * np.abs(top), seen, top)
+        on = (high - low > np.where(missed, SHARP * fine, fine)) & np.isfinite(seen)
         left, x, y = left[on], x[on], y[on]
         low, high, fine, share = low[on], high[on], fine[on], share[on]
         if not len(left):
