@@ -20,13 +20,14 @@ if TYPE_CHECKING:
     from reports.python.evaluation import evaluate
     from reports.python.optimise import optimise
     from reports.python.results import results
+    from reports.python.sweep import sweep
     from reports.python.tolerance import tolerance
 
     __version__: str
 
 __all__ = [
     "Comparison", "Linkage", "LinkproofError", "__version__", "check", "check_engine", "compare", "engine", "evaluate",
-    "judge", "load", "optimise", "results", "tolerance",
+    "judge", "load", "optimise", "results", "sweep", "tolerance",
 ]  # fmt: skip
 
 _MODULES = {
@@ -38,6 +39,7 @@ _MODULES = {
     "reports.python.evaluation": ("evaluate",),
     "reports.python.optimise": ("optimise",),
     "reports.python.results": ("results",),
+    "reports.python.sweep": ("sweep",),
     "reports.python.tolerance": ("tolerance",),
 }
 

@@ -98,6 +98,12 @@ def design_figures(
     return found
 
 
+def usual_path(figures: Sequence[Figure], size: int, cores: int | None = None) -> str:
+    """The path by name that "auto" takes for so many designs times crank angles: one for all blocks of a sweep."""
+    seconds = _seconds([one.signal for one in figures], size, cores)
+    return "compiled" if is_compiled("auto", "figures", seconds) else "numpy"
+
+
 def _seconds(names: Collection[str], size: int, cores: int | None) -> float:
     """What NumPy takes for signals of so many designs times crank angles, about."""
     each = WITH_FORCES if any(name.startswith("joint_force:") for name in names) else PLAIN

@@ -19,6 +19,7 @@ from comparisons.runs.journal import FOLDER, HEADER, Journal
 
 Array = NDArray[np.float64]
 
+PATH: Final = "path"  # the key of that of the closed form
 DATA: Final = "data"  # the folder in unfinished; the journal's own pieces stand beside it
 
 
@@ -48,17 +49,20 @@ class SavedSweep:
         self.file.check()
 
     def begin(self, journal: Journal) -> dict[int, Summary]:
-        """Make the file, or find what is in it: the summaries of its blocks by number."""
+        """Make the file, or find what is in it: summaries of blocks by number; ``request`` then takes their path."""
         self._journal = journal
         kept = journal.kept()
+        path = kept.pop(PATH, None)
         finished = replace(self.file, path=self.folder / FILE)
         if kept and len(kept) == len(self.request.blocks) and not self.file.is_whole and finished.is_whole:
             os.replace(finished.path, self._made())  # all was done but to forget the journal
-        if not kept or not self.file.is_whole:
+        if not kept or path is None or not self.file.is_whole:
             journal.clear()
             self._made()
             self.file.create()
+            journal.keep(PATH, self.request.path.encode())
             return {}
+        self.request = replace(self.request, path=path.decode())
         self.holds_work = True
         return {int(key): Summary.decoded(piece) for key, piece in kept.items()}
 

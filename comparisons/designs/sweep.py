@@ -16,7 +16,7 @@ from analytic.description.changes import changed
 from analytic.description.law import FULL_TURN
 from analytic.description.linkage import Linkage
 from analytic.designs.figures import Reduction
-from analytic.designs.results import design_figures
+from analytic.designs.results import design_figures, usual_path
 from analytic.errors import AssemblyError, LinkproofError
 from analytic.kinematics.decomposition import find_structure
 from analytic.kinematics.mechanism import Mechanism
@@ -69,7 +69,10 @@ class Blocks(Sequence[tuple[int, int]]):
 
 @dataclass(frozen=True)
 class SweepRequest:
-    """Which figures of which designs of a linkage, and under which motion; ``cores`` are as for ``design_figures``."""
+    """Which figures of which designs of a linkage, and under which motion.
+
+    ``cores`` and ``path`` are as for ``design_figures``; the paths differ by rounding, so that one does all blocks.
+    """
 
     linkage: Linkage
     space: Space
@@ -77,6 +80,12 @@ class SweepRequest:
     motion: SteadyMotion
     refine: bool = False
     cores: int | None = None
+    path: str = "auto"
+
+    def on_one_path(self) -> SweepRequest:
+        """The same on the path that its size calls for."""
+        size = self.space.count * len(self.motion.places)
+        return replace(self, path=usual_path([one.figure for one in self.figures], size, self.cores))
 
     @cached_property
     def blocks(self) -> Blocks:
@@ -159,7 +168,7 @@ def _figures(request: SweepRequest, numbers: dict[str, Array]) -> Array:
     found = design_figures(
         Mechanism(request.linkage), numbers, [one.figure for one in request.figures], motion.places,
         speed=motion.speed, weights=motion.weights, refine=request.refine, cores=request.cores,
-        period=FULL_TURN if motion.is_full_turn else None,
+        period=FULL_TURN if motion.is_full_turn else None, path=request.path,
     )  # fmt: skip
     return np.asarray(found / np.array([one.unit.size for one in request.figures])[:, None])
 
@@ -173,7 +182,9 @@ def own_figures(request: SweepRequest) -> Array:
         if one.kind in ("mass", "inertia") and least < 0.0:
             raise LinkproofError(f"{one.name}: expected no negative {one.kind}, got {least:g} {one.unit.name}; "
                                  "correct the range")  # fmt: skip
-    return _figures(request, {one.name: np.array([one.value]) for one in request.space.parameters})[:, 0]
+    return _figures(
+        replace(request, path="numpy"), {one.name: np.array([one.value]) for one in request.space.parameters}
+    )[:, 0]
 
 
 def sweep(

@@ -58,6 +58,7 @@ def sweep(
     out: Annotated[Path | None, valued("DIR", "Write sweep.nc, every design, into this folder.")] = None,
     csv: Annotated[str | None, valued("FILE|-", "Write every design as a table.")] = None,
     json: Annotated[str | None, valued("FILE|-", "Write the summary as JSON.")] = None,
+    svg: Annotated[str | None, valued("FILE|-", "Draw the figures over the designs.")] = None,
     resume: options.Resume = False,
     quiet: options.Quiet = False,
     jobs: Annotated[int | None, valued("N", "Processor cores; default: all.")] = None,
@@ -75,7 +76,7 @@ def sweep(
     choice = sweep.SweepChoice(
         mechanism=mechanism, variant=variant, **speed_words(speed), clockwise=clockwise, from_angle=from_angle,
         to_angle=to_angle, gravity=not no_gravity, angles=angles, refine=refine, vary=tuple(vary or ()), table=table,
-        quantities=tuple(quantity or ()), csv=csv, json=json, jobs=jobs,
+        quantities=tuple(quantity or ()), csv=csv, json=json, svg=svg, jobs=jobs,
     )  # fmt: skip
     sweep.run(choice, Destination(json, out, resume, quiet))
 

@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import tempfile
+from collections.abc import Mapping
 from contextlib import ExitStack
 from dataclasses import dataclass
 from functools import reduce
 from pathlib import Path
+from typing import Final
 
 from analytic.description.linkage import Linkage
 from analytic.description.loading import load
@@ -15,9 +17,9 @@ from comparisons.designs.named_figures import named_figures
 from comparisons.designs.saved_sweep import SavedSweep
 from comparisons.designs.space import Grid, Space, steps
 from comparisons.designs.sweep import Summary, SweepRequest, own_figures, sweep, usual_figures, why_not
-from comparisons.designs.sweep_file import FILE, SweepFile
+from comparisons.designs.sweep_file import FILE, SweepFile, saved_sweep
 from comparisons.designs.table import TableFile, table_file
-from comparisons.runs.files import write_file
+from comparisons.runs.files import write_file, write_text
 from comparisons.runs.journal import Journal
 from reports.command_line.destination import STDOUT, Destination, check_files, write_out
 from reports.command_line.interruption import interruptible, journal
@@ -27,22 +29,25 @@ from reports.designs.sweep_table import csv_rows
 from reports.designs.sweep_terminal import SweepSummary
 from reports.document.terminal import Printout
 
+MOST_DRAWN: Final = 10**7
+
 
 @dataclass(frozen=True, kw_only=True)
 class SweepChoice(SteadyChoice):
-    """What was asked for, in the user's words; ``csv`` and ``json`` are files, or "-" for stdout."""
+    """What was asked for, in the user's words; ``csv``, ``json`` and ``svg`` are files, or "-" for stdout."""
 
     vary: tuple[str, ...] = ()
     table: Path | None = None
     quantities: tuple[str, ...] = ()
     csv: str | None = None
     json: str | None = None
+    svg: str | None = None
     jobs: int | None = None
 
     @property
     def files(self) -> dict[str, str]:
         """Files to be written, by option."""
-        named = {"--csv": self.csv, "--json": self.json}
+        named = {"--csv": self.csv, "--json": self.json, "--svg": self.svg}
         return {option: file for option, file in named.items() if file is not None}
 
     @property
@@ -70,16 +75,19 @@ def run(choice: SweepChoice, destination: Destination) -> None:
     destination.check(FILE)
     choice.check()
     request, conditions = sweep_request(load(choice.mechanism, choice.variant), choice)
+    if choice.svg is not None and request.space.count > MOST_DRAWN:
+        raise LinkproofError(f"--svg: expected at most {MOST_DRAWN:.0e} designs, which a picture is made of in memory, "
+                             f"got {request.space.count}; leave it out, or vary in fewer steps")  # fmt: skip
     own = own_figures(request)
     with ExitStack() as stack:
         folder = destination.folder
-        if folder is None and choice.csv:
+        if folder is None and (choice.csv or choice.svg):
             folder = Path(stack.enter_context(tempfile.TemporaryDirectory(prefix="linkproof-")))
         about = described(request, conditions, choice.command)
         saved = None if folder is None else SavedSweep(request, folder, about)
         found = SweepSummary(request, own, _worked(choice, destination, request, saved), conditions)
         if saved is not None:
-            _write_data(choice, saved.file)
+            _write_data(choice, saved.file, found.own_parameters)
             saved.finish()
     destination.write_json(found.document)
     if STDOUT not in choice.files.values():
@@ -94,7 +102,7 @@ def sweep_request(linkage: Linkage, choice: SweepChoice) -> tuple[SweepRequest, 
     if not figures:
         raise LinkproofError(f"expected a figure of '{linkage.name}', got none: name one with --quantity")
     space = designs_of(mechanism.linkage, choice)
-    return SweepRequest(mechanism.linkage, space, figures, motion, choice.refine, choice.jobs), conditions
+    return SweepRequest(mechanism.linkage, space, figures, motion, choice.refine, choice.jobs).on_one_path(), conditions
 
 
 def designs_of(linkage: Linkage, choice: SweepChoice) -> Space:
@@ -122,6 +130,7 @@ def _worked(choice: SweepChoice, destination: Destination, request: SweepRequest
     if saved is not None:
         saved.check(choice.command)
         done = saved.begin(_journal(saved.folder, request, choice.command, resume=destination.resume))
+        request = saved.request
     begun = reduce(Summary.plus, done.values(), Summary())
     with interruptible(destination.folder, "designs") as counting, destination.progress() as announce:
         heard = counting(announce)
@@ -151,13 +160,22 @@ def _journal(folder: Path, request: SweepRequest, command: str, *, resume: bool)
     return journal(folder, command, linkages=[request.linkage], files=files, resume=resume)
 
 
-def _write_data(choice: SweepChoice, file: SweepFile) -> None:
-    """Write the designs as CSV, where it is asked for."""
+def _write_data(choice: SweepChoice, file: SweepFile, own: Mapping[str, float]) -> None:
+    """Write the designs as CSV and as a picture, where they are asked for."""
     if choice.csv == STDOUT:
         for text in csv_rows(file):
             write_out(text)
     elif choice.csv is not None:
         write_file(Path(choice.csv), lambda path: _write_rows(path, file))
+    if choice.svg is not None:
+        from reports.designs.sweep_picture import sweep_svg  # noqa: PLC0415 - a second that nothing else pays for
+
+        with saved_sweep(file.path) as dataset:
+            text = sweep_svg(dataset, own)
+        if choice.svg == STDOUT:
+            write_out(text)
+        else:
+            write_text(Path(choice.svg), text)
 
 
 def _write_rows(path: Path, file: SweepFile) -> None:

@@ -2,6 +2,7 @@
 
 import json
 import shutil
+import xml.etree.ElementTree as ET
 from pathlib import Path
 from types import SimpleNamespace
 
@@ -114,6 +115,14 @@ def test_a_drive_along_a_line_has_places_and_speeds_in_its_unit(tmp_path):
         "numerical reference: Newton's method solves a group"
     )
     assert lines[1] == "3 designs, all of which assemble at every angle"
+
+
+def test_a_picture_is_drawn_of_what_can_be_held(tmp_path):
+    swept(svg=str(tmp_path / "t.svg"))
+    assert ET.parse(tmp_path / "t.svg").getroot().tag.endswith("svg")
+    assert [path.name for path in tmp_path.iterdir()] == ["t.svg"]
+    with pytest.raises(LinkproofError, match="--svg: expected at most"):
+        swept(svg=str(tmp_path / "t.svg"), vary=("rod.B.x=170:180:20000000",))
 
 
 def test_nothing_is_kept_but_the_summary_without_a_folder(tmp_path, monkeypatch):

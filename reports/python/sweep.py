@@ -1,0 +1,132 @@
+"""``linkproof.sweep``: figures over a space of designs as labelled arrays."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from functools import partial
+from pathlib import Path
+from typing import Any, Unpack
+
+import numpy as np
+import xarray
+from numpy.typing import NDArray
+
+from analytic.description.linkage import Linkage
+from analytic.errors import LinkproofError
+from comparisons.designs.named_figures import named_figures
+from comparisons.designs.parameters import Parameter, parameter
+from comparisons.designs.space import ONE_BY_ONE, Grid, Listed, Space, Values
+from comparisons.designs.steady_motion import SAMPLES
+from comparisons.designs.sweep import SweepRequest, own_figures, sweep_block, usual_figures
+from comparisons.designs.sweep import sweep as sweep_space
+from reports.command_line.commands.sweep import described
+from reports.command_line.steady_choice import SteadyChoice, steady_case
+from reports.python.options import MotionOptions, Words, choice, chosen_linkage, words
+
+Array = NDArray[np.float64]
+
+
+def sweep(
+    linkage: Linkage | str | Path,
+    vary: Mapping[str, Any] | None = None,
+    figures: Words = (),
+    *,
+    table: Any = None,  # noqa: ANN401 - whatever has columns
+    angles: int = SAMPLES,
+    refine: bool = False,
+    cores: int | None = None,
+    **options: Unpack[MotionOptions],
+) -> xarray.Dataset:
+    """Figures of many designs of a linkage, as ``linkproof sweep`` has them: a variable each, nan where none assembles.
+
+    ``vary`` has the values of a parameter by its name, (n,) each, and the dataset a dimension per parameter: a grid.
+    ``table``, a mapping, DataFrame or Dataset of columns (n,) by name, lists designs instead, and the dimension is
+    ``design``. Values go in and figures come out in the units of the linkage's file, as on the command line;
+    ``evaluate`` takes its ``designs`` in SI. ``figures`` are named as ``--quantity`` has them, "Mkr.peak" say.
+
+    Where values are Dask arrays, so are the figures, worked out chunk by chunk when they are asked for. Extremes are
+    those of the sampled crank ``angles``, with ``refine`` the true ones. Raises LinkproofError for what cannot be, but
+    where no design assembles all is nan.
+    """
+    asked = SteadyChoice(
+        mechanism=str(linkage), gravity=options.get("gravity", True), angles=angles, refine=refine, **choice(options)
+    )
+    mechanism, motion, conditions = steady_case(chosen_linkage(linkage, asked.variant), asked)
+    if (vary is None) == (table is None):
+        raise LinkproofError(f"sweep: expected vary or table, got {'neither' if vary is None else 'both'}: pass one")
+    given = table if vary is None else vary
+    values = {str(name): _checked(str(name), given[name]) for name in given}
+    parts = tuple(parameter(mechanism.linkage, name) for name in values)
+    named = named_figures(mechanism, words(figures)) if figures else usual_figures(mechanism)
+    if not parts or not named:
+        raise LinkproofError("sweep: expected parameters and figures, got none; name one of each or more")
+    is_lazy = any(map(_is_lazy, values.values()))
+    space = _space(parts, [np.zeros(1)] * len(parts) if is_lazy else [*values.values()], is_table=vary is None)
+    request = SweepRequest(mechanism.linkage, space, named, motion, refine, cores)
+    own_figures(request)  # complains of what no design can have
+    found = _lazy(request, [*values.values()]) if is_lazy else _found(request.on_one_path())
+    return _labelled(request, values, found, described(request, conditions, ""))
+
+
+def _is_lazy(values: object) -> bool:
+    return hasattr(values, "__dask_graph__")
+
+
+def _checked(name: str, given: Any) -> Any:  # noqa: ANN401 - arrays of two kinds
+    """Values of a parameter; raises LinkproofError for what is no list of finite numbers."""
+    data = given.data if isinstance(given, xarray.DataArray) else given
+    values = data if _is_lazy(data) else np.asarray(data, dtype=float)
+    if len(values.shape) != 1 or values.shape == (0,) or not (_is_lazy(values) or np.all(np.isfinite(values))):
+        raise LinkproofError(f"{name}: expected a flat list of finite numbers, got {values!r:.60}; pass such a list")
+    return values
+
+
+def _space(parts: tuple[Parameter, ...], values: Sequence[Array], *, is_table: bool) -> Space:
+    if not is_table:
+        return Grid(tuple(map(Values, parts, values)))
+    if len({len(one) for one in values}) > 1:
+        raise LinkproofError(f"table: expected columns of one length, got {[len(one) for one in values]}; correct it")
+    return Listed(parts, np.stack(values))
+
+
+def _found(request: SweepRequest) -> Array:
+    """Figures of all designs, (figures, *shape)."""
+    found = np.empty((len(request.figures), request.space.count))
+
+    def keep(_: int, first: int, block: Array, __: object) -> None:
+        found[:, first : first + block.shape[1]] = block
+
+    sweep_space(request, keep=keep)
+    return found.reshape(-1, *request.space.shape)
+
+
+def _lazy(request: SweepRequest, values: Sequence[Any]) -> Any:  # noqa: ANN401 - Dask's own array
+    """The same as a Dask array, a chunk for every combination of the chunks of the values."""
+    import dask.array as da  # noqa: PLC0415 - nothing but its own arrays needs it
+
+    shape = request.space.shape
+    over = [0] * len(values) if len(shape) == 1 else range(len(shape))
+    arrays = [one if _is_lazy(one) else da.from_array(one, chunks=-1) for one in values]
+    pairs = [part for array, axis in zip(arrays, over, strict=True) for part in (array, (axis,))]
+    return da.blockwise(
+        partial(_chunk, request), (len(shape), *range(len(shape))), *pairs, new_axes={len(shape): len(request.figures)},
+        dtype=float, meta=np.empty((0,) * (len(shape) + 1)),
+    )  # fmt: skip
+
+
+def _chunk(request: SweepRequest, *values: Array) -> Array:
+    space = _space(request.space.parameters, values, is_table=isinstance(request.space, Listed))
+    return sweep_block(replace(request, space=space), 0, space.count).reshape(-1, *space.shape)
+
+
+def _labelled(
+    request: SweepRequest, values: Mapping[str, Any], found: Any, about: Mapping[str, str | int]  # noqa: ANN401
+) -> xarray.Dataset:  # fmt: skip
+    over = request.space.dimensions
+    units = {one.name: {"units": one.unit.name} for one in request.space.parameters}
+    return xarray.Dataset(
+        {one.name: (over, row, {"units": one.unit.name}) for one, row in zip(request.figures, found, strict=True)},
+        coords={name: (name if name in over else ONE_BY_ONE, one, units[name]) for name, one in values.items()},
+        attrs={name: value for name, value in about.items() if name != "command"},
+    )

@@ -1,0 +1,76 @@
+"""``linkproof.sweep`` gives what the command writes, from arrays of any kind."""
+
+import numpy as np
+import pytest
+import xarray
+
+import linkproof
+from comparisons.designs.sweep_file import saved_sweep
+from reports.command_line.commands.sweep import SweepChoice, run
+from reports.command_line.destination import Destination
+
+da = pytest.importorskip("dask.array")
+
+X, MASS = np.linspace(160.0, 180.0, 5), np.array([0.1, 0.15, 0.2])
+FIGURES = ("Mkr.peak", "stroke")
+
+
+def grid(**options):
+    values = {"rod.B.x": X, "rod.mass": MASS}
+    return linkproof.sweep("rimoldi-164", {**values, **options}, FIGURES, angles=12, speed=500)
+
+
+def test_a_grid_is_what_the_command_writes(tmp_path):
+    vary = ("rod.B.x=160:180:5", "rod.mass=0.1:0.2:3")
+    choice = SweepChoice(
+        mechanism="rimoldi-164", vary=vary, quantities=FIGURES, angles=12, speed=500.0, gives_speed=True
+    )
+    run(choice, Destination(None, tmp_path, quiet=True))
+    with saved_sweep(tmp_path / "sweep.nc") as saved:
+        found = grid()
+        xarray.testing.assert_allclose(found, saved, rtol=1e-14)
+        assert found.attrs == {name: value for name, value in saved.attrs.items() if name != "command"}
+        assert all(found[name].attrs == saved[name].attrs for name in (*saved.data_vars, *saved.coords))
+
+
+def test_tables_of_any_kind_list_designs():
+    whole = grid()
+    places = np.array([[2, 0], [4, 2], [0, 1], [3, 0]]).T
+    columns = {"rod.B.x": X[places[0]], "rod.mass": MASS[places[1]]}
+    truth = whole["Mkr.peak"].values[tuple(places)]
+    tables = [
+        columns,
+        xarray.Dataset({name: ("design", values) for name, values in columns.items()}),
+        {name: da.from_array(values, chunks=3) for name, values in columns.items()},
+    ]
+    for table in tables:
+        found = linkproof.sweep("rimoldi-164", None, FIGURES, table=table, angles=12, speed=500)
+        assert found["Mkr.peak"].dims == ("design",)
+        np.testing.assert_allclose(found["Mkr.peak"], truth, rtol=1e-12)
+        np.testing.assert_array_equal(found["rod.B.x"], columns["rod.B.x"])
+
+
+def test_dask_arrays_are_worked_out_when_they_are_asked_for():
+    found = grid(**{"rod.B.x": da.from_array(X, chunks=2)})
+    assert found["stroke"].chunks == ((2, 2, 1), (3,))
+    xarray.testing.assert_allclose(found.compute(), grid(), rtol=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        ({}, "got neither"),
+        ({"vary": {"rod.B.x": X}, "table": {"rod.B.x": X}}, "got both"),
+        ({"vary": {}}, "got none"),
+        ({"vary": {"rod.B.q": X}}, "did you mean 'rod.B."),
+        ({"vary": {"rod.B.x": [[1.0]]}}, "rod.B.x: expected a flat list of finite numbers"),
+        ({"vary": {"rod.B.x": [np.nan]}}, "rod.B.x: expected a flat list of finite numbers"),
+        ({"table": {"rod.B.x": X, "rod.mass": MASS}}, "columns of one length"),
+        ({"vary": {"rod.mass": [-1.0]}}, "expected no negative mass"),
+        ({"vary": {"rod.B.x": X}, "figures": "Mkr"}, "unknown figure"),
+    ],
+)
+def test_bad_input_is_a_sentence(arguments, words):
+    with pytest.raises(linkproof.LinkproofError) as told:
+        linkproof.sweep("rimoldi-164", **arguments)
+    assert words in str(told.value)
