@@ -63,6 +63,7 @@ def signal_gradients(
     places = np.asarray(angle, dtype=float)
     _check_names(mechanism, parameters)
     if not is_exact(mechanism):
+        _check_assembly(mechanism, parameters, places)
 
         def curves_of(own: Mapping[str, float]) -> Array:
             sweep = mechanism.redesigned(with_numbers(mechanism.linkage, own)).sweep(places)
@@ -97,6 +98,7 @@ def figure_gradients(
     places = np.asarray(angle, dtype=float)
     _check_names(mechanism, parameters)
     if not is_exact(mechanism):
+        _check_assembly(mechanism, parameters, places)
 
         def figures_of(own: Mapping[str, float]) -> Array:
             arrays = {name: np.array([value]) for name, value in own.items()}
@@ -197,9 +199,10 @@ class _Design:
         if not wanted:
             return []
         grid = _closed(places) if refine else places
-        plain = self._at(self._plain, grid, 0.0)
+        top = far.value if isinstance(far, Dual) else far
+        plain = self._at(self._plain, grid, top)
         sampled = np.stack([one.height(curve(plain, one.signal)) for one in wanted])
-        tops = self._tops(wanted, grid, sampled) if refine else grid[np.argmax(sampled, axis=1)][:, None]
+        tops = self._tops(wanted, grid, sampled, top) if refine else grid[np.argmax(sampled, axis=1)][:, None]
         at = self.varied(tops.ravel(), far)
         found = []
         for row, one in enumerate(wanted):
@@ -208,13 +211,13 @@ class _Design:
             found.append(_best(one, values[own], slopes[:, own], tops[row], float(np.max(np.abs(sampled[row])))))
         return found
 
-    def _tops(self, wanted: Sequence[Extreme], grid: Array, sampled: Array) -> Array:
+    def _tops(self, wanted: Sequence[Extreme], grid: Array, sampled: Array, top: float) -> Array:
         """Places of the highest tops of every height, (extremes, tops): roots of its slope, or the ends of the grid."""
         sides = brackets(grid, sampled)
         row = np.repeat(np.arange(len(wanted)), sides.shape[1])
 
         def slope(angle: Array) -> Array:
-            at = self._at(self._plain, Dual(angle, np.ones((1, len(angle)))), 0.0)
+            at = self._at(self._plain, Dual(angle, np.ones((1, len(angle)))), top)
             found = np.empty(angle.shape)
             for number, one in enumerate(wanted):
                 values, slopes = _parts(curve(at, one.signal), 1)
@@ -284,6 +287,12 @@ def _parts(number: Any, count: int) -> tuple[Array, Array]:  # noqa: ANN401 - pl
 def _closed(places: Array) -> Array:
     """Samples of a full turn with its end; others as they are."""
     return np.append(places, places[0] + FULL_TURN) if is_turn(places) else places
+
+
+def _check_assembly(mechanism: Mechanism, parameters: Mapping[str, float], places: Array) -> None:
+    sweep = mechanism.redesigned(with_numbers(mechanism.linkage, parameters)).sweep(places)
+    for body in sweep.structure.bodies:
+        sweep.rates(body)
 
 
 def _check_names(mechanism: Mechanism, parameters: Mapping[str, float]) -> None:
