@@ -24,7 +24,7 @@ PACKAGE: Final = "analytic.compiled.kernels"
 # The function of a module of kernels that Python calls.
 ENTRIES: Final = {"evaluation": "quantities", "figures": "reduced", "integration": "advance"}
 # s: a call of kernels in memory, importing numba and reading them from disk, compiling them.
-CALLING, LOADING, COMPILING = 6e-4, 1.0, 30.0
+CALLING, LOADING, COMPILING = 6e-4, 1.0, 40.0
 
 
 def is_compiled(path: str, kernels: str, seconds: float) -> bool:

@@ -29,7 +29,7 @@ SUMMED: Final = frozenset({"Mkr", "Peq", "Teq", "Jeq", "S", "v", "a"})
 
 
 class FigureLike(Protocol):
-    """A signal's name, how it becomes one number, by the names of ``kernels.figures.REDUCTIONS``, and an angle, rad."""
+    """A signal's name, how it becomes one number (a name of ``kernels.reductions.REDUCTIONS``), and an angle, rad."""
 
     @property
     def signal(self) -> str: ...  # noqa: D102
@@ -79,7 +79,7 @@ def compiled_figures(
         rows = designs(first, min(first + CHUNK, count))
         own = np.zeros((len(rows), linkage.design_size(flat)))
         own[:, : rows.shape[1]] = rows
-        tally = np.empty((len(rows), len(wanted.signals) + 1, code.TALLY))
+        tally = np.empty((len(rows), len(wanted.signals) + 1, kernels("reductions").TALLY))
         work = np.concatenate([linkage.scratch(flat), np.zeros(books)])
         code.reduced(flat.tables, own, first, angles, share, wanted, values, tally, work)
 
@@ -106,14 +106,14 @@ class _Signals:
 
     def wanted(self, code: Any, samples: int) -> tuple[Any, Array]:  # noqa: ANN401 - of the kernels
         """The kernels' ``Wanted``, and the crank angles of single values, which follow the samples."""
+        reductions = kernels("reductions")
         chosen = list(dict.fromkeys(one.angle for one in self.figures if one.reduction == "at"))
         statistics = np.zeros(len(self.numbers), dtype=np.int64)
         counted = np.array([name == "S" for name in self.numbers], dtype=np.int64)
         found = []
         for one in self.figures:
-            number, reduction = self.numbers[one.signal], code.REDUCTIONS.index(str(one.reduction))
-            flags = {"mean": code.MEAN, "rms": code.SQUARES | code.MEAN, "at": 0}.get(one.reduction, code.EXTREMES)
-            statistics[number] |= flags | code.EXTREMES * counted[number]
+            number, reduction = self.numbers[one.signal], reductions.REDUCTIONS.index(str(one.reduction))
+            statistics[number] |= reductions.STATISTICS[reduction] | reductions.EXTREMES * counted[number]
             found.append((number, reduction, samples + chosen.index(one.angle) if one.reduction == "at" else -1))
         signals = np.array([(*entries, flags) for (entries, _), flags in zip(self.rows, statistics, strict=True)])
         needed = self.needed

@@ -1,7 +1,6 @@
 """Figures of many designs: signals at a block of crank angles, brought down to numbers there and then.
 
-A signal is a row of integers, (kind, three entries that depend on the kind, needed statistics), and a factor. What is
-gathered of it over the blocks is a row of ``TALLY`` numbers per design; nothing is kept per angle.
+A signal is a row of integers, (kind, three entries that depend on the kind, needed statistics), and a factor.
 """
 
 from __future__ import annotations
@@ -17,8 +16,9 @@ from analytic.compiled.kernels import dynamics, layout
 from analytic.compiled.kernels.constants import derive
 from analytic.compiled.kernels.dyads import closure_at
 from analytic.compiled.kernels.evaluation import WANTED_FORCES, place, steady_torque, sum_wanted
-from analytic.compiled.kernels.jit import SOURCES, entry, inlined, kernel, reducing
+from analytic.compiled.kernels.jit import SOURCES, entry, inlined, kernel
 from analytic.compiled.kernels.layout import BLOCK, BODY, FAULT, FORCE, LAWS, ROW, SUMS
+from analytic.compiled.kernels.reductions import AT, BASE, FIRST, HIGH, LOW, finished, gather
 from analytic.compiled.kernels.solution import body_at, faults, pair, solve
 from analytic.compiled.kernels.statics import (
     WRENCH,
@@ -40,14 +40,6 @@ Array = NDArray[np.float64]
 # magnitude); a transmission angle (dyad).
 ROWS, POINT, WRENCHES, TRANSMISSION = range(4)
 MAGNITUDE: Final = 3
-# Statistics of a signal, flags.
-EXTREMES, MEAN, SQUARES = 1, 2, 4
-# What is gathered of it: largest and smallest value, mean, mean of squares, and a value from which all are counted.
-HIGH, LOW, FIRST, SECOND, BASE = range(5)
-TALLY: Final = 5
-# Reductions, by the number that they have here.
-REDUCTIONS: Final = ("peak", "mean", "rms", "max", "min", "range", "at")
-PEAK, MEAN_VALUE, ROOT_MEAN_SQUARE, MAXIMUM, MINIMUM, RANGE, AT = range(len(REDUCTIONS))
 # Which forces are wanted, flags.
 ON_FRAME, OF_JOINTS = 1, 2
 
@@ -113,44 +105,6 @@ def _transmission(n: int, kind: int, own: Array, row: Array) -> None:
         row[i] = between(one, other)
 
 
-@reducing
-def _extremes(n: int, factor: float, base: float, row: Array, tally: Array) -> None:
-    high, low = tally[HIGH], tally[LOW]
-    for i in range(n):
-        value = factor * (row[i] - base)
-        high = value if value > high else high
-        low = value if value < low else low
-    tally[HIGH], tally[LOW] = high, low
-
-
-@reducing
-def _mean(n: int, factor: float, base: float, row: Array, weights: Array, tally: Array) -> None:
-    total = 0.0
-    for i in range(n):
-        total += weights[i] * (factor * (row[i] - base))
-    tally[FIRST] += total
-
-
-@reducing
-def _squares(n: int, factor: float, base: float, row: Array, weights: Array, tally: Array) -> None:
-    total = 0.0
-    for i in range(n):
-        value = factor * (row[i] - base)
-        total += weights[i] * (value * value)
-    tally[SECOND] += total
-
-
-@kernel
-def _gather(statistics: int, n: int, factor: float, row: Array, weights: Array, tally: Array) -> None:
-    base = tally[BASE]
-    if statistics & EXTREMES:
-        _extremes(n, factor, base, row, tally)
-    if statistics & MEAN:
-        _mean(n, factor, base, row, weights, tally)
-    if statistics & SQUARES:
-        _squares(n, factor, base, row, weights, tally)
-
-
 @inlined
 def _vector(n: int, first: int, last: int, part: int, terms: Integers, books: Array, own: int) -> None:
     """A component of a sum of wrenches, or the magnitude of its force."""
@@ -197,26 +151,6 @@ def _solved(tables: Tables, design: Array, n: int, wanted: Wanted, work: Array, 
 
 
 @inlined
-def _finished(reduction: int, middle: float, shift: float, value: float, tally: Array) -> float:
-    """A figure from what has been gathered; the signal is ``shift`` more than what was, and ``value`` at its angle."""
-    high, low = tally[HIGH] + shift, tally[LOW] + shift
-    figure: float = value + shift
-    if reduction == PEAK:
-        figure = high if abs(high - middle) >= abs(low - middle) else low
-    elif reduction == MEAN_VALUE:
-        figure = tally[FIRST] + shift
-    elif reduction == ROOT_MEAN_SQUARE:
-        figure = math.sqrt(max(tally[SECOND] + shift * (2.0 * tally[FIRST] + shift), 0.0))
-    elif reduction == MAXIMUM:
-        figure = high
-    elif reduction == MINIMUM:
-        figure = low
-    elif reduction == RANGE:
-        figure = high - low
-    return figure
-
-
-@inlined
 def _row(tables: Tables, design: Array, n: int, number: int, wanted: Wanted, work: Array) -> int:
     """Where in the scratch memory a signal is, but for its factor: as it stands, or now written behind the books."""
     kind, one, two, three, _ = wanted.signals[number]
@@ -258,7 +192,7 @@ def _block(
         if at == 0 and wanted.counted[number]:
             gathered[BASE] = own[0]
         if sampled > 0:
-            _gather(wanted.signals[number, 4], sampled, factor, own, weights[at:], gathered)
+            gather(wanted.signals[number, 4], sampled, factor, own, weights[at:], gathered)
         for figure in range(len(wanted.figures)):
             signal, reduction, sample = wanted.figures[figure]
             if reduction == AT and signal == number and at <= sample < at + n:
@@ -272,7 +206,7 @@ def _finish(row: int, wanted: Wanted, lost: bool, tally: Array, values: Array) -
         signal, reduction, _ = wanted.figures[figure]
         shift = -tally[signal, LOW] if wanted.counted[signal] else 0.0
         middle = 0.5 * math.pi if wanted.signals[signal, 0] == TRANSMISSION else 0.0
-        value = _finished(reduction, middle, shift, values[figure, row], tally[signal])
+        value = finished(reduction, middle, shift, values[figure, row], tally[signal])
         values[figure, row] = math.nan if lost else value
 
 
