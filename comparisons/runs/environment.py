@@ -3,15 +3,20 @@
 from __future__ import annotations
 
 import datetime
+import hashlib
 import os
 import platform
 import subprocess
+from functools import cache
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 
+from comparisons.runs.failures import OURS
 from engines.registry import engine, engine_names
 
 PACKAGES = ("linkproof", "numpy", "scipy")
+# What an environment holds that no result depends on.
+INCIDENTAL = ("date", "machine")
 
 
 def environment() -> dict[str, str]:
@@ -25,6 +30,16 @@ def environment() -> dict[str, str]:
         "machine": f"{platform.system()} {platform.machine()}, {_processor()}, {os.cpu_count()} cores",
         "commit": _commit(),
     }
+
+
+@cache
+def sources() -> str:
+    """A checksum of linkproof's own files: the same for the same files, wherever they are installed."""
+    root, digest = Path(__file__).parents[2], hashlib.sha256()
+    for room in OURS:
+        for path in sorted(path for path in (root / room).rglob("*") if path.suffix in (".py", ".toml")):
+            digest.update(str(path.relative_to(root)).encode() + path.read_bytes())
+    return digest.hexdigest()[:16]
 
 
 def _version(package: str) -> str:

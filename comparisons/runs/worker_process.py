@@ -50,12 +50,12 @@ def start_server(modules: Sequence[str]) -> None:
     """
     if start_method() == "forkserver":
         forkserver.set_forkserver_preload(["comparisons.runs.worker_process", *modules])
-        with cut_off(), _same_path():
+        with cut_off(), same_path():
             forkserver.ensure_running()
 
 
 @contextlib.contextmanager
-def _same_path() -> Iterator[None]:
+def same_path() -> Iterator[None]:
     """A Python started here finds modules where this one does, and none in the folder it happens to be run from."""
     path = os.pathsep.join(entry or str(Path.cwd()) for entry in sys.path)
     before = dict(os.environ)

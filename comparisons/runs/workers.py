@@ -8,11 +8,13 @@ from dataclasses import dataclass
 from typing import Any, Protocol, TypeVar
 
 from analytic.compiled.choice import cores
+from analytic.errors import LinkproofError
 from comparisons.runs.crew import DEFAULT_BOUNDS, Bounds, Crew
 from comparisons.runs.failures import Lost, lost
 
 __all__ = [
-    "DEFAULT_BOUNDS", "EVERY_CORE", "ONE_BY_ONE", "Bounds", "LocalPool", "Pool", "run_jobs", "usual_processes",
+    "DEFAULT_BOUNDS", "EVERY_CORE", "ONE_BY_ONE", "Bounds", "LocalPool", "Pool", "PoolLostError", "run_jobs",
+    "usual_processes",
 ]  # fmt: skip
 
 R = TypeVar("R")
@@ -21,6 +23,10 @@ R = TypeVar("R")
 def usual_processes(count: int) -> int:
     """How many processes ``count`` jobs are given where nobody says: the cores; none for a single one."""
     return 0 if count == 1 else cores()
+
+
+class PoolLostError(LinkproofError):
+    """What jobs are run on is gone, in half a sentence; what they came to until then is kept."""
 
 
 class Pool(Protocol):

@@ -259,6 +259,7 @@ def compare(
     time_limit: Annotated[float | None, valued("SECONDS", "Wall time that one run may take; default: 600.")] = None,
     memory_limit: Annotated[float | None, valued("GIB", "Memory that one run may add; default: 4.")] = None,
     jobs: options.Jobs = None,
+    scheduler: options.Scheduler = None,
 ) -> None:
     """Simulate mechanisms in engines and compare every error with its limit.
 
@@ -286,7 +287,7 @@ def compare(
     )  # fmt: skip
     destination = _destination(json, out, resume, quiet, verbose, junit)
     held = StandardChoice(limits, baseline, record_baseline)
-    raise typer.Exit(compare.compare(choice, destination, RunLimits(time_limit, memory_limit, jobs), held))
+    raise typer.Exit(compare.compare(choice, destination, RunLimits(time_limit, memory_limit, jobs, scheduler), held))
 
 
 @app.command(short_help="Judge the results of another tool: right or not, and what is likely wrong.")
@@ -352,6 +353,7 @@ def bench(
     resume: options.Resume = False,
     quiet: options.Quiet = False,
     verbose: options.Verbose = False,
+    scheduler: options.Scheduler = None,
 ) -> None:
     """Measure error against run time: every engine, setting and method over a sweep of steps.
 
@@ -369,7 +371,7 @@ def bench(
         variant=variant, regimes=_names(regime), **_speed(speed), ramp_time=ramp_time, hold_time=hold_time,
         start_angle=start_angle, clockwise=clockwise, from_angle=from_angle, to_angle=to_angle,
     )  # fmt: skip
-    raise typer.Exit(bench.bench(choice, _destination(json, out, resume, quiet, verbose)))
+    raise typer.Exit(bench.bench(choice, _destination(json, out, resume, quiet, verbose), scheduler))
 
 
 @app.command(short_help="Find where each engine fails, and whether the checks notice.")
@@ -387,6 +389,7 @@ def stress(
         float | None, valued("SECONDS", "Wall time that one cell may take; default: that of its map.")
     ] = None,
     jobs: options.Jobs = None,
+    scheduler: options.Scheduler = None,
 ) -> None:
     """Find where each engine fails, and whether the checks notice.
 
@@ -400,7 +403,7 @@ def stress(
     from reports.command_line.commands import stress
 
     choice = stress.StressChoice(_names(words), _names(engine), _names(setting), quick, time_limit)
-    raise typer.Exit(stress.run(choice, _destination(json, out, resume, quiet, verbose), jobs))
+    raise typer.Exit(stress.run(choice, _destination(json, out, resume, quiet, verbose), jobs, scheduler))
 
 
 @app.command("check-engine", short_help="Hold an engine's adapter to the contract.")

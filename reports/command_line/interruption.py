@@ -9,14 +9,12 @@ from pathlib import Path
 from types import MappingProxyType
 
 from analytic.description.linkage import Linkage
-from comparisons.runs.environment import environment
+from comparisons.runs.environment import INCIDENTAL, environment
 from comparisons.runs.journal import Journal
+from comparisons.runs.workers import PoolLostError
 from engines.registry import engine
 
 Announce = Callable[[str, int, int], None]
-
-# What an environment holds that no result depends on.
-INCIDENTAL = ("date", "machine")
 
 
 def journal(
@@ -45,7 +43,10 @@ def journal(
 
 @contextmanager
 def interruptible(folder: Path | None, what: str = "runs") -> Iterator[Callable[[Announce], Announce]]:
-    """What makes an ``announce`` count; Ctrl-C is then raised on with a sentence on how many ``folder`` keeps."""
+    """What makes an ``announce`` count; Ctrl-C is then raised on with a sentence on how many ``folder`` keeps.
+
+    So is the loss of the machines that make them.
+    """
     finished, total = 0, 0
 
     def counting(announce: Announce) -> Announce:
@@ -58,9 +59,10 @@ def interruptible(folder: Path | None, what: str = "runs") -> Iterator[Callable[
 
     try:
         yield counting
-    except KeyboardInterrupt as interrupt:
+    except (KeyboardInterrupt, PoolLostError) as interrupt:
+        why = f"{interrupt}; " if isinstance(interrupt, PoolLostError) else ""
         if folder is None or not total:
-            raise
+            raise KeyboardInterrupt(f"{why}nothing was written" if why else str(interrupt)) from interrupt
         raise KeyboardInterrupt(
-            f"{finished} of {total} {what} are kept in {folder}: repeat the command with --resume to finish"
+            f"{why}{finished} of {total} {what} are kept in {folder}: repeat the command with --resume to finish"
         ) from interrupt

@@ -76,6 +76,10 @@ Resume = Annotated[bool, flag("Finish what an interrupted run of the same comman
 Quiet = Annotated[bool, flag("No progress and no tables: the closing line alone.", "-q", "--quiet")]
 Verbose = Annotated[bool, flag("Add the details of every record.", "-v", "--verbose")]
 Jobs = Annotated[int | None, valued("N", "Worker processes; default: one per core; compare: 0 is none, no limits.")]
+Scheduler = Annotated[
+    str | None,
+    valued("ADDRESS", "Run on the workers of a Dask scheduler, tcp://HOST:8786, or on N of this machine, local:N."),
+]
 Speed = Annotated[
     float | None,
     valued("RPM", "Final crank speed, of a swing the largest; negative turns clockwise; default: 1000.", "--speed"),

@@ -6,6 +6,7 @@ import math
 import shlex
 from collections import Counter
 from collections.abc import Mapping, Sequence
+from contextlib import AbstractContextManager
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -15,8 +16,9 @@ from analytic.description.linkage import Linkage
 from analytic.description.loading import LinkageFile, catalogue, load, read
 from analytic.errors import LinkproofError, UnknownNameError, printable
 from comparisons.campaign.campaign import CampaignRequest
+from comparisons.runs.cluster.connecting import check_scheduler, opened
 from comparisons.runs.failures import GIB
-from comparisons.runs.workers import DEFAULT_BOUNDS, Bounds
+from comparisons.runs.workers import DEFAULT_BOUNDS, Bounds, LocalPool, Pool
 from engines.contract import Setting
 from engines.registry import engine, engine_names, why_unavailable
 from reports.command_line.linear_drive import prescribed
@@ -68,11 +70,15 @@ def command_line(
 
 @dataclass(frozen=True)
 class RunLimits:
-    """What each run may take, s and GiB, and in how many worker processes runs are made; None means the default."""
+    """What each run may take, s and GiB, and in how many worker processes runs are made; None means the default.
+
+    A ``scheduler`` of Dask, as ``comparisons.runs.cluster.connecting.opened`` takes it, has its workers make them.
+    """
 
     time_limit: float | None = None
     memory_limit: float | None = None
     jobs: int | None = None
+    scheduler: object = None
 
     def check(self) -> None:
         """Raise LinkproofError for what cannot be."""
@@ -88,6 +94,9 @@ class RunLimits:
                 )
         if self.jobs is not None and self.jobs < 0:
             raise LinkproofError(f"--jobs: expected a number of processes, or 0 for none, got {self.jobs}")
+        if self.jobs is not None and self.scheduler is not None:
+            raise LinkproofError("--jobs and --scheduler exclude each other: leave one of them out")
+        check_scheduler(self.scheduler)
 
     @property
     def bounds(self) -> Bounds:
@@ -101,6 +110,10 @@ class RunLimits:
     def processes(self) -> int:
         """Worker processes; the cores by default, even for a single run, which is kept apart from the command too."""
         return cores() if self.jobs is None else self.jobs
+
+    def pool(self) -> AbstractContextManager[Pool]:
+        """Where runs are made; raises LinkproofError where they cannot be."""
+        return opened(self.scheduler, LocalPool(self.processes))
 
     @property
     def words(self) -> str:

@@ -13,7 +13,6 @@ from comparisons.campaign.campaign import compare as run_campaign
 from comparisons.campaign.key_figures import KeyFigure
 from comparisons.campaign.standards import judged_campaign
 from comparisons.judging.records import Record
-from comparisons.runs.workers import LocalPool
 from reports.command_line import PASSED
 from reports.command_line.exit_codes import campaign_exit_code
 from reports.command_line.requests import CampaignChoice, RunLimits, request
@@ -22,6 +21,7 @@ from reports.python.options import MotionOptions, Words, choice, words
 
 if TYPE_CHECKING:
     import xarray
+    from distributed import Client
 
 RUN = ("mechanism", "variant", "regime", "engine", "setting")
 
@@ -83,13 +83,14 @@ def compare(
     time_limit: float | None = None,
     memory_limit: float | None = None,
     jobs: int | None = None,
+    scheduler: str | Client | None = None,
     **options: Unpack[MotionOptions],
 ) -> Comparison:
     """Simulate mechanisms in engines and compare every error with its limit, as ``linkproof compare`` does.
 
     Mechanisms are names of the catalogue and paths of files; the options are the command's, ``time_limit`` in s and
-    ``memory_limit`` in GiB among them. A ``linkproof.toml`` above the first file says what they leave open. Raises
-    LinkproofError for bad input; a run that fails is a record.
+    ``memory_limit`` in GiB among them; a client of Dask may stand for its scheduler. A ``linkproof.toml`` above the
+    first file says what they leave open. Raises LinkproofError for bad input; a run that fails is a record.
     """
     for mechanism in mechanisms:
         if not isinstance(mechanism, (str, Path)):
@@ -101,13 +102,14 @@ def compare(
         tuple(map(str, mechanisms)), words(engine), words(setting), words(quantity), options.get("gravity", True),
         full, **choice(options),
     )  # fmt: skip
-    bounds = RunLimits(time_limit, memory_limit, jobs)
+    bounds = RunLimits(time_limit, memory_limit, jobs, scheduler)
     bounds.check()
     held = StandardChoice(_path(limits), _path(baseline), record_baseline)
     asked, bounds, held, known = in_project(asked, bounds, held)
     held.check()
     wanted, standard = request(asked, known), held.standard(asked)
-    results = list(run_campaign(wanted, bounds=bounds.bounds, pool=LocalPool(bounds.processes)))
+    with bounds.pool() as pool:
+        results = list(run_campaign(wanted, bounds=bounds.bounds, pool=pool))
     judged = judged_campaign(cases(wanted), results, standard, held.file if held.record else None)
     return Comparison(tuple(judged.records), tuple(judged.figures), tuple(judged.notes))
 

@@ -108,6 +108,13 @@ def interrupt_itself(value):
     return value
 
 
+def clocked(_):
+    """When it began and when it ended, s."""
+    begun = time.monotonic()
+    time.sleep(0.1)
+    return begun, time.monotonic()
+
+
 def spoil(value):
     """End well, and bring the process down in the middle of the next job."""
     threading.Timer(0.1, os.abort).start()
@@ -150,6 +157,7 @@ JOBS = {
         sign_and_sleep,
         fork_and_sleep,
         spoil,
+        clocked,
     )
 }
 

@@ -12,8 +12,11 @@ from comparisons.campaign.campaign import CampaignRequest, cases
 from comparisons.judging.quantities import QUANTITIES as COMPARED
 from comparisons.judging.quantities import check_defined
 from comparisons.reference.case import Case
+from comparisons.runs.cluster.connecting import check_scheduler, opened
 from comparisons.runs.environment import environment
+from comparisons.runs.failures import Lost
 from comparisons.runs.timing import WORK, first_use_seconds
+from comparisons.runs.workers import ONE_BY_ONE, LocalPool
 from comparisons.work_precision import costs
 from comparisons.work_precision.measure import JOINTS, chosen
 from comparisons.work_precision.points import FULL, QUICK, Extent
@@ -58,17 +61,22 @@ class BenchChoice(CampaignChoice):
         return {**super().flags, "quick": self.quick, "costs": self.costs}
 
 
-def bench(choice: BenchChoice, destination: Destination) -> int:
+def bench(choice: BenchChoice, destination: Destination, scheduler: str | None = None) -> int:
     """Measure, write what was asked for, print the tables; returns the exit code.
 
+    The workers of a ``scheduler`` measure, where there is one, one run at a time on a machine.
     Raises LinkproofError for anything that does not exist or cannot be, before any run is made.
     """
     out = destination.folder
     destination.check(FILE)
+    check_scheduler(scheduler)
+    if scheduler is not None and choice.costs:
+        raise LinkproofError("--costs are those of this machine, and --scheduler measures elsewhere: leave one out")
     asked = request(choice.campaign)
     wanted = _request(choice, asked)
-    kept = journal(out, choice.command, asked.engines, asked.linkages, resume=destination.resume) if out else None
-    with interruptible(out) as counting:
+    with opened(scheduler, ONE_BY_ONE, alone=True) as pool, interruptible(out) as counting:
+        kept = journal(out, choice.command, asked.engines, asked.linkages, resume=destination.resume) if out else None
+        wanted = replace(wanted, pool=pool)
         with destination.progress() as announce:
             measured = measure_all(wanted, counting(announce), kept)
         found = Bench(_document(choice, wanted, measured))
@@ -112,18 +120,25 @@ def _document(choice: BenchChoice, wanted: BenchRequest, measured: Measured) -> 
         "format": FORMAT,
         "command": choice.command,
         "conditions": "; ".join(dict.fromkeys(case.conditions for case in wanted.cases)),
-        "environment": environment(),
+        "environment": {**environment(), **wanted.pool.place},
         "extent": extent,
         "noise": {"work": WORK, "samples": [round(one, 9) for one in noise.samples]},
-        "first_use": [
-            {"engine": name, "seconds": first_use_seconds(name, 1 if choice.quick else 3)} for name in wanted.engines
-        ],
+        "first_use": _first_uses(wanted, 1 if choice.quick else 3),
         "mechanisms": [{"name": one.name, "title": one.title, "variant": one.variant} for one in linkages.values()],
         "methods": methods_told(wanted),
         "costs": _costs(list(linkages.values()), wanted.engines) if choice.costs else [],
         "quantities": list(measured.quantities),
         "records": rows(measured.points),
     }
+
+
+def _first_uses(wanted: BenchRequest, repeats: int) -> list[dict[str, Any]]:
+    """What the first use of every engine costs where the points were measured."""
+    jobs = [(name, repeats) for name in wanted.engines]
+    pool = wanted.pool if wanted.pool.place else LocalPool(0)
+    found = dict(pool.run(first_use_seconds, jobs))
+    told = [() if isinstance(found[number], Lost) else found[number] for number in range(len(jobs))]
+    return [{"engine": name, "seconds": seconds} for name, seconds in zip(wanted.engines, told, strict=True)]
 
 
 def _costs(linkages: Sequence[Linkage], engines: Sequence[str]) -> list[dict[str, Any]]:

@@ -20,7 +20,6 @@ from comparisons.campaign.sheets import sheets
 from comparisons.campaign.standards import JudgedCampaign, judged_campaign
 from comparisons.reference.published import PublishedRecord, all_variants, compare_published
 from comparisons.runs.failures import Failure
-from comparisons.runs.workers import LocalPool
 from engines.registry import engine, engine_names
 from reports.campaign.terminal import printout
 from reports.command_line import PASSED, SUITE_ERROR
@@ -53,16 +52,17 @@ def compare(
     wanted, standard = request(choice, known), held.standard(choice)
     if out:
         tasks(wanted)  # what cannot run is refused before the folder is touched
-    kept = journal(out, choice.command, wanted.engines, wanted.linkages, resume=destination.resume) if out else None
-    with interruptible(out) as counting:
+    with limits.pool() as pool, interruptible(out) as counting:
+        kept = journal(out, choice.command, wanted.engines, wanted.linkages, resume=destination.resume) if out else None
         with destination.progress() as announce, destination.own_stdout():
-            running: dict[str, Any] = {"bounds": limits.bounds, "pool": LocalPool(limits.processes), "journal": kept}
+            running: dict[str, Any] = {"bounds": limits.bounds, "pool": pool, "journal": kept}
             results = list(run_campaign(wanted, counting(announce), **running))
             errata = _errata(wanted, running) if destination.json or out else []
         judged = judged_campaign(cases(wanted), results, standard, held.file if held.record else None)
         if destination.json or out:
             command = choice.command + held.words + limits.words + (" --out DIR" if out else "")
             saved = campaign_document(wanted, judged, command, errata)
+            saved["environment"] |= pool.place
             destination.write_json(saved)
             save_campaign(destination, wanted, judged, saved, limits)
         if kept:

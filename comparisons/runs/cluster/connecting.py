@@ -1,0 +1,103 @@
+"""From the words for a scheduler to a pool of its workers; whatever keeps jobs from it is one sentence."""
+
+from __future__ import annotations
+
+import logging
+import re
+import warnings
+from collections.abc import Iterator
+from contextlib import ExitStack, contextmanager
+from typing import Any, Final
+
+from analytic.errors import LinkproofError
+from comparisons.runs.cluster.local import local_cluster
+from comparisons.runs.cluster.pool import ClusterPool
+from comparisons.runs.workers import Pool
+
+ADDRESS: Final = re.compile(r"(?:tcp|tls)://(?:[\w.-]+|\[[0-9a-fA-F:.]+\]):(\d{1,5})", re.ASCII)
+LOCAL: Final = re.compile(r"local:([1-9]\d{0,3})", re.ASCII)
+PATIENCE: Final = 5.0  # s that a scheduler is given to answer
+
+
+def check_scheduler(scheduler: object) -> None:
+    """Raise LinkproofError for what is no scheduler: words that are no address, or anything but a client of Dask."""
+    if scheduler is None:
+        return
+    if isinstance(scheduler, str):
+        found = ADDRESS.fullmatch(scheduler)
+        if not (LOCAL.fullmatch(scheduler) or (found and 0 < int(found[1]) < 1 << 16)):
+            raise LinkproofError(
+                f"--scheduler: expected an address such as tcp://host:8786, or local:N for N workers here, got "
+                f"'{scheduler}'; correct it"
+            )
+    if not isinstance(scheduler, (str, _distributed().Client)):
+        raise LinkproofError(
+            f"scheduler: expected an address, 'local:N' or a distributed.Client, got a {type(scheduler).__name__}"
+        )
+
+
+@contextmanager
+def opened(scheduler: object, otherwise: Pool, *, alone: bool = False) -> Iterator[Pool]:
+    """The workers of a scheduler, words or a client, as a pool; ``otherwise`` where there is none.
+
+    ``alone`` is as in ``ClusterPool``. Raises LinkproofError where no job can be run there.
+    """
+    check_scheduler(scheduler)
+    if scheduler is None:
+        yield otherwise
+        return
+    with ExitStack() as stack:
+        client: Any = scheduler
+        if isinstance(scheduler, str):
+            stack.enter_context(_quiet())
+            found = LOCAL.fullmatch(scheduler)
+            address = stack.enter_context(local_cluster(int(found[1]))) if found else scheduler
+            client = stack.enter_context(_client(address))
+        pool = ClusterPool(client, alone=alone)
+        pool.check()
+        yield pool
+
+
+def _distributed() -> Any:  # noqa: ANN401 - a package that need not be there
+    try:
+        import distributed  # noqa: PLC0415
+    except ImportError as error:
+        raise LinkproofError(
+            f"expected Dask for --scheduler, got none ({error}): install it with: pip install 'linkproof[cluster]'"
+        ) from error
+    return distributed
+
+
+@contextmanager
+def _client(address: str) -> Iterator[Any]:
+    try:
+        client = _distributed().Client(address, timeout=PATIENCE, set_as_default=False)
+    except Exception as error:  # what is not Dask's answers with anything at all
+        raise LinkproofError(
+            f"expected a Dask scheduler at {address}, got none that answers ({type(error).__name__}): start it with: "
+            "dask scheduler"
+        ) from error
+    try:
+        yield client
+    finally:
+        client.close(timeout=PATIENCE)
+
+
+@contextmanager
+def _quiet() -> Iterator[None]:
+    """Dask logs and warns of nothing, and waits for nobody long."""
+    _distributed()
+    import dask  # noqa: PLC0415
+
+    names = [name for name in logging.root.manager.loggerDict if re.match(r"(distributed|tornado|asyncio)\b", name)]
+    loggers = [logging.getLogger(name) for name in {*names, "distributed", "tornado", "asyncio"}]
+    levels = [logger.level for logger in loggers]
+    try:
+        for logger in loggers:
+            logger.setLevel(logging.CRITICAL + 1)
+        with dask.config.set({"distributed.comm.timeouts.connect": f"{PATIENCE:g}s"}), warnings.catch_warnings():
+            warnings.simplefilter("ignore")
+            yield
+    finally:
+        for logger, level in zip(loggers, levels, strict=True):
+            logger.setLevel(level)

@@ -1,0 +1,202 @@
+"""Jobs on a cluster come to what they come to here, whatever dies on the way; what is no cluster is one sentence."""
+
+import importlib.util
+import os
+import signal
+import subprocess
+import sys
+from dataclasses import replace
+from itertools import pairwise
+from pathlib import Path
+
+import pytest
+
+from analytic.errors import LinkproofError
+from comparisons.runs.cluster import pool as pools
+from comparisons.runs.cluster import station
+from comparisons.runs.cluster.connecting import check_scheduler, opened
+from comparisons.runs.cluster.local import local_cluster
+from comparisons.runs.cluster.pool import ClusterPool
+from comparisons.runs.failures import GIB, Failure, Lost
+from comparisons.runs.journal import Journal
+from comparisons.runs.study import Study, Task
+from comparisons.runs.workers import EVERY_CORE, Bounds, PoolLostError, run_jobs
+from tests.comparisons.faults import job
+from tests.comparisons.runs.test_workers import runs, wait_for, written
+
+pytestmark = [
+    pytest.mark.skipif(importlib.util.find_spec("distributed") is None, reason="needs distributed"),
+    pytest.mark.skipif(not sys.platform.startswith("linux"), reason="kills processes, and reads /proc"),
+]
+BOUNDS = Bounds(seconds=8.0, memory=GIB // 16)
+
+
+@pytest.fixture(scope="module")
+def address():
+    with local_cluster(2) as found:
+        yield found
+
+
+@pytest.fixture(scope="module")
+def pool(address):
+    with opened(address, EVERY_CORE) as found:
+        yield found
+
+
+def test_every_fate_is_as_in_processes_of_this_one_and_prints_nothing(pool, capfd):
+    kinds = ["abort", "leave_at_once", "leave", "swell", "fail", "unsendable", "unreadable", "write", "fine"]
+    jobs = [entry for number, kind in enumerate(kinds) for entry in ((kind, number), ("fine", kind))]
+    here, there = dict(run_jobs(job, jobs, bounds=BOUNDS)), dict(pool.run(job, jobs, BOUNDS))
+    names = {found.host for found in there.values() if isinstance(found, Lost)}
+    assert names == {pool.place["hosts"]}
+    assert {n: replace(one, host="") if isinstance(one, Lost) else one for n, one in there.items()} == here
+    assert capfd.readouterr() == ("", "")
+
+
+def test_a_job_over_its_time_costs_itself_alone(pool):
+    (_, fine), (_, late) = sorted(pool.run(job, [("fine", 1), ("spin", None)], Bounds(seconds=1.0)))
+    assert (fine, late.outcome, late.reason) == (1, Failure.TIMED_OUT, "took longer than 1 s")
+
+
+def test_a_process_is_kept_for_the_next_job(pool):
+    processes = {found for _, found in pool.run(os.getpid, [()] * 20)}
+    assert processes == {found for _, found in pool.run(os.getpid, [()] * 20)}
+    assert len(processes) <= 2
+
+
+def test_a_study_keeps_what_a_cluster_makes(pool, tmp_path):
+    tasks = [Task(f"task {n}", ("fine", n)) for n in range(30)]
+    codec = {"encode": lambda value: str(value).encode(), "decode": int}
+    journal = Journal(tmp_path, "as tested")
+    study = Study(job, lambda *_: -1, **codec, journal=journal, pool=pool)
+    assert list(study.in_order(tasks)) == list(range(30))
+    assert journal.kept() == {f"task {n}": str(n).encode() for n in range(30)}
+
+
+def test_timed_jobs_of_one_machine_never_overlap(address, pool):
+    assert len(pool.stations) == 2
+    with opened(address, EVERY_CORE, alone=True) as alone:
+        times = sorted(found for _, found in alone.run(job, [("clocked", n) for n in range(5)]))
+    assert all(one[1] <= other[0] for one, other in pairwise(times))
+
+
+def test_timed_jobs_want_machines_alike(pool):
+    unlike = ClusterPool(pool.client, alone=True, hosts={"other": "a machine of another kind"})
+    with pytest.raises(LinkproofError, match=r"expected machines alike.*of another kind.*linkproof merge"):
+        unlike.check()
+
+
+def test_closing_ends_what_jobs_have_started(pool, tmp_path):
+    paths = [tmp_path / "one", tmp_path / "two"]
+    results = pool.run(job, [("fine", 1), ("sign_and_sleep", str(paths[0])), ("fork_and_sleep", str(paths[1]))])
+    assert next(results) == (0, 1)
+    assert wait_for(lambda: all(map(written, paths)), 30.0)
+    processes = [int(path.read_text()) for path in paths]
+    results.close()
+    assert wait_for(lambda: not any(map(runs, processes)), 20.0)
+
+
+def test_a_client_may_be_handed_in_and_is_left_open(pool):
+    with opened(pool.client, EVERY_CORE) as other:
+        assert dict(other.run(job, [("fine", 3)])) == {0: 3}
+    assert pool.client.status == "running"
+
+
+def test_workers_that_lack_anything_are_refused(pool, monkeypatch):
+    known = station.environment()
+    for changed, told in [
+        ({**known, "numpy": "1.0"}, f": expected numpy 1.0, as here, got {known['numpy']}: install the same"),
+        ({**known, "direct": "9"}, f": expected direct 9, as here, got {known['direct']}: install the same"),
+        ({**known, "new": "9"}, ": expected new 9, as here, got none: install the same"),
+    ]:
+        monkeypatch.setattr(station, "environment", lambda changed=changed: changed)
+        with pytest.raises(LinkproofError) as error:
+            ClusterPool(pool.client).check()
+        assert str(error.value).startswith("worker tcp://127.0.0.1:")
+        assert told in str(error.value)
+    monkeypatch.undo()
+    monkeypatch.setattr(station, "sources", lambda: "others")
+    with pytest.raises(LinkproofError, match="expected linkproof's files as they are here"):
+        ClusterPool(pool.client).check()
+    here = station.facts()
+    assert "DASK_DISTRIBUTED__WORKER__DAEMON=False" in pools._fault(replace(here, is_daemon=True), here)
+
+
+def test_another_dask_is_refused(pool, monkeypatch):
+    told = pool.client.get_versions()
+    told["scheduler"]["packages"]["distributed"] = "2020.1"
+    monkeypatch.setattr(pool.client, "get_versions", lambda: told)
+    with pytest.raises(LinkproofError, match=r"^scheduler tcp://\S+: expected distributed .* as here, got 2020.1"):
+        ClusterPool(pool.client).check()
+
+
+@pytest.mark.parametrize(
+    "words", ["local:0", "local:-1", "local:x", "local", "tcp://host", "host:8786", "tcp://h:0", "tcp://h:70000", ""]
+)
+def test_words_that_are_no_scheduler_are_refused(words):
+    with pytest.raises(LinkproofError, match="--scheduler: expected an address such as"):
+        check_scheduler(words)
+
+
+def test_what_is_no_client_is_refused():
+    with pytest.raises(LinkproofError, match=r"expected an address, 'local:N' or a distributed.Client, got a int"):
+        check_scheduler(8786)
+
+
+def test_without_dask_it_is_said_how_to_get_it(monkeypatch):
+    monkeypatch.setitem(sys.modules, "distributed", None)
+    with pytest.raises(LinkproofError, match=r"pip install 'linkproof\[cluster\]'"):
+        check_scheduler("local:2")
+
+
+def test_a_scheduler_that_is_not_there_is_said_and_nothing_is_written(tmp_path):
+    command = [sys.executable, "-m", "linkproof", "stress", "--scheduler", "tcp://127.0.0.1:1", "--out", "out"]
+    environment = {**os.environ, "PYTHONPATH": os.pathsep.join(filter(None, sys.path))}
+    done = subprocess.run(command, cwd=tmp_path, env=environment, capture_output=True, text=True, check=False)
+    assert (done.returncode, done.stdout, list(tmp_path.iterdir())) == (2, "", [])
+    assert done.stderr.startswith("linkproof: expected a Dask scheduler at tcp://127.0.0.1:1, got none that answers")
+    assert done.stderr.count("\n") == 1
+
+
+def test_a_lost_scheduler_is_said_and_its_processes_end(tmp_path):
+    path = tmp_path / "process"
+    with opened("local:1", EVERY_CORE) as pool:
+        workers = list(pool.client.run(os.getpid).values())
+        results = pool.run(job, [("fine", 1), ("sign_and_sleep", str(path))])
+        assert next(results) == (0, 1)
+        assert wait_for(lambda: written(path), 30.0)
+        os.kill(pool.client.run_on_scheduler(os.getpid), signal.SIGKILL)
+        with pytest.raises(PoolLostError, match=r"the scheduler at tcp://\S+ (is gone|does not answer)"):
+            next(results)
+    assert wait_for(lambda: not any(map(runs, [*workers, int(path.read_text())])))
+
+
+COMMAND = """
+import sys
+from comparisons.runs.cluster.connecting import opened
+from tests.comparisons.faults import job
+with opened("local:1", None) as pool:
+    list(pool.run(job, [("sign_and_sleep", sys.argv[1])]))
+"""
+
+
+@pytest.mark.parametrize("by", [signal.SIGKILL, signal.SIGINT])
+def test_a_local_cluster_dies_with_its_command(tmp_path, by):
+    path = tmp_path / "process"
+    environment = {**os.environ, "PYTHONPATH": os.pathsep.join(filter(None, sys.path))}
+    with subprocess.Popen(
+        [sys.executable, "-c", COMMAND, str(path)], env=environment, stderr=subprocess.DEVNULL
+    ) as command:
+        assert wait_for(lambda: written(path), 60.0)
+        cluster = [int(name) for name in os.listdir("/proc") if name.isdigit() and _is_child(name, command.pid)]
+        assert cluster
+        command.send_signal(by)
+        command.wait(30.0)
+    assert wait_for(lambda: not any(map(runs, [*cluster, int(path.read_text())])), 30.0)
+
+
+def _is_child(process: str, parent: int) -> bool:
+    try:
+        return int(Path(f"/proc/{process}/stat").read_text().rpartition(")")[2].split()[1]) == parent
+    except OSError:
+        return False

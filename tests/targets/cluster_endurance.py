@@ -1,0 +1,165 @@
+"""A campaign on a cluster whose workers and schedulers are killed at random moments: what is lost of it, what doubled.
+
+``python -m tests.targets.cluster_endurance WORKERS SCHEDULERS [SEED]`` measures it, in campaigns one after the other
+until so many have been killed. POSIX only, with a /proc.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import json
+import os
+import random
+import signal
+import sys
+import tempfile
+import threading
+import time
+from collections import Counter
+from dataclasses import asdict, dataclass, field
+from pathlib import Path
+
+from analytic.description.crank_motion import REGIMES, crank_motion
+from analytic.description.loading import catalogue, load
+from comparisons.campaign.campaign import CampaignRequest, compare
+from comparisons.judging.run_result import RunResult
+from comparisons.runs.cluster.connecting import opened
+from comparisons.runs.journal import Journal
+from comparisons.runs.workers import EVERY_CORE, PoolLostError
+from engines.contract import Setting
+
+WORKERS = 2
+PAUSE = 0.5  # s, the mean from a result to the next kill
+UNSTEADY = ("seconds", "setup_seconds", "host")  # of a record, what differs from run to run
+
+
+@dataclass(frozen=True)
+class ClusterEndurance:
+    """What came of so many killed ``workers`` and ``schedulers`` over so many ``campaigns`` of so many ``runs`` each.
+
+    ``lost`` counts records that are missing or differ from those of an undisturbed campaign, ``doubled`` those there,
+    or runs kept, more than once.
+    """
+
+    workers: int
+    schedulers: int
+    campaigns: int
+    runs: int
+    lost: int
+    doubled: int
+
+
+@dataclass(frozen=True)
+class _CountingJournal(Journal):
+    """A journal that knows how often it kept each run."""
+
+    counts: Counter[str] = field(default_factory=Counter)
+
+    def keep(self, key: str, payload: bytes) -> None:
+        self.counts[key] += 1
+        super().keep(key, payload)
+
+
+@dataclass
+class _Killer:
+    """Kills what is still to be killed, a while after every result."""
+
+    chance: random.Random
+    workers: int
+    schedulers: int
+    killed: Counter[str] = field(default_factory=Counter)
+    scheduler: int = 0
+
+    def __post_init__(self) -> None:
+        self.share = self.workers // max(1, self.schedulers)  # workers to a scheduler
+        self.moment = 0.0
+
+    @property
+    def done(self) -> bool:
+        return self.killed["workers"] >= self.workers and self.killed["schedulers"] >= self.schedulers
+
+    def heard(self, *_: object) -> None:
+        """A run has begun or ended."""
+        self.moment = self.moment or time.monotonic() + self.chance.expovariate(1.0 / PAUSE)
+
+    def watch(self, ended: threading.Event) -> None:
+        while not ended.wait(0.01):
+            if self.moment and time.monotonic() > self.moment and self.scheduler and not self.done:
+                self._kill()
+                self.moment = 0.0
+
+    def _kill(self) -> None:
+        due = self.killed["schedulers"] < self.schedulers
+        if due and self.killed["workers"] >= min(self.workers, self.share * (self.killed["schedulers"] + 1)):
+            os.kill(self.scheduler, signal.SIGKILL)
+            self.killed["schedulers"] += 1
+            self.scheduler = 0
+        elif self.killed["workers"] < self.workers and (workers := _workers(self.scheduler)):
+            with contextlib.suppress(ProcessLookupError):
+                os.kill(self.chance.choice(workers), signal.SIGKILL)
+                self.killed["workers"] += 1
+
+
+def _workers(scheduler: int) -> list[int]:
+    """The processes of the workers that a local cluster's process has started."""
+    found = []
+    listed = [path.read_text() for path in Path(f"/proc/{scheduler}/task").glob("*/children")]
+    for process in map(int, " ".join(listed).split()):
+        with contextlib.suppress(OSError):
+            if b"spawn_main" in Path(f"/proc/{process}/cmdline").read_bytes():
+                found.append(process)
+    return found
+
+
+def request(regimes: int) -> CampaignRequest:
+    """Every mechanism of the catalogue under so many regimes in two engines and every setting."""
+    motions = tuple(crank_motion(name) for name in REGIMES[:regimes])
+    linkages = tuple(load(name) for name in catalogue())
+    return CampaignRequest(linkages, motions, "brief", ("direct", "pymunk"), tuple(Setting), ("Jeq", "Mkr"),
+                           with_invariants=False)  # fmt: skip
+
+
+def _records(results: list[RunResult]) -> dict[str, list[str]]:
+    """Every record but what is not steady, by its name."""
+    held: dict[str, list[str]] = {}
+    for record in (record for result in results for record in result.records):
+        told = {name: value for name, value in asdict(record).items() if name not in UNSTEADY}
+        held.setdefault("/".join((*record.run, record.quantity)), []).append(json.dumps(told))
+    return held
+
+
+def measure(workers: int, schedulers: int, seed: int = 0, regimes: int = len(REGIMES)) -> ClusterEndurance:
+    """Kill so many, and hold what every campaign comes to in the end against an undisturbed one."""
+    asked, killer, ended = request(regimes), _Killer(random.Random(seed), workers, schedulers), threading.Event()
+    expected = _records(list(compare(asked, pool=EVERY_CORE)))
+    lost = doubled = campaigns = runs = 0
+    thread = threading.Thread(target=killer.watch, args=(ended,), daemon=True)
+    thread.start()
+    with tempfile.TemporaryDirectory() as folder:
+        while not killer.done:
+            journal = _CountingJournal(Path(folder) / str(campaigns), "as tested")
+            results = None
+            while results is None:
+                results = _attempt(asked, journal, killer)
+            campaigns, runs, found = campaigns + 1, len(results), _records(results)
+            lost += sum(found.get(name, [""])[0] != one for name, (one,) in expected.items())
+            doubled += sum(len(rows) - 1 for rows in found.values()) + sum(journal.counts.values()) - runs
+    ended.set()
+    thread.join()
+    return ClusterEndurance(killer.killed["workers"], killer.killed["schedulers"], campaigns, runs, lost, doubled)
+
+
+def _attempt(asked: CampaignRequest, journal: Journal, killer: _Killer) -> list[RunResult] | None:
+    """What a campaign comes to, taken up where it was left; None where its scheduler is killed."""
+    try:
+        with opened(f"local:{WORKERS}", EVERY_CORE) as pool:
+            killer.scheduler = pool.client.run_on_scheduler(os.getpid)  # type: ignore[attr-defined]
+            return list(compare(asked, killer.heard, pool=pool, journal=journal))
+    except PoolLostError:
+        return None
+    finally:
+        killer.scheduler = 0
+
+
+if __name__ == "__main__":
+    sys.stdout.write(json.dumps(asdict(measure(*map(int, sys.argv[1:])))) + "\n")

@@ -1,0 +1,19 @@
+"""Workers and a scheduler killed in a campaign cost no record, and double none."""
+
+import importlib.util
+import sys
+
+import pytest
+
+from tests.targets.cluster_endurance import measure
+
+pytestmark = [
+    pytest.mark.skipif(importlib.util.find_spec("distributed") is None, reason="needs distributed"),
+    pytest.mark.skipif(not sys.platform.startswith("linux"), reason="reads /proc"),
+]
+
+
+@pytest.mark.slow
+def test_killed_workers_and_a_killed_scheduler_cost_and_double_no_record():
+    found = measure(6, 1, regimes=1)
+    assert (found.workers, found.schedulers, found.lost, found.doubled) == (6, 1, 0, 0)
