@@ -41,7 +41,7 @@ Array = NDArray[np.float64]
 Model = tuple[Linkage, Structure]
 
 TIE: Final = 1e-9  # of a signal's largest value: tops that differ by less count as equal
-STEP: Final = 2e-3  # of a number, the first of its differences
+STEP: Final = 4e-4  # of a number, the first of its differences
 SAME: Final = 1e-6  # relative: derivatives at such tops that differ by less count as equal
 
 

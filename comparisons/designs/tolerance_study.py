@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import itertools
 import math
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Final
@@ -29,10 +30,14 @@ from comparisons.designs.steady_motion import SteadyMotion, steady_motion
 from comparisons.designs.tolerances import ANGLE, LENGTH, Tolerance, Tolerances, Tornado, tolerances
 
 Array = NDArray[np.float64]
+Announce = Callable[[str, int, int], None]  # what is worked out, how many are, of how many
 
+EXACT, DIFFERENCE = "exact", "difference"
 FEWEST: Final = 2
 USUAL: Final = 1000.0  # rpm
 SAMPLES: Final = 10_000
+FEW_SAMPLES: Final = 200  # of a linkage whose groups are followed anew for every design, which takes a second or so
+TOGETHER, ALONE = 1000, 5  # designs worked out between two announcements
 SHARES: Final = (0.00135, 0.99865)  # of the quantiles: three standard deviations of a normal distribution
 ALL_CORNERS: Final = 12  # tolerances whose corners are all worked out: 4096 designs
 
@@ -45,7 +50,7 @@ class ToleranceRequest:
     tolerances: tuple[Tolerance, ...]
     figures: tuple[NamedFigure, ...]
     motion: SteadyMotion
-    samples: int = SAMPLES
+    samples: int
     seed: int = 0
 
     @property
@@ -80,11 +85,19 @@ class ToleranceRequest:
             found |= {f"{point}.x": c * x - s * y, f"{point}.y": s * x + c * y}
         return found
 
-    def results(self, offsets: Array) -> Array:
+    def results(self, offsets: Array, announce: Announce = lambda *_: None) -> Array:
         """The results of designs, (results, designs)."""
+        designs, count, parts = self.designs(offsets), offsets.shape[1], []
+        size = TOGETHER if is_exact(self.mechanism) else ALONE
+        for start in range(0, count, size):
+            announce("designs", start, count)
+            parts.append(self._some({name: values[start : start + size] for name, values in designs.items()}))
+        return np.concatenate(parts, axis=1)
+
+    def _some(self, designs: Mapping[str, Array]) -> Array:
         return design_figures(
             self.mechanism,
-            self.designs(offsets),
+            designs,
             [one.figure for one in self.figures],
             self.motion.places,
             speed=self.motion.speed,
@@ -135,7 +148,7 @@ class ToleranceStudy:
     @property
     def how(self) -> str:
         """What the derivatives are."""
-        return "exact" if is_exact(self.request.mechanism) else "difference"
+        return EXACT if is_exact(self.request.mechanism) else DIFFERENCE
 
     @property
     def has_all_corners(self) -> bool:
@@ -218,9 +231,12 @@ def speed_unit(linkage: Linkage) -> FileUnit:
 
 
 def tolerance_request(
-    linkage: Linkage, asked: Tolerances, *, angles: int = PLACES, samples: int = SAMPLES, seed: int = 0
+    linkage: Linkage, asked: Tolerances, *, angles: int = PLACES, samples: int | None = None, seed: int = 0
 ) -> ToleranceRequest:
-    """What is asked for; raises LinkproofError for names that are not there and for a motion that cannot be."""
+    """What is asked for; of random designs there are 10 000, or 200 of a linkage that goes design by design.
+
+    Raises LinkproofError for names that are not there and for a motion that cannot be.
+    """
     mechanism = Mechanism(linkage)
     if asked.speed is None and linkage.is_linear:
         raise LinkproofError(
@@ -234,6 +250,8 @@ def tolerance_request(
         figures = named_figures(mechanism, asked.results)
     except LinkproofError as error:
         raise LinkproofError(f"{asked.origin}{error}") from error
+    if samples is None:
+        samples = SAMPLES if is_exact(mechanism) else FEW_SAMPLES
     if samples < FEWEST:
         raise LinkproofError(f"--samples: expected {FEWEST} or more random designs, got {samples}; draw more")
     if seed < 0:
@@ -242,7 +260,7 @@ def tolerance_request(
     return ToleranceRequest(mechanism, found, figures, motion, samples, seed)
 
 
-def tolerance_study(request: ToleranceRequest) -> ToleranceStudy:
+def tolerance_study(request: ToleranceRequest, announce: Announce = lambda *_: None) -> ToleranceStudy:
     """Work tolerances through; raises LinkproofError where the nominal design or hardly any random one assembles."""
     count, sizes = len(request.tolerances), np.array([one.plus_minus for one in request.tolerances])
     derivatives = request.derivatives()
@@ -250,7 +268,7 @@ def tolerance_study(request: ToleranceRequest) -> ToleranceStudy:
     corners = sizes[:, None] * _corners(derivatives)
     draw = np.random.default_rng(request.seed)
     random = np.stack([one.plus_minus * one.distribution.drawn(draw, request.samples) for one in request.tolerances])
-    found = request.results(np.concatenate([alone, corners, random], axis=1))
+    found = request.results(np.concatenate([alone, corners, random], axis=1), announce)
     first, last = alone.shape[1], alone.shape[1] + corners.shape[1]
     nominal, changes = found[:, 0], found[:, 1:first] - found[:, :1]
     scattered = found[:, last:]

@@ -149,7 +149,9 @@ def tolerance(
     variant: options.Variant = None,
     angles: Annotated[int, valued("N", "Crank angles between which extremes are refined.")] = 180,
     no_gravity: options.NoGravity = False,
-    samples: Annotated[int, valued("N", "Random designs.")] = 10_000,
+    samples: Annotated[
+        int | None, valued("N", "Random designs; default: 10000, 200 where a group has no closed form.")
+    ] = None,
     seed: Annotated[int, valued("N", "Seed of the random designs.")] = 0,
     json: options.Json = None,
     csv: Annotated[str | None, valued("FILE|-", "Write a row per result and parameter.")] = None,

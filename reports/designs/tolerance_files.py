@@ -39,11 +39,11 @@ def _result(study: ToleranceStudy, row: int) -> dict[str, Any]:
             dict(zip(("parameter", "units", *HEAD[5:8], *HEAD[9:]), cells, strict=True)) for cells in _cells(study, row)
         ],
         "worst case": {
-            "linear": float(study.worst[row] / unit.size),
+            "linear": finite(float(study.worst[row] / unit.size)),
             "corners": plain(study.corners[row] / unit.size),
             "every corner": study.has_all_corners,
         },
-        "linear standard deviation": float(study.deviations[row] / unit.size),
+        "linear standard deviation": finite(float(study.deviations[row] / unit.size)),
         "random": {
             "mean": float(study.mean[row] / unit.size),
             "standard deviation": float(study.deviation[row] / unit.size),
@@ -59,8 +59,8 @@ def _cells(study: ToleranceStudy, row: int) -> list[list[Any]]:
         [
             *(one.name, one.parameter.unit.name, one.plus_minus / one.parameter.unit.size, str(one.distribution)),
             finite(float(study.derivatives[row, column] * one.parameter.unit.size / unit.size)),
-            float(study.contributions[row, column] / unit.size),
-            float(study.shares[row, column]),
+            finite(float(study.contributions[row, column] / unit.size)),
+            finite(float(study.shares[row, column])),
             *plain(study.changes[row, column] / unit.size),
         ]
         for column, one in enumerate(study.request.tolerances)

@@ -7,14 +7,14 @@ from typing import Final
 
 import numpy as np
 
-from comparisons.designs.tolerance_study import ToleranceStudy
-from reports.document.numbers import figure, printed
+from comparisons.designs.tolerance_study import EXACT, ToleranceStudy
+from reports.document.numbers import ABSENT, figure, printed
 from reports.document.parts import Paragraph, Table
 from reports.document.terminal import Printed, Printout
 
 HEAD: Final = ("parameter", "±", "", "derivative", "", "moves it by ±", "share of variance")
 NOTE: Final = "± of a normal distribution are three standard deviations, of a uniform one its limits."
-TIED: Final = "none: tops tie"
+TIED, NONE = "none: tops tie", "none"
 
 
 def printout(study: ToleranceStudy) -> Printout:
@@ -44,9 +44,9 @@ def _row(study: ToleranceStudy, row: int, column: int) -> tuple[str, ...]:
         printed(one.plus_minus / own.size),
         f"{own.name} {one.distribution}".strip(),
         figure(derivative * own.size / unit.size),
-        TIED if np.isnan(derivative) else study.how,
+        study.how if not np.isnan(derivative) else TIED if study.how == EXACT else NONE,
         figure(study.contributions[row, column] / unit.size),
-        f"{study.shares[row, column]:.1%}",
+        ABSENT if np.isnan(study.shares[row, column]) else f"{study.shares[row, column]:.1%}",
     )
 
 

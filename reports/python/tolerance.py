@@ -11,7 +11,7 @@ import xarray
 
 from analytic.description.linkage import Linkage
 from comparisons.designs.steady_motion import SAMPLES as PLACES
-from comparisons.designs.tolerance_study import SAMPLES, SHARES, ToleranceStudy, tolerance_request, tolerance_study
+from comparisons.designs.tolerance_study import SHARES, ToleranceStudy, tolerance_request, tolerance_study
 from comparisons.designs.tolerances import Tolerances, read_tolerances
 from reports.python.options import Words, chosen_linkage, words
 
@@ -25,7 +25,7 @@ def tolerance(
     speed: float | None = None,
     angles: int = PLACES,
     gravity: bool = True,
-    samples: int = SAMPLES,
+    samples: int | None = None,
     seed: int = 0,
 ) -> xarray.Dataset:
     """How tolerances of a linkage's numbers move results, over ``result`` and ``parameter``; in the file's units.

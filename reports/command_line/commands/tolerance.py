@@ -8,11 +8,12 @@ from pathlib import Path
 from analytic.description.changes import without
 from analytic.description.loading import load
 from comparisons.designs.steady_motion import SAMPLES as PLACES
-from comparisons.designs.tolerance_study import SAMPLES, ToleranceStudy, tolerance_request, tolerance_study
+from comparisons.designs.tolerance_study import ToleranceStudy, tolerance_request, tolerance_study
 from comparisons.designs.tolerances import read_tolerances
 from comparisons.judging.records import to_json
 from comparisons.runs.files import write_text
 from reports.command_line.destination import STDOUT, check_files, write_out
+from reports.command_line.progress import progress
 from reports.designs.tolerance_files import csv_table, document
 from reports.designs.tolerance_terminal import printout
 from reports.document.terminal import show
@@ -27,7 +28,7 @@ class ToleranceChoice:
     variant: str | None = None
     gravity: bool = True
     angles: int = PLACES
-    samples: int = SAMPLES
+    samples: int | None = None
     seed: int = 0
     json: str | None = None
     csv: str | None = None
@@ -53,7 +54,8 @@ def run(choice: ToleranceChoice) -> None:
         samples=choice.samples,
         seed=choice.seed,
     )
-    found = tolerance_study(request)
+    with progress(visible=not choice.quiet) as announce:
+        found = tolerance_study(request, announce)
     for option, file in choice.files.items():
         text = _written(option, found)
         if file == STDOUT:

@@ -21,7 +21,7 @@ from analytic.numerics.peaks import highest
 from tests.analytic import fifty_digits
 from tests.analytic.exact_forces import forces_of, signals_of, transmission_of
 from tests.analytic.fifty_digits import Exact
-from tests.analytic.linkages import from_text, mechanism
+from tests.analytic.linkages import IN_LINE, from_text, mechanism
 from tests.analytic.loaded_linkages import on_trial
 
 SPEED = 20.0
@@ -38,29 +38,6 @@ TRIALS = (
 DERIVATIVE = 1e-12  # 8e-14 is reached
 NONE = 1e-12
 LEAST = 1e-20  # what is smaller is zero
-IN_LINE = """
-title = "slider-crank in line"
-units = { length = "m", mass = "kg", inertia = "kg*m^2", angle = "deg" }
-source = "textbook"
-crank = "crank"
-ground = { O = [0, 0] }
-output = { point = "B" }
-[links.crank]
-points = { O = [0, 0], A = [0.03, 0] }
-mass = 0.5
-inertia = 1e-4
-[links.rod]
-points = { A = [0, 0], B = [0.11, 0] }
-mass = 0.2
-centre = [0.04, 0]
-inertia = 3e-4
-[links.piston]
-slides = { point = "B", through = [0, 0], along = [1, 0] }
-mass = 0.3
-[sketch]
-angle = 0
-points = { B = [0.14, 0] }
-"""
 GIVEN = ("phi", "omega", "epsilon", "S")  # or no signal of one angle
 NUDGE = mpf(10) ** -16
 

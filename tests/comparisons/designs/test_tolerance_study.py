@@ -13,8 +13,10 @@ from analytic.errors import LinkproofError
 from analytic.kinematics.mechanism import Mechanism
 from comparisons.designs.named_figures import named_figures
 from comparisons.designs.steady_motion import steady_motion
-from comparisons.designs.tolerance_study import ToleranceRequest, tolerance_study
-from comparisons.designs.tolerances import tolerances
+from comparisons.designs.tolerance_study import FEW_SAMPLES, ToleranceRequest, tolerance_request, tolerance_study
+from comparisons.designs.tolerances import Tolerances, tolerances
+from tests.analytic.drives import path_of
+from tests.analytic.linkages import IN_LINE, from_text
 
 RIMOLDI = Mechanism(load("rimoldi-164"))
 TABLE = {
@@ -23,8 +25,9 @@ TABLE = {
 }
 
 
-def study(table=TABLE, results=("Mkr.peak", "stroke", "Mkr@30"), **options):
+def study(table=TABLE, results=("Mkr.peak", "stroke", "Mkr@30"), samples=10_000, **options):
     motion = steady_motion(RIMOLDI, 104.7, samples=90)
+    options["samples"] = samples
     request = ToleranceRequest(
         RIMOLDI, tolerances(RIMOLDI.linkage, table), named_figures(RIMOLDI, results), motion, **options
     )
@@ -93,3 +96,25 @@ def test_a_picture_has_the_units_of_the_file():
     assert (tornado.result, tornado.unit) == ("stroke", "mm")
     assert tornado.nominal == pytest.approx(30.99, abs=0.01)
     assert [name for name, *_ in tornado.bars] == [*TABLE]
+
+
+def test_where_there_is_no_closed_form_derivatives_are_differences():
+    linkage, heard = load(path_of("ternary-on-rods")), []
+    asked = Tolerances(("Mkr.peak", "Mkr@30"), 100.0, {"crank.A.x": 0.01, "crank.mass": 0.01})
+    request = tolerance_request(linkage, asked, angles=12, samples=3)
+    assert tolerance_request(linkage, asked).samples == FEW_SAMPLES
+    found = tolerance_study(request, lambda *words: heard.append(words))
+    slopes = (found.changes[..., 1] - found.changes[..., 0]) / 2.0
+    assert found.how == "difference"
+    assert found.derivatives[:, 0] * 1e-5 == pytest.approx(slopes[:, 0], rel=1e-5)
+    assert heard[0] == ("designs", 0, 12)
+
+
+def test_tops_that_tie_have_the_larger_change_for_a_contribution():
+    sample = from_text(IN_LINE)
+    motion = steady_motion(sample, 104.7, samples=90)
+    figures = named_figures(sample, ["v.peak"])
+    asked = tolerances(sample.linkage, {"piston.through.y": 0.001, "rod.B.x": 0.001})
+    found = tolerance_study(ToleranceRequest(sample, asked, figures, motion, 4))
+    assert np.isnan(found.derivatives[0]).tolist() == [True, False]
+    assert np.all(found.contributions > 0.0)
