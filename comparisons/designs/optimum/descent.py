@@ -22,6 +22,7 @@ STEPS: Final = 60
 APART: Final = 1e-6  # shares of the aim by which two ends are different
 OUT_OF_REACH: Final = 10.0  # how far, scaled, a design that cannot be assembled is said to miss everything
 ACTIVE: Final = 1e-7
+INDEPENDENT: Final = 1e-9  # slope, scaled, from which a kept figure depends on the variables
 
 
 @dataclass
@@ -151,11 +152,12 @@ class Descent:
             return np.vstack([aim, np.column_stack([here.inside_slopes, np.zeros(len(here.inside))])])
 
         limits: list[dict[str, Any]] = [{"type": "ineq", "fun": above, "jac": above_slopes}]
-        if len(held(end.place).equal):
+        free = _independent(held(end.place).equal_slopes)
+        if free:
             limits.append({
                 "type": "eq",
-                "fun": lambda z: held(z[:-1]).equal,
-                "jac": lambda z: np.column_stack([held(z[:-1]).equal_slopes, np.zeros(len(held(z[:-1]).equal))]),
+                "fun": lambda z: held(z[:-1]).equal[free],
+                "jac": lambda z: np.column_stack([held(z[:-1]).equal_slopes[free], np.zeros(len(free))]),
             })  # fmt: skip
         box = [(max(0.0, x - radius), min(1.0, x + radius)) for x in end.place]
         found = minimize(
@@ -167,6 +169,15 @@ class Descent:
             return self._end(np.clip(place, 0.0, 1.0)) if np.all(np.isfinite(place)) else None
         except AssemblyError:
             return None
+
+
+def _independent(slopes: Array) -> list[int]:
+    """Rows of slopes (n, variables) none of which is made of others: a figure that nothing moves has no say."""
+    rows: list[int] = []
+    for row in range(len(slopes)):
+        if np.linalg.matrix_rank(slopes[[*rows, row]], tol=INDEPENDENT) > len(rows):
+            rows.append(row)
+    return rows
 
 
 class _Held:

@@ -114,6 +114,14 @@ def test_a_search_everywhere_finds_the_same_with_every_seed():
     assert found[0].bound(found[0].problem.variables[2]) == "upper"
 
 
+def test_kept_figures_that_nothing_moves_or_that_say_the_same_do_not_hinder():
+    over, keep = ("rocker.mass=±20%", "rod.B.x=±2%", "rocker.B.x=±5%"), ["stroke", "S.max", "point:A:x.max"]
+    found = best("rimoldi-164", *over, figure="Mkr.rms", keep=keep)
+    assert found.search.residual < 1e-6
+    assert found.values[1, 0] < 0.99 * found.values[0, 0]
+    assert found.values[1, 1:4] == pytest.approx(found.values[0, 1:4], rel=1e-9)
+
+
 def test_the_same_seed_searches_from_the_same_designs():
     wish = {"figure": "Mkr.peak", "starts": 3}
     first, again, other = (best("rimoldi-164", "rod.B.x=±3%", **wish, seed=seed) for seed in (5, 5, 6))
