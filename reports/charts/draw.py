@@ -216,10 +216,12 @@ def _draw_key(axes: Axes, key: Sequence[Sequence[Curve | Hatch]], first: int, bo
             _above(axes, left + SAMPLE, row, entry.name, box)
 
 
-def _head(chart: Chart, width: float) -> tuple[list[str], list[list[Curve | Hatch]]]:
-    """The lines above all panels and the rows of their key, in a chart so many inches wide."""
+def _head(chart: Chart, width: float) -> tuple[list[tuple[str, str]], list[list[Curve | Hatch]]]:
+    """The lines above all panels with their weights and the rows of their key, in a chart so many inches wide."""
     room = width - 2.0 * EDGE
-    lines = [line for text in chart.head for line in labels.fitting(text, room).splitlines()]
+    weights = ("bold", *("normal",) * len(chart.head))
+    pairs = zip(chart.head, weights, strict=False)
+    lines = [(line, weight) for text, weight in pairs for line in labels.fitting(text, room).splitlines()]
     return lines, in_rows(chart.key, room) if chart.key else []
 
 
@@ -239,6 +241,5 @@ def draw_head(found: Figure, chart: Chart, corner: tuple[float, float], width: f
     axes = found.add_axes(((corner[0] + EDGE) / wide, (corner[1] - 1.0) / high, box[0] / wide, 1.0 / high))
     axes.set_axis_off()
     _draw_key(axes, key, 0, box)
-    for row, line in enumerate(lines[::-1], start=len(key)):
-        first = row == len(key) + len(lines) - 1
-        _above(axes, 0.0, row, line, box, weight="bold" if first else "normal")
+    for row, (line, weight) in enumerate(lines[::-1], start=len(key)):
+        _above(axes, 0.0, row, line, box, weight=weight)

@@ -19,7 +19,7 @@ Array = NDArray[np.float64]
 
 COLOURS, HATCH = "viridis", "////"  # grows evenly to the eye
 APART, BAR = 0.1, 0.13  # in, between a panel and its colour bar, of the bar
-TICKS = 6
+TICKS = 8
 # Lines and their words on darker and on brighter colours; as the image, they do not turn with the reader's scheme.
 ON_DARK, ON_BRIGHT, MIDDLE = "#fefefe", "#101418", 0.55
 PIXELS, CONTOURED = 400, 120  # cells in one direction of an image of unequal cells, and of contour lines

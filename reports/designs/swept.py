@@ -125,12 +125,15 @@ class Swept:
         """Lines above the picture: whose designs, under which conditions, what is left out."""
         failing = max(one.failing for one in kept)
         about, left = self.dataset.attrs, len(self.dataset.data_vars) - len(self.figures)
+        conditions = str(about.get("conditions", "")).removeprefix(
+            f"{about.get('mechanism')} ({about.get('variant')}): "
+        )
         who = ", ".join(filter(None, (str(about.get(key, "")) for key in ("mechanism", "variant"))))
         fails = f", {grouped(failing)} of which {'does' if failing == 1 else 'do'} not assemble" if failing else ""
         what = f"{grouped(self.count)} design{'s' * (self.count != 1)}{fails}"
         more = f"The first {MOST} of {left + MOST} figures are drawn." if left else ""
         cut = CUT if any(one.span for one in kept) else ""
-        texts = (f"{who}: {what}" if who else what, str(about.get("conditions", "")), *notes, cut, more)
+        texts = (f"{who}: {what}" if who else what, conditions, *notes, cut, more)
         return tuple(printable(text) for text in texts if text)
 
 

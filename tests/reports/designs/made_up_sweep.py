@@ -11,7 +11,8 @@ FIGURES = {
     **{f"point:D:y@{n}": "mm" for n in range(7)},
 }
 PARAMETERS = ("rod.B.x", "links.coupler_upper.centre.y", "crank.mass")
-ABOUT = {"mechanism": "made-up", "variant": "as-printed", "conditions": "4000 rpm, sampled at 180 crank angles"}
+CONDITIONS = "4000 rpm, sampled at 180 crank angles"
+ABOUT = {"mechanism": "made-up", "variant": "as-printed", "conditions": f"made-up (as-printed): {CONDITIONS}"}
 
 
 def sweep(*counts, figures=1, fails=0.0, table=False, change=lambda values: values):

@@ -14,7 +14,7 @@ from reports.charts import draw
 from reports.charts.style import INK, LIMIT_COLOUR, MUTED
 from reports.designs import sweep_picture
 from reports.designs.sweep_picture import sweep_figure, sweep_svg
-from tests.reports.designs.made_up_sweep import ABOUT, sweep
+from tests.reports.designs.made_up_sweep import CONDITIONS, sweep
 
 OWN = {"rod.B.x": 174.0, "links.coupler_upper.centre.y": 184.0, "crank.mass": 194.0}
 
@@ -84,7 +84,12 @@ def test_a_line_says_whose_designs_they_are_and_hatches_those_that_fail():
     (axes,) = panels(figure)
     words = texts(figure)
     assert "made-up, as-printed: 101 designs, 30 of which do not assemble" in words
-    assert {ABOUT["conditions"], "least magnitude", "design of the file", "does not assemble"} <= set(words)
+    assert {
+        CONDITIONS,
+        "least magnitude",
+        "design of the file",
+        "does not assemble",
+    } <= set(words)
     assert {"Mkr.peak, N*m", "rod.B.x, mm"} <= set(words)
     (band,) = hatches(axes)
     assert (band.get_x(), band.get_x() + band.get_width()) == pytest.approx((177.05, 180.05))
