@@ -28,7 +28,7 @@ Array = NDArray[np.float64]
 Draw = Callable[[int], Array]  # the next so many designs, (designs, parameters) in the file's units; fewer at the end
 
 DIGITS: Final = 4  # behind the first one of a range, to which its values are drawn
-TRIES: Final = 50  # designs drawn for each one wanted, before it is given up
+TRIES: Final = 20  # designs drawn for each one wanted, before it is given up
 ANGLES: Final = 720  # at which the least transmission angle is looked for
 
 

@@ -59,6 +59,16 @@ def sweep(
     csv: Annotated[str | None, valued("FILE|-", "Write every design as a table.")] = None,
     json: Annotated[str | None, valued("FILE|-", "Write the summary as JSON.")] = None,
     svg: Annotated[str | None, valued("FILE|-", "Draw the figures over the designs.")] = None,
+    simulate: Annotated[
+        list[str] | None,
+        valued(
+            "ENGINE",
+            "Simulate a sample of the designs, and say how far this engine may be trusted; repeatable.",
+            names=completion.engines,
+        ),
+    ] = None,
+    designs: Annotated[int, valued("N", "Designs to simulate, of a Latin hypercube or of the table.")] = 24,
+    seed: Annotated[int, valued("N", "Which sample is drawn.")] = 0,
     resume: options.Resume = False,
     quiet: options.Quiet = False,
     jobs: Annotated[int | None, valued("N", "Processor cores; default: all.")] = None,
@@ -72,13 +82,15 @@ def sweep(
     """
     from reports.command_line.commands import sweep
     from reports.command_line.destination import Destination
+    from reports.command_line.trust_choice import TrustChoice
 
     choice = sweep.SweepChoice(
         mechanism=mechanism, variant=variant, **speed_words(speed), clockwise=clockwise, from_angle=from_angle,
         to_angle=to_angle, gravity=not no_gravity, angles=angles, refine=refine, vary=tuple(vary or ()), table=table,
         quantities=tuple(quantity or ()), csv=csv, json=json, svg=svg, jobs=jobs,
+        trial=TrustChoice(tuple(dict.fromkeys(simulate or ())), designs, seed),
     )  # fmt: skip
-    sweep.run(choice, Destination(json, out, resume, quiet))
+    raise typer.Exit(sweep.run(choice, Destination(json, out, resume, quiet)))
 
 
 @app.command(short_help="The best lengths of a linkage: least peak torque at the same stroke, say.")

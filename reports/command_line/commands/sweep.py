@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import tempfile
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from contextlib import ExitStack
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import reduce
 from pathlib import Path
 from typing import Final
@@ -13,6 +13,7 @@ from typing import Final
 from analytic.description.linkage import Linkage
 from analytic.description.loading import load
 from analytic.errors import LinkproofError
+from analytic.kinematics.mechanism import Mechanism
 from comparisons.designs.named_figures import named_figures
 from comparisons.designs.saved_sweep import SavedSweep
 from comparisons.designs.space import Grid, Space, steps
@@ -23,8 +24,9 @@ from comparisons.runs.files import write_file, write_text
 from comparisons.runs.journal import Journal
 from reports.command_line.destination import STDOUT, Destination, check_files, write_out
 from reports.command_line.interruption import interruptible, journal
-from reports.command_line.requests import command_line
+from reports.command_line.requests import RunLimits, command_line
 from reports.command_line.steady_choice import SteadyChoice, steady_case
+from reports.command_line.trust_choice import NOTHING, TrustChoice, Trusted
 from reports.designs.sweep_table import csv_rows
 from reports.designs.sweep_terminal import SweepSummary
 from reports.document.terminal import Printout
@@ -43,6 +45,7 @@ class SweepChoice(SteadyChoice):
     json: str | None = None
     svg: str | None = None
     jobs: int | None = None
+    trial: TrustChoice = field(default_factory=TrustChoice)
 
     @property
     def files(self) -> dict[str, str]:
@@ -53,13 +56,22 @@ class SweepChoice(SteadyChoice):
     @property
     def command(self) -> str:
         """The command that asks for the same figures."""
+        return self._written({})
+
+    @property
+    def trial_command(self) -> str:
+        """The command that tries engines on the same designs."""
+        return self._written(self.trial.words)
+
+    def _written(self, more: Mapping[str, Sequence[str]]) -> str:
         table = [] if self.table is None else [str(self.table)]
-        options = {"vary": self.vary, "table": table, "quantity": self.quantities, **self.words}
+        options = {"vary": self.vary, "table": table, "quantity": self.quantities, **self.words, **more}
         return command_line("sweep", [self.mechanism], options, self.flags)
 
     def check(self) -> None:
         """Raise LinkproofError for what cannot be, before anything is worked out."""
         super().check()
+        self.trial.check()
         if bool(self.vary) == (self.table is not None):
             got = "both" if self.vary else "neither"
             raise LinkproofError(f"expected designs by --vary NAME=FIRST:LAST:COUNT or by --table FILE, got {got}: "
@@ -70,8 +82,8 @@ class SweepChoice(SteadyChoice):
         check_files(self.files, read if self.table is None else {**read, "the table": self.table})
 
 
-def run(choice: SweepChoice, destination: Destination) -> None:
-    """Work a space through, print its summary and write the files asked for."""
+def run(choice: SweepChoice, destination: Destination) -> int:
+    """Work a space through, print its summary and write the files asked for; returns the exit code."""
     destination.check(FILE)
     choice.check()
     request, conditions = sweep_request(load(choice.mechanism, choice.variant), choice)
@@ -88,11 +100,35 @@ def run(choice: SweepChoice, destination: Destination) -> None:
         found = SweepSummary(request, own, _worked(choice, destination, request, saved), conditions)
         if saved is not None:
             _write_data(choice, saved.file, found.own_parameters)
+        try:
+            trusted = _simulated(choice, destination, request)
+        except LinkproofError:  # the figures are there all the same
+            if saved is not None:
+                saved.finish()
+            raise
+        if saved is not None:
             saved.finish()
     destination.write_json(found.document)
     if STDOUT not in choice.files.values():
         wrote = [] if destination.folder is None else [f"wrote {destination.folder / FILE}"]
-        destination.print_out(Printout([*found.parts, ""], [found.sentence, *wrote] if destination.quiet else wrote))
+        closing = [found.sentence, *wrote] if destination.quiet else wrote
+        destination.print_out(
+            Printout([*found.parts, "", *trusted.printout.tables], [*trusted.printout.closing, *closing])
+        )
+    return trusted.exit_code
+
+
+def _simulated(choice: SweepChoice, destination: Destination, request: SweepRequest) -> Trusted:
+    """A sample of the designs in the engines that are named; nothing where none is."""
+    if not choice.trial.engines:
+        return NOTHING
+    from reports.command_line.commands.trust import simulate  # noqa: PLC0415 - engines cost time that figures do not
+
+    limits = RunLimits(jobs=choice.jobs)
+    return simulate(
+        Mechanism(request.linkage), request.space, choice.trial, choice,
+        command=choice.trial_command, destination=destination, limits=limits,
+    )  # fmt: skip
 
 
 def sweep_request(linkage: Linkage, choice: SweepChoice) -> tuple[SweepRequest, str]:
