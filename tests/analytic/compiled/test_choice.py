@@ -131,6 +131,7 @@ def test_a_change_of_any_formula_or_kernel_counts(tmp_path):
     assert jit.checksum(choice.sources()) == jit.SOURCES
     names = {path.relative_to(ROOT / "analytic").as_posix() for path in choice.sources()}
     assert {"kinematics/dyads/rrr.py", "kinematics/frames.py", "dynamics/link_sums.py"} <= names
+    assert {"kinematics/transmission.py", "dynamics/force_formulas.py", "compiled/kernels/statics.py"} <= names
     copies = [Path(shutil.copy(path, tmp_path / f"{at}.py")) for at, path in enumerate(choice.sources())]
     for path in copies:
         before = jit.checksum(copies)

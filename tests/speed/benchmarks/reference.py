@@ -64,3 +64,30 @@ class Designs:
 
     def time_inertia(self):
         return self.evaluate(self.mechanism, self.rods, self.angle, ("Jeq",), cores=1, path="compiled")
+
+
+class DesignFigures:
+    """Peaks of 2000 six-bars of other rods over 72 crank angles, compiled, one core."""
+
+    timeout = 300.0
+    params = ("Mkr", "joint_force:A:magnitude")
+    param_names = ("signal",)
+
+    def setup(self, signal):
+        loading, mechanism = (
+            lacking.module("analytic.description.loading"),
+            lacking.module("analytic.kinematics.mechanism"),
+        )
+        lacking.module("numba")
+        figures = lacking.module("analytic.designs.figures")
+        self.figures = lacking.module("analytic.designs.results").design_figures
+        self.mechanism = mechanism.Mechanism(loading.load("rimoldi-164"))
+        self.rods = {"rod.B.x": np.linspace(0.174, 0.176, 2 * DESIGNS)}
+        self.angle = np.arange(72) * (2.0 * np.pi / 72)
+        self.asked = {one: [figures.Figure(one, figures.Reduction.PEAK)] for one in self.params}
+        self.time_peak(signal)
+
+    def time_peak(self, signal):
+        return self.figures(
+            self.mechanism, self.rods, self.asked[signal], self.angle, speed=100.0, cores=1, path="compiled"
+        )
