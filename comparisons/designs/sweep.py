@@ -32,6 +32,7 @@ Array = NDArray[np.float64]
 
 USUAL: Final = ("Mkr.peak", "joint_force.peak", "transmission_angle.peak")
 PLACES: Final = 8_000_000  # designs times crank angles of a block: half a second of a core, or so
+LARGEST: Final = 200_000  # designs of a block, of which a few arrays are held
 REFINED: Final = 10  # what a figure costs that is refined, in figures that are not
 BOUNDS: Final = Bounds(seconds=math.inf)
 NONE: Final = -1  # the number of no design
@@ -91,7 +92,7 @@ class SweepRequest:
     def blocks(self) -> Blocks:
         """The pieces in which the space is worked through, the same wherever they are."""
         cost = len(self.motion.places) * (REFINED if self.refine else 1)
-        return Blocks(self.space.count, self.space.slab, max(1, PLACES // cost))
+        return Blocks(self.space.count, self.space.slab, min(max(1, PLACES // cost), LARGEST))
 
 
 @dataclass(frozen=True)

@@ -39,6 +39,7 @@ class TableFile(Space):
     blocks: tuple[tuple[int, int], ...]
     extent: Array
     digest: str = field(default="", compare=False)
+    _last: dict[tuple[int, int], Array] = field(default_factory=dict, compare=False, repr=False)  # what was read last
 
     @property
     def parameters(self) -> tuple[Parameter, ...]:
@@ -66,6 +67,12 @@ class TableFile(Space):
 
     def shown(self, first: int, last: int) -> Array:
         """Values of a range of designs, (parameters, designs)."""
+        if (first, last) not in self._last:
+            self._last.clear()
+            self._last[first, last] = self._read(first, last)
+        return self._last[first, last]
+
+    def _read(self, first: int, last: int) -> Array:
         start, place = self.blocks[bisect_right(self.blocks, first, key=lambda block: block[0]) - 1]
         found = []
         with self.path.open("rb") as file:

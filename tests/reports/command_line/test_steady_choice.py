@@ -1,0 +1,51 @@
+"""The motion of many designs is that of ``results``: a turn, a range, or from one angle to another, at one speed."""
+
+import math
+
+import numpy as np
+import pytest
+
+from analytic.description.loading import load
+from analytic.errors import LinkproofError
+from reports.command_line.steady_choice import SteadyChoice, steady_case
+from tests.analytic.drives import path_of
+
+
+def steady(name="rimoldi-164", **options):
+    return steady_case(load(name), SteadyChoice(mechanism=name, **options))
+
+
+def test_a_crank_that_turns_is_looked_at_over_a_turn_whichever_way_it_goes():
+    for options, sign in (({}, 1.0), ({"clockwise": True}, -1.0), ({"speed": -1000.0, "gives_speed": True}, -1.0)):
+        found = steady(angles=90, **options)
+        np.testing.assert_allclose(found.motion.places, np.radians(np.arange(0.0, 360.0, 4.0)), atol=1e-14)
+        assert found.motion.is_full_turn
+        assert found.motion.speed == pytest.approx(sign * 1000.0 * math.pi / 30.0)
+        assert found.conditions.endswith("gravity on, sampled at 90 crank angles")
+
+
+def test_the_ends_of_a_swing_are_looked_at():
+    found = steady(from_angle=40.0, to_angle=10.0, gravity=False, refine=True)
+    np.testing.assert_allclose(np.degrees(found.motion.places[[0, -1]]), [10.0, 40.0])
+    assert not found.motion.is_full_turn
+    assert found.motion.speed < 0.0
+    assert found.conditions.endswith("gravity off, refined between 180 crank angles")
+    assert not any(found.mechanism.linkage.gravity)
+
+
+def test_a_drive_along_a_line_goes_over_its_range_in_a_second():
+    found = steady(path_of("linear-motor"))
+    assert found.motion.speed == pytest.approx(found.motion.places[-1] - found.motion.places[0])
+    assert "sampled at 180 places" in found.conditions
+
+
+def test_the_command_that_asks_for_the_same_names_what_is_not_usual():
+    choice = SteadyChoice(mechanism="rimoldi-164", angles=90, refine=True, gravity=False)
+    assert choice.words["angles"] == ["90"]
+    assert choice.flags == {"clockwise": False, "no-gravity": True, "refine": True}
+    assert SteadyChoice(mechanism="rimoldi-164").words["angles"] == []
+
+
+def test_too_few_angles_are_told():
+    with pytest.raises(LinkproofError, match="--angles: expected 8"):
+        steady(angles=2)
