@@ -81,8 +81,8 @@ def sweep(
     the true ones with --refine. A design that does not assemble at one of the angles has no figures.
     """
     from reports.command_line.commands import sweep
+    from reports.command_line.commands.trust_choice import TrustChoice
     from reports.command_line.destination import Destination
-    from reports.command_line.trust_choice import TrustChoice
 
     choice = sweep.SweepChoice(
         mechanism=mechanism, variant=variant, **speed_words(speed), clockwise=clockwise, from_angle=from_angle,

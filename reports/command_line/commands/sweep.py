@@ -22,11 +22,11 @@ from comparisons.designs.sweep_file import FILE, SweepFile, saved_sweep
 from comparisons.designs.table import TableFile, table_file
 from comparisons.runs.files import write_file, write_text
 from comparisons.runs.journal import Journal
+from reports.command_line.commands.trust_choice import NOTHING, TrustChoice, Trusted
 from reports.command_line.destination import STDOUT, Destination, check_files, write_out
 from reports.command_line.interruption import interruptible, journal
 from reports.command_line.requests import RunLimits, command_line
 from reports.command_line.steady_choice import SteadyChoice, steady_case
-from reports.command_line.trust_choice import NOTHING, TrustChoice, Trusted
 from reports.designs.sweep_table import csv_rows
 from reports.designs.sweep_terminal import SweepSummary
 from reports.document.terminal import Printout

@@ -21,12 +21,12 @@ from comparisons.runs.workers import LocalPool
 from reports.command_line import PASSED, SUITE_ERROR
 from reports.command_line.commands.compare import campaign_document, save_campaign
 from reports.command_line.commands.results import chosen_case
+from reports.command_line.commands.trust_choice import TrustChoice, Trusted
 from reports.command_line.destination import Destination
 from reports.command_line.interruption import interruptible, journal
 from reports.command_line.linear_drive import prescribed
 from reports.command_line.motion_choice import MotionChoice
 from reports.command_line.requests import RunLimits, named
-from reports.command_line.trust_choice import TrustChoice, Trusted
 from reports.designs.trust_terminal import printout
 
 FOLDER: Final = "simulated"  # below the folder of the sweep, as are the designs' files

@@ -14,9 +14,9 @@ from comparisons.folders.verification import verify
 from engines.registry import engine, why_unavailable
 from reports.command_line.commands import trust
 from reports.command_line.commands.sweep import SweepChoice, run
+from reports.command_line.commands.trust_choice import TrustChoice
 from reports.command_line.designs_app import app
 from reports.command_line.destination import Destination
-from reports.command_line.trust_choice import TrustChoice
 from tests.comparisons.faults import announce
 
 QUICK = {"speed": 120.0, "gives_speed": True, "jobs": 1, "quantities": ("Mkr.peak",)}
