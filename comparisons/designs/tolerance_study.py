@@ -20,7 +20,9 @@ from analytic.description.changes import numbers
 from analytic.description.crank_motion import RPM
 from analytic.description.linkage import Linkage
 from analytic.designs.derivatives import figure_gradients, is_exact
+from analytic.designs.figures import Figure, Reduction
 from analytic.designs.results import design_figures
+from analytic.designs.sampling import middle
 from analytic.errors import LinkproofError
 from analytic.kinematics.mechanism import Mechanism
 from comparisons.datasheet.units import FileUnit, file_unit
@@ -131,7 +133,7 @@ class ToleranceRequest:
 
 @dataclass(frozen=True)
 class ToleranceStudy:
-    """What came of it, SI; nan is what designs that do not assemble have.
+    """What came of it, SI; nan is what designs that do not assemble have. Peaks have the sign of the nominal one.
 
     ``changes`` (results, tolerances, 2) are those at the lower and the upper limit of each tolerance alone, all else
     nominal. ``corners`` (results, 2) are the least and the largest result where every number is at a limit; of more
@@ -269,6 +271,7 @@ def tolerance_study(request: ToleranceRequest, announce: Announce = lambda *_: N
     draw = np.random.default_rng(request.seed)
     random = np.stack([one.plus_minus * one.distribution.drawn(draw, request.samples) for one in request.tolerances])
     found = request.results(np.concatenate([alone, corners, random], axis=1), announce)
+    found = np.stack([_on_one_side(one.figure, row) for one, row in zip(request.figures, found, strict=True)])
     first, last = alone.shape[1], alone.shape[1] + corners.shape[1]
     nominal, changes = found[:, 0], found[:, 1:first] - found[:, :1]
     scattered = found[:, last:]
@@ -286,6 +289,14 @@ def tolerance_study(request: ToleranceRequest, announce: Announce = lambda *_: N
         _ends(found[:, first:last]),
         scattered,
     )
+
+
+def _on_one_side(figure: Figure, values: Array) -> Array:
+    """A peak of designs on the side of the first, the nominal: its size counts, whichever of two tops is larger."""
+    if figure.reduction is not Reduction.PEAK:
+        return values
+    level = middle(figure.signal)
+    return np.asarray(level + np.copysign(values - level, values[0] - level))
 
 
 def _corners(derivatives: Array) -> Array:

@@ -118,3 +118,5 @@ def test_tops_that_tie_have_the_larger_change_for_a_contribution():
     found = tolerance_study(ToleranceRequest(sample, asked, figures, motion, 4))
     assert np.isnan(found.derivatives[0]).tolist() == [True, False]
     assert np.all(found.contributions > 0.0)
+    assert np.all(found.contributions < 1e-2 * np.abs(found.nominal))  # not from one stroke's peak to the other's
+    assert np.all(found.deviation < 1e-2 * np.abs(found.nominal))
