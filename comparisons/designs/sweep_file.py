@@ -21,7 +21,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from analytic.errors import LinkproofError
-from comparisons.designs.space import Grid
+from comparisons.designs.space import ONE_BY_ONE, Grid
 from comparisons.designs.sweep import SweepRequest
 
 if TYPE_CHECKING:
@@ -29,6 +29,7 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 
+COORDINATES: Final = "coordinates"
 FILE: Final = "sweep.nc"
 BIG: Final = ">f8"
 SIZE: Final = 8
@@ -167,7 +168,7 @@ class SweepFile:
         for one in lead:
             variables.append(_variable(one.name, (0,), {"units": one.unit.name}, 1, record))
             record += SIZE
-        beside = {} if isinstance(space, Grid) else {"coordinates": " ".join(one.name for one in lead)}
+        beside = {} if isinstance(space, Grid) else {COORDINATES: " ".join(one.name for one in lead)}
         for figure in figures:
             told = {"units": figure.unit.name, **beside}
             variables.append(_variable(figure.name, range(len(space.shape)), told, space.slab, record))
@@ -180,7 +181,15 @@ def saved_sweep(path: Path) -> xarray.Dataset:
     """The dataset of a file, its values read when they are asked for."""
     import xarray  # noqa: PLC0415  half a second that a sweep without a picture does not pay
 
-    return xarray.open_dataset(path, engine="scipy")
+    found = xarray.open_dataset(path, engine="scipy", decode_coords=False)
+    # SciPy takes names for Latin-1; a list's parameters may have blanks in theirs, which part those of coordinates.
+    names = {name: str(name).encode("latin1").decode() for name in (*found.variables, *found.dims)}
+    found = found.rename({name: right for name, right in names.items() if name != right})
+    if ONE_BY_ONE in found.dims:
+        found = found.set_coords([name for name, one in found.data_vars.items() if COORDINATES not in one.attrs])
+        for one in found.data_vars.values():
+            del one.attrs[COORDINATES]
+    return found
 
 
 @contextmanager
