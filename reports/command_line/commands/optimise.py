@@ -115,7 +115,7 @@ def _picture(found: Optimum, conditions: str) -> str:
         unit = file_unit(signals.unit(name.replace(MAGNITUDE, ":x"), linkage), linkage)
         changes[name.removesuffix(MAGNITUDE)] = Change(places, before / unit.size, after / unit.size, unit.name)
     axis = f"travel of the drive, {file_unit('m', linkage).name}" if linkage.is_linear else "crank angle φ, °"
-    return svg(before_after_figure(changes, f"{aim(found)}; {conditions}", axis=axis), page="white")
+    return svg(before_after_figure(changes, aim(found), conditions, axis=axis), page="white")
 
 
 def _simulate(choice: OptimiseChoice, destination: Destination, name: str, text: str, limits: RunLimits | None) -> int:
