@@ -72,6 +72,7 @@ def sweep(
     resume: options.Resume = False,
     quiet: options.Quiet = False,
     jobs: Annotated[int | None, valued("N", "Processor cores; default: all.")] = None,
+    scheduler: options.Scheduler = None,
 ) -> None:
     """Work out figures of many designs of one linkage: a grid of ranges, or a table; needs no engine.
 
@@ -89,6 +90,7 @@ def sweep(
         to_angle=to_angle, gravity=not no_gravity, angles=angles, refine=refine, vary=tuple(vary or ()), table=table,
         quantities=tuple(quantity or ()), csv=csv, json=json, svg=svg, jobs=jobs,
         trial=TrustChoice(tuple(dict.fromkeys(simulate or ())), designs, seed),
+        scheduler=scheduler,
     )  # fmt: skip
     raise typer.Exit(sweep.run(choice, Destination(json, out, resume, quiet)))
 

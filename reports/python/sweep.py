@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
-from typing import Any, Unpack
+from typing import TYPE_CHECKING, Any, Unpack
 
 import numpy as np
 import xarray
@@ -20,9 +20,13 @@ from comparisons.designs.space import ONE_BY_ONE, Grid, Listed, Space, Values
 from comparisons.designs.steady_motion import SAMPLES
 from comparisons.designs.sweep import SweepRequest, own_figures, sweep_block, usual_figures
 from comparisons.designs.sweep import sweep as sweep_space
+from comparisons.runs.cluster.connecting import opened
 from reports.command_line.commands.sweep import described
 from reports.command_line.steady_choice import SteadyChoice, steady_case
 from reports.python.options import MotionOptions, Words, choice, chosen_linkage, words
+
+if TYPE_CHECKING:
+    from distributed import Client
 
 Array = NDArray[np.float64]
 
@@ -36,6 +40,7 @@ def sweep(
     angles: int = SAMPLES,
     refine: bool = False,
     cores: int | None = None,
+    scheduler: str | Client | None = None,
     **options: Unpack[MotionOptions],
 ) -> xarray.Dataset:
     """Figures of many designs of a linkage, as ``linkproof sweep`` has them: a variable each, nan where none assembles.
@@ -45,9 +50,10 @@ def sweep(
     ``design``. Values go in and figures come out in the units of the linkage's file, as on the command line;
     ``evaluate`` takes its ``designs`` in SI. ``figures`` are named as ``--quantity`` has them, "Mkr.peak" say.
 
-    Where values are Dask arrays, so are the figures, worked out chunk by chunk when they are asked for. Extremes are
-    those of the sampled crank ``angles``, with ``refine`` the true ones. Raises LinkproofError for what cannot be, but
-    where no design assembles all is nan.
+    Where values are Dask arrays, so are the figures, worked out chunk by chunk when they are asked for. Where a
+    ``scheduler`` of Dask is named, its address, "local:N" or a client, its workers make figures of other values.
+    Extremes are those of the sampled crank ``angles``, with ``refine`` the true ones. Raises LinkproofError for what
+    cannot be, but where no design assembles all is nan.
     """
     asked = SteadyChoice(
         mechanism=str(linkage), gravity=options.get("gravity", True), angles=angles, refine=refine, **choice(options)
@@ -65,7 +71,7 @@ def sweep(
     space = _space(parts, [np.zeros(1)] * len(parts) if is_lazy else [*values.values()], is_table=vary is None)
     request = SweepRequest(mechanism.linkage, space, named, motion, refine, cores)
     own_figures(request)  # complains of what no design can have
-    found = _lazy(request, [*values.values()]) if is_lazy else _found(request.on_one_path())
+    found = _lazy(request, [*values.values()]) if is_lazy else _found(request.on_one_path(), scheduler)
     return _labelled(request, values, found, described(request, conditions, ""))
 
 
@@ -90,14 +96,15 @@ def _space(parts: tuple[Parameter, ...], values: Sequence[Array], *, is_table: b
     return Listed(parts, np.stack(values))
 
 
-def _found(request: SweepRequest) -> Array:
-    """Figures of all designs, (figures, *shape)."""
+def _found(request: SweepRequest, scheduler: object) -> Array:
+    """Figures of all designs, (figures, *shape), worked out here or on the workers of a scheduler."""
     found = np.empty((len(request.figures), request.space.count))
 
     def keep(_: int, first: int, block: Array, __: object) -> None:
         found[:, first : first + block.shape[1]] = block
 
-    sweep_space(request, keep=keep)
+    with opened(scheduler, None) as pool:
+        sweep_space(request if pool is None else replace(request, cores=1), keep=keep, pool=pool)
     return found.reshape(-1, *request.space.shape)
 
 

@@ -7,7 +7,7 @@ import re
 import warnings
 from collections.abc import Iterator
 from contextlib import ExitStack, contextmanager
-from typing import Any, Final
+from typing import Any, Final, TypeVar
 
 from analytic.errors import LinkproofError
 from comparisons.runs.cluster.local import local_cluster
@@ -16,6 +16,8 @@ from comparisons.runs.workers import Pool
 
 ADDRESS: Final = re.compile(r"(?:tcp|tls)://(?:[\w.-]+|\[[0-9a-fA-F:.]+\]):(\d{1,5})", re.ASCII)
 LOCAL: Final = re.compile(r"local:([1-9]\d{0,3})", re.ASCII)
+P = TypeVar("P", bound=Pool | None)
+
 PATIENCE: Final = 5.0  # s that a scheduler is given to answer
 
 
@@ -37,7 +39,7 @@ def check_scheduler(scheduler: object) -> None:
 
 
 @contextmanager
-def opened(scheduler: object, otherwise: Pool, *, alone: bool = False) -> Iterator[Pool]:
+def opened(scheduler: object, otherwise: P, *, alone: bool = False) -> Iterator[Pool | P]:
     """The workers of a scheduler, words or a client, as a pool; ``otherwise`` where there is none.
 
     ``alone`` is as in ``ClusterPool``. Raises LinkproofError where no job can be run there.

@@ -5,7 +5,7 @@ from __future__ import annotations
 import tempfile
 from collections.abc import Mapping, Sequence
 from contextlib import ExitStack
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import reduce
 from pathlib import Path
 from typing import Final
@@ -20,8 +20,10 @@ from comparisons.designs.space import Grid, Space, steps
 from comparisons.designs.sweep import Summary, SweepRequest, own_figures, sweep, usual_figures, why_not
 from comparisons.designs.sweep_file import FILE, SweepFile, saved_sweep
 from comparisons.designs.table import TableFile, table_file
+from comparisons.runs.cluster.connecting import opened
 from comparisons.runs.files import write_file, write_text
 from comparisons.runs.journal import Journal
+from comparisons.runs.workers import Pool
 from reports.command_line.commands.trust_choice import NOTHING, TrustChoice, Trusted
 from reports.command_line.destination import STDOUT, Destination, check_files, write_out
 from reports.command_line.interruption import interruptible, journal
@@ -46,6 +48,7 @@ class SweepChoice(SteadyChoice):
     svg: str | None = None
     jobs: int | None = None
     trial: TrustChoice = field(default_factory=TrustChoice)
+    scheduler: str | None = None
 
     @property
     def files(self) -> dict[str, str]:
@@ -78,6 +81,7 @@ class SweepChoice(SteadyChoice):
                                  "give one of the two")  # fmt: skip
         if self.jobs is not None and self.jobs < 1:
             raise LinkproofError(f"--jobs: expected 1 or more cores, got {self.jobs}; correct it")
+        RunLimits(jobs=self.jobs, scheduler=self.scheduler).check()
         read = {"the linkage's file": Path(self.mechanism)}
         check_files(self.files, read if self.table is None else {**read, "the table": self.table})
 
@@ -124,7 +128,7 @@ def _simulated(choice: SweepChoice, destination: Destination, request: SweepRequ
         return NOTHING
     from reports.command_line.commands.trust import simulate  # noqa: PLC0415 - engines cost time that figures do not
 
-    limits = RunLimits(jobs=choice.jobs)
+    limits = RunLimits(jobs=choice.jobs, scheduler=choice.scheduler)
     return simulate(
         Mechanism(request.linkage), request.space, choice.trial, choice,
         command=choice.trial_command, destination=destination, limits=limits,
@@ -161,7 +165,14 @@ def described(request: SweepRequest, conditions: str, command: str) -> dict[str,
 
 
 def _worked(choice: SweepChoice, destination: Destination, request: SweepRequest, saved: SavedSweep | None) -> Summary:
-    """Work the space through, or what is left of it."""
+    """Work the space through, or what is left of it, here or on the workers of a scheduler."""
+    with opened(choice.scheduler, None) as pool:
+        return _worked_in(pool, choice, destination, request, saved)
+
+
+def _worked_in(
+    pool: Pool | None, choice: SweepChoice, destination: Destination, request: SweepRequest, saved: SavedSweep | None
+) -> Summary:
     done: dict[int, Summary] = {}
     if saved is not None:
         saved.check(choice.command)
@@ -172,7 +183,8 @@ def _worked(choice: SweepChoice, destination: Destination, request: SweepRequest
         heard = counting(announce)
         try:
             found = sweep(
-                request,
+                request if pool is None else replace(request, cores=1),
+                pool=pool,
                 keep=saved.keep if saved else lambda *_: None,
                 done=done.keys(),
                 begun=begun,

@@ -17,7 +17,6 @@ from comparisons.designs.trust import trust
 from comparisons.judging.records import Verdict, to_json
 from comparisons.judging.verdicts import shipped_standard
 from comparisons.runs.files import write_text
-from comparisons.runs.workers import LocalPool
 from reports.command_line import PASSED, SUITE_ERROR
 from reports.command_line.commands.compare import campaign_document, save_campaign
 from reports.command_line.commands.results import chosen_case
@@ -56,15 +55,16 @@ def simulate(
     wanted = CampaignRequest(linkages, motions, conditions, named(choice.engines))
     below = replace(destination, folder=folder and folder / FOLDER, json=None, junit=None)
     kept = None
-    if below.folder:
-        kept = journal(below.folder, command, wanted.engines, linkages, resume=destination.resume)
-    with interruptible(folder) as counting:
+    with limits.pool() as pool, interruptible(folder) as counting:
+        if below.folder:
+            kept = journal(below.folder, command, wanted.engines, linkages, resume=destination.resume)
         with destination.progress() as announce, destination.own_stdout():
-            pool = LocalPool(limits.processes)
             found = list(compare(wanted, counting(announce), bounds=limits.bounds, pool=pool, journal=kept))
         judged = judged_campaign(cases(wanted), found, shipped_standard())
         if below.folder:
-            save_campaign(below, wanted, judged, campaign_document(wanted, judged, command), limits)
+            told = campaign_document(wanted, judged, command)
+            told["environment"] |= pool.place
+            save_campaign(below, wanted, judged, told, limits)
         result = trust(drawn, judged.records, choice.seed)
         if folder:
             from reports.designs.trust_picture import trust_svg  # noqa: PLC0415 - figures cost a second

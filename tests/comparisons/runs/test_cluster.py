@@ -9,8 +9,10 @@ from dataclasses import replace
 from itertools import pairwise
 from pathlib import Path
 
+import numpy as np
 import pytest
 
+import linkproof
 from analytic.errors import LinkproofError
 from comparisons.runs.cluster import pool as pools
 from comparisons.runs.cluster import station
@@ -100,6 +102,16 @@ def test_a_client_may_be_handed_in_and_is_left_open(pool):
     with opened(pool.client, EVERY_CORE) as other:
         assert dict(other.run(job, [("fine", 3)])) == {0: 3}
     assert pool.client.status == "running"
+
+
+def test_functions_of_python_take_a_client(pool):
+    vary = {"rod.B.x": np.linspace(170.0, 180.0, 5)}
+    here, there = (linkproof.sweep("rimoldi-164", vary, "Mkr.peak", scheduler=one) for one in (None, pool.client))
+    assert here.identical(there)
+    asked = {"engine": "direct", "quantity": "Jeq"}
+    here, there = (linkproof.compare("juki-mf7923d", **asked, scheduler=one).records for one in (None, pool.client))
+    assert {record.host for record in there} == {pool.place["hosts"]}
+    assert [record.error_max for record in there] == [record.error_max for record in here]
 
 
 def test_workers_that_lack_anything_are_refused(pool, monkeypatch):
