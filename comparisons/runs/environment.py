@@ -7,6 +7,7 @@ import hashlib
 import os
 import platform
 import subprocess
+from collections.abc import Iterable
 from functools import cache
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
@@ -19,10 +20,14 @@ PACKAGES = ("linkproof", "numpy", "scipy")
 INCIDENTAL = ("date", "machine")
 
 
-def environment() -> dict[str, str]:
-    """Name and value of everything that decides a figure or a time, ready for JSON."""
+def environment(engines: Iterable[str] | None = None) -> dict[str, str]:
+    """Name and value of everything that decides a figure or a time, ready for JSON; of all engines, or of these."""
     facts = {name: _version(name) for name in PACKAGES}
-    facts |= {name: engine(name).version() or "" for name in engine_names() if name not in facts}
+    facts |= {
+        name: engine(name).version() or ""
+        for name in (engine_names() if engines is None else engines)
+        if name not in facts
+    }
     return {
         "date": datetime.datetime.now(datetime.UTC).strftime("%Y-%m-%d %H:%M UTC"),
         "python": platform.python_version(),

@@ -31,7 +31,7 @@ def journal(
     The same are the command, the linkage files, other ``files`` by name with a digest of each, and the versions of
     everything that computes.
     """
-    facts = {name: value for name, value in environment().items() if name not in INCIDENTAL}
+    facts = {name: value for name, value in environment(()).items() if name not in INCIDENTAL}
     facts |= {f"engine {name}": engine(name).version() or "not installed" for name in engines}
     facts |= {f"file of {k.name}": hashlib.sha256(k.text.encode()).hexdigest()[:16] for k in linkages}
     facts |= {f"file {name}": digest[:16] for name, digest in files.items()}
