@@ -123,7 +123,7 @@ def _simulate(choice: OptimiseChoice, destination: Destination, name: str, text:
     from reports.command_line.commands.compare import compare  # noqa: PLC0415 - what no other call pays for
     from reports.command_line.requests import CampaignChoice  # noqa: PLC0415
 
-    with tempfile.TemporaryDirectory() as folder:
+    with tempfile.TemporaryDirectory() as folder, destination.own_stdout():
         path = (destination.folder or Path(folder)) / name
         if destination.folder is None:
             write_text(path, text)

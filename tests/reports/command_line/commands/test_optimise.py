@@ -51,10 +51,11 @@ def test_bounds_and_values_out_of_them_are_said():
 
 
 def test_an_engine_says_what_it_thinks_of_the_new_design():
-    done = run(*PEAK, *ROD, "--simulate", "direct")
+    done = run(*PEAK, *ROD, "--simulate", "direct", "--json", "-")
     assert done.exit_code == 0, done.output
-    assert "rimoldi-164-optimised" in done.output
-    assert "passed" in done.output
+    assert "rimoldi-164-optimised" in done.stderr
+    assert "passed" in done.stderr
+    assert json.loads(done.stdout)["command"].endswith("--simulate direct")
 
 
 @pytest.mark.parametrize(
