@@ -25,7 +25,7 @@ from analytic.signals import formulas
 Array = NDArray[np.float64]
 
 CHUNK: Final = 2048  # designs a thread takes at a time: their tops are refined together
-FEWEST: Final = 3  # crank angles, so that a top has neighbours
+FEWEST: Final = 3  # crank angles, so that a top has neighbours, where it is refined
 EVEN: Final = 1e-9  # of a step
 # s per design and crank angle on one core, measured on the six-bar.
 PLAIN, WITH_FORCES = 1.0e-7, 2.3e-7
@@ -61,10 +61,12 @@ def design_figures(
     ``analytic.designs.values.evaluate_designs`` does.
     """
     places = np.asarray(angle, dtype=float)
-    if places.ndim != 1 or len(places) < FEWEST or not np.all(np.diff(places) > 0.0) or not np.all(np.isfinite(places)):
+    least = FEWEST if refine else 1
+    is_list = places.ndim == 1 and len(places) >= least
+    if not (is_list and np.all(np.diff(places) > 0.0) and np.all(np.isfinite(places))):
         raise LinkproofError(
-            f"angle: expected a flat list of {FEWEST} or more finite crank angles in rad, ascending, got "
-            f"{f'shape {places.shape}' if places.ndim != 1 or len(places) < FEWEST else 'others'}; pass such a list"
+            f"angle: expected a flat list of {least} or more finite crank angles in rad, ascending, got "
+            f"{'others' if is_list else f'shape {places.shape}'}; pass such a list"
         )
     arrays = checked(mechanism.linkage, parameters)
     count = len(next(iter(arrays.values())))

@@ -2,18 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any, Final, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from analytic.designs.batches import BLOCK, Integers, Sweeps, faults_of
+from analytic.description.law import FULL_TURN
+from analytic.designs.batches import BLOCK, Booleans, Integers, Sweeps, faults_of
 from analytic.designs.figures import Figure, Reduction
 from analytic.designs.tops import Tops, summits, tops
 from analytic.evaluation import MovingSweep
 from analytic.kinematics.mechanism import Mechanism
+from analytic.kinematics.transmission import transmission_sine
 from analytic.signals import signal
 
 Array = NDArray[np.float64]
@@ -21,13 +23,15 @@ Extreme = tuple[str, Reduction]  # a signal and MAX, MIN or PEAK
 
 MAGNITUDE: Final = ":magnitude"
 OUTPUT: Final = "output"  # the output's coordinate; no signal, for what is seen of it is S
-FULL_TURN: Final = 2.0 * np.pi
 EXTREMES: Final = {
     Reduction.PEAK: (Reduction.PEAK,),
     Reduction.MAX: (Reduction.MAX,),
     Reduction.MIN: (Reduction.MIN,),
     Reduction.RANGE: (Reduction.MAX, Reduction.MIN),
 }
+# Between two crank angles the sine of a transmission angle changes by no more than this share of itself, or the step is
+# divided in PARTS, LEVELS times at most: forces go as its inverse.
+CHANGE, PARTS, LEVELS = 0.2, 8, 5
 
 
 @dataclass(frozen=True)
@@ -57,6 +61,9 @@ class _Marked(NamedTuple):
     signs: Array
 
 
+Found = dict[Extreme, list[_Marked]]
+
+
 class _Chunk:
     """Designs whose tops are looked for together; their samples are forgotten block by block."""
 
@@ -65,6 +72,7 @@ class _Chunk:
         self.faulty = np.zeros(len(rows), dtype=bool)
         self.farthest = np.zeros(len(rows))
         self.refined = EXTREMES if asked.refine else {}
+        self.known: dict[Extreme, Array] = {}  # the highest samples
 
     def all(self, figures: Sequence[Figure]) -> Array:
         """The figures, (figures, rows)."""
@@ -77,19 +85,22 @@ class _Chunk:
     def _figures(self, figures: Sequence[Figure]) -> Array:
         result = np.full((len(figures), len(self.rows)), np.nan)
         extremes = [(one.signal, sense) for one in figures for sense in self.refined.get(one.reduction, ())]
-        found: dict[Extreme, list[_Marked]] = {extreme: [] for extreme in extremes}
+        found: Found = {extreme: [] for extreme in extremes}
         places = self.asked.places
         size = max(1, BLOCK // len(places))
         for start in range(0, len(self.rows), size):
             here = np.arange(start, min(start + size, len(self.rows)))
-            sampled = self._sampled(here, dict.fromkeys(one.signal for one in figures))
+            phi = np.broadcast_to(places, (len(here), len(places)))
+            sampled, coarse = self._sampled(here, phi, dict.fromkeys(one.signal for one in figures))
             for row, one in enumerate(figures):
                 if one.reduction is Reduction.AT:
                     result[row, here] = sampled[one.signal][:, np.argmin(np.abs(places - one.angle))]
                 elif one.reduction not in self.refined:
                     result[row, here] = _reduced(one, sampled[one.signal], self.asked.share)
-            for extreme, parts in found.items():
-                parts.append(self._marked(extreme, sampled[extreme[0]], start))
+            if found:
+                grid, sampled = self._closed(sampled, len(here))
+                self._mark(found, sampled, here, grid)
+                self._look_closer(found, here, grid, coarse)
         heights = {extreme: self._highest(extreme, parts) for extreme, parts in found.items()}
         every = np.arange(len(self.rows))
         for row, one in enumerate(figures):
@@ -101,14 +112,52 @@ class _Chunk:
                 result[row] = ends[0] if len(ends) == 1 else ends[0] - ends[1]
         return result
 
-    def _sampled(self, here: Integers, names: Iterable[str]) -> dict[str, Array]:
-        """Signals of some of the designs at the crank angles all are sampled at, (designs, angles)."""
-        places, names = self.asked.places, list(names)
-        at = self._at(here, np.broadcast_to(places, (len(here), len(places))), only_output=names == [OUTPUT])
+    def _sampled(self, here: Integers, phi: Array, names: Iterable[str]) -> tuple[dict[str, Array], Booleans]:
+        """Signals of some of the designs at crank angles, (designs, angles), and where these are too far apart."""
+        names = list(names)
+        at = self._at(here, phi, only_output=names == [OUTPUT])
         if "S" in names and not self.asked.refine:
             self.farthest[here] = np.max(at.sweep.output(), axis=1)
             at = replace(at, farthest=self.farthest[here, None])
-        return {name: curve(at, name) for name in names}
+        looked_at = at.sweep.structure.dyads if self.refined and names != [OUTPUT] else ()
+        coarse = np.zeros((phi.shape[0], phi.shape[1] - 1), dtype=bool)
+        for dyad in looked_at:
+            sine = transmission_sine(at.sweep, dyad)
+            coarse |= np.abs(np.diff(sine, axis=1)) > CHANGE * np.minimum(sine[:, 1:], sine[:, :-1])
+        coarse[:, 1:] |= coarse[:, :-1].copy()
+        coarse[:, :-1] |= coarse[:, 1:].copy()
+        return {name: curve(at, name) for name in names}, coarse
+
+    def _closed(self, sampled: dict[str, Array], count: int) -> tuple[Array, dict[str, Array]]:
+        """Crank angles and signals with the end of the period, where they are as they began."""
+        grid, period = self.asked.places, self.asked.period
+        if period is not None:
+            grid = np.append(grid, grid[0] + period)
+            for name, values in sampled.items():
+                turns = np.round((values[:, -1:] - values[:, :1]) / period) if _is_angle(name) else 0.0
+                sampled[name] = np.concatenate([values, values[:, :1] + period * turns], axis=1)
+        return np.broadcast_to(grid, (count, len(grid))), sampled
+
+    def _look_closer(self, found: Found, here: Integers, phi: Array, coarse: Booleans) -> None:
+        """Sample the steps of crank angles (designs, angles) that are too long, as next to dead positions.
+
+        Not for the angles of links, which know no forces.
+        """
+        found = {extreme: parts for extreme, parts in found.items() if not _is_angle(extreme[0])}
+        names = dict.fromkeys(name for name, _ in found)
+        if coarse.shape[1] < phi.shape[1] - 1:  # the step that ends the period is like those beside it
+            coarse = np.concatenate([coarse, coarse[:, :1] | coarse[:, -1:]], axis=1)
+        for _ in range(LEVELS if names else 0):
+            row, step = np.nonzero(coarse & ~self.faulty[here, None])
+            if not len(row):
+                return
+            low, high = phi[row, step, None], phi[row, step + 1, None]
+            here, phi = here[row], low + (high - low) * np.linspace(0.0, 1.0, PARTS + 1)
+            coarse = np.zeros((len(row), PARTS), dtype=bool)
+            for start in range(0, len(row), BLOCK // PARTS):
+                some = slice(start, start + BLOCK // PARTS)
+                sampled, coarse[some] = self._sampled(here[some], phi[some], names)
+                self._mark(found, sampled, here[some], phi[some])
 
     def _at(self, here: Integers, phi: Array, *, only_output: bool = False) -> MovingSweep:
         """Some of the designs at crank angles, (designs, angles), with all groups solved; faults are noted."""
@@ -134,18 +183,18 @@ class _Chunk:
             values += FULL_TURN * np.round((near[:, None] - values) / FULL_TURN)
         return values
 
-    def _marked(self, extreme: Extreme, values: Array, start: int) -> _Marked:
-        """The sampled tops of some designs, of which ``start`` is the first; a period ends where it began."""
-        grid, period = self.asked.places, self.asked.period
-        if period is not None:
-            grid = np.append(grid, grid[0] + period)
-            turns = np.round((values[:, -1:] - values[:, :1]) / period) if _is_angle(extreme[0]) else 0.0
-            values = np.concatenate([values, values[:, :1] + period * turns], axis=1)
-        signs = _signs(extreme, values)
-        found = tops(signs * (values - middle(extreme[0])))
-        own = signs[found.curve, found.best]
-        heights = own[:, None] * (values[found.curve[:, None], found.near] - middle(extreme[0]))
-        return _Marked(Tops(found.curve + start, grid[found.near], heights), own)
+    def _mark(self, found: Found, sampled: Mapping[str, Array], here: Integers, phi: Array) -> None:
+        """Enter the sampled tops of some designs that may be higher than what is known of them."""
+        for extreme, parts in found.items():
+            values, level = sampled[extreme[0]], middle(extreme[0])
+            signs = _signs(extreme, values)
+            all_heights = signs * (values - level)
+            known = self.known.setdefault(extreme, np.full(len(self.rows), -np.inf))
+            top = tops(all_heights, known[here])
+            np.maximum.at(known, here, np.max(all_heights, axis=1))
+            own = signs[top.curve, top.best]
+            heights = own[:, None] * (values[top.curve[:, None], top.near] - level)
+            parts.append(_Marked(Tops(here[top.curve], phi[top.curve[:, None], top.near], heights), own))
 
     def _highest(self, extreme: Extreme, parts: Sequence[_Marked]) -> Array:
         """The true extreme of a signal of every design, (designs,)."""

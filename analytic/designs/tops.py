@@ -49,13 +49,13 @@ class Samples(NamedTuple):
     near: Integers
 
 
-def tops(heights: Array) -> Samples:
-    """The sampled tops of curves (k, m), m ≥ 3, that may be highest between the samples."""
+def tops(heights: Array, least: Array | float = -np.inf) -> Samples:
+    """The sampled tops of curves (k, m), m ≥ 3, that may be highest between the samples, and above ``least`` (k,)."""
     walled = np.pad(heights, ((0, 0), (1, 1)), constant_values=-np.inf)
     bend = np.abs(np.diff(heights, 2, axis=1))  # a parabola rises above its samples by an eighth of it at most
     reach = heights + np.concatenate([bend[:, :1], bend, bend[:, -1:]], axis=1)
     is_top = (heights > walled[:, :-2]) & (heights >= walled[:, 2:])
-    is_top &= reach >= np.max(heights, axis=1, keepdims=True)
+    is_top &= reach >= np.maximum(np.max(heights, axis=1), least)[:, None]
     many = np.flatnonzero(np.count_nonzero(is_top, axis=1) > MOST)
     for row in many:  # a curve that is flat but for rounding
         places = np.flatnonzero(is_top[row])

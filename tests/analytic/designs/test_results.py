@@ -33,6 +33,8 @@ from tests.analytic.loaded_linkages import ALL, laden, on_trial
 SAME = 1e-13
 # Of a top that two searches close in on.
 TOP = 1e-12
+# A hair from a dead position the closed form's own roundings are as large.
+AT_TOGGLE = 1e-9
 SPEED = 7.0
 LOADED = [(name, variant, is_laden) for (name, variant), is_laden in ALL]
 # n-four-bar takes 12 s a design, for the series through its change points.
@@ -142,10 +144,11 @@ def test_figures_of_linkages_drawn_at_random(sample, seed):
     compare(mechanism, varied(mechanism, seed, 3, 0.05), TURN)
 
 
-# Its forces turn about in less than two of the samples; its laden springs' ends meet; through change points.
-NOT_SAMPLED = ("near-toggle", "scotch-yoke", "parallelogram")
+# Its laden springs' ends meet at a sample; through change points.
+NOT_SAMPLED = ("scotch-yoke", "parallelogram")
 NUMERICAL = ("boom", "cylinder-in-the-loop", "linear-motor")
 REFINED = [case for case in SAMPLES if case[0] not in (*NOT_SAMPLED, *NUMERICAL) and (case[2] or case[1] is None)][::2]
+REFINED += [("near-toggle", None, False), ("near-toggle", None, True)]
 
 
 @pytest.mark.parametrize("case", REFINED)
@@ -162,7 +165,8 @@ def test_true_peaks_are_those_that_results_prints(case):
     found = design_figures(sample, own, figures, angle, speed=SPEED, refine=True)[:, 0]
     for value, (name, peak) in zip(found, curves.peaks(names).items(), strict=True):
         size = max(abs(peak.value), 0.05)  # what is zero but for rounding has no peak
-        assert abs(value - peak.value) <= TOP * size, name
+        top = AT_TOGGLE if case[0] == "near-toggle" else TOP
+        assert abs(value - peak.value) <= top * size, name
 
 
 @given(sample=four_bars(), seed=st.integers(0, 2**32))
@@ -190,14 +194,14 @@ def test_true_extremes_need_few_samples(sample, seed):
 
 def test_blocks_and_threads_change_nothing(monkeypatch):
     sample = mechanism("rimoldi-164")
-    parameters = varied(sample, 8, 50, 0.02)
+    parameters = varied(sample, 8, 30, 0.02)
     ways = [*REDUCTIONS, Reduction.AT]
-    figures = [Figure(name, ways[row % 7], 0.4) for row, name in enumerate(signals.names(sample))]
-    asked = (sample, parameters, figures, TURN)
-    for refine in (False, True):
+    every = [Figure(name, ways[row % 7], 0.4) for row, name in enumerate(signals.names(sample)[::6])]
+    for refine, figures in ((False, every), (True, every[:4])):
+        asked = (sample, parameters, figures, TURN)
         whole = design_figures(*asked, speed=SPEED, refine=refine, cores=1, path="numpy")
-        assert 0 < np.count_nonzero(np.isnan(whole[0])) < 50
-        for block, chunk in ((24 * 7, 50), (24 * 64, 11)):
+        assert 0 < np.count_nonzero(np.isnan(whole[0])) < 30
+        for block, chunk in ((24 * 21, 30), (24 * 64, 11)):
             monkeypatch.setattr(sampling, "BLOCK", block)
             monkeypatch.setattr(results, "CHUNK", chunk)
             parts = design_figures(*asked, speed=SPEED, refine=refine, cores=3, path="numpy")
@@ -263,7 +267,7 @@ MKR = [Figure("Mkr", Reduction.PEAK)]
         ({"crank.mass": [1.0, -1.0]}, MKR, TURN, "none negative, got -1 in design 1"),
         ({"needle_bar.along.x": [1.0, 0.0], "needle_bar.along.y": [0.0, 0.0]}, MKR, TURN, "in design 1"),
         ({"crank.mass": ONE}, [Figure("Mkt", Reduction.PEAK)], TURN, "signal 'Mkt'"),
-        ({"crank.mass": ONE}, MKR, [0.0, 1.0], r"3 or more finite crank angles in rad, ascending, got shape \(2,\)"),
+        ({"crank.mass": ONE}, MKR, [], r"1 or more finite crank angles in rad, ascending, got shape \(0,\)"),
         ({"crank.mass": ONE}, MKR, [0.0, 2.0, 1.0], "ascending, got others"),
     ],
 )
