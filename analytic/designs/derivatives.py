@@ -24,9 +24,9 @@ from analytic.description.changes import Kind, changed, numbers
 from analytic.description.law import FULL_TURN
 from analytic.description.linkage import Linkage
 from analytic.designs.batches import goes_together, with_numbers
-from analytic.designs.figures import Figure, Reduction
+from analytic.designs.figures import Figure, Reduction, middle
 from analytic.designs.results import design_figures, is_turn
-from analytic.designs.sampling import OUTPUT, curve, middle
+from analytic.designs.sampling import OUTPUT, curve
 from analytic.errors import UnknownNameError
 from analytic.evaluation import MovingSweep
 from analytic.kinematics.decomposition import find_structure
@@ -123,7 +123,8 @@ def figure_gradients(
             value, slopes = tops[0] if len(tops) == 1 else tuple(a - b for a, b in zip(*tops, strict=True))
         else:
             value, slopes = _averaged(one.reduction, *_parts(curve(over, one.signal), len(parameters)), share)
-        values[number], gradients[number] = value, slopes
+        sign = -1.0 if one.is_magnitude and value < 0.0 else 1.0
+        values[number], gradients[number] = sign * value, sign * slopes
     return values, gradients
 
 

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from analytic.description.law import FULL_TURN
 from analytic.designs.batches import BLOCK, Booleans, Integers, Sweeps, faults_of
-from analytic.designs.figures import Figure, Reduction
+from analytic.designs.figures import Figure, Reduction, middle
 from analytic.designs.tops import Tops, summits, tops
 from analytic.evaluation import MovingSweep
 from analytic.kinematics.mechanism import Mechanism
@@ -110,6 +110,8 @@ class _Chunk:
             elif one.reduction in self.refined:
                 ends = [heights[one.signal, sense] for sense in self.refined[one.reduction]]
                 result[row] = ends[0] if len(ends) == 1 else ends[0] - ends[1]
+            if one.is_magnitude:
+                result[row] = np.abs(result[row])
         return result
 
     def _sampled(self, here: Integers, phi: Array, names: Iterable[str]) -> tuple[dict[str, Array], Booleans]:
@@ -223,11 +225,6 @@ def curve(at: MovingSweep, name: str) -> Array:
 
 def _is_angle(name: str) -> bool:
     return name == "phi" or (name.startswith("link:") and name.endswith(":angle"))
-
-
-def middle(name: str) -> float:
-    """What a peak is farthest from."""
-    return 0.5 * np.pi if name.startswith("transmission_angle:") else 0.0
 
 
 def _signs(extreme: Extreme, values: Array) -> Array:

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from analytic.description.changes import changed
 from analytic.description.law import FULL_TURN
 from analytic.description.linkage import Linkage
-from analytic.designs.figures import Reduction
+from analytic.designs.figures import Reduction, middle
 from analytic.designs.results import design_figures, usual_path
 from analytic.errors import AssemblyError, LinkproofError
 from analytic.kinematics.decomposition import find_structure
@@ -258,11 +258,9 @@ def _summary(request: SweepRequest, first: int, last: int, found: Array) -> Summ
 
 
 def _ranks(one: NamedFigure, values: Array) -> Array:
-    """What makes values least or largest: of peaks the magnitude, of transmission angles' the distance from 90°."""
-    if one.figure.reduction is not Reduction.PEAK:
-        return values
-    right = one.figure.signal.startswith("transmission_angle:")
-    return np.asarray(np.abs(values - (0.5 * np.pi / one.unit.size if right else 0.0)))
+    """What makes values least or largest: of transmission angles farthest from 90° the distance from there."""
+    is_peak = one.figure.reduction is Reduction.PEAK
+    return np.asarray(np.abs(values - middle(one.figure.signal) / one.unit.size)) if is_peak else values
 
 
 def why_not(request: SweepRequest) -> str:

@@ -20,9 +20,8 @@ from analytic.description.changes import numbers
 from analytic.description.crank_motion import RPM
 from analytic.description.linkage import Linkage
 from analytic.designs.derivatives import figure_gradients, is_exact
-from analytic.designs.figures import Figure, Reduction
+from analytic.designs.figures import Figure, Reduction, middle
 from analytic.designs.results import design_figures
-from analytic.designs.sampling import middle
 from analytic.errors import LinkproofError
 from analytic.kinematics.mechanism import Mechanism
 from comparisons.datasheet.units import FileUnit, file_unit
@@ -292,10 +291,10 @@ def tolerance_study(request: ToleranceRequest, announce: Announce = lambda *_: N
 
 
 def _on_one_side(figure: Figure, values: Array) -> Array:
-    """A peak of designs on the side of the first, the nominal: its size counts, whichever of two tops is larger."""
-    if figure.reduction is not Reduction.PEAK:
-        return values
+    """Transmission angles farthest from 90°, all on the side of the first, the nominal: the distance counts."""
     level = middle(figure.signal)
+    if figure.reduction is not Reduction.PEAK or not level:
+        return values
     return np.asarray(level + np.copysign(values - level, values[0] - level))
 
 

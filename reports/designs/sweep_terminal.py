@@ -10,7 +10,9 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
+from analytic.designs.figures import Reduction
 from comparisons.datasheet.plain_data import finite
+from comparisons.designs.named_figures import NamedFigure
 from comparisons.designs.space import Grid
 from comparisons.designs.sweep import NONE, Extreme, Summary, SweepRequest
 from reports.document.numbers import figure, printed
@@ -19,7 +21,7 @@ from reports.document.terminal import Printed
 
 Array = NDArray[np.float64]
 
-NOTE: Final = "Peaks are compared by magnitude, those of transmission angles by their distance from 90°."
+NOTE: Final = "Peaks of transmission angles, the farthest from 90°, are compared by their distance from there."
 LEAST: Final = "least"
 
 
@@ -46,7 +48,8 @@ class SweepSummary:
             for number, one in enumerate(self.request.figures)
             for what, value, where in self._ends(number)
         ]
-        table = Table("", ["figure", "design", "value", *shown], rows, "llr", NOTE)
+        note = NOTE if any(_is_peak_of_angle(one) for one in self.request.figures) else ""
+        table = Table("", ["figure", "design", "value", *shown], rows, "llr", note)
         return [Paragraph(self.conditions, colour="bold"), self.sentence, "", table]
 
     @property
@@ -101,6 +104,10 @@ class SweepSummary:
             return []
         values: list[float] = self.request.space.shown(extreme.design, extreme.design + 1)[:, 0].tolist()
         return values
+
+
+def _is_peak_of_angle(one: NamedFigure) -> bool:
+    return one.figure.reduction is Reduction.PEAK and not one.figure.is_magnitude
 
 
 def _grouped(count: int) -> str:

@@ -73,6 +73,7 @@ def finished(reduction: int, middle: float, shift: float, value: float, tally: A
     figure: float = value + shift
     if reduction == PEAK:
         figure = high if abs(high - middle) >= abs(low - middle) else low
+        figure = abs(figure) if middle == 0.0 else figure
     elif reduction == MEAN_VALUE:
         figure = tally[FIRST] + shift
     elif reduction == ROOT_MEAN_SQUARE:

@@ -16,7 +16,7 @@ from analytic.errors import AssemblyError, LinkproofError, UnknownNameError
 from analytic.kinematics.mechanism import Mechanism
 from comparisons.designs.named_figures import NamedFigure, named_figures
 from comparisons.designs.optimum.descent import ACTIVE, End
-from comparisons.designs.optimum.problem import HELD, DesignProblem, KeptFigure, Variable, measured
+from comparisons.designs.optimum.problem import HELD, DesignProblem, KeptFigure, Variable
 from comparisons.designs.optimum.searches import Announce, Search, search
 from comparisons.designs.optimum.wishes import kept, kept_figures, variables
 from comparisons.designs.steady_motion import SteadyMotion
@@ -81,9 +81,8 @@ class Optimum:
 
     @property
     def change(self) -> Array:
-        """Relative changes of the figures (figures,), of peaks by their magnitudes; nan from zero."""
-        before, after = np.array([measured(one.figure, self.values[:, column]) for column, one in
-                                  enumerate(self.figures)]).T  # fmt: skip
+        """Relative changes of the figures (figures,); nan from zero."""
+        before, after = self.values
         return np.asarray((after - before) / np.where(before == 0.0, np.nan, np.abs(before)))
 
 
@@ -101,10 +100,10 @@ def optimise(mechanism: Mechanism, motion: SteadyMotion, wish: Wish, announce: A
     before = {one.parameter.name: one.parameter.value for one in varied}
     own = _figures(mechanism, motion, figures, [before])[0]
     sizes = dict(zip((one.name for one in figures), own, strict=True))
-    held = tuple(kept(one, text, float(measured(one.figure, sizes[one.name]))) for one, text in texts.items())
+    held = tuple(kept(one, text, float(sizes[one.name])) for one, text in texts.items())
     problem = DesignProblem(
         mechanism, motion, aims, sign, varied, held,
-        max(float(np.max([np.abs(measured(one.figure, sizes[one.name])) for one in aims])), _least(aims[0])),
+        max(float(np.max([np.abs(sizes[one.name]) for one in aims])), _least(aims[0])),
         tuple(max(_size(one), abs(float(sizes[one.figure.name])), _least(one.figure)) for one in held),
     )  # fmt: skip
     start = np.clip((np.array(list(before.values())) - problem.low) / problem.width, 0.0, 1.0)
@@ -184,7 +183,7 @@ def _checked(problem: DesignProblem, found: Search, motion: SteadyMotion) -> End
     values = _figures(problem.mechanism, motion, problem.figures, [problem.numbers(best.place)])[0][len(problem.aims) :]
     worst = max(
         zip(problem.kept, values, problem.kept_sizes, strict=True),
-        key=lambda row: float(row[0].missed(measured(row[0].figure.figure, row[1]))) / row[2],
+        key=lambda row: float(row[0].missed(row[1])) / row[2],
     )
     one, value, size = worst[0].figure, worst[1], worst[0].figure.unit.size
     ends = [f"{word} {end / size:.6g}" for word, end in (("from", worst[0].low), ("to", worst[0].high))
@@ -193,5 +192,5 @@ def _checked(problem: DesignProblem, found: Search, motion: SteadyMotion) -> End
     unit = f" {one.unit.name}" if one.unit.name else ""
     raise LinkproofError(
         f"expected a design with {one.name} {asked}{unit}, got none within the bounds; nearest is "
-        f"{float(measured(one.figure, value)) / size:.6g}{unit}: widen --over or --keep"
+        f"{float(value) / size:.6g}{unit}: widen --over or --keep"
     )

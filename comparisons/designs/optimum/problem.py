@@ -91,11 +91,6 @@ class Linearised(NamedTuple):
         return float(max(np.max(-self.inside, initial=0.0), np.max(np.abs(self.equal), initial=0.0)))
 
 
-def measured(figure: Figure, value: Array) -> Array:
-    """Values of a figure as they are minimised and kept: of a peak the magnitudes."""
-    return np.abs(value) if figure.reduction is Reduction.PEAK else value
-
-
 @dataclass(frozen=True)
 class DesignProblem:
     """Minimise the largest of the ``aims``, or with ``sign`` -1 maximise the least, over ``variables``.
@@ -191,7 +186,6 @@ class DesignProblem:
         named = {one.parameter.name: values[:, column] for column, one in enumerate(self.variables)}
         figures = [one.figure for one in self.figures]
         found = design_figures(self.mechanism, named, figures, angles, speed=self.motion.speed)
-        found = np.array([measured(figure, row) for figure, row in zip(figures, found, strict=True)])
         aim = np.max(self.sign * found[: len(self.aims)], axis=0) / self.aim_size
         missed = [one.missed(row) / size for one, row, size in
                   zip(self.kept, found[len(self.aims) :], self.kept_sizes, strict=True)]  # fmt: skip

@@ -25,7 +25,7 @@ ANGLES = np.linspace(0.1, 6.2, 150)  # more than a block
 CHOSEN = (0.35, 4.0)
 MIDDLE = 0.5 * np.pi
 REDUCED = {
-    Reduction.PEAK: lambda x, _, middle: x[np.argmax(np.abs(x - middle))],
+    Reduction.PEAK: lambda x, _, middle: x[np.argmax(np.abs(x - middle))] if middle else np.max(np.abs(x)),
     Reduction.MEAN: lambda x, w, _: w @ x,
     Reduction.RMS: lambda x, w, _: np.sqrt(w @ x**2),
     Reduction.MAX: lambda x, *_: np.max(x),
