@@ -13,7 +13,7 @@ from analytic.description.rewriting import rewritten
 from comparisons.designs.steady_motion import SAMPLES
 from reports.command_line.commands.optimise import OptimiseChoice, optimum, wish
 from reports.command_line.destination import Destination
-from reports.designs.optimise_terminal import document
+from reports.designs.optimum.optimise_terminal import document
 from reports.python.options import MotionOptions, choice, chosen_linkage
 
 Range = str | float | tuple[float | None, float | None] | None

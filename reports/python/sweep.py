@@ -16,10 +16,10 @@ from analytic.description.linkage import Linkage
 from analytic.errors import LinkproofError
 from comparisons.designs.named_figures import named_figures
 from comparisons.designs.parameters import Parameter, parameter
-from comparisons.designs.space import ONE_BY_ONE, Grid, Listed, Space, Values
 from comparisons.designs.steady_motion import SAMPLES
-from comparisons.designs.sweep import SweepRequest, own_figures, sweep_block, usual_figures
-from comparisons.designs.sweep import sweep as sweep_space
+from comparisons.designs.sweep.space import ONE_BY_ONE, Grid, Listed, Space, Values
+from comparisons.designs.sweep.sweep import SweepRequest, own_figures, sweep_block, usual_figures
+from comparisons.designs.sweep.sweep import sweep as sweep_space
 from comparisons.runs.cluster.connecting import opened
 from reports.command_line.commands.sweep import described
 from reports.command_line.steady_choice import SteadyChoice, steady_case

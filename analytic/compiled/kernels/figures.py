@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from analytic.compiled.flat_linkage import CRANK_BODY, RPP, RPR, RRP, Integers, Tables
-from analytic.compiled.kernels import dynamics, layout
+from analytic.compiled.kernels import layout
 from analytic.compiled.kernels.constants import derive
 from analytic.compiled.kernels.dyads import closure_at
 from analytic.compiled.kernels.evaluation import WANTED_FORCES, place, steady_torque, sum_wanted
@@ -29,7 +29,7 @@ from analytic.compiled.kernels.statics import (
     load_frame,
     solve_joints,
 )
-from analytic.compiled.kernels.sums import constant_laws, tabled_laws
+from analytic.compiled.kernels.sums import constant_laws, place_along, rate_along, second_along, tabled_laws
 from analytic.kinematics.frames import Pair
 from analytic.kinematics.transmission import between
 
@@ -125,11 +125,11 @@ def _vector(n: int, first: int, last: int, part: int, terms: Integers, books: Ar
 def _coordinate(n: int, order: int, at: Pair, along: Pair, body: Array, row: Array) -> None:
     """A point's coordinate along a direction, or its derivative."""
     if order == 0:
-        dynamics.place_along(n, at, along, body, row)
+        place_along(n, at, along, body, row)
     elif order == 1:
-        dynamics.rate_along(n, at, along, body, row)
+        rate_along(n, at, along, body, row)
     else:
-        dynamics.second_along(n, at, along, body, row)
+        second_along(n, at, along, body, row)
 
 
 @inlined

@@ -25,7 +25,7 @@ from reports.command_line.destination import Destination
 from reports.command_line.motion_choice import MotionChoice
 from reports.command_line.requests import RunLimits, command_line, named
 from reports.command_line.steady_choice import SteadyChoice, steady_case
-from reports.designs.optimise_terminal import aim, document, printed
+from reports.designs.optimum.optimise_terminal import aim, document, printed
 
 JSON = "optimise.json"
 CURVES = "before-after.svg"
@@ -106,7 +106,7 @@ def run(choice: OptimiseChoice, destination: Destination, limits: RunLimits | No
 def _picture(found: Optimum, conditions: str) -> str:
     """The curves before and after."""
     from reports.charts.draw import svg  # noqa: PLC0415 - half a second that nothing else pays for
-    from reports.designs.before_after_picture import Change, before_after_figure  # noqa: PLC0415
+    from reports.designs.optimum.before_after_picture import Change, before_after_figure  # noqa: PLC0415
 
     linkage, grid = found.problem.mechanism.linkage, found.problem.tops.grid
     places = grid / file_unit("m", linkage).size if linkage.is_linear else np.degrees(grid)

@@ -28,8 +28,8 @@ from comparisons.runs.files import check_writable, write_text
 from reports.command_line.destination import STDOUT, check_files, write_out
 from reports.command_line.linear_drive import prescribed
 from reports.command_line.motion_choice import EVERYTHING, OWN, MotionChoice, own_regimes
+from reports.designs.results.files import csv_table, json_text
 from reports.document.terminal import show
-from reports.results.files import csv_table, json_text
 
 Array = NDArray[np.float64]
 
@@ -85,7 +85,7 @@ def results(choice: ResultsChoice, *, quiet: bool = False) -> None:
     if STDOUT in texts:
         write_out(texts[STDOUT])
     elif not quiet:
-        from reports.results import terminal  # noqa: PLC0415 - JSON and CSV need no tables
+        from reports.designs.results import terminal  # noqa: PLC0415 - JSON and CSV need no tables
 
         show(*(terminal.key_figures(found) if found.instants.chosen is None else terminal.at_instants(found)))
 
@@ -116,7 +116,7 @@ def _write_page(out: Path, case: Case, *, opens: bool, quiet: bool) -> None:
 
 def _text(option: str, found: DesignerResults) -> str:
     if option == "--svg":
-        from reports.results.drawing import svg_text  # noqa: PLC0415 - half a second that nothing else pays for
+        from reports.designs.results.drawing import svg_text  # noqa: PLC0415 - half a second that nothing else pays for
 
         return svg_text(found)
     return csv_table(found) if option == "--csv" else json_text(found)

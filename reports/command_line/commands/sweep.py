@@ -15,11 +15,11 @@ from analytic.description.loading import load
 from analytic.errors import LinkproofError
 from analytic.kinematics.mechanism import Mechanism
 from comparisons.designs.named_figures import named_figures
-from comparisons.designs.saved_sweep import SavedSweep
-from comparisons.designs.space import Grid, Space, steps
-from comparisons.designs.sweep import Summary, SweepRequest, own_figures, sweep, usual_figures, why_not
-from comparisons.designs.sweep_file import FILE, SweepFile, saved_sweep
-from comparisons.designs.table import TableFile, table_file
+from comparisons.designs.sweep.saved_sweep import SavedSweep
+from comparisons.designs.sweep.space import Grid, Space, steps
+from comparisons.designs.sweep.sweep import Summary, SweepRequest, own_figures, sweep, usual_figures, why_not
+from comparisons.designs.sweep.sweep_file import FILE, SweepFile, saved_sweep
+from comparisons.designs.sweep.table import TableFile, table_file
 from comparisons.runs.cluster.connecting import opened
 from comparisons.runs.files import write_file, write_text
 from comparisons.runs.journal import Journal
@@ -29,8 +29,8 @@ from reports.command_line.destination import STDOUT, Destination, check_files, w
 from reports.command_line.interruption import interruptible, journal
 from reports.command_line.requests import RunLimits, command_line
 from reports.command_line.steady_choice import SteadyChoice, steady_case
-from reports.designs.sweep_table import csv_rows
-from reports.designs.sweep_terminal import SweepSummary
+from reports.designs.sweep.sweep_table import csv_rows
+from reports.designs.sweep.sweep_terminal import SweepSummary
 from reports.document.terminal import Printout
 
 MOST_DRAWN: Final = 10**7
@@ -216,7 +216,7 @@ def _write_data(choice: SweepChoice, file: SweepFile, own: Mapping[str, float]) 
     elif choice.csv is not None:
         write_file(Path(choice.csv), lambda path: _write_rows(path, file))
     if choice.svg is not None:
-        from reports.designs.sweep_picture import sweep_svg  # noqa: PLC0415 - a second that nothing else pays for
+        from reports.designs.sweep.sweep_picture import sweep_svg  # noqa: PLC0415 - a second that nothing else pays for
 
         with saved_sweep(file.path) as dataset:
             text = sweep_svg(dataset, own)

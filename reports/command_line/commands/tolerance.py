@@ -8,14 +8,14 @@ from pathlib import Path
 from analytic.description.changes import without
 from analytic.description.loading import load
 from comparisons.designs.steady_motion import SAMPLES as PLACES
-from comparisons.designs.tolerance_study import ToleranceStudy, tolerance_request, tolerance_study
-from comparisons.designs.tolerances import read_tolerances
+from comparisons.designs.tolerance.tolerance_study import ToleranceStudy, tolerance_request, tolerance_study
+from comparisons.designs.tolerance.tolerances import read_tolerances
 from comparisons.judging.records import to_json
 from comparisons.runs.files import write_text
 from reports.command_line.destination import STDOUT, check_files, write_out
 from reports.command_line.progress import progress
-from reports.designs.tolerance_files import csv_table, document
-from reports.designs.tolerance_terminal import printout
+from reports.designs.tolerance.tolerance_files import csv_table, document
+from reports.designs.tolerance.tolerance_terminal import printout
 from reports.document.terminal import show
 
 
@@ -75,7 +75,7 @@ def _written(option: str, found: ToleranceStudy) -> str:
     if option == "--csv":
         return csv_table(found)
     from reports.charts.draw import svg  # noqa: PLC0415 - half a second that nothing else pays for
-    from reports.designs.tornado_picture import tornado_figure  # noqa: PLC0415
+    from reports.designs.tolerance.tornado_picture import tornado_figure  # noqa: PLC0415
 
     rows = range(len(found.request.figures))
     return svg(tornado_figure([found.tornado(row) for row in rows], found.request.conditions), page="white")

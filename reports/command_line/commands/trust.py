@@ -11,9 +11,9 @@ from analytic.kinematics.crank_range import crank_range
 from analytic.kinematics.mechanism import Mechanism
 from comparisons.campaign.campaign import CampaignRequest, cases, compare
 from comparisons.campaign.standards import judged_campaign
-from comparisons.designs.sample import DesignSample, hypercube, rows, sample
-from comparisons.designs.space import Grid, Space
-from comparisons.designs.trust import trust
+from comparisons.designs.sweep.space import Grid, Space
+from comparisons.designs.trust.sample import DesignSample, hypercube, rows, sample
+from comparisons.designs.trust.trust import trust
 from comparisons.judging.records import Verdict, to_json
 from comparisons.judging.verdicts import shipped_standard
 from comparisons.runs.files import write_text
@@ -26,7 +26,7 @@ from reports.command_line.interruption import interruptible, journal
 from reports.command_line.linear_drive import prescribed
 from reports.command_line.motion_choice import MotionChoice
 from reports.command_line.requests import RunLimits, named
-from reports.designs.trust_terminal import printout
+from reports.designs.trust.trust_terminal import printout
 
 FOLDER: Final = "simulated"  # below the folder of the sweep, as are the designs' files
 DESIGN_FILES: Final = "designs"
@@ -67,7 +67,7 @@ def simulate(
             save_campaign(below, wanted, judged, told, limits)
         result = trust(drawn, judged.records, choice.seed)
         if folder:
-            from reports.designs.trust_picture import trust_svg  # noqa: PLC0415 - figures cost a second
+            from reports.designs.trust.trust_picture import trust_svg  # noqa: PLC0415 - figures cost a second
 
             for one in linkages[not drawn.designs[0].number :]:
                 write_text(folder / DESIGN_FILES / f"{one.name}.toml", one.text)

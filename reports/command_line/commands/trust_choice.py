@@ -12,7 +12,7 @@ from reports.command_line.requests import named
 from reports.document.terminal import Printout
 
 if TYPE_CHECKING:
-    from comparisons.designs.trust import Trust
+    from comparisons.designs.trust.trust import Trust
 
 DESIGNS: Final = 24
 

@@ -12,7 +12,7 @@ from comparisons.datasheet.figures import BRAKING, drive_points, force_peaks, ou
 from comparisons.reference.case import Case, own_case
 from reports.command_line.commands.files import TEMPLATE
 from tests.analytic.linkages import EVERY, from_text, mechanism
-from tests.reports.results.samples import CRANK, MASS, ROD, SPEED, piston, results
+from tests.reports.designs.results.samples import CRANK, MASS, ROD, SPEED, piston, results
 
 CLOSE = 1e-11  # of the value: a refined peak of the closed form
 PLACE = 1e-6  # rad

@@ -5,7 +5,7 @@ from types import SimpleNamespace
 
 from analytic.description.loading import load
 from comparisons.designs.parameters import parameter
-from comparisons.designs.sample import DesignSample, SampledDesign
+from comparisons.designs.trust.sample import DesignSample, SampledDesign
 from comparisons.judging.records import Record
 
 RIMOLDI = load("rimoldi-164")

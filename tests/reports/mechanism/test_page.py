@@ -11,8 +11,8 @@ from reports.document import html
 from reports.document.parts import Facts, FigureGroup, Fold, PageFigure, Paragraph, Table
 from reports.mechanism.page import file_of, page
 from tests.analytic.linkages import MADE_UP, from_text, mechanism
+from tests.reports.designs.results.samples import MASS, TURN, piston_text
 from tests.reports.made_up_results import made_up_results
-from tests.reports.results.samples import MASS, TURN, piston_text
 
 
 def figures(found):

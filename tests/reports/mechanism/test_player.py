@@ -8,8 +8,8 @@ from comparisons.datasheet.building import usual_sheet
 from reports.mechanism.player import SAMPLES, player_data
 from reports.mechanism.shown import ShownSheet
 from tests.analytic.linkages import FOLDER
+from tests.reports.designs.results.samples import SPEED
 from tests.reports.mechanism.test_shown import shown
-from tests.reports.results.samples import SPEED
 
 
 @pytest.mark.parametrize("speed", [SPEED, -SPEED])

@@ -11,7 +11,7 @@ from comparisons.datasheet.building import sheet, usual_sheet
 from comparisons.reference.case import Case
 from reports.mechanism.shown import ShownSheet
 from tests.analytic.linkages import FOLDER, from_text
-from tests.reports.results.samples import CRANK, ROD, SPEED, piston_text
+from tests.reports.designs.results.samples import CRANK, ROD, SPEED, piston_text
 
 
 def shown(speed=SPEED, start=0.0, length="mm", metres=1e-3):

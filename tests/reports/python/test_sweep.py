@@ -5,7 +5,7 @@ import pytest
 import xarray
 
 import linkproof
-from comparisons.designs.sweep_file import saved_sweep
+from comparisons.designs.sweep.sweep_file import saved_sweep
 from reports.command_line.commands.sweep import SweepChoice, run
 from reports.command_line.destination import Destination
 

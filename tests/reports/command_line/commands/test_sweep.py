@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 
 from analytic.errors import LinkproofError
-from comparisons.designs import sweep as sweeps
-from comparisons.designs.sweep_file import saved_sweep
+from comparisons.designs.sweep import sweep as sweeps
+from comparisons.designs.sweep.sweep_file import saved_sweep
 from reports.command_line.commands.sweep import SweepChoice, run
 from reports.command_line.destination import Destination
 from tests.analytic.drives import path_of

@@ -1,0 +1,278 @@
+"""Figures over a space of designs, block by block: nothing but a summary is kept of what has been handed on."""
+
+from __future__ import annotations
+
+import json
+import math
+from collections.abc import Callable, Collection, Iterator, Sequence
+from dataclasses import asdict, dataclass, replace
+from functools import cached_property
+from typing import Any, Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from analytic.description.changes import changed
+from analytic.description.law import FULL_TURN
+from analytic.description.linkage import Linkage
+from analytic.designs.figures import Reduction, middle
+from analytic.designs.results import design_figures, usual_path
+from analytic.errors import AssemblyError, LinkproofError
+from analytic.kinematics.decomposition import find_structure
+from analytic.kinematics.mechanism import Mechanism
+from analytic.kinematics.sweep import Sweep
+from analytic.signals import names
+from comparisons.designs.named_figures import STROKE, NamedFigure, named_figures
+from comparisons.designs.steady_motion import SteadyMotion
+from comparisons.designs.sweep.space import Space
+from comparisons.runs.failures import Lost
+from comparisons.runs.workers import Bounds, Pool
+
+Array = NDArray[np.float64]
+
+USUAL: Final = ("Mkr.peak", "joint_force.peak", "transmission_angle.peak")
+PLACES: Final = 8_000_000  # designs times crank angles of a block: half a second of a core, or so
+LARGEST: Final = 200_000  # designs of a block, of which a few arrays are held
+REFINED: Final = 10  # what a figure costs that is refined, in figures that are not
+BOUNDS: Final = Bounds(seconds=math.inf)
+NONE: Final = -1  # the number of no design
+
+
+@dataclass(frozen=True)
+class Blocks(Sequence[tuple[int, int]]):
+    """Ranges of designs (first, last + 1), about ``size`` each: several whole slabs, or parts of one."""
+
+    designs: int
+    slab: int
+    size: int
+
+    @property
+    def _whole(self) -> int:
+        return max(1, self.size // self.slab) * self.slab
+
+    @property
+    def _parts(self) -> int:
+        return max(1, -(-self.slab // self.size))
+
+    def __len__(self) -> int:
+        return -(-self.designs // self._whole) * self._parts
+
+    def __getitem__(self, number: Any) -> Any:  # noqa: ANN401 - a sequence's own types are two
+        """The range of a block by its number."""
+        if not 0 <= number < len(self):
+            raise IndexError(number)
+        whole, part = divmod(number, self._parts)
+        first = whole * self._whole + part * self.size
+        return first, min(
+            first + (self._whole if self._parts == 1 else self.size), (whole + 1) * self._whole, self.designs
+        )
+
+
+@dataclass(frozen=True)
+class SweepRequest:
+    """Which figures of which designs of a linkage, and under which motion.
+
+    ``cores`` and ``path`` are as for ``design_figures``; the paths differ by rounding, so that one does all blocks.
+    """
+
+    linkage: Linkage
+    space: Space
+    figures: tuple[NamedFigure, ...]
+    motion: SteadyMotion
+    refine: bool = False
+    cores: int | None = None
+    path: str = "auto"
+
+    def on_one_path(self) -> SweepRequest:
+        """The same on the path that its size calls for."""
+        size = self.space.count * len(self.motion.places)
+        return replace(self, path=usual_path([one.figure for one in self.figures], size, self.cores))
+
+    @cached_property
+    def blocks(self) -> Blocks:
+        """The pieces in which the space is worked through, the same wherever they are."""
+        cost = len(self.motion.places) * (REFINED if self.refine else 1)
+        return Blocks(self.space.count, self.space.slab, min(max(1, PLACES // cost), LARGEST))
+
+
+@dataclass(frozen=True)
+class Extreme:
+    """A value, the number of the first design that has it, and its ``rank``, by which it is least or largest."""
+
+    value: float = math.nan
+    design: int = NONE
+    rank: float = math.nan
+
+
+@dataclass(frozen=True)
+class Summary:
+    """What is known of so many ``designs``: how many assemble, the ends of their figures and of their parameters.
+
+    ``least`` and ``largest`` have an extreme per figure, of peaks by their magnitude, ``reach`` the least and largest
+    value per parameter, file's units; nothing where no design assembles.
+    """
+
+    designs: int = 0
+    assembled: int = 0
+    least: tuple[Extreme, ...] = ()
+    largest: tuple[Extreme, ...] = ()
+    reach: tuple[tuple[float, float], ...] = ()
+
+    def plus(self, other: Summary) -> Summary:
+        """Both together, in either order."""
+        return Summary(
+            self.designs + other.designs,
+            self.assembled + other.assembled,
+            _first((self.least, other.least), 1.0),
+            _first((self.largest, other.largest), -1.0),
+            tuple((min(a[0], b[0]), max(a[1], b[1])) for a, b in zip(self.reach, other.reach, strict=True))
+            if self.reach and other.reach
+            else self.reach or other.reach,
+        )
+
+    def encoded(self) -> bytes:
+        """The summary as JSON."""
+        return json.dumps(asdict(self)).encode()
+
+    @staticmethod
+    def decoded(text: bytes) -> Summary:
+        """The summary of ``encoded``."""
+        told = json.loads(text)
+        extremes = {end: tuple(Extreme(**one) for one in told[end]) for end in ("least", "largest")}
+        return Summary(told["designs"], told["assembled"], **extremes, reach=tuple(map(tuple, told["reach"])))
+
+
+def _first(ends: tuple[tuple[Extreme, ...], tuple[Extreme, ...]], sign: float) -> tuple[Extreme, ...]:
+    """Figure by figure the one of the smaller rank times the ``sign``, of equal ones that of the first design."""
+    if not all(ends):
+        return ends[0] or ends[1]
+    return tuple(
+        min((one for one in pair if one.design != NONE), key=lambda one: (sign * one.rank, one.design), default=pair[0])
+        for pair in zip(*ends, strict=True)
+    )
+
+
+def usual_figures(mechanism: Mechanism) -> tuple[NamedFigure, ...]:
+    """What is asked of designs where nobody says: peaks of torque, forces and transmission angles, and the stroke."""
+    there = names(mechanism)
+    asked = [name for name in USUAL if any(one.partition(":")[0] == name.removesuffix(".peak") for one in there)]
+    return named_figures(mechanism, [*asked, *([STROKE] if "S" in there else [])])
+
+
+def sweep_block(request: SweepRequest, first: int, last: int) -> Array:
+    """Figures of the designs from number ``first`` up to ``last``, (figures, designs), in the units of the file."""
+    return _figures(request, request.space.block(first, last))
+
+
+def _figures(request: SweepRequest, numbers: dict[str, Array]) -> Array:
+    motion = request.motion
+    found = design_figures(
+        Mechanism(request.linkage), numbers, [one.figure for one in request.figures], motion.places,
+        speed=motion.speed, weights=motion.weights, refine=request.refine, cores=request.cores,
+        period=FULL_TURN if motion.is_full_turn else None, path=request.path,
+    )  # fmt: skip
+    return np.asarray(found / np.array([one.unit.size for one in request.figures])[:, None])
+
+
+def own_figures(request: SweepRequest) -> Array:
+    """The figures (figures,) of the file's own design, nan where it cannot move through all of the motion.
+
+    Raises LinkproofError where the space has values that no design can.
+    """
+    for one, (least, _) in zip(request.space.parameters, request.space.ends, strict=True):
+        if one.kind in ("mass", "inertia") and least < 0.0:
+            raise LinkproofError(f"{one.name}: expected no negative {one.kind}, got {least:g} {one.unit.name}; "
+                                 "correct the range")  # fmt: skip
+    return _figures(
+        replace(request, path="numpy"), {one.name: np.array([one.value]) for one in request.space.parameters}
+    )[:, 0]
+
+
+def sweep(
+    request: SweepRequest,
+    *,
+    keep: Callable[[int, int, Array, Summary], object] = lambda *_: None,
+    done: Collection[int] = (),
+    begun: Summary | None = None,
+    announce: Callable[[int], object] = lambda _: None,
+    pool: Pool | None = None,
+) -> Summary:
+    """Work a space through; ``keep`` is handed every block's number, first design, figures and summary.
+
+    Blocks that are ``done`` are not made again, and ``begun`` is their summary. ``announce`` hears how many designs are
+    finished. Blocks are made here, in turn, or by a ``pool``, which is sent what it needs.
+    """
+    total = begun or Summary()
+    todo = [number for number in range(len(request.blocks)) if number not in done]
+    for number, found in _made(request, todo, pool):
+        first, last = request.blocks[number]
+        summary = _summary(request, first, last, found)
+        keep(number, first, found, summary)
+        total = total.plus(summary)
+        announce(total.designs)
+    return total
+
+
+def _made(request: SweepRequest, todo: Sequence[int], pool: Pool | None) -> Iterator[tuple[int, Array]]:
+    if pool is None:
+        for number in todo:
+            yield number, sweep_block(request, *request.blocks[number])
+        return
+    for place, found in pool.run(sweep_block, _Jobs(request, todo), BOUNDS):
+        if isinstance(found, Lost):
+            first, last = request.blocks[todo[place]]
+            raise LinkproofError(f"designs {first} to {last - 1}: expected their figures, got none: {found.reason}")
+        yield todo[place], found
+
+
+@dataclass(frozen=True)
+class _Jobs(Sequence[tuple[Any, ...]]):
+    """What is sent for each block, made when it is sent."""
+
+    request: SweepRequest
+    todo: Sequence[int]
+
+    def __len__(self) -> int:
+        return len(self.todo)
+
+    def __getitem__(self, place: Any) -> Any:  # noqa: ANN401 - a sequence's own types are two
+        first, last = self.request.blocks[self.todo[place]]
+        return replace(self.request, space=self.request.space.part(first, last)), first, last
+
+
+def _summary(request: SweepRequest, first: int, last: int, found: Array) -> Summary:
+    finite = np.isfinite(found)
+    there = ~np.all(np.isnan(found), axis=0)
+    if not np.any(there):
+        return Summary(last - first)
+    shown = request.space.shown(first, last)[:, there]
+    reach = zip(np.min(shown, axis=1).tolist(), np.max(shown, axis=1).tolist(), strict=True)
+    ends, ranks = [], np.array([_ranks(one, row) for one, row in zip(request.figures, found, strict=True)])
+    for worst, choose in ((np.inf, np.argmin), (-np.inf, np.argmax)):
+        places = choose(np.where(finite, ranks, worst), axis=1).tolist()
+        ends.append(tuple(
+            Extreme(float(found[row, at]), first + at, float(ranks[row, at])) if finite[row, at] else Extreme()
+            for row, at in enumerate(places)
+        ))  # fmt: skip
+    return Summary(last - first, int(np.count_nonzero(there)), ends[0], ends[1], tuple(reach))
+
+
+def _ranks(one: NamedFigure, values: Array) -> Array:
+    """What makes values least or largest: of transmission angles farthest from 90° the distance from there."""
+    is_peak = one.figure.reduction is Reduction.PEAK
+    return np.asarray(np.abs(values - middle(one.figure.signal) / one.unit.size)) if is_peak else values
+
+
+def why_not(request: SweepRequest) -> str:
+    """Why the first design cannot be assembled through all of the motion, in a sentence; "" where it can."""
+    mechanism = Mechanism(request.linkage)
+    own = {name: float(values[0]) for name, values in request.space.block(0, 1).items()}
+    linkage = changed(mechanism.linkage, lambda name, _, value: own.get(name, value))
+    structure = find_structure(linkage).with_signs(tuple(dyad.sign for dyad in mechanism.structure.dyads))
+    moved = Sweep(linkage, structure, request.motion.places)
+    try:
+        for body in structure.bodies:
+            moved.rates(body)
+    except AssemblyError as error:
+        return str(error)
+    return ""

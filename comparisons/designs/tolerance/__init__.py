@@ -1,0 +1,1 @@
+"""Tolerances: which number of a linkage moves which figure by how much."""

@@ -1,0 +1,1 @@
+"""What an optimisation says and shows."""

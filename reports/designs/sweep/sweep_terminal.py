@@ -1,0 +1,114 @@
+"""A sweep for a terminal, and as JSON: how many designs assemble, and the ends of every figure, in the file's units."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Any, Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from analytic.designs.figures import Reduction
+from comparisons.datasheet.plain_data import finite
+from comparisons.designs.named_figures import NamedFigure
+from comparisons.designs.sweep.space import Grid
+from comparisons.designs.sweep.sweep import NONE, Extreme, Summary, SweepRequest
+from reports.document.numbers import figure, printed
+from reports.document.parts import Paragraph, Table
+from reports.document.terminal import Printed
+
+Array = NDArray[np.float64]
+
+NOTE: Final = "Peaks of transmission angles, the farthest from 90°, are compared by their distance from there."
+LEAST: Final = "least"
+
+
+@dataclass(frozen=True)
+class SweepSummary:
+    """What came of a request; ``own`` are the figures (figures,) of the file's own design."""
+
+    request: SweepRequest
+    own: Array
+    summary: Summary
+    conditions: str
+
+    @property
+    def own_parameters(self) -> dict[str, float]:
+        """The parameters of the file's own design."""
+        return {one.name: one.value / one.unit.size for one in self.request.space.parameters}
+
+    @property
+    def parts(self) -> list[Printed]:
+        """Conditions, number of designs, a table of the figures."""
+        shown = [one.shown.replace(" [", " ").removesuffix("]") for one in self.request.space.parameters]
+        rows = [
+            (one.shown if what == LEAST else "", what, figure(value, 6), *map(printed, where))
+            for number, one in enumerate(self.request.figures)
+            for what, value, where in self._ends(number)
+        ]
+        note = NOTE if any(_is_peak_of_angle(one) for one in self.request.figures) else ""
+        table = Table("", ["figure", "design", "value", *shown], rows, "llr", note)
+        return [Paragraph(self.conditions, colour="bold"), self.sentence, "", table]
+
+    @property
+    def sentence(self) -> str:
+        """How many designs there are, how many of them assemble, and between which values."""
+        space, found = self.request.space, self.summary
+        count = _grouped(space.count)
+        if isinstance(space, Grid) and len(space.shape) > 1:
+            count = f"{count} ({' × '.join(map(_grouped, space.shape))})"
+        if found.assembled == found.designs:
+            return f"{count} designs, all of which assemble at every angle"
+        share = math.floor(1e3 * found.assembled / found.designs) / 10.0
+        where = ", ".join(
+            f"{one.name} from {printed(least)} to {printed(most)} {one.unit.name}".strip()
+            for one, (least, most) in zip(space.parameters, found.reach, strict=True)
+        )
+        return f"{count} designs, of which {_grouped(found.assembled)} ({share:g} %) assemble at every angle: {where}"
+
+    @property
+    def document(self) -> dict[str, Any]:
+        """The same as plain data; what is not finite is null."""
+        space, found = self.request.space, self.summary
+        names = [one.name for one in space.parameters]
+        return {
+            "mechanism": self.request.linkage.name,
+            "variant": self.request.linkage.variant,
+            "conditions": self.conditions,
+            "designs": found.designs,
+            "assembled": found.assembled,
+            "parameters": {
+                one.name: {"units": one.unit.name, "least": low, "largest": high, "assembles": list(reach)}
+                for one, (low, high), reach in zip(space.parameters, space.ends.tolist(), found.reach, strict=True)
+            },
+            "figures": {
+                one.name: {"units": one.unit.name} | {
+                    what.removeprefix("file's "): {"value": finite(value), "at": dict(zip(names, where, strict=False))}
+                    for what, value, where in self._ends(number)
+                }
+                for number, one in enumerate(self.request.figures)
+            },
+        }  # fmt: skip
+
+    def _ends(self, number: int) -> Iterator[tuple[str, float, list[float]]]:
+        """Of a figure the least value, the file's own and the largest, with the parameters of each design."""
+        least, largest = self.summary.least[number], self.summary.largest[number]
+        yield LEAST, least.value, self._design(least)
+        yield "file's own", float(self.own[number]), [*self.own_parameters.values()]
+        yield "largest", largest.value, self._design(largest)
+
+    def _design(self, extreme: Extreme) -> list[float]:
+        if extreme.design == NONE:
+            return []
+        values: list[float] = self.request.space.shown(extreme.design, extreme.design + 1)[:, 0].tolist()
+        return values
+
+
+def _is_peak_of_angle(one: NamedFigure) -> bool:
+    return one.figure.reduction is Reduction.PEAK and not one.figure.is_magnitude
+
+
+def _grouped(count: int) -> str:
+    return f"{count:,}".replace(",", " ")

@@ -1,0 +1,79 @@
+"""A tolerance study as data, in the units of the linkage's file: JSON and a table of results times parameters."""
+
+from __future__ import annotations
+
+import csv
+import io
+from typing import Any, Final
+
+from comparisons.datasheet.plain_data import finite, plain
+from comparisons.designs.tolerance.tolerance_study import ToleranceStudy
+
+HEAD: Final = (
+    *("result", "result unit", "nominal", "parameter", "parameter unit", "plus_minus", "distribution", "derivative"),
+    *("derivative is", "contribution", "share of variance", "at lower limit", "at upper limit"),
+)
+
+
+def document(study: ToleranceStudy) -> dict[str, Any]:
+    """Everything but the random designs themselves; what is not finite is null."""
+    request = study.request
+    return {
+        "mechanism": request.mechanism.linkage.name,
+        "variant": request.mechanism.linkage.variant,
+        "conditions": request.conditions,
+        "samples": request.samples,
+        "seed": request.seed,
+        "assembled": study.assembled,
+        "derivatives": study.how,
+        "results": {one.name: _result(study, row) for row, one in enumerate(request.figures)},
+    }
+
+
+def _result(study: ToleranceStudy, row: int) -> dict[str, Any]:
+    unit = study.request.figures[row].unit
+    return {
+        "units": unit.name,
+        "nominal": float(study.nominal[row] / unit.size),
+        "tolerances": [
+            dict(zip(("parameter", "units", *HEAD[5:8], *HEAD[9:]), cells, strict=True)) for cells in _cells(study, row)
+        ],
+        "worst case": {
+            "linear": finite(float(study.worst[row] / unit.size)),
+            "corners": plain(study.corners[row] / unit.size),
+            "every corner": study.has_all_corners,
+        },
+        "linear standard deviation": finite(float(study.deviations[row] / unit.size)),
+        "random": {
+            "mean": float(study.mean[row] / unit.size),
+            "standard deviation": float(study.deviation[row] / unit.size),
+            "quantiles": plain(study.quantiles[row] / unit.size),
+        },
+    }
+
+
+def _cells(study: ToleranceStudy, row: int) -> list[list[Any]]:
+    """Of every tolerance the cells of its row, from its name on, less what the derivative is."""
+    unit = study.request.figures[row].unit
+    return [
+        [
+            *(one.name, one.parameter.unit.name, one.plus_minus / one.parameter.unit.size, str(one.distribution)),
+            finite(float(study.derivatives[row, column] * one.parameter.unit.size / unit.size)),
+            finite(float(study.contributions[row, column] / unit.size)),
+            finite(float(study.shares[row, column])),
+            *plain(study.changes[row, column] / unit.size),
+        ]
+        for column, one in enumerate(study.request.tolerances)
+    ]
+
+
+def csv_table(study: ToleranceStudy) -> str:
+    """A row per result and parameter."""
+    text = io.StringIO()
+    writer = csv.writer(text, lineterminator="\n")
+    writer.writerow(HEAD)
+    for row, one in enumerate(study.request.figures):
+        nominal = float(study.nominal[row] / one.unit.size)
+        for cells in _cells(study, row):
+            writer.writerow([one.name, one.unit.name, nominal, *cells[:5], study.how, *cells[5:]])
+    return text.getvalue()

@@ -1,0 +1,64 @@
+"""Tornadoes: which parameter moves a result by how much, the largest on top."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Final
+
+import numpy as np
+from matplotlib.figure import Figure
+
+from analytic.errors import printable
+from comparisons.designs.tolerance.tolerances import Tornado
+from reports.charts import draw
+from reports.charts.style import FULL_WIDTH, drawn
+from reports.document import numbers
+from reports.document.chart import Chart, Curve, Mark, Panel
+
+FAILS: Final = " (does not assemble)"  # at one of its limits
+MOST: Final = 25  # parameters in one panel
+ROW, FRAME = 0.27, 0.95  # in, height of a parameter and of all else in a panel
+LANE, WIDE = 0.17, 6.0  # half a row's two bars apart, and their width in points
+
+
+def tornado_figure(tornados: Sequence[Tornado], *head: str) -> Figure:
+    """A panel per result, below lines of words; parameters that move nothing are left out and counted.
+
+    On top is what keeps the linkage from being assembled at one of its limits, where the change is nan.
+    """
+    panels = [_panel(one) for one in tornados]
+    heights = [ROW * len(panel.rows) + FRAME for panel in panels]
+    about = Chart((), head=head, key=(_bar((), (), 0, "at the lower limit"), _bar((), (), 1, "at the upper limit")))
+    room = draw.head_room(about, FULL_WIDTH)
+
+    def draw_all(figure: Figure) -> None:
+        bottom = sum(heights)
+        draw.draw_head(figure, about, (0.0, bottom), FULL_WIDTH)
+        for panel, height in zip(panels, heights, strict=True):
+            bottom -= height
+            draw.place(figure, Chart((panel,)), (0.0, bottom), (FULL_WIDTH, height))
+
+    return drawn(FULL_WIDTH, sum(heights) + room, draw_all)
+
+
+def _panel(tornado: Tornado) -> Panel:
+    sizes = {bar: float(np.max(np.nan_to_num(np.abs(bar[1:]), nan=np.inf))) for bar in tornado.bars}
+    moving = sorted((bar for bar, size in sizes.items() if size > 0.0), key=lambda bar: -sizes[bar])
+    shown = moving[:MOST]
+    curves = tuple(
+        _bar(ends, (row + side * LANE,) * 2, ink)
+        for row, bar in enumerate(shown)
+        for ink, (side, ends) in enumerate(((-1.0, (0.0, bar[1])), (1.0, (0.0, bar[2]))))
+    )
+    left = [f"{len(moving) - len(shown)} smaller ones are left out"] if len(moving) > len(shown) else []
+    still = len(tornado.bars) - len(moving)
+    left += [f"{still} {'moves' if still == 1 else 'move'} nothing"] if still else []
+    what = f"{tornado.result}: {numbers.figure(tornado.nominal)} {tornado.unit}".rstrip()
+    label = ", ".join(filter(None, ("change", tornado.unit)))
+    rows = tuple(printable(bar[0]) + FAILS * (sizes[bar] == np.inf) for bar in shown) or ("–",)
+    title = printable("; ".join([what, *left]))
+    return Panel(curves, printable(label), "", (Mark(0.0),), names="", title=title, rows=rows)
+
+
+def _bar(x: Sequence[float], y: Sequence[float], ink: int, name: str = "") -> Curve:
+    return Curve(np.array(x, dtype=float), np.array(y, dtype=float), name, ink, width=WIDE)

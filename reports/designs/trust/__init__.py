@@ -1,0 +1,1 @@
+"""What simulations of a sample of designs say and show."""

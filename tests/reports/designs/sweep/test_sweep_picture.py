@@ -1,0 +1,197 @@
+"""Pictures of sweeps: what is drawn, said, marked and hatched; words that touch nothing."""
+
+import itertools
+import re
+
+import numpy as np
+import pytest
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.patches import Rectangle
+from matplotlib.text import Text
+
+from analytic.errors import LinkproofError
+from reports.charts import draw
+from reports.charts.style import INK, LIMIT_COLOUR, MUTED
+from reports.designs.sweep import sweep_picture
+from reports.designs.sweep.sweep_picture import sweep_figure, sweep_svg
+from tests.reports.designs.made_up_sweep import CONDITIONS, sweep
+
+OWN = {"rod.B.x": 174.0, "links.coupler_upper.centre.y": 184.0, "crank.mass": 194.0}
+
+
+def texts(figure):
+    return [one.get_text() for one in figure.findobj(match=Text) if one.get_text().strip()]
+
+
+def hatches(axes):
+    return [one for one in axes.get_children() if isinstance(one, Rectangle) and one.get_hatch()]
+
+
+def marked(axes, marker, colour):
+    """Where a marker of a colour stands."""
+    return [tuple(map(float, line.get_xydata()[0])) for line in axes.lines
+            if line.get_marker() == marker and line.get_color() == colour]  # fmt: skip
+
+
+def panels(figure):
+    """All axes but those of the words above."""
+    return figure.axes[:-1]
+
+
+CASES = {
+    "a line": (sweep(50, fails=0.3), 1),
+    "five lines": (sweep(50, figures=5, fails=0.3), 5),
+    "eleven lines": (sweep(2500, figures=11), 9),
+    "a map": (sweep(20, 30, fails=0.3), 1),
+    "four maps": (sweep(20, 30, figures=4, fails=0.3), 4),
+    "eleven maps": (sweep(20, 30, figures=11), 9),
+    "parallel": (sweep(5, 6, 7, figures=3, fails=0.3), 1),
+    "eleven parallel": (sweep(5, 6, 7, figures=11, fails=0.3), 1),
+    "a table": (sweep(40, figures=3, table=True, fails=0.3), 1),
+    "one design": (sweep(1, figures=2), 2),
+    "one design of two": (sweep(1, 1), 1),
+    "a row": (sweep(1, 9), 1),
+    "nothing assembles": (sweep(9, fails=1.1), 1),
+    "nothing assembles, map": (sweep(9, 9, fails=1.1, figures=2), 2),
+    "nothing assembles, table": (sweep(9, 9, fails=1.1, table=True), 1),
+    "constant": (sweep(9, change=lambda values: 0.0 * values + 3.0), 1),
+    "constant map": (sweep(9, 9, change=lambda values: 0.0 * values), 1),
+    "constant table": (sweep(9, 9, table=True, change=lambda values: 0.0 * values - 3.0), 1),
+    "huge": (sweep(9, 9, change=lambda values: -1e200 * values), 1),
+    "tiny": (sweep(9, change=lambda values: -1e-200 * values), 1),
+}
+
+
+@pytest.mark.parametrize(("dataset", "count"), CASES.values(), ids=CASES)
+def test_panels_are_counted_and_no_words_touch_or_leave_the_figure(dataset, count):
+    figure = sweep_figure(dataset, OWN)
+    assert len(panels(figure)) == count
+    canvas = FigureCanvasAgg(figure)
+    canvas.draw()
+    renderer = canvas.get_renderer()
+    found = [text for text in figure.findobj(match=Text) if text.get_text().strip()]
+    boxes = [(text, text.get_window_extent(renderer)) for text in found if text.get_rotation() in (0.0, 90.0)]
+    for (one, box), (other, another) in itertools.combinations(boxes, 2):
+        wide = min(box.x1, another.x1) - max(box.x0, another.x0)
+        high = min(box.y1, another.y1) - max(box.y0, another.y0)
+        assert wide < 2.0 or high < 3.5, (one.get_text(), other.get_text())
+    for text, box in boxes:
+        assert min(box.x0, box.y0, figure.bbox.x1 - box.x1, figure.bbox.y1 - box.y1) > -1.0, text.get_text()
+
+
+def test_a_line_says_whose_designs_they_are_and_hatches_those_that_fail():
+    figure = sweep_figure(sweep(101, fails=0.3), OWN)
+    (axes,) = panels(figure)
+    words = texts(figure)
+    assert "made-up, as-printed: 101 designs, 30 of which do not assemble" in words
+    assert {
+        CONDITIONS,
+        "least magnitude",
+        "design of the file",
+        "does not assemble",
+    } <= set(words)
+    assert {"Mkr.peak, N*m", "rod.B.x, mm"} <= set(words)
+    (band,) = hatches(axes)
+    assert (band.get_x(), band.get_x() + band.get_width()) == pytest.approx((177.05, 180.05))
+    assert marked(axes, "*", LIMIT_COLOUR) == [pytest.approx((173.0, 1e-7))]
+    assert [line.get_xdata()[0] for line in axes.lines if line.get_color() == MUTED and line.is_dashed()] == [174.0]
+
+
+def test_of_many_designs_a_single_peak_shows_and_the_picture_says_so():
+    def change(values):
+        values = 0.0 * values + 1.0
+        values[777_777 % values.size] = 9.0
+        return values
+
+    figure = sweep_figure(sweep(100_000, change=change), {"rod.B.x": 200.0})
+    (axes,) = panels(figure)
+    assert max(np.nanmax(line.get_ydata()) for line in axes.lines if len(line.get_xdata()) > 9) == 9.0
+    assert max(len(line.get_xdata()) for line in axes.lines) <= 2 * sweep_picture.CURVE_CELLS
+    assert "The curve goes through the least and the largest of each 100\u00a0neighbours." in texts(figure)
+    assert "design of the file" not in texts(figure)
+
+
+def test_a_map_has_a_colour_bar_contours_with_words_a_hatch_and_its_best_design():
+    figure = sweep_figure(sweep(21, 31, fails=0.3), OWN)
+    (axes,) = panels(figure)
+    (bar,) = axes.child_axes
+    (image,) = axes.images
+    assert image.get_array().shape == (31, 21)
+    assert np.count_nonzero(np.ma.getmaskarray(np.ma.masked_invalid(image.get_array()))) == 31 * 6
+    assert len(hatches(axes)) == 1
+    named = {text.get_text() for text in bar.texts}
+    written = {text.get_text() for text in axes.texts if text.get_fontsize() == 9.0}
+    assert len(named & written) >= 3
+    assert "value, 10⁻⁴ N*m" in named
+    assert marked(axes, "*", LIMIT_COLOUR) == [pytest.approx((173.0, 180.0))]
+    assert marked(axes, "D", INK) == [(174.0, 184.0)]
+
+
+def test_a_map_without_failures_has_no_hatch_and_descending_values_are_turned():
+    dataset = sweep(21, 31)
+    figure = sweep_figure(dataset)
+    assert not hatches(panels(figure)[0])
+    assert "does not assemble" not in texts(figure)
+    turned = sweep_figure(dataset.isel({"rod.B.x": slice(None, None, -1)}))
+    assert sweep_svg(dataset) == draw.svg(turned, page="white")
+
+
+def test_a_transmission_angle_is_best_at_ninety_degrees():
+    dataset = sweep(101, figures=3)
+    name = list(dataset.data_vars)[-1]
+    dataset[name] = dataset[name] * 0.0 + np.linspace(60.0, 130.0, 101)
+    figure = sweep_figure(dataset)
+    ((place, value),) = marked(panels(figure)[-1], "*", LIMIT_COLOUR)
+    assert value == pytest.approx(90.0, abs=0.5)
+    assert place == pytest.approx(170.0 + 10.0 * 30.0 / 70.0, abs=0.1)
+    assert "nearest to 90°" in texts(figure)
+
+
+def test_parallel_lines_end_where_designs_do_not_assemble_and_the_best_is_among_a_sample():
+    figure = sweep_figure(sweep(30, 20, 10, figures=2, fails=0.3), OWN)
+    (axes,) = panels(figure)
+    lines = {line.get_color(): line.get_xydata() for line in axes.lines if len(line.get_xdata()) > 5}
+    drawn = sum(np.count_nonzero(points[:, 0] == 0.0) for points in lines.values())
+    assert drawn == 2000 + 1  # the best is drawn among the others, and above them
+    best = lines[LIMIT_COLOUR]
+    assert best[:3, 1] == pytest.approx(np.array([9.0 / 29.0, 0.0, 0.0]), abs=1e-12)
+    grey = [points for points in lines.values() if np.all(np.isnan(points[points[:, 0] > 2.0, 1]))]
+    assert len(grey) == 1
+    assert any(re.match("2\u202f000 designs are drawn, chosen at random with seed 0", text) for text in texts(figure))
+    assert {"design of the file", "does not assemble", "Mkr.peak: least magnitude"} <= set(texts(figure))
+    assert marked(axes, "D", INK) == [pytest.approx((n, 0.4)) for n in range(3)]
+
+
+def test_a_table_is_drawn_as_the_grid_of_the_same_designs():
+    grid, table = (sweep(6, 5, 4, figures=2, fails=0.2, table=one) for one in (False, True))
+    assert sweep_svg(grid, OWN) == sweep_svg(table, OWN)
+
+
+def test_more_than_nine_figures_are_said():
+    assert "The first 9 of 11 figures are drawn." in texts(sweep_figure(sweep(9, figures=11)))
+
+
+def test_a_file_is_the_same_every_time_and_stands_on_white():
+    text = sweep_svg(sweep(9, 9, fails=0.3), OWN)
+    assert text == sweep_svg(sweep(9, 9, fails=0.3), OWN)
+    assert "prefers-color-scheme" not in text
+    assert "<pattern" in text
+    assert "fill: #ffffff" in text
+
+
+def test_nothing_to_draw_is_refused():
+    with pytest.raises(LinkproofError, match="expected designs"):
+        sweep_figure(sweep(0, table=True))
+
+
+@pytest.mark.parametrize("counts", [(400,), (40, 30), (400, 3, 3)])
+def test_values_that_grow_without_bounds_are_cut_off_and_the_picture_says_how_far_they_reach(counts):
+    dataset = sweep(*counts, change=lambda values: values + 1.0)
+    name = "Mkr.peak"
+    dataset[name][{"rod.B.x": -1}] = 1e4
+    figure = sweep_figure(dataset, OWN)
+    told = [" ".join(text.split()) for text in texts(figure)]
+    assert any(re.fullmatch(r"Mkr\.peak \(1\.000 to 10000\),.N\*m", text) for text in told)
+    assert any(text.startswith("Where two numbers follow a name") for text in told)
+    assert not any(text in {"5000", "10000"} for text in told)
+    assert len(marked(panels(figure)[0], "*", LIMIT_COLOUR)) == (len(counts) < 3)

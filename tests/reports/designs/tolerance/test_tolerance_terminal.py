@@ -1,0 +1,45 @@
+"""What is printed of a tolerance study: rows by contribution, what a derivative is, the worst case, random designs."""
+
+from comparisons.designs.tolerance.tolerance_study import tolerance_request, tolerance_study
+from comparisons.designs.tolerance.tolerances import Tolerances
+from reports.designs.tolerance.tolerance_files import document
+from reports.designs.tolerance.tolerance_terminal import NONE, TIED, printout
+from reports.document.terminal import rendered
+from tests.analytic.linkages import IN_LINE, from_text, mechanism
+
+
+def told(linkage, results, table, **options):
+    """The text of a study."""
+    study = tolerance_study(tolerance_request(linkage, Tolerances(results, 900.0, table), angles=24, **options))
+    found = printout(study)
+    return study, rendered(*found.tables, *found.closing)
+
+
+def test_rows_stand_by_contribution_and_a_mass_moves_no_stroke():
+    table = {"rod.mass": 0.01, "rod.B.x": 0.01, "rocker.B.length": {"plus_minus": 0.05, "distribution": "uniform"}}
+    study, text = told(mechanism("rimoldi-164", "as-built").linkage, ("stroke",), table, samples=30, seed=2)
+    rows = [line.split()[0] for line in text.splitlines() if "exact" in line]
+    assert rows == ["rocker.B.length", "rod.B.x", "rod.mass"]
+    assert "stroke [mm]: 30.9866" in text
+    assert "rocker.B.length  0.05  mm uniform" in text
+    low, high = study.corners[0] * 1e3
+    assert f"{low:.4f} to {high:.4f} mm of all 8 corners worked out" in text
+    assert "30 random designs, seed 2: all of them assemble" in text
+
+
+def test_what_has_no_derivative_says_why():
+    table = {"piston.through.y": 0.001, "rod.B.x": 0.001}
+    study, text = told(from_text(IN_LINE).linkage, ("v.peak",), table, samples=4)
+    assert text.count(TIED) == 1
+    first = document(study)["results"]["v.peak"]["tolerances"][0]
+    assert first["derivative"] is None
+    assert first["contribution"] > 0.0
+    _, text = told(mechanism("parallelogram").linkage, ("Mkr@30",), {"coupler.mass": 0.01}, samples=4)
+    assert "difference" in text
+    assert NONE not in text.split()
+
+
+def test_designs_that_do_not_assemble_are_a_share():
+    table = {"crank.A.x": {"plus_minus": 11.9, "distribution": "uniform"}}
+    _, text = told(mechanism("rimoldi-164", "as-built").linkage, ("stroke",), table, samples=100)
+    assert "% of them do not assemble" in text
