@@ -17,7 +17,7 @@ from analytic.errors import LinkproofError
 from comparisons.designs.named_figures import named_figures
 from comparisons.designs.parameters import Parameter, parameter
 from comparisons.designs.steady_motion import SAMPLES
-from comparisons.designs.sweep.space import ONE_BY_ONE, Grid, Listed, Space, Values
+from comparisons.designs.sweep.space import ONE_BY_ONE, Grid, Listed, Space
 from comparisons.designs.sweep.sweep import SweepRequest, own_figures, sweep_block, usual_figures
 from comparisons.designs.sweep.sweep import sweep as sweep_space
 from comparisons.runs.cluster.connecting import opened
@@ -90,7 +90,7 @@ def _checked(name: str, given: Any) -> Any:  # noqa: ANN401 - arrays of two kind
 
 def _space(parts: tuple[Parameter, ...], values: Sequence[Array], *, is_table: bool) -> Space:
     if not is_table:
-        return Grid(tuple(map(Values, parts, values)))
+        return Grid(parts, tuple(values))
     if len({len(one) for one in values}) > 1:
         raise LinkproofError(f"table: expected columns of one length, got {[len(one) for one in values]}; correct it")
     return Listed(parts, np.stack(values))

@@ -8,9 +8,8 @@ from __future__ import annotations
 import math
 import re
 from abc import ABC, abstractmethod
-from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Final, Protocol
+from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -26,28 +25,18 @@ ONE_BY_ONE: Final = "design"  # the dimension of a list
 WRITTEN: Final = "NAME=FIRST:LAST:COUNT, such as rod.B.x=170:180:1000"
 
 
-class Axis(Protocol):
-    """The values of one parameter of a grid."""
-
-    @property
-    def parameter(self) -> Parameter: ...  # noqa: D102
-    @property
-    def count(self) -> int: ...  # noqa: D102
-    def at(self, places: NDArray[np.int64]) -> Array:
-        """The values at these places."""
-        ...
-
-
 @dataclass(frozen=True)
 class Steps:
-    """Equal steps between two values, both included."""
+    """Equal steps between two values, both included; an array that is not held."""
 
-    parameter: Parameter
     first: float
     last: float
     count: int
 
-    def at(self, places: NDArray[np.int64]) -> Array:
+    def __len__(self) -> int:
+        return self.count
+
+    def __getitem__(self, places: NDArray[np.int64]) -> Array:
         """The values at these places."""
         if self.count == 1:
             return np.full(places.shape, self.first)
@@ -55,30 +44,20 @@ class Steps:
         return np.where(places == self.count - 1, self.last, values)
 
 
+Axis = Steps | Array
+
+
 @dataclass(frozen=True)
-class Values:
-    """Given values (count,)."""
-
-    parameter: Parameter
-    values: Array
-
-    @property
-    def count(self) -> int:
-        """How many there are."""
-        return len(self.values)
-
-    def at(self, places: NDArray[np.int64]) -> Array:
-        """The values at these places."""
-        return self.values[places]
-
-
 class Space(ABC):
-    """Designs by number: the values of their parameters in the units of the file."""
+    """Designs by number: the values of their ``parameters`` in the units of the file."""
 
-    @property
-    @abstractmethod
-    def parameters(self) -> tuple[Parameter, ...]:
-        """What differs."""
+    parameters: tuple[Parameter, ...]
+
+    def __post_init__(self) -> None:
+        names = [one.name for one in self.parameters]
+        twice = next((name for name in names if names.count(name) > 1), None)
+        if twice is not None:
+            raise LinkproofError(f"expected every parameter once, got {twice} twice: leave one of the two out")
 
     @property
     @abstractmethod
@@ -86,9 +65,9 @@ class Space(ABC):
         """Designs along each dimension."""
 
     @property
-    @abstractmethod
     def dimensions(self) -> tuple[str, ...]:
-        """Names of the dimensions."""
+        """Names of the dimensions; one, of all designs, of those that are no grid."""
+        return (ONE_BY_ONE,)
 
     @abstractmethod
     def shown(self, first: int, last: int) -> Array:
@@ -126,21 +105,16 @@ class Grid(Space):
     axes: tuple[Axis, ...]
 
     def __post_init__(self) -> None:
-        check_differ([one.name for one in self.parameters])
+        super().__post_init__()
         if self.count > MOST:
             raise LinkproofError(
                 f"expected {MOST:.0e} designs at most, got {' × '.join(map(str, self.shape))}: give fewer steps"
             )
 
     @property
-    def parameters(self) -> tuple[Parameter, ...]:
-        """What differs, axis by axis."""
-        return tuple(axis.parameter for axis in self.axes)
-
-    @property
     def shape(self) -> tuple[int, ...]:
         """Values of every axis."""
-        return tuple(axis.count for axis in self.axes)
+        return tuple(map(len, self.axes))
 
     @property
     def dimensions(self) -> tuple[str, ...]:
@@ -150,44 +124,26 @@ class Grid(Space):
     @property
     def ends(self) -> Array:
         """Least and largest value of every axis."""
-        ends = [_ends(axis) for axis in self.axes]
+        ends = [axis[np.array([0, len(axis) - 1])] if isinstance(axis, Steps) else axis for axis in self.axes]
         return np.array([[np.min(values), np.max(values)] for values in ends])
 
     def shown(self, first: int, last: int) -> Array:
         """Values of a range of designs, (parameters, designs)."""
         places = np.unravel_index(np.arange(first, last), self.shape)
-        return np.stack([axis.at(place) for axis, place in zip(self.axes, places, strict=True)])
-
-
-def _ends(axis: Axis) -> Array:
-    return axis.values if isinstance(axis, Values) else axis.at(np.array([0, axis.count - 1]))
+        return np.stack([axis[place] for axis, place in zip(self.axes, places, strict=True)])
 
 
 @dataclass(frozen=True)
 class Listed(Space):
     """Designs one by one: ``values`` (parameters, designs), of which the first has the number ``start``."""
 
-    columns: tuple[Parameter, ...]
     values: Array
     start: int = 0
-
-    def __post_init__(self) -> None:
-        check_differ([one.name for one in self.columns])
-
-    @property
-    def parameters(self) -> tuple[Parameter, ...]:
-        """What differs, column by column."""
-        return self.columns
 
     @property
     def shape(self) -> tuple[int, ...]:
         """The number of designs."""
         return (self.values.shape[1],)
-
-    @property
-    def dimensions(self) -> tuple[str, ...]:
-        """One, of all designs."""
-        return (ONE_BY_ONE,)
 
     @property
     def ends(self) -> Array:
@@ -200,11 +156,11 @@ class Listed(Space):
 
     def part(self, first: int, last: int) -> Listed:
         """These designs alone."""
-        return Listed(self.columns, self.shown(first, last), first)
+        return Listed(self.parameters, self.shown(first, last), first)
 
 
-def steps(linkage: Linkage, text: str) -> Steps:
-    """The axis that ``--vary rod.B.x=170:180:1000`` asks for.
+def steps(linkage: Linkage, text: str) -> tuple[Parameter, Steps]:
+    """The parameter and its values that ``--vary rod.B.x=170:180:1000`` asks for.
 
     Raises UnknownNameError for a parameter or a unit that there is not, LinkproofError for what is no range.
     """
@@ -223,11 +179,4 @@ def steps(linkage: Linkage, text: str) -> Steps:
             f"--vary {name}: expected {'two values that differ' if count > 1 else 'a single value, twice'} for "
             f"{count} value{'s' if count > 1 else ''}, got {words[0]} and {words[1]}; correct the range or the count"
         )
-    return Steps(found, first, last, count)
-
-
-def check_differ(names: Sequence[str]) -> None:
-    """Raise LinkproofError for a parameter that is named twice."""
-    twice = next((name for name in names if names.count(name) > 1), None)
-    if twice is not None:
-        raise LinkproofError(f"expected every parameter once, got {twice} twice: leave one of the two out")
+    return found, Steps(first, last, count)

@@ -7,7 +7,7 @@ import math
 from collections.abc import Callable, Collection, Iterator, Sequence
 from dataclasses import asdict, dataclass, replace
 from functools import cached_property
-from typing import Any, Final
+from typing import Any, Final, NamedTuple, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -29,6 +29,7 @@ from comparisons.runs.failures import Lost
 from comparisons.runs.workers import Bounds, Pool
 
 Array = NDArray[np.float64]
+Entry = TypeVar("Entry")
 
 USUAL: Final = ("Mkr.peak", "joint_force.peak", "transmission_angle.peak")
 PLACES: Final = 8_000_000  # designs times crank angles of a block: half a second of a core, or so
@@ -95,21 +96,20 @@ class SweepRequest:
         return Blocks(self.space.count, self.space.slab, min(max(1, PLACES // cost), LARGEST))
 
 
-@dataclass(frozen=True)
-class Extreme:
-    """A value, the number of the first design that has it, and its ``rank``, by which it is least or largest."""
+class Extreme(NamedTuple):
+    """The first design that has a value; the one with the smaller ``rank`` is the least, or the largest."""
 
-    value: float = math.nan
+    rank: float = math.inf
     design: int = NONE
-    rank: float = math.nan
+    value: float = math.nan
 
 
 @dataclass(frozen=True)
 class Summary:
     """What is known of so many ``designs``: how many assemble, the ends of their figures and of their parameters.
 
-    ``least`` and ``largest`` have an extreme per figure, of peaks by their magnitude, ``reach`` the least and largest
-    value per parameter, file's units; nothing where no design assembles.
+    ``least`` and ``largest`` have an extreme per figure, ``reach`` the least and largest value per parameter, file's
+    units; nothing where no design assembles.
     """
 
     designs: int = 0
@@ -123,11 +123,9 @@ class Summary:
         return Summary(
             self.designs + other.designs,
             self.assembled + other.assembled,
-            _first((self.least, other.least), 1.0),
-            _first((self.largest, other.largest), -1.0),
-            tuple((min(a[0], b[0]), max(a[1], b[1])) for a, b in zip(self.reach, other.reach, strict=True))
-            if self.reach and other.reach
-            else self.reach or other.reach,
+            _merged(min, self.least, other.least),
+            _merged(min, self.largest, other.largest),
+            _merged(lambda a, b: (min(a[0], b[0]), max(a[1], b[1])), self.reach, other.reach),
         )
 
     def encoded(self) -> bytes:
@@ -138,18 +136,15 @@ class Summary:
     def decoded(text: bytes) -> Summary:
         """The summary of ``encoded``."""
         told = json.loads(text)
-        extremes = {end: tuple(Extreme(**one) for one in told[end]) for end in ("least", "largest")}
+        extremes = {end: tuple(Extreme(*one) for one in told[end]) for end in ("least", "largest")}
         return Summary(told["designs"], told["assembled"], **extremes, reach=tuple(map(tuple, told["reach"])))
 
 
-def _first(ends: tuple[tuple[Extreme, ...], tuple[Extreme, ...]], sign: float) -> tuple[Extreme, ...]:
-    """Figure by figure the one of the smaller rank times the ``sign``, of equal ones that of the first design."""
-    if not all(ends):
-        return ends[0] or ends[1]
-    return tuple(
-        min((one for one in pair if one.design != NONE), key=lambda one: (sign * one.rank, one.design), default=pair[0])
-        for pair in zip(*ends, strict=True)
-    )
+def _merged(
+    how: Callable[[Entry, Entry], Entry], first: tuple[Entry, ...], second: tuple[Entry, ...]
+) -> tuple[Entry, ...]:
+    """Both, entry by entry; one of them where the other is empty."""
+    return tuple(map(how, first, second)) if first and second else first or second
 
 
 def usual_figures(mechanism: Mechanism) -> tuple[NamedFigure, ...]:
@@ -248,10 +243,10 @@ def _summary(request: SweepRequest, first: int, last: int, found: Array) -> Summ
     shown = request.space.shown(first, last)[:, there]
     reach = zip(np.min(shown, axis=1).tolist(), np.max(shown, axis=1).tolist(), strict=True)
     ends, ranks = [], np.array([_ranks(one, row) for one, row in zip(request.figures, found, strict=True)])
-    for worst, choose in ((np.inf, np.argmin), (-np.inf, np.argmax)):
-        places = choose(np.where(finite, ranks, worst), axis=1).tolist()
+    for signed in (ranks, -ranks):
+        places = np.argmin(np.where(finite, signed, np.inf), axis=1).tolist()
         ends.append(tuple(
-            Extreme(float(found[row, at]), first + at, float(ranks[row, at])) if finite[row, at] else Extreme()
+            Extreme(float(signed[row, at]), first + at, float(found[row, at])) if finite[row, at] else Extreme()
             for row, at in enumerate(places)
         ))  # fmt: skip
     return Summary(last - first, int(np.count_nonzero(there)), ends[0], ends[1], tuple(reach))
@@ -259,8 +254,8 @@ def _summary(request: SweepRequest, first: int, last: int, found: Array) -> Summ
 
 def _ranks(one: NamedFigure, values: Array) -> Array:
     """What makes values least or largest: of transmission angles farthest from 90° the distance from there."""
-    is_peak = one.figure.reduction is Reduction.PEAK
-    return np.asarray(np.abs(values - middle(one.figure.signal) / one.unit.size)) if is_peak else values
+    centre = middle(one.figure.signal) if one.figure.reduction is Reduction.PEAK else 0.0
+    return np.abs(values - centre / one.unit.size) if centre else values
 
 
 def why_not(request: SweepRequest) -> str:

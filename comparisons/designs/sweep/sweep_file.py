@@ -70,7 +70,7 @@ class SweepFile:
     def _fixed(self) -> list[Array]:
         """The other axes."""
         space = self.request.space
-        return [axis.at(np.arange(axis.count)) for axis in space.axes[1:]] if isinstance(space, Grid) else []
+        return [axis[np.arange(len(axis))] for axis in space.axes[1:]] if isinstance(space, Grid) else []
 
     @cached_property
     def _begin(self) -> int:
@@ -140,9 +140,7 @@ class SweepFile:
 
     def _lead(self, first: int, last: int) -> Array:
         space = self.request.space
-        return (
-            space.axes[0].at(np.arange(first, last))[:, None] if isinstance(space, Grid) else space.shown(first, last).T
-        )
+        return space.axes[0][np.arange(first, last)][:, None] if isinstance(space, Grid) else space.shown(first, last).T
 
     def _put(self, file: BinaryIO, place: int, values: Array) -> None:
         file.seek(self._begin + place * SIZE)

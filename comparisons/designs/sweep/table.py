@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from analytic.description.linkage import Linkage
 from analytic.errors import LinkproofError, shortened
 from comparisons.designs.parameters import Parameter, parameter
-from comparisons.designs.sweep.space import ONE_BY_ONE, Listed, Space, check_differ
+from comparisons.designs.sweep.space import Listed, Space
 
 Array = NDArray[np.float64]
 
@@ -33,7 +33,6 @@ class TableFile(Space):
     """
 
     path: Path
-    columns: tuple[Parameter, ...]
     sizes: Array
     rows: int
     blocks: tuple[tuple[int, int], ...]
@@ -42,19 +41,9 @@ class TableFile(Space):
     _last: dict[tuple[int, int], Array] = field(default_factory=dict, compare=False, repr=False)  # what was read last
 
     @property
-    def parameters(self) -> tuple[Parameter, ...]:
-        """What differs, column by column."""
-        return self.columns
-
-    @property
     def shape(self) -> tuple[int, ...]:
         """The number of designs."""
         return (self.rows,)
-
-    @property
-    def dimensions(self) -> tuple[str, ...]:
-        """One, of all designs."""
-        return (ONE_BY_ONE,)
 
     @property
     def ends(self) -> Array:
@@ -63,7 +52,7 @@ class TableFile(Space):
 
     def part(self, first: int, last: int) -> Listed:
         """These designs alone, without the file."""
-        return Listed(self.columns, self.shown(first, last), first)
+        return Listed(self.parameters, self.shown(first, last), first)
 
     def shown(self, first: int, last: int) -> Array:
         """Values of a range of designs, (parameters, designs)."""
@@ -113,7 +102,7 @@ def _read(path: Path, file: IO[bytes], linkage: Linkage) -> TableFile:
         ends = [np.min(ends, axis=0), np.max(ends, axis=0)] if ends else []
     if not rows:
         raise LinkproofError(f"--table '{path}': expected a row per design below its head, got none; add some")
-    return TableFile(path, columns, sizes, rows, tuple(blocks), np.stack(ends, axis=1), digest.hexdigest())
+    return TableFile(columns, path, sizes, rows, tuple(blocks), np.stack(ends, axis=1), digest.hexdigest())
 
 
 def _pieces(file: IO[bytes]) -> Iterator[tuple[int, list[bytes]]]:
@@ -135,7 +124,6 @@ def _columns(path: Path, head: str, linkage: Linkage) -> tuple[tuple[Parameter, 
         found = parameter(linkage, name.strip())
         columns.append(found)
         sizes.append(found.si(f"1 {unit.strip().removesuffix(']').strip()}") / found.unit.size if bracket else 1.0)
-    check_differ([one.name for one in columns])
     return tuple(columns), np.array(sizes)
 
 

@@ -33,7 +33,8 @@ from reports.designs.sweep.sweep_table import csv_rows
 from reports.designs.sweep.sweep_terminal import SweepSummary
 from reports.document.terminal import Printout
 
-MOST_DRAWN: Final = 10**7
+PICTURE: Final = "sweep.svg"
+DRAWN: Final = 10**6  # designs of which a picture is drawn without being asked for, in half a second or so
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -89,11 +90,9 @@ class SweepChoice(SteadyChoice):
 def run(choice: SweepChoice, destination: Destination) -> int:
     """Work a space through, print its summary and write the files asked for; returns the exit code."""
     destination.check(FILE)
+    destination.check(PICTURE)
     choice.check()
     request, conditions = sweep_request(load(choice.mechanism, choice.variant), choice)
-    if choice.svg is not None and request.space.count > MOST_DRAWN:
-        raise LinkproofError(f"--svg: expected at most {MOST_DRAWN:.0e} designs, which a picture is made of in memory, "
-                             f"got {request.space.count}; leave it out, or vary in fewer steps")  # fmt: skip
     own = own_figures(request)
     with ExitStack() as stack:
         folder = destination.folder
@@ -103,7 +102,8 @@ def run(choice: SweepChoice, destination: Destination) -> int:
         saved = None if folder is None else SavedSweep(request, folder, about)
         found = SweepSummary(request, own, _worked(choice, destination, request, saved), conditions)
         if saved is not None:
-            _write_data(choice, saved.file, found.own_parameters)
+            _write_rows(choice.csv, saved.file)
+            _write_pictures(choice, destination, saved.file, found.own_parameters)
         try:
             trusted = _simulated(choice, destination, request)
         except LinkproofError:  # the figures are there all the same
@@ -114,7 +114,8 @@ def run(choice: SweepChoice, destination: Destination) -> int:
             saved.finish()
     destination.write_json(found.document)
     if STDOUT not in choice.files.values():
-        wrote = [] if destination.folder is None else [f"wrote {destination.folder / FILE}"]
+        there = [destination.folder / name for name in (FILE, PICTURE)] if destination.folder else []
+        wrote = [f"wrote {path}" for path in there if path.exists()]
         closing = [found.sentence, *wrote] if destination.quiet else wrote
         destination.print_out(
             Printout([*found.parts, "", *trusted.printout.tables], [*trusted.printout.closing, *closing])
@@ -149,7 +150,7 @@ def designs_of(linkage: Linkage, choice: SweepChoice) -> Space:
     """The grid of ``--vary``, or the list of ``--table``."""
     if choice.table is not None:
         return table_file(choice.table, linkage)
-    return Grid(tuple(steps(linkage, text) for text in choice.vary))
+    return Grid(*zip(*(steps(linkage, text) for text in choice.vary), strict=True))
 
 
 def described(request: SweepRequest, conditions: str, command: str) -> dict[str, str | int]:
@@ -208,24 +209,32 @@ def _journal(folder: Path, request: SweepRequest, command: str, *, resume: bool)
     return journal(folder, command, linkages=[request.linkage], files=files, resume=resume)
 
 
-def _write_data(choice: SweepChoice, file: SweepFile, own: Mapping[str, float]) -> None:
-    """Write the designs as CSV and as a picture, where they are asked for."""
-    if choice.csv == STDOUT:
+def _write_rows(place: str | None, file: SweepFile) -> None:
+    """Write the designs as CSV, where that is asked for."""
+
+    def write(path: Path) -> None:
+        with path.open("w", encoding="utf-8", newline="") as stream:
+            stream.writelines(csv_rows(file))
+
+    if place == STDOUT:
         for text in csv_rows(file):
             write_out(text)
-    elif choice.csv is not None:
-        write_file(Path(choice.csv), lambda path: _write_rows(path, file))
-    if choice.svg is not None:
+    elif place is not None:
+        write_file(Path(place), write)
+
+
+def _write_pictures(choice: SweepChoice, destination: Destination, file: SweepFile, own: Mapping[str, float]) -> None:
+    """Write the picture where it is asked for, and into the folder where it is cheap and not ``quiet``."""
+    places = [] if choice.svg is None else [choice.svg]
+    if destination.folder is not None:
+        picture = destination.folder / PICTURE
+        picture.unlink(missing_ok=True)  # that of an earlier sweep
+        if not destination.quiet and file.request.space.count <= DRAWN:
+            places.append(str(picture))
+    if places:
         from reports.designs.sweep.sweep_picture import sweep_svg  # noqa: PLC0415 - a second that nothing else pays for
 
         with saved_sweep(file.path) as dataset:
             text = sweep_svg(dataset, own)
-        if choice.svg == STDOUT:
-            write_out(text)
-        else:
-            write_text(Path(choice.svg), text)
-
-
-def _write_rows(path: Path, file: SweepFile) -> None:
-    with path.open("w", encoding="utf-8", newline="") as stream:
-        stream.writelines(csv_rows(file))
+        for place in places:
+            write_out(text) if place == STDOUT else write_text(Path(place), text)

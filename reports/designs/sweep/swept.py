@@ -25,6 +25,7 @@ DESIGN: Final = "design"  # the dimension of a table
 MOST: Final = 9  # figures in one picture
 COARSE: Final = 1000  # cells of which only the extremes count
 CUT: Final = "Where two numbers follow a name, values reach that far and are cut off, for the others to be told apart."
+SIGNED: Final = (".mean", ".max", ".min")  # figures that may be negative, as those at an angle
 FAILS: Final = "does not assemble"
 OWN: Final = "design of the file"
 
@@ -59,9 +60,14 @@ class Swept:
         return tuple(map(str, self.dataset.data_vars))[:MOST]
 
     @property
+    def shape(self) -> tuple[int, ...]:
+        """Designs along each dimension."""
+        return tuple(self.dataset.sizes.values())
+
+    @property
     def count(self) -> int:
         """How many designs there are."""
-        return math.prod(self.dataset.sizes.values())
+        return math.prod(self.shape)
 
     def places(self, parameter: str) -> Array:
         """The values of a parameter of a grid."""
@@ -75,16 +81,14 @@ class Swept:
 
     def keep(self, name: str, *cells: Cells) -> Kept:
         """A figure, or a parameter of a table, thinned out; without cells only its extremes count."""
-        count = next(iter(self.dataset.sizes.values()))
-        chosen = cells or (Cells(np.arange(float(count)), COARSE),)
-        return thinning.keep(partial(self.read, name), chosen, self.count, self.target(name)[0])
+        starts = [one.starts for one in cells] or [thinning.evenly(self.shape[0], COARSE)]
+        return thinning.keep(partial(self.read, name), self.shape, starts, self.target(name)[0])
 
     def pick(self, name: str, chosen: Indices) -> Array:
         """A figure, or a parameter, of chosen designs, ascending, by their index in the order of the dimensions."""
-        sizes = tuple(self.dataset.sizes.values())
         if name in self.dataset.dims:
-            return self.places(name)[np.unravel_index(chosen, sizes)[self.parameters.index(name)]]
-        return thinning.picked(partial(self.read, name), sizes[0], self.count, chosen)
+            return self.places(name)[np.unravel_index(chosen, self.shape)[self.parameters.index(name)]]
+        return thinning.picked(partial(self.read, name), self.shape, chosen)
 
     def unit(self, name: str) -> str:
         """The unit of a parameter or figure, of the file."""
@@ -103,7 +107,7 @@ class Swept:
         """The best value of a figure, and what is said of the design nearest to it."""
         if figure.startswith("transmission_angle:") and not figure.endswith(".range"):
             return 0.5 * math.pi if self.unit(figure) == "rad" else 90.0, "nearest to 90°"
-        return 0.0, "least magnitude"
+        return 0.0, "nearest to 0" if figure.endswith(SIGNED) or "@" in figure else "least"
 
     @property
     def own_place(self) -> tuple[float, ...]:

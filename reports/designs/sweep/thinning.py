@@ -5,6 +5,7 @@ Values are read and thinned piece by piece, so that memory does not grow with th
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Collection, Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
@@ -106,17 +107,22 @@ class Kept:
         return float(max(least, min(low - half, nearest))), float(min(largest, max(high + half, nearest)))
 
 
-def keep(read: Read, cells: Sequence[Cells], size: int, target: float = 0.0) -> Kept:
-    """Thin out ``size`` values over one or two dimensions of cells; further dimensions are reduced to nothing."""
+def evenly(places: int, most: int) -> Indices:
+    """The first of so many places of each of at most ``most`` equal parts."""
+    return np.unique(np.arange(most) * places // most)
+
+
+def keep(read: Read, shape: Sequence[int], starts: Sequence[Indices], target: float = 0.0) -> Kept:
+    """Thin out values of a shape over one or two dimensions, whose cells begin at ``starts``; the others vanish."""
     tables: list[tuple[Any, ...]] = []
     indices, extremes, failing = np.full(3, -1), np.full(3, np.nan), 0
-    starts, each = cells[0].starts, size // len(cells[0].places)
-    for first, last, part in _pieces(cells[0], each):
+    each = math.prod(shape[1:])
+    for first, last, part in _pieces(starts[0], shape[0], each):
         values = read(first, last)
         fails = np.isnan(values)
         failing += int(np.count_nonzero(fails))
         how = ((np.fmin, values), (np.fmax, values), (np.logical_or, fails))
-        tables.append(tuple(_reduced(one, table, starts[part] - first, cells[1:]) for one, table in how))
+        tables.append(tuple(_reduced(one, table, starts[0][part] - first, starts[1:]) for one, table in how))
         away = np.abs(values - target)
         ends = np.fmin.reduce(tables[-1][0], axis=None), np.fmax.reduce(tables[-1][1], axis=None)
         nearest = np.fmin.reduce(away, axis=None)
@@ -129,18 +135,18 @@ def keep(read: Read, cells: Sequence[Cells], size: int, target: float = 0.0) -> 
     return Kept(low, high, fails, failing, indices, extremes)
 
 
-def _pieces(cells: Cells, each: int) -> Iterator[tuple[int, int, slice]]:
+def _pieces(starts: Indices, places: int, each: int) -> Iterator[tuple[int, int, slice]]:
     """Ranges of whole cells: the first place, the last + 1, the cells; a place has ``each`` values."""
-    per = max(1, AT_ONCE * len(cells.starts) // (len(cells.places) * each))
-    bounds = [*cells.starts[::per].tolist(), len(cells.places)]
+    per = max(1, AT_ONCE * len(starts) // (places * each))
+    bounds = [*starts[::per].tolist(), places]
     for number, (first, last) in enumerate(pairwise(bounds)):
         yield first, last, slice(number * per, (number + 1) * per)
 
 
-def _reduced(how: Any, values: Array, starts: Indices, across: Sequence[Cells]) -> Any:  # noqa: ANN401  of numpy's functions
+def _reduced(how: Any, values: Array, starts: Indices, across: Sequence[Indices]) -> Any:  # noqa: ANN401  of numpy's functions
     rows = how.reduceat(values if values.ndim == 1 else values.reshape(len(values), -1), starts, axis=0)
     if across:
-        return how.reduceat(rows, across[0].starts, axis=1)
+        return how.reduceat(rows, across[0], axis=1)
     return rows if rows.ndim == 1 else how.reduce(rows, axis=1)
 
 
@@ -153,10 +159,12 @@ def sample(count: int, most: int, always: Collection[int]) -> Indices:
     return np.union1d(rng.permutation(rest)[: most - len(always)], list(always))
 
 
-def picked(read: Read, places: int, size: int, chosen: Indices) -> Array:
-    """The values of chosen designs, ascending, of ``size`` values over so many places of the first dimension."""
-    each, found = size // places, []
-    for first, last, _ in _pieces(Cells(np.arange(float(places)), places), each):
+def picked(read: Read, shape: Sequence[int], chosen: Indices) -> Array:
+    """The values of chosen designs, ascending, of values of a shape."""
+    each, found = math.prod(shape[1:]), []
+    step = max(1, AT_ONCE // each)
+    for first in range(0, shape[0], step):
+        last = min(first + step, shape[0])
         here = chosen[(chosen >= first * each) & (chosen < last * each)]
         if len(here):
             found.append(read(first, last).ravel()[here - first * each])

@@ -13,7 +13,7 @@ FIGURES = ("Mkr.peak", "transmission_angle:rocker + rod (RRR).peak", "stroke")
 
 
 def grid(*texts):
-    return Grid(tuple(steps(SIX_BAR, text) for text in texts))
+    return Grid(*zip(*(steps(SIX_BAR, text) for text in texts), strict=True))
 
 
 def request(space=None, figures=FIGURES, samples=8, speed=100.0):

@@ -87,8 +87,8 @@ def test_summaries_add_up_in_any_order(order, values):
         value = values[number]
         if math.isnan(value):
             return Summary(1)
-        ends = (Extreme(value, number, value),)
-        return Summary(1, 1, ends, ends, ((value, value),))
+        least, largest = Extreme(value, number, value), Extreme(-value, number, value)
+        return Summary(1, 1, (least,), (largest,), ((value, value),))
 
     total = Summary()
     for number in order:

@@ -52,7 +52,7 @@ def test_a_file_written_in_blocks_is_read_by_others(tmp_path, monkeypatch, space
 
 
 def test_names_may_be_of_any_letters_and_have_blanks(tmp_path):
-    columns = tuple(replace(one, name=f"forces.ü.{number} #2") for number, one in enumerate(LISTED.columns))
+    columns = tuple(replace(one, name=f"forces.ü.{number} #2") for number, one in enumerate(LISTED.parameters))
     asked = request(Listed(columns, LISTED.values))
     asked = replace(asked, figures=(replace(asked.figures[0], name="joint_force:Ω on ground.peak"),))
     file = SweepFile(tmp_path / "sweep.nc", asked, ABOUT)
@@ -61,13 +61,13 @@ def test_names_may_be_of_any_letters_and_have_blanks(tmp_path):
     with saved_sweep(file.path) as dataset:
         assert list(dataset.data_vars) == ["joint_force:Ω on ground.peak"]
         assert sorted(dataset.coords) == ["forces.ü.0 #2", "forces.ü.1 #2"]
-    axes = tuple(replace(steps, parameter=replace(steps.parameter, name=f"Ω{number}.x"))
-                 for number, steps in enumerate(grid(GRID[0], GRID[1]).axes))  # fmt: skip
-    file = SweepFile(tmp_path / "grid.nc", replace(asked, space=Grid(axes)), ABOUT)
+    plain = grid(GRID[0], GRID[1])
+    named = tuple(replace(one, name=f"Ω{number}.x") for number, one in enumerate(plain.parameters))
+    file = SweepFile(tmp_path / "grid.nc", replace(asked, space=Grid(named, plain.axes)), ABOUT)
     file.create()
     with saved_sweep(file.path) as dataset:
         assert dict(dataset.sizes) == {"Ω0.x": 5, "Ω1.x": 3}
-        np.testing.assert_array_equal(dataset["Ω1.x"], axes[1].at(np.arange(3)))
+        np.testing.assert_array_equal(dataset["Ω1.x"], plain.axes[1][np.arange(3)])
 
 
 def test_more_designs_than_there_is_room_for_are_told(tmp_path, monkeypatch):

@@ -12,6 +12,7 @@ import pytest
 from analytic.errors import LinkproofError
 from comparisons.designs.sweep import sweep as sweeps
 from comparisons.designs.sweep.sweep_file import saved_sweep
+from reports.command_line.commands import sweep as command
 from reports.command_line.commands.sweep import SweepChoice, run
 from reports.command_line.destination import Destination
 from tests.analytic.drives import path_of
@@ -46,8 +47,8 @@ def test_it_says_how_many_assemble_and_where_figures_are_least_and_largest(tmp_p
     )
     assert [line.split()[-2:] for line in lines[4:7]] == [["180", "0.1"], ["175", "0.17"], ["170", "0.1"]]
     assert lines[4].split()[:3] == ["stroke", "[mm]", "least"]
-    assert lines[-1] == f"wrote {tmp_path / 'out' / 'sweep.nc'}"
-    assert [path.name for path in (tmp_path / "out").iterdir()] == ["sweep.nc"]
+    assert lines[-2:] == [f"wrote {tmp_path / 'out' / name}" for name in ("sweep.nc", "sweep.svg")]
+    assert {path.name for path in (tmp_path / "out").iterdir()} == {"sweep.nc", "sweep.svg"}
 
 
 def test_every_file_tells_the_same(tmp_path):
@@ -117,12 +118,20 @@ def test_a_drive_along_a_line_has_places_and_speeds_in_its_unit(tmp_path):
     assert lines[1] == "3 designs, all of which assemble at every angle"
 
 
-def test_a_picture_is_drawn_of_what_can_be_held(tmp_path):
+def test_a_picture_is_drawn_where_it_is_asked_for_and_into_a_folder_where_it_is_cheap(tmp_path, monkeypatch):
     swept(svg=str(tmp_path / "t.svg"))
     assert ET.parse(tmp_path / "t.svg").getroot().tag.endswith("svg")
     assert [path.name for path in tmp_path.iterdir()] == ["t.svg"]
-    with pytest.raises(LinkproofError, match="--svg: expected at most"):
-        swept(svg=str(tmp_path / "t.svg"), vary=("rod.B.x=170:180:20000000",))
+    picture = tmp_path / "out" / "sweep.svg"
+    swept(picture.parent, quiet=False)
+    assert picture.read_text() == (tmp_path / "t.svg").read_text()
+    swept(picture.parent)  # quiet
+    assert not picture.exists()
+    monkeypatch.setattr(command, "DRAWN", 14)
+    swept(picture.parent, quiet=False)
+    assert not picture.exists()
+    swept(picture.parent, svg=str(picture))
+    assert picture.exists()
 
 
 def test_nothing_is_kept_but_the_summary_without_a_folder(tmp_path, monkeypatch):

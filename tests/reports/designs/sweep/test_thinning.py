@@ -14,7 +14,8 @@ VALUES = st.one_of(st.floats(-1e6, 1e6), st.just(np.nan))
 
 def kept(values, *most, target=0.0):
     cells = tuple(Cells(np.arange(float(n)), one) for n, one in zip(values.shape, most, strict=False))
-    return cells, thinning.keep(lambda first, last: values[first:last], cells, values.size, target)
+    starts = [one.starts for one in cells]
+    return cells, thinning.keep(lambda first, last: values[first:last], values.shape, starts, target)
 
 
 @pytest.fixture(params=[thinning.AT_ONCE, 7], ids=["at once", "in pieces"])
@@ -77,7 +78,7 @@ def test_extremes_and_the_nearest_are_the_first_in_the_order_of_the_dimensions(v
 def test_few_designs_are_drawn_as_they_are_and_their_failures_half_a_step_around():
     values = np.array([1.0, np.nan, np.nan, 4.0])
     cells = Cells(np.array([0.0, 1.0, 2.0, 4.0]), 100)
-    found = thinning.keep(lambda first, last: values[first:last], (cells,), 4)
+    found = thinning.keep(lambda first, last: values[first:last], (4,), [cells.starts])
     x, y = cells.curve(found)
     assert x.tolist() == [0.0, 1.0, 2.0, 4.0]
     assert np.array_equal(y, values, equal_nan=True)
@@ -94,4 +95,4 @@ def test_a_sample_holds_what_it_has_to_and_picks_its_values(count, most, always)
     assert np.all(np.diff(chosen) > 0)
     assert chosen.tolist() == thinning.sample(count, most, always).tolist()
     values = np.arange(float(count)).reshape(10, -1)
-    assert thinning.picked(lambda first, last: values[first:last], 10, count, chosen).tolist() == chosen.tolist()
+    assert thinning.picked(lambda first, last: values[first:last], values.shape, chosen).tolist() == chosen.tolist()
