@@ -151,12 +151,10 @@ def trust(sample: DesignSample, records: Iterable[Record], seed: int = 0) -> Tru
     for record in records:
         places = runs.setdefault((record.engine, record.setting), {})
         places.setdefault(numbers[record.mechanism, record.variant], []).append(record)
-    features = _features(sample)
-    found = []
+    found, told = [], features(sample)
     for (engine, setting), by_design in runs.items():
         judged = tuple(_run(one.number, by_design.get(one.number, [])) for one in sample.designs)
-        rule, safe = _rule(features, judged, seed), _safe(features, judged)
-        found.append(EngineTrust(engine, setting, judged, rule, safe))
+        found.append(EngineTrust(engine, setting, judged, _rule(told, judged, seed), _safe(told, judged)))
     return Trust(sample, tuple(found))
 
 
@@ -181,15 +179,20 @@ def _share(record: Record) -> float:
     return record.error_max / record.limit if record.error_max is not None and record.limit else 0.0
 
 
-def _features(sample: DesignSample) -> dict[tuple[str, str], Array]:
-    """What designs may be told apart by, each with its unit."""
+def features(sample: DesignSample) -> dict[tuple[str, str], Array]:
+    """What designs may be told apart by, name and unit, with its values (designs,)."""
     values = np.array([one.values for one in sample.designs])
     found = {(one.name, one.unit.name): values[:, place] for place, one in enumerate(sample.parameters)}
     angles = np.array([one.transmission for one in sample.designs])
     return found if np.any(np.isnan(angles)) else found | {(TRANSMISSION, "deg"): angles}
 
 
-def _rule(features: Mapping[tuple[str, str], Array], runs: Sequence[DesignRun], seed: int) -> Rule | None:
+def telling(values: Array, fails: NDArray[np.bool_]) -> float:
+    """How well values (designs,) tell which designs fail, 0 to 1: the statistic of Kolmogorov and Smirnov."""
+    return float(np.max(np.abs(_gaps(values, fails[None])[1]), initial=0.0))
+
+
+def _rule(told: Mapping[tuple[str, str], Array], runs: Sequence[DesignRun], seed: int) -> Rule | None:
     """The side with the largest share of failing designs over that of the others; None where all or none fail.
 
     Values of a feature are cut halfway between neighbours. The statistic is that of Kolmogorov and Smirnov, and its
@@ -201,7 +204,7 @@ def _rule(features: Mapping[tuple[str, str], Array], runs: Sequence[DesignRun], 
         return None
     shuffled = np.random.default_rng(seed).permuted(np.tile(fails, (SHUFFLES, 1)), axis=1)
     widest, found, side, there = np.zeros(SHUFFLES), 0.0, None, fails
-    for (name, unit), values in features.items():
+    for (name, unit), values in told.items():
         cuts, gaps = _gaps(values[judged], np.vstack([fails, shuffled]))
         if not len(cuts):
             continue
@@ -226,18 +229,19 @@ def _gaps(values: Array, fails: NDArray[np.bool_]) -> tuple[Array, Array]:
     steps = np.flatnonzero(np.diff(values[order]) > 0.0)
     below = np.cumsum(fails[:, order], axis=1)
     failing = np.sum(fails, axis=1, keepdims=True)
-    gaps = below / failing - (np.arange(1, len(values) + 1) - below) / (len(values) - failing)
+    others = np.maximum(len(values) - failing, 1)
+    gaps = below / np.maximum(failing, 1) - (np.arange(1, len(values) + 1) - below) / others
     ends = values[order]
     return 0.5 * (ends[steps] + ends[steps + 1]), np.asarray(gaps[:, steps])
 
 
-def _safe(features: Mapping[tuple[str, str], Array], runs: Sequence[DesignRun]) -> tuple[Side, int] | None:
+def _safe(told: Mapping[tuple[str, str], Array], runs: Sequence[DesignRun]) -> tuple[Side, int] | None:
     """The side with the most designs that are all within their limits, up to the outermost of them."""
     within = np.array([run.standing is Standing.WITHIN for run in runs])
     if np.all(within):
         return None
     best: tuple[Side, int] | None = None
-    for (name, unit), values in features.items():
+    for (name, unit), values in told.items():
         for below, clear in ((True, values < np.min(values[~within])), (False, values > np.max(values[~within]))):
             count = int(np.sum(clear))
             if count > (best[1] if best else 0):

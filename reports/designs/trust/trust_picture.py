@@ -11,8 +11,7 @@ from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
 from analytic.errors import printable
-from comparisons.designs.trust.sample import DesignSample
-from comparisons.designs.trust.trust import TRANSMISSION, EngineTrust, Standing, Trust
+from comparisons.designs.trust.trust import EngineTrust, Standing, Trust, features, telling
 from reports.charts import draw, labels
 from reports.charts.style import FULL_WIDTH
 from reports.document.chart import Chart, Curve, Ink, Mark, Panel
@@ -42,7 +41,9 @@ def trust_figure(trust: Trust, *head: str) -> Figure:
     Features are the parameters and the least transmission angle; an error is the largest share of its limit. A design
     without a result stands at the top of the axis of errors, one that is not judged only in the plane.
     """
-    names, values = _features(trust.sample)
+    told = features(trust.sample)
+    names = [printable(", ".join(filter(None, feature))) for feature in told]
+    values = np.stack([*told.values()], axis=1)
     columns = min(COLUMNS, len(trust.engines) * min(len(names), 2)) or 1
     room = FULL_WIDTH / columns - 1.0
     panels = [panel for engine in trust.engines for panel in _panels(engine, names, values, room)]
@@ -57,23 +58,13 @@ def trust_figure(trust: Trust, *head: str) -> Figure:
     return draw.figure(Chart(tuple(panels), height, columns, wide=True, head=head, key=tuple(key), own_x=True))
 
 
-def _features(sample: DesignSample) -> tuple[list[str], Array]:
-    """What designs may be told apart by, with its unit, and its values (designs, features)."""
-    names = [", ".join(filter(None, (one.name, one.unit.name))) for one in sample.parameters]
-    columns = [*zip(*(one.values for one in sample.designs), strict=True)]
-    angles = [one.transmission for one in sample.designs]
-    if angles and np.all(np.isfinite(angles)):
-        names, columns = [*names, f"{TRANSMISSION}, deg"], [*columns, tuple(angles)]
-    return [printable(name) for name in names], np.array(columns).T
-
-
 def _panels(engine: EngineTrust, names: Sequence[str], values: Array, room: float) -> list[Panel]:
     """The plane of two features, if there are two, and the error over the first."""
     standings = np.array([run.standing.value for run in engine.runs])
     lost = standings == Standing.NO_RESULT.value
     shares = np.where(lost, np.nan, np.maximum([run.share for run in engine.runs], LEAST))
     top = 10.0 ** (np.ceil(np.log10(np.nanmax([1.0, *shares]))) + 1.0)
-    order = telling(values, shares, np.array([run.gives_way for run in engine.runs]))
+    order = _order(values, shares, np.array([run.gives_way for run in engine.runs]))
     across = [labels.fitting_label(names[place], room) for place in order[:2]]
     title = f"{engine.engine} {engine.setting}: {engine.count(Standing.WITHIN)} of {len(engine.runs)} {Standing.WITHIN}"
 
@@ -96,18 +87,12 @@ def _dots(points: Array, standing: Standing, name: str = "") -> Curve:
     return Curve(points[:, 0], points[:, 1], name, ink, "", marker=marker, size=SIZE)
 
 
-def telling(values: Array, errors: Array, fails: NDArray[np.bool_]) -> list[int]:
+def _order(values: Array, errors: Array, fails: NDArray[np.bool_]) -> list[int]:
     """The features, columns of values (designs, features), the one first that tells best which designs fail.
 
-    That is the one with the largest distance between the distributions of both kinds (Kolmogorov and Smirnov). Where
-    all fail or none does, the larger half of the errors stands for failures.
+    Where all fail or none does, the larger half of the errors stands for failures.
     """
     if np.all(fails) or not np.any(fails):
         size = np.where(np.isfinite(errors), errors, np.inf)
         fails = np.argsort(np.argsort(size, kind="stable")) >= len(size) // 2
-    distances = []
-    for column in values.T:
-        sides = [np.sort(column[side]) for side in (fails, ~fails)]
-        shares = [np.searchsorted(side, column, side="right") / max(len(side), 1) for side in sides]
-        distances.append(float(np.max(np.abs(shares[0] - shares[1]), initial=0.0)))
-    return sorted(range(len(distances)), key=lambda place: -distances[place])
+    return sorted(range(values.shape[1]), key=lambda place: -telling(values[:, place], fails))

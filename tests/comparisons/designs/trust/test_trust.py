@@ -8,7 +8,7 @@ import pytest
 from comparisons.campaign.campaign import CampaignRequest, compare
 from comparisons.designs.parameters import parameter
 from comparisons.designs.trust.sample import hypercube, sample
-from comparisons.designs.trust.trust import TRANSMISSION, Standing, trust
+from comparisons.designs.trust.trust import TRANSMISSION, Standing, telling, trust
 from comparisons.judging.records import Verdict
 from reports.command_line.motion_choice import MotionChoice, motions
 from tests.comparisons.designs.engines_with_flaws import SHORT, SHORTEST
@@ -79,6 +79,7 @@ def test_the_best_rule_is_that_of_all_thresholds():
         (failing, of), (also, others) = rule.failing, rule.others
         assert (of, others) == (fails.sum(), (~fails).sum())
         assert failing / of - also / others == pytest.approx(best)
+        assert max(telling(column, fails) for column in values.T) == pytest.approx(best)
 
 
 def test_failures_at_random_are_not_explained():
