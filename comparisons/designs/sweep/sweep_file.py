@@ -114,9 +114,7 @@ class SweepFile:
             if count % space.slab == 0:
                 rows = np.empty((count // space.slab, self._width), BIG)
                 rows[:, : self._leading] = self._lead(record, record + len(rows))
-                for number, values in enumerate(found):
-                    start = self._leading + number * space.slab
-                    rows[:, start : start + space.slab] = values.reshape(len(rows), space.slab)
+                self._slabs(rows)[:] = found.reshape(len(found), len(rows), space.slab).swapaxes(0, 1)
                 self._put(file, record * self._width, rows)
             else:
                 self._put(file, record * self._width, self._lead(record, record + 1))
@@ -128,15 +126,15 @@ class SweepFile:
 
     def read(self, first: int, last: int) -> Array:
         """The figures of a block of the request, (figures, designs)."""
-        space, figures = self.request.space, len(self.request.figures)
-        record, offset = divmod(first, space.slab)
-        with self.path.open("rb") as file:
-            if (last - first) % space.slab == 0:
-                rows = self._got(file, record * self._width, (last - first) // space.slab * self._width)
-                slabs = rows.reshape(-1, self._width)[:, self._leading :].reshape(-1, figures, space.slab)
-                return np.asarray(np.moveaxis(slabs, 1, 0).reshape(figures, -1), dtype=float)
-            starts = (record * self._width + self._leading + n * space.slab + offset for n in range(figures))
-            return np.array([self._got(file, start, last - first) for start in starts], dtype=float)
+        record, offset = divmod(first, self.request.space.slab)
+        shape = (-(-last // self.request.space.slab) - record, self._width)
+        rows = np.memmap(self.path, BIG, "r", self._begin + record * self._width * SIZE, shape)
+        found = self._slabs(rows)[:, :, offset : offset + last - first].swapaxes(0, 1)
+        return np.array(found, dtype=float).reshape(len(self.request.figures), -1)
+
+    def _slabs(self, rows: Array) -> Array:
+        """The figures of whole records, (records, figures, slab), in place."""
+        return rows[:, self._leading :].reshape(len(rows), len(self.request.figures), -1)
 
     def _lead(self, first: int, last: int) -> Array:
         space = self.request.space
@@ -145,10 +143,6 @@ class SweepFile:
     def _put(self, file: BinaryIO, place: int, values: Array) -> None:
         file.seek(self._begin + place * SIZE)
         file.write(np.ascontiguousarray(values, BIG).data)
-
-    def _got(self, file: BinaryIO, place: int, count: int) -> Array:
-        file.seek(self._begin + place * SIZE)
-        return np.frombuffer(file.read(count * SIZE), BIG)
 
     def _header(self, end: int) -> bytes:
         """Dimensions, attributes and variables, of which the first begins where the header ends."""
