@@ -15,7 +15,7 @@ from typing import Final, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from analytic.description.changes import Kind, changed
+from analytic.description.changes import Kind, changed, with_numbers
 from analytic.description.law import Law
 from analytic.description.linkage import GROUND, Linkage
 from analytic.dynamics.derivative_orders import needs
@@ -102,8 +102,7 @@ def flatten(mechanism: Mechanism) -> FlatLinkage:
 
 def redesigned(flat: FlatLinkage, numbers: Array) -> Linkage:
     """The linkage with other ``numbers``, in the order of the tables'; its sketch is left as it is."""
-    values = {name: float(numbers[place]) for name, place in flat.places.items()}
-    return changed(flat.linkage, lambda name, _, value: values.get(name, value))
+    return with_numbers(flat.linkage, {name: float(numbers[place]) for name, place in flat.places.items()})
 
 
 def bodies(structure: Structure) -> dict[str, int]:

@@ -12,7 +12,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Collection, Mapping
 from dataclasses import replace
-from typing import Final, Literal
+from typing import Any, Final, Literal
 
 import numpy as np
 
@@ -57,16 +57,38 @@ def changed(linkage: Linkage, change: Change, direction: Callable[[Vector], Vect
     return _Walk(change, direction).linkage(linkage)
 
 
+def with_numbers(linkage: Linkage, numbers: Mapping[str, Any]) -> Linkage:
+    """The linkage with numbers by name in place of its own, SI; they may be arrays."""
+    return changed(linkage, lambda name, _, value: numbers.get(name, value))
+
+
 def numbers(linkage: Linkage) -> dict[str, float]:
     """Every number of a linkage by its name, SI units."""
-    by_name: dict[str, float] = {}
+    return {name: value for name, (_, value) in _noted(linkage).items()}
 
-    def note(name: str, _: Kind, value: float) -> float:
-        by_name[name] = value
+
+def kinds(linkage: Linkage) -> dict[str, Kind]:
+    """What every number of a linkage measures, by its name."""
+    return {name: kind for name, (kind, _) in _noted(linkage).items()}
+
+
+def design_numbers(linkage: Linkage) -> dict[str, tuple[Kind, float]]:
+    """Kind and value, SI, of every number in which designs may differ: all but the sketch's.
+
+    The sketch says which assembly mode is meant, and is the same for all designs.
+    """
+    return {name: found for name, found in _noted(linkage).items() if not name.startswith("sketch.")}
+
+
+def _noted(linkage: Linkage) -> dict[str, tuple[Kind, float]]:
+    found: dict[str, tuple[Kind, float]] = {}
+
+    def note(name: str, kind: Kind, value: float) -> float:
+        found[name] = kind, value
         return value
 
     changed(linkage, note)
-    return by_name
+    return found
 
 
 def with_point(linkage: Linkage, body: str, point: str, place: Vector) -> Linkage:

@@ -15,7 +15,7 @@ from dataclasses import replace
 from typing import Any, Final, cast
 
 from analytic.description import load_tables, loading
-from analytic.description.changes import Kind, changed
+from analytic.description.changes import kinds, with_numbers
 from analytic.description.changes import numbers as numbers_of
 from analytic.description.law import Law
 from analytic.description.linkage import GROUND, Linkage, LinkTorque, PointForce, RotaryDamper, Spring
@@ -65,7 +65,7 @@ def rewritten(
             raise LinkproofError(f"{number}: expected a finite number, got {value:g}; correct it")
     wanted = {number: value for number, value in numbers.items() if value != known[number]}
     try:
-        target = changed(old, lambda number, _, value: wanted.get(number, value))
+        target = with_numbers(old, wanted)
     except ZeroDivisionError:
         raise LinkproofError(
             f"{', '.join(one for one in wanted if '.along.' in one)}: expected a direction, got [0, 0]; give another"
@@ -89,15 +89,9 @@ class _File:
         self.raw = raw
         self.units = reader.document.units.model_dump()
         self.scale = reader.scale
-        kinds: dict[str, Kind] = {}
-
-        def note(number: str, kind: Kind, value: float) -> float:
-            kinds[number] = kind
-            return value
-
-        changed(linkage, note)
-        self.places = dict(zip(kinds, _places(linkage, reader), strict=True))
-        self.kinds = {self.places[number]: kind for number, kind in kinds.items()}
+        own = kinds(linkage)
+        self.places = dict(zip(own, _places(linkage, reader), strict=True))
+        self.kinds = {self.places[number]: kind for number, kind in own.items()}
         self.values = {self.places[number]: value for number, value in numbers_of(linkage).items()}
 
     def set(self, number: str, value: float) -> str:

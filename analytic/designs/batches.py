@@ -7,14 +7,13 @@ group is followed for every linkage anew.
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from typing import Any, Final
+from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
 
 from analytic.compiled.evaluation import in_threads
-from analytic.description.changes import changed
-from analytic.description.linkage import Linkage
+from analytic.description.changes import with_numbers
 from analytic.errors import AssemblyError, StructureError
 from analytic.kinematics.decomposition import find_structure
 from analytic.kinematics.mechanism import Mechanism
@@ -84,8 +83,3 @@ def _alone(mechanism: Mechanism, arrays: Mapping[str, Array], design: int) -> Sw
     """Sweeps of one of these designs; raises AssemblyError where it cannot be assembled as its sketch shows it."""
     own = mechanism.redesigned(with_numbers(mechanism.linkage, {name: float(a[design]) for name, a in arrays.items()}))
     return lambda _, phi: Sweep(own.linkage, own.structure, phi, np.zeros(phi.shape, dtype=bool))
-
-
-def with_numbers(linkage: Linkage, numbers: Mapping[str, Any]) -> Linkage:
-    """The linkage with numbers by name in place of its own; they may be arrays."""
-    return changed(linkage, lambda name, _, value: numbers.get(name, value))

@@ -7,13 +7,11 @@ from collections.abc import Collection, Mapping
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from analytic.description.changes import Kind, changed
+from analytic.description.changes import Kind, design_numbers
 from analytic.description.linkage import Linkage
 from analytic.errors import LinkproofError, UnknownNameError
 
 Array = NDArray[np.float64]
-
-SKETCH = "sketch."  # it says which assembly mode is meant, and is the same for all designs
 
 
 def checked(
@@ -25,10 +23,11 @@ def checked(
     Raises UnknownNameError for another, LinkproofError for arrays that are not of one length or not flat, numbers that
     are not finite, negative masses and directions of no length.
     """
-    kinds, numbers = _kinds(linkage)
+    numbers = design_numbers(linkage)
+    allowed = numbers if known is None else known
     for name in parameters:
-        if name not in (kinds if known is None else known):
-            raise UnknownNameError(f"parameter of '{linkage.name}'", name, kinds if known is None else known)
+        if name not in allowed:
+            raise UnknownNameError(f"parameter of '{linkage.name}'", name, allowed)
     arrays = {name: np.asarray(values, dtype=float) for name, values in parameters.items()}
     shapes = {values.shape for values in arrays.values()}
     if len(shapes) != 1 or len(next(iter(shapes))) != 1 or next(iter(shapes)) == (0,):
@@ -38,26 +37,12 @@ def checked(
             "give every parameter a value per design"
         )
     for name, values in arrays.items():
-        _check(name, kinds[name], values)
-    directions = [name for name, kind in kinds.items() if kind == "direction"]
+        _check(name, numbers[name][0], values)
+    directions = [name for name, (kind, _) in numbers.items() if kind == "direction"]
     for x, y in zip(directions[::2], directions[1::2], strict=True):
         if x in arrays or y in arrays:
-            _check_direction(x.removesuffix(".x"), *(arrays.get(name, np.asarray(numbers[name])) for name in (x, y)))
+            _check_direction(x.removesuffix(".x"), *(arrays.get(name, np.asarray(numbers[name][1])) for name in (x, y)))
     return arrays
-
-
-def _kinds(linkage: Linkage) -> tuple[dict[str, Kind], dict[str, float]]:
-    """Kind and value of every number that a design may differ in."""
-    kinds: dict[str, Kind] = {}
-    numbers: dict[str, float] = {}
-
-    def note(name: str, kind: Kind, value: float) -> float:
-        if not name.startswith(SKETCH):
-            kinds[name], numbers[name] = kind, value
-        return value
-
-    changed(linkage, note)
-    return kinds, numbers
 
 
 def _check(name: str, kind: Kind, values: Array) -> None:

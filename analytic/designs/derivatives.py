@@ -15,19 +15,19 @@ import itertools
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any, Final, NamedTuple
+from typing import Any, Final
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from analytic.description.changes import Kind, changed, numbers
+from analytic.description.changes import design_numbers, with_numbers
 from analytic.description.law import FULL_TURN
 from analytic.description.linkage import Linkage
-from analytic.designs.batches import goes_together, with_numbers
-from analytic.designs.figures import Figure, Reduction, middle
-from analytic.designs.results import design_figures, is_turn
+from analytic.designs.batches import goes_together
+from analytic.designs.checking import checked
+from analytic.designs.figures import Extreme, Figure, Reduction
+from analytic.designs.results import design_figures, is_turn, shares
 from analytic.designs.sampling import OUTPUT, curve
-from analytic.errors import UnknownNameError
 from analytic.evaluation import MovingSweep
 from analytic.kinematics.decomposition import find_structure
 from analytic.kinematics.mechanism import Mechanism
@@ -61,12 +61,12 @@ def signal_gradients(
     cannot be assembled.
     """
     places = np.asarray(angle, dtype=float)
-    _check_names(mechanism, parameters)
+    _check(mechanism, parameters)
     if not is_exact(mechanism):
-        _check_assembly(mechanism, parameters, places)
+        _check_moves(_sweep(mechanism, parameters, places))
 
         def curves_of(own: Mapping[str, float]) -> Array:
-            sweep = mechanism.redesigned(with_numbers(mechanism.linkage, own)).sweep(places)
+            sweep = _sweep(mechanism, own, places)
             far = float(np.max(sweep.output())) if "S" in signals else 0.0
             at = MovingSweep(mechanism, sweep, np.asarray(speed), np.asarray(0.0), far)
             return np.stack([curve(at, name) for name in signals])
@@ -96,20 +96,20 @@ def figure_gradients(
     ``parameters`` as for ``signal_gradients``. The derivative is nan where tops tie that move apart.
     """
     places = np.asarray(angle, dtype=float)
-    _check_names(mechanism, parameters)
+    _check(mechanism, parameters)
     if not is_exact(mechanism):
-        _check_assembly(mechanism, parameters, places)
+        _check_moves(_sweep(mechanism, parameters, places))
 
         def figures_of(own: Mapping[str, float]) -> Array:
             arrays = {name: np.array([value]) for name, value in own.items()}
             return design_figures(mechanism, arrays, figures, places, speed=speed, weights=weights, refine=refine)[:, 0]
 
         return differences(figures_of, parameters, _steps(mechanism, parameters))[:2]
-    share = np.full(places.shape, 1.0 / len(places)) if weights is None else np.asarray(weights, dtype=float)
+    share = shares(places, weights)
     design = _Design(mechanism, parameters, speed)
     design.check(places)
     far = design.farthest(places, refine) if any(one.signal == "S" for one in figures) else 0.0
-    wanted = tuple(dict.fromkeys(Extreme(one.signal, way) for one in figures for way in WAYS[one.reduction]))
+    wanted = tuple(dict.fromkeys(end for one in figures for end in one.extremes))
     found = dict(zip(wanted, design.extremes(wanted, places, far, refine), strict=True))
     there = design.varied(np.array([one.angle for one in figures if one.reduction is Reduction.AT]), far)
     over = design.varied(places, far)
@@ -118,35 +118,14 @@ def figure_gradients(
         if one.reduction is Reduction.AT:
             value, slopes = (part[..., row] for part in _parts(curve(there, one.signal), len(parameters)))
             row += 1
-        elif WAYS.get(one.reduction):
-            tops = [found[Extreme(one.signal, way)] for way in WAYS[one.reduction]]
+        elif one.extremes:
+            tops = [found[end] for end in one.extremes]
             value, slopes = tops[0] if len(tops) == 1 else tuple(a - b for a, b in zip(*tops, strict=True))
         else:
             value, slopes = _averaged(one.reduction, *_parts(curve(over, one.signal), len(parameters)), share)
         sign = -1.0 if one.is_magnitude and value < 0.0 else 1.0
         values[number], gradients[number] = sign * value, sign * slopes
     return values, gradients
-
-
-class Extreme(NamedTuple):
-    """The highest (1), the lowest (-1) value of a signal, or the one farthest from its middle (0)."""
-
-    signal: str
-    way: int
-
-    def height(self, values: Array) -> Array:
-        """What is largest at the extreme."""
-        return self.way * values if self.way else np.abs(values - middle(self.signal))
-
-    def side(self, values: Array) -> Array:
-        """The derivative of the height by the value."""
-        return np.full(values.shape, float(self.way)) if self.way else np.sign(values - middle(self.signal))
-
-
-WAYS: Final[Mapping[Reduction, tuple[int, ...]]] = {
-    **{Reduction.PEAK: (0,), Reduction.MAX: (1,), Reduction.MIN: (-1,), Reduction.RANGE: (1, -1)},
-    **{Reduction.MEAN: (), Reduction.RMS: (), Reduction.AT: ()},
-}
 
 
 @dataclass(frozen=True)
@@ -176,9 +155,7 @@ class _Design:
 
     def check(self, places: Array) -> None:
         """Raise AssemblyError where the design has no motion at one of the places."""
-        sweep = Sweep(*self._plain, places)
-        for body in sweep.structure.bodies:
-            sweep.rates(body)
+        _check_moves(Sweep(*self._plain, places))
 
     def varied(self, places: Array, far: Any) -> MovingSweep:  # noqa: ANN401 - a dual
         """The design with derivatives at crank angles, rad."""
@@ -251,14 +228,9 @@ def differences(
 
 def _steps(mechanism: Mechanism, parameters: Mapping[str, float]) -> dict[str, float]:
     """Steps of differences: a share of the number, of the drawing for a length of zero, of one for any other zero."""
-    sizes: dict[str, float] = {}
-
-    def note(name: str, kind: Kind, value: float) -> float:
-        sizes[name] = STEP * (abs(value) or (mechanism.linkage.extent() if kind == "length" else 1.0))
-        return value
-
-    changed(mechanism.linkage, note)
-    return {name: sizes[name] for name in parameters}
+    own = {name: design_numbers(mechanism.linkage)[name] for name in parameters}
+    sizes = {"length": mechanism.linkage.extent()}
+    return {name: STEP * (abs(value) or sizes.get(kind, 1.0)) for name, (kind, value) in own.items()}
 
 
 def _best(one: Extreme, values: Array, slopes: Array, places: Array, largest: float) -> tuple[Array, Array]:
@@ -290,14 +262,17 @@ def _closed(places: Array) -> Array:
     return np.append(places, places[0] + FULL_TURN) if is_turn(places) else places
 
 
-def _check_assembly(mechanism: Mechanism, parameters: Mapping[str, float], places: Array) -> None:
-    sweep = mechanism.redesigned(with_numbers(mechanism.linkage, parameters)).sweep(places)
+def _sweep(mechanism: Mechanism, parameters: Mapping[str, float], places: Array) -> Sweep:
+    """A design of which derivatives are differences, at crank angles, rad."""
+    return mechanism.redesigned(with_numbers(mechanism.linkage, parameters)).sweep(places)
+
+
+def _check_moves(sweep: Sweep) -> None:
+    """Raise AssemblyError where a design has no motion at one of the places."""
     for body in sweep.structure.bodies:
         sweep.rates(body)
 
 
-def _check_names(mechanism: Mechanism, parameters: Mapping[str, float]) -> None:
-    known = numbers(mechanism.linkage)
-    for name in parameters:
-        if name not in known:
-            raise UnknownNameError(f"parameter of '{mechanism.linkage.name}'", name, known)
+def _check(mechanism: Mechanism, parameters: Mapping[str, float]) -> None:
+    """Raise UnknownNameError and LinkproofError for numbers that a design cannot have."""
+    checked(mechanism.linkage, {name: [value] for name, value in parameters.items()})

@@ -2,9 +2,16 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from enum import StrEnum
 from math import nan, pi
+from typing import Final, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
 
 
 class Reduction(StrEnum):
@@ -23,9 +30,39 @@ class Reduction(StrEnum):
     AT = "at"
 
 
+# The extremes that figures are made of, by ``Extreme.way``.
+WAYS: Final[Mapping[Reduction, tuple[int, ...]]] = {
+    Reduction.PEAK: (0,),
+    Reduction.MAX: (1,),
+    Reduction.MIN: (-1,),
+    Reduction.RANGE: (1, -1),
+}
+
+
 def middle(signal: str) -> float:
     """What a peak of a signal is farthest from."""
     return 0.5 * pi if signal.startswith("transmission_angle:") else 0.0
+
+
+class Extreme(NamedTuple):
+    """The highest (1), the lowest (-1) value of a signal, or the one farthest from its middle (0)."""
+
+    signal: str
+    way: int
+
+    def side(self, values: Array) -> Array:
+        """The derivative of the height by the value, 1 or -1."""
+        if self.way:
+            return np.full(values.shape, float(self.way))
+        return np.where(values < middle(self.signal), -1.0, 1.0)
+
+    def height(self, values: Array, side: Array | None = None) -> Array:
+        """What is largest at the extreme, seen from a ``side``: each value's own if None."""
+        return (self.side(values) if side is None else side) * (values - middle(self.signal))
+
+    def value(self, height: Array, side: Array) -> Array:
+        """The signal where it has a height on a side."""
+        return side * height + middle(self.signal)
 
 
 @dataclass(frozen=True)
@@ -43,3 +80,13 @@ class Figure:
     def is_magnitude(self) -> bool:
         """Whether it is a largest magnitude, which has no sign."""
         return self.reduction is Reduction.PEAK and not middle(self.signal)
+
+    @property
+    def extremes(self) -> tuple[Extreme, ...]:
+        """The extremes that it is made of; none for a mean or a single value."""
+        return tuple(Extreme(self.signal, way) for way in WAYS.get(self.reduction, ()))
+
+    def of(self, ends: Sequence[Array]) -> Array:
+        """The figure of designs from the values of its ``extremes``."""
+        value = ends[0] if len(ends) == 1 else ends[0] - ends[1]
+        return np.abs(value) if self.is_magnitude else value

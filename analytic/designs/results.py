@@ -56,41 +56,26 @@ def design_figures(
     default over a turn where the angles divide one evenly, its end left out.
 
     The figures of a design that cannot be assembled, or stands in a dead position, at any of the angles are nan.
-    ``cores`` and ``path`` are as for ``analytic.evaluation.evaluate``; the compiled path has no refined extremes, and
-    of the angles of links only the crank's, which NumPy then finds. Raises UnknownNameError and LinkproofError as
-    ``analytic.designs.values.evaluate_designs`` does.
+    ``cores`` and ``path`` are as for ``analytic.evaluation.evaluate``; refined extremes and the angles of links but the
+    crank are NumPy's in any case. Raises UnknownNameError and LinkproofError as ``evaluate_designs`` does.
     """
-    places = np.asarray(angle, dtype=float)
-    least = FEWEST if refine else 1
-    is_list = places.ndim == 1 and len(places) >= least
-    if not (is_list and np.all(np.diff(places) > 0.0) and np.all(np.isfinite(places))):
-        raise LinkproofError(
-            f"angle: expected a flat list of {least} or more finite crank angles in rad, ascending, got "
-            f"{'others' if is_list else f'shape {places.shape}'}; pass such a list"
-        )
+    places = _checked_places(angle, FEWEST if refine else 1)
     arrays = checked(mechanism.linkage, parameters)
     count = len(next(iter(arrays.values())))
-    share = np.full(places.shape, 1.0 / len(places)) if weights is None else np.asarray(weights, dtype=float)
-    full = None if mechanism.linkage.is_linear or not is_turn(places) else FULL_TURN
-    names = {one.signal for one in figures}
-    _check_known(mechanism, names)
+    share = shares(places, weights)
+    names = _known_names(mechanism, figures)
     able = not refine and can_figure(mechanism.structure, names)
     if is_compiled(path, "figures", _seconds(names, count * len(places), cores)) and able:
         flat = flatten(mechanism)
         if set(arrays) <= set(flat.places):
             designs = designs_of(flat, arrays)
             return compiled_figures(
-                flat,
-                figures,
-                places,
-                largest=redesigned(flat, designs.largest()),
-                count=count,
-                designs=designs.rows,
-                speed=speed,
-                weights=share,
-                cores=cores,
-            )
-    asked = Asked(mechanism, tuple(figures), places, speed, share, full if period == "auto" else period, refine)
+                flat, figures, places, largest=redesigned(flat, designs.largest()), count=count, designs=designs.rows,
+                speed=speed, weights=share, cores=cores,
+            )  # fmt: skip
+    if period == "auto":
+        period = None if mechanism.linkage.is_linear or not is_turn(places) else FULL_TURN
+    asked = Asked(mechanism, tuple(figures), places, speed, share, period, refine)
     found = np.full((len(figures), count), np.nan)
 
     def work(rows: Integers, sweeps: Sweeps) -> None:
@@ -112,14 +97,33 @@ def _seconds(names: Collection[str], size: int, cores: int | None) -> float:
     return each * size / (cores or available())
 
 
-def _check_known(mechanism: Mechanism, names: Collection[str]) -> None:
-    """Raise UnknownNameError for a signal that the mechanism does not have."""
+def _checked_places(angle: ArrayLike, least: int) -> Array:
+    """Crank angles (angles,), rad; raises LinkproofError for less than some, and such as do not ascend."""
+    places = np.asarray(angle, dtype=float)
+    is_list = places.ndim == 1 and len(places) >= least
+    if not (is_list and np.all(np.diff(places) > 0.0) and np.all(np.isfinite(places))):
+        raise LinkproofError(
+            f"angle: expected a flat list of {least} or more finite crank angles in rad, ascending, got "
+            f"{'others' if is_list else f'shape {places.shape}'}; pass such a list"
+        )
+    return places
+
+
+def shares(places: Array, weights: ArrayLike | None) -> Array:
+    """Shares of sampled places in a mean: the ``weights``, or equal ones."""
+    return np.full(places.shape, 1.0 / len(places)) if weights is None else np.asarray(weights, dtype=float)
+
+
+def _known_names(mechanism: Mechanism, figures: Sequence[Figure]) -> set[str]:
+    """The signals of the figures; raises UnknownNameError for one that the mechanism does not have."""
+    names = {one.signal for one in figures}
     known = list(formulas(mechanism))
     forces = [name.removesuffix(":x") for name in known if "force:" in name and name.endswith(":x")]
     known += [force + MAGNITUDE for force in forces]
     for name in names:
         if name not in known:
             raise UnknownNameError("signal", name, known)
+    return names
 
 
 def is_turn(places: Array) -> bool:

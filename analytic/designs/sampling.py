@@ -2,16 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import Any, Final, NamedTuple
+from typing import Final, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from analytic.description.law import FULL_TURN
 from analytic.designs.batches import BLOCK, Booleans, Integers, Sweeps, faults_of
-from analytic.designs.figures import Figure, Reduction, middle
+from analytic.designs.figures import Extreme, Figure, Reduction
 from analytic.designs.tops import Tops, summits, tops
 from analytic.evaluation import MovingSweep
 from analytic.kinematics.mechanism import Mechanism
@@ -19,16 +19,9 @@ from analytic.kinematics.transmission import transmission_sine
 from analytic.signals import signal
 
 Array = NDArray[np.float64]
-Extreme = tuple[str, Reduction]  # a signal and MAX, MIN or PEAK
 
 MAGNITUDE: Final = ":magnitude"
 OUTPUT: Final = "output"  # the output's coordinate; no signal, for what is seen of it is S
-EXTREMES: Final = {
-    Reduction.PEAK: (Reduction.PEAK,),
-    Reduction.MAX: (Reduction.MAX,),
-    Reduction.MIN: (Reduction.MIN,),
-    Reduction.RANGE: (Reduction.MAX, Reduction.MIN),
-}
 # Between two crank angles the sine of a transmission angle changes by no more than this share of itself, or the step is
 # divided in PARTS, LEVELS times at most: forces go as its inverse.
 CHANGE, PARTS, LEVELS = 0.2, 8, 5
@@ -55,10 +48,10 @@ class Asked:
 
 
 class _Marked(NamedTuple):
-    """Sampled tops of a signal, with its sign at each (n,): heights are the sign times the signal less its middle."""
+    """Sampled tops of a signal's height, and on which side of its middle the signal is at each (n,)."""
 
     tops: Tops
-    signs: Array
+    sides: Array
 
 
 Found = dict[Extreme, list[_Marked]]
@@ -71,7 +64,6 @@ class _Chunk:
         self.asked, self.sweeps, self.rows = asked, sweeps, rows
         self.faulty = np.zeros(len(rows), dtype=bool)
         self.farthest = np.zeros(len(rows))
-        self.refined = EXTREMES if asked.refine else {}
         self.known: dict[Extreme, Array] = {}  # the highest samples
 
     def all(self, figures: Sequence[Figure]) -> Array:
@@ -84,8 +76,7 @@ class _Chunk:
 
     def _figures(self, figures: Sequence[Figure]) -> Array:
         result = np.full((len(figures), len(self.rows)), np.nan)
-        extremes = [(one.signal, sense) for one in figures for sense in self.refined.get(one.reduction, ())]
-        found: Found = {extreme: [] for extreme in extremes}
+        found: Found = {end: [] for one in figures for end in one.extremes} if self.asked.refine else {}
         places = self.asked.places
         size = max(1, BLOCK // len(places))
         for start in range(0, len(self.rows), size):
@@ -95,7 +86,7 @@ class _Chunk:
             for row, one in enumerate(figures):
                 if one.reduction is Reduction.AT:
                     result[row, here] = sampled[one.signal][:, np.argmin(np.abs(places - one.angle))]
-                elif one.reduction not in self.refined:
+                elif not (found and one.extremes):
                     result[row, here] = _reduced(one, sampled[one.signal], self.asked.share)
             if found:
                 grid, sampled = self._closed(sampled, len(here))
@@ -107,11 +98,8 @@ class _Chunk:
             if one.reduction is Reduction.AT:
                 angle = np.full((len(every), 1), one.angle)
                 result[row] = self._seen(one.signal, every, angle, result[row])[:, 0]
-            elif one.reduction in self.refined:
-                ends = [heights[one.signal, sense] for sense in self.refined[one.reduction]]
-                result[row] = ends[0] if len(ends) == 1 else ends[0] - ends[1]
-            if one.is_magnitude:
-                result[row] = np.abs(result[row])
+            elif found and one.extremes:
+                result[row] = one.of([heights[end] for end in one.extremes])
         return result
 
     def _sampled(self, here: Integers, phi: Array, names: Iterable[str]) -> tuple[dict[str, Array], Booleans]:
@@ -121,7 +109,7 @@ class _Chunk:
         if "S" in names and not self.asked.refine:
             self.farthest[here] = np.max(at.sweep.output(), axis=1)
             at = replace(at, farthest=self.farthest[here, None])
-        looked_at = at.sweep.structure.dyads if self.refined and names != [OUTPUT] else ()
+        looked_at = at.sweep.structure.dyads if self.asked.refine and names != [OUTPUT] else ()
         coarse = np.zeros((phi.shape[0], phi.shape[1] - 1), dtype=bool)
         for dyad in looked_at:
             sine = transmission_sine(at.sweep, dyad)
@@ -145,8 +133,8 @@ class _Chunk:
 
         Not for the angles of links, which know no forces.
         """
-        found = {extreme: parts for extreme, parts in found.items() if not _is_angle(extreme[0])}
-        names = dict.fromkeys(name for name, _ in found)
+        found = {extreme: parts for extreme, parts in found.items() if not _is_angle(extreme.signal)}
+        names = dict.fromkeys(extreme.signal for extreme in found)
         if coarse.shape[1] < phi.shape[1] - 1:  # the step that ends the period is like those beside it
             coarse = np.concatenate([coarse, coarse[:, :1] | coarse[:, -1:]], axis=1)
         for _ in range(LEVELS if names else 0):
@@ -188,29 +176,26 @@ class _Chunk:
     def _mark(self, found: Found, sampled: Mapping[str, Array], here: Integers, phi: Array) -> None:
         """Enter the sampled tops of some designs that may be higher than what is known of them."""
         for extreme, parts in found.items():
-            values, level = sampled[extreme[0]], middle(extreme[0])
-            signs = _signs(extreme, values)
-            all_heights = signs * (values - level)
+            values = sampled[extreme.signal]
+            all_heights = extreme.height(values)
             known = self.known.setdefault(extreme, np.full(len(self.rows), -np.inf))
             top = tops(all_heights, known[here])
             np.maximum.at(known, here, np.max(all_heights, axis=1))
-            own = signs[top.curve, top.best]
-            heights = own[:, None] * (values[top.curve[:, None], top.near] - level)
-            parts.append(_Marked(Tops(here[top.curve], phi[top.curve[:, None], top.near], heights), own))
+            side = extreme.side(values[top.curve, top.best])
+            heights = extreme.height(values[top.curve[:, None], top.near], side[:, None])
+            parts.append(_Marked(Tops(here[top.curve], phi[top.curve[:, None], top.near], heights), side))
 
     def _highest(self, extreme: Extreme, parts: Sequence[_Marked]) -> Array:
         """The true extreme of a signal of every design, (designs,)."""
-        name, level = extreme[0], middle(extreme[0])
         found = Tops(*(np.concatenate(columns) for columns in zip(*(part.tops for part in parts), strict=True)))
-        signs = np.concatenate([part.signs for part in parts])
-        near = signs * np.max(found.heights, axis=1) + level
+        sides = np.concatenate([part.sides for part in parts])
+        near = extreme.value(np.max(found.heights, axis=1), sides)
 
         def heights(top: Integers, phi: Array) -> Array:
-            seen = self._seen(name, found.curve[top], phi, near[top])
-            return np.asarray(signs[top, None] * (seen - level))
+            seen = self._seen(extreme.signal, found.curve[top], phi, near[top])
+            return extreme.height(seen, sides[top, None])
 
-        top, sign = summits(found, signs, heights, len(self.rows))
-        return np.asarray(sign * top + level)
+        return extreme.value(*summits(found, sides, heights, len(self.rows)))
 
 
 def curve(at: MovingSweep, name: str) -> Array:
@@ -227,24 +212,11 @@ def _is_angle(name: str) -> bool:
     return name == "phi" or (name.startswith("link:") and name.endswith(":angle"))
 
 
-def _signs(extreme: Extreme, values: Array) -> Array:
-    """What a signal is multiplied by so that its extreme is its highest value."""
-    name, sense = extreme
-    if sense is Reduction.PEAK:
-        return np.where(values < middle(name), -1.0, 1.0)
-    return np.full(values.shape, -1.0 if sense is Reduction.MIN else 1.0)
-
-
 def _reduced(figure: Figure, values: Array, share: Array) -> Array:
     """A signal (designs, angles) brought down to a number for each design."""
-    reductions: dict[Reduction, Callable[[], Any]] = {
-        Reduction.PEAK: lambda: np.take_along_axis(
-            values, np.argmax(np.abs(values - middle(figure.signal)), axis=1)[:, None], 1
-        )[:, 0],
-        Reduction.MEAN: lambda: np.sum(values * share, axis=1),
-        Reduction.RMS: lambda: np.sqrt(np.sum(np.square(values) * share, axis=1)),
-        Reduction.MAX: lambda: np.max(values, axis=1),
-        Reduction.MIN: lambda: np.min(values, axis=1),
-        Reduction.RANGE: lambda: np.max(values, axis=1) - np.min(values, axis=1),
-    }
-    return np.asarray(reductions[figure.reduction]())
+    if figure.reduction is Reduction.MEAN:
+        return np.asarray(np.sum(values * share, axis=1))
+    if figure.reduction is Reduction.RMS:
+        return np.asarray(np.sqrt(np.sum(np.square(values) * share, axis=1)))
+    best = (np.argmax(end.height(values), axis=1)[:, None] for end in figure.extremes)
+    return figure.of([np.take_along_axis(values, place, 1)[:, 0] for place in best])

@@ -8,7 +8,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Final, Literal
 
-from analytic.description.changes import Kind, changed
+from analytic.description.changes import Kind, design_numbers
 from analytic.description.linkage import Linkage
 from analytic.description.units import factor
 from analytic.errors import LinkproofError, UnknownNameError
@@ -17,7 +17,6 @@ from comparisons.datasheet.units import FileUnit
 # The units of kinds that a file does not state.
 FIXED: Final[Mapping[str, FileUnit]] = {"direction": FileUnit("", 1.0), "acceleration": FileUnit("m/s^2", 1.0)}
 WRITTEN: Final = re.compile(r"\s*(?P<number>[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*(?P<unit>\D.*?)?\s*")
-NOT_OF_A_DESIGN: Final = "sketch."  # it says which assembly mode is meant, and is the same for all designs
 
 
 @dataclass(frozen=True)
@@ -74,15 +73,8 @@ class Parameter:
 
 def parameters(linkage: Linkage) -> dict[str, Parameter]:
     """Every number of a linkage that its designs may differ in, by name."""
-    found: dict[str, Parameter] = {}
-
-    def note(name: str, kind: Kind, value: float) -> float:
-        if not name.startswith(NOT_OF_A_DESIGN):
-            found[name] = Parameter(name, kind, value, _unit(linkage, kind))
-        return value
-
-    changed(linkage, note)
-    return found
+    own = design_numbers(linkage).items()
+    return {name: Parameter(name, kind, value, _unit(linkage, kind)) for name, (kind, value) in own}
 
 
 def parameter(linkage: Linkage, name: str) -> Parameter:

@@ -11,7 +11,8 @@ import xarray
 
 from analytic.description.linkage import Linkage
 from comparisons.designs.steady_motion import SAMPLES as PLACES
-from comparisons.designs.tolerance.tolerance_study import SHARES, ToleranceStudy, tolerance_request, tolerance_study
+from comparisons.designs.tolerance.tolerance_request import tolerance_request
+from comparisons.designs.tolerance.tolerance_study import SHARES, ToleranceStudy, tolerance_study
 from comparisons.designs.tolerance.tolerances import Tolerances, read_tolerances
 from reports.python.options import Words, chosen_linkage, words
 

@@ -11,11 +11,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from analytic.designs.derivatives import figure_gradients
-from analytic.designs.figures import Figure, Reduction
+from analytic.designs.figures import Extreme, Figure, Reduction
 from analytic.designs.results import design_figures
 from analytic.kinematics.mechanism import Mechanism
 from comparisons.designs.named_figures import NamedFigure
-from comparisons.designs.optimum.tops import SeparateTops, TopSide, Window, reduction, sides
+from comparisons.designs.optimum.tops import SeparateTops, Window, reduction, sides
 from comparisons.designs.parameters import Parameter
 from comparisons.designs.steady_motion import SteadyMotion
 
@@ -33,7 +33,7 @@ class Variable(NamedTuple):
 
 
 class KeptFigure(NamedTuple):
-    """A figure that stays between two values, SI, or at one; a peak by its magnitude."""
+    """A figure that stays between two values, SI, or at one."""
 
     figure: NamedFigure
     low: float
@@ -161,7 +161,7 @@ class DesignProblem:
 
     def _pieces(self, place: Array, windows: tuple[Window, ...]) -> list[Pieces]:
         numbers = self.numbers(place)
-        heights: dict[TopSide, tuple[Array, Array]] = {}
+        heights: dict[Extreme, tuple[Array, Array]] = {}
         if windows:
             values, slopes = self.tops.heights(numbers, windows)
             for side in self.tops.sides:
@@ -192,7 +192,7 @@ class DesignProblem:
         return np.array([aim, np.sum(missed, axis=0) if missed else np.zeros(len(places))])
 
 
-def _made(figure: Figure, heights: Mapping[TopSide, tuple[Array, Array]]) -> Pieces:
+def _made(figure: Figure, heights: Mapping[Extreme, tuple[Array, Array]]) -> Pieces:
     """A figure of the tops of its sides."""
     parts = [heights[side] for side in sides(figure)]
     if reduction(figure) is Reduction.RANGE:

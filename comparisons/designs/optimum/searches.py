@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from typing import Final
 
@@ -18,6 +18,7 @@ ANGLES: Final = 90  # crank angles at which designs are sampled, before the best
 SAMPLES: Final = 4096  # designs sampled over all of the bounds, times a power of two for each variable beyond two
 MOST_SAMPLES: Final = 65_536
 PICKED: Final = 12  # of them, from which is searched downhill
+AGREEING: Final = 6  # where so many searches, the first ones, all end at the same, that is taken for the least
 SPACED: Final = 0.1  # share of the bounds by which two of these differ in one variable or more
 PENALTY: Final = 3.0  # by which a missed kept figure counts beside the aim
 Announce = Callable[[str, int, int], None]
@@ -35,16 +36,25 @@ class Search:
     @property
     def best(self) -> End | None:
         """The lowest that keeps what is to be kept; else the one that misses it by least."""
-        return min((one for one in self.ends if one is not None), key=lambda one: one.rank, default=None)
+        return _best(self.ends)
 
     @property
     def elsewhere(self) -> tuple[End, ...]:
         """Ends that are higher than the best, or miss a kept figure."""
-        best = self.best
-        return tuple(
-            one for one in self.ends if best is not None and one is not None
-            and (not one.is_feasible or one.aim > best.aim + APART * max(1.0, abs(best.aim)))
-        )  # fmt: skip
+        return _elsewhere(self.ends)
+
+
+def _best(ends: Sequence[End | None]) -> End | None:
+    return min((one for one in ends if one is not None), key=lambda one: one.rank, default=None)
+
+
+def _elsewhere(ends: Sequence[End | None]) -> tuple[End, ...]:
+    """Ends that are higher than the best, or miss a kept figure."""
+    best = _best(ends)
+    return tuple(
+        one for one in ends if best is not None and one is not None
+        and (not one.is_feasible or one.aim > best.aim + APART * max(1.0, abs(best.aim)))
+    )  # fmt: skip
 
 
 def search(
@@ -58,15 +68,18 @@ def search(
 ) -> Search:
     """Search from the file's design ``start``, and from others: ``starts`` in all, or ``everywhere`` the best sampled.
 
-    The others are drawn by ``seed``, a Sobol sequence.
+    The others are drawn by ``seed``, a Sobol sequence. Those sampled everywhere are not all searched from where the
+    first few searches have ended at the same.
     """
     counter = Counter()
     descent = Descent(problem, counter)
     others = _picked(problem, counter, seed) if everywhere else _drawn(problem, counter, starts - 1, seed)
-    ends = []
+    ends: list[End | None] = []
     for number, place in enumerate([start, *others]):
         announce(f"search {number + 1}", number, 1 + len(others))
         ends.append(descent.run(place))
+        if everywhere and len(ends) == AGREEING and None not in ends and not _elsewhere(ends):
+            break
     if ends == [None]:  # the file's design is out of the bounds, and the nearest within cannot be assembled
         ends += map(descent.run, _drawn(problem, counter, 1, seed))
     method = "SLSQP" + (", from the best of a Sobol sample" if everywhere else "")

@@ -1,13 +1,15 @@
 """The tops of signals of one design: exact peaks with their derivatives, each over a window of the motion of its own.
 
 The highest of several tops has a kink wherever two of them are equally high, which is where most least peaks lie. Each
-top for itself is smooth, and an optimiser of smooth problems can hold them all.
+top for itself is smooth, and an optimiser of smooth problems can hold them all. A polynomial through a few crank angles
+about a top gives its height and its derivatives from one look at the design; the single highest top of
+``analytic.designs.derivatives`` takes several, and holds for angles that are far apart.
 """
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import pairwise
 from typing import Final, NamedTuple
 
@@ -17,7 +19,7 @@ from numpy.typing import NDArray
 
 from analytic.description.law import FULL_TURN
 from analytic.designs.derivatives import signal_gradients
-from analytic.designs.figures import Figure, Reduction
+from analytic.designs.figures import Extreme, Figure, Reduction
 from analytic.errors import AssemblyError
 from analytic.kinematics.mechanism import Mechanism
 from comparisons.datasheet.curves import MAGNITUDE
@@ -32,17 +34,10 @@ NODES: Final = np.cos(np.pi * (np.arange(DEGREE + 1) + 0.5) / (DEGREE + 1))
 FINE: Final = np.linspace(-1.0, 1.0, 201)
 
 
-class TopSide(NamedTuple):
-    """One side of a signal: its values, or with ``sign`` -1 their negatives."""
-
-    signal: str
-    sign: float
-
-
 class Window(NamedTuple):
     """Samples ``first`` to ``last`` of the grid, those beyond its ends a turn on, on a side of a signal."""
 
-    side: TopSide
+    side: Extreme
     first: int
     last: int
 
@@ -53,19 +48,18 @@ def reduction(figure: Figure) -> Reduction:
     return Reduction.RANGE if is_range else figure.reduction
 
 
-def sides(figure: Figure) -> tuple[TopSide, ...]:
-    """The sides of a signal whose tops make a figure: an extreme one, a range and a peak both; none for other figures.
+def sides(figure: Figure) -> tuple[Extreme, ...]:
+    """The sides of a signal, highest and lowest, whose tops make a figure: a range and a peak have both, means none.
 
     A peak is the highest top of both, and the tops of a range's sides add up.
     """
     name, how = figure.signal, reduction(figure)
     if (name.startswith("link:") and name.endswith(":angle")) or (name == "S" and how is Reduction.MIN):
         return ()  # they count from the other angles that are asked for
-    up, down = TopSide(name, 1.0), TopSide(name, -1.0)
-    if how is Reduction.PEAK and name.endswith(MAGNITUDE):
-        return (up,)
-    both = {Reduction.PEAK: (up, down), Reduction.RANGE: (up, down), Reduction.MAX: (up,), Reduction.MIN: (down,)}
-    return both.get(how, ())
+    up, down = Extreme(name, 1), Extreme(name, -1)
+    if how is Reduction.PEAK:
+        return (up,) if name.endswith(MAGNITUDE) else (up, down)
+    return replace(figure, reduction=how).extremes
 
 
 @dataclass(frozen=True)
@@ -74,7 +68,7 @@ class SeparateTops:
 
     mechanism: Mechanism
     motion: SteadyMotion
-    sides: tuple[TopSide, ...]
+    sides: tuple[Extreme, ...]
 
     @property
     def grid(self) -> Array:
@@ -87,7 +81,7 @@ class SeparateTops:
     def windows(self, numbers: Mapping[str, float]) -> tuple[Window, ...]:
         """The motion of a design cut at the bottoms between its tops, for every side."""
         values, _ = self._read(numbers, self.grid)
-        return tuple(one for side in self.sides for one in self._cut(side, side.sign * values[side.signal]))
+        return tuple(one for side in self.sides for one in self._cut(side, side.way * values[side.signal]))
 
     def heights(self, numbers: Mapping[str, float], windows: Sequence[Window]) -> tuple[Array, Array]:
         """The highest in each window, SI, and its derivatives with respect to the numbers: (windows, parameters).
@@ -96,7 +90,7 @@ class SeparateTops:
         """
         grid = self.grid
         values, _ = self._read(numbers, grid)
-        ends = np.array([self._between(one, one.side.sign * values[one.side.signal]) for one in windows]).reshape(-1, 2)
+        ends = np.array([self._between(one, one.side.way * values[one.side.signal]) for one in windows]).reshape(-1, 2)
         step = grid[1] - grid[0]
         nodes = grid[0] + step * (np.mean(ends, axis=1)[:, None] + 0.5 * np.ptp(ends, axis=1)[:, None] * NODES)
         values, slopes = self._read(numbers, nodes.ravel())
@@ -104,7 +98,7 @@ class SeparateTops:
         for row, one in enumerate(windows):
             here = slice(row * len(NODES), (row + 1) * len(NODES))
             name = one.side.signal
-            curves = one.side.sign * np.vstack([values[name][here], slopes[name][:, here]])
+            curves = one.side.way * np.vstack([values[name][here], slopes[name][:, here]])
             heights[row], *gradients[row] = _highest(curves)
         return heights, gradients
 
@@ -116,7 +110,7 @@ class SeparateTops:
             raise AssemblyError(f"'{self.mechanism.linkage.name}' stands in a dead position")
         return dict(zip(names, values, strict=True)), dict(zip(names, slopes, strict=True))
 
-    def _cut(self, side: TopSide, values: Array) -> list[Window]:
+    def _cut(self, side: Extreme, values: Array) -> list[Window]:
         count, cyclic = len(values), self.motion.is_full_turn
         before, after = np.roll(values, 1), np.roll(values, -1)
         if not cyclic:

@@ -7,8 +7,6 @@ design; corners and random designs are worked out as they are, extremes refined 
 from __future__ import annotations
 
 import itertools
-import math
-from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Final
@@ -16,124 +14,24 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from analytic.description.changes import numbers
-from analytic.description.crank_motion import RPM
-from analytic.description.linkage import Linkage
-from analytic.designs.derivatives import figure_gradients, is_exact
+from analytic.designs.derivatives import is_exact
 from analytic.designs.figures import Figure, Reduction, middle
-from analytic.designs.results import design_figures
 from analytic.errors import LinkproofError
-from analytic.kinematics.mechanism import Mechanism
-from comparisons.datasheet.units import FileUnit, file_unit
-from comparisons.designs.named_figures import NamedFigure, named_figures
-from comparisons.designs.steady_motion import SAMPLES as PLACES
-from comparisons.designs.steady_motion import SteadyMotion, steady_motion
-from comparisons.designs.tolerance.tolerances import ANGLE, LENGTH, Tolerance, Tolerances, Tornado, tolerances
+from comparisons.designs.tolerance.tolerance_request import Announce, ToleranceRequest
+from comparisons.designs.tolerance.tolerances import Tornado
 
 Array = NDArray[np.float64]
-Announce = Callable[[str, int, int], None]  # what is worked out, how many are, of how many
 
 EXACT, DIFFERENCE = "exact", "difference"
-FEWEST: Final = 2
-USUAL: Final = 1000.0  # rpm
-SAMPLES: Final = 10_000
-FEW_SAMPLES: Final = 200  # of a linkage whose groups are followed anew for every design, which takes a second or so
-TOGETHER, ALONE = 1000, 5  # designs worked out between two announcements
 SHARES: Final = (0.00135, 0.99865)  # of the quantiles: three standard deviations of a normal distribution
 ALL_CORNERS: Final = 12  # tolerances whose corners are all worked out: 4096 designs
 
 
 @dataclass(frozen=True)
-class ToleranceRequest:
-    """Tolerances of a mechanism, the results they may move, its motion, and the random designs."""
-
-    mechanism: Mechanism
-    tolerances: tuple[Tolerance, ...]
-    figures: tuple[NamedFigure, ...]
-    motion: SteadyMotion
-    samples: int
-    seed: int = 0
-
-    @property
-    def conditions(self) -> str:
-        """Linkage and motion in words."""
-        linkage, unit = self.mechanism.linkage, speed_unit(self.mechanism.linkage)
-        variant = f" ({linkage.variant})" if linkage.variant else ""
-        places = "places" if linkage.is_linear else "crank angles"
-        gravity = "" if any(linkage.gravity) else ", no gravity"
-        return (
-            f"{linkage.name}{variant}: constant speed, {self.motion.speed / unit.size:g} {unit.name}{gravity}, "
-            f"refined between {len(self.motion.places)} {places}"
-        )
-
-    def designs(self, offsets: Array) -> dict[str, Array]:
-        """Numbers of the description (designs,) by name, at offsets (tolerances, designs) from the nominal; SI.
-
-        Masses and inertias that a wide normal distribution makes negative are zero.
-        """
-        own, found = numbers(self.mechanism.linkage), {}
-        polar: dict[str, dict[str, Array]] = {}
-        for one, offset in zip(self.tolerances, offsets, strict=True):
-            if one.point:
-                polar.setdefault(one.point, {})[one.name.removeprefix(one.point)] = offset
-            else:
-                least = 0.0 if one.parameter.kind in ("mass", "inertia") else -math.inf
-                found[one.name] = np.maximum(own[one.name] + offset, least)
-        for point, moved in polar.items():
-            x, y = own[f"{point}.x"], own[f"{point}.y"]
-            length, angle = math.hypot(x, y) + moved.get(LENGTH, 0.0), moved.get(ANGLE, np.zeros(offsets.shape[1]))
-            c, s = (length / math.hypot(x, y) * part for part in (np.cos(angle), np.sin(angle)))
-            found |= {f"{point}.x": c * x - s * y, f"{point}.y": s * x + c * y}
-        return found
-
-    def results(self, offsets: Array, announce: Announce = lambda *_: None) -> Array:
-        """The results of designs, (results, designs)."""
-        designs, count, parts = self.designs(offsets), offsets.shape[1], []
-        size = TOGETHER if is_exact(self.mechanism) else ALONE
-        for start in range(0, count, size):
-            announce("designs", start, count)
-            parts.append(self._some({name: values[start : start + size] for name, values in designs.items()}))
-        return np.concatenate(parts, axis=1)
-
-    def _some(self, designs: Mapping[str, Array]) -> Array:
-        return design_figures(
-            self.mechanism,
-            designs,
-            [one.figure for one in self.figures],
-            self.motion.places,
-            speed=self.motion.speed,
-            weights=self.motion.weights,
-            refine=True,
-        )
-
-    def derivatives(self) -> Array:
-        """Derivatives of the results by what has a tolerance, (results, tolerances)."""
-        own = numbers(self.mechanism.linkage)
-        names = list(self.designs(np.zeros((len(self.tolerances), 1))))
-        _, gradients = figure_gradients(
-            self.mechanism,
-            {name: own[name] for name in names},
-            [one.figure for one in self.figures],
-            self.motion.places,
-            speed=self.motion.speed,
-            weights=self.motion.weights,
-        )
-        by = dict(zip(names, gradients.T, strict=True))
-        columns = []
-        for one in self.tolerances:
-            if not one.point:
-                columns.append(by[one.name])
-                continue
-            (x, y), (over_x, over_y) = ([of[f"{one.point}.{part}"] for part in "xy"] for of in (own, by))
-            turns = one.name.endswith(ANGLE)
-            columns.append(x * over_y - y * over_x if turns else (x * over_x + y * over_y) / math.hypot(x, y))
-        return np.stack(columns, axis=1)
-
-
-@dataclass(frozen=True)
 class ToleranceStudy:
-    """What came of it, SI; nan is what designs that do not assemble have. Peaks have the sign of the nominal one.
+    """What came of it, SI; nan is what designs that do not assemble have.
 
+    Transmission angles farthest from 90° are all on the side of the nominal one: an angle and π less it are as far.
     ``changes`` (results, tolerances, 2) are those at the lower and the upper limit of each tolerance alone, all else
     nominal. ``corners`` (results, 2) are the least and the largest result where every number is at a limit; of more
     than 12 tolerances those two to which the derivatives point. ``random`` (results, samples) are random designs.
@@ -222,43 +120,6 @@ class ToleranceStudy:
             for tolerance, (low, high) in zip(self.request.tolerances, self.changes[row] / one.unit.size, strict=True)
         ]
         return Tornado(one.name, one.unit.name, float(self.nominal[row] / one.unit.size), tuple(bars))
-
-
-def speed_unit(linkage: Linkage) -> FileUnit:
-    """The unit in which the driver's speed is said: rpm, or the file's unit of length per second."""
-    if not linkage.is_linear:
-        return FileUnit("rpm", RPM)
-    return file_unit("m/s", linkage)
-
-
-def tolerance_request(
-    linkage: Linkage, asked: Tolerances, *, angles: int = PLACES, samples: int | None = None, seed: int = 0
-) -> ToleranceRequest:
-    """What is asked for; of random designs there are 10 000, or 200 of a linkage that goes design by design.
-
-    Raises LinkproofError for names that are not there and for a motion that cannot be.
-    """
-    mechanism = Mechanism(linkage)
-    if asked.speed is None and linkage.is_linear:
-        raise LinkproofError(
-            f"{asked.origin}speed: expected the driver's speed in {speed_unit(linkage).name}, got nothing; add it"
-        )
-    speed = (USUAL if asked.speed is None else asked.speed) * speed_unit(linkage).size
-    found = tolerances(linkage, asked.table, f"{asked.origin}tolerances.")
-    if not asked.results:
-        raise LinkproofError(f'{asked.origin}results: expected a figure, as "Mkr.peak", got none; name one')
-    try:
-        figures = named_figures(mechanism, asked.results)
-    except LinkproofError as error:
-        raise LinkproofError(f"{asked.origin}{error}") from error
-    if samples is None:
-        samples = SAMPLES if is_exact(mechanism) else FEW_SAMPLES
-    if samples < FEWEST:
-        raise LinkproofError(f"--samples: expected {FEWEST} or more random designs, got {samples}; draw more")
-    if seed < 0:
-        raise LinkproofError(f"--seed: expected a number from 0 on, got {seed}; give another")
-    motion = steady_motion(mechanism, speed, samples=angles)
-    return ToleranceRequest(mechanism, found, figures, motion, samples, seed)
 
 
 def tolerance_study(request: ToleranceRequest, announce: Announce = lambda *_: None) -> ToleranceStudy:

@@ -8,7 +8,8 @@ from pathlib import Path
 from analytic.description.changes import without
 from analytic.description.loading import load
 from comparisons.designs.steady_motion import SAMPLES as PLACES
-from comparisons.designs.tolerance.tolerance_study import ToleranceStudy, tolerance_request, tolerance_study
+from comparisons.designs.tolerance.tolerance_request import tolerance_request
+from comparisons.designs.tolerance.tolerance_study import ToleranceStudy, tolerance_study
 from comparisons.designs.tolerance.tolerances import read_tolerances
 from comparisons.judging.records import to_json
 from comparisons.runs.files import write_text

@@ -12,6 +12,7 @@ from analytic.designs.figures import Figure, Reduction
 from analytic.designs.results import design_figures
 from analytic.kinematics.mechanism import Mechanism
 from comparisons.designs.optimum.optimisation import Wish, optimise
+from comparisons.designs.optimum.searches import AGREEING
 from comparisons.designs.steady_motion import steady_motion
 
 SPEED = 100.0
@@ -112,6 +113,7 @@ def test_a_search_everywhere_finds_the_same_with_every_seed():
     assert found[1].values[1, 0] == pytest.approx(found[0].values[1, 0], rel=1e-9)
     assert abs(found[0].values[1, 0]) < 0.93 * abs(found[0].values[0, 0])
     assert found[0].bound(found[0].problem.variables[2]) == "upper"
+    assert [len(one.search.ends) for one in found] == [AGREEING, AGREEING]  # as all of these agree
 
 
 def test_kept_figures_that_nothing_moves_or_that_say_the_same_do_not_hinder():
@@ -139,6 +141,8 @@ def test_starts_that_end_elsewhere_are_counted_and_searching_everywhere_does_not
     assert 0.0 < len(several.search.elsewhere) < 8
     assert several.values[1, 0] == everywhere.values[1, 0] < 0.995 * alone.values[1, 0]
     assert everywhere.bound(everywhere.problem.variables[0]) == "upper"
+    assert everywhere.search.elsewhere
+    assert len(everywhere.search.ends) > AGREEING  # none is left out where they differ
 
 
 def test_a_start_that_cannot_be_assembled_leaves_the_search_to_others():

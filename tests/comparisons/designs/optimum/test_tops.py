@@ -33,11 +33,11 @@ def test_the_highest_top_is_the_figure_and_its_slope_is_a_difference(rimoldi, na
         arrays = {key: np.array([value]) for key, value in numbers.items()}
         return float(design_figures(rimoldi, arrays, [one.figure], motion.places, speed=100.0, refine=True)[0, 0])
 
-    assert side.sign * heights[best] == pytest.approx(refined(NUMBERS), rel=1e-12)
+    assert side.way * heights[best] == pytest.approx(refined(NUMBERS), rel=1e-12)
     for column, key in enumerate(NUMBERS):
         ends = [refined({**NUMBERS, key: NUMBERS[key] * (1.0 + step)}) for step in (-1e-4, 1e-4)]
         difference = (ends[1] - ends[0]) / (2e-4 * NUMBERS[key])
-        assert side.sign * slopes[best, column] == pytest.approx(difference, rel=1e-4, abs=1e-6 * abs(heights[best]))
+        assert side.way * slopes[best, column] == pytest.approx(difference, rel=1e-4, abs=1e-6 * abs(heights[best]))
 
 
 def test_windows_cover_a_turn_once_and_each_has_one_top(rimoldi):

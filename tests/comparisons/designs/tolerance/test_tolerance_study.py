@@ -13,12 +13,8 @@ from analytic.errors import LinkproofError
 from analytic.kinematics.mechanism import Mechanism
 from comparisons.designs.named_figures import named_figures
 from comparisons.designs.steady_motion import steady_motion
-from comparisons.designs.tolerance.tolerance_study import (
-    FEW_SAMPLES,
-    ToleranceRequest,
-    tolerance_request,
-    tolerance_study,
-)
+from comparisons.designs.tolerance.tolerance_request import FEW_SAMPLES, ToleranceRequest, tolerance_request
+from comparisons.designs.tolerance.tolerance_study import tolerance_study
 from comparisons.designs.tolerance.tolerances import Tolerances, tolerances
 from tests.analytic.drives import path_of
 from tests.analytic.linkages import IN_LINE, from_text

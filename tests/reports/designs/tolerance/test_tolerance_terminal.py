@@ -1,6 +1,7 @@
 """What is printed of a tolerance study: rows by contribution, what a derivative is, the worst case, random designs."""
 
-from comparisons.designs.tolerance.tolerance_study import tolerance_request, tolerance_study
+from comparisons.designs.tolerance.tolerance_request import tolerance_request
+from comparisons.designs.tolerance.tolerance_study import tolerance_study
 from comparisons.designs.tolerance.tolerances import Tolerances
 from reports.designs.tolerance.tolerance_files import document
 from reports.designs.tolerance.tolerance_terminal import NONE, TIED, printout
