@@ -51,9 +51,8 @@ def design_figures(
     A signal is sampled at the crank angles ``angle`` (angles,), rad, ascending; its means take the ``weights``
     (angles,), which add up to one: equal ones if None. S counts from the design's own largest output.
 
-    With ``refine`` the extremes are the true ones, looked for between neighbours of the highest samples, and S counts
-    from the true top. They are those over a ``period``, rad, or over a range, whose ends count, if that is None; by
-    default over a turn where the angles divide one evenly, its end left out.
+    With ``refine`` the extremes are the true ones between the samples, and S counts from the true top: over a
+    ``period``, rad, or over a range, whose ends count, if None; "auto" is a turn where the angles divide one evenly.
 
     The figures of a design that cannot be assembled, or stands in a dead position, at any of the angles are nan.
     ``cores`` and ``path`` are as for ``analytic.evaluation.evaluate``; refined extremes and the angles of links but the
@@ -73,9 +72,8 @@ def design_figures(
                 flat, figures, places, largest=redesigned(flat, designs.largest()), count=count, designs=designs.rows,
                 speed=speed, weights=share, cores=cores,
             )  # fmt: skip
-    if period == "auto":
-        period = None if mechanism.linkage.is_linear or not is_turn(places) else FULL_TURN
-    asked = Asked(mechanism, tuple(figures), places, speed, share, period, refine)
+    closes = _period(mechanism, places) if period == "auto" else period
+    asked = Asked(mechanism, tuple(figures), places, speed, share, closes, refine)
     found = np.full((len(figures), count), np.nan)
 
     def work(rows: Integers, sweeps: Sweeps) -> None:
@@ -107,6 +105,11 @@ def _checked_places(angle: ArrayLike, least: int) -> Array:
             f"{'others' if is_list else f'shape {places.shape}'}; pass such a list"
         )
     return places
+
+
+def _period(mechanism: Mechanism, places: Array) -> float | None:
+    """A turn where places of a crank divide one evenly, its end left out."""
+    return None if mechanism.linkage.is_linear or not is_turn(places) else FULL_TURN
 
 
 def shares(places: Array, weights: ArrayLike | None) -> Array:

@@ -24,8 +24,6 @@ from comparisons.designs.steady_motion import SteadyMotion
 Array = NDArray[np.float64]
 
 TOLD: Final = ("stroke", "Mkr.peak", "Jeq.mean", "joint_force.peak", "transmission_angle.min", "transmission_angle.max")
-
-
 OF_MANY: Final = (Reduction.PEAK, Reduction.MAX)  # of which the highest of several figures can be minimised
 
 
