@@ -55,7 +55,7 @@ def sweep(
     no_gravity: options.NoGravity = False,
     angles: Angles = 180,
     refine: Refine = False,
-    out: Annotated[Path | None, valued("DIR", "Write sweep.nc, every design, into this folder.")] = None,
+    out: Annotated[Path | None, valued("DIR", "Write sweep.nc, every design, and sweep.svg into this folder.")] = None,
     csv: Annotated[str | None, valued("FILE|-", "Write every design as a table.")] = None,
     json: Annotated[str | None, valued("FILE|-", "Write the summary as JSON.")] = None,
     svg: Annotated[str | None, valued("FILE|-", "Draw the figures over the designs.")] = None,

@@ -252,10 +252,14 @@ def _summary(request: SweepRequest, first: int, last: int, found: Array) -> Summ
     return Summary(last - first, int(np.count_nonzero(there)), ends[0], ends[1], tuple(reach))
 
 
+def centre(one: NamedFigure) -> float:
+    """The value from which a figure's distance makes it least or largest, 90° of peaks of an angle; else 0."""
+    return middle(one.figure.signal) / one.unit.size if one.figure.reduction is Reduction.PEAK else 0.0
+
+
 def _ranks(one: NamedFigure, values: Array) -> Array:
-    """What makes values least or largest: of transmission angles farthest from 90° the distance from there."""
-    centre = middle(one.figure.signal) if one.figure.reduction is Reduction.PEAK else 0.0
-    return np.abs(values - centre / one.unit.size) if centre else values
+    """What makes values least or largest."""
+    return np.abs(values - centre(one)) if centre(one) else values
 
 
 def why_not(request: SweepRequest) -> str:

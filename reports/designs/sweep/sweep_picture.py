@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
@@ -27,6 +27,7 @@ CURVES, MAP = 2.2, 3.0  # in, height of a row of panels
 AROUND_CURVES, AROUND_MAP = 1.0, 1.6  # in, beside the axes of a panel
 CURVE_CELLS, MAP_CELLS = 1000, 300  # along an axis; finer than the paper shows
 NOWHERE = np.zeros(0)
+DIAMOND = ("D", 5.0)
 UPRIGHT = Curve(NOWHERE, NOWHERE, OWN, "muted", line="--", width=0.9)
 
 
@@ -56,30 +57,22 @@ def _curves(swept: Swept) -> Chart:
     (parameter,) = swept.parameters
     cells, columns = Cells(swept.places(parameter), CURVE_CELLS), 1 if len(swept.figures) < 4 else 2
     uprights = tuple(Mark(place) for place in swept.own_place)
-    panels, best, seen = [], {}, []
-    for name in swept.figures:
-        kept = swept.keep(name, cells)
-        found = [Curve(*cells.curve(kept), marker="" if swept.count > 1 else "o")]
-        if kept.failing < swept.count:
-            meaning = swept.target(name)[1]
-            best[meaning] = _star(meaning)
-            found.append(_star("", cells.places[kept.indices[2]], kept.extremes[2]))
-        seen.append(kept)
+    panels, seen = [], {name: swept.keep(name, cells) for name in swept.figures}
+    for name, kept in seen.items():
+        curve = Curve(*cells.curve(kept), marker="" if swept.count > 1 else "o")
+        best = [_star("", cells.places[place], kept.extremes[2]) for place in kept.best]
         title = labels.fitting(swept.label(name, kept), FULL_WIDTH / columns - AROUND_CURVES)
+        hatch = Hatch(cells.failing(kept))
         axes = (swept.label(parameter), swept.scale(name))
-        panels.append(
-            Panel(
-                tuple(found), *axes, uprights, names="", title=title, hatch=Hatch(cells.failing(kept)), span=kept.span
-            )
-        )
+        panels.append(Panel((curve, *best), *axes, uprights, names="", title=title, hatch=hatch, span=kept.span))
     note = (
         f"The curve goes through the least and the largest of each {grouped(swept.count // CURVE_CELLS)} neighbours."
         if cells.are_thin
         else ""
     )
-    key: tuple[Curve | Hatch, ...] = (*best.values(), *(UPRIGHT,) * bool(uprights), *_hatched(seen))
+    key = _key(swept, seen, UPRIGHT)
     height = CURVES * -(-len(panels) // columns) + 0.5
-    return Chart(tuple(panels), height, columns, wide=True, head=swept.head(seen, note), key=key)
+    return Chart(tuple(panels), height, columns, wide=True, head=swept.head(seen.values(), note), key=key)
 
 
 def _maps(swept: Swept) -> Chart:
@@ -87,21 +80,18 @@ def _maps(swept: Swept) -> Chart:
     axes = (swept.label(swept.parameters[0]), swept.label(swept.parameters[1]))
     cells = tuple(Cells(swept.places(name), MAP_CELLS) for name in swept.parameters)
     columns = min(3 if len(swept.figures) > 4 else 2, len(swept.figures))
-    own = [_marker(OWN, swept.own_place, "D", 5.0)] if swept.own_place else []
-    panels, best, seen = [], {}, []
-    for name in swept.figures:
-        kept = swept.keep(name, *cells)
-        found = list(own)
-        if kept.failing < swept.count:
-            meaning = swept.target(name)[1]
-            best[meaning] = _star(meaning)
-            place = divmod(int(kept.indices[2]), len(cells[1].places))
-            found.append(_star("", cells[0].places[place[0]], cells[1].places[place[1]]))
-        seen.append(kept)
+    own = [_marker("", swept.own_place, *DIAMOND)] if swept.own_place else []
+    panels, seen = [], {name: swept.keep(name, *cells) for name in swept.figures}
+    for name, kept in seen.items():
+        places = [np.unravel_index(place, swept.shape) for place in kept.best]
+        found = [
+            *own,
+            *(_star("", *(one.places[at] for one, at in zip(cells, place, strict=True))) for place in places),
+        ]
         surface = Surface(cells[0].edges, cells[1].edges, kept.surface().T, swept.scale(name), kept.span)
         title = labels.fitting(swept.label(name, kept), FULL_WIDTH / columns - AROUND_MAP)
         whole = Hatch(cells[0].edges[[[0, -1]]][: bool(kept.failing)])
-        outlined = [edge for one in found for edge in (_outline(one), replace(one, name=""))]
+        outlined = [edge for one in found for edge in (_outline(one), one)]
         panels.append(Panel(tuple(outlined), *axes, names="", title=title, hatch=whole, surface=surface))
     together = grouped(-(-swept.count // (len(cells[0].starts) * len(cells[1].starts))))
     note = (
@@ -110,9 +100,9 @@ def _maps(swept: Swept) -> Chart:
         if any(one.are_thin for one in cells)
         else ""
     )
-    key: tuple[Curve | Hatch, ...] = (*best.values(), *own, *_hatched(seen))
+    key = _key(swept, seen, _marker(OWN, (0.0, 0.0), *DIAMOND))
     height = MAP * -(-len(panels) // columns) * (1.25 if columns < 3 else 1.0)
-    return Chart(tuple(panels), height, columns, wide=len(panels) > 1, head=swept.head(seen, note), key=key)
+    return Chart(tuple(panels), height, columns, wide=len(panels) > 1, head=swept.head(seen.values(), note), key=key)
 
 
 def _ascending(dataset: xarray.Dataset) -> xarray.Dataset:
@@ -124,9 +114,11 @@ def _ascending(dataset: xarray.Dataset) -> xarray.Dataset:
     return dataset
 
 
-def _hatched(seen: Sequence[Kept]) -> tuple[Hatch, ...]:
-    """The entry of the key for designs that do not assemble, if there are any."""
-    return (Hatch(np.zeros((0, 2)), FAILS),) * any(kept.failing for kept in seen)
+def _key(swept: Swept, seen: Mapping[str, Kept], own: Curve) -> tuple[Curve | Hatch, ...]:
+    """What stars mean, the design of the file, and what does not assemble; each if it is there."""
+    meanings = dict.fromkeys(swept.target(name)[1] for name, kept in seen.items() if len(kept.best))
+    fails = any(kept.failing for kept in seen.values())
+    return (*map(_star, meanings), *(own,) * bool(swept.own_place), *(Hatch(np.zeros((0, 2)), FAILS),) * fails)
 
 
 def _marker(name: str, place: tuple[float, ...], marker: str, size: float, ink: str = "ink") -> Curve:
@@ -141,4 +133,4 @@ def _star(name: str, *place: float) -> Curve:
 
 def _outline(curve: Curve) -> Curve:
     """What lies behind a marker on a map, for it to be seen on any colour."""
-    return replace(curve, name="", ink="paper", size=curve.size + 3.0)
+    return replace(curve, ink="paper", size=curve.size + 3.0)

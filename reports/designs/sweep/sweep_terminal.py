@@ -10,11 +10,9 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from analytic.designs.figures import Reduction
 from comparisons.datasheet.plain_data import finite
-from comparisons.designs.named_figures import NamedFigure
 from comparisons.designs.sweep.space import Grid
-from comparisons.designs.sweep.sweep import NONE, Extreme, Summary, SweepRequest
+from comparisons.designs.sweep.sweep import NONE, Extreme, Summary, SweepRequest, centre
 from reports.document.numbers import figure, printed
 from reports.document.parts import Paragraph, Table
 from reports.document.terminal import Printed
@@ -48,7 +46,7 @@ class SweepSummary:
             for number, one in enumerate(self.request.figures)
             for what, value, where in self._ends(number)
         ]
-        note = NOTE if any(_is_peak_of_angle(one) for one in self.request.figures) else ""
+        note = NOTE if any(map(centre, self.request.figures)) else ""
         table = Table("", ["figure", "design", "value", *shown], rows, "llr", note)
         return [Paragraph(self.conditions, colour="bold"), self.sentence, "", table]
 
@@ -104,10 +102,6 @@ class SweepSummary:
             return []
         values: list[float] = self.request.space.shown(extreme.design, extreme.design + 1)[:, 0].tolist()
         return values
-
-
-def _is_peak_of_angle(one: NamedFigure) -> bool:
-    return one.figure.reduction is Reduction.PEAK and not one.figure.is_magnitude
 
 
 def _grouped(count: int) -> str:

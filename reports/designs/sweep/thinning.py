@@ -84,6 +84,11 @@ class Kept:
     indices: Indices
     extremes: Array
 
+    @property
+    def best(self) -> list[int]:
+        """The index of the value nearest to the target; nothing where all are nan."""
+        return [int(one) for one in self.indices[2:] if one >= 0]
+
     def surface(self) -> Array:
         """A value for every cell: the one farthest from the middle of all, nan where a design fails."""
         middle = 0.5 * (self.extremes[0] + self.extremes[1])

@@ -9,7 +9,6 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from analytic.designs.results import design_figures
-from analytic.errors import LinkproofError
 from analytic.kinematics.mechanism import Mechanism
 from comparisons.designs.sweep import sweep as sweeps
 from comparisons.designs.sweep.sweep import Blocks, Extreme, Summary, own_figures, sweep, usual_figures, why_not
@@ -106,11 +105,6 @@ def test_the_own_design_is_that_of_the_file():
     asked = request()
     own = grid("rod.B.x=175:175:1")
     np.testing.assert_allclose(own_figures(asked), looped(request(own))[:, 0], rtol=1e-14)
-
-
-def test_masses_are_not_negative():
-    with pytest.raises(LinkproofError, match=r"rod.mass: expected no negative mass, got -1 kg"):
-        own_figures(request(grid("rod.mass=-1:1:3")))
 
 
 def test_a_design_that_does_not_assemble_says_where():
