@@ -26,8 +26,8 @@ from analytic.description.linkage import Linkage
 from analytic.designs.batches import goes_together
 from analytic.designs.checking import checked
 from analytic.designs.figures import Extreme, Figure, Reduction
-from analytic.designs.results import design_figures, is_turn, shares
-from analytic.designs.sampling import OUTPUT, curve
+from analytic.designs.results import is_turn, period_of, shares
+from analytic.designs.sampling import OUTPUT, Asked, curve
 from analytic.evaluation import MovingSweep
 from analytic.kinematics.decomposition import find_structure
 from analytic.kinematics.mechanism import Mechanism
@@ -57,8 +57,8 @@ def signal_gradients(
 
     ``parameters`` are numbers of the description by the names of ``analytic.description.changes``, with the SI values
     at which to differentiate; a signal may be a magnitude, as in a ``Figure``. S counts from the highest of the angles.
-    The crank turns at a constant ``speed``, rad/s, signed. Raises UnknownNameError, and AssemblyError where the design
-    cannot be assembled.
+    The crank turns at a constant ``speed``, rad/s, signed. Raises UnknownNameError, LinkproofError for numbers that no
+    design can have, and AssemblyError where the design cannot be assembled.
     """
     places = np.asarray(angle, dtype=float)
     _check(mechanism, parameters)
@@ -100,9 +100,11 @@ def figure_gradients(
     if not is_exact(mechanism):
         _check_moves(_sweep(mechanism, parameters, places))
 
-        def figures_of(own: Mapping[str, float]) -> Array:
-            arrays = {name: np.array([value]) for name, value in own.items()}
-            return design_figures(mechanism, arrays, figures, places, speed=speed, weights=weights, refine=refine)[:, 0]
+        period = period_of(mechanism, places)
+        asked = Asked(mechanism, tuple(figures), places, speed, shares(places, weights), period, refine)
+
+        def figures_of(own: Mapping[str, float]) -> Array:  # of masses below zero as well, beside one of zero
+            return asked.of({name: np.array([value]) for name, value in own.items()})[:, 0]
 
         return differences(figures_of, parameters, _steps(mechanism, parameters))[:2]
     share = shares(places, weights)

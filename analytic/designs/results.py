@@ -13,7 +13,6 @@ from analytic.compiled.choice import is_compiled
 from analytic.compiled.design_figures import can_figure, compiled_figures
 from analytic.compiled.flat_linkage import flatten, redesigned
 from analytic.description.law import FULL_TURN
-from analytic.designs.batches import Integers, Sweeps, in_blocks
 from analytic.designs.checking import checked
 from analytic.designs.figures import Figure
 from analytic.designs.sampling import MAGNITUDE, Asked
@@ -24,7 +23,6 @@ from analytic.signals import formulas
 
 Array = NDArray[np.float64]
 
-CHUNK: Final = 2048  # designs a thread takes at a time: their tops are refined together
 FEWEST: Final = 3  # crank angles, so that a top has neighbours, where it is refined
 EVEN: Final = 1e-9  # of a step
 # s per design and crank angle on one core, measured on the six-bar.
@@ -72,15 +70,8 @@ def design_figures(
                 flat, figures, places, largest=redesigned(flat, designs.largest()), count=count, designs=designs.rows,
                 speed=speed, weights=share, cores=cores,
             )  # fmt: skip
-    closes = _period(mechanism, places) if period == "auto" else period
-    asked = Asked(mechanism, tuple(figures), places, speed, share, closes, refine)
-    found = np.full((len(figures), count), np.nan)
-
-    def work(rows: Integers, sweeps: Sweeps) -> None:
-        found[:, rows] = asked.of(sweeps, rows)
-
-    in_blocks(mechanism, arrays, CHUNK, work, cores)
-    return found
+    closes = period_of(mechanism, places) if period == "auto" else period
+    return Asked(mechanism, tuple(figures), places, speed, share, closes, refine).of(arrays, cores)
 
 
 def usual_path(figures: Sequence[Figure], size: int, cores: int | None = None) -> str:
@@ -107,7 +98,7 @@ def _checked_places(angle: ArrayLike, least: int) -> Array:
     return places
 
 
-def _period(mechanism: Mechanism, places: Array) -> float | None:
+def period_of(mechanism: Mechanism, places: Array) -> float | None:
     """A turn where places of a crank divide one evenly, its end left out."""
     return None if mechanism.linkage.is_linear or not is_turn(places) else FULL_TURN
 

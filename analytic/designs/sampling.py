@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from analytic.description.law import FULL_TURN
-from analytic.designs.batches import BLOCK, Booleans, Integers, Sweeps, faults_of
+from analytic.designs.batches import BLOCK, Booleans, Integers, Sweeps, faults_of, in_blocks
 from analytic.designs.figures import Extreme, Figure, Reduction
 from analytic.designs.tops import Tops, summits, tops
 from analytic.evaluation import MovingSweep
@@ -20,6 +20,7 @@ from analytic.signals import signal
 
 Array = NDArray[np.float64]
 
+CHUNK: Final = 2048  # designs a thread takes at a time: their tops are refined together
 MAGNITUDE: Final = ":magnitude"
 OUTPUT: Final = "output"  # the output's coordinate; no signal, for what is seen of it is S
 # Between two crank angles the sine of a transmission angle changes by no more than this share of itself, or the step is
@@ -42,9 +43,18 @@ class Asked:
     period: float | None
     refine: bool
 
-    def of(self, sweeps: Sweeps, rows: Integers) -> Array:
-        """The figures of the designs of some rows, (figures, rows)."""
-        return _Chunk(self, sweeps, rows).all(self.figures)
+    def of(self, arrays: Mapping[str, Array], cores: int | None = None) -> Array:
+        """The figures, (figures, designs), of designs that differ in ``arrays`` (designs,) of numbers by name.
+
+        They are nan where a design has no motion at one of the places; numbers are taken as they are.
+        """
+        found = np.full((len(self.figures), len(next(iter(arrays.values())))), np.nan)
+
+        def work(rows: Integers, sweeps: Sweeps) -> None:
+            found[:, rows] = _Chunk(self, sweeps, rows).all(self.figures)
+
+        in_blocks(self.mechanism, arrays, CHUNK, work, cores)
+        return found
 
 
 class _Marked(NamedTuple):

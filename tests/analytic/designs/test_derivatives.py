@@ -15,7 +15,7 @@ from analytic.designs.derivatives import differences, figure_gradients, is_exact
 from analytic.designs.figures import Figure, Reduction, middle
 from analytic.designs.results import design_figures
 from analytic.designs.sampling import curve
-from analytic.errors import AssemblyError, UnknownNameError
+from analytic.errors import AssemblyError, LinkproofError, UnknownNameError
 from analytic.evaluation import MovingSweep
 from analytic.kinematics.mechanism import Mechanism
 from analytic.numerics.peaks import highest
@@ -274,6 +274,17 @@ def test_linkages_without_closed_form_have_differences():
     _, gradients = signal_gradients(sample, chosen, ["Jeq"], [0.7, 2.0], speed=SPEED)
     radius = sample.linkage.local("A", sample.linkage.crank)[0]
     assert gradients[0, 0] == pytest.approx([radius**2] * 2, rel=1e-9)  # its coupler turns about a circle
+
+
+def test_a_mass_of_zero_has_differences_on_both_sides():
+    sample, angle = mechanism("parallelogram"), np.linspace(0.0, 2.0 * np.pi, 12, endpoint=False)
+    figures = [Figure("Jeq", Reduction.MEAN), Figure("Mkr", Reduction.AT, 0.7)]
+    found = [figure_gradients(sample, {"coupler.mass": mass}, figures, angle, speed=SPEED) for mass in (0.0, 1.0)]
+    (none, slopes), (whole, others) = found
+    assert slopes == pytest.approx(others, rel=1e-9)  # both are linear in it
+    assert whole - none == pytest.approx(slopes[:, 0], rel=1e-9)
+    with pytest.raises(LinkproofError, match="none negative"):
+        figure_gradients(sample, {"coupler.mass": -0.1}, figures, angle, speed=SPEED)
 
 
 def test_wrong_names_and_designs_that_cannot_be_assembled_are_told():

@@ -14,7 +14,7 @@ from analytic.description.changes import changed
 from analytic.description.crank_motion import CrankMotion, Segment
 from analytic.description.law import FULL_TURN
 from analytic.description.loading import literature
-from analytic.designs import results, sampling
+from analytic.designs import sampling
 from analytic.designs.figures import Figure, Reduction
 from analytic.designs.results import design_figures
 from analytic.errors import AssemblyError, LinkproofError, StructureError, UnknownNameError
@@ -202,7 +202,7 @@ def test_blocks_and_threads_change_nothing(monkeypatch):
         assert 0 < np.count_nonzero(np.isnan(whole[0])) < 30
         for block, chunk in ((24 * 21, 30), (24 * 64, 11)):
             monkeypatch.setattr(sampling, "BLOCK", block)
-            monkeypatch.setattr(results, "CHUNK", chunk)
+            monkeypatch.setattr(sampling, "CHUNK", chunk)
             parts = design_figures(*asked, speed=SPEED, refine=refine, cores=3, path="numpy")
             assert np.array_equal(parts, whole, equal_nan=True)
         monkeypatch.undo()
