@@ -24,6 +24,10 @@ from comparisons.datasheet.units import FileUnit, file_unit
 STROKE: Final = "stroke"
 FAMILIES: Final = ("joint_force", "transmission_angle")
 REDUCTIONS: Final = tuple(one.value for one in Reduction if one is not Reduction.AT)
+NEEDS: Final[Mapping[str, str]] = {  # what a linkage must have for these signals, in words
+    **dict.fromkeys(("S", "v", "a"), "an output point"),
+    **dict.fromkeys(("Mkr", "Peq", "Teq", "Jeq", "joint_force"), "masses of all links"),
+}
 NOT_OF_A_DESIGN: Final = ("phi", "omega", "epsilon")  # they are given
 
 
@@ -91,9 +95,14 @@ def _examples(known: Mapping[str, str]) -> list[str]:
 
 def _members(mechanism: Mechanism, known: Mapping[str, str], signal: str) -> list[str]:
     """The signal, or every member of the family: the magnitudes of all forces, the angles of all groups."""
+    ending = MAGNITUDE if signal == "joint_force" else ""
+    members = [one for one, told in known.items() if told == f"{one}{ending}" and one.startswith(f"{signal}:")]
+    if signal in NEEDS and signal not in known and not members:
+        name = mechanism.linkage.name
+        raise LinkproofError(f"{STROKE if signal == 'S' else signal}: expected a linkage with {NEEDS[signal]}, got "
+                             f"'{name}' without; add what is missing to its file, or name another figure")  # fmt: skip
     if signal in FAMILIES:
-        ending = MAGNITUDE if signal == "joint_force" else ""
-        return [one for one, told in known.items() if told == f"{one}{ending}" and one.startswith(f"{signal}:")]
+        return members
     if signal not in known:
         raise UnknownNameError(f"signal of '{mechanism.linkage.name}'", signal, [*known, *FAMILIES])
     return [signal]

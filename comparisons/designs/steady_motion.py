@@ -19,6 +19,7 @@ Array = NDArray[np.float64]
 
 SAMPLES: Final = 180
 FEWEST: Final = 8
+MOST: Final = 10**6  # samples, which are held in memory design by design
 
 
 @dataclass(frozen=True)
@@ -55,6 +56,8 @@ def steady_motion(
         raise LinkproofError(f"--speed: expected a finite speed that is not zero, got {speed:g}; give another")
     if samples < FEWEST:
         raise LinkproofError(f"--angles: expected {FEWEST} crank angles or more, got {samples}; give more")
+    if samples > MOST:
+        raise LinkproofError(f"--angles: expected {MOST} crank angles or fewer, got {samples}; give fewer")
     if start is not None and end is not None:
         return SteadyMotion(np.linspace(min(start, end), max(start, end), samples), speed, is_full_turn=False)
     reach = crank_range(mechanism)

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from analytic.designs.derivatives import signal_gradients
 from analytic.designs.figures import Reduction
 from analytic.designs.results import design_figures
-from analytic.errors import AssemblyError, LinkproofError, UnknownNameError
+from analytic.errors import AssemblyError, LinkproofError
 from analytic.kinematics.mechanism import Mechanism
 from comparisons.designs.named_figures import NamedFigure, named_figures
 from comparisons.designs.optimum.descent import ACTIVE, End
@@ -131,7 +131,7 @@ def _told(mechanism: Mechanism, names: Sequence[str]) -> list[NamedFigure]:
     for name in names:
         try:
             found += named_figures(mechanism, [name])
-        except UnknownNameError:
+        except LinkproofError:
             continue
     return found
 
@@ -189,6 +189,6 @@ def _checked(problem: DesignProblem, found: Search, motion: SteadyMotion) -> End
     asked = f"of {worst[0].low / size:.6g}" if worst[0].is_equal else " ".join(ends)
     unit = f" {one.unit.name}" if one.unit.name else ""
     raise LinkproofError(
-        f"expected a design with {one.name} {asked}{unit}, got none within the bounds; nearest is "
+        f"expected a design with {one.name} {asked}{unit}, got none within the bounds; the nearest found has "
         f"{float(value) / size:.6g}{unit}: widen --over or --keep"
     )

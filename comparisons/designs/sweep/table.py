@@ -22,6 +22,7 @@ from comparisons.designs.sweep.space import Listed, Space
 Array = NDArray[np.float64]
 
 BLOCK: Final = 50_000  # rows
+OTHER_MARKS: Final = {";": "semicolons", "\t": "tabs"}  # of spreadsheets
 
 
 @dataclass(frozen=True)
@@ -115,11 +116,22 @@ def _pieces(file: IO[bytes]) -> Iterator[tuple[int, list[bytes]]]:
 
 
 def _columns(path: Path, head: str, linkage: Linkage) -> tuple[tuple[Parameter, ...], Array]:
-    names = next(csv.reader([head]), [])
+    try:
+        names = next(csv.reader([head]), [])
+    except csv.Error as error:
+        raise LinkproofError(f"--table '{path}': expected parameters' names in the first line, got no such line; "
+                             "save it as CSV in UTF-8") from error  # fmt: skip
+    if len(names) == 1 and (other := next((word for mark, word in OTHER_MARKS.items() if mark in head.strip()), None)):
+        raise LinkproofError(
+            f"--table '{path}': expected commas between columns, and points in numbers, got {other}; save it so"
+        )
     if not any(name.strip() for name in names):
         raise LinkproofError(f"--table '{path}': expected a head that names parameters, got an empty line; add it")
     columns, sizes = [], []
-    for cell in names:
+    for number, cell in enumerate(names, start=1):
+        if not cell.strip():
+            raise LinkproofError(f"--table '{path}': expected a parameter's name over every column, got nothing over "
+                                 f"column {number}; add it, or leave the column out")  # fmt: skip
         name, bracket, unit = cell.strip().partition("[")
         found = parameter(linkage, name.strip())
         columns.append(found)
@@ -140,9 +152,13 @@ def _values(path: Path, lines: list[bytes], start: int, sizes: Array) -> Array:
         pass
     number, line = next((n, line) for n, line in enumerate(text) if not _is_row(line, len(sizes)))
     raise LinkproofError(
-        f"--table '{path}': expected {len(sizes)} finite numbers with commas between them in every row, got "
+        f"--table '{path}': expected {_numbers(len(sizes))} in every row, got "
         f"'{shortened(line.decode(errors='replace').strip())}' for design {start + number}; correct it"
     )
+
+
+def _numbers(count: int) -> str:
+    return "1 finite number" if count == 1 else f"{count} finite numbers with commas between them"
 
 
 def _is_row(line: bytes, columns: int) -> bool:

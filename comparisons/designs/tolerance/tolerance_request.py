@@ -26,7 +26,7 @@ from comparisons.designs.tolerance.tolerances import ANGLE, LENGTH, Tolerance, T
 Array = NDArray[np.float64]
 Announce = Callable[[str, int, int], None]  # what is worked out, how many are, of how many
 
-FEWEST: Final = 2
+FEWEST, MOST = 2, 10**7
 USUAL: Final = 1000.0  # rpm
 SAMPLES: Final = 10_000
 FEW_SAMPLES: Final = 200  # of a linkage whose groups are followed anew for every design, which takes a second or so
@@ -151,6 +151,8 @@ def tolerance_request(
         samples = SAMPLES if is_exact(mechanism) else FEW_SAMPLES
     if samples < FEWEST:
         raise LinkproofError(f"--samples: expected {FEWEST} or more random designs, got {samples}; draw more")
+    if samples > MOST:
+        raise LinkproofError(f"--samples: expected {MOST} random designs or fewer, got {samples}; draw fewer")
     if seed < 0:
         raise LinkproofError(f"--seed: expected a number from 0 on, got {seed}; give another")
     motion = steady_motion(mechanism, speed, samples=angles)

@@ -34,7 +34,8 @@ class ToleranceStudy:
     Transmission angles farthest from 90° are all on the side of the nominal one: an angle and π less it are as far.
     ``changes`` (results, tolerances, 2) are those at the lower and the upper limit of each tolerance alone, all else
     nominal. ``corners`` (results, 2) are the least and the largest result where every number is at a limit; of more
-    than 12 tolerances those two to which the derivatives point. ``random`` (results, samples) are random designs.
+    than 12 tolerances those two to which the derivatives point; ``lost_corners`` are those worked out that do not
+    assemble. ``random`` (results, samples) are random designs.
     """
 
     request: ToleranceRequest
@@ -43,6 +44,7 @@ class ToleranceStudy:
     changes: Array
     corners: Array
     random: Array
+    lost_corners: int = 0
 
     @property
     def how(self) -> str:
@@ -148,6 +150,7 @@ def tolerance_study(request: ToleranceRequest, announce: Announce = lambda *_: N
         np.stack([changes[:, :count], changes[:, count:]], axis=2),
         _ends(found[:, first:last]),
         scattered,
+        int(np.count_nonzero(np.isnan(found[:, first:last]).any(axis=0))),
     )
 
 

@@ -25,7 +25,7 @@ from reports.command_line.destination import Destination
 from reports.command_line.motion_choice import MotionChoice
 from reports.command_line.requests import RunLimits, command_line, named
 from reports.command_line.steady_choice import SteadyChoice, steady_case
-from reports.designs.optimum.optimise_terminal import aim, document, printed
+from reports.designs.optimum.optimise_terminal import aim, closing, document, printed
 
 JSON = "optimise.json"
 CURVES = "before-after.svg"
@@ -89,12 +89,13 @@ def run(choice: OptimiseChoice, destination: Destination, limits: RunLimits | No
     saved = document(found, choice.command, conditions)
     destination.write_json(saved)
     tables = printed(found, conditions)
+    wrote = []
     if destination.folder is not None:
         write_text(destination.folder / name, text)
         write_text(destination.folder / JSON, to_json(saved))
         write_text(destination.folder / CURVES, _picture(found, conditions))
-        tables.append(f"Written: {destination.folder / name}, {JSON}, {CURVES}.")
-    destination.print(*([] if destination.quiet else tables))
+        wrote.append(f"Written: {destination.folder / name}, {JSON}, {CURVES}.")
+    destination.print(*([closing(found)] if destination.quiet else tables), *wrote)
     if not choice.simulate:
         where = destination.folder / name if destination.folder else f"DIR/{name}"
         first = "" if destination.folder else "--out DIR writes the new file; "

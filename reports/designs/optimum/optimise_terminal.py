@@ -63,6 +63,20 @@ def _figures(found: Optimum) -> Table:
     return Table("", ("figure", "unit", "before", "after", "change", ""), rows, "llrrrl")
 
 
+def closing(found: Optimum) -> str:
+    """The outcome in one sentence: the aim before and after, and the numbers that give it."""
+    sign, many = found.problem.sign, len(found.problem.aims)
+    before, after = (sign * max((sign * values[:many]).tolist()) for values in found.values)
+    unit = found.problem.aims[0].unit
+    numbers = (
+        f"{one.parameter.name} {figure(found.after[one.parameter.name] / one.parameter.unit.size, DIGITS)} "
+        f"{one.parameter.unit.name}".rstrip()
+        for one in found.problem.variables
+    )
+    ends = " to ".join(figure(value / unit.size, DIGITS) for value in (before, after))
+    return f"{aim(found)}: from {ends} {unit.name} at {', '.join(numbers)}".replace("  ", " ")
+
+
 def aim_word(found: Optimum) -> str:
     """What was done with the aim."""
     return "minimised" if found.problem.sign > 0.0 else "maximised"

@@ -58,7 +58,11 @@ class SweepSummary:
         if isinstance(space, Grid) and len(space.shape) > 1:
             count = f"{count} ({' × '.join(map(_grouped, space.shape))})"
         if found.assembled == found.designs:
-            return f"{count} designs, all of which assemble at every angle"
+            return (
+                f"{count} designs, all of which assemble at every angle"
+                if space.count > 1
+                else ("1 design, which assembles at every angle")
+            )
         share = math.floor(1e3 * found.assembled / found.designs) / 10.0
         where = ", ".join(
             f"{one.name} from {printed(least)} to {printed(most)} {one.unit.name}".strip()

@@ -42,6 +42,7 @@ def _result(study: ToleranceStudy, row: int) -> dict[str, Any]:
             "linear": finite(float(study.worst[row] / unit.size)),
             "corners": plain(study.corners[row] / unit.size),
             "every corner": study.has_all_corners,
+            "corners that do not assemble": study.lost_corners,
         },
         "linear standard deviation": finite(float(study.deviations[row] / unit.size)),
         "random": {

@@ -58,9 +58,10 @@ def _sentences(study: ToleranceStudy, row: int) -> Iterator[str]:
     low, high = study.corners[row] / unit.size
     which = "all" if study.has_all_corners else "the two to which derivatives point,"
     corners = 2 ** len(study.request.tolerances) if study.has_all_corners else 2
+    lost = f", of which {study.lost_corners} do not assemble" if study.lost_corners else ""
     yield (
         f"worst case: {figure(nominal - worst, 6)} to {figure(nominal + worst, 6)}{end} linear; "
-        f"{figure(low, 6)} to {figure(high, 6)}{end} of {which} {corners} corners worked out"
+        f"{figure(low, 6)} to {figure(high, 6)}{end} of {which} {corners} corners worked out{lost}"
     )
     linear, deviation = study.deviations[row] / unit.size, study.deviation[row] / unit.size
     least, most = study.quantiles[row] / unit.size

@@ -40,6 +40,12 @@ def test_a_long_table_is_read_in_blocks(tmp_path, monkeypatch):
         ("rod.B.x,rod.mass\n1,2,3\n", "got '1,2,3' for design 0"),
         ("rod.B.x\n1\ntwo\n", "got 'two' for design 1"),
         ("rod.B.x\n1\nnan\n", "got 'nan' for design 1"),
+        ("\ufeffrod.B.x [cm];rod.mass\r\n17,2;0,1\r\n", "got semicolons"),
+        ("rod.B.x\trod.mass\n172\t1\n", "got tabs"),
+        ("rod.B.x,\n175,\n", "got nothing over column 2"),
+        ("rod.B.x\r175\r176\r", "got no such line"),
+        (200_000 * "\0", "got no such line"),
+        ("rod.B.x\n1,75\n", "expected 1 finite number in every row, got '1,75'"),
         ("rod.B.x\n1\n\n1e999\n", "got '1e999' for design 1"),
     ],
 )

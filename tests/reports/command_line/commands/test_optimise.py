@@ -50,6 +50,14 @@ def test_bounds_and_values_out_of_them_are_said():
     assert "the file's value is out of the bounds" in done.output
 
 
+def test_quiet_is_one_line_of_the_outcome():
+    done = run(*PEAK, "--over", "rod.B.x=170:173", "-q")
+    assert done.stdout.splitlines() == ["least Mkr.peak: from 0.270411 to 0.250060 N*m at rod.B.x 172.074 mm"]
+    assert run("rimoldi-164", "--maximise", "stroke", "--over", "rod.B.x=174:175", "-q").stdout.startswith(
+        "largest stroke: from 30.9866 to 30.9866 mm at rod.B.x 175.000 mm"
+    )
+
+
 def test_an_engine_says_what_it_thinks_of_the_new_design():
     done = run(*PEAK, *ROD, "--simulate", "direct", "--json", "-")
     assert done.exit_code == 0, done.output
@@ -80,6 +88,8 @@ def test_an_engine_says_what_it_thinks_of_the_new_design():
         ((*PEAK, *ROD, "--keep", "transmission_angle.peak"), "expected .min or .max, got .peak"),
         ((*PEAK, *ROD, "--keep", "stroke=50:51"), "expected a design with stroke from 50 to 51 mm, got none within"),
         ((*PEAK, *ROD, "--keep", "stroke=50"), "expected a design with stroke of 50 mm, got none within"),
+        ((*PEAK, *ROD, "--keep", "Mkr.peak=0.1:0.2"), "; the nearest found has 0.25"),
+        ((*PEAK, *ROD, "--angles", "99999999999"), "--angles: expected 1000000 crank angles or fewer"),
         ((*PEAK, "--over", "rod.B.x=10:18"), "expected designs that can be assembled at every angle, got none"),
         ((*PEAK, *ROD, "--starts", "0"), "--starts: expected 1 or more designs, got 0"),
         ((*PEAK, *ROD, "--seed", "-1"), "--seed: expected a number that is not negative"),

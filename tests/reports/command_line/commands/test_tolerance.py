@@ -104,6 +104,7 @@ def test_other_faults_are_told_before_anything_is_written(tmp_path, file):
     assert "would take the place of the tolerances" in said
     for options, words in (
         ({"json": "-", "csv": "-"}, "cannot both go to"),
+        ({"samples": 10**9}, "expected 10000000 random designs or fewer, got 1000000000"),
         ({"samples": 1}, "expected 2 or more random designs, got 1"),
         ({"seed": -1}, "--seed: expected a number from 0 on"),
         ({"angles": 3}, "--angles: expected 8 crank angles or more, got 3"),

@@ -14,6 +14,7 @@ def summed_up(*texts):
 
 
 def test_designs_that_do_not_assemble_are_counted_and_never_rounded_away():
+    assert summed_up("rod.B.x=175:175:1").sentence == "1 design, which assembles at every angle"
     assert summed_up("rod.B.x=175:176:2").sentence == "2 designs, all of which assemble at every angle"
     told = summed_up("rod.B.x=160:180:2001").sentence
     assert told.startswith("2 001 designs, of which ")
