@@ -61,8 +61,11 @@ def compiled_figures(
     speed: float,
     weights: ArrayLike,
     cores: int | None,
-) -> Array:
-    """Figures of ``count`` designs, (figures, count), SI, as ``analytic.designs.results.design_figures`` defines them.
+) -> tuple[Array, NDArray[np.bool_]]:
+    """Figures of ``count`` designs, (figures, count), SI, and whether each is to be looked at again, (count,).
+
+    Figures are as ``analytic.designs.results.design_figures`` defines them, for designs that
+    move from one angle to the next: one that may not is told besides (``kernels.figures.reduced``).
 
     ``largest`` and ``designs`` are as for ``analytic.compiled.evaluation.compute``; the crank turns at a constant
     ``speed``, rad/s. A signal is sampled at the crank angles ``angle`` (angles,), rad, whose ``weights`` add up to one.
@@ -72,7 +75,7 @@ def compiled_figures(
     linkage, code = kernels("linkage"), kernels("figures")
     wanted, chosen = _Signals(flat, largest, figures, speed).wanted(code, len(np.asarray(angle)))
     angles, share = writable(np.concatenate([np.asarray(angle, dtype=float), chosen])), writable(np.asarray(weights))
-    values = np.zeros((len(figures), count))
+    values, steep = np.zeros((len(figures), count)), np.zeros(count)
     books = (len(flat.tables.references) + 3 * len(flat.structure.dyads) + 2) * kernels("statics").WRENCH
 
     def part(first: int) -> None:
@@ -81,10 +84,10 @@ def compiled_figures(
         own[:, : rows.shape[1]] = rows
         tally = np.empty((len(rows), len(wanted.signals) + 1, kernels("reductions").TALLY))
         work = np.concatenate([linkage.scratch(flat), np.zeros(books)])
-        code.reduced(flat.tables, own, first, angles, share, wanted, values, tally, work)
+        code.reduced(flat.tables, own, first, angles, share, wanted, values, steep, tally, work)
 
     in_threads(part, list(range(0, count, CHUNK)), cores)
-    return values
+    return values, steep > 0.0
 
 
 class _Signals:

@@ -52,26 +52,33 @@ def design_figures(
     With ``refine`` the extremes are the true ones between the samples, and S counts from the true top: over a
     ``period``, rad, or over a range, whose ends count, if None; "auto" is a turn where the angles divide one evenly.
 
-    The figures of a design that cannot be assembled, or stands in a dead position, at any of the angles are nan.
-    ``cores`` and ``path`` are as for ``analytic.evaluation.evaluate``; refined extremes and the angles of links but the
-    crank are NumPy's in any case. Raises UnknownNameError and LinkproofError as ``evaluate_designs`` does.
+    The figures of a design that cannot be assembled, or stands in a dead position, at or between any of the angles are
+    nan, and so are those of one that passes a change point where the linkage as described passes none. ``cores`` and
+    ``path`` are as for ``analytic.evaluation.evaluate``; refined extremes and the angles of links but the crank are
+    NumPy's in any case. Raises UnknownNameError and LinkproofError as ``evaluate_designs`` does.
     """
     places = _checked_places(angle, FEWEST if refine else 1)
     arrays = checked(mechanism.linkage, parameters)
     count = len(next(iter(arrays.values())))
     share = shares(places, weights)
     names = _known_names(mechanism, figures)
+    closes = period_of(mechanism, places) if period == "auto" else period
+    asked = Asked(mechanism, tuple(figures), places, speed, share, closes, refine)
     able = not refine and can_figure(mechanism.structure, names)
     if is_compiled(path, "figures", _seconds(names, count * len(places), cores)) and able:
         flat = flatten(mechanism)
         if set(arrays) <= set(flat.places):
             designs = designs_of(flat, arrays)
-            return compiled_figures(
+            found, doubtful = compiled_figures(
                 flat, figures, places, largest=redesigned(flat, designs.largest()), count=count, designs=designs.rows,
                 speed=speed, weights=share, cores=cores,
             )  # fmt: skip
-    closes = period_of(mechanism, places) if period == "auto" else period
-    return Asked(mechanism, tuple(figures), places, speed, share, closes, refine).of(arrays, cores)
+            rows = np.flatnonzero(doubtful)
+            if len(rows):
+                stand = asked.stand({name: values[rows] for name, values in arrays.items()}, cores)
+                found[:, rows[stand]] = np.nan
+            return found
+    return asked.of(arrays, cores)
 
 
 def usual_path(figures: Sequence[Figure], size: int, cores: int | None = None) -> str:

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from analytic.description.law import FULL_TURN
 from analytic.designs.batches import BLOCK, Booleans, Integers, Sweeps, faults_of, in_blocks
+from analytic.designs.dead_positions import are_steep, stuck
 from analytic.designs.figures import Extreme, Figure, Reduction
 from analytic.designs.tops import Tops, summits, tops
 from analytic.evaluation import MovingSweep
@@ -43,6 +44,11 @@ class Asked:
     period: float | None
     refine: bool
 
+    @property
+    def grid(self) -> Array:
+        """The crank angles with the end of the period."""
+        return self.places if self.period is None else np.append(self.places, self.places[0] + self.period)
+
     def of(self, arrays: Mapping[str, Array], cores: int | None = None) -> Array:
         """The figures, (figures, designs), of designs that differ in ``arrays`` (designs,) of numbers by name.
 
@@ -52,6 +58,16 @@ class Asked:
 
         def work(rows: Integers, sweeps: Sweeps) -> None:
             found[:, rows] = _Chunk(self, sweeps, rows).all(self.figures)
+
+        in_blocks(self.mechanism, arrays, CHUNK, work, cores)
+        return found
+
+    def stand(self, arrays: Mapping[str, Array], cores: int | None = None) -> Booleans:
+        """Which of these designs cannot move from one of the places to the next (designs,)."""
+        found = np.ones(len(next(iter(arrays.values()))), dtype=bool)
+
+        def work(rows: Integers, sweeps: Sweeps) -> None:
+            found[rows] = stuck(sweeps, rows, self.grid)
 
         in_blocks(self.mechanism, arrays, CHUNK, work, cores)
         return found
@@ -72,7 +88,7 @@ class _Chunk:
 
     def __init__(self, asked: Asked, sweeps: Sweeps, rows: Integers) -> None:
         self.asked, self.sweeps, self.rows = asked, sweeps, rows
-        self.faulty = np.zeros(len(rows), dtype=bool)
+        self.faulty, self.doubtful = np.zeros((2, len(rows)), dtype=bool)
         self.farthest = np.zeros(len(rows))
         self.known: dict[Extreme, Array] = {}  # the highest samples
 
@@ -81,6 +97,8 @@ class _Chunk:
         if self.asked.refine and any(one.signal == "S" for one in figures):
             self.farthest = self._figures([Figure(OUTPUT, Reduction.MAX)])[0]
         result = self._figures(figures)
+        doubtful = np.flatnonzero(self.doubtful & ~self.faulty)
+        self.faulty[doubtful] = stuck(self.sweeps, self.rows[doubtful], self.asked.grid)
         result[:, self.faulty] = np.nan
         return result
 
@@ -119,6 +137,8 @@ class _Chunk:
         if "S" in names and not self.asked.refine:
             self.farthest[here] = np.max(at.sweep.output(), axis=1)
             at = replace(at, farthest=self.farthest[here, None])
+        if names != [OUTPUT]:
+            self.doubtful[here[are_steep(at.sweep).any(axis=1)]] = True
         looked_at = at.sweep.structure.dyads if self.asked.refine and names != [OUTPUT] else ()
         coarse = np.zeros((phi.shape[0], phi.shape[1] - 1), dtype=bool)
         for dyad in looked_at:
@@ -130,9 +150,8 @@ class _Chunk:
 
     def _closed(self, sampled: dict[str, Array], count: int) -> tuple[Array, dict[str, Array]]:
         """Crank angles and signals with the end of the period, where they are as they began."""
-        grid, period = self.asked.places, self.asked.period
+        grid, period = self.asked.grid, self.asked.period
         if period is not None:
-            grid = np.append(grid, grid[0] + period)
             for name, values in sampled.items():
                 turns = np.round((values[:, -1:] - values[:, :1]) / period) if _is_angle(name) else 0.0
                 sampled[name] = np.concatenate([values, values[:, :1] + period * turns], axis=1)

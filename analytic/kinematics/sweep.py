@@ -123,6 +123,13 @@ class Sweep:
             known.update(zip(group.links, solved, strict=True))
         return known[body]
 
+    def determinant(self, dyad: Dyad) -> Scalar:
+        """Of the dyad's closure equations; its sign is that of the assembly mode, and it is zero in a dead position."""
+        self.poses(dyad.first)
+        solver = self._solvers[dyad.first]
+        assert isinstance(solver, DyadSolver)
+        return solver.closure.determinant
+
     def _check_assembly(self, solver: DyadSolver | GroupSolver) -> None:
         if self.faults is None:
             check_assembly(self.linkage, solver, self.angle)

@@ -14,9 +14,9 @@ from numpy.typing import NDArray
 from analytic.compiled.flat_linkage import CRANK_BODY, RPP, RPR, RRP, Integers, Tables
 from analytic.compiled.kernels import layout
 from analytic.compiled.kernels.constants import derive
-from analytic.compiled.kernels.dyads import closure_at
+from analytic.compiled.kernels.dyads import DETERMINANT, closure_at
 from analytic.compiled.kernels.evaluation import WANTED_FORCES, place, steady_torque, sum_wanted
-from analytic.compiled.kernels.jit import SOURCES, entry, inlined, kernel
+from analytic.compiled.kernels.jit import SOURCES, counting, entry, inlined, kernel
 from analytic.compiled.kernels.layout import BLOCK, BODY, FAULT, FORCE, LAWS, ROW, SUMS
 from analytic.compiled.kernels.reductions import AT, BASE, FIRST, HIGH, LOW, finished, gather
 from analytic.compiled.kernels.solution import body_at, faults, pair, solve
@@ -40,6 +40,7 @@ Array = NDArray[np.float64]
 # magnitude); a transmission angle (dyad).
 ROWS, POINT, WRENCHES, TRANSMISSION = range(4)
 MAGNITUDE: Final = 3
+STEEP: Final = 0.6  # ``analytic.designs.dead_positions.KEPT``
 # Which forces are wanted, flags.
 ON_FRAME, OF_JOINTS = 1, 2
 
@@ -210,6 +211,25 @@ def _finish(row: int, wanted: Wanted, lost: bool, tally: Array, values: Array) -
         values[figure, row] = math.nan if lost else value
 
 
+@counting
+def _steps(n: int, determinant: Array) -> float:
+    """How many steps ``analytic.designs.dead_positions.are_steep`` calls steep, but for those between blocks."""
+    total = 0.0
+    for i in range(1, n):
+        one, two = abs(determinant[i - 1]), abs(determinant[i])
+        total += 1.0 if min(one, two) < STEEP * max(one, two) else 0.0
+    return total
+
+
+@inlined
+def _steep(tables: Tables, n: int, work: Array) -> float:
+    total = 0.0
+    for number in range(len(tables.dyads)):
+        at = body_at(tables, CRANK_BODY + 1 + 2 * number)
+        total += _steps(n, work[at + DETERMINANT : at + DETERMINANT + BLOCK])
+    return total
+
+
 @entry
 def reduced(
     tables: Tables,
@@ -219,6 +239,7 @@ def reduced(
     weights: Array,
     wanted: Wanted,
     values: Array,
+    steep: Array,
     tally: Array,
     work: Array,
     sources: int = SOURCES,
@@ -227,7 +248,8 @@ def reduced(
 
     ``designs`` (count, size) hold numbers, their constants are filled in here; ``weights`` has an entry for each of the
     samples among the angles; ``tally`` (count, signals + 1, TALLY) is scratch memory. Where a design cannot move at any
-    of the angles its figures are nan; returned is the number of such designs.
+    of the angles its figures are nan; returned is the number of such designs. Others whose ``steep`` (all designs) is
+    no longer zero may not move between two of the samples.
     """
     lost = len(wanted.signals)
     for at in range(0, len(angle), BLOCK):
@@ -243,6 +265,7 @@ def reduced(
             if own[lost, FIRST] == 0.0:
                 _solved(tables, design, n, wanted, work, work[books_at(tables) :])
                 own[lost, FIRST] = faults(n, work[FAULT : FAULT + BLOCK])
+                steep[first + number] += _steep(tables, min(n, wanted.samples - at), work)
             if own[lost, FIRST] == 0.0:
                 _block(tables, design, n, at, weights, wanted, first + number, values, own, work)
     missing = 0.0

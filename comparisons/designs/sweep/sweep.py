@@ -265,7 +265,8 @@ def _ranks(one: NamedFigure, values: Array) -> Array:
 def why_not(request: SweepRequest) -> str:
     """Why the first design cannot be assembled through all of the motion, in a sentence; "" where it can."""
     mechanism = Mechanism(request.linkage)
-    own = {name: float(values[0]) for name, values in request.space.block(0, 1).items()}
+    first = request.space.block(0, 1)
+    own = {name: float(values[0]) for name, values in first.items()}
     linkage = changed(mechanism.linkage, lambda name, _, value: own.get(name, value))
     structure = find_structure(linkage).with_signs(tuple(dyad.sign for dyad in mechanism.structure.dyads))
     moved = Sweep(linkage, structure, request.motion.places)
@@ -274,4 +275,5 @@ def why_not(request: SweepRequest) -> str:
             moved.rates(body)
     except AssemblyError as error:
         return str(error)
-    return ""
+    stands = np.all(np.isnan(_figures(replace(request, path="numpy"), first)))
+    return f"'{linkage.name}' stands in a dead position between two of the crank angles" if stands else ""

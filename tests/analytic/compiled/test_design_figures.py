@@ -58,7 +58,7 @@ def by_kernels(flat, designs, figures, angle=ANGLES, weights=None, **settings):
     count = len(designs)
     return compiled_figures(
         flat, figures, angle, count=count, designs=lambda a, b: designs[a:b], weights=weights, **chosen
-    )
+    )[0]
 
 
 def moving(sample, flat, numbers, angle, speed, farthest=None):  # noqa: PLR0917

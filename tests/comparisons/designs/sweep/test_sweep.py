@@ -109,6 +109,7 @@ def test_the_own_design_is_that_of_the_file():
 
 def test_a_design_that_does_not_assemble_says_where():
     assert "cannot be assembled" in why_not(request(grid("rod.B.x=100:110:2")))
+    assert "stands in a dead position between two" in why_not(request(grid("rod.B.x=166.4:166.41:2")))
     assert not why_not(request(grid("rod.B.x=175:180:2")))
 
 
