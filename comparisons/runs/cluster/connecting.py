@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import asyncio
 import logging
 import re
+import threading
 import warnings
 from collections.abc import Iterator
 from contextlib import ExitStack, contextmanager
@@ -73,6 +75,7 @@ def _distributed() -> Any:  # noqa: ANN401 - a package that need not be there
 @contextmanager
 def _client(address: str) -> Iterator[Any]:
     try:
+        _greet(address)
         client = _distributed().Client(address, timeout=PATIENCE, set_as_default=False)
     except Exception as error:  # what is not Dask's answers with anything at all
         raise LinkproofError(
@@ -83,6 +86,33 @@ def _client(address: str) -> Iterator[Any]:
         yield client
     finally:
         client.close(timeout=PATIENCE)
+
+
+def _greet(address: str) -> None:
+    """Shake hands with a scheduler; raises whatever comes of it, TimeoutError where nothing does.
+
+    A client of Dask's waits for ever where something listens and says nothing, and complains when it is thrown away.
+    """
+    from distributed.comm import connect  # noqa: PLC0415
+
+    found: list[BaseException | None] = []
+
+    async def greeted() -> None:
+        await (await connect(address, timeout=PATIENCE)).close()
+
+    def work() -> None:
+        try:
+            asyncio.run(greeted())
+            found.append(None)
+        except BaseException as error:
+            found.append(error)
+
+    greeting = threading.Thread(target=work, daemon=True)  # the caller's may have a loop of its own
+    greeting.start()
+    greeting.join(2.0 * PATIENCE)
+    fault = found[0] if found else TimeoutError()
+    if fault is not None:
+        raise fault
 
 
 @contextmanager

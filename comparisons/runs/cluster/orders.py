@@ -13,7 +13,7 @@ from queue import Empty, SimpleQueue
 from typing import TYPE_CHECKING, Any, Final
 
 from analytic.errors import LinkproofError
-from comparisons.runs.cluster.station import work
+from comparisons.runs.cluster.station import UnwantedError, work
 from comparisons.runs.crew import Bounds
 from comparisons.runs.failures import Failure, Lost
 from comparisons.runs.workers import PoolLostError
@@ -23,7 +23,8 @@ if TYPE_CHECKING:
 
 PULSE: Final = 0.5  # s from one look at the workers to the next
 AHEAD: Final = 1  # jobs that wait at a worker for the one before them, so that it never waits for the next
-CANCELLED: Final = (asyncio.CancelledError, futures.CancelledError)
+# What says that a worker has ended or is closing, or that the way to it broke, not that the job failed.
+GIVEN_BACK: Final = (asyncio.CancelledError, futures.CancelledError, UnwantedError, OSError)
 # So many workers may die at one job before it is taken for the cause.
 DEATHS: Final = 10
 
@@ -142,6 +143,7 @@ class Orders:
                 arrived.append(self.arrived.get())
         except Empty:
             arrived = []
+        fault = ""
         for key, found in arrived:
             given = self.given.pop(key, None)
             if given is None:
@@ -149,12 +151,12 @@ class Orders:
             if isinstance(found, bytes):
                 given.future.release()
                 yield given.number, pickle.loads(found)
-            elif isinstance(found, CANCELLED) or type(found).__name__ == "KilledWorker":
+            elif isinstance(found, GIVEN_BACK) or type(found).__name__ == "KilledWorker":
                 self._again(given.number)
             else:
-                raise LinkproofError(
-                    f"worker {given.address}: expected a result, got {type(found).__name__}: {found}; restart it"
-                )
+                fault = f"worker {given.address}: expected a result, got {type(found).__name__}: {found}; restart it"
+        if fault:
+            raise LinkproofError(fault)
         for number in [number for number in self.todo if self.deaths[number] >= DEATHS]:
             self.todo.remove(number)
             yield number, Lost(Failure.CRASHED, f"{DEATHS} workers have died at it")

@@ -92,7 +92,7 @@ class ClusterPool:
                 f"expected machines alike, whose times can be held against each other, got {self.place['machine']}: "
                 "measure on each of them into a folder of its own and join these with: linkproof merge"
             )
-        if self.alone and any(self.client.processing().values()):
+        if self.alone and any(self._answer(self.client.scheduler.processing, workers=None).values()):
             raise LinkproofError(f"expected idle workers at {self.address} for timed runs, got some at work: wait")
 
     def renew(self) -> None:
@@ -151,11 +151,15 @@ class ClusterPool:
 
     def _threads(self) -> dict[str, int]:
         """Every worker's threads, by its address."""
-        try:
-            found: dict[str, int] = self.client.sync(self.client.scheduler.ncores, callback_timeout=ANSWER)
-        except Exception as error:  # the end of a connection has many names
-            raise PoolLostError(f"the scheduler at {self.address} does not answer") from error
+        found: dict[str, int] = self._answer(self.client.scheduler.ncores)
         return found
+
+    def _answer(self, question: Callable[..., Any], **words: Any) -> Any:  # noqa: ANN401 - whatever was asked for
+        """What the scheduler says; raises PoolLostError where it, or a worker that it asks, says nothing for long."""
+        try:
+            return self.client.sync(question, callback_timeout=ANSWER, **words)
+        except Exception as error:  # the end of a connection has many names
+            raise PoolLostError(f"the scheduler at {self.address}, or a worker, does not answer") from error
 
     def _greet(self, addresses: Mapping[str, int]) -> None:
         """Ask workers that are not known yet what they have."""
@@ -176,7 +180,7 @@ class ClusterPool:
 
     def _check_dask(self) -> None:
         """Raise LinkproofError where scheduler or workers have another Dask."""
-        versions = self.client.get_versions()
+        versions = self._answer(self.client._get_versions)
         here = versions["client"]["packages"]
         others = {f"scheduler {self.address}": versions["scheduler"]}
         others |= {f"worker {address}": told for address, told in versions["workers"].items()}

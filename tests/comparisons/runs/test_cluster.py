@@ -3,6 +3,7 @@
 import importlib.util
 import os
 import signal
+import socket
 import subprocess
 import sys
 from dataclasses import replace
@@ -14,10 +15,11 @@ import pytest
 
 import linkproof
 from analytic.errors import LinkproofError
+from comparisons.runs.cluster import connecting, station
 from comparisons.runs.cluster import pool as pools
-from comparisons.runs.cluster import station
 from comparisons.runs.cluster.connecting import check_scheduler, opened
 from comparisons.runs.cluster.local import local_cluster
+from comparisons.runs.cluster.orders import Orders
 from comparisons.runs.cluster.pool import ClusterPool
 from comparisons.runs.failures import GIB, Failure, Lost
 from comparisons.runs.journal import Journal
@@ -137,9 +139,38 @@ def test_workers_that_lack_anything_are_refused(pool, monkeypatch):
 def test_another_dask_is_refused(pool, monkeypatch):
     told = pool.client.get_versions()
     told["scheduler"]["packages"]["distributed"] = "2020.1"
-    monkeypatch.setattr(pool.client, "get_versions", lambda: told)
+
+    async def answer():
+        return told
+
+    monkeypatch.setattr(pool.client, "_get_versions", answer)
     with pytest.raises(LinkproofError, match=r"^scheduler tcp://\S+: expected distributed .* as here, got 2020.1"):
         ClusterPool(pool.client).check()
+
+
+def test_a_job_whose_result_is_lost_on_its_way_is_given_out_again(pool, monkeypatch):
+    bring, seen = Orders._bring, []
+
+    async def broken(self, future):
+        if not seen:
+            seen.append(await future)
+            self.arrived.put((future.key, OSError("stream is closed")))
+        else:
+            await bring(self, future)
+
+    monkeypatch.setattr(Orders, "_bring", broken)
+    assert sorted(pool.run(job, [("fine", n) for n in range(4)])) == [(n, n) for n in range(4)]
+    assert seen
+
+
+def test_what_listens_and_says_nothing_is_no_scheduler(monkeypatch):
+    monkeypatch.setattr(connecting, "PATIENCE", 0.5)
+    with (
+        socket.create_server(("127.0.0.1", 0)) as silent,
+        pytest.raises(LinkproofError, match=r"got none that answers \(TimeoutError\)"),
+        opened(f"tcp://127.0.0.1:{silent.getsockname()[1]}", None),
+    ):
+        pass
 
 
 @pytest.mark.parametrize(
