@@ -22,7 +22,7 @@ from comparisons.stress.cells import SETTINGS, Cell
 from comparisons.stress.scenes import case as case_of
 from comparisons.stress.scenes import scene as scene_of
 from engines.contract import Engine, History, Setting
-from engines.export.script import Figure, script
+from engines.export.script import ScriptFigure, script
 from engines.registry import engine, why_unavailable
 from engines.scene import Channel, Free, Scene
 from engines.stepping.driver import UnsupportedError
@@ -96,7 +96,7 @@ def _script(adapter: SteppedEngine[object, Recipe], scene: Scene, case: Case, re
     raise LinkproofError(f"this run of {adapter.name} cannot be exported: {reason}")
 
 
-def worst_figures(case: Case, scene: Scene, history: History) -> list[Figure]:
+def worst_figures(case: Case, scene: Scene, history: History) -> list[ScriptFigure]:
     """Of every channel what is furthest from the truth, over its peak, away from jumps of the acceleration.
 
     A channel without a truth at some instant, as in a dead position, has none.
@@ -108,7 +108,7 @@ def worst_figures(case: Case, scene: Scene, history: History) -> list[Figure]:
     return found
 
 
-def _worst(case: Case, curves: list[_Curve]) -> Figure:
+def _worst(case: Case, curves: list[_Curve]) -> ScriptFigure:
     errors = [_error(case, curve) for curve in curves]
     at = max(range(len(errors)), key=lambda number: float(errors[number].max()))
     figure, time, read, true, _ = curves[at]
@@ -117,7 +117,7 @@ def _worst(case: Case, curves: list[_Curve]) -> Figure:
 
 
 # A figure without its instant; times, what was read, what is true (n,); the peak of its kind.
-_Curve = tuple[Figure, Array, Array, Array, float]
+_Curve = tuple[ScriptFigure, Array, Array, Array, float]
 
 
 def _error(case: Case, curve: _Curve) -> Array:
@@ -138,14 +138,18 @@ def _by_kind(case: Case, scene: Scene, history: History, channel: Channel) -> It
         return
     if channel is Channel.TORQUE:
         true = truth(case, channel, "", signal.time)
-        yield [(Figure("drive torque", "N m", channel), signal.time, signal.values, true, float(np.abs(true).max()))]
+        yield [
+            (ScriptFigure("drive torque", "N m", channel), signal.time, signal.values, true, float(np.abs(true).max()))
+        ]
         return
     true = np.stack([truth(case, channel, body.name, signal.time) for body in scene.bodies], axis=1)
     for columns, unit in zip(((0, 1), (2,)), UNITS[channel], strict=True):
         peak = float(np.abs(true[..., columns]).max())
         yield [
             (
-                Figure(f"{channel} of {body.name}, {('x', 'y', 'angle')[column]}", unit, channel, (number, column)),
+                ScriptFigure(
+                    f"{channel} of {body.name}, {('x', 'y', 'angle')[column]}", unit, channel, (number, column)
+                ),
                 signal.time, signal.values[:, number, column], true[:, number, column], peak,
             )
             for number, body in enumerate(scene.bodies) for column in columns
@@ -161,9 +165,9 @@ def _forces(case: Case, history: History) -> Iterator[_Curve]:
     for joint, signal in signals.items():
         peak = max(float(sizes[joint].max()), faint)
         if signal.values.ndim == 1:
-            figure = Figure(f"force in {joint}, size", "N", Channel.JOINT_FORCE, (), joint)
+            figure = ScriptFigure(f"force in {joint}, size", "N", Channel.JOINT_FORCE, (), joint)
             yield figure, signal.time, signal.values, sizes[joint], peak
             continue
         for axis, name in enumerate("xy"):
-            figure = Figure(f"force in {joint}, {name}", "N", Channel.JOINT_FORCE, (axis,), joint)
+            figure = ScriptFigure(f"force in {joint}, {name}", "N", Channel.JOINT_FORCE, (axis,), joint)
             yield figure, signal.time, signal.values[:, axis], true[joint][:, axis], peak

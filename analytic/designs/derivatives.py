@@ -25,7 +25,7 @@ from analytic.description.law import FULL_TURN
 from analytic.description.linkage import Linkage
 from analytic.designs.batches import goes_together
 from analytic.designs.checking import checked
-from analytic.designs.figures import Extreme, Figure, Reduction
+from analytic.designs.figures import Figure, Reduction, SignalExtreme
 from analytic.designs.results import is_turn, period_of, shares
 from analytic.designs.sampling import OUTPUT, Asked, curve
 from analytic.evaluation import MovingSweep
@@ -165,12 +165,12 @@ class _Design:
 
     def farthest(self, places: Array, refine: bool) -> Dual:
         """The output's highest coordinate, with its derivatives."""
-        ((value, slopes),) = self.extremes((Extreme(OUTPUT, 1),), places, 0.0, refine)
+        ((value, slopes),) = self.extremes((SignalExtreme(OUTPUT, 1),), places, 0.0, refine)
         return Dual(value, slopes)
 
     def extremes(
         self,
-        wanted: Sequence[Extreme],
+        wanted: Sequence[SignalExtreme],
         places: Array,
         far: Any,  # noqa: ANN401 - a dual
         refine: bool,
@@ -191,7 +191,7 @@ class _Design:
             found.append(_best(one, values[own], slopes[:, own], tops[row], float(np.max(np.abs(sampled[row])))))
         return found
 
-    def _tops(self, wanted: Sequence[Extreme], grid: Array, sampled: Array, top: float) -> Array:
+    def _tops(self, wanted: Sequence[SignalExtreme], grid: Array, sampled: Array, top: float) -> Array:
         """Places of the highest tops of every height, (extremes, tops): roots of its slope, or the ends of the grid."""
         sides = brackets(grid, sampled)
         row = np.repeat(np.arange(len(wanted)), sides.shape[1])
@@ -235,7 +235,7 @@ def _steps(mechanism: Mechanism, parameters: Mapping[str, float]) -> dict[str, f
     return {name: STEP * (abs(value) or sizes.get(kind, 1.0)) for name, (kind, value) in own.items()}
 
 
-def _best(one: Extreme, values: Array, slopes: Array, places: Array, largest: float) -> tuple[Array, Array]:
+def _best(one: SignalExtreme, values: Array, slopes: Array, places: Array, largest: float) -> tuple[Array, Array]:
     """Of several tops the highest, of equal ones the first; without derivatives that differ between equal ones."""
     heights, rises = one.height(values), one.side(values) * slopes
     highest = np.max(heights)

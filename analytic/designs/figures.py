@@ -30,7 +30,7 @@ class Reduction(StrEnum):
     AT = "at"
 
 
-# The extremes that figures are made of, by ``Extreme.way``.
+# The extremes that figures are made of, by ``SignalExtreme.way``.
 WAYS: Final[Mapping[Reduction, tuple[int, ...]]] = {
     Reduction.PEAK: (0,),
     Reduction.MAX: (1,),
@@ -44,7 +44,7 @@ def middle(signal: str) -> float:
     return 0.5 * pi if signal.startswith("transmission_angle:") else 0.0
 
 
-class Extreme(NamedTuple):
+class SignalExtreme(NamedTuple):
     """The highest (1), the lowest (-1) value of a signal, or the one farthest from its middle (0)."""
 
     signal: str
@@ -82,9 +82,9 @@ class Figure:
         return self.reduction is Reduction.PEAK and not middle(self.signal)
 
     @property
-    def extremes(self) -> tuple[Extreme, ...]:
+    def extremes(self) -> tuple[SignalExtreme, ...]:
         """The extremes that it is made of; none for a mean or a single value."""
-        return tuple(Extreme(self.signal, way) for way in WAYS.get(self.reduction, ()))
+        return tuple(SignalExtreme(self.signal, way) for way in WAYS.get(self.reduction, ()))
 
     def of(self, ends: Sequence[Array]) -> Array:
         """The figure of designs from the values of its ``extremes``."""

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from analytic.description.law import FULL_TURN
 from analytic.designs.batches import BLOCK, Booleans, Integers, Sweeps, faults_of, in_blocks
 from analytic.designs.dead_positions import are_steep, stuck
-from analytic.designs.figures import Extreme, Figure, Reduction
+from analytic.designs.figures import Figure, Reduction, SignalExtreme
 from analytic.designs.tops import Tops, summits, tops
 from analytic.evaluation import MovingSweep
 from analytic.kinematics.mechanism import Mechanism
@@ -80,7 +80,7 @@ class _Marked(NamedTuple):
     sides: Array
 
 
-Found = dict[Extreme, list[_Marked]]
+Found = dict[SignalExtreme, list[_Marked]]
 
 
 class _Chunk:
@@ -90,7 +90,7 @@ class _Chunk:
         self.asked, self.sweeps, self.rows = asked, sweeps, rows
         self.faulty, self.doubtful = np.zeros((2, len(rows)), dtype=bool)
         self.farthest = np.zeros(len(rows))
-        self.known: dict[Extreme, Array] = {}  # the highest samples
+        self.known: dict[SignalExtreme, Array] = {}  # the highest samples
 
     def all(self, figures: Sequence[Figure]) -> Array:
         """The figures, (figures, rows)."""
@@ -214,7 +214,7 @@ class _Chunk:
             heights = extreme.height(values[top.curve[:, None], top.near], side[:, None])
             parts.append(_Marked(Tops(here[top.curve], phi[top.curve[:, None], top.near], heights), side))
 
-    def _highest(self, extreme: Extreme, parts: Sequence[_Marked]) -> Array:
+    def _highest(self, extreme: SignalExtreme, parts: Sequence[_Marked]) -> Array:
         """The true extreme of a signal of every design, (designs,)."""
         found = Tops(*(np.concatenate(columns) for columns in zip(*(part.tops for part in parts), strict=True)))
         sides = np.concatenate([part.sides for part in parts])

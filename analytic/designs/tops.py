@@ -41,7 +41,7 @@ class Tops(NamedTuple):
     heights: Array
 
 
-class Samples(NamedTuple):
+class SampledTops(NamedTuple):
     """Samples that are tops: the curve of each (n,), the sample, and three neighbours of which it is one, (n, 3)."""
 
     curve: Integers
@@ -49,7 +49,7 @@ class Samples(NamedTuple):
     near: Integers
 
 
-def tops(heights: Array, least: Array | float = -np.inf) -> Samples:
+def tops(heights: Array, least: Array | float = -np.inf) -> SampledTops:
     """The sampled tops of curves (k, m), m ≥ 3, that may be highest between the samples, and above ``least`` (k,)."""
     walled = np.pad(heights, ((0, 0), (1, 1)), constant_values=-np.inf)
     bend = np.abs(np.diff(heights, 2, axis=1))  # a parabola rises above its samples by an eighth of it at most
@@ -62,7 +62,7 @@ def tops(heights: Array, least: Array | float = -np.inf) -> Samples:
         is_top[row] = False
         is_top[row, places[np.argsort(-heights[row, places], kind="stable")[:MOST]]] = True
     curve, best = np.nonzero(is_top)
-    return Samples(curve, best, np.clip(best, 1, heights.shape[1] - 2)[:, None] + np.array([-1, 0, 1]))
+    return SampledTops(curve, best, np.clip(best, 1, heights.shape[1] - 2)[:, None] + np.array([-1, 0, 1]))
 
 
 def summits(found: Tops, signs: Array, heights: Heights, count: int) -> tuple[Array, Array]:

@@ -21,7 +21,7 @@ Rest = Callable[[Linkage], Linkage]
 
 
 @dataclass(frozen=True)
-class Reduction:
+class StepReduction:
     """A scene with less in it: the channels asked of the engine, and what is left of the linkage."""
 
     name: str
@@ -45,7 +45,7 @@ class Query:
         return tuple(name for name in self.quantities if linkage.output is not None or name not in OUTPUT)
 
 
-def reduced(linkage: Linkage, part: Reduction | Query) -> Linkage | None:
+def reduced(linkage: Linkage, part: StepReduction | Query) -> Linkage | None:
     """What a reduction or a query leaves of a linkage; None where it takes something out that the linkage has not."""
     if part.rest is None:
         return linkage
@@ -71,18 +71,18 @@ def without_slot_masses(linkage: Linkage) -> Linkage:
 
 
 REDUCTIONS: Final = (
-    Reduction("everything", "all channels, weights and loads"),
-    Reduction("no joint forces", "motion and drive torque", EVERYTHING - {Channel.JOINT_FORCE}),
-    Reduction(
+    StepReduction("everything", "all channels, weights and loads"),
+    StepReduction("no joint forces", "motion and drive torque", EVERYTHING - {Channel.JOINT_FORCE}),
+    StepReduction(
         "motion alone",
         "positions, velocities and accelerations",
         frozenset({Channel.POSITION, Channel.VELOCITY, Channel.ACCELERATION}),
     ),
-    Reduction("Jeq alone", "velocities, from which Jeq is read", QUANTITIES["Jeq"].channels),
-    Reduction("nothing recorded", "no channel", frozenset()),
-    Reduction("no gravity", "all channels, no weights", rest=without_gravity),
-    Reduction("no loads", "all channels, no forces, torques, springs or dampers", rest=without_loads),
-    Reduction("slots without mass", "all channels, bare pins in the slots", rest=without_slot_masses),
+    StepReduction("Jeq alone", "velocities, from which Jeq is read", QUANTITIES["Jeq"].channels),
+    StepReduction("nothing recorded", "no channel", frozenset()),
+    StepReduction("no gravity", "all channels, no weights", rest=without_gravity),
+    StepReduction("no loads", "all channels, no forces, torques, springs or dampers", rest=without_loads),
+    StepReduction("slots without mass", "all channels, bare pins in the slots", rest=without_slot_masses),
 )
 """The scenes that are compared; the first is the whole one."""
 

@@ -48,7 +48,7 @@ for what, unit, name, element, factor, at, exported, true in FIGURES:
 
 
 @dataclass(frozen=True)
-class Figure:
+class ScriptFigure:
     """A figure of a run, SI: what it is, its channel, which element of a sample, and the joint it belongs to.
 
     ``time`` is the sample's, s; ``read`` what the engine said then, ``true`` what is right.
@@ -84,7 +84,7 @@ def script(
     scene: Scene,
     recipe: Recipe,
     about: str,
-    figures: Callable[[History], Sequence[Figure]],
+    figures: Callable[[History], Sequence[ScriptFigure]],
 ) -> str:
     """The script of one run; ``about`` says what it is, ``figures`` what of its history it shows at its end.
 
@@ -102,7 +102,7 @@ def script(
     if more:
         raise UnsupportedError(f"it is {1 + len(more)} runs extrapolated, and a script holds one: export 'tuned'")
     transcript, ending = Transcript(engine.package), ""
-    shown: Sequence[Figure] = ()
+    shown: Sequence[ScriptFigure] = ()
     with silenced() if engine.chatters else nullcontext():
         followed = engine.build(given, recipe)
         try:

@@ -17,7 +17,7 @@ from analytic.errors import LinkproofError
 from comparisons.designs.named_figures import named_figures
 from comparisons.designs.parameters import Parameter, parameter
 from comparisons.designs.steady_motion import SAMPLES
-from comparisons.designs.sweep.space import ONE_BY_ONE, Grid, Listed, Space
+from comparisons.designs.sweep.space import ONE_BY_ONE, DesignSpace, Grid, Listed
 from comparisons.designs.sweep.sweep import SweepRequest, own_figures, sweep_block, usual_figures
 from comparisons.designs.sweep.sweep import sweep as sweep_space
 from comparisons.runs.cluster.connecting import opened
@@ -88,7 +88,7 @@ def _checked(name: str, given: Any) -> Any:  # noqa: ANN401 - arrays of two kind
     return values
 
 
-def _space(parts: tuple[Parameter, ...], values: Sequence[Array], *, is_table: bool) -> Space:
+def _space(parts: tuple[Parameter, ...], values: Sequence[Array], *, is_table: bool) -> DesignSpace:
     if not is_table:
         return Grid(parts, tuple(values))
     if len({len(one) for one in values}) > 1:

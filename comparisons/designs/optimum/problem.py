@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from analytic.designs.derivatives import figure_gradients
-from analytic.designs.figures import Extreme, Figure, Reduction
+from analytic.designs.figures import Figure, Reduction, SignalExtreme
 from analytic.designs.results import design_figures
 from analytic.kinematics.mechanism import Mechanism
 from comparisons.designs.named_figures import NamedFigure
@@ -161,7 +161,7 @@ class DesignProblem:
 
     def _pieces(self, place: Array, windows: tuple[Window, ...]) -> list[Pieces]:
         numbers = self.numbers(place)
-        heights: dict[Extreme, tuple[Array, Array]] = {}
+        heights: dict[SignalExtreme, tuple[Array, Array]] = {}
         if windows:
             values, slopes = self.tops.heights(numbers, windows)
             for side in self.tops.sides:
@@ -192,7 +192,7 @@ class DesignProblem:
         return np.array([aim, np.sum(missed, axis=0) if missed else np.zeros(len(places))])
 
 
-def _made(figure: Figure, heights: Mapping[Extreme, tuple[Array, Array]]) -> Pieces:
+def _made(figure: Figure, heights: Mapping[SignalExtreme, tuple[Array, Array]]) -> Pieces:
     """A figure of the tops of its sides."""
     parts = [heights[side] for side in sides(figure)]
     if reduction(figure) is Reduction.RANGE:

@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 
 from analytic.description.law import FULL_TURN
 from analytic.designs.derivatives import signal_gradients
-from analytic.designs.figures import Extreme, Figure, Reduction
+from analytic.designs.figures import Figure, Reduction, SignalExtreme
 from analytic.errors import AssemblyError
 from analytic.kinematics.mechanism import Mechanism
 from comparisons.datasheet.curves import MAGNITUDE
@@ -37,7 +37,7 @@ FINE: Final = np.linspace(-1.0, 1.0, 201)
 class Window(NamedTuple):
     """Samples ``first`` to ``last`` of the grid, those beyond its ends a turn on, on a side of a signal."""
 
-    side: Extreme
+    side: SignalExtreme
     first: int
     last: int
 
@@ -48,7 +48,7 @@ def reduction(figure: Figure) -> Reduction:
     return Reduction.RANGE if is_range else figure.reduction
 
 
-def sides(figure: Figure) -> tuple[Extreme, ...]:
+def sides(figure: Figure) -> tuple[SignalExtreme, ...]:
     """The sides of a signal, highest and lowest, whose tops make a figure: a range and a peak have both, means none.
 
     A peak is the highest top of both, and the tops of a range's sides add up.
@@ -56,7 +56,7 @@ def sides(figure: Figure) -> tuple[Extreme, ...]:
     name, how = figure.signal, reduction(figure)
     if (name.startswith("link:") and name.endswith(":angle")) or (name == "S" and how is Reduction.MIN):
         return ()  # they count from the other angles that are asked for
-    up, down = Extreme(name, 1), Extreme(name, -1)
+    up, down = SignalExtreme(name, 1), SignalExtreme(name, -1)
     if how is Reduction.PEAK:
         return (up,) if name.endswith(MAGNITUDE) else (up, down)
     return replace(figure, reduction=how).extremes
@@ -68,7 +68,7 @@ class SeparateTops:
 
     mechanism: Mechanism
     motion: SteadyMotion
-    sides: tuple[Extreme, ...]
+    sides: tuple[SignalExtreme, ...]
 
     @property
     def grid(self) -> Array:
@@ -110,7 +110,7 @@ class SeparateTops:
             raise AssemblyError(f"'{self.mechanism.linkage.name}' stands in a dead position")
         return dict(zip(names, values, strict=True)), dict(zip(names, slopes, strict=True))
 
-    def _cut(self, side: Extreme, values: Array) -> list[Window]:
+    def _cut(self, side: SignalExtreme, values: Array) -> list[Window]:
         count, cyclic = len(values), self.motion.is_full_turn
         before, after = np.roll(values, 1), np.roll(values, -1)
         if not cyclic:

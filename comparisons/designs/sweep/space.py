@@ -48,7 +48,7 @@ Axis = Steps | Array
 
 
 @dataclass(frozen=True)
-class Space(ABC):
+class DesignSpace(ABC):
     """Designs by number: the values of their ``parameters`` in the units of the file."""
 
     parameters: tuple[Parameter, ...]
@@ -78,7 +78,7 @@ class Space(ABC):
     def ends(self) -> Array:
         """Least and largest value of every parameter, (parameters, 2), in the file's units."""
 
-    def part(self, first: int, last: int) -> Space:
+    def part(self, first: int, last: int) -> DesignSpace:
         """What knows these designs by the same numbers, and can be sent elsewhere."""
         return self
 
@@ -99,7 +99,7 @@ class Space(ABC):
 
 
 @dataclass(frozen=True)
-class Grid(Space):
+class Grid(DesignSpace):
     """Every combination of the values of its axes."""
 
     axes: tuple[Axis, ...]
@@ -134,7 +134,7 @@ class Grid(Space):
 
 
 @dataclass(frozen=True)
-class Listed(Space):
+class Listed(DesignSpace):
     """Designs one by one: ``values`` (parameters, designs), of which the first has the number ``start``."""
 
     values: Array

@@ -24,7 +24,7 @@ from analytic.kinematics.sweep import Sweep
 from analytic.signals import names
 from comparisons.designs.named_figures import STROKE, NamedFigure, named_figures
 from comparisons.designs.steady_motion import SteadyMotion
-from comparisons.designs.sweep.space import Space
+from comparisons.designs.sweep.space import DesignSpace
 from comparisons.runs.failures import Lost
 from comparisons.runs.workers import Bounds, Pool
 
@@ -77,7 +77,7 @@ class SweepRequest:
     """
 
     linkage: Linkage
-    space: Space
+    space: DesignSpace
     figures: tuple[NamedFigure, ...]
     motion: SteadyMotion
     refine: bool = False
@@ -96,7 +96,7 @@ class SweepRequest:
         return Blocks(self.space.count, self.space.slab, min(max(1, PLACES // cost), LARGEST))
 
 
-class Extreme(NamedTuple):
+class RankedDesign(NamedTuple):
     """The first design that has a value; the one with the smaller ``rank`` is the least, or the largest."""
 
     rank: float = math.inf
@@ -114,8 +114,8 @@ class Summary:
 
     designs: int = 0
     assembled: int = 0
-    least: tuple[Extreme, ...] = ()
-    largest: tuple[Extreme, ...] = ()
+    least: tuple[RankedDesign, ...] = ()
+    largest: tuple[RankedDesign, ...] = ()
     reach: tuple[tuple[float, float], ...] = ()
 
     def plus(self, other: Summary) -> Summary:
@@ -136,7 +136,7 @@ class Summary:
     def decoded(text: bytes) -> Summary:
         """The summary of ``encoded``."""
         told = json.loads(text)
-        extremes = {end: tuple(Extreme(*one) for one in told[end]) for end in ("least", "largest")}
+        extremes = {end: tuple(RankedDesign(*one) for one in told[end]) for end in ("least", "largest")}
         return Summary(told["designs"], told["assembled"], **extremes, reach=tuple(map(tuple, told["reach"])))
 
 
@@ -246,7 +246,8 @@ def _summary(request: SweepRequest, first: int, last: int, found: Array) -> Summ
     for signed in (ranks, -ranks):
         places = np.argmin(np.where(finite, signed, np.inf), axis=1).tolist()
         ends.append(tuple(
-            Extreme(float(signed[row, at]), first + at, float(found[row, at])) if finite[row, at] else Extreme()
+            RankedDesign(float(signed[row, at]), first + at, float(found[row, at]))
+            if finite[row, at] else RankedDesign()
             for row, at in enumerate(places)
         ))  # fmt: skip
     return Summary(last - first, int(np.count_nonzero(there)), ends[0], ends[1], tuple(reach))

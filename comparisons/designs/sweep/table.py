@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from analytic.description.linkage import Linkage
 from analytic.errors import LinkproofError, shortened
 from comparisons.designs.parameters import Parameter, parameter
-from comparisons.designs.sweep.space import Listed, Space
+from comparisons.designs.sweep.space import DesignSpace, Listed
 
 Array = NDArray[np.float64]
 
@@ -26,7 +26,7 @@ OTHER_MARKS: Final = {";": "semicolons", "\t": "tabs"}  # of spreadsheets
 
 
 @dataclass(frozen=True)
-class TableFile(Space):
+class TableFile(DesignSpace):
     """The designs of a file.
 
     ``sizes`` are those of the columns' units in the linkage's; ``blocks`` are the number of the first design of every

@@ -22,7 +22,7 @@ SAME: Final = 1e-12  # of shares
 BY_CHANCE: Final = 0.05  # a rule that as many shuffles match tells nothing
 
 
-class Standing(StrEnum):
+class DesignStanding(StrEnum):
     """What came of a design in an engine; what is ``not judged`` has not passed."""
 
     WITHIN = "within limits"
@@ -39,7 +39,7 @@ class DesignRun:
     """
 
     design: int
-    standing: Standing
+    standing: DesignStanding
     share: float = math.nan
     quantity: str = ""
     reason: str = ""
@@ -47,7 +47,7 @@ class DesignRun:
     @property
     def gives_way(self) -> bool:
         """Whether the engine failed here."""
-        return self.standing in (Standing.OVER, Standing.NO_RESULT)
+        return self.standing in (DesignStanding.OVER, DesignStanding.NO_RESULT)
 
 
 @dataclass(frozen=True)
@@ -92,7 +92,7 @@ class EngineTrust:
     rule: Rule | None
     safe: tuple[Side, int] | None
 
-    def count(self, standing: Standing) -> int:
+    def count(self, standing: DesignStanding) -> int:
         """Designs of this standing."""
         return sum(run.standing is standing for run in self.runs)
 
@@ -107,12 +107,12 @@ class EngineTrust:
 
         None where it failed, or where n is no more than three. The file's own design was not drawn.
         """
-        drawn = sum(run.standing is Standing.WITHIN for run in self.runs if run.design)
+        drawn = sum(run.standing is DesignStanding.WITHIN for run in self.runs if run.design)
         return 3.0 / drawn if drawn > 3 and not any(run.gives_way for run in self.runs) else None
 
 
 @dataclass(frozen=True)
-class Trust:
+class SpaceTrust:
     """Engines over a sample of a space of designs."""
 
     sample: DesignSample
@@ -144,7 +144,7 @@ def _plain(value: float) -> float | None:
     return None if math.isnan(value) else value
 
 
-def trust(sample: DesignSample, records: Iterable[Record], seed: int = 0) -> Trust:
+def trust(sample: DesignSample, records: Iterable[Record], seed: int = 0) -> SpaceTrust:
     """What the judged records of a sample, invariants among them, say of every engine and setting."""
     numbers = {(one.linkage.name, one.linkage.variant): one.number for one in sample.designs}
     runs: dict[tuple[str, str], dict[int, list[Record]]] = {}
@@ -155,7 +155,7 @@ def trust(sample: DesignSample, records: Iterable[Record], seed: int = 0) -> Tru
     for (engine, setting), by_design in runs.items():
         judged = tuple(_run(one.number, by_design.get(one.number, [])) for one in sample.designs)
         found.append(EngineTrust(engine, setting, judged, _rule(told, judged, seed), _safe(told, judged)))
-    return Trust(sample, tuple(found))
+    return SpaceTrust(sample, tuple(found))
 
 
 def _run(design: int, records: Sequence[Record]) -> DesignRun:
@@ -167,12 +167,12 @@ def _run(design: int, records: Sequence[Record]) -> DesignRun:
     failed = [record for record in judged if Verdict(record.outcome).failed]
     if not judged:
         reason = next((record.detail for record in records), "")
-        return DesignRun(design, Standing.NOT_JUDGED, reason=reason)
+        return DesignRun(design, DesignStanding.NOT_JUDGED, reason=reason)
     if not failed:
-        return DesignRun(design, Standing.WITHIN, share, quantity)
+        return DesignRun(design, DesignStanding.WITHIN, share, quantity)
     lost = [record for record in failed if record.outcome != Verdict.OVER_LIMIT]
     reason = (lost or sorted(failed, key=_share))[-1].detail
-    return DesignRun(design, Standing.NO_RESULT if lost else Standing.OVER, share, quantity, reason)
+    return DesignRun(design, DesignStanding.NO_RESULT if lost else DesignStanding.OVER, share, quantity, reason)
 
 
 def _share(record: Record) -> float:
@@ -198,7 +198,7 @@ def _rule(told: Mapping[tuple[str, str], Array], runs: Sequence[DesignRun], seed
     Values of a feature are cut halfway between neighbours. The statistic is that of Kolmogorov and Smirnov, and its
     chance is that of a permutation test over all features.
     """
-    judged = np.array([run.standing is not Standing.NOT_JUDGED for run in runs])
+    judged = np.array([run.standing is not DesignStanding.NOT_JUDGED for run in runs])
     fails = np.array([run.gives_way for run in runs])[judged]
     if not np.any(fails) or np.all(fails):
         return None
@@ -237,7 +237,7 @@ def _gaps(values: Array, fails: NDArray[np.bool_]) -> tuple[Array, Array]:
 
 def _safe(told: Mapping[tuple[str, str], Array], runs: Sequence[DesignRun]) -> tuple[Side, int] | None:
     """The side with the most designs that are all within their limits, up to the outermost of them."""
-    within = np.array([run.standing is Standing.WITHIN for run in runs])
+    within = np.array([run.standing is DesignStanding.WITHIN for run in runs])
     if np.all(within):
         return None
     best: tuple[Side, int] | None = None

@@ -16,7 +16,7 @@ from analytic.errors import LinkproofError
 from analytic.kinematics.mechanism import Mechanism
 from comparisons.designs.named_figures import named_figures
 from comparisons.designs.sweep.saved_sweep import SavedSweep
-from comparisons.designs.sweep.space import Grid, Space, steps
+from comparisons.designs.sweep.space import DesignSpace, Grid, steps
 from comparisons.designs.sweep.sweep import Summary, SweepRequest, own_figures, sweep, usual_figures, why_not
 from comparisons.designs.sweep.sweep_file import FILE, SweepFile, saved_sweep
 from comparisons.designs.sweep.table import TableFile, table_file
@@ -146,7 +146,7 @@ def sweep_request(linkage: Linkage, choice: SweepChoice) -> tuple[SweepRequest, 
     return SweepRequest(mechanism.linkage, space, figures, motion, choice.refine, choice.jobs).on_one_path(), conditions
 
 
-def designs_of(linkage: Linkage, choice: SweepChoice) -> Space:
+def designs_of(linkage: Linkage, choice: SweepChoice) -> DesignSpace:
     """The grid of ``--vary``, or the list of ``--table``."""
     if choice.table is not None:
         return table_file(choice.table, linkage)

@@ -11,7 +11,7 @@ from analytic.kinematics.crank_range import crank_range
 from analytic.kinematics.mechanism import Mechanism
 from comparisons.campaign.campaign import CampaignRequest, cases, compare
 from comparisons.campaign.standards import judged_campaign
-from comparisons.designs.sweep.space import Grid, Space
+from comparisons.designs.sweep.space import DesignSpace, Grid
 from comparisons.designs.trust.sample import DesignSample, hypercube, rows, sample
 from comparisons.designs.trust.trust import trust
 from comparisons.judging.records import Verdict, to_json
@@ -36,7 +36,7 @@ FILE: Final = "trust.json"
 
 def simulate(
     mechanism: Mechanism,
-    space: Space,
+    space: DesignSpace,
     choice: TrustChoice,
     motion: MotionChoice,
     *,
@@ -91,7 +91,7 @@ def _motions(mechanism: Mechanism, choice: MotionChoice) -> tuple[tuple[CrankMot
 
 
 def _drawn(
-    mechanism: Mechanism, space: Space, choice: TrustChoice, motions: tuple[CrankMotion, ...]
+    mechanism: Mechanism, space: DesignSpace, choice: TrustChoice, motions: tuple[CrankMotion, ...]
 ) -> tuple[DesignSample, str]:
     """A sample of a space, and how it was drawn, in words."""
     if isinstance(space, Grid):

@@ -12,7 +12,7 @@ from reports.command_line.requests import named
 from reports.document.terminal import Printout
 
 if TYPE_CHECKING:
-    from comparisons.designs.trust.trust import Trust
+    from comparisons.designs.trust.trust import SpaceTrust
 
 DESIGNS: Final = 24
 
@@ -47,7 +47,7 @@ class TrustChoice:
 class Trusted(NamedTuple):
     """How far engines may be trusted, what is printed of it, and the exit code: an engine that fails is a finding."""
 
-    trust: Trust | None
+    trust: SpaceTrust | None
     printout: Printout
     exit_code: int
 

@@ -15,7 +15,7 @@ from reports.charts import draw, labels
 from reports.charts.style import FULL_WIDTH
 from reports.designs.sweep.parallel import parallel_figure
 from reports.designs.sweep.swept import DESIGN, FAILS, OWN, Swept, grouped
-from reports.designs.sweep.thinning import Cells, Kept
+from reports.designs.sweep.thinning import Kept, PixelCells
 from reports.document.chart import Chart, Curve, Hatch, Mark, Panel, Surface
 
 if TYPE_CHECKING:
@@ -55,7 +55,7 @@ def sweep_figure(dataset: xarray.Dataset, own: Mapping[str, float] | None = None
 def _curves(swept: Swept) -> Chart:
     """A panel per figure over one parameter."""
     (parameter,) = swept.parameters
-    cells, columns = Cells(swept.places(parameter), CURVE_CELLS), 1 if len(swept.figures) < 4 else 2
+    cells, columns = PixelCells(swept.places(parameter), CURVE_CELLS), 1 if len(swept.figures) < 4 else 2
     uprights = tuple(Mark(place) for place in swept.own_place)
     panels, seen = [], {name: swept.keep(name, cells) for name in swept.figures}
     for name, kept in seen.items():
@@ -78,7 +78,7 @@ def _curves(swept: Swept) -> Chart:
 def _maps(swept: Swept) -> Chart:
     """A map per figure over two parameters."""
     axes = (swept.label(swept.parameters[0]), swept.label(swept.parameters[1]))
-    cells = tuple(Cells(swept.places(name), MAP_CELLS) for name in swept.parameters)
+    cells = tuple(PixelCells(swept.places(name), MAP_CELLS) for name in swept.parameters)
     columns = min(3 if len(swept.figures) > 4 else 2, len(swept.figures))
     own = [_marker("", swept.own_place, *DIAMOND)] if swept.own_place else []
     panels, seen = [], {name: swept.keep(name, *cells) for name in swept.figures}

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from comparisons.datasheet.plain_data import finite
 from comparisons.designs.sweep.space import Grid
-from comparisons.designs.sweep.sweep import NONE, Extreme, Summary, SweepRequest, centre
+from comparisons.designs.sweep.sweep import NONE, RankedDesign, Summary, SweepRequest, centre
 from reports.document.numbers import figure, printed
 from reports.document.parts import Paragraph, Table
 from reports.document.terminal import Printed
@@ -101,7 +101,7 @@ class SweepSummary:
         yield "file's own", float(self.own[number]), [*self.own_parameters.values()]
         yield "largest", largest.value, self._design(largest)
 
-    def _design(self, extreme: Extreme) -> list[float]:
+    def _design(self, extreme: RankedDesign) -> list[float]:
         if extreme.design == NONE:
             return []
         values: list[float] = self.request.space.shown(extreme.design, extreme.design + 1)[:, 0].tolist()

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from analytic.errors import printable
 from reports.designs.sweep import thinning
-from reports.designs.sweep.thinning import Cells, Indices, Kept
+from reports.designs.sweep.thinning import Indices, Kept, PixelCells
 from reports.document import numbers
 
 if TYPE_CHECKING:
@@ -79,7 +79,7 @@ class Swept:
         one = self.dataset[name].isel({first_of_all: slice(first, last)}).transpose(*self.dataset.dims)
         return np.ascontiguousarray(one.values, dtype=float)
 
-    def keep(self, name: str, *cells: Cells) -> Kept:
+    def keep(self, name: str, *cells: PixelCells) -> Kept:
         """A figure, or a parameter of a table, thinned out; without cells only its extremes count."""
         starts = [one.starts for one in cells] or [thinning.evenly(self.shape[0], COARSE)]
         return thinning.keep(partial(self.read, name), self.shape, starts, self.target(name)[0])

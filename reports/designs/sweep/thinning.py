@@ -25,7 +25,7 @@ FAR = 3.0  # times the span of eight tenths of the values: beyond, these are sho
 
 
 @dataclass(frozen=True)
-class Cells:
+class PixelCells:
     """Neighbours among ``places`` (n,), ascending, that are drawn together, at most ``most`` groups of equal width."""
 
     places: Array

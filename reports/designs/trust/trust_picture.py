@@ -11,7 +11,7 @@ from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
 from analytic.errors import printable
-from comparisons.designs.trust.trust import EngineTrust, Standing, Trust, features, telling
+from comparisons.designs.trust.trust import DesignStanding, EngineTrust, SpaceTrust, features, telling
 from reports.charts import draw, labels
 from reports.charts.style import FULL_WIDTH
 from reports.document.chart import Chart, Curve, Ink, Mark, Panel
@@ -19,23 +19,23 @@ from reports.document.chart import Chart, Curve, Ink, Mark, Panel
 Array = NDArray[np.float64]
 
 # Of each standing its marker and colour: a shape of its own, for those who do not tell colours apart.
-SIGNS: Final[Mapping[Standing, tuple[str, Ink]]] = {
-    Standing.WITHIN: ("o", 2),
-    Standing.OVER: ("s", 1),
-    Standing.NO_RESULT: ("X", "limit"),
-    Standing.NOT_JUDGED: ("d", "muted"),
+SIGNS: Final[Mapping[DesignStanding, tuple[str, Ink]]] = {
+    DesignStanding.WITHIN: ("o", 2),
+    DesignStanding.OVER: ("s", 1),
+    DesignStanding.NO_RESULT: ("X", "limit"),
+    DesignStanding.NOT_JUDGED: ("d", "muted"),
 }
 COLUMNS, PANEL, SIZE = 4, 2.7, 5.0  # panels beside one another; in, height of a row; points, of a marker
 ON_TOP: Final = " (above all errors)"
 LEAST: Final = 1e-12  # of a limit: no error below is worth a decade
 
 
-def trust_svg(trust: Trust, *head: str) -> str:
+def trust_svg(trust: SpaceTrust, *head: str) -> str:
     """The picture as an SVG file of its own, on white."""
     return draw.svg(trust_figure(trust, *head), page="white")
 
 
-def trust_figure(trust: Trust, *head: str) -> Figure:
+def trust_figure(trust: SpaceTrust, *head: str) -> Figure:
     """For every engine its designs over the two features that tell failures best, and the errors over the first.
 
     Features are the parameters and the least transmission angle; an error is the largest share of its limit. A design
@@ -49,7 +49,7 @@ def trust_figure(trust: Trust, *head: str) -> Figure:
     panels = [panel for engine in trust.engines for panel in _panels(engine, names, values, room)]
     there = {run.standing for engine in trust.engines for run in engine.runs}
     key = [
-        _dots(np.zeros((0, 2)), one, f"{one}{ON_TOP if one is Standing.NO_RESULT else ''}")
+        _dots(np.zeros((0, 2)), one, f"{one}{ON_TOP if one is DesignStanding.NO_RESULT else ''}")
         for one in SIGNS
         if one in there
     ]
@@ -61,12 +61,13 @@ def trust_figure(trust: Trust, *head: str) -> Figure:
 def _panels(engine: EngineTrust, names: Sequence[str], values: Array, room: float) -> list[Panel]:
     """The plane of two features, if there are two, and the error over the first."""
     standings = np.array([run.standing.value for run in engine.runs])
-    lost = standings == Standing.NO_RESULT.value
+    lost = standings == DesignStanding.NO_RESULT.value
     shares = np.where(lost, np.nan, np.maximum([run.share for run in engine.runs], LEAST))
     top = 10.0 ** (np.ceil(np.log10(np.nanmax([1.0, *shares]))) + 1.0)
     order = _order(values, shares, np.array([run.gives_way for run in engine.runs]))
     across = [labels.fitting_label(names[place], room) for place in order[:2]]
-    title = f"{engine.engine} {engine.setting}: {engine.count(Standing.WITHIN)} of {len(engine.runs)} {Standing.WITHIN}"
+    within = f"{engine.count(DesignStanding.WITHIN)} of {len(engine.runs)} {DesignStanding.WITHIN}"
+    title = f"{engine.engine} {engine.setting}: {within}"
 
     def curves(upward: Array) -> tuple[Curve, ...]:
         points = np.stack([values[:, order[0]], upward], axis=1)
@@ -81,7 +82,7 @@ def _panels(engine: EngineTrust, names: Sequence[str], values: Array, room: floa
     return [replace(error, title=labels.fitting(title, room))]
 
 
-def _dots(points: Array, standing: Standing, name: str = "") -> Curve:
+def _dots(points: Array, standing: DesignStanding, name: str = "") -> Curve:
     """Points (n, 2) of a standing, or its entry in the key."""
     marker, ink = SIGNS[standing]
     return Curve(points[:, 0], points[:, 1], name, ink, "", marker=marker, size=SIZE)

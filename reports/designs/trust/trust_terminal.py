@@ -4,15 +4,15 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from comparisons.designs.trust.trust import TRANSMISSION, DesignRun, EngineTrust, Side, Standing, Trust
+from comparisons.designs.trust.trust import TRANSMISSION, DesignRun, DesignStanding, EngineTrust, Side, SpaceTrust
 from reports.document.numbers import error, figure
 from reports.document.parts import Paragraph, Table
 from reports.document.terminal import Printout
 
-HEAD = ("engine", *(standing.value for standing in Standing), "worst error over its limit", "of", "in design")
+HEAD = ("engine", *(standing.value for standing in DesignStanding), "worst error over its limit", "of", "in design")
 
 
-def printout(trust: Trust, drawn: str, conditions: str) -> Printout:
+def printout(trust: SpaceTrust, drawn: str, conditions: str) -> Printout:
     """A row per engine, then in sentences where each gives way; ``drawn`` and ``conditions`` say of what, in words."""
     sample = trust.sample
     own = " and that of the file" if any(one.number == 0 for one in sample.designs) else ""
@@ -25,13 +25,13 @@ def printout(trust: Trust, drawn: str, conditions: str) -> Printout:
         "lrrrrrll",
     )
     closing = [sentence for one in trust.engines for sentence in _sentences(trust, one)]
-    if any(one.count(Standing.NOT_JUDGED) for one in trust.engines):
+    if any(one.count(DesignStanding.NOT_JUDGED) for one in trust.engines):
         closing.append("What was not judged has not passed.")
     return Printout([Paragraph("Trust in engines over these designs", colour="bold"), table, ""], closing)
 
 
-def _row(trust: Trust, one: EngineTrust) -> tuple[str, ...]:
-    counts = (f"{one.count(standing)}" for standing in Standing)
+def _row(trust: SpaceTrust, one: EngineTrust) -> tuple[str, ...]:
+    counts = (f"{one.count(standing)}" for standing in DesignStanding)
     return (_name(one), *counts, error(one.worst.share), one.worst.quantity, _design(trust, one.worst))
 
 
@@ -39,14 +39,14 @@ def _name(one: EngineTrust) -> str:
     return f"{one.engine} {one.setting}"
 
 
-def _design(trust: Trust, run: DesignRun) -> str:
+def _design(trust: SpaceTrust, run: DesignRun) -> str:
     return next(one.name for one in trust.sample.designs if one.number == run.design)
 
 
-def _sentences(trust: Trust, one: EngineTrust) -> Iterator[str]:
+def _sentences(trust: SpaceTrust, one: EngineTrust) -> Iterator[str]:
     """Where an engine gives way, and where it does not."""
     failing = [run for run in one.runs if run.gives_way]
-    judged = [run for run in one.runs if run.standing is not Standing.NOT_JUDGED]
+    judged = [run for run in one.runs if run.standing is not DesignStanding.NOT_JUDGED]
     if not judged:
         yield f"{_name(one)}: not judged on any design: {one.runs[0].reason}"
     elif not failing:
@@ -71,8 +71,8 @@ def _sentences(trust: Trust, one: EngineTrust) -> Iterator[str]:
 
 def _worst(failing: list[DesignRun]) -> list[DesignRun]:
     """The failing design that is farthest from its limit, and the first without a result."""
-    lost = [run for run in failing if run.standing is Standing.NO_RESULT][:1]
-    over = [run for run in failing if run.standing is Standing.OVER]
+    lost = [run for run in failing if run.standing is DesignStanding.NO_RESULT][:1]
+    over = [run for run in failing if run.standing is DesignStanding.OVER]
     return [*([max(over, key=lambda run: run.share)] if over else []), *lost]
 
 

@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from analytic.designs.results import design_figures
 from analytic.kinematics.mechanism import Mechanism
 from comparisons.designs.sweep import sweep as sweeps
-from comparisons.designs.sweep.sweep import Blocks, Extreme, Summary, own_figures, sweep, usual_figures, why_not
+from comparisons.designs.sweep.sweep import Blocks, RankedDesign, Summary, own_figures, sweep, usual_figures, why_not
 from comparisons.runs.workers import LocalPool
 from tests.comparisons.designs.sweeps import SIX_BAR, grid, request
 
@@ -86,7 +86,7 @@ def test_summaries_add_up_in_any_order(order, values):
         value = values[number]
         if math.isnan(value):
             return Summary(1)
-        least, largest = Extreme(value, number, value), Extreme(-value, number, value)
+        least, largest = RankedDesign(value, number, value), RankedDesign(-value, number, value)
         return Summary(1, 1, (least,), (largest,), ((value, value),))
 
     total = Summary()

@@ -8,7 +8,7 @@ import pytest
 from comparisons.campaign.campaign import CampaignRequest, compare
 from comparisons.designs.parameters import parameter
 from comparisons.designs.trust.sample import hypercube, sample
-from comparisons.designs.trust.trust import TRANSMISSION, Standing, telling, trust
+from comparisons.designs.trust.trust import TRANSMISSION, DesignStanding, telling, trust
 from comparisons.judging.records import Verdict
 from reports.command_line.motion_choice import MotionChoice, motions
 from tests.comparisons.designs.engines_with_flaws import SHORT, SHORTEST
@@ -30,8 +30,8 @@ def judged(values, fails):
 
 def expected_standing(design):
     if design.values[0] < SHORTEST * 1e3:
-        return Standing.NO_RESULT
-    return Standing.OVER if design.values[0] < SHORT * 1e3 else Standing.WITHIN
+        return DesignStanding.NO_RESULT
+    return DesignStanding.OVER if design.values[0] < SHORT * 1e3 else DesignStanding.WITHIN
 
 
 def test_an_engine_with_a_flaw_is_found_to_give_way_where_it_is(tmp_path, monkeypatch):
@@ -43,12 +43,12 @@ def test_an_engine_with_a_flaw_is_found_to_give_way_where_it_is(tmp_path, monkey
     request = CampaignRequest(linkages, MOTION, "300 rpm", ("direct", "short-sighted"))
     records = [one for result in compare(request) for one in (*result.records, *result.invariants)]
     right, wrong = trust(drawn, records).engines
-    assert (right.engine, right.count(Standing.WITHIN), right.rule, right.safe) == ("direct", 17, None, None)
+    assert (right.engine, right.count(DesignStanding.WITHIN), right.rule, right.safe) == ("direct", 17, None, None)
     assert (right.bound, wrong.bound) == (3.0 / 16, None)
     expected = {one.number: expected_standing(one) for one in drawn.designs}
     assert {run.design: run.standing for run in wrong.runs} == expected
-    assert set(expected.values()) == {Standing.NO_RESULT, Standing.OVER, Standing.WITHIN}
-    failing = sum(standing is not Standing.WITHIN for standing in expected.values())
+    assert set(expected.values()) == {DesignStanding.NO_RESULT, DesignStanding.OVER, DesignStanding.WITHIN}
+    failing = sum(standing is not DesignStanding.WITHIN for standing in expected.values())
     rule, (side, count) = wrong.rule, wrong.safe
     assert (rule.side.feature, rule.side.unit, rule.side.below) == ("rod.B.x", "mm", True)
     lengths = [one.values[0] for one in drawn.designs]
@@ -57,7 +57,7 @@ def test_an_engine_with_a_flaw_is_found_to_give_way_where_it_is(tmp_path, monkey
     assert (rule.failing, rule.others) == ((failing, failing), (0, 17 - failing))
     assert rule.tells
     assert (side.feature, side.below, count) == ("rod.B.x", False, 17 - failing)
-    assert wrong.worst.standing is Standing.OVER
+    assert wrong.worst.standing is DesignStanding.OVER
     assert wrong.worst.share > 1.0
 
 
@@ -105,7 +105,7 @@ def test_what_was_not_judged_has_not_passed():
     records = [record(1, Verdict.PASSED, 1e-4), record(6, Verdict.PASSED, 1e-4)]
     records += [record(number, outcome) for number, outcome in enumerate(lost, start=2)]
     (one,) = trust(made_up(np.linspace(0.0, 1.0, 6)[:, None]), records).engines
-    assert [one.count(standing) for standing in Standing] == [2, 0, 2, 2]
+    assert [one.count(standing) for standing in DesignStanding] == [2, 0, 2, 2]
     assert one.bound is None
     assert one.safe[1] == 1  # one of the two ends: what is not judged ends a range as what fails does
 
@@ -120,6 +120,6 @@ def test_a_design_stands_as_its_worst_record_does():
     found = trust(made_up(np.zeros((1, 1))), records)
     (one,) = found.engines
     (run,) = one.runs
-    assert (run.standing, run.quantity, run.share) == (Standing.OVER, "S", pytest.approx(3.0))
+    assert (run.standing, run.quantity, run.share) == (DesignStanding.OVER, "S", pytest.approx(3.0))
     assert (one.rule, one.bound) == (None, None)
     assert found.told["runs"][0]["standing"] == "over a limit"

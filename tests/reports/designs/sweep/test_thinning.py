@@ -7,13 +7,13 @@ from hypothesis import strategies as st
 from hypothesis.extra import numpy as arrays
 
 from reports.designs.sweep import thinning
-from reports.designs.sweep.thinning import Cells
+from reports.designs.sweep.thinning import PixelCells
 
 VALUES = st.one_of(st.floats(-1e6, 1e6), st.just(np.nan))
 
 
 def kept(values, *most, target=0.0):
-    cells = tuple(Cells(np.arange(float(n)), one) for n, one in zip(values.shape, most, strict=False))
+    cells = tuple(PixelCells(np.arange(float(n)), one) for n, one in zip(values.shape, most, strict=False))
     starts = [one.starts for one in cells]
     return cells, thinning.keep(lambda first, last: values[first:last], values.shape, starts, target)
 
@@ -77,13 +77,13 @@ def test_extremes_and_the_nearest_are_the_first_in_the_order_of_the_dimensions(v
 
 def test_few_designs_are_drawn_as_they_are_and_their_failures_half_a_step_around():
     values = np.array([1.0, np.nan, np.nan, 4.0])
-    cells = Cells(np.array([0.0, 1.0, 2.0, 4.0]), 100)
+    cells = PixelCells(np.array([0.0, 1.0, 2.0, 4.0]), 100)
     found = thinning.keep(lambda first, last: values[first:last], (4,), [cells.starts])
     x, y = cells.curve(found)
     assert x.tolist() == [0.0, 1.0, 2.0, 4.0]
     assert np.array_equal(y, values, equal_nan=True)
     assert cells.failing(found).tolist() == [[0.5, 3.0]]
-    assert Cells(np.array([5.0]), 9).edges.tolist() == [2.5, 7.5]
+    assert PixelCells(np.array([5.0]), 9).edges.tolist() == [2.5, 7.5]
 
 
 @pytest.mark.usefixtures("_pieces")
