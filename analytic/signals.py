@@ -64,6 +64,7 @@ COMPONENTS: Final[Mapping[str, Mapping[str, str]]] = {
     "shaking_force": {"x": "N", "y": "N"},
     "transmission_angle": {"": "rad"},
 }
+MAGNITUDE: Final = ":magnitude"
 ORDERS: Final = ("x", "y", "vx", "vy", "ax", "ay")  # of a point: two components of each derivative
 
 
@@ -86,6 +87,14 @@ def signal(at: Moving, name: str) -> Array:
     if name not in known:
         raise UnknownNameError("signal", name, known)
     return np.copy(np.broadcast_to(known[name](at), at.sweep.angle.shape))
+
+
+def signal_or_magnitude(at: Moving, name: str) -> Array:
+    """A signal, or the magnitude of a vector, ``joint_force:A:magnitude``; raises UnknownNameError as ``signal``."""
+    if not name.endswith(MAGNITUDE):
+        return signal(at, name)
+    vector = name.removesuffix(MAGNITUDE)
+    return np.hypot(signal(at, f"{vector}:x"), signal(at, f"{vector}:y"))
 
 
 def moving_points(linkage: Linkage) -> tuple[str, ...]:

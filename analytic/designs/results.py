@@ -15,11 +15,11 @@ from analytic.compiled.flat_linkage import flatten, redesigned
 from analytic.description.law import FULL_TURN
 from analytic.designs.checking import checked
 from analytic.designs.figures import Figure
-from analytic.designs.sampling import MAGNITUDE, Asked
+from analytic.designs.sampling import Asked
 from analytic.designs.values import designs_of
 from analytic.errors import LinkproofError, UnknownNameError
 from analytic.kinematics.mechanism import Mechanism
-from analytic.signals import formulas
+from analytic.signals import MAGNITUDE, formulas
 
 Array = NDArray[np.float64]
 

@@ -17,12 +17,11 @@ from analytic.designs.tops import Tops, summits, tops
 from analytic.evaluation import MovingSweep
 from analytic.kinematics.mechanism import Mechanism
 from analytic.kinematics.transmission import transmission_sine
-from analytic.signals import signal
+from analytic.signals import signal_or_magnitude
 
 Array = NDArray[np.float64]
 
 CHUNK: Final = 2048  # designs a thread takes at a time: their tops are refined together
-MAGNITUDE: Final = ":magnitude"
 OUTPUT: Final = "output"  # the output's coordinate; no signal, for what is seen of it is S
 # Between two crank angles the sine of a transmission angle changes by no more than this share of itself, or the step is
 # divided in PARTS, LEVELS times at most: forces go as its inverse.
@@ -231,10 +230,7 @@ def curve(at: MovingSweep, name: str) -> Array:
     """A signal, the magnitude of a vector, or the output's coordinate."""
     if name == OUTPUT:
         return at.sweep.output()
-    if name.endswith(MAGNITUDE):
-        vector = name.removesuffix(MAGNITUDE)
-        return np.hypot(signal(at, f"{vector}:x"), signal(at, f"{vector}:y"))
-    return signal(at, name)
+    return signal_or_magnitude(at, name)
 
 
 def _is_angle(name: str) -> bool:

@@ -9,8 +9,8 @@ from typing import Final
 
 import numpy as np
 
-from analytic.signals import signal
-from comparisons.datasheet.curves import MAGNITUDE, Curves
+from analytic.signals import MAGNITUDE, signal
+from comparisons.datasheet.curves import Curves
 from comparisons.datasheet.instants import Instants
 from comparisons.judging.baseline import SAME_FIGURE, Baseline, regime_key
 from comparisons.judging.records import blank_record

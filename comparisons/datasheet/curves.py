@@ -14,6 +14,7 @@ from analytic import signals
 from analytic.description.law import FULL_TURN
 from analytic.description.linkage import Linkage
 from analytic.numerics.peaks import highest
+from analytic.signals import MAGNITUDE
 from comparisons.datasheet.instants import Instants, with_near_toggles
 from comparisons.reference.case import Case, Truth
 
@@ -21,7 +22,6 @@ Array = NDArray[np.float64]
 Measure = Callable[[Truth], Array]
 
 TIME: Final = "time"
-MAGNITUDE: Final = ":magnitude"
 FORCES: Final = ("joint_force:", "shaking_force:")  # vectors whose magnitude is a signal as well
 BATCH: Final = 48  # curves whose peaks are refined together: more would compute much that none of them needs
 # Three-point Gauss-Legendre on 0 to 1: of a torque squared it leaves rounding over half-degree steps.
@@ -92,10 +92,7 @@ class Curves:
         """A signal of the closed form at some instants."""
         if name == TIME:
             return truth.time
-        if name.endswith(MAGNITUDE):
-            vector = name.removesuffix(MAGNITUDE)
-            return np.hypot(signals.signal(truth, f"{vector}:x"), signals.signal(truth, f"{vector}:y"))
-        found = signals.signal(truth, name)
+        found = signals.signal_or_magnitude(truth, name)
         return self._unwrapped(name, truth, found) if _is_angle_of_link(name) else found
 
     def _unwrapped(self, name: str, truth: Truth, angle: Array) -> Array:

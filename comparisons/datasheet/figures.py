@@ -8,8 +8,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from analytic.signals import signal
-from comparisons.datasheet.curves import MAGNITUDE, Curves, Measure
+from analytic.signals import MAGNITUDE, signal
+from comparisons.datasheet.curves import Curves, Measure
 
 TRANSMISSION = "transmission_angle:"
 SAME_SPEED = 1e-9  # share of the largest speed within which an instant counts as one of the largest speed

@@ -18,7 +18,8 @@ from analytic import signals
 from analytic.designs.figures import Figure, Reduction
 from analytic.errors import LinkproofError, UnknownNameError
 from analytic.kinematics.mechanism import Mechanism
-from comparisons.datasheet.curves import FORCES, MAGNITUDE
+from analytic.signals import MAGNITUDE
+from comparisons.datasheet.curves import FORCES
 from comparisons.datasheet.units import FileUnit, file_unit
 
 STROKE: Final = "stroke"

@@ -12,7 +12,8 @@ from numpy.typing import NDArray
 from analytic import signals
 from analytic.description.linkage import Linkage
 from analytic.request import UNITS, unit_of
-from comparisons.datasheet.curves import MAGNITUDE, TIME
+from analytic.signals import MAGNITUDE
+from comparisons.datasheet.curves import TIME
 
 Array = NDArray[np.float64]
 

@@ -22,7 +22,7 @@ from analytic.designs.derivatives import signal_gradients
 from analytic.designs.figures import Figure, Reduction, SignalExtreme
 from analytic.errors import AssemblyError
 from analytic.kinematics.mechanism import Mechanism
-from comparisons.datasheet.curves import MAGNITUDE
+from analytic.signals import MAGNITUDE
 from comparisons.designs.steady_motion import SteadyMotion
 
 Array = NDArray[np.float64]

@@ -12,15 +12,13 @@ from typing import Any, Final, NamedTuple, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-from analytic.description.changes import changed
+from analytic.description.changes import with_numbers
 from analytic.description.law import FULL_TURN
 from analytic.description.linkage import Linkage
 from analytic.designs.figures import Reduction, middle
 from analytic.designs.results import design_figures, usual_path
 from analytic.errors import AssemblyError, LinkproofError
-from analytic.kinematics.decomposition import find_structure
 from analytic.kinematics.mechanism import Mechanism
-from analytic.kinematics.sweep import Sweep
 from analytic.signals import names
 from comparisons.designs.named_figures import STROKE, NamedFigure, named_figures
 from comparisons.designs.steady_motion import SteadyMotion
@@ -268,13 +266,11 @@ def why_not(request: SweepRequest) -> str:
     mechanism = Mechanism(request.linkage)
     first = request.space.block(0, 1)
     own = {name: float(values[0]) for name, values in first.items()}
-    linkage = changed(mechanism.linkage, lambda name, _, value: own.get(name, value))
-    structure = find_structure(linkage).with_signs(tuple(dyad.sign for dyad in mechanism.structure.dyads))
-    moved = Sweep(linkage, structure, request.motion.places)
     try:
-        for body in structure.bodies:
+        moved = mechanism.redesigned(with_numbers(mechanism.linkage, own)).sweep(request.motion.places)
+        for body in mechanism.structure.bodies:
             moved.rates(body)
     except AssemblyError as error:
         return str(error)
     stands = np.all(np.isnan(_figures(replace(request, path="numpy"), first)))
-    return f"'{linkage.name}' stands in a dead position between two of the crank angles" if stands else ""
+    return f"'{mechanism.linkage.name}' stands in a dead position between two of the crank angles" if stands else ""

@@ -11,7 +11,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from analytic.description.changes import changed, numbers
+from analytic.description.changes import numbers, with_numbers
 from analytic.description.crank_motion import CrankMotion
 from analytic.description.linkage import Linkage
 from analytic.description.loading import parse
@@ -139,7 +139,7 @@ class _Designs:
             found = self._written(number, wanted)
             if structure.is_numerical or _signs(found) == signs:
                 return found
-            design = changed(own, lambda name, _, value: wanted.get(name, value))
+            design = with_numbers(own, wanted)
             return self._written(number, wanted | _sketched(design, signs))
         except AssemblyError:
             return None

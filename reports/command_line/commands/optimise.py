@@ -15,7 +15,7 @@ from analytic.description.linkage import Linkage
 from analytic.description.loading import load
 from analytic.description.rewriting import rewritten
 from analytic.errors import LinkproofError
-from comparisons.datasheet.curves import MAGNITUDE
+from analytic.signals import MAGNITUDE
 from comparisons.datasheet.units import file_unit
 from comparisons.designs.optimum.optimisation import Optimum, Wish, optimise
 from comparisons.judging.records import to_json

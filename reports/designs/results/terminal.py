@@ -6,8 +6,7 @@ import math
 from collections.abc import Iterator, Sequence
 from typing import Final
 
-from analytic.signals import COMPONENTS
-from comparisons.datasheet.curves import MAGNITUDE
+from analytic.signals import COMPONENTS, MAGNITUDE
 from comparisons.datasheet.designer_results import DesignerResults
 from comparisons.datasheet.figures import NEGLIGIBLE, stroke
 from comparisons.datasheet.units import FileUnit, file_unit
