@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Mapping
+from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
@@ -19,7 +20,7 @@ from analytic.kinematics.sweep import Sweep
 Array = NDArray[np.float64]
 
 
-class Moving(ABC):
+class LinkageInMotion(ABC):
     """A ``sweep`` of a ``mechanism`` whose crank has a ``speed``, rad/s, and an ``acceleration``, rad/s².
 
     Both are of the sweep's shape or scalar. Everything is computed once, when it is asked for.
@@ -64,3 +65,14 @@ class Moving(ABC):
         pivot = self.sweep.structure.pivot
         about = pivot.near_local if isinstance(pivot, Revolute) else (0.0, 0.0)
         return np.stack([*shaking_force(*moved), shaking_moment(*moved, about)])
+
+
+@dataclass(frozen=True)
+class MovingSweep(LinkageInMotion):
+    """Crank angles with the crank's speed, rad/s, and acceleration, rad/s², and the output's coordinate where S is 0."""
+
+    mechanism: Mechanism
+    sweep: Sweep
+    speed: Array
+    acceleration: Array
+    farthest: float | Array = 0.0

@@ -8,7 +8,8 @@
 ``joint_force:A:x :y``          the force that a joint exerts on its first body, ground frame
 ``shaking_force:x :y``          the force of the linkage on its frame, ground frame
 ``shaking_moment``              its moment about the crank's pivot; about the origin where no crank turns
-``transmission_angle:GROUP``    of a group of two links, from 0 to π (``analytic.kinematics.transmission``)
+``transmission_angle:GROUP``    of a group of two links, from 0 to π/2 (``analytic.kinematics.transmission``)
+``Q half_slope damping``        generalised force of the loads, ½ dJeq/dφ and damping reduced to the crank: on request
 
 The first body of a pin is the link that is not the ground, of two moving links the second by name; of a slider it is
 the slider, of a slot the link that has the pin (``analytic.dynamics.joint_forces``). A drive along a line has a travel,
@@ -19,6 +20,7 @@ no torques and no forces; without an output there are no S, v and a. Names of jo
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass
 from functools import lru_cache, partial
 from typing import Final
 
@@ -26,37 +28,60 @@ import numpy as np
 from numpy.typing import NDArray
 
 from analytic.description.linkage import Linkage
-from analytic.errors import UnknownNameError
+from analytic.dynamics import reduced
+from analytic.errors import LinkproofError, UnknownNameError
 from analytic.kinematics.frames import Scalar
 from analytic.kinematics.mechanism import Mechanism
 from analytic.kinematics.transmission import transmission_angle
-from analytic.moving import Moving
-from analytic.request import unit_of
+from analytic.moving import LinkageInMotion
 
 Array = NDArray[np.float64]
-Formula = Callable[[Moving], Scalar]
+Formula = Callable[[LinkageInMotion], Scalar]
 
-DRIVE: Final[Mapping[str, Formula]] = {
-    "phi": lambda at: at.sweep.angle,
-    "omega": lambda at: at.speed,
-    "epsilon": lambda at: at.acceleration,
+
+@dataclass(frozen=True)
+class Signal:
+    """A signal of the closed form: its SI ``unit``, of a turning crank's, and its ``formula``.
+
+    One that ``is_still`` depends on the crank's angle alone, not on how it moves. One that is not ``is_listed`` is
+    computed where it is named, and not part of the results.
+    """
+
+    unit: str
+    formula: Formula
+    is_still: bool = False
+    is_listed: bool = True
+
+
+DRIVE: Final[Mapping[str, Signal]] = {
+    "phi": Signal("rad", lambda at: at.sweep.angle, is_still=True),
+    "omega": Signal("rad/s", lambda at: at.speed),
+    "epsilon": Signal("rad/s²", lambda at: at.acceleration),
 }
-LOADS: Final[Mapping[str, Formula]] = {
-    "Mkr": lambda at: at.torque,
-    "Peq": lambda at: at.torque * at.speed,
-    "Teq": lambda at: 0.5 * at.inertia * at.speed**2,
-    "Jeq": lambda at: at.inertia,
+LOADS: Final[Mapping[str, Signal]] = {
+    "Mkr": Signal("N m", lambda at: at.torque),
+    "Peq": Signal("W", lambda at: at.torque * at.speed),
+    "Teq": Signal("J", lambda at: 0.5 * at.inertia * (at.speed * at.speed)),
+    "Jeq": Signal("kg m²", lambda at: at.inertia, is_still=True),
 }
-OUTPUT: Final[Mapping[str, Formula]] = {
-    "S": lambda at: at.farthest - at.sweep.output(),
-    "v": lambda at: -at.sweep.output(1) * at.speed,
-    "a": lambda at: -(at.sweep.output(2) * at.speed**2 + at.sweep.output(1) * at.acceleration),
+EQUATION: Final[Mapping[str, Signal]] = {
+    "half_slope": Signal("kg m²", lambda at: reduced.half_inertia_derivative(at.sweep), is_still=True, is_listed=False),
+    "Q": Signal("N m", lambda at: reduced.generalised_force(at.sweep), is_still=True, is_listed=False),
+    "damping": Signal("N m s", lambda at: reduced.damping_coefficient(at.sweep), is_still=True, is_listed=False),
 }
-UNITS: Final[Mapping[str, str]] = {
-    **{"phi": "rad", "omega": "rad/s", "epsilon": "rad/s²", "Mkr": "N m", "Peq": "W", "Teq": "J", "Jeq": "kg m²"},
-    **{"S": "m", "v": "m/s", "a": "m/s²", "shaking_moment": "N m"},
+OUTPUT: Final[Mapping[str, Signal]] = {
+    "S": Signal("m", lambda at: at.farthest - at.sweep.output(), is_still=True),
+    "v": Signal("m/s", lambda at: -at.sweep.output(1) * at.speed),
+    "a": Signal(
+        "m/s²", lambda at: -(at.sweep.output(2) * (at.speed * at.speed) + at.sweep.output(1) * at.acceleration)
+    ),
 }
-# Of a kind its components, each with its unit.
+SHAKING: Final[Mapping[str, Signal]] = {
+    "shaking_force:x": Signal("N", lambda at: at.shaking[0]),
+    "shaking_force:y": Signal("N", lambda at: at.shaking[1]),
+    "shaking_moment": Signal("N m", lambda at: at.shaking[2]),
+}
+# Of a kind of parts its components, each with its unit.
 COMPONENTS: Final[Mapping[str, Mapping[str, str]]] = {
     "point": {"x": "m", "y": "m", "vx": "m/s", "vy": "m/s", "ax": "m/s²", "ay": "m/s²"},
     "link": {"angle": "rad", "omega": "rad/s", "alpha": "rad/s²"},
@@ -64,37 +89,81 @@ COMPONENTS: Final[Mapping[str, Mapping[str, str]]] = {
     "shaking_force": {"x": "N", "y": "N"},
     "transmission_angle": {"": "rad"},
 }
+PLACES: Final = ("x", "y", "angle")  # components that depend on the crank's angle alone
+# Units that change where the driver is pushed along a line, so that φ is a length.
+LINEAR_UNITS: Final[Mapping[str, str]] = {
+    **{"phi": "m", "omega": "m/s", "epsilon": "m/s²", "Jeq": "kg", "Mkr": "N"},
+    **{"half_slope": "kg/m", "Q": "N", "damping": "N s/m"},
+}
+ONE_OF_ITS_KIND: Final = {**DRIVE, **LOADS, **EQUATION, **OUTPUT, **SHAKING}
 MAGNITUDE: Final = ":magnitude"
+OUTPUT_COORDINATE: Final = "output"  # no signal, for what is seen of it is S
 ORDERS: Final = ("x", "y", "vx", "vy", "ax", "ay")  # of a point: two components of each derivative
 
 
 def names(mechanism: Mechanism) -> tuple[str, ...]:
     """Names of all signals that a mechanism has under any motion, always in the same order."""
-    return tuple(formulas(mechanism))
+    return tuple(name for name, signal in table(mechanism).items() if signal.is_listed)
 
 
 def unit(name: str, linkage: Linkage) -> str:
-    """SI unit of the signal of a linkage."""
-    if name in UNITS:
-        return unit_of(name, UNITS[name], is_linear=linkage.is_linear)
-    kind, part = name.split(":", 1)
-    return COMPONENTS[kind][part.rpartition(":")[2] if kind != "transmission_angle" else ""]
+    """SI unit of the signal of a linkage, or of the magnitude of a vector."""
+    if name in ONE_OF_ITS_KIND:
+        return unit_of(name, ONE_OF_ITS_KIND[name].unit, is_linear=linkage.is_linear)
+    kind, part = name.removesuffix(MAGNITUDE).split(":", 1)
+    components = COMPONENTS[kind]
+    return components[""] if "" in components else components["x" if name.endswith(MAGNITUDE) else _component(part)]
 
 
-def signal(at: Moving, name: str) -> Array:
-    """A signal, of the shape of the angles; raises UnknownNameError for one that the linkage does not have."""
-    known = formulas(at.mechanism)
+def unit_of(name: str, unit: str, *, is_linear: bool) -> str:
+    """The unit of a quantity by name, whose ``unit`` is that of a linkage driven by a turning crank."""
+    return LINEAR_UNITS.get(name, unit) if is_linear else unit
+
+
+def _component(part: str) -> str:
+    return part.rpartition(":")[2]
+
+
+def signal(at: LinkageInMotion, name: str) -> Array:
+    """A signal, the magnitude of a vector, ``joint_force:A:magnitude``, or ``OUTPUT_COORDINATE``; the angles' shape.
+
+    Raises UnknownNameError for one that the linkage does not have.
+    """
+    if name == OUTPUT_COORDINATE:
+        return at.sweep.output()
+    if name.endswith(MAGNITUDE):
+        vector = name.removesuffix(MAGNITUDE)
+        return np.hypot(signal(at, f"{vector}:x"), signal(at, f"{vector}:y"))
+    known = table(at.mechanism)
     if name not in known:
         raise UnknownNameError("signal", name, known)
-    return np.copy(np.broadcast_to(known[name](at), at.sweep.angle.shape))
+    return np.copy(np.broadcast_to(known[name].formula(at), at.sweep.angle.shape))
 
 
-def signal_or_magnitude(at: Moving, name: str) -> Array:
-    """A signal, or the magnitude of a vector, ``joint_force:A:magnitude``; raises UnknownNameError as ``signal``."""
-    if not name.endswith(MAGNITUDE):
-        return signal(at, name)
-    vector = name.removesuffix(MAGNITUDE)
-    return np.hypot(signal(at, f"{vector}:x"), signal(at, f"{vector}:y"))
+def check_signals(mechanism: Mechanism, names: Iterable[str], *, has_speed: bool) -> tuple[str, ...]:
+    """The names, each once; raises for one that the mechanism does not have, and for one that needs a crank's speed.
+
+    Raises UnknownNameError and LinkproofError.
+    """
+    known = table(mechanism)
+    chosen = tuple(dict.fromkeys(names))
+    for name in chosen:
+        if name not in known:
+            raise UnknownNameError("quantity", name, known)
+    moving = [name for name in chosen if not known[name].is_still]
+    if moving and not has_speed:
+        raise LinkproofError(f"speed: expected the crank's speed for {', '.join(moving)}, got none; pass speed=...")
+    return chosen
+
+
+def is_angle(name: str) -> bool:
+    """Whether a signal is an angle, which goes on from turn to turn."""
+    return name == "phi" or (name.startswith("link:") and name.endswith(":angle"))
+
+
+def is_wrapped(name: str, linkage: Linkage) -> bool:
+    """Whether a formula gives a signal within one turn, to be unwrapped along its angles."""
+    return is_angle(name) and name != "phi" and (linkage.is_linear or name != f"link:{linkage.crank}:angle")
 
 
 def moving_points(linkage: Linkage) -> tuple[str, ...]:
@@ -103,7 +172,7 @@ def moving_points(linkage: Linkage) -> tuple[str, ...]:
 
 
 @lru_cache(maxsize=64)
-def formulas(mechanism: Mechanism) -> Mapping[str, Formula]:
+def table(mechanism: Mechanism) -> Mapping[str, Signal]:
     """Every signal of a mechanism by name."""
     linkage, found = mechanism.linkage, dict(DRIVE)
     loaded = not linkage.is_idle
@@ -115,24 +184,26 @@ def formulas(mechanism: Mechanism) -> Mapping[str, Formula]:
     found |= _each("link", linkage.links, _link)
     if loaded:
         found |= _each("joint_force", linkage.joint_names, _joint_force)
-        shaking = ("shaking_force:x", "shaking_force:y", "shaking_moment")
-        found |= {name: partial(_shaking, row=row) for row, name in enumerate(shaking)}
-    dyads = mechanism.structure.dyads
-    return found | {
-        f"transmission_angle:{dyad.name}": partial(_transmission, row=row) for row, dyad in enumerate(dyads)
-    }
+        found |= SHAKING
+    for dyad in mechanism.structure.dyads:
+        formula = partial(_transmission, group=dyad.name)
+        found[f"transmission_angle:{dyad.name}"] = Signal("rad", formula, is_still=True)
+    return found | EQUATION
 
 
-def _each(kind: str, parts: Iterable[str], formula: Callable[..., Scalar]) -> dict[str, Formula]:
+def _each(kind: str, parts: Iterable[str], formula: Callable[..., Scalar]) -> dict[str, Signal]:
     """The signals of a kind: every component of every part."""
+    is_place = kind != "joint_force"
     return {
-        f"{kind}:{part}:{component}": partial(formula, name=part, component=component)
+        f"{kind}:{part}:{component}": Signal(
+            unit, partial(formula, name=part, component=component), is_still=is_place and component in PLACES
+        )
         for part in parts
-        for component in COMPONENTS[kind]
+        for component, unit in COMPONENTS[kind].items()
     }
 
 
-def _point(at: Moving, name: str, component: str) -> Scalar:
+def _point(at: LinkageInMotion, name: str, component: str) -> Scalar:
     order, axis = divmod(ORDERS.index(component), 2)
     if order == 0:
         return at.sweep.point(name)[axis]
@@ -142,7 +213,7 @@ def _point(at: Moving, name: str, component: str) -> Scalar:
     return at.sweep.point(name, 2)[axis] * at.speed**2 + first * at.acceleration
 
 
-def _link(at: Moving, name: str, component: str) -> Scalar:
+def _link(at: LinkageInMotion, name: str, component: str) -> Scalar:
     if component == "angle":
         return at.sweep.angles(name)
     first = at.sweep.rates(name)[2]
@@ -151,13 +222,10 @@ def _link(at: Moving, name: str, component: str) -> Scalar:
     return at.sweep.accelerations(name)[2] * at.speed**2 + first * at.acceleration
 
 
-def _joint_force(at: Moving, name: str, component: str) -> Scalar:
+def _joint_force(at: LinkageInMotion, name: str, component: str) -> Scalar:
     return at.joint_forces[name]["xy".index(component)]
 
 
-def _shaking(at: Moving, row: int) -> Scalar:
-    return at.shaking[row]
-
-
-def _transmission(at: Moving, row: int) -> Scalar:
-    return transmission_angle(at.sweep, at.sweep.structure.dyads[row])
+def _transmission(at: LinkageInMotion, group: str) -> Scalar:
+    dyad = next(dyad for dyad in at.sweep.structure.dyads if dyad.name == group)
+    return transmission_angle(at.sweep, dyad)

@@ -76,13 +76,13 @@ class Law:
 
     def __call__(self, angle: ArrayLike, order: int = 0) -> NDArray[np.float64]:
         """Value (or its derivative of the given order over φ) at each angle; shape (k, *angle.shape)."""
-        if hasattr(angle, "chained"):  # an angle that carries derivatives
-            chained: NDArray[np.float64] = angle.chained(lambda plain, further: self(plain, order + further))
-            return chained
-        angle = np.asarray(angle, dtype=float)
         if self.angles is None:
-            values = self.values if order == 0 else np.zeros_like(self.values)
-            return np.broadcast_to(values.reshape(-1, *([1] * angle.ndim)), (len(values), *angle.shape))
+            values, shape = self.values if order == 0 else np.zeros_like(self.values), np.shape(angle)
+            return np.broadcast_to(values.reshape(-1, *([1] * len(shape))), (len(values), *shape))
+        if hasattr(angle, "looked_up"):  # an angle that carries derivatives, or is traced
+            found: NDArray[np.float64] = angle.looked_up(self, order)
+            return found
+        angle = np.asarray(angle, dtype=float)
         if self.periodic:
             return np.moveaxis(np.asarray(self._spline(angle, order)), -1, 0)
         within = np.clip(angle, self.angles[0], self.angles[-1])

@@ -6,7 +6,7 @@ centre, guides and slots are given in that frame. The ground frame is the drawin
 
 The one coordinate φ is that of the driver. Of a crank it is the angle of its x axis against the ground's x axis, rad;
 of a slider of the ground its travel along the guide, m, of a cylinder its length, m. Quantities of the drive change
-their units with it: see ``analytic.request.unit_of``.
+their units with it: see ``analytic.signals.unit_of``.
 """
 
 from __future__ import annotations

@@ -10,7 +10,7 @@ from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
 from analytic.description.linkage import Link, RotaryDamper, Spring, Vector
 from analytic.dynamics.force_formulas import drag, pull, weight_and_inertia
@@ -40,12 +40,10 @@ class LoadedSweep:
     Both are signed, of the sweep's shape or scalar. A crank at rest without acceleration asks for no second derivative.
     """
 
-    def __init__(self, sweep: Sweep, speed: ArrayLike, acceleration: ArrayLike) -> None:
+    def __init__(self, sweep: Sweep, speed: Scalar, acceleration: Scalar) -> None:
         self.sweep = sweep
         self.linkage = sweep.linkage
-        self.speed: Array = np.asarray(speed, dtype=float)
-        self.acceleration: Array = np.asarray(acceleration, dtype=float)
-        self.square: Array = self.speed * self.speed
+        self.speed, self.acceleration, self.square = speed, acceleration, speed * speed
         self.turns = bool(np.any(self.speed))
         self.is_static = not (self.turns or np.any(self.acceleration))
 

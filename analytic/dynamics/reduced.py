@@ -1,6 +1,6 @@
 """Reduced dynamics: everything about the linkage that a rigid driver feels (articles 000, 001 and 003).
 
-The units are those of a turning crank; a driver that is pushed has its own (``analytic.request.unit_of``).
+The units are those of a turning crank; a driver that is pushed has its own (``analytic.signals.unit_of``).
 
 Article 003, eqs (1)-(5) define Jeq; article 000 the equation of motion Jeq φ̈ + ½ Jeq' φ̇² + b φ̇ = Q + M1. Primes
 are d/dφ, exact.

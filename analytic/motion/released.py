@@ -14,9 +14,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from analytic.compiled import motion
-from analytic.compiled.choice import is_compiled
-from analytic.description.law import FULL_TURN, Law, TimeLaw
+from analytic.description.law import Law, TimeLaw
 from analytic.dynamics.equation_of_motion import EquationOfMotion, equation_of_motion
 from analytic.errors import LinkproofError
 from analytic.kinematics.error_bounds import relative_bounds
@@ -38,16 +36,13 @@ SETTLED, FINE = 0.1, 1e-9  # of a tolerance looser than that: changes of an iter
 SEEN: Final = 720  # instants at which the closed form's own error is looked at
 LOOK, LOOKS = 16, 5  # each look at the peak shrinks its bracket 16-fold
 EPS: Final = float(np.finfo(float).eps)
-# s, one turn of the crank by NumPy: the equation read from its table, or from the closed form where there is none.
-PER_TURN, PER_CLOSED_TURN = 5e-3, 5e-2
 
 
 @dataclass(frozen=True)
 class FreeMotion:
     """A crank motion that solves the equation of motion; made by ``free_motion``.
 
-    ``regime`` is ``driven`` under a crank torque, else ``free``; ``start`` holds φ, rad, and ω, rad/s, at t = 0;
-    ``path`` is the one it was integrated on, ``numpy`` or ``compiled``.
+    ``regime`` is ``driven`` under a crank torque, else ``free``; ``start`` holds φ, rad, and ω, rad/s, at t = 0.
     """
 
     regime: str
@@ -56,7 +51,6 @@ class FreeMotion:
     equation: EquationOfMotion
     windows: Windows
     tolerance: float
-    path: str = "numpy"
 
     def angle(self, time: ArrayLike) -> Array:
         """φ(t), rad."""
@@ -147,7 +141,6 @@ def free_motion(
     duration: float,
     half_slope: str = "exact",
     tolerance: float = TOLERANCE,
-    path: str = "auto",
     over_time: TimeLaw | None = None,
 ) -> FreeMotion:
     """Let the linkage go at crank angle ``start_angle`` (rad) with ``start_speed`` (rad/s), for ``duration`` seconds.
@@ -156,9 +149,6 @@ def free_motion(
     besides. ``half_slope`` names the model of ½ Jeq': ``exact``, or ``moduli`` as printed in article 000. ``tolerance``
     is the error of the speed within one window of integration, relative to it. Raises LinkproofError where the motion
     cannot be followed.
-
-    ``path`` says how it is integrated: ``numpy``; ``compiled``, which needs numba and the exact ½ Jeq' and leaves what
-    it cannot follow to NumPy; ``auto``, whichever is likely to take less time, loading or compiling included.
     """
     for name, value in (("start angle", start_angle), ("start speed", start_speed)):
         if not math.isfinite(value):
@@ -167,39 +157,18 @@ def free_motion(
         if not (math.isfinite(value) and value > 0.0):
             raise LinkproofError(f"{name}: expected a positive finite number, got {value:g}; give one that is")
     equation = equation_of_motion(mechanism, torque, half_slope, over_time)
-    if path == "compiled":
-        motion.check_able(equation)
-    return follow(equation.tabulated(), start_angle, start_speed, duration, tolerance, path=path)
+    return follow(equation.tabulated(), start_angle, start_speed, duration, tolerance)
 
 
 def follow(
-    equation: EquationOfMotion,
-    start_angle: float,
-    start_speed: float,
-    duration: float,
-    tolerance: float,
-    *,
-    path: str = "auto",
+    equation: EquationOfMotion, start_angle: float, start_speed: float, duration: float, tolerance: float
 ) -> FreeMotion:
     """The motion of an equation that is ready to be integrated; arguments as for ``free_motion``."""
     start = (start_angle, start_speed)
-    windows, taken = _by_path(equation, start, duration, tolerance, path)
+    windows = _integrated(equation, start, duration, NODES, tolerance)
     timed = equation.over_time is not None and any(equation.over_time.torque)
     regime = "driven" if timed or np.any(equation.torque.values) else "free"
-    return FreeMotion(regime, start, duration, equation, windows, tolerance, taken)
-
-
-def _by_path(
-    equation: EquationOfMotion, start: tuple[float, float], duration: float, tolerance: float, path: str
-) -> tuple[Windows, str]:
-    """The windows and the path they come from."""
-    seconds = _seconds(equation, start[1], duration)
-    if is_compiled(path, "integration", seconds) and motion.is_able(equation):
-        rounding = _noise(tolerance) * equation.peak_moment
-        windows = motion.integrate(equation, start, duration, tolerance=tolerance, rounding=rounding)
-        if windows is not None:  # else NumPy says where and why
-            return windows, "compiled"
-    return _integrated(equation, start, duration, NODES, tolerance), "numpy"
+    return FreeMotion(regime, start, duration, equation, windows, tolerance)
 
 
 def _noise(tolerance: float) -> float:
@@ -208,12 +177,6 @@ def _noise(tolerance: float) -> float:
     Driven slotted take-up, 10 s, compiled, at 3e-5: 2.8 ms and off by 2e-7 rad; settled to rounding 3.9 ms and 1e-8.
     """
     return max(ROUNDINGS * EPS, SETTLED * tolerance if tolerance > FINE else 0.0)
-
-
-def _seconds(equation: EquationOfMotion, speed: float, duration: float) -> float:
-    """What NumPy takes for a motion, roughly: the crank turns as fast as at its start, or as its loads drive it."""
-    fastest = max(abs(speed), math.sqrt(FULL_TURN * equation.peak_moment))
-    return duration * fastest / FULL_TURN * (PER_CLOSED_TURN if equation.table is None else PER_TURN)
 
 
 def _integrated(

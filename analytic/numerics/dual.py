@@ -44,9 +44,9 @@ class Dual(NDArrayOperatorsMixin):
         """Dimensions of the value."""
         return np.ndim(self.value)
 
-    def chained(self, law: Callable[[Array, int], Array]) -> Dual:
-        """A function of this number, from its values (m, ...) and, for order 1, its derivatives."""
-        return Dual(law(self.value, 0), law(self.value, 1) * self.slopes[:, None])
+    def looked_up(self, law: Callable[[Array, int], Array], order: int) -> Dual:
+        """A function of this number, or its derivative of an order, (m, ...): from values and the next derivative."""
+        return Dual(law(self.value, order), law(self.value, order + 1) * self.slopes[:, None])
 
     def __getitem__(self, key: Any) -> Dual:  # noqa: ANN401 - whatever an array takes
         own = key if isinstance(key, tuple) else (key,)

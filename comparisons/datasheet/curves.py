@@ -67,7 +67,7 @@ class Curves:
 
     def unit(self, name: str) -> str:
         """SI unit of a signal."""
-        return "s" if name == TIME else signals.unit(name.replace(MAGNITUDE, ":x"), self.linkage)
+        return "s" if name == TIME else signals.unit(name, self.linkage)
 
     @cached_property
     def grid(self) -> Array:
@@ -92,7 +92,7 @@ class Curves:
         """A signal of the closed form at some instants."""
         if name == TIME:
             return truth.time
-        found = signals.signal_or_magnitude(truth, name)
+        found = signals.signal(truth, name)
         return self._unwrapped(name, truth, found) if _is_angle_of_link(name) else found
 
     def _unwrapped(self, name: str, truth: Truth, angle: Array) -> Array:

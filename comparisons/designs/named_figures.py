@@ -123,6 +123,6 @@ def _angle(mechanism: Mechanism, name: str, text: str) -> float:
 
 
 def _named(mechanism: Mechanism, name: str, how: Reduction | float, signal: str) -> NamedFigure:
-    si = signals.unit(signal.replace(MAGNITUDE, ":x"), mechanism.linkage)
+    si = signals.unit(signal, mechanism.linkage)
     figure = Figure(signal, how) if isinstance(how, Reduction) else Figure(signal, Reduction.AT, how)
     return NamedFigure(name, figure, file_unit(si, mechanism.linkage))

@@ -27,7 +27,7 @@ from analytic.kinematics.crank_range import crank_range
 from analytic.kinematics.mechanism import FULL_TURN, Mechanism
 from analytic.kinematics.sweep import Sweep
 from analytic.motion.released import FreeMotion, free_motion
-from analytic.moving import Moving
+from analytic.moving import LinkageInMotion
 from comparisons.reference.farthest import farthest
 from comparisons.reference.motion import INSTANTS, Motion
 from comparisons.reference.start_state import scene
@@ -45,7 +45,7 @@ AT_REST: Final = 1e-9  # of the peak speed
 
 
 @dataclass(frozen=True)
-class Truth(Moving):
+class Truth(LinkageInMotion):
     """The closed form at the instants ``time`` (n,), s, of a motion: each of it computed once, when it is asked for."""
 
     mechanism: Mechanism

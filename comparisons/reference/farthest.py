@@ -2,15 +2,12 @@
 
 from __future__ import annotations
 
-from functools import lru_cache
-
 import numpy as np
 from numpy.typing import NDArray
 
-from analytic.errors import AssemblyError
 from analytic.kinematics.mechanism import Mechanism
 from analytic.numerics.peaks import highest
-from analytic.turn.unit_functions import top_dead_centre
+from analytic.turn.farthest import top_of_turn
 from comparisons.reference.motion import INSTANTS, Motion
 
 Array = NDArray[np.float64]
@@ -24,18 +21,6 @@ def farthest(mechanism: Mechanism, motion: Motion) -> float:
     """
     top = top_of_turn(mechanism)
     return _reached(mechanism, motion) if top is None else top
-
-
-@lru_cache(maxsize=64)
-def top_of_turn(mechanism: Mechanism) -> float | None:
-    """The output's coordinate at the top dead centre, m; None where the crank cannot turn fully to show it."""
-    if mechanism.linkage.is_linear:
-        return None
-    try:
-        mechanism.check_full_turn()
-        return top_dead_centre(mechanism).coordinate
-    except AssemblyError:
-        return None
 
 
 def _reached(mechanism: Mechanism, motion: Motion) -> float:

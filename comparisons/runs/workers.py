@@ -7,8 +7,8 @@ from collections.abc import Callable, Generator, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, Protocol, TypeVar
 
-from analytic.compiled.choice import cores
 from analytic.errors import LinkproofError
+from analytic.machine_code.compiling import cores
 from comparisons.runs.crew import DEFAULT_BOUNDS, Bounds, Crew
 from comparisons.runs.failures import Lost, lost
 

@@ -14,7 +14,6 @@ from typing import Final
 
 import numpy as np
 
-from analytic.compiled.choice import is_kept
 from analytic.description.crank_motion import crank_motion
 from analytic.description.linkage import Linkage
 from analytic.evaluation import evaluate
@@ -30,8 +29,8 @@ from engines.scene import Prescribed, Scene
 
 BUDGET: Final = 8.0  # s for everything, if the fewest rounds fit into it
 FEWEST, MOST = 3, 15  # rounds
-# Crank angles in a repeat of the closed form, by path: some milliseconds, beside which a call's own cost is nothing.
-ANGLES: Final = {"numpy": 20_000, "compiled": 200_000}
+# Crank angles in a repeat of the closed form: some milliseconds, beside which a call's own cost is nothing.
+ANGLES: Final = 20_000
 
 Job = Callable[[], Run | None]  # what an engine's run came to, without its history; None for the closed form
 
@@ -40,10 +39,8 @@ def measure(linkage: Linkage, engines: Sequence[str], budget: float | None = Non
     """Every reduction of a linkage in these engines, then every query, in about ``budget`` seconds (``BUDGET``).
 
     A reduction that takes out what the linkage has not is left out; what an engine cannot do is a row with its outcome.
-    The compiled path takes part if nothing has to be compiled for it.
     """
-    paths = ("numpy", "compiled") if is_kept("evaluation") else ("numpy",)
-    jobs = [*run_jobs(linkage, engines), *query_jobs(linkage, paths)]
+    jobs = [*run_jobs(linkage, engines), *query_jobs(linkage)]
     for job in {cost.solver: job for cost, job in jobs}.values():
         job()  # imports, and whatever else is done only once
     repeats = interleaved([job for _, job in jobs], BUDGET if budget is None else budget)
@@ -75,17 +72,16 @@ def _run(adapter: Engine, model: Scene) -> Run:
         return Run(Outcome.DIVERGED, str(error))
 
 
-def query_jobs(linkage: Linkage, paths: Sequence[str]) -> Iterator[tuple[MeasuredCost, Job]]:
-    """An evaluation of every query by every path; queries for what the linkage has not are left out."""
-    for path in paths:
-        angle = np.linspace(0.0, 100.0, ANGLES[path])
-        for query in QUERIES:
-            names, rest = query.names(linkage), reduced(linkage, query)
-            if names and rest is not None:
-                question = partial(evaluate, Mechanism(rest), angle, names, path=path)
-                work = partial(question, speed=query.speed, acceleration=query.acceleration)
-                cost = MeasuredCost(linkage.name, linkage.variant, path, query.name, ", ".join(names), len(angle))
-                yield cost, partial(_forgotten, work)
+def query_jobs(linkage: Linkage) -> Iterator[tuple[MeasuredCost, Job]]:
+    """An evaluation of every query by NumPy; queries for what the linkage has not are left out."""
+    angle = np.linspace(0.0, 100.0, ANGLES)
+    for query in QUERIES:
+        names, rest = query.names(linkage), reduced(linkage, query)
+        if names and rest is not None:
+            question = partial(evaluate, Mechanism(rest), angle, names, path="numpy")
+            work = partial(question, speed=query.speed, acceleration=query.acceleration)
+            cost = MeasuredCost(linkage.name, linkage.variant, "numpy", query.name, ", ".join(names), len(angle))
+            yield cost, partial(_forgotten, work)
 
 
 def _forgotten(work: Callable[[], object]) -> None:

@@ -10,11 +10,11 @@ from contextlib import AbstractContextManager
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-from analytic.compiled.choice import cores
 from analytic.description.changes import without
 from analytic.description.linkage import Linkage
 from analytic.description.loading import LinkageFile, catalogue, load, read
 from analytic.errors import LinkproofError, UnknownNameError, printable
+from analytic.machine_code.compiling import cores
 from comparisons.campaign.campaign import CampaignRequest
 from comparisons.runs.cluster.connecting import check_scheduler, opened
 from comparisons.runs.failures import GIB

@@ -11,8 +11,6 @@ from numpy.typing import NDArray
 
 from analytic import signals
 from analytic.description.linkage import Linkage
-from analytic.request import UNITS, unit_of
-from analytic.signals import MAGNITUDE
 from comparisons.datasheet.curves import TIME
 
 Array = NDArray[np.float64]
@@ -55,9 +53,7 @@ def label(name: str) -> Label:
 
 def unit(name: str, linkage: Linkage) -> str:
     """SI unit of a signal or quantity."""
-    if name in (TIME, *UNITS):
-        return "s" if name == TIME else unit_of(name, UNITS[name], is_linear=linkage.is_linear)
-    return signals.unit(name.replace(MAGNITUDE, ":x"), linkage)
+    return "s" if name == TIME else signals.unit(name, linkage)
 
 
 def labelled(linkage: Linkage, axis: str, values: Mapping[str, Array], about: Mapping[str, str]) -> xarray.Dataset:

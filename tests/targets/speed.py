@@ -15,10 +15,10 @@ from time import perf_counter
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
-
 from analytic.compiled import choice
 from analytic.compiled.flat_linkage import flatten
+from numpy.typing import NDArray
+
 from analytic.description.loading import load
 from analytic.designs.values import evaluate_designs
 from analytic.evaluation import PIECE

@@ -15,14 +15,14 @@ from typing import Any, Final
 
 import numba
 import numpy as np
-from numpy.typing import NDArray
-
 from analytic.compiled.flat_linkage import Integers, Tables, flatten
 from analytic.compiled.kernels.layout import ANGLE, BLOCK, BODY, COSINE, SINE
 from analytic.compiled.kernels.linkage import design_of, scratch
 from analytic.compiled.kernels.rows import pose, rate, second
 from analytic.compiled.kernels.solution import body_at, pair, solve
 from analytic.compiled.kernels.trigonometry import cosines_and_sines
+from numpy.typing import NDArray
+
 from analytic.description.linkage import GROUND, Linkage
 from analytic.dynamics.equation_of_motion import equation_of_motion
 from analytic.kinematics.frames import point, point_acceleration, point_rate

@@ -4,8 +4,8 @@ import math
 
 import numpy as np
 import pytest
-
 from analytic.compiled import choice
+
 from analytic.description.loading import load
 from analytic.kinematics.mechanism import Mechanism
 from tests.targets import speed

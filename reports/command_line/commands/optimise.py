@@ -113,7 +113,7 @@ def _picture(found: Optimum, conditions: str) -> str:
     places = grid / file_unit("m", linkage).size if linkage.is_linear else np.degrees(grid)
     changes = {}
     for name, (before, after) in found.curves().items():
-        unit = file_unit(signals.unit(name.replace(MAGNITUDE, ":x"), linkage), linkage)
+        unit = file_unit(signals.unit(name, linkage), linkage)
         changes[name.removesuffix(MAGNITUDE)] = Change(places, before / unit.size, after / unit.size, unit.name)
     axis = f"travel of the drive, {file_unit('m', linkage).name}" if linkage.is_linear else "crank angle φ, °"
     return svg(before_after_figure(changes, aim(found), conditions, axis=axis), page="white")

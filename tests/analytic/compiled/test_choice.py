@@ -7,11 +7,11 @@ import sys
 from pathlib import Path
 
 import pytest
+from analytic.compiled import choice
+from analytic.compiled import kernels as kernels_package
 
 import analytic
 from analytic import compiled
-from analytic.compiled import choice
-from analytic.compiled import kernels as kernels_package
 from analytic.errors import LinkproofError, UnknownNameError
 from analytic.evaluation import evaluate
 from analytic.motion.released import free_motion

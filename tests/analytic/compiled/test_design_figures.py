@@ -2,13 +2,13 @@
 
 import numpy as np
 import pytest
+from analytic.compiled import choice
+from analytic.compiled.design_figures import CHUNK, can_figure, compiled_figures
+from analytic.compiled.flat_linkage import flatten, redesigned
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from analytic import signals
-from analytic.compiled import choice
-from analytic.compiled.design_figures import CHUNK, can_figure, compiled_figures
-from analytic.compiled.flat_linkage import flatten, redesigned
 from analytic.designs.figures import Figure, Reduction
 from analytic.errors import AssemblyError, UnknownNameError
 from analytic.evaluation import MovingSweep

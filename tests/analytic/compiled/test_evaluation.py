@@ -2,12 +2,12 @@
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
-from hypothesis import strategies as st
-
 from analytic.compiled import choice
 from analytic.compiled import evaluation as compiled
 from analytic.compiled.flat_linkage import flatten, redesigned
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
 from analytic.dynamics import reduced
 from analytic.errors import AssemblyError, LinkproofError, UnknownNameError
 from analytic.evaluation import QUANTITIES, evaluate

@@ -5,8 +5,8 @@ import sys
 
 import numpy as np
 import pytest
-
 from analytic.compiled.flat_linkage import CONSTANT, GROUND_BODY, flatten, levels, redesigned
+
 from analytic.description.law import FULL_TURN
 from analytic.description.linkage import Linkage
 from analytic.dynamics.derivative_orders import needs

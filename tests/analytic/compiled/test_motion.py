@@ -5,12 +5,12 @@ import math
 
 import numpy as np
 import pytest
+from analytic.compiled import choice
+from analytic.compiled import motion as compiled_motion
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.special import ellipj, ellipk
 
-from analytic.compiled import choice
-from analytic.compiled import motion as compiled_motion
 from analytic.description.law import Law
 from analytic.description.loading import catalogue, load
 from analytic.dynamics.equation_of_motion import equation_of_motion

@@ -4,8 +4,8 @@ import math
 
 import numpy as np
 import pytest
-
 from analytic.compiled import choice
+
 from analytic.description.law import FULL_TURN
 from analytic.designs.figures import Figure, Reduction
 from analytic.designs.results import design_figures

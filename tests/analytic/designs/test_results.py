@@ -4,12 +4,12 @@ from functools import cache
 
 import numpy as np
 import pytest
+from analytic.compiled import choice
+from analytic.compiled.flat_linkage import flatten
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from analytic import signals
-from analytic.compiled import choice
-from analytic.compiled.flat_linkage import flatten
 from analytic.description.changes import changed
 from analytic.description.crank_motion import CrankMotion, Segment
 from analytic.description.law import FULL_TURN

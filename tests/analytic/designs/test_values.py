@@ -2,12 +2,12 @@
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
-from hypothesis import strategies as st
-
 from analytic.compiled import choice
 from analytic.compiled.evaluation import CHUNK
 from analytic.compiled.flat_linkage import flatten, redesigned
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
 from analytic.designs import values as designs
 from analytic.designs.values import ASSEMBLED, evaluate_designs
 from analytic.dynamics import reduced

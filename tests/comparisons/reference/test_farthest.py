@@ -7,8 +7,9 @@ import pytest
 from analytic.description.crank_motion import swing
 from analytic.description.loading import load
 from analytic.kinematics.mechanism import Mechanism
+from analytic.turn.farthest import top_of_turn
 from analytic.turn.unit_functions import top_dead_centre
-from comparisons.reference.farthest import farthest, top_of_turn
+from comparisons.reference.farthest import farthest
 from tests.analytic.swinging import double_rocker
 
 

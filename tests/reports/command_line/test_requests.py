@@ -6,8 +6,8 @@ import shlex
 from pathlib import Path
 
 import pytest
-
 from analytic.compiled.choice import cores
+
 from analytic.description.loading import catalogue, find
 from analytic.errors import LinkproofError, UnknownNameError
 from comparisons.campaign.campaign import cases

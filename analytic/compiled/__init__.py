@@ -1,1 +1,0 @@
-"""The closed form as machine code, for long sweeps, many designs and released cranks."""

@@ -1,1 +1,0 @@
-"""Loops over blocks of crank angles, compiled once for all linkages."""

@@ -1,0 +1,75 @@
+"""A list of operations as the source of one straight Python function, laid out for a processor's vector registers.
+
+    def straight(lanes, rows, results): ...
+
+goes through chunks of ``LANES`` lanes, such as designs, and in each through rows, such as crank angles, with the lanes
+innermost. The k-th number of a chunk's lane d is ``lanes[chunk, k * LANES + d]``, the same in every row; the j-th of a
+row is ``rows[row, j]``, the same in every lane; ``results[chunk, m * LANES + d]`` is the m-th result. Constant offsets
+let the compiler see that no two of them overlap, and compute several lanes in one instruction.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from math import isfinite
+from typing import Final, NamedTuple
+
+from analytic.machine_code.tracing import CONSTANT, Trace
+
+LANES: Final = 64
+FUNCTION: Final = "straight"
+
+# How each operation is written, of {0}, {1} and {2}. NumPy's maximum and minimum are nan where one number is.
+WRITTEN: Final[Mapping[str, str]] = {
+    **{"add": "{0} + {1}", "subtract": "{0} - {1}", "multiply": "{0} * {1}", "divide": "{0} / {1}"},
+    **{"negative": "-{0}", "absolute": "abs({0})", "sign": "({0} > 0.0) - ({0} < 0.0)", "sqrt": "math.sqrt({0})"},
+    "hypot": "math.sqrt({0} * {0} + {1} * {1})",  # a library's function would leave the vector registers
+    **{"sin": "math.sin({0})", "cos": "math.cos({0})", "arctan2": "math.atan2({0}, {1})"},
+    **{"maximum": "{1} if {0} < {1} else {0}", "minimum": "{1} if {0} > {1} else {0}"},
+    **{"less": "{0} < {1}", "less_equal": "{0} <= {1}", "greater": "{0} > {1}", "greater_equal": "{0} >= {1}"},
+    **{"and": "{0} & {1}", "or": "{0} | {1}", "not": "not {0}", "where": "{1} if {0} else {2}"},
+}
+
+
+class Result(NamedTuple):
+    """A result of each lane, by what it becomes in every row, from its ``start`` on.
+
+    The ``formula`` is of the ``line`` as {value}, of the result up to here as {so_far}, and of the next result in the
+    list as {next}, as the row before has left it.
+    """
+
+    line: int
+    formula: str = "{value}"
+    start: float = 0.0
+
+
+def python_source(trace: Trace, lanes: Sequence[int], rows: Sequence[int], results: Sequence[Result]) -> str:
+    """The source of ``FUNCTION``, whose numbers of lanes and of rows are these lines."""
+    names: dict[int, str] = {}
+    text = [
+        f"def {FUNCTION}(lanes, rows, results):",
+        "    for chunk in range(len(results)):",
+        "        given, out = lanes[chunk], results[chunk]",
+        "        for row in range(len(rows)):",
+    ]
+
+    def take(depth: int, line: int, expression: str) -> None:
+        names[line] = f"v{line}"
+        text.append(f"{' ' * 4 * depth}v{line} = {expression}")
+
+    for number, line in enumerate(rows):
+        take(3, line, f"rows[row, {number}]")
+    text.append(f"            for d in range({LANES}):")
+    for number, line in enumerate(lanes):
+        take(4, line, f"given[{number * LANES} + d]")
+    for line in trace.leading_to([result.line for result in results], names):
+        operation = trace.operations[line]
+        if operation.name == CONSTANT:
+            names[line] = f"float('{operation.value!r}')" if not isfinite(operation.value) else repr(operation.value)
+        elif line not in names:
+            take(4, line, WRITTEN[operation.name].format(*(names[other] for other in operation.operands)))
+    places = [f"out[{number * LANES} + d]" for number in range(len(results) + 1)]
+    for number, result in enumerate(results):
+        value = result.formula.format(value=names[result.line], so_far=places[number], next=places[number + 1])
+        text.append(f"{' ' * 16}{places[number]} = {value}")
+    return "\n".join(text) + "\n"

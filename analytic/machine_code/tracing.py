@@ -1,0 +1,173 @@
+"""Numbers that record what formulas do to them: the closed form as one straight list of operations.
+
+A formula written for arrays does not compute when it gets ``Traced`` numbers: every NumPy function that it calls is
+noted in their ``Trace``. What stands there already is not noted again, constants are computed at once, and sums with
+zero and products with zero or one fall away. The list is data: ``analytic.machine_code.printing`` writes it as a
+function, and ``Trace.computed`` computes it by NumPy.
+
+The list has no branches: formulas choose by ``np.where``, and a branch on a traced number raises TypeError.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Hashable, Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any, Final
+
+import numpy as np
+from numpy.lib.mixins import NDArrayOperatorsMixin
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+Law = Callable[[Array, int], Array]
+
+INPUT, CONSTANT = "input", "constant"
+# What the list can have: functions of NumPy by the name they have there.
+FUNCTIONS: Final[Mapping[str, Callable[..., Any]]] = {
+    **{"add": np.add, "subtract": np.subtract, "multiply": np.multiply, "divide": np.divide, "negative": np.negative},
+    **{"absolute": np.absolute, "sign": np.sign, "sqrt": np.sqrt, "hypot": np.hypot},
+    **{"sin": np.sin, "cos": np.cos, "arctan2": np.arctan2, "maximum": np.maximum, "minimum": np.minimum},
+    **{"less": np.less, "less_equal": np.less_equal, "greater": np.greater, "greater_equal": np.greater_equal},
+    **{"and": np.logical_and, "or": np.logical_or, "not": np.logical_not, "where": np.where},
+}
+NAMES: Final = {function: name for name, function in FUNCTIONS.items()} | {
+    **{np.bitwise_and: "and", np.bitwise_or: "or", np.invert: "not"},
+}
+
+
+@dataclass(frozen=True)
+class Operation:
+    """A line of the list: a function by name and the lines that it takes.
+
+    The operand of an ``INPUT`` is its number among the inputs; a ``CONSTANT`` has a value.
+    """
+
+    name: str
+    operands: tuple[int, ...] = ()
+    value: float = 0.0
+
+
+class Trace:
+    """A list of ``operations`` that grows as formulas are applied to its numbers; ``inputs`` by what identifies them."""
+
+    def __init__(self) -> None:
+        self.operations: list[Operation] = []
+        self.inputs: dict[Hashable, int] = {}  # the line of each
+        self._lines: dict[Operation, int] = {}
+
+    def input(self, name: Hashable) -> Traced:
+        """A number that is given from outside, always the same for one name."""
+        if name not in self.inputs:
+            self.inputs[name] = self._noted(Operation(INPUT, (len(self.inputs),)))
+        return Traced(self, self.inputs[name])
+
+    def line(self, number: Any) -> int:  # noqa: ANN401 - plain or traced
+        """The line of a number of this trace, or of a constant."""
+        return number.line if isinstance(number, Traced) else self._noted(Operation(CONSTANT, (), float(number)))
+
+    def apply(self, name: str, *numbers: Any) -> Any:  # noqa: ANN401 - plain or traced
+        """A function of numbers, noted; a plain number where all of them are constants."""
+        lines = tuple(self.line(number) for number in numbers)
+        rows = [self.operations[line] for line in lines]
+        values = [row.value if row.name == CONSTANT else None for row in rows]
+        if None not in values:
+            with np.errstate(all="ignore"):
+                return float(FUNCTIONS[name](*values))
+        match name, values:
+            case (("multiply" | "divide"), [0.0, _]):
+                return 0.0
+            case "multiply", [_, 0.0]:
+                return 0.0
+            case ("add", [0.0, _]) | ("multiply", [1.0, _]):
+                return numbers[1]
+            case (("add" | "subtract"), [_, 0.0]) | (("multiply" | "divide"), [_, 1.0]):
+                return numbers[0]
+            case ("subtract", [0.0, _]) | ("multiply", [-1.0, _]):
+                name, lines = "negative", lines[1:]
+            case (("add" | "multiply"), _):
+                lines = tuple(sorted(lines))
+        return Traced(self, self._noted(Operation(name, lines)))
+
+    def _noted(self, operation: Operation) -> int:
+        if operation not in self._lines:
+            self._lines[operation] = len(self.operations)
+            self.operations.append(operation)
+        return self._lines[operation]
+
+    def leading_to(self, outputs: Iterable[int], known: Iterable[int] = ()) -> list[int]:
+        """The lines from which some follow, in order, themselves among them; none behind ``known`` ones."""
+        seen, given = set(outputs), set(known) | set(self.inputs.values())
+        for line in range(len(self.operations) - 1, -1, -1):
+            if line in seen and line not in given:
+                seen.update(self.operations[line].operands)
+        return sorted(seen)
+
+    def computed(self, outputs: Sequence[int], known: Mapping[int, Any]) -> list[Any]:
+        """Values of lines by NumPy, from the values of ``known`` lines, inputs among them: arrays that go together."""
+        needed = self.leading_to(outputs, known)
+        last = {other: line for line in needed if line not in known for other in self.operations[line].operands}
+        values = {line: known[line] for line in needed if line in known}
+        kept = set(outputs)
+        with np.errstate(all="ignore"):
+            for line in needed:
+                if line in values:
+                    continue
+                row = self.operations[line]
+                if row.name == CONSTANT:
+                    values[line] = row.value
+                    continue
+                values[line] = FUNCTIONS[row.name](*(values[other] for other in row.operands))
+                for other in set(row.operands) - kept:
+                    if last[other] == line:
+                        del values[other]  # memory that stays in the cache
+        return [values[line] for line in outputs]
+
+
+class Traced(NDArrayOperatorsMixin):
+    """A number of a trace: what NumPy's functions do to it is noted there."""
+
+    __slots__ = ("line", "trace")
+    __hash__ = None  # type: ignore[assignment]
+    shape: tuple[int, ...] = ()
+    ndim = 0
+
+    def __init__(self, trace: Trace, line: int) -> None:
+        self.trace, self.line = trace, line
+
+    def __bool__(self) -> bool:
+        raise TypeError("expected a formula without branches on its numbers, got one that branches; use np.where")
+
+    def __array__(self, *_: object, **__: object) -> Array:
+        raise TypeError("expected a formula of NumPy's functions, got one that makes a plain array of a traced number")
+
+    def looked_up(self, law: Law, order: int) -> list[Traced]:
+        """Components of a law of this angle, or of its derivative of an order: inputs, (law, order, component)."""
+        return [self.trace.input((law, order, row)) for row in range(len(law(np.zeros(()), order)))]
+
+    def __array_ufunc__(self, ufunc: np.ufunc, method: str, *inputs: Any, out: Any = None, **options: Any) -> Any:  # noqa: ANN401
+        # An ``out``, that of array += traced, is left as it was: what is returned takes its name.
+        if method != "__call__" or options or any(np.ndim(one) for one in inputs):
+            return NotImplemented
+        if ufunc is np.square or (ufunc is np.power and inputs[1] == 2):
+            return self.trace.apply("multiply", inputs[0], inputs[0])
+        return self.trace.apply(NAMES[ufunc], *inputs) if ufunc in NAMES else NotImplemented
+
+    def __array_function__(self, function: Any, _: object, inputs: Any, options: Any) -> Any:  # noqa: ANN401
+        return SHAPING[function](*inputs, **options) if function in SHAPING else NotImplemented
+
+
+def _where(*numbers: Any) -> Any:  # noqa: ANN401 - plain or traced
+    trace: Trace = next(one.trace for one in numbers if isinstance(one, Traced))
+    return trace.apply("where", *numbers)
+
+
+# Of numbers that are no arrays little is left to be done.
+SHAPING: Final[Mapping[Any, Callable[..., Any]]] = {
+    np.where: _where,
+    np.stack: list,
+    np.broadcast_to: lambda number, _: number,
+    np.copy: lambda number: number,
+    np.any: lambda _: True,
+    np.shape: lambda _: (),
+    np.ndim: lambda _: 0,
+}
