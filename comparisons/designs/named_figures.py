@@ -1,7 +1,7 @@
 """Figures of a design by the names that are typed: ``Mkr.peak``, ``joint_force:A.peak``, ``point:D:y@30``, ``stroke``.
 
 ``SIGNAL.REDUCTION``     a signal of ``linkproof results`` over the motion: .peak .mean .rms .max .min .range
-``SIGNAL@30``            its value at a crank angle, in the unit of the file, or ``@0.5rad``
+``SIGNAL@30``            its value at a crank angle, degrees, or ``@0.5rad``; of a drive along a line in the file's unit
 ``joint_force:A.peak``   of a vector without a component, its magnitude
 ``joint_force.peak``     of every joint; likewise transmission_angle, of every group
 ``stroke``               the range of S
@@ -111,8 +111,9 @@ def _members(mechanism: Mechanism, known: Mapping[str, str], signal: str) -> lis
 
 def _angle(mechanism: Mechanism, name: str, text: str) -> float:
     """The place of the driver behind the @, rad or m."""
-    unit = file_unit("m" if mechanism.linkage.is_linear else "rad", mechanism.linkage)
-    in_radians = text.endswith("rad") and not mechanism.linkage.is_linear
+    is_linear = mechanism.linkage.is_linear
+    unit = file_unit("m", mechanism.linkage) if is_linear else FileUnit("degrees", math.radians(1.0))
+    in_radians = text.endswith("rad") and not is_linear
     try:
         place = float(text.removesuffix("rad") if in_radians else text)
     except ValueError:
