@@ -4,6 +4,7 @@
 ``SIGNAL@30``            its value at a crank angle, degrees, or ``@0.5rad``; of a drive along a line in the file's unit
 ``joint_force:A.peak``   of a vector without a component, its magnitude
 ``joint_force.peak``     of every joint; likewise transmission_angle, of every group
+``transmission_angle.peak``  the least, which is the worst
 ``stroke``               the range of S
 """
 
@@ -23,7 +24,8 @@ from comparisons.datasheet.curves import FORCES
 from comparisons.datasheet.units import FileUnit, file_unit
 
 STROKE: Final = "stroke"
-FAMILIES: Final = ("joint_force", "transmission_angle")
+ANGLES: Final = "transmission_angle"
+FAMILIES: Final = ("joint_force", ANGLES)
 REDUCTIONS: Final = tuple(one.value for one in Reduction if one is not Reduction.AT)
 NEEDS: Final[Mapping[str, str]] = {  # what a linkage must have for these signals, in words
     **dict.fromkeys(("S", "v", "a"), "an output point"),
@@ -83,8 +85,9 @@ def _figures(mechanism: Mechanism, known: Mapping[str, str], name: str) -> list[
     if word not in REDUCTIONS:
         examples = [STROKE, *(f"{name}.{one}" for one in REDUCTIONS)]
         raise UnknownNameError("figure", name, examples if name in known or name in FAMILIES else _examples(known))
+    how = Reduction.MIN if word == Reduction.PEAK and signal.startswith(ANGLES) else Reduction(word)
     return [
-        _named(mechanism, STROKE if name == STROKE else f"{one}.{word}", Reduction(word), known[one])
+        _named(mechanism, STROKE if name == STROKE else f"{one}.{word}", how, known[one])
         for one in _members(mechanism, known, signal)
     ]
 
