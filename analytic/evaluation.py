@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from functools import lru_cache
 from typing import Final
 
@@ -48,10 +48,14 @@ def evaluate(
     chosen = check_signals(mechanism, names, has_speed=speed is not None)
     angle = np.asarray(angle, dtype=float)
     motion = [_like(angle, 0.0 if speed is None else speed, "speed"), _like(angle, acceleration, "acceleration")]
-    farthest = farthest_between(mechanism, angle) if "S" in chosen else 0.0
-    values = _by_machine_code(mechanism, chosen, angle.ravel(), motion, farthest, cores, path)
+    values = None
+    listed = _listed(mechanism, chosen, bool(np.any(motion[1]))) if is_traceable(mechanism) else None
+    if is_worthwhile(path, len(listed.trace.leading_to(listed.lines)) if listed else 0, angle.size) and listed:
+        values = _by_machine_code(listed, angle.ravel(), motion, cores)
     if values is None:
-        values = _by_numpy(mechanism, chosen, angle, motion, farthest)
+        values = _by_numpy(mechanism, chosen, angle.ravel(), motion)
+    if "S" in chosen:
+        values[chosen.index("S")] += farthest_between(mechanism, angle)
     found = {name: row.reshape(angle.shape) for name, row in zip(chosen, values, strict=True)}
     wrapped = [name for name in found if angle.ndim and is_wrapped(name, mechanism.linkage)]
     return found | {name: np.unwrap(found[name]) for name in wrapped}
@@ -68,64 +72,40 @@ def _like(angle: Array, value: ArrayLike, name: str) -> Array:
     return values.ravel() if values.ndim else values
 
 
-def _by_numpy(
-    mechanism: Mechanism, names: tuple[str, ...], angle: Array, motion: list[Array], farthest: float
-) -> Array:
-    """Signals (signals, angles), piece by piece."""
-    flat = angle.ravel()
-    values = np.empty((len(names), flat.size))
-    for start in range(0, flat.size, PIECE):
+def _by_numpy(mechanism: Mechanism, names: tuple[str, ...], angle: Array, motion: Sequence[Array]) -> Array:
+    """Signals (signals, angles), piece by piece; S counts from the ground's origin."""
+    values = np.empty((len(names), angle.size))
+    for start in range(0, angle.size, PIECE):
         here = slice(start, start + PIECE)
         moves = (move[here] if move.ndim else move for move in motion)
-        at = MovingSweep(mechanism, mechanism.sweep(flat[here]), *moves, farthest)
+        at = MovingSweep(mechanism, mechanism.sweep(angle[here]), *moves)
         for row, name in zip(values, names, strict=True):
             row[here] = signal(at, name)
     return values
 
 
-def _by_machine_code(
-    mechanism: Mechanism,
-    names: tuple[str, ...],
-    angle: Array,
-    motion: list[Array],
-    farthest: float,
-    cores: int | None,
-    path: str,
-) -> Array | None:
-    """Signals (signals, angles); None where NumPy serves, for it has a sentence where the linkage cannot move."""
-    accelerates = bool(np.any(motion[1]))
-    of = _trace(mechanism, names, accelerates) if is_traceable(mechanism) else None
-    if not is_worthwhile(path, len(of.trace.leading_to(of.lines)) if of else 0, angle.size) or of is None:
-        return None
-    function = _function(mechanism, names, accelerates)
-    values = np.empty((len(names), angle.size))
-    stuck: list[int] = []
+def _by_machine_code(listed: LinkageTrace, angle: Array, motion: Sequence[Array], cores: int | None) -> Array | None:
+    """The same by a list of operations; None where the linkage cannot move, for NumPy has a sentence there."""
+    function = _compiled(listed)
+    values = np.empty((len(listed.signals), angle.size))
+    moves = np.zeros(angle.shape, dtype=bool)
 
     def part(start: int) -> None:
         here = slice(start, start + SHARE)
-        moves = (move[here] if move.ndim else move for move in motion)
-        given = of.trace.computed(function.lanes, of.values({}, angle[here], *moves))
-        found = function(given, ONE_ROW, len(angle[here]))
-        values[:, here] = found[:-1]
-        if not np.all(found[-1]):
-            stuck.append(start)
+        given = listed.values({}, angle[here], *(move[here] if move.ndim else move for move in motion))
+        found = function(listed.trace.computed(function.lanes, given), ONE_ROW, angle[here].size)
+        values[:, here], moves[here] = found[:-1], found[-1]
 
     in_threads(part, range(0, angle.size, SHARE), cores)
-    if stuck:
-        return None
-    for row, name in zip(values, names, strict=True):
-        if name == "S":
-            row += farthest
-    return values
+    return values if np.all(moves) else None
 
 
 @lru_cache(maxsize=8)
-def _trace(mechanism: Mechanism, names: tuple[str, ...], accelerates: bool) -> LinkageTrace:
+def _listed(mechanism: Mechanism, names: tuple[str, ...], accelerates: bool) -> LinkageTrace:
     """The linkage's signals as a list, all of its numbers constants."""
     return linkage_trace(mechanism, (), names, accelerates=accelerates, all_groups=False)
 
 
 @lru_cache(maxsize=8)
-def _function(mechanism: Mechanism, names: tuple[str, ...], accelerates: bool) -> StraightFunction:
-    of = _trace(mechanism, names, accelerates)
-    return StraightFunction(of.trace, of.borders(of.lines)[1], (), [Result(line) for line in of.lines])
+def _compiled(listed: LinkageTrace) -> StraightFunction:
+    return StraightFunction(listed.trace, listed.borders(listed.lines)[1], (), [Result(line) for line in listed.lines])

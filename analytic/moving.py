@@ -69,7 +69,7 @@ class LinkageInMotion(ABC):
 
 @dataclass(frozen=True)
 class MovingSweep(LinkageInMotion):
-    """Crank angles with the crank's speed, rad/s, and acceleration, rad/s², and the output's coordinate where S is 0."""
+    """Crank angles with the crank's speed, rad/s, and acceleration, rad/s², and where S counts from."""
 
     mechanism: Mechanism
     sweep: Sweep

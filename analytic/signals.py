@@ -32,6 +32,7 @@ from analytic.dynamics import reduced
 from analytic.errors import LinkproofError, UnknownNameError
 from analytic.kinematics.frames import Scalar
 from analytic.kinematics.mechanism import Mechanism
+from analytic.kinematics.sweep import output_of
 from analytic.kinematics.transmission import transmission_angle
 from analytic.moving import LinkageInMotion
 
@@ -148,6 +149,8 @@ def check_signals(mechanism: Mechanism, names: Iterable[str], *, has_speed: bool
     known = table(mechanism)
     chosen = tuple(dict.fromkeys(names))
     for name in chosen:
+        if name in OUTPUT:
+            output_of(mechanism.linkage)
         if name not in known:
             raise UnknownNameError("quantity", name, known)
     moving = [name for name in chosen if not known[name].is_still]

@@ -7,32 +7,44 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from analytic.designs.batches import BLOCK, Booleans, Integers, Sweeps, faults_of
-from analytic.kinematics.sweep import Sweep
+from analytic.designs.samples import BLOCK, Booleans, Integers, Sampler
 
 Array = NDArray[np.float64]
 
 # A dyad's determinant is zero in a dead position and goes there as the distance or faster: of the two samples on one of
-# its sides the nearer has no more than half of the farther one's. ``analytic.compiled.kernels.figures`` has the same.
+# its sides the nearer has no more than half of the farther one's.
 KEPT: Final = 0.6
 PARTS: Final = 8  # of a step that is looked into
 FINEST: Final = 1e-8  # of all crank angles: two assembly modes that are not apart there meet
 
 
-def are_steep(sweep: Sweep) -> Booleans:
-    """The steps between crank angles (designs, angles - 1) next to which a dead position may lie."""
-    steep = np.zeros((sweep.angle.shape[0], sweep.angle.shape[1] - 1), dtype=bool)
-    for dyad in sweep.structure.dyads:
-        size = np.abs(np.broadcast_to(sweep.determinant(dyad), sweep.angle.shape))
-        one, two = size[:, 1:], size[:, :-1]
-        steep |= ~(np.minimum(one, two) >= KEPT * np.maximum(one, two))
-    return steep
+def are_steep(determinants: Array) -> Booleans:
+    """The steps between crank angles (designs, angles - 1) next to which a dead position may lie.
+
+    Of the dyads' ``determinants`` (dyads, designs, angles), magnitudes.
+    """
+    one, two = determinants[..., 1:], determinants[..., :-1]
+    return np.asarray(np.any(~(np.minimum(one, two) >= KEPT * np.maximum(one, two)), axis=0))
 
 
-def stuck(sweeps: Sweeps, rows: Integers, angles: Array) -> Booleans:
+def beside(steps: Booleans) -> Booleans:
+    """Steps (designs, steps) and their neighbours."""
+    near = steps.copy()
+    near[:, 1:] |= steps[:, :-1]
+    near[:, :-1] |= steps[:, 1:]
+    return near
+
+
+def divided(phi: Array, row: Integers, step: Integers, parts: int) -> Array:
+    """Crank angles (n, parts + 1) that divide some steps of those of designs (designs, angles)."""
+    low, high = phi[row, step, None], phi[row, step + 1, None]
+    return np.asarray(low + (high - low) * np.linspace(0.0, 1.0, parts + 1))
+
+
+def stuck(sampler: Sampler, rows: Integers, angles: Array) -> Booleans:
     """Which designs of some rows (n,) cannot move from one of the crank angles (angles,) to the next.
 
-    Also those that pass a change point, at which two assembly modes meet, unless their sweep knows it.
+    Also those that pass a change point, at which two assembly modes meet, unless the linkage as described does.
     """
     result = np.zeros(len(rows), dtype=bool)
     size = max(1, BLOCK // len(angles))
@@ -41,19 +53,12 @@ def stuck(sweeps: Sweeps, rows: Integers, angles: Array) -> Booleans:
         phi = np.broadcast_to(angles, (len(own), len(angles)))
         finest = FINEST * (angles[-1] - angles[0])
         while len(own):
-            sweep = sweeps(rows[own], phi)
-            for body in sweep.structure.bodies:
-                sweep.rates(body)
-            result[own[faults_of(sweep).any(axis=1)]] = True
-            steep = are_steep(sweep) & ~result[own, None]
+            samples = sampler(rows[own], phi, ())
+            result[own[~samples.moves.all(axis=1)]] = True
+            steep = are_steep(samples.determinants) & ~result[own, None]
             if phi[0, 1] - phi[0, 0] < finest:
-                if not any(dyad.changes for dyad in sweep.structure.dyads):
-                    result[own[steep.any(axis=1)]] = True
+                result[own[steep.any(axis=1)]] = True
                 break
-            near = steep.copy()
-            near[:, 1:] |= steep[:, :-1]
-            near[:, :-1] |= steep[:, 1:]
-            row, step = np.nonzero(near)
-            low, high = phi[row, step, None], phi[row, step + 1, None]
-            own, phi = own[row], low + (high - low) * np.linspace(0.0, 1.0, PARTS + 1)
+            row, step = np.nonzero(beside(steep))
+            own, phi = own[row], divided(phi, row, step, PARTS)
     return result

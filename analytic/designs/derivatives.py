@@ -23,21 +23,21 @@ from numpy.typing import ArrayLike, NDArray
 from analytic.description.changes import design_numbers, with_numbers
 from analytic.description.law import FULL_TURN
 from analytic.description.linkage import Linkage
-from analytic.designs.batches import goes_together
 from analytic.designs.checking import checked
 from analytic.designs.figures import Figure, Reduction, SignalExtreme
 from analytic.designs.results import is_turn, period_of
-from analytic.designs.sampling import OUTPUT, Asked, curve, edges_of, is_angle, on_branch
-from analytic.evaluation import MovingSweep
+from analytic.designs.sampling import FigureRequest, edges_of, on_branch
 from analytic.kinematics.decomposition import find_structure
 from analytic.kinematics.mechanism import Mechanism
 from analytic.kinematics.structure import Structure
 from analytic.kinematics.sweep import Sweep
-from analytic.kinematics.transmission import transmission_sine
+from analytic.machine_code.linkage_trace import is_traceable
+from analytic.moving import MovingSweep
 from analytic.numerics.averages import averages
 from analytic.numerics.dual import Dual
 from analytic.numerics.peaks import ROUNDING, brackets
 from analytic.numerics.roots import roots
+from analytic.signals import OUTPUT_COORDINATE, is_angle, signal
 
 Array = NDArray[np.float64]
 Model = tuple[Linkage, Structure]
@@ -49,7 +49,7 @@ SAME: Final = 1e-6  # relative: derivatives at such tops that differ by less cou
 
 def is_exact(mechanism: Mechanism) -> bool:
     """Whether derivatives are exact; else they are differences."""
-    return goes_together(mechanism)
+    return is_traceable(mechanism)
 
 
 def signal_gradients(
@@ -71,14 +71,14 @@ def signal_gradients(
             sweep = _sweep(mechanism, own, places)
             far = float(np.max(sweep.output())) if "S" in signals else 0.0
             at = MovingSweep(mechanism, sweep, np.asarray(speed), np.asarray(0.0), far)
-            return np.stack([curve(at, name) for name in signals])
+            return np.stack([signal(at, name) for name in signals])
 
         return differences(curves_of, parameters, _steps(mechanism, parameters))[:2]
     design = _Design(mechanism, parameters, speed)
     design.check(places)
     far = design.farthest(places, refine=False) if "S" in signals else 0.0
     at = design.varied(places, far)
-    pairs = [_parts(curve(at, name), len(parameters)) for name in signals]
+    pairs = [_parts(signal(at, name), len(parameters)) for name in signals]
     return np.stack([value for value, _ in pairs]), np.stack([slopes for _, slopes in pairs])
 
 
@@ -102,10 +102,10 @@ def figure_gradients(
         _check_moves(_sweep(mechanism, parameters, places))
 
         period = period_of(mechanism, places)
-        asked = Asked(mechanism, tuple(figures), places, speed, period, refine)
+        request = FigureRequest(mechanism, tuple(figures), places, speed, period, refine)
 
         def figures_of(own: Mapping[str, float]) -> Array:  # of masses below zero as well, beside one of zero
-            return asked.of({name: np.array([value]) for name, value in own.items()})[:, 0]
+            return request.of({name: np.array([value]) for name, value in own.items()})[:, 0]
 
         return differences(figures_of, parameters, _steps(mechanism, parameters))[:2]
     design = _Design(mechanism, parameters, speed)
@@ -120,7 +120,7 @@ def figure_gradients(
     values, gradients, row = np.empty(len(figures)), np.empty((len(figures), len(parameters))), 0
     for number, one in enumerate(figures):
         if one.reduction is Reduction.AT:
-            value, slopes = (part[..., row] for part in _parts(curve(there, one.signal), len(parameters)))
+            value, slopes = (part[..., row] for part in _parts(signal(there, one.signal), len(parameters)))
             row += 1
         elif one.extremes:
             tops = [found[end] for end in one.extremes]
@@ -167,7 +167,7 @@ class _Design:
 
     def farthest(self, places: Array, refine: bool) -> Dual:
         """The output's highest coordinate, with its derivatives."""
-        ((value, slopes),) = self.extremes((SignalExtreme(OUTPUT, 1),), places, 0.0, refine)
+        ((value, slopes),) = self.extremes((SignalExtreme(OUTPUT_COORDINATE, 1),), places, 0.0, refine)
         return Dual(value, slopes)
 
     def extremes(
@@ -183,12 +183,12 @@ class _Design:
         grid = _closed(places) if refine else places
         top = far.value if isinstance(far, Dual) else far
         plain = self._at(self._plain, grid, top)
-        sampled = np.stack([one.height(curve(plain, one.signal)) for one in wanted])
+        sampled = np.stack([one.height(signal(plain, one.signal)) for one in wanted])
         tops = self._tops(wanted, grid, sampled, top) if refine else grid[np.argmax(sampled, axis=1)][:, None]
         at = self.varied(tops.ravel(), far)
         found = []
         for row, one in enumerate(wanted):
-            values, slopes = _parts(curve(at, one.signal), len(self.parameters))
+            values, slopes = _parts(signal(at, one.signal), len(self.parameters))
             own = slice(row * tops.shape[1], (row + 1) * tops.shape[1])
             found.append(_best(one, values[own], slopes[:, own], tops[row], float(np.max(np.abs(sampled[row])))))
         return found
@@ -196,19 +196,20 @@ class _Design:
     def means(self, figures: Sequence[Figure], places: Array, far: Any) -> dict[Figure, tuple[Any, Array]]:  # noqa: ANN401 - a dual
         """Value of every mean and its derivatives (parameters,): the integrals of both, in one."""
         known, count = self._at(self._plain, places, 0.0), len(self.parameters)
-        near = {one.signal: curve(known, one.signal) for one in figures if is_angle(one.signal)}
+        near = {one.signal: signal(known, one.signal) for one in figures if is_angle(one.signal)}
 
         def integrands(_: object, phi: Array) -> Array:
             at = self.varied(phi, far)
-            curves = [(one, curve(at, one.signal)) for one in figures]
+            curves = [(one, signal(at, one.signal)) for one in figures]
             turned = [one.integrand(on_branch(row, phi, places, near.get(one.signal))) for one, row in curves]
             pairs = [_parts(row, count) for row in turned]
-            sines = [_parts(transmission_sine(at.sweep, dyad), 0)[0] for dyad in at.sweep.structure.dyads]
-            return np.stack([*(row for value, slopes in pairs for row in (value, *slopes)), *np.divide(1.0, sines)])
+            sizes = [_parts(abs(at.sweep.determinant(dyad)), 0)[0] for dyad in at.sweep.structure.dyads]
+            spikes = [1.0 / np.broadcast_to(size, phi.shape) for size in sizes]
+            return np.stack([*(row for value, slopes in pairs for row in (value, *slopes)), *spikes])
 
         means = averages(integrands, edges_of(_closed(places)))[:, 0].tolist() if figures else []
-        found = {}
-        for one, first in zip(figures, range(0, len(means), count + 1), strict=False):  # behind them are the sines
+        found = {}  # behind the figures are the determinants
+        for one, first in zip(figures, range(0, len(means), count + 1), strict=False):
             value, slopes = one.of_mean(means[first]), np.array(means[first + 1 : first + 1 + count])
             found[one] = value, 0.5 * slopes / value if one.reduction is Reduction.RMS else slopes
         return found
@@ -222,7 +223,7 @@ class _Design:
             at = self._at(self._plain, Dual(angle, np.ones((1, len(angle)))), top)
             found = np.empty(angle.shape)
             for number, one in enumerate(wanted):
-                values, slopes = _parts(curve(at, one.signal), 1)
+                values, slopes = _parts(signal(at, one.signal), 1)
                 own = row == number
                 found[own] = (one.side(values) * slopes[0])[own]
             return found

@@ -1,25 +1,25 @@
 """Signals of many designs of one linkage at crank angles: by a list of operations, or design by design.
 
-Designs of a linkage of dyads have one list (``analytic.machine_code``), which NumPy computes, or machine code where
-that saves time. With groups of class III, a cylinder or change points the configuration is followed for every linkage
-anew, design by design.
+Designs of a linkage of dyads share one list (``analytic.machine_code``), which NumPy computes, or machine code where
+that saves time. With a group of class III, a cylinder or change points the configuration is followed for every design
+anew.
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any, Final, NamedTuple
+from typing import Final, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from analytic.description.changes import with_numbers
 from analytic.errors import AssemblyError, StructureError
 from analytic.kinematics.mechanism import Mechanism
 from analytic.kinematics.sweep import Sweep
-from analytic.machine_code.compiling import StraightFunction, is_worthwhile
+from analytic.machine_code.compiling import StraightFunction, in_threads, is_worthwhile
 from analytic.machine_code.linkage_trace import LinkageTrace, is_traceable, linkage_trace
 from analytic.machine_code.printing import Result
 from analytic.moving import MovingSweep
@@ -36,36 +36,45 @@ ONE_ROW: Final = np.empty((1, 0))
 
 
 class Samples(NamedTuple):
-    """Signals of designs at crank angles, (signals, designs, angles).
+    """Signals of designs at crank angles, by name, (designs, angles).
 
     ``moves`` (designs, angles) tells where a design can be assembled and moved; elsewhere the signals are nan or
     meaningless. ``determinants`` (dyads, designs, angles) are magnitudes, zero in dead positions.
     """
 
-    signals: Array
+    signals: Mapping[str, Array]
     moves: Booleans
     determinants: Array
+
+
+# Samples of the designs of some rows (n,) at crank angles, rad, (n, m), and which of the signals.
+Sampler = Callable[[Integers, Array, tuple[str, ...]], Samples]
 
 
 @dataclass(frozen=True)
 class Designs:
     """Designs that differ in ``arrays`` (designs,) of numbers by name, SI, in the assembly modes as described.
 
-    The crank has a ``speed``, rad/s, and an ``acceleration``, rad/s², numbers or (angles,). ``poses`` is how many of
-    them are wanted in all, by which the ``path`` "auto" decides whether to compile.
+    The crank has a ``speed``, rad/s, and an ``acceleration``, rad/s², numbers or (angles,). ``poses`` are those that
+    are wanted in all, by which the ``path`` "auto" decides whether to compile.
     """
 
     mechanism: Mechanism
     arrays: Mapping[str, Array]
     signals: tuple[str, ...]
-    speed: Any
-    acceleration: Any = 0.0
+    speed: ArrayLike
+    acceleration: ArrayLike = 0.0
     all_groups: bool = True
     path: str = "auto"
     poses: float = 0.0
 
+    @property
+    def count(self) -> int:
+        """How many."""
+        return len(next(iter(self.arrays.values())))
+
     @cached_property
-    def list(self) -> LinkageTrace | None:
+    def listed(self) -> LinkageTrace | None:
         """The signals as a list of operations, None where the designs have none."""
         if not is_traceable(self.mechanism):
             return None
@@ -78,56 +87,76 @@ class Designs:
             all_groups=self.all_groups,
         )
 
-    def at(self, rows: Integers, phi: Array) -> Samples:
-        """Samples of the designs of some rows (n,), at crank angles, rad, (n, m)."""
-        if self.list is None:
-            parts = [self._by_sweep(row, own) for row, own in zip(rows, phi, strict=True)]
-            return Samples(*(np.stack(arrays, axis=-2) for arrays in zip(*parts, strict=True)))
+    def in_blocks(self, size: int, work: Callable[[Integers, Sampler], None], cores: int | None) -> None:
+        """Call ``work`` with the rows of up to ``size`` designs and their sampler, block by block, on so many threads.
+
+        A design that cannot be assembled as its sketch shows it, where it has to be followed from there, is left out.
+        """
+
+        def part(start: int) -> None:
+            if self.listed is not None:
+                work(np.arange(start, min(start + size, self.count)), self._listed_samples)
+                return
+            try:
+                own = {name: float(values[start]) for name, values in self.arrays.items()}
+                design = self.mechanism.redesigned(with_numbers(self.mechanism.linkage, own))
+            except (AssemblyError, StructureError):
+                return
+            work(np.array([start]), lambda _, phi, names: self._swept_samples(design, phi, names))
+
+        in_threads(part, range(0, self.count, size if self.listed else 1), cores)
+
+    def _listed_samples(self, rows: Integers, phi: Array, names: tuple[str, ...]) -> Samples:
+        """Samples by the list."""
+        of = self.listed
+        assert of is not None
         places = phi[:1] if phi.strides[0] == 0 else phi  # every design's own
         numbers = {name: values[rows, None] for name, values in self.arrays.items()}
-        known, lines = self.list.values(numbers, places, self.speed, self.acceleration), self.list.lines
-        if self._function is None:
-            found = self.list.trace.computed(lines, known)
+        known = of.values(numbers, places, self.speed, self.acceleration)
+        function = self._function
+        if function is None:
+            wanted = [of.signals[self.signals.index(name)] for name in names]
+            *values, moves = of.trace.computed([*wanted, *of.determinants, of.moves], known)
         else:
-            given = self.list.trace.computed(self._function.lanes, known)
-            lanes = [np.broadcast_to(values, phi.shape).reshape(-1) for values in given]
-            found = list(self._function(lanes, ONE_ROW, phi.size).reshape(len(lines), *phi.shape))
-        count = len(self.signals)
-        values = np.stack([np.broadcast_to(value, phi.shape) for value in found[:count]])
-        for row, name in enumerate(self.signals):
-            if is_wrapped(name, self.mechanism.linkage):
-                values[row] = np.unwrap(values[row])
-        determinants = [np.broadcast_to(value, phi.shape) for value in found[count + 1 :]]
-        moves = np.broadcast_to(np.asarray(found[count], dtype=bool), phi.shape)
-        return Samples(values, moves, np.reshape(determinants, (len(determinants), *phi.shape)))
+            given = of.trace.computed(function.lanes, known)
+            lanes = [np.broadcast_to(one, phi.shape).reshape(-1) for one in given]
+            *values, moves = function(lanes, ONE_ROW, phi.size).reshape(-1, *phi.shape)
+            values = [values[self.signals.index(name)] for name in names] + values[len(self.signals) :]
+        full = [np.broadcast_to(one, phi.shape) for one in values]
+        return Samples(
+            {name: self._unwrapped(name, one) for name, one in zip(names, full, strict=False)},
+            np.broadcast_to(np.asarray(moves, dtype=bool), phi.shape),
+            np.reshape(full[len(names) :], (-1, *phi.shape)),
+        )
+
+    def _unwrapped(self, name: str, values: Array) -> Array:
+        return np.unwrap(values) if is_wrapped(name, self.mechanism.linkage) else values
+
+    @property
+    def is_compiled(self) -> bool:
+        """Whether the list is compiled; raises for a wrong path as ``is_worthwhile`` does."""
+        operations = len(self.listed.trace.leading_to(self.listed.lines)) if self.listed else 0
+        return is_worthwhile(self.path, operations, self.poses) and self.listed is not None
 
     @cached_property
     def _function(self) -> StraightFunction | None:
         """The list as machine code, None where NumPy serves."""
-        assert self.list is not None
-        lines, trace = self.list.lines, self.list.trace
-        if not is_worthwhile(self.path, len(trace.leading_to(lines)), self.poses):
+        assert self.listed is not None
+        trace, lines = self.listed.trace, self.listed.lines
+        if not self.is_compiled:
             return None
-        given = sorted(line for border in self.list.borders(lines) for line in border)
+        given = sorted(line for border in self.listed.borders(lines) for line in border)
         return StraightFunction(trace, given, (), [Result(line) for line in lines])
 
-    def _by_sweep(self, row: int, phi: Array) -> Samples:
-        """Samples of one design at crank angles (m,): a group that is followed cannot be assembled in all of them."""
-        design = with_numbers(
-            self.mechanism.linkage, {name: float(values[row]) for name, values in self.arrays.items()}
-        )
+    def _swept_samples(self, design: Mechanism, phi: Array, names: tuple[str, ...]) -> Samples:
+        """Samples of one design, the same at every row of the crank angles."""
         faults = np.zeros(phi.shape, dtype=bool)
-        try:
-            own = self.mechanism.redesigned(design)
-            sweep = Sweep(own.linkage, own.structure, phi, faults)
-            with np.errstate(all="ignore"):
-                for body in own.structure.bodies if self.all_groups else ():
-                    sweep.rates(body)
-                at = MovingSweep(own, sweep, np.asarray(self.speed), np.asarray(self.acceleration))
-                values = np.stack([signal(at, name) for name in self.signals])
-                dyads = own.structure.dyads if self.all_groups else ()
-                sizes = [np.broadcast_to(abs(sweep.determinant(dyad)), phi.shape) for dyad in dyads]
-        except (AssemblyError, StructureError):
-            none = np.full((len(self.signals), *phi.shape), np.nan)
-            return Samples(none, np.zeros(phi.shape, dtype=bool), np.ones((0, *phi.shape)))
-        return Samples(values, ~faults, np.reshape(sizes, (len(sizes), *phi.shape)))
+        sweep = Sweep(design.linkage, design.structure, phi, faults)
+        with np.errstate(all="ignore"):
+            for body in design.structure.bodies if self.all_groups else ():
+                sweep.rates(body)
+            at = MovingSweep(design, sweep, np.asarray(self.speed), np.asarray(self.acceleration))
+            values = {name: signal(at, name) for name in names}
+            dyads = [dyad for dyad in design.structure.dyads if self.all_groups and not dyad.changes]
+            sizes = [np.broadcast_to(abs(sweep.determinant(dyad)), phi.shape) for dyad in dyads]
+        return Samples(values, ~faults, np.reshape(sizes, (-1, *phi.shape)))

@@ -10,32 +10,29 @@ import numpy as np
 from numpy.typing import NDArray
 
 from analytic.description.law import FULL_TURN
-from analytic.designs.batches import BLOCK, Booleans, Integers, Sweeps, faults_of, in_blocks
-from analytic.designs.dead_positions import are_steep, stuck
+from analytic.designs.dead_positions import are_steep, beside, divided, stuck
 from analytic.designs.figures import Figure, Reduction, SignalExtreme
+from analytic.designs.samples import BLOCK, Booleans, Designs, Integers, Sampler
 from analytic.designs.tops import Tops, summits, tops
-from analytic.evaluation import MovingSweep
 from analytic.kinematics.mechanism import Mechanism
-from analytic.kinematics.transmission import transmission_sine
 from analytic.numerics.averages import SAME, averages
 from analytic.numerics.dual import Dual
-from analytic.signals import signal_or_magnitude
+from analytic.signals import OUTPUT_COORDINATE, is_angle
 
 Array = NDArray[np.float64]
 Curves = Mapping[str, Array]
 
 CHUNK: Final = 2048  # designs a thread takes at a time: their tops are refined together
-OUTPUT: Final = "output"  # the output's coordinate; no signal, for what is seen of it is S
-TOP: Final = Figure(OUTPUT, Reduction.MAX)
-# Between two crank angles the sine of a transmission angle changes by no more than this share of itself, or the step is
-# divided in PARTS, LEVELS times at most: forces go as its inverse.
+TOP: Final = Figure(OUTPUT_COORDINATE, Reduction.MAX)
+# Between two crank angles a dyad's determinant changes by no more than this share of itself, or the step is divided in
+# PARTS, LEVELS times at most: forces go as its inverse.
 CHANGE, PARTS, LEVELS = 0.2, 8, 5
 CELLS, TOGETHER = 12, 64  # of the motion, from which a mean is integrated, and designs that are
 
 
 @dataclass(frozen=True)
-class Asked:
-    """What is asked of every design: ``places`` (angles,) of the driver, ascending, its ``speed``.
+class FigureRequest:
+    """Figures of every design at ``places`` (angles,) of the driver, ascending, which moves at a steady ``speed``.
 
     Extremes are true ones with ``refine``; over a ``period``, rad, curves close, else their ends count. Means are
     integrals from the first place to the end of the period, or to the last place.
@@ -47,11 +44,22 @@ class Asked:
     speed: float
     period: float | None
     refine: bool
+    path: str = "auto"
 
     @property
     def grid(self) -> Array:
         """The crank angles with the end of the period."""
         return self.places if self.period is None else np.append(self.places, self.places[0] + self.period)
+
+    @property
+    def signals(self) -> tuple[str, ...]:
+        """What is sampled: for S the output's coordinate."""
+        return tuple(dict.fromkeys(sampled(one.signal) for one in self.figures))
+
+    def designs(self, arrays: Mapping[str, Array]) -> Designs:
+        """The designs that differ in ``arrays`` (designs,) of numbers by name."""
+        poses = len(next(iter(arrays.values()))) * len(self.places)
+        return Designs(self.mechanism, arrays, self.signals, self.speed, path=self.path, poses=poses)
 
     def may_sample(self, one: Figure) -> bool:
         """Whether a mean may be that of the samples: they divide a turn evenly, and it counts from none of them."""
@@ -65,21 +73,16 @@ class Asked:
         """
         found = np.full((len(self.figures), len(next(iter(arrays.values())))), np.nan)
 
-        def work(rows: Integers, sweeps: Sweeps) -> None:
-            found[:, rows] = _Chunk(self, sweeps, rows).all(self.figures)
+        def work(rows: Integers, sampler: Sampler) -> None:
+            found[:, rows] = _Chunk(self, sampler, rows).all(self.figures)
 
-        in_blocks(self.mechanism, arrays, CHUNK, work, cores)
+        self.designs(arrays).in_blocks(CHUNK, work, cores)
         return found
 
-    def stand(self, arrays: Mapping[str, Array], cores: int | None = None) -> Booleans:
-        """Which of these designs cannot move from one of the places to the next (designs,)."""
-        found = np.ones(len(next(iter(arrays.values()))), dtype=bool)
 
-        def work(rows: Integers, sweeps: Sweeps) -> None:
-            found[rows] = stuck(sweeps, rows, self.grid)
-
-        in_blocks(self.mechanism, arrays, CHUNK, work, cores)
-        return found
+def sampled(name: str) -> str:
+    """The signal that is sampled for one: of S the output's coordinate."""
+    return OUTPUT_COORDINATE if name == "S" else name
 
 
 class _Marked(NamedTuple):
@@ -95,29 +98,29 @@ Found = dict[SignalExtreme, list[_Marked]]
 class _Chunk:
     """Designs whose tops are looked for together; their samples are forgotten block by block."""
 
-    def __init__(self, asked: Asked, sweeps: Sweeps, rows: Integers) -> None:
-        self.asked, self.sweeps, self.rows = asked, sweeps, rows
+    def __init__(self, request: FigureRequest, sampler: Sampler, rows: Integers) -> None:
+        self.request, self.sampler, self.rows = request, sampler, rows
         self.faulty, self.doubtful = np.zeros((2, len(rows)), dtype=bool)
         self.farthest = np.zeros(len(rows))
         self.known: dict[SignalExtreme, Array] = {}  # the highest samples
 
     def all(self, figures: Sequence[Figure]) -> Array:
         """The figures, (figures, rows)."""
-        if self.asked.refine and any(one.signal == "S" for one in figures):
+        if self.request.refine and any(one.signal == "S" for one in figures):
             self.farthest = self._tops()
         result = self._figures(figures)
         means = {row: one for row, one in enumerate(figures) if one.is_mean}
         if means:
             self._integrate(means, result)
         doubtful = np.flatnonzero(self.doubtful & ~self.faulty)
-        self.faulty[doubtful] = stuck(self.sweeps, self.rows[doubtful], self.asked.grid)
+        self.faulty[doubtful] = stuck(self.sampler, self.rows[doubtful], self.request.grid)
         result[:, self.faulty] = np.nan
         return result
 
     def _figures(self, figures: Sequence[Figure]) -> Array:
         result = np.full((len(figures), len(self.rows)), np.nan)
-        found: Found = {end: [] for one in figures for end in one.extremes} if self.asked.refine else {}
-        places = self.asked.places
+        found: Found = {end: [] for one in figures for end in one.extremes} if self.request.refine else {}
+        places = self.request.places
         size = max(1, BLOCK // len(places))
         for start in range(0, len(self.rows), size):
             here = np.arange(start, min(start + size, len(self.rows)))
@@ -146,11 +149,11 @@ class _Chunk:
 
     def _tops(self) -> Array:
         """The output's highest coordinate, between the samples too."""
-        return np.asarray(_Chunk(replace(self.asked, refine=True), self.sweeps, self.rows)._figures([TOP])[0])
+        return np.asarray(_Chunk(replace(self.request, refine=True), self.sampler, self.rows)._figures([TOP])[0])
 
     def _mean(self, one: Figure, values: Array) -> Array:
         """A mean of samples (designs, angles), nan where they are too few for it."""
-        if not self.asked.may_sample(one):
+        if not self.request.may_sample(one):
             return np.full(len(values), np.nan)
         whole, half = (one.of_mean(np.mean(one.integrand(part), axis=1)) for part in (values, values[:, ::2]))
         size = np.sqrt(np.mean(np.square(values), axis=1))
@@ -159,55 +162,48 @@ class _Chunk:
     def _integrate(self, figures: Mapping[int, Figure], result: Array) -> None:
         """Enter means by their row of the figures for which the samples are too few.
 
-        So they are where a step may hide a spike beside a dead position. The reciprocal sines of the transmission
-        angles are integrated with the signals, for such a spike to be closed in on.
+        So they are where a step may hide a spike beside a dead position. The reciprocals of the dyads' determinants are
+        integrated with the signals, for such a spike to be closed in on.
         """
         few = np.isnan(result[[*figures]]).any(axis=0) | self.doubtful
         left, names = np.flatnonzero(few & ~self.faulty), {one.signal for one in figures.values()}
-        if len(left) and "S" in names and not self.asked.refine:
+        if len(left) and "S" in names and not self.request.refine:
             self.farthest = self._tops()
-        places = self.asked.places
+        places = self.request.places
         for start in range(0, len(left), TOGETHER):
             here = left[start : start + TOGETHER]
-            known = self._at(here, np.broadcast_to(places, (len(here), len(places))))
-            near = {name: curve(known, name) for name in names if is_angle(name)}
+            grid = np.broadcast_to(places, (len(here), len(places)))
+            near = {name: curve for name, curve in self._curves(here, grid, names)[0].items() if is_angle(name)}
 
             def integrands(design: Integers, phi: Array, here: Integers = here, near: Curves = near) -> Array:
-                at = self._at(here[design], phi)
-                curves = {name: curve(at, name) for name in names}
+                curves, determinants = self._curves(here[design], phi, names)
                 for name, values in near.items():
                     curves[name] = on_branch(curves[name], phi, places, values[design])
-                sines = [transmission_sine(at.sweep, dyad) for dyad in at.sweep.structure.dyads]
                 return np.stack(
-                    [*(one.integrand(curves[one.signal]) for one in figures.values()), *np.divide(1.0, sines)]
+                    [*(one.integrand(curves[one.signal]) for one in figures.values()), *np.divide(1.0, determinants)]
                 )
 
             for (row, one), mean in zip(
-                figures.items(), averages(integrands, edges_of(self.asked.grid), len(here)), strict=False
+                figures.items(), averages(integrands, edges_of(self.request.grid), len(here)), strict=False
             ):
                 result[row, here] = one.of_mean(mean)
 
     def _sampled(self, here: Integers, phi: Array, names: Iterable[str]) -> tuple[dict[str, Array], Booleans]:
         """Signals of some of the designs at crank angles, (designs, angles), and where these are too far apart."""
         names = list(names)
-        at = self._at(here, phi, only_output=names == [OUTPUT])
-        if "S" in names and not self.asked.refine:
-            self.farthest[here] = np.max(at.sweep.output(), axis=1)
-            at = replace(at, farthest=self.farthest[here, None])
-        if names != [OUTPUT]:
-            self.doubtful[here[are_steep(at.sweep).any(axis=1)]] = True
-        looked_at = at.sweep.structure.dyads if self.asked.refine and names != [OUTPUT] else ()
-        coarse = np.zeros((phi.shape[0], phi.shape[1] - 1), dtype=bool)
-        for dyad in looked_at:
-            sine = transmission_sine(at.sweep, dyad)
-            coarse |= np.abs(np.diff(sine, axis=1)) > CHANGE * np.minimum(sine[:, 1:], sine[:, :-1])
-        coarse[:, 1:] |= coarse[:, :-1].copy()
-        coarse[:, :-1] |= coarse[:, 1:].copy()
-        return {name: curve(at, name) for name in names}, coarse
+        if "S" in names and not self.request.refine:
+            self.farthest[here] = np.max(self._curves(here, phi, [OUTPUT_COORDINATE])[0][OUTPUT_COORDINATE], axis=1)
+        curves, determinants = self._curves(here, phi, names)
+        if names == [OUTPUT_COORDINATE]:
+            return curves, np.zeros((phi.shape[0], phi.shape[1] - 1), dtype=bool)
+        self.doubtful[here[are_steep(determinants).any(axis=1)]] = True
+        change = np.abs(np.diff(determinants, axis=2))
+        coarse = np.any(change > CHANGE * np.minimum(determinants[..., 1:], determinants[..., :-1]), axis=0)
+        return curves, beside(coarse)
 
     def _closed(self, sampled: dict[str, Array], count: int) -> tuple[Array, dict[str, Array]]:
         """Crank angles and signals with the end of the period, where they are as they began."""
-        grid, period = self.asked.grid, self.asked.period
+        grid, period = self.request.grid, self.request.period
         if period is not None:
             for name, values in sampled.items():
                 turns = np.round((values[:, -1:] - values[:, :1]) / period) if is_angle(name) else 0.0
@@ -227,34 +223,31 @@ class _Chunk:
             row, step = np.nonzero(coarse & ~self.faulty[here, None])
             if not len(row):
                 return
-            low, high = phi[row, step, None], phi[row, step + 1, None]
-            here, phi = here[row], low + (high - low) * np.linspace(0.0, 1.0, PARTS + 1)
+            here, phi = here[row], divided(phi, row, step, PARTS)
             coarse = np.zeros((len(row), PARTS), dtype=bool)
             for start in range(0, len(row), BLOCK // PARTS):
                 some = slice(start, start + BLOCK // PARTS)
                 sampled, coarse[some] = self._sampled(here[some], phi[some], names)
                 self._mark(found, sampled, here[some], phi[some])
 
-    def _at(self, here: Integers, phi: Array, *, only_output: bool = False) -> MovingSweep:
-        """Some of the designs at crank angles, (designs, angles), with all groups solved; faults are noted."""
-        sweep = self.sweeps(self.rows[here], phi)
-        if not only_output:
-            for body in sweep.structure.bodies:
-                sweep.rates(body)
-            self.faulty[here[faults_of(sweep).any(axis=1)]] = True
-        return MovingSweep(
-            self.asked.mechanism, sweep, np.asarray(self.asked.speed), np.asarray(0.0), self.farthest[here, None]
-        )
+    def _curves(self, here: Integers, phi: Array, names: Iterable[str]) -> tuple[dict[str, Array], Array]:
+        """Signals of some of the designs at crank angles, (designs, angles), and determinants; faults are noted."""
+        wanted = {name: sampled(name) for name in names}
+        samples = self.sampler(self.rows[here], phi, tuple(dict.fromkeys(wanted.values())))
+        if list(wanted) != [OUTPUT_COORDINATE]:
+            self.faulty[here[~samples.moves.all(axis=1)]] = True
+        curves = {name: samples.signals[own] for name, own in wanted.items()}
+        if "S" in curves:
+            curves["S"] = self.farthest[here, None] - curves["S"]
+        return curves, samples.determinants
 
     def _seen(self, name: str, designs: Integers, phi: Array, near: Array) -> Array:
         """A signal of designs (n,), each at its own crank angles (n, m); links' angles on the branch ``near`` (n,)."""
-        every, flat = np.repeat(designs, phi.shape[1]), phi.ravel()
-        values: Array = np.empty(phi.size)
-        for start in range(0, len(every), BLOCK):
-            here = slice(start, start + BLOCK)
-            at = self._at(every[here], flat[here, None], only_output=name == OUTPUT)
-            values[here] = curve(at, name)[:, 0]
-        values = values.reshape(phi.shape)
+        values: Array = np.empty(phi.shape)
+        size = max(1, BLOCK // phi.shape[1])
+        for start in range(0, len(designs), size):
+            here = slice(start, start + size)
+            values[here] = self._curves(designs[here], phi[here], [name])[0][name]
         if is_angle(name):
             values += FULL_TURN * np.round((near[:, None] - values) / FULL_TURN)
         return values
@@ -284,13 +277,6 @@ class _Chunk:
         return extreme.value(*summits(found, sides, heights, len(self.rows)))
 
 
-def curve(at: MovingSweep, name: str) -> Array:
-    """A signal, the magnitude of a vector, or the output's coordinate."""
-    if name == OUTPUT:
-        return at.sweep.output()
-    return signal_or_magnitude(at, name)
-
-
 def is_settled(whole: Array, half: Array, size: Array) -> Booleans:
     """Where means of evenly spaced samples of a turn are right: where every second of them gives the same.
 
@@ -312,11 +298,6 @@ def on_branch(values: Any, phi: Array, places: Array, near: Array | None) -> Any
     known = near[here] if near.ndim == 1 else np.take_along_axis(near, here, 1)
     plain = values.value if isinstance(values, Dual) else values
     return values + FULL_TURN * np.round((known - plain) / FULL_TURN)
-
-
-def is_angle(name: str) -> bool:
-    """Whether a signal is the angle of a link, of which whole turns count."""
-    return name == "phi" or (name.startswith("link:") and name.endswith(":angle"))
 
 
 def _reduced(figure: Figure, values: Array) -> Array:

@@ -26,13 +26,6 @@ def transmission_angle(sweep: Sweep, dyad: Dyad) -> Array:
     return np.copy(np.broadcast_to(angle, sweep.angle.shape))
 
 
-def transmission_sine(sweep: Sweep, dyad: Dyad) -> Array:
-    """Its sine, at a tenth of the work."""
-    one, other = _sides(sweep, dyad)
-    sine = np.abs(frames.cross(one, other))
-    return np.copy(np.broadcast_to(sine / np.hypot(sine, frames.dot(one, other)), sweep.angle.shape))
-
-
 def between(one: Pair, other: Pair) -> Scalar:
     """Acute angle of two lines, rad, in [0, π/2]."""
     return np.arctan2(np.abs(frames.cross(one, other)), np.abs(frames.dot(one, other)))

@@ -22,7 +22,7 @@ from analytic.signals import signal
 
 Array = NDArray[np.float64]
 
-PHI, SPEED, ACCELERATION = DRIVE = ("crank angle", "crank speed", "crank acceleration")  # no numbers' names
+PHI, SPEED, ACCELERATION = ("crank angle", "crank speed", "crank acceleration")  # no numbers' names
 OF_DESIGN, OF_PLACE = 1, 2
 
 
@@ -38,15 +38,16 @@ class TracedSweep(Sweep):
         """It can where it could be assembled away from its dead positions."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class LinkageTrace:
-    """Lines of the signals, of whether all groups that they need can move, and of the dyads' determinants.
+    """Lines of the signals of designs that differ in ``varied`` numbers, and of whether all groups needed can move.
 
-    Inputs of the ``trace`` are varied numbers by name, ``PHI``, ``SPEED``, ``ACCELERATION`` and laws over φ, which are
-    named (law, order, component).
+    ``determinants`` are those of the dyads, magnitudes. Inputs of the ``trace`` are the numbers by name, ``PHI``,
+    ``SPEED``, ``ACCELERATION`` and laws over φ, which are named (law, order, component).
     """
 
     trace: Trace
+    varied: frozenset[str]
     signals: tuple[int, ...]
     moves: int
     determinants: tuple[int, ...]
@@ -57,25 +58,24 @@ class LinkageTrace:
         return (*self.signals, self.moves, *self.determinants)
 
     def values(
-        self, numbers: Mapping[str, Array], phi: Array, speed: ArrayLike, acceleration: ArrayLike
+        self, numbers: Mapping[str, Any], phi: ArrayLike = 0.0, speed: ArrayLike = 0.0, acceleration: ArrayLike = 0.0
     ) -> dict[int, Any]:
-        """Values of the inputs by their lines: numbers by name, crank angles, rad, and the crank's motion."""
+        """Values of the inputs by line: of the ``numbers`` that are given, and of the crank's place and motion, SI."""
+        known = {**numbers, PHI: phi, SPEED: speed, ACCELERATION: acceleration}
         found: dict[int, Any] = {}
         for name, line in self.trace.inputs.items():
             if isinstance(name, tuple):
                 law, order, component = name
                 found[line] = law(phi, order)[component]
-            else:
-                found[line] = (
-                    {PHI: phi, SPEED: speed, ACCELERATION: acceleration}[name] if name in DRIVE else numbers[name]
-                )
+            elif name in known:
+                found[line] = known[name]
         return found
 
     def borders(self, outputs: Iterable[int]) -> tuple[list[int], list[int]]:
         """The lines of a design's numbers alone, and of the crank's place alone, from which outputs follow."""
         parts = dict.fromkeys(range(len(self.trace.operations)), 0)
         for name, line in self.trace.inputs.items():
-            parts[line] = OF_PLACE if name in DRIVE or isinstance(name, tuple) else OF_DESIGN
+            parts[line] = OF_DESIGN if name in self.varied else OF_PLACE
         for line, operation in enumerate(self.trace.operations):
             if operation.name != INPUT:
                 for other in operation.operands:
@@ -107,7 +107,7 @@ def linkage_trace(
     """
     if not is_traceable(mechanism):
         raise LinkproofError(f"'{mechanism.linkage.name}': expected groups of two links without change points")
-    trace = Trace()
+    trace, varied = Trace(), frozenset(varied)
     linkage = with_numbers(mechanism.linkage, {name: trace.input(name) for name in varied} | dict.fromkeys(zero, 0.0))
     signs = tuple(dyad.sign for dyad in mechanism.structure.dyads)
     sweep = TracedSweep(linkage, find_structure(linkage).with_signs(signs), trace.input(PHI))  # type: ignore[arg-type]
@@ -115,4 +115,4 @@ def linkage_trace(
     lines = tuple(trace.line(signal(at, name)) for name in signals)
     dyads = sweep.structure.dyads if all_groups else ()
     determinants = tuple(trace.line(abs(sweep.determinant(dyad))) for dyad in dyads)
-    return LinkageTrace(trace, lines, trace.line(sweep.moves), determinants)
+    return LinkageTrace(trace, varied, lines, trace.line(sweep.moves), determinants)

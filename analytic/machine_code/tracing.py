@@ -48,7 +48,7 @@ class Operation:
 
 
 class Trace:
-    """A list of ``operations`` that grows as formulas are applied to its numbers; ``inputs`` by what identifies them."""
+    """A list of ``operations`` that grows as formulas are applied to its numbers; ``inputs`` by their names."""
 
     def __init__(self) -> None:
         self.operations: list[Operation] = []

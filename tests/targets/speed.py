@@ -15,7 +15,6 @@ from time import perf_counter
 from typing import Final
 
 import numpy as np
-from analytic.compiled import choice
 from analytic.compiled.flat_linkage import flatten
 from numpy.typing import NDArray
 
@@ -23,6 +22,7 @@ from analytic.description.loading import load
 from analytic.designs.values import evaluate_designs
 from analytic.evaluation import PIECE
 from analytic.kinematics.mechanism import Mechanism
+from analytic.machine_code import compiling
 from analytic.motion.released import free_motion
 
 Array = NDArray[np.float64]
@@ -112,7 +112,7 @@ def _span(seconds: Seconds, count: int, unit: str, scale: float) -> str:
 @cache
 def six_bar_contest(name: str, angles: int) -> Contest:
     """A six-bar's four moving joints and their two derivatives over as many crank angles, one core."""
-    if not choice.is_installed():
+    if not compiling.is_installed():
         return Contest({}, angles)
     from tests.targets import speed_baselines as baselines  # noqa: PLC0415 - needs numba
 
@@ -162,7 +162,7 @@ def _places(result: object) -> Array:
 
 def designs_contest(name: str, varied: tuple[str, ...], designs: int, angles: int) -> Contest:
     """Jeq of designs that differ in the numbers named, at as many crank angles each, compiled, one core."""
-    if not choice.is_installed():
+    if not compiling.is_installed():
         return Contest({}, designs * angles)
     mechanism, chance = Mechanism(load(name)), np.random.default_rng(4)
     flat = flatten(mechanism)
@@ -176,7 +176,7 @@ def designs_contest(name: str, varied: tuple[str, ...], designs: int, angles: in
 @cache
 def forward_contest(name: str, regime: str) -> Contest:
     """A released crank in a regime of the linkage's own, φ within 1e-6 rad throughout."""
-    if not choice.is_installed():
+    if not compiling.is_installed():
         return Contest({}, 1)
     from tests.targets import speed_baselines as baselines  # noqa: PLC0415 - needs numba
 

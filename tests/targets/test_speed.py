@@ -4,10 +4,10 @@ import math
 
 import numpy as np
 import pytest
-from analytic.compiled import choice
 
 from analytic.description.loading import load
 from analytic.kinematics.mechanism import Mechanism
+from analytic.machine_code import compiling
 from tests.targets import speed
 
 ANGLES = 300
@@ -54,7 +54,7 @@ def test_an_absent_contestant_gives_no_figure(name):
 
 
 def test_without_numba_there_is_no_contest(monkeypatch):
-    monkeypatch.setattr(choice, "is_installed", lambda: False)
+    monkeypatch.setattr(compiling, "is_installed", lambda: False)
     empty = (
         speed.six_bar_contest(SIX_BAR, 1),
         speed.designs_contest(SIX_BAR, VARIED, 1, 1),

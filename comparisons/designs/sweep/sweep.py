@@ -84,7 +84,7 @@ class SweepRequest:
     def on_one_path(self) -> SweepRequest:
         """The same on the path that its size calls for."""
         size = self.space.count * len(self.motion.places)
-        return replace(self, path=usual_path([one.figure for one in self.figures], size, self.cores))
+        return replace(self, path=usual_path([one.figure for one in self.figures], size))
 
     @cached_property
     def blocks(self) -> Blocks:

@@ -4,11 +4,11 @@ import math
 
 import numpy as np
 import pytest
-from analytic.compiled import choice
 
 from analytic.description.law import FULL_TURN
 from analytic.designs.figures import Figure, Reduction
 from analytic.designs.results import design_figures
+from analytic.machine_code import compiling
 from tests.analytic.linkages import from_text
 
 # The ground leans, so that no dead position lies at a sample.
@@ -25,7 +25,7 @@ links.rocker = {{ points = {{ C = [0, 0], B = [0.06, 0] }}, mass = 1, inertia = 
 sketch = {{ angle = 1, points = {{ B = [0.1, 0.06] }} }}
 """
 FIGURES = [Figure("Mkr", Reduction.PEAK), Figure("point:B:y", Reduction.MEAN)]
-PATHS = ["numpy", *(["compiled"] if choice.is_installed() else [])]
+PATHS = ["numpy", *(["compiled"] if compiling.is_installed() else [])]
 
 
 def designs():

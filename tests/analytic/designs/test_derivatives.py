@@ -14,11 +14,11 @@ from analytic.description.linkage import Linkage
 from analytic.designs.derivatives import differences, figure_gradients, is_exact, signal_gradients
 from analytic.designs.figures import Figure, Reduction, middle
 from analytic.designs.results import design_figures
-from analytic.designs.sampling import curve
 from analytic.errors import AssemblyError, LinkproofError, UnknownNameError
-from analytic.evaluation import MovingSweep
 from analytic.kinematics.mechanism import Mechanism
+from analytic.moving import MovingSweep
 from analytic.numerics.peaks import highest
+from analytic.signals import signal as signal_of
 from tests.analytic import fifty_digits
 from tests.analytic.exact_forces import forces_of, signals_of, transmission_of
 from tests.analytic.fifty_digits import Exact
@@ -176,7 +176,7 @@ def test_figures_have_the_derivatives_of_ninety_digits(name, chosen, only):
     def top(signal, of):
         def curves(places):
             moving = MovingSweep(sample, sample.sweep(places), np.asarray(SPEED), np.asarray(0.0))
-            return of(moving.sweep.output() if signal == "height" else curve(moving, signal))[None]
+            return of(moving.sweep.output() if signal == "height" else signal_of(moving, signal))[None]
 
         place = float(highest(curves, dense, curves(dense))[1][0])
         return lambda nudges: _extreme(sample, signal, place, nudges)
@@ -247,7 +247,7 @@ def test_shaking_has_the_derivatives_of_differences(name, variant):
     def values(own):
         design = sample.redesigned(with_numbers(sample.linkage, own))
         at = MovingSweep(design, design.sweep(np.array([0.7, 4.0])), np.asarray(SPEED), np.asarray(0.0))
-        return np.stack([curve(at, name) for name in names])
+        return np.stack([signal_of(at, name) for name in names])
 
     steps = {one: 1e-3 * (abs(value) or 0.1) for one, value in chosen.items()}
     _, slopes, errors = differences(values, chosen, steps)

@@ -4,7 +4,6 @@ from functools import cache
 
 import numpy as np
 import pytest
-from analytic.compiled import choice
 from analytic.compiled.flat_linkage import flatten
 from hypothesis import given, settings
 from hypothesis import strategies as st
@@ -18,10 +17,11 @@ from analytic.designs import sampling
 from analytic.designs.figures import Figure, Reduction
 from analytic.designs.results import design_figures
 from analytic.errors import AssemblyError, LinkproofError, StructureError, UnknownNameError
-from analytic.evaluation import MovingSweep
 from analytic.kinematics.crank_range import crank_range
 from analytic.kinematics.mechanism import Mechanism
 from analytic.kinematics.sweep import Sweep
+from analytic.machine_code import compiling
+from analytic.moving import MovingSweep
 from comparisons.datasheet.curves import Curves
 from comparisons.datasheet.instants import Instants
 from comparisons.reference.case import Case
@@ -296,7 +296,7 @@ def both_paths(sample, parameters, names, **settings):
     ]
 
 
-@pytest.mark.skipif(not choice.is_installed(), reason="numba is not installed")
+@pytest.mark.skipif(not compiling.is_installed(), reason="numba is not installed")
 def test_either_path_gives_the_figures():
     sample = mechanism("rimoldi-164")
     parameters = varied(sample, 5, 200, 0.02)
@@ -307,7 +307,7 @@ def test_either_path_gives_the_figures():
     assert np.nanmax(np.abs(plain - compiled) / np.nanmax(np.abs(plain), axis=1, keepdims=True)) <= SAME
 
 
-@pytest.mark.skipif(not choice.is_installed(), reason="numba is not installed")
+@pytest.mark.skipif(not compiling.is_installed(), reason="numba is not installed")
 def test_what_the_kernels_do_not_know_is_numpy_s():
     sample = mechanism("rimoldi-164")
     parameters = varied(sample, 5, 5, 1e-3)

@@ -2,11 +2,11 @@
 
 import numpy as np
 import pytest
-from analytic.compiled import choice
 from analytic.compiled.evaluation import CHUNK
 from analytic.compiled.flat_linkage import flatten, redesigned
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from tests.analytic.compiled.test_evaluation import ORDERS, quantities
 
 from analytic.designs import values as designs
 from analytic.designs.values import ASSEMBLED, evaluate_designs
@@ -16,11 +16,11 @@ from analytic.evaluation import evaluate
 from analytic.kinematics.decomposition import find_structure
 from analytic.kinematics.error_bounds import relative_bounds
 from analytic.kinematics.sweep import Sweep
-from tests.analytic.compiled.test_evaluation import ORDERS, quantities
+from analytic.machine_code import compiling
 from tests.analytic.linkages import FourBar, four_bars, from_text, mechanism, text_of
 from tests.analytic.loaded_linkages import ALL, on_trial
 
-PATHS = ("numpy", pytest.param("compiled", marks=pytest.mark.skipif(not choice.is_installed(), reason="no numba")))
+PATHS = ("numpy", pytest.param("compiled", marks=pytest.mark.skipif(not compiling.is_installed(), reason="no numba")))
 # Two orders of the same operations; relative to the peak.
 SAME = 1e-14
 # A linkage written to a file and read again has figures that are a rounding off.
@@ -75,7 +75,7 @@ def design(sample, parameters, number):
     return linkage, find_structure(linkage).with_signs(tuple(dyad.sign for dyad in sample.structure.dyads))
 
 
-@pytest.mark.skipif(not choice.is_installed(), reason="numba is not installed")
+@pytest.mark.skipif(not compiling.is_installed(), reason="numba is not installed")
 @pytest.mark.parametrize(("case", "is_laden"), ALL)
 def test_both_paths_agree_on_every_parameter_of_every_linkage(case, is_laden):
     sample = on_trial(*case, is_laden)
@@ -96,7 +96,7 @@ def test_both_paths_agree_on_every_parameter_of_every_linkage(case, is_laden):
             assert np.max(np.abs(one - two)) <= max(SAME, bounds[ORDERS[name]]) * np.max(np.abs(two))
 
 
-@pytest.mark.skipif(not choice.is_installed(), reason="numba is not installed")
+@pytest.mark.skipif(not compiling.is_installed(), reason="numba is not installed")
 @pytest.mark.parametrize("case", [case for case, is_laden in ALL if is_laden])
 @pytest.mark.parametrize("names", [["S"], ["Jeq"]])
 def test_both_paths_agree_on_what_cannot_be_assembled(case, names):
@@ -220,7 +220,7 @@ def test_next_to_a_dead_position_places_are_known_and_rates_are_not(path, case):
     assert found[ASSEMBLED].tolist() == [[False, True]]
 
 
-@pytest.mark.skipif(not choice.is_installed(), reason="numba is not installed")
+@pytest.mark.skipif(not compiling.is_installed(), reason="numba is not installed")
 def test_chunks_and_threads_make_up_the_whole():
     sample, angle = mechanism("juki-mf7923d"), np.linspace(0.0, 6.0, 131)
     masses = np.linspace(0.1, 0.9, 2 * CHUNK + 3)

@@ -6,10 +6,10 @@ import shlex
 from pathlib import Path
 
 import pytest
-from analytic.compiled.choice import cores
 
 from analytic.description.loading import catalogue, find
 from analytic.errors import LinkproofError, UnknownNameError
+from analytic.machine_code.compiling import cores
 from comparisons.campaign.campaign import cases
 from comparisons.runs.failures import GIB
 from comparisons.runs.workers import DEFAULT_BOUNDS

@@ -1,0 +1,136 @@
+"""Figures of many designs reduced where they are computed, in one straight function of machine code, without curves."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any, Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from analytic.designs.dead_positions import KEPT
+from analytic.designs.figures import Figure, Reduction
+from analytic.designs.samples import Booleans
+from analytic.designs.sampling import FigureRequest, is_settled, sampled
+from analytic.machine_code.compiling import StraightFunction, in_threads
+from analytic.machine_code.linkage_trace import LinkageTrace
+from analytic.machine_code.printing import Result
+from analytic.machine_code.tracing import Traced
+from analytic.signals import is_wrapped
+
+Array = NDArray[np.float64]
+
+CHUNK: Final = 2048  # designs a thread takes at a time
+# Shares of the samples in a mean over all of them, and over every second: the end of the period has none.
+SHARE, HALF_SHARE = "share of a sample", "share of every second sample"
+
+HIGHEST: Final = ("{value} if {value} > {so_far} else {so_far}", -np.inf)
+LOWEST: Final = ("{value} if {value} < {so_far} else {so_far}", np.inf)
+SUM: Final = ("{so_far} + {value}", 0.0)
+ALL: Final = ("{so_far} if {value} else 0.0", 1.0)
+# Of a magnitude, which the next result has of the row before: nothing is less than nan, the first one's.
+STEEP: Final = (f"1.0 if ({{value}} < {KEPT} * {{next}}) | ({{next}} < {KEPT} * {{value}}) else {{so_far}}", 0.0)
+LAST: Final = ("{value}", np.nan)
+
+
+def can_reduce(request: FigureRequest) -> bool:
+    """Whether the figures are peaks and means of samples, which need no curve."""
+    linkage = request.mechanism.linkage
+    return not request.refine and not any(
+        one.reduction is Reduction.AT
+        or is_wrapped(one.signal, linkage)
+        or (one.is_mean and not request.may_sample(one))
+        for one in request.figures
+    )
+
+
+class _Gathered:
+    """What is gathered of every design: results of the straight function by name."""
+
+    def __init__(self, listed: LinkageTrace, request: FigureRequest) -> None:
+        self.listed = listed
+        self.results: list[Result] = []
+        self.places: dict[str, int] = {}
+        lines = dict(zip(request.signals, listed.signals, strict=True))
+        for one in request.figures:
+            name = sampled(one.signal)
+            if one.is_mean:
+                self._add_mean(name, Traced(listed.trace, lines[name]))
+            else:
+                self._add(f"{name} highest", lines[name], HIGHEST)
+                self._add(f"{name} lowest", lines[name], LOWEST)
+        self._add("moves", listed.moves, ALL)
+        for number, line in enumerate(listed.determinants):
+            self._add(f"steep {number}", line, STEEP)
+            self._add(f"last {number}", line, LAST)
+
+    def _add(self, name: str, line: int, how: tuple[str, float]) -> None:
+        if name not in self.places:
+            self.places[name] = len(self.results)
+            self.results.append(Result(line, *how))
+
+    def _add_mean(self, name: str, value: Any) -> None:  # noqa: ANN401 - a traced number
+        trace = self.listed.trace
+        for power, number in (("mean", value), ("square", value * value)):
+            for share in (SHARE, HALF_SHARE):
+                self._add(f"{name} {power} {share}", trace.line(number * trace.input(share)), SUM)
+
+    def figure(self, one: Figure, found: Array) -> tuple[Array, Booleans]:
+        """The figure from results (results, n), and where it is doubtful."""
+
+        def of(name: str) -> Array:
+            return np.asarray(found[self.places[name]])
+
+        name = sampled(one.signal)
+        if one.is_mean:
+            power = "square" if one.reduction is Reduction.RMS else "mean"
+            whole, half = (one.of_mean(of(f"{name} {power} {share}")) for share in (SHARE, HALF_SHARE))
+            return whole, ~is_settled(whole, half, np.sqrt(of(f"{name} square {SHARE}")))
+        high, low = of(f"{name} highest"), of(f"{name} lowest")
+        if one.signal == "S":  # counts from the highest
+            high, low = high - low, np.zeros(low.shape)
+        ends = {Reduction.PEAK: (np.maximum(np.abs(high), np.abs(low)),), Reduction.RANGE: (high, low)}
+        ends |= {Reduction.MAX: (high,), Reduction.MIN: (low,)}
+        return one.of(ends[one.reduction]), np.zeros(high.shape, dtype=bool)
+
+
+def reduced_figures(
+    request: FigureRequest, arrays: Mapping[str, Array], listed: LinkageTrace, cores: int | None
+) -> tuple[Array, Booleans]:
+    """The figures, (figures, designs), of designs that differ in ``arrays`` (designs,), and which are doubtful.
+
+    Doubtful are designs of whose means the samples are too few, and such as may stand in a dead position between two
+    crank angles. Figures of a design that cannot move at one of the crank angles are nan.
+    """
+    gathered = _Gathered(listed, request)
+    given, of_rows = listed.borders([result.line for result in gathered.results])
+    function = StraightFunction(listed.trace, given, of_rows, gathered.results)
+    rows = np.stack(_row_numbers(request, listed, of_rows), axis=1)
+    count = len(next(iter(arrays.values())))
+    values, doubtful = np.full((len(request.figures), count), np.nan), np.zeros(count, dtype=bool)
+    steep = [place for name, place in gathered.places.items() if name.startswith("steep")]
+
+    def part(start: int) -> None:
+        here = slice(start, min(start + CHUNK, count))
+        own = {name: numbers[here] for name, numbers in arrays.items()}
+        lanes = listed.trace.computed(given, listed.values(own))
+        found = function(lanes, rows, here.stop - start)
+        doubtful[here] = found[steep].any(axis=0)
+        moves = found[gathered.places["moves"]] > 0.0
+        for row, one in enumerate(request.figures):
+            figure, unsettled = gathered.figure(one, found)
+            values[row, here] = np.where(moves, figure, np.nan)
+            doubtful[here] |= unsettled
+        doubtful[here] &= moves
+
+    in_threads(part, range(0, count, CHUNK), cores)
+    return values, doubtful
+
+
+def _row_numbers(request: FigureRequest, listed: LinkageTrace, lines: Sequence[int]) -> list[Array]:
+    """Values of lines of the crank's place alone, (rows,), at the crank angles and the end of the period."""
+    grid, count = request.grid, len(request.places)
+    share = np.where(np.arange(len(grid)) < count, 1.0 / count, 0.0)
+    shares = {SHARE: share, HALF_SHARE: 2.0 * share * (np.arange(len(grid)) % 2 == 0)}
+    known = listed.values(shares, grid, request.speed)
+    return [np.broadcast_to(values, grid.shape) for values in listed.trace.computed(lines, known)]
