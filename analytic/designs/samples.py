@@ -94,15 +94,11 @@ class Designs:
         """
 
         def part(start: int) -> None:
-            if self.listed is not None:
-                work(np.arange(start, min(start + size, self.count)), self._listed_samples)
-                return
-            try:
-                own = {name: float(values[start]) for name, values in self.arrays.items()}
-                design = self.mechanism.redesigned(with_numbers(self.mechanism.linkage, own))
-            except (AssemblyError, StructureError):
-                return
-            work(np.array([start]), lambda _, phi, names: self._swept_samples(design, phi, names))
+            with np.errstate(all="ignore"):
+                if self.listed is not None:
+                    work(np.arange(start, min(start + size, self.count)), self._listed_samples)
+                elif (design := self._alone(start)) is not None:
+                    work(np.array([start]), lambda _, phi, names: self._swept_samples(design, phi, names))
 
         in_threads(part, range(0, self.count, size if self.listed else 1), cores)
 
@@ -148,15 +144,22 @@ class Designs:
         given = sorted(line for border in self.listed.borders(lines) for line in border)
         return StraightFunction(trace, given, (), [Result(line) for line in lines])
 
+    def _alone(self, row: int) -> Mechanism | None:
+        """One design by itself, None where it cannot be assembled as its sketch shows it."""
+        own = {name: float(values[row]) for name, values in self.arrays.items()}
+        try:
+            return self.mechanism.redesigned(with_numbers(self.mechanism.linkage, own))
+        except (AssemblyError, StructureError):
+            return None
+
     def _swept_samples(self, design: Mechanism, phi: Array, names: tuple[str, ...]) -> Samples:
         """Samples of one design, the same at every row of the crank angles."""
         faults = np.zeros(phi.shape, dtype=bool)
         sweep = Sweep(design.linkage, design.structure, phi, faults)
-        with np.errstate(all="ignore"):
-            for body in design.structure.bodies if self.all_groups else ():
-                sweep.rates(body)
-            at = MovingSweep(design, sweep, np.asarray(self.speed), np.asarray(self.acceleration))
-            values = {name: signal(at, name) for name in names}
-            dyads = [dyad for dyad in design.structure.dyads if self.all_groups and not dyad.changes]
-            sizes = [np.broadcast_to(abs(sweep.determinant(dyad)), phi.shape) for dyad in dyads]
+        for body in design.structure.bodies if self.all_groups else ():
+            sweep.rates(body)
+        at = MovingSweep(design, sweep, np.asarray(self.speed), np.asarray(self.acceleration))
+        values = {name: signal(at, name) for name in names}
+        dyads = [dyad for dyad in design.structure.dyads if self.all_groups and not dyad.changes]
+        sizes = [np.broadcast_to(abs(sweep.determinant(dyad)), phi.shape) for dyad in dyads]
         return Samples(values, ~faults, np.reshape(sizes, (-1, *phi.shape)))

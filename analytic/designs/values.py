@@ -9,10 +9,9 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from analytic.designs.checking import checked
-from analytic.designs.samples import BLOCK, Designs
+from analytic.designs.samples import BLOCK, Designs, Integers, Sampler
 from analytic.errors import LinkproofError
 from analytic.kinematics.mechanism import Mechanism
-from analytic.machine_code.compiling import in_threads
 from analytic.signals import check_signals
 
 ASSEMBLED: Final = "assembled"
@@ -54,13 +53,12 @@ def evaluate_designs(
     )  # fmt: skip
     values = np.full((len(chosen), count, len(places)), np.nan)
     moves = np.zeros(values.shape[1:], dtype=np.bool_)
-    size = max(1, BLOCK // max(1, len(places)))
 
-    def part(start: int) -> None:
-        rows = np.arange(start, min(start + size, count))
-        samples = designs.at(rows, np.broadcast_to(places, (len(rows), len(places))))
+    def work(rows: Integers, sampler: Sampler) -> None:
+        samples = sampler(rows, np.broadcast_to(places, (len(rows), len(places))), chosen)
         moves[rows] = samples.moves
-        values[:, rows] = np.where(samples.moves, samples.signals, np.nan)
+        for row, name in zip(values, chosen, strict=True):
+            row[rows] = np.where(samples.moves, samples.signals[name], np.nan)
 
-    in_threads(part, range(0, count, size), cores)
+    designs.in_blocks(max(1, BLOCK // max(1, len(places))), work, cores)
     return {**dict(zip(chosen, values, strict=True)), ASSEMBLED: moves}

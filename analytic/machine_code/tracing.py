@@ -74,14 +74,16 @@ class Trace:
             with np.errstate(all="ignore"):
                 return float(FUNCTIONS[name](*values))
         match name, values:
-            case (("multiply" | "divide"), [0.0, _]):
+            case (("multiply" | "divide" | "and"), [0.0, _]) | (("multiply" | "and"), [_, 0.0]):
                 return 0.0
-            case "multiply", [_, 0.0]:
-                return 0.0
-            case ("add", [0.0, _]) | ("multiply", [1.0, _]):
+            case ("or", [1.0, _] | [_, 1.0]):
+                return 1.0
+            case (("add" | "or"), [0.0, _]) | (("multiply" | "and"), [1.0, _]) | ("where", [1.0, _, _]):
                 return numbers[1]
-            case (("add" | "subtract"), [_, 0.0]) | (("multiply" | "divide"), [_, 1.0]):
+            case (("add" | "subtract" | "or"), [_, 0.0]) | (("multiply" | "divide" | "and"), [_, 1.0]):
                 return numbers[0]
+            case ("where", [0.0, _, _]):
+                return numbers[2]
             case ("subtract", [0.0, _]) | ("multiply", [-1.0, _]):
                 name, lines = "negative", lines[1:]
             case (("add" | "multiply"), _):

@@ -4,7 +4,6 @@ from functools import cache
 
 import numpy as np
 import pytest
-from analytic.compiled.flat_linkage import flatten
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -305,18 +304,6 @@ def test_either_path_gives_the_figures():
     assert 0 < np.count_nonzero(np.isnan(plain[0])) < 200
     np.testing.assert_array_equal(np.isnan(plain), np.isnan(compiled))
     assert np.nanmax(np.abs(plain - compiled) / np.nanmax(np.abs(plain), axis=1, keepdims=True)) <= SAME
-
-
-@pytest.mark.skipif(not compiling.is_installed(), reason="numba is not installed")
-def test_what_the_kernels_do_not_know_is_numpy_s():
-    sample = mechanism("rimoldi-164")
-    parameters = varied(sample, 5, 5, 1e-3)
-    for refine, names in ((True, ["Mkr"]), (False, ["Mkr", "link:rod:angle"])):
-        np.testing.assert_array_equal(*both_paths(sample, parameters, names, refine=refine))
-    loaded = on_trial("pin in two slots", None, True)
-    tabled = varied(loaded, 5, 5, 1e-3)
-    assert not set(tabled) <= set(flatten(loaded).places)  # loads that are tables
-    np.testing.assert_array_equal(*both_paths(loaded, tabled, ["Mkr"]))
 
 
 def test_a_signal_that_is_not_there_is_named():
