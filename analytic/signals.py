@@ -111,18 +111,14 @@ def unit(name: str, linkage: Linkage) -> str:
     """SI unit of the signal of a linkage, or of the magnitude of a vector."""
     if name in ONE_OF_ITS_KIND:
         return unit_of(name, ONE_OF_ITS_KIND[name].unit, is_linear=linkage.is_linear)
-    kind, part = name.removesuffix(MAGNITUDE).split(":", 1)
-    components = COMPONENTS[kind]
-    return components[""] if "" in components else components["x" if name.endswith(MAGNITUDE) else _component(part)]
+    kind, _, part = name.partition(":")
+    components, component = COMPONENTS[kind], part.rpartition(":")[2]
+    return components.get(component, next(iter(components.values())))  # a magnitude has that of its components
 
 
 def unit_of(name: str, unit: str, *, is_linear: bool) -> str:
     """The unit of a quantity by name, whose ``unit`` is that of a linkage driven by a turning crank."""
     return LINEAR_UNITS.get(name, unit) if is_linear else unit
-
-
-def _component(part: str) -> str:
-    return part.rpartition(":")[2]
 
 
 def signal(at: LinkageInMotion, name: str) -> Array:
@@ -191,7 +187,7 @@ def table(mechanism: Mechanism) -> Mapping[str, Signal]:
     for dyad in mechanism.structure.dyads:
         formula = partial(_transmission, group=dyad.name)
         found[f"transmission_angle:{dyad.name}"] = Signal("rad", formula, is_still=True)
-    return found | EQUATION
+    return {**found, **EQUATION}
 
 
 def _each(kind: str, parts: Iterable[str], formula: Callable[..., Scalar]) -> dict[str, Signal]:

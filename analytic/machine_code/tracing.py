@@ -74,16 +74,14 @@ class Trace:
             with np.errstate(all="ignore"):
                 return float(FUNCTIONS[name](*values))
         match name, values:
-            case (("multiply" | "divide" | "and"), [0.0, _]) | (("multiply" | "and"), [_, 0.0]):
-                return 0.0
-            case ("or", [1.0, _] | [_, 1.0]):
-                return 1.0
-            case (("add" | "or"), [0.0, _]) | (("multiply" | "and"), [1.0, _]) | ("where", [1.0, _, _]):
-                return numbers[1]
-            case (("add" | "subtract" | "or"), [_, 0.0]) | (("multiply" | "divide" | "and"), [_, 1.0]):
+            case (("multiply" | "divide" | "and"), [0.0, _]) | (("multiply" | "divide" | "and"), [_, 1.0]):
                 return numbers[0]
-            case ("where", [0.0, _, _]):
-                return numbers[2]
+            case (("add" | "subtract" | "or"), [_, 0.0]) | ("or", [1.0, _]):
+                return numbers[0]
+            case (("multiply" | "and"), [_, 0.0]) | (("multiply" | "and"), [1.0, _]) | ("where", [1.0, _, _]):
+                return numbers[1]
+            case (("add" | "or"), [0.0, _]) | ("or", [_, 1.0]):
+                return numbers[1]
             case ("subtract", [0.0, _]) | ("multiply", [-1.0, _]):
                 name, lines = "negative", lines[1:]
             case (("add" | "multiply"), _):

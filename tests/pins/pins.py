@@ -1,7 +1,8 @@
 """Pinned records: everything the commands say of mechanisms and engines, taken once and held after every change.
 
 ``python tests/pins/pins.py hold [PART ...] [only=TEXT]`` makes the records anew and prints those that moved; ``take``
-renews the pins. Parts: figures (list, show, thread, published), compare, bench, stress. Times, dates
+renews the pins. Parts: figures (list, show, thread, published), designer (results, check, sweep, optimise,
+tolerance and judge, of the catalogue, the literature and the linkages of the tests), compare, bench, stress. Times, dates
 and borders are left out, and bench and stress are held where both trees finished. Engines' last digits belong to the
 machine and the versions that took them, so this is run by hand and not by the tests.
 """
@@ -18,11 +19,16 @@ import tempfile
 from pathlib import Path
 from typing import Any
 
+from analytic.description.changes import design_numbers
+from analytic.description.loading import load
+
 HERE = Path(__file__).parent
 ROOT = HERE.parents[1]
 COMMAND = [sys.executable, "-c", "from reports.command_line.main import main; main()"]
-PARTS = ("figures", "compare", "bench", "stress")
+PARTS = ("figures", "designer", "compare", "bench", "stress")
 
+MOST = 24  # numbers of a list that are pinned, evenly among them
+CLOSED_FORM = 1e-13  # of the peak
 EXACT = 1e-14  # of the peak: closed form and `direct`, whose operations may move
 ENGINE_SHARE = 0.01  # of an engine's error
 ENGINE_FLOOR = 1e-9  # of the peak
@@ -44,13 +50,16 @@ ONLY: list[str] = []  # parts of names: mechanisms of the figures and of compare
 UNSTEADY = {"timed-out", "crashed"}  # what a slower machine may make of a run
 
 
-def said(*words: str) -> Any:
-    """The JSON of a command of this tree; its message where it refuses."""
+def said(*words: str, files: dict[str, str] | None = None, before: tuple[str, ...] = ()) -> Any:
+    """The JSON of a command of this tree, in a folder with ``files`` after another command; its code where it refuses."""
     with tempfile.TemporaryDirectory() as folder:
         out = Path(folder) / "out.json"
-        environment = os.environ | {"PYTHONPATH": str(ROOT)}
-        command = [*COMMAND, *words, "--json", str(out)]
-        run = subprocess.run(command, env=environment, cwd=folder, capture_output=True, check=False)
+        for name, text in (files or {}).items():
+            (Path(folder) / name).write_text(text, encoding="utf-8")
+        how = {"env": os.environ | {"PYTHONPATH": str(ROOT)}, "cwd": folder, "capture_output": True, "check": False}
+        if before:
+            subprocess.run([*COMMAND, *before], **how)
+        run = subprocess.run([*COMMAND, *words, "--json", str(out)], **how)
         return json.loads(out.read_text(encoding="utf-8")) if out.is_file() else {"exit": run.returncode}
 
 
@@ -68,6 +77,82 @@ def figures() -> dict[str, Any]:
         pins[f"show {mechanism} {variant}"] = said("show", mechanism, "--variant", variant)
         pins[f"thread {mechanism} {variant}"] = said("thread", mechanism, "--variant", variant)
     return pins
+
+
+def designer() -> dict[str, Any]:
+    """What a designer is told of every linkage, and of one length and one mass of it."""
+    shelves = [row["mechanism"] for row in said("list")["records"]]
+    own = sorted(str(path) for path in (ROOT / "tests" / "linkages").rglob("*.toml"))
+    pins: dict[str, Any] = {}
+    for name in [*shelves, *own]:
+        short = Path(name).stem
+        if ONLY and not any(part in short for part in ONLY):
+            continue
+        pins[f"results {short}"] = thinned(said("results", name, "--at", "0,40,100,220,310"))
+        pins[f"check {short}"] = thinned(said("check", name))
+        vary = length_and_mass(name)
+        if vary and short in DESIGNED:
+            near = {number: value for number, (_, value) in design_numbers(load(name)).items() if number in vary}
+            units = {number: "kg" if number.endswith(".mass") else "m" for number in vary}
+            ranges = [f"{n}={0.98 * value!r}{units[n]}:{1.02 * value!r}{units[n]}:3" for n, value in near.items()]
+            over = [word for spread in ranges for word in ("--vary", spread)]
+            figures = ["--quantity", "Mkr.peak", "--quantity", "Mkr.rms", "--quantity", "joint_force.peak"]
+            pins[f"sweep {short}"] = thinned(said("sweep", name, *over, *figures, "--refine"))
+            best = ["--minimise", "Mkr.peak", "--over", f"{vary[0]}=±2%"]
+            pins[f"optimise {short}"] = thinned(said("optimise", name, *best))
+            pins[f"tolerance {short}"] = thinned(tolerance(name, vary))
+            pins |= judgements(name)
+    return pins
+
+
+DESIGNED = ("juki-mf7923d", "rimoldi-164", "slotted-takeup", "two-crank-takeup", "spring-and-damper")  # with designs
+SLIPS = (["--no-gravity"], ["--speed", "950"], ["--clockwise"], [])  # of the curves that are judged
+
+
+def length_and_mass(name: str) -> list[str]:
+    """A length and a mass of a link that is not the crank, by name."""
+    link = load(name)
+    numbers = design_numbers(link)
+    others = [
+        number for number in numbers if number.partition(".")[0] not in (link.crank, "ground", "gravity", "output")
+    ]
+    lengths = [
+        number for number in others if numbers[number][0] == "length" and numbers[number][1] > 0.01 * link.extent()
+    ]
+    masses = [number for number in others if number.endswith(".mass") and numbers[number][1]]
+    return [*lengths[:1], *masses[:1]]
+
+
+def tolerance(name: str, numbers: list[str]) -> Any:
+    """Tolerances of a length and a mass."""
+    rows = "".join(f'"{number}" = "{"1g" if number.endswith(".mass") else "0.05mm"}"\n' for number in numbers)
+    files = {"tolerances.toml": f'results = ["Mkr.peak"]\n[tolerances]\n{rows}'}
+    return said("tolerance", name, "tolerances.toml", "--samples", "100", files=files)
+
+
+def judgements(name: str) -> dict[str, Any]:
+    """What is said of curves of the closed form with a slip."""
+    return {
+        f"judge {name} {' '.join(slip)}": thinned(
+            said(
+                "judge",
+                name,
+                "curves.csv",
+                before=("results", name, "--regime", "run-up", *slip, "--csv", "curves.csv"),
+            )
+        )
+        for slip in SLIPS
+    }
+
+
+def thinned(data: Any) -> Any:
+    """Long lists of numbers by some of them."""
+    if isinstance(data, dict):
+        return {name: thinned(value) for name, value in data.items()}
+    if isinstance(data, list):
+        step = -(-len(data) // MOST) if data and isinstance(data[0], (int, float)) else 1
+        return [thinned(value) for value in data[::step]]
+    return data
 
 
 def compare() -> dict[str, Any]:
@@ -105,9 +190,9 @@ def moved(part: str, old: dict[str, Any], new: dict[str, Any]) -> list[str]:
     lines = []
     for key in sorted(old.keys() | new.keys()):
         if key not in old or key not in new:
-            if part in ("figures", "compare") and not ONLY:
+            if part in ("figures", "designer", "compare") and not ONLY:
                 lines.append(f"{key}: {'is new' if key in new else 'is gone'}")
-        elif part == "figures":
+        elif part in ("figures", "designer"):
             lines += _figures_moved(key, old[key], new[key], "")
         else:
             lines += _record_moved(key, old[key], new[key])
@@ -155,7 +240,7 @@ def _close(where: str, old: Any, new: Any, scale: float) -> bool:
     if any(word in where for word in LOCATIONS):
         apart = abs(old - new)
         return min(apart, abs(apart - 360.0)) <= LOCATION
-    return abs(old - new) <= EXACT * max(abs(old), abs(new), scale)
+    return abs(old - new) <= CLOSED_FORM * max(abs(old), abs(new), scale)
 
 
 def main() -> int:
