@@ -2,8 +2,8 @@
 
 ``python tests/pins/pins.py hold [PART ...] [only=TEXT]`` makes the records anew and prints those that moved; ``take``
 renews the pins. Parts: figures (list, show, thread, published), designer (results, check, sweep, optimise,
-tolerance and judge, of the catalogue, the literature and the linkages of the tests), compare, bench, stress. Times, dates
-and borders are left out, and bench and stress are held where both trees finished. Engines' last digits belong to the
+tolerance and judge, of the catalogue, the literature and the linkages of the tests), compare, bench, stress. Times,
+dates and borders are left out, and bench and stress are held where both trees finished. Engines' last digits belong to the
 machine and the versions that took them, so this is run by hand and not by the tests.
 """
 
@@ -51,15 +51,15 @@ UNSTEADY = {"timed-out", "crashed"}  # what a slower machine may make of a run
 
 
 def said(*words: str, files: dict[str, str] | None = None, before: tuple[str, ...] = ()) -> Any:
-    """The JSON of a command of this tree, in a folder with ``files`` after another command; its code where it refuses."""
+    """The JSON of a command in a folder with ``files``, after another one; its exit code where it refuses."""
     with tempfile.TemporaryDirectory() as folder:
         out = Path(folder) / "out.json"
         for name, text in (files or {}).items():
             (Path(folder) / name).write_text(text, encoding="utf-8")
-        how = {"env": os.environ | {"PYTHONPATH": str(ROOT)}, "cwd": folder, "capture_output": True, "check": False}
+        how = {"env": os.environ | {"PYTHONPATH": str(ROOT)}, "cwd": folder, "capture_output": True}
         if before:
-            subprocess.run([*COMMAND, *before], **how)
-        run = subprocess.run([*COMMAND, *words, "--json", str(out)], **how)
+            subprocess.run([*COMMAND, *before], check=False, **how)
+        run = subprocess.run([*COMMAND, *words, "--json", str(out)], check=False, **how)
         return json.loads(out.read_text(encoding="utf-8")) if out.is_file() else {"exit": run.returncode}
 
 
@@ -132,17 +132,11 @@ def tolerance(name: str, numbers: list[str]) -> Any:
 
 def judgements(name: str) -> dict[str, Any]:
     """What is said of curves of the closed form with a slip."""
-    return {
-        f"judge {name} {' '.join(slip)}": thinned(
-            said(
-                "judge",
-                name,
-                "curves.csv",
-                before=("results", name, "--regime", "run-up", *slip, "--csv", "curves.csv"),
-            )
-        )
-        for slip in SLIPS
-    }
+    found = {}
+    for slip in SLIPS:
+        curves = ("results", name, "--regime", "run-up", *slip, "--csv", "curves.csv")
+        found[f"judge {name} {' '.join(slip)}"] = thinned(said("judge", name, "curves.csv", before=curves))
+    return found
 
 
 def thinned(data: Any) -> Any:
