@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import sys
 from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import asdict
@@ -20,10 +19,10 @@ from comparisons.stress.cells import find_cell
 from engines.contract import Engine, Setting
 from engines.registry import Unusable, engine, engine_names, why_unavailable
 from reports.command_line import FAILED, PASSED
-from reports.command_line.destination import Destination
+from reports.command_line.destination import Destination, write_out
 from reports.command_line.requests import CampaignChoice, command_line, request
 from reports.document.parts import Paragraph, Table, TableCell, Words
-from reports.document.terminal import Printed, Printout, write
+from reports.document.terminal import Printed, Printout
 from reports.records.readouts import readout_table
 
 UNTESTED = (Finding.NOT_APPLICABLE, Finding.NOT_TESTED)
@@ -98,7 +97,7 @@ def export(choice: CampaignChoice, cell: str | None, out: Path | None) -> None:
             )
         text = exported(found[0], choice.engines[0], settings[0], choice.written("export"))
     if out is None:
-        write(text, sys.stdout)
+        write_out(text)  # Python reads UTF-8
     else:
         write_text(out, text)
 
