@@ -15,9 +15,10 @@ from comparisons.conformance.findings import Finding, Found
 from comparisons.exported_run import exported, exported_cell
 from comparisons.runs.failures import blamed_on
 from comparisons.runs.files import check_writable, write_text
+from comparisons.runs.plugins import engine, engines
 from comparisons.stress.cells import find_cell
 from engines.contract import Engine, Setting
-from engines.registry import Unusable, engine, engine_names, why_unavailable
+from engines.registry import Unusable, engine_names, why_unavailable
 from reports.command_line import FAILED, PASSED
 from reports.command_line.destination import Destination, write_out
 from reports.command_line.requests import CampaignChoice, command_line, request
@@ -31,7 +32,7 @@ STYLES = {Finding.PASSED: "green", Finding.FAILED: "bold red", Finding.EXPECTED:
 
 def list_engines(names: Sequence[str], destination: Destination) -> None:
     """Print or write the abilities and read-outs of these engines, of all by default."""
-    told = [_told(engine(name)) for name in names or engine_names()]
+    told = [_told(adapter) for adapter in engines(names or engine_names())]
     destination.print(*(part for one in told for part in _shown(one)))
     destination.write_json({"records": told})
 
@@ -39,7 +40,7 @@ def list_engines(names: Sequence[str], destination: Destination) -> None:
 def _told(adapter: Engine) -> dict[str, Any]:
     """What an engine takes and offers, and why it cannot be used here, where it cannot."""
     error = adapter.error if isinstance(adapter, Unusable) else None
-    reason = why_unavailable(adapter) if error is None else f"{type(error).__name__}: {error}"
+    reason = why_unavailable(adapter) if error is None else str(error)
     able = adapter.abilities
     return {
         "engine": adapter.name,

@@ -160,13 +160,13 @@ def test_functions_of_python_take_a_client(pool):
 
 
 def test_workers_that_lack_anything_are_refused(pool, monkeypatch):
-    known = station.environment()
+    known = station.facts().environment
     for changed, told in [
         ({**known, "numpy": "1.0"}, f": expected numpy 1.0, as here, got {known['numpy']}: install the same"),
         ({**known, "direct": "9"}, f": expected direct 9, as here, got {known['direct']}: install the same"),
         ({**known, "new": "9"}, ": expected new 9, as here, got none: install the same"),
     ]:
-        monkeypatch.setattr(station, "environment", lambda changed=changed: changed)
+        monkeypatch.setattr(station, "environment", lambda _, changed=changed: changed)
         with pytest.raises(LinkproofError) as error:
             ClusterPool(pool.client).check()
         assert str(error.value).startswith("worker tls://127.0.0.1:")
