@@ -23,7 +23,7 @@ from dataclasses import dataclass, replace
 from functools import partial, reduce
 from itertools import product
 from typing import Any
-from xml.etree.ElementTree import Element, SubElement, tostring
+from xml.etree.ElementTree import Element, SubElement, indent, tostring
 
 import numpy as np
 
@@ -131,6 +131,7 @@ class MujocoWorld:
                 SubElement(angle, "joint", joint=hinge, coef="1" if hinge in ours else "-1")
         for body, sensor in product(scene.bodies, KINEMATICS.values()):
             SubElement(sensors, sensor, objtype="body", objname=body.name)
+        indent(root)
         return root
 
     def hung(self, branch: Branch, parent: Element) -> Element:

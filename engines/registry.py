@@ -1,22 +1,25 @@
 """Finding engines: every adapter announced under the entry-point group ``linkproof.engines``, in name order.
 
-A plug-in that cannot be loaded costs its own rows alone: a stand-in takes its place and raises, when it is run, what
-loading raised. A stand-in takes the place of two plug-ins of one name as well, as nobody can know which is meant.
+A plug-in that cannot be loaded, or does not keep the contract, costs its own rows alone: a stand-in takes its place and
+raises, when it is run, what loading raised. A stand-in takes the place of two plug-ins of one name as well, as nobody
+can know which is meant.
 """
 
 from __future__ import annotations
 
 import contextlib
 import signal
+import sys
 import threading
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from importlib.metadata import EntryPoint, entry_points
 from typing import Final, NoReturn
 
+from analytic.description.linkage import DriverKind
 from analytic.errors import UnknownNameError
-from engines.contract import Abilities, Engine, Outcome, Run, Setting
-from engines.scene import Scene
+from engines.contract import Abilities, Engine, Outcome, ReadOut, Run, Setting
+from engines.scene import Channel, Scene
 
 GROUP = "linkproof.engines"
 CONTRACT: Final = ("name", "abilities", "is_control", "version", "run")  # what every adapter has to have
@@ -69,13 +72,27 @@ def announced() -> dict[str, list[EntryPoint]]:
     return found
 
 
+def module_of(entry: EntryPoint) -> str:
+    """The module that an entry point names; it may be no name of a module at all."""
+    return entry.value.partition(":")[0].strip()
+
+
 def engine_names() -> tuple[str, ...]:
     """Names of all engines that have an adapter, installed or not."""
     return tuple(announced())
 
 
-def engine(name: str) -> Engine:
-    """The adapter of that name, or what stands for it; importing it does not import the engine itself.
+def plugins() -> dict[str, str]:
+    """Engines whose adapters are not ours, each with the packages that announce it; nothing is imported."""
+    return {
+        name: " and ".join(sorted(map(_package, found)))
+        for name, found in announced().items()
+        if not all(_is_ours(each.value) for each in found)
+    }
+
+
+def entry_point(name: str) -> EntryPoint | Unusable:
+    """Where the adapter of that name is announced, or what stands for it where several are; nothing is imported.
 
     Raises UnknownNameError for a name that nobody announces.
     """
@@ -83,17 +100,29 @@ def engine(name: str) -> Engine:
     if name not in found:
         raise UnknownNameError("engine", name, found)
     entry, *others = found[name]
-    if others:
-        packages = " and ".join(sorted(_package(each) for each in found[name]))
-        reason = f"engine '{name}' is announced by {packages}: uninstall all of them but one"
-        return Unusable(name, entry.module, reason=reason)
+    if not others:
+        return entry
+    reason = f"engine '{name}' is announced by {plugins()[name]}: uninstall all of them but one"
+    return Unusable(name, module_of(entry), reason=reason)
+
+
+def engine(name: str) -> Engine:
+    """The adapter of that name, or what stands for it; importing it does not import the engine itself.
+
+    Raises UnknownNameError for a name that nobody announces.
+    """
+    entry = entry_point(name)
+    if isinstance(entry, Unusable):
+        return entry
     try:
         if entry.value in _FAILED:
             raise _FAILED[entry.value]
         return _loaded(entry)
-    except (Exception, SystemExit) as error:
+    except BaseException as error:
+        if isinstance(error, KeyboardInterrupt) and signal.getsignal(signal.SIGINT) != signal.SIG_IGN:
+            raise  # the user's; a worker hears none
         _FAILED[entry.value] = error
-        return Unusable(name, entry.module, entry.dist.version if entry.dist else "", error)
+        return Unusable(name, module_of(entry), entry.dist.version if entry.dist else "", error)
 
 
 def why_unavailable(adapter: Engine) -> str | None:
@@ -101,26 +130,54 @@ def why_unavailable(adapter: Engine) -> str | None:
     told = getattr(adapter, "why_unavailable", None)
     if told is not None:
         reason: str | None = told()
+        if not isinstance(reason, str | None):
+            raise PluginError(f"expected why_unavailable as text or None, got a {type(reason).__name__}")
         return reason
     if adapter.version() is not None:
         return None
-    is_ours = type(adapter).__module__.startswith("engines.")
-    cure = f"install it with: pip install 'linkproof[{adapter.name}]'" if is_ours else "install it"
+    ours = _is_ours(type(adapter).__module__)
+    cure = f"install it with: pip install 'linkproof[{adapter.name}]'" if ours else "install it"
     return f"engine '{adapter.name}' is not installed: {cure}"
 
 
 def _loaded(entry: EntryPoint) -> Engine:
-    with _at_most(LOADING, f"loading it took longer than {LOADING:g} s"):
+    late = f"loading it took longer than {LOADING:g} s"
+    with _at_most(LOADING, late), contextlib.redirect_stdout(sys.stderr):  # the output may be JSON or a script
         adapter: Engine = entry.load()()
         lacking = [part for part in CONTRACT if not hasattr(adapter, part)]
         if lacking:
             raise PluginError(f"expected an adapter with {', '.join(CONTRACT)}, got one without {', '.join(lacking)}")
-        adapter.version()
+        version = adapter.version()
+    if adapter.name != entry.name:
+        raise PluginError(f"expected an adapter with the name it is announced by, got {adapter.name!r}")
+    if not isinstance(version, str | None):
+        raise PluginError(f"expected a version as text or None, got a {type(version).__name__}")
+    if not isinstance(adapter.is_control, bool) or not _are_plain(adapter.abilities):
+        raise PluginError("expected is_control as True or False and abilities of the contract's own types, got others")
     return adapter
 
 
 def _package(entry: EntryPoint) -> str:
     return f"{entry.dist.name} {entry.dist.version}" if entry.dist else entry.value
+
+
+def _are_plain(abilities: object) -> bool:
+    """Whether abilities are words, settings and types of the contract, which every process knows."""
+    if type(abilities) is not Abilities or not isinstance(abilities.readouts, Mapping):
+        return False
+    types = [*abilities.drives, *abilities.joints, *abilities.loads]
+    readouts = abilities.readouts.items()
+    return (
+        all(isinstance(each, type) and each.__module__ == Scene.__module__ for each in types)
+        and all(isinstance(channel, Channel) and type(readout) is ReadOut for channel, readout in readouts)
+        and all(isinstance(word, str) for words in abilities.told().values() for word in words.values())
+        and all(isinstance(each, Setting) for each in abilities.settings)
+        and all(isinstance(each, DriverKind) for each in abilities.drivers)
+    )
+
+
+def _is_ours(module: str) -> bool:
+    return module.startswith("engines.")
 
 
 @contextlib.contextmanager

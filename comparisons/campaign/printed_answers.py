@@ -28,11 +28,11 @@ from comparisons.reference.case import Case, unpickled
 from comparisons.reference.published import applies, in_printed_unit, speed_of, verdict
 from comparisons.reference.signal_figures import case_of, instant
 from comparisons.runs.failures import Lost
+from comparisons.runs.plugins import engine
 from comparisons.runs.run_engine import run_engine
 from comparisons.runs.study import Announce, Study, Task
 from comparisons.runs.workers import DEFAULT_BOUNDS, Bounds, LocalPool, Pool, usual_processes
 from engines.contract import Outcome, Setting
-from engines.registry import engine
 from engines.scene import Channel
 
 Array = NDArray[np.float64]

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import math
+import os
 import tomllib
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from pathlib import Path
+from pathlib import Path, PurePath
 from typing import Any, Final
 
 from analytic.errors import LinkproofError, UnknownNameError
@@ -59,7 +60,7 @@ def read_project(path: Path) -> Project:
     folder = path.parent
     return Project(
         folder=folder,
-        baseline=folder / _text(table, "baseline", BASELINE, path),
+        baseline=_within(folder, _text(table, "baseline", BASELINE, path), "baseline", path),
         linkages=tuple(file for pattern in lists.pop("linkages") for file in _files(folder, pattern, path)),
         limits=with_rows(table["limit"], str(path)) if "limit" in table else shipped_limits(),
         time_limit=_number(table, "time_limit", path),
@@ -91,12 +92,24 @@ def _number(table: Mapping[str, Any], name: str, path: Path) -> float | None:
     return float(value)
 
 
+def _within(folder: Path, place: str, key: str, path: Path) -> Path:
+    """A place beneath the project's folder; raises LinkproofError for one elsewhere, also if links lead there."""
+    try:
+        found = Path(os.path.realpath(folder / place))
+    except ValueError:  # a null character
+        found = Path(os.sep)
+    if ".." in PurePath(place).parts or not found.is_relative_to(os.path.realpath(folder)):
+        raise LinkproofError(f"{path}: {key}: expected a place beneath its folder, got '{place}'; give one there")
+    return folder / place
+
+
 def _files(folder: Path, pattern: str, path: Path) -> list[Path]:
-    """The files that a pattern matches, sorted; raises LinkproofError where none does."""
+    """The files that a pattern matches, sorted; raises LinkproofError where none does, or one lies elsewhere."""
+    _within(folder, pattern, "linkages", path)
     try:
         found = sorted(file for file in folder.glob(pattern) if file.is_file() and file.name != FILE)
     except (ValueError, NotImplementedError) as error:  # an absolute pattern, or a double star beside letters
         raise LinkproofError(f"{path}: linkages: expected a pattern beneath its folder, got '{pattern}'") from error
     if not found:
         raise LinkproofError(f"{path}: linkages: expected linkage files, got none that match '{pattern}'; correct it")
-    return found
+    return [_within(folder, str(file.relative_to(folder)), "linkages", path) for file in found]

@@ -115,7 +115,7 @@ def document(
         "format": 1,
         "command": command,
         "conditions": request.conditions,
-        "environment": environment(),
+        "environment": environment(request.engines),
         "records": [asdict(record) for result in results for record in result.records],
         "invariants": [asdict(record) for result in results for record in result.invariants],
         "errata": [{**asdict(record), "sentence": record.sentence} for record in errata],

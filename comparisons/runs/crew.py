@@ -24,12 +24,22 @@ from typing import Any, Final
 
 from analytic.errors import LinkproofError
 from comparisons.runs.failures import GIB, Failure, Lost, lost
-from comparisons.runs.worker_process import READY, cut_off, serve, start_method, start_server
+from comparisons.runs.worker_process import (
+    START_MARK,
+    BrokenMessageError,
+    cut_off,
+    message_of,
+    received,
+    serve,
+    start_method,
+    start_server,
+)  # fmt: skip
 
 # What C and C++ run-time libraries say when an allocation fails and nobody catches it.
 _NO_MEMORY: Final = (b"bad_alloc", b"out of memory", b"Out of memory", b"Cannot allocate memory", b"MemoryError")
 _OUTPUT_END: Final = 4096  # bytes kept of the end of a worker's output, to see what it died of
 _CHUNK: Final = 1 << 16
+_ANSWERING: Final = 30.0  # s that a worker may pause in its answer
 _DYING: Final = 2.0  # s that a process which has hung up is given to end
 _PULSE: Final = 1.0  # s
 _STARTING: Final = threading.Lock()  # a process is cut off as a whole, whichever of its threads starts a worker
@@ -51,7 +61,10 @@ DEFAULT_BOUNDS = Bounds()
 
 @dataclass(eq=False)
 class _Worker:
-    """A worker process; ``job`` is None while it is free, ``used`` once it has finished any."""
+    """A worker process; ``job`` is None while it is free, ``used`` once it has finished any.
+
+    ``sent`` has come of a message, which bears the ``mark``.
+    """
 
     process: BaseProcess
     channel: Connection
@@ -61,6 +74,8 @@ class _Worker:
     job: int | None = None
     deadline: float = math.inf
     written: bytes = b""
+    mark: bytes = START_MARK
+    sent: bytearray = field(default_factory=bytearray)
 
     @property
     def sources(self) -> list[Connection | int]:
@@ -75,6 +90,18 @@ class _Worker:
             if not text:
                 self.output.close()
                 self.output = None
+
+    def listen(self) -> bool:
+        """Take what has come of its message; False where nothing came and nothing will."""
+        try:
+            if not self.channel.poll():
+                return self.process.is_alive()
+            some = received(self.channel)
+        except (EOFError, OSError):
+            return False
+        self.deadline = max(self.deadline, time.monotonic() + _ANSWERING)  # a long answer may be heard late
+        self.sent += some
+        return bool(some)
 
     def exit_code(self) -> int | None:
         """Exit code of a process that has hung up, None if it does not end: it may have closed what it is joined by."""
@@ -161,10 +188,11 @@ class Crew:
 
     def _assign(self, worker: _Worker, number: int) -> None:
         message = pickle.dumps(self.jobs[number], protocol=pickle.HIGHEST_PROTOCOL)
-        worker.job, worker.written = number, b""
+        worker.job, worker.written, worker.mark = number, b"", os.urandom(len(START_MARK))
         worker.deadline = time.monotonic() + self.bounds.seconds
         self.begun(number)
         with contextlib.suppress(OSError):  # a worker that died meanwhile is found when it is waited for
+            worker.channel.send_bytes(worker.mark)
             worker.channel.send_bytes(message)
 
     def _wait(self) -> None:
@@ -178,20 +206,21 @@ class Crew:
 
     def _heard(self, worker: _Worker) -> list[tuple[int, Any]]:
         """The job that a worker's message or death ends."""
+        if not worker.listen():
+            return self._died(worker, _how(worker.exit_code()))
         try:
-            if not worker.channel.poll():
-                if worker.process.is_alive():
-                    return []
-                raise EOFError
-            message = worker.channel.recv_bytes()
-        except (EOFError, OSError):
-            return self._died(worker)
-        if message == READY:
+            message = message_of(worker.sent, worker.mark, self.bounds.memory)
+        except BrokenMessageError:
+            return self._died(worker, "wrote into the pipe that its result comes through")
+        if message is None:
+            return []
+        worker.sent.clear()
+        number, worker.job, worker.mark, worker.deadline = worker.job, None, b"", math.inf
+        if number is None:
             worker.ready = True
             return []
+        worker.used = True
         result = self._read(message)
-        number, worker.job, worker.deadline, worker.used = worker.job, None, math.inf, True
-        assert number is not None
         if isinstance(result, Lost) and result.outcome is Failure.CRASHED:
             self._dismiss(worker)  # who knows in what state it was left
         return [(number, result)]
@@ -203,13 +232,14 @@ class Crew:
         except Exception as error:
             return lost(error, self.bounds.memory)
 
-    def _died(self, worker: _Worker) -> list[tuple[int, Lost]]:
-        code, number = worker.exit_code(), worker.job
+    def _died(self, worker: _Worker, how: str) -> list[tuple[int, Lost]]:
+        """The end of a worker, whose job is done by another if this one had done any before."""
+        number = worker.job
         worker.read_output()
         self._dismiss(worker)
         if not worker.ready:
             raise LinkproofError(
-                f"expected a worker process, got one that {_how(code)} at its start: run with --jobs 0 to do without"
+                f"expected a worker process, got one that {how} at its start: run with --jobs 0 to do without"
             )
         if number is None:
             return []
@@ -219,11 +249,12 @@ class Crew:
             return []
         if any(words in worker.written for words in _NO_MEMORY):
             return [(number, lost(MemoryError(), self.bounds.memory))]
-        return [(number, Lost(Failure.CRASHED, _how(code)))]
+        return [(number, Lost(Failure.CRASHED, how))]
 
     def _late(self, worker: _Worker) -> list[tuple[int, Lost]]:
         """The job of a worker past its deadline; one that has answered meanwhile is not, however late it is asked."""
-        if worker not in self.workers or worker.deadline > time.monotonic() or worker.channel.poll():
+        in_time = worker not in self.workers or worker.deadline > time.monotonic()
+        if in_time or (not worker.sent and worker.channel.poll()):
             return []
         assert worker.job is not None
         self._dismiss(worker)

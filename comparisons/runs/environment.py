@@ -7,27 +7,23 @@ import hashlib
 import os
 import platform
 import subprocess
-from collections.abc import Iterable
+from collections.abc import Sequence
 from functools import cache
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 
 from comparisons.runs.failures import OURS
-from engines.registry import engine, engine_names
+from comparisons.runs.plugins import engines as adapters
 
 PACKAGES = ("linkproof", "numpy", "scipy")
 # What an environment holds that no result depends on.
 INCIDENTAL = ("date", "machine")
 
 
-def environment(engines: Iterable[str] | None = None) -> dict[str, str]:
-    """Name and value of everything that decides a figure or a time, ready for JSON; of all engines, or of these."""
+def environment(engines: Sequence[str] = ()) -> dict[str, str]:
+    """Name and value of everything that decides a figure or a time, these engines among it, ready for JSON."""
     facts = {name: _version(name) for name in PACKAGES}
-    facts |= {
-        name: engine(name).version() or ""
-        for name in (engine_names() if engines is None else engines)
-        if name not in facts
-    }
+    facts |= {one.name: one.version() or "" for one in adapters(engines) if one.name not in facts}
     return {
         "date": datetime.datetime.now(datetime.UTC).strftime("%Y-%m-%d %H:%M UTC"),
         "python": platform.python_version(),

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import contextlib
 import os
+import signal
 import sys
 import traceback
 from collections.abc import Iterator
@@ -43,7 +44,7 @@ class Lost:
 
 
 class AdapterError(Exception):
-    """An adapter raised; the message says what and where."""
+    """An adapter raised, or returned what it may not; the message says what and where."""
 
 
 class _Named(Protocol):
@@ -52,12 +53,17 @@ class _Named(Protocol):
 
 @contextlib.contextmanager
 def blamed_on(adapter: _Named) -> Iterator[None]:
-    """Turn every exception raised inside into an AdapterError, but MemoryError, which speaks of the bounds."""
+    """Turn whatever is raised inside into an AdapterError, but MemoryError, which speaks of the bounds, and an exit.
+
+    An interruption is the user's in a process that hears Ctrl-C, and the adapter's in a worker.
+    """
     try:
         yield
-    except MemoryError:
+    except (MemoryError, SystemExit, AdapterError):
         raise
-    except Exception as error:
+    except BaseException as error:
+        if isinstance(error, KeyboardInterrupt) and signal.getsignal(signal.SIGINT) != signal.SIG_IGN:
+            raise
         module = getattr(adapter, "module", type(adapter).__module__)  # a stand-in knows the module it stands for
         place = _place(error, (module.rpartition(".")[0] or module,), f"announced in {module}")
         raise AdapterError(f"the adapter of {adapter.name} raised {_words(error)} ({place})") from error

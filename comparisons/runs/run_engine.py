@@ -1,27 +1,35 @@
-"""Running a scene in an engine: a run comes back, and one that finished is whole."""
+"""Running a scene in an engine: a run comes back, and one that finished is whole.
+
+Whatever an adapter returns is checked here, before it meets anything else.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+import math
+from collections.abc import Iterator, Mapping
 from dataclasses import replace
+from typing import Final
 
 import numpy as np
 
 from comparisons.observation.interpolation import POINTS
-from comparisons.runs.failures import blamed_on
-from engines.contract import Engine, History, Method, Outcome, Run, Setting, Signal, StudiedEngine
+from comparisons.runs.failures import AdapterError, blamed_on
+from engines.contract import Engine, History, Method, Origin, Outcome, Run, Setting, Signal, StudiedEngine
 from engines.scene import Channel, Scene
+
+_REASON: Final = 1000  # characters of a reason
+_LARGEST: Final = 1e100  # of a signal, in any unit: the squares of what is made of it are still finite
 
 
 def run_engine(adapter: Engine, model: Scene, way: Setting | Method, step: float | None = None) -> Run:
     """The run of a scene by a setting, or by a method at a longest ``step``, s.
 
-    What a run that finished has recorded is finite.
+    What a run that finished has recorded is finite, and so are its squares.
     Raises AdapterError for every exception of the adapter but MemoryError, which whoever set the bound explains
-    (``comparisons.runs.failures``).
+    (``comparisons.runs.failures``), and for a run that is not as the contract has it.
     """
     with blamed_on(adapter):
-        return checked(started(adapter, model, way, step), model)
+        return checked(started(adapter, model, way, step), model, adapter.name)
 
 
 def started(adapter: Engine, model: Scene, way: Setting | Method, step: float | None) -> Run:
@@ -33,21 +41,30 @@ def started(adapter: Engine, model: Scene, way: Setting | Method, step: float | 
     return adapter.run_method(model, way, step)
 
 
-def checked(run: Run, model: Scene) -> Run:
-    """A run that claims to have finished, held to samples that can be read between and are finite throughout."""
+def checked(run: Run, model: Scene, name: str) -> Run:
+    """The run that the engine of this name made, held to the contract: plain data, and samples of the scene's shapes.
+
+    One that claims to have finished, and cannot be read between its samples or is not finite throughout, has diverged.
+    Raises AdapterError for what no simulation can do wrong.
+    """
+    fault = next(_faults(run, model), None)
+    if fault is not None:
+        raise AdapterError(f"the adapter of {name} returned a run that is not as the contract has it: expected {fault}")
+    run = replace(run, reason=" ".join(run.reason.split())[:_REASON])
     if run.outcome is not Outcome.FINISHED:
         return run
-    history = run.history
-    for channel, signal in _signals(history, model):
+    for channel, signal in _signals(run.history, model):
         if signal is None:
             continue
         if len(signal.time) < POINTS:
             reason = f"{channel} has {len(signal.time)} samples, too few to read between"
             return replace(run, outcome=Outcome.DIVERGED, reason=reason)
-        finite = np.isfinite(signal.values).reshape(len(signal.time), -1).all(axis=1)
-        if not finite.all():
-            at = float(signal.time[int(np.argmin(finite))])
-            return replace(run, outcome=Outcome.DIVERGED, reason=f"{channel} is not finite from {at:.4g} s on")
+        small = (np.abs(signal.values) < _LARGEST).reshape(len(signal.time), -1).all(axis=1)
+        if not small.all():
+            first = int(np.argmin(small))
+            how = f"beyond {_LARGEST:g}" if np.isfinite(signal.values[first]).all() else "not finite"
+            reason = f"{channel} is {how} from {signal.time[first]:.4g} s on"
+            return replace(run, outcome=Outcome.DIVERGED, reason=reason)
     return run
 
 
@@ -58,3 +75,65 @@ def _signals(history: History | None, model: Scene) -> Iterator[tuple[str, Signa
     if Channel.JOINT_FORCE in model.channels:
         for joint in (*model.pins, *model.guided):
             yield f"the force of joint {joint.name}", history.joint_force.get(joint.name) if history else None
+
+
+def _faults(run: object, model: Scene) -> Iterator[str]:
+    """What was expected of a run, and what there is instead, wherever it is not so."""
+    if type(run) is not Run:
+        yield f"a Run, got {_shown(run)}"
+        return
+    if not isinstance(run.outcome, Outcome):
+        yield f"an Outcome, got {_shown(run.outcome)}"
+    if not isinstance(run.reason, str):
+        yield f"a reason as text, got {_shown(run.reason)}"
+    for part in ("seconds", "setup_seconds"):
+        if not _is_time(getattr(run, part)):
+            yield f"{part} that are finite and not negative, got {_shown(getattr(run, part))}"
+    for part in ("steps", "solver_work"):
+        value = getattr(run, part)
+        if type(value) is not int or not 0 <= value < 1 << 63:
+            yield f"{part} as a number from 0 on, got {_shown(value)}"
+    if not isinstance(run.passes, tuple) or not all(map(_is_time, run.passes)):
+        yield f"passes as steps in s, got {_shown(run.passes)}"
+    plain = isinstance(run.details, Mapping) and all(isinstance(key, str) for key in run.details)
+    wrong = [value for value in run.details.values() if not _is_plain(value)] if plain else [run.details]
+    if wrong:
+        yield f"details that are texts and finite numbers, got {_shown(wrong[0])}"
+    if run.outcome is Outcome.FINISHED:
+        yield from _history_faults(run.history, model)
+
+
+def _history_faults(history: object, model: Scene) -> Iterator[str]:
+    if type(history) is not History or not isinstance(history.joint_force, Mapping):
+        yield f"a History of a run that finished, got {_shown(history)}"
+        return
+    bodies = (len(model.bodies), 3)
+    shapes = {"torque": ((),), "position": (bodies,), "velocity": (bodies,), "acceleration": (bodies,)}
+    for name, signal in _signals(history, model):
+        if signal is not None:
+            yield from (f"{fault} in {name}" for fault in _signal_faults(signal, shapes.get(name, ((2,), ()))))
+
+
+def _signal_faults(signal: object, shapes: tuple[tuple[int, ...], ...]) -> Iterator[str]:
+    if type(signal) is not Signal or not isinstance(signal.origin, Origin):
+        yield f"a Signal, got {_shown(signal)}"
+    elif not all(isinstance(part, np.ndarray) and part.dtype.kind in "fiu" for part in (signal.time, signal.values)):
+        yield "times and values as arrays of real numbers, got others"
+    elif signal.time.ndim != 1 or signal.values.shape not in [(len(signal.time), *shape) for shape in shapes]:
+        wanted = " or ".join(str(("samples", *shape)).replace("'", "") for shape in shapes)
+        yield f"values of shape {wanted} for {signal.time.size} times, got {signal.values.shape}"
+    elif not (np.isfinite(signal.time).all() and (np.diff(signal.time) >= 0.0).all()):
+        yield "times that are finite and never decrease, got others"
+
+
+def _is_time(value: object) -> bool:
+    return isinstance(value, float | int) and 0.0 <= value < math.inf
+
+
+def _is_plain(value: object) -> bool:
+    return isinstance(value, str) or (isinstance(value, float | int) and abs(value) < math.inf)
+
+
+def _shown(value: object) -> str:
+    """A number or a short text as it is, anything else by its type alone, as its own words may be anything."""
+    return repr(value) if isinstance(value, float | int) else f"a {type(value).__name__}"

@@ -8,7 +8,7 @@ import subprocess
 import sys
 import time
 from collections.abc import Callable, Iterator, Sequence
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from typing import TypeVar
 
@@ -20,6 +20,7 @@ T = TypeVar("T")
 _TURNS, _PASSES, _SIZE = 16000, 120, 2000
 WORK = f"{_TURNS} interpreted additions and {_PASSES} passes over {_SIZE} floats"
 
+_FIRST_USE_LIMIT = 120.0  # s
 # In a fresh interpreter that has loaded the adapter and a linkage: what the first scene costs more than the second.
 _FIRST_USE = """
 import time
@@ -104,9 +105,10 @@ def first_use_seconds(engine: str, repeats: int = 3) -> tuple[float, ...]:
     command = [sys.executable, "-c", _FIRST_USE.format(name=engine)]
     found: list[float] = []
     for _ in range(repeats):
-        done = subprocess.run(command, capture_output=True, text=True, check=False)
-        if done.returncode == 0:
-            found.append(max(0.0, float(done.stdout.split()[-1])))
+        with suppress(subprocess.TimeoutExpired, IndexError, ValueError):  # it may hang, and write anything
+            done = subprocess.run(command, capture_output=True, timeout=_FIRST_USE_LIMIT, check=False)
+            if done.returncode == 0:
+                found.append(max(0.0, float(done.stdout.split()[-1])))
     return tuple(found)
 
 

@@ -12,19 +12,23 @@ import multiprocessing
 import os
 import pickle
 import signal
+import struct
 import sys
 import threading
+import zlib
 from collections.abc import Callable, Iterator, Sequence
 from multiprocessing import forkserver
 from multiprocessing.connection import Connection, wait
 from pathlib import Path
 from types import ModuleType
-from typing import Final
+from typing import Any, Final
 
 from comparisons.runs.failures import SHOW_OUTPUT, lost
 
 HOST: Final = "LINKPROOF_HOST"  # in a worker's environment: the name of its machine, where results are to tell it
-READY: Final = b""  # a worker's first message; every other is the pickled result of a job
+START_MARK: Final = bytes(16)  # of a worker's first message, which is empty; a job's result bears the job's mark
+_HEADER: Final = struct.Struct("!16sQI")  # of a message: its mark, its length, its checksum
+_CHUNK: Final = 1 << 20  # bytes read at once
 # How workers are started: fork, forkserver or spawn, as multiprocessing has it.
 START: Final = "LINKPROOF_WORKER_START"
 
@@ -32,6 +36,53 @@ START: Final = "LINKPROOF_WORKER_START"
 def host() -> str:
     """Name of the machine that this worker runs on; empty in one of the same machine as its results, and elsewhere."""
     return os.environ.get(HOST, "")
+
+
+def is_worker() -> bool:
+    """Whether this is a worker process, which may import a plug-in."""
+    return HOST in os.environ
+
+
+class BrokenMessageError(Exception):
+    """Bytes that are no message of a worker's."""
+
+
+def message_of(sent: bytes | bytearray, mark: bytes, longest: int) -> bytes | None:
+    """The message of this mark that a worker has sent; None while the bytes end too early.
+
+    An engine shares the pipe with its worker, and may write into it or change what Python does. So raises
+    BrokenMessageError for another mark, more than ``longest`` bytes or more than were announced, and a wrong checksum.
+    """
+    if bytes(sent[: len(START_MARK)]) != mark[: len(sent)]:
+        raise BrokenMessageError
+    if len(sent) < _HEADER.size:
+        return None
+    _, length, checksum = _HEADER.unpack_from(sent)
+    missing = _HEADER.size + length - len(sent)
+    if length > longest or missing < 0:
+        raise BrokenMessageError
+    if missing:
+        return None
+    message = bytes(memoryview(sent)[_HEADER.size :])
+    if zlib.crc32(message) != checksum:
+        raise BrokenMessageError
+    return message
+
+
+def received(channel: Connection) -> bytes:
+    """Bytes that have come by now, none at the end: unlike ``recv_bytes`` it never waits for the rest of a message."""
+    if os.name == "posix":
+        return os.read(channel.fileno(), _CHUNK)
+    return channel.recv_bytes()  # the system hands on what was sent at once as a whole
+
+
+def _send(channel: Connection, mark: bytes, message: bytes) -> None:
+    left = memoryview(_HEADER.pack(mark, len(message), zlib.crc32(message)) + message)
+    if os.name != "posix":
+        channel.send_bytes(left)
+        return
+    while left:
+        left = left[os.write(channel.fileno(), left) :]
 
 
 def start_method() -> str:
@@ -125,11 +176,13 @@ def serve(channel: Connection, output: Connection | None, function: bytes, memor
     if hasattr(os, "setpgid"):
         os.setpgid(0, 0)  # what an engine starts of its own is in the worker's group, and dies with it
     _die_with_parent()
+    _leave_server()
     _redirect(output)
-    channel.send_bytes(READY)
+    _send(channel, START_MARK, b"")
     with contextlib.suppress(EOFError):
         while True:
-            channel.send_bytes(_answer(function, channel.recv_bytes(), memory))
+            mark, job = channel.recv_bytes(), channel.recv_bytes()
+            _send(channel, mark, _answer(function, job, memory))
 
 
 def _answer(function: bytes, job: bytes, memory: int) -> bytes:
@@ -168,6 +221,15 @@ def _die_with_parent() -> None:
             os._exit(1)
     else:
         threading.Thread(target=_outlive, args=(parent.sentinel,), daemon=True).start()
+
+
+def _leave_server() -> None:
+    """Close the pipe by which the server hears that it is needed: one byte written there by an engine would end it."""
+    server: Any = getattr(forkserver, "_forkserver", None)
+    descriptor = getattr(server, "_forkserver_alive_fd", None)
+    if descriptor is not None:
+        server._forkserver_alive_fd = None
+        os.close(descriptor)
 
 
 def _outlive(sentinel: int) -> None:

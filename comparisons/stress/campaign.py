@@ -57,7 +57,7 @@ class Stressed:
         return {
             "format": 1,
             "command": command,
-            "environment": environment(),
+            "environment": environment(list(summary(self.cells))),
             "quick": quick,
             "summary": summary(self.cells),
             "cells": [part.document for part in self.cells],

@@ -16,13 +16,14 @@ from pydantic import TypeAdapter
 from analytic.errors import LinkproofError, UnknownNameError
 from comparisons.reference.case import Case
 from comparisons.runs.failures import Lost, blamed_on
+from comparisons.runs.plugins import engine
 from comparisons.runs.run_engine import run_engine
 from comparisons.runs.worker_process import host
 from comparisons.stress.axes import Axis, axes
 from comparisons.stress.scenes import Conditions, case, scene
 from comparisons.stress.verdict import Judgement, StressVerdict, judged
 from engines.contract import Engine, Outcome, Run, Setting, StudiedEngine
-from engines.registry import engine, why_unavailable
+from engines.registry import why_unavailable
 from engines.scene import Scene
 
 SETTINGS = tuple(setting.value for setting in Setting)
@@ -149,7 +150,8 @@ def made(cell: Cell) -> CellResult:
     conditions = axes()[cell.axis].conditions(cell.row, cell.value)
     blank = replace(_unmade(cell), conditions=conditions.differing, host=host())
     adapter = engine(cell.engine)
-    absent = why_unavailable(adapter)
+    with blamed_on(adapter):
+        absent = why_unavailable(adapter)
     if absent is not None:
         return replace(blank, judgement=Judgement(StressVerdict.UNAVAILABLE, absent), outcome="unavailable")
     try:

@@ -13,12 +13,12 @@ from comparisons.judging.records import Verdict
 from comparisons.observation.observed_motion import ObservedMotion
 from comparisons.reference.case import Case, unpickled
 from comparisons.runs.failures import blamed_on
+from comparisons.runs.plugins import engine
 from comparisons.runs.run_engine import checked, started
 from comparisons.runs.timing import calibrate, timed
 from comparisons.runs.worker_process import host
 from comparisons.work_precision.records import PointError
 from engines.contract import Engine, Method, Origin, Outcome, Run, Setting, StudiedEngine
-from engines.registry import engine
 from engines.scene import Scene
 
 JOINTS = JOINT_FORCE.rstrip(":")
@@ -96,7 +96,7 @@ def measure(  # noqa: PLR0917  a worker's job is a plain tuple
         _warm_up(adapter, scene, longest_step(case, WARM))
         steady = calibrate()
         run, wall = timed(lambda: started(adapter, scene, way, step))
-        run = checked(run, scene)
+        run = checked(run, scene, name)
     taken = _taken(run, wall, steady)
     if not with_errors or run.outcome is not Outcome.FINISHED or run.history is None:
         return taken

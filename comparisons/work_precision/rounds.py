@@ -14,6 +14,7 @@ from typing import Any
 from comparisons.reference.case import Case
 from comparisons.runs.failures import Failure, Lost
 from comparisons.runs.journal import Journal
+from comparisons.runs.plugins import engine
 from comparisons.runs.study import Announce, Study, Task
 from comparisons.runs.timing import smallest_and_median
 from comparisons.runs.workers import Bounds, Pool
@@ -21,7 +22,7 @@ from comparisons.work_precision.measure import Taken, longest_step, measure
 from comparisons.work_precision.points import Extent, Point, Track
 from comparisons.work_precision.records import METHOD, SETTING, PointError, PointRecord
 from engines.contract import Outcome, StudiedEngine
-from engines.registry import engine, why_unavailable
+from engines.registry import why_unavailable
 
 # A run that takes this much longer than its budget, s, hangs.
 HANGS = 60.0

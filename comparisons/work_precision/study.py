@@ -14,6 +14,7 @@ from typing import Any
 from analytic.errors import UnknownNameError
 from comparisons.reference.case import Case
 from comparisons.runs.journal import Journal
+from comparisons.runs.plugins import engine
 from comparisons.runs.study import Announce
 from comparisons.runs.timing import Noise
 from comparisons.runs.workers import ONE_BY_ONE, Pool
@@ -22,7 +23,7 @@ from comparisons.work_precision.points import FULL, Extent, Point, Track, tracks
 from comparisons.work_precision.records import BenchRecord, PointRecord, by_quantity
 from comparisons.work_precision.rounds import Rounds, records
 from engines.contract import Method, Setting, StudiedEngine
-from engines.registry import engine, engine_names, why_unavailable
+from engines.registry import engine_names, why_unavailable
 from engines.scene import Channel
 
 QUANTITIES = ("Mkr", "Jeq", "phi", "joint_force")

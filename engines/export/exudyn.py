@@ -93,9 +93,7 @@ def text(scene: Scene, world: Recorder, course: Course[ExudynRecipe], followed: 
         forces.append(row((sensor, output.matrix.tolist(), *turned), FORCE + name))
     return TEXT.format(
         parts="\n".join(told),
-        start="\n".join(
-            f"    [{body.position[0]!r}, {body.position[1]!r}, {body.angle!r}],  # {body.name}" for body in scene.bodies
-        ),
+        start="\n".join(f"{row([*body.position, body.angle])}  # {body.name!r}" for body in scene.bodies),
         motion="\n".join(f'    "{channel}": {list(sensors)},' for channel, sensors in world.motion.items()),
         forces="\n".join(forces),
         sensors=1 + max(world.sensors),

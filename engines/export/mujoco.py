@@ -127,7 +127,7 @@ def text(scene: Scene, world: MujocoWorld, course: Course[MujocoRecipe], followe
     return pushes + TEXT.format(
         loaded=loaded,
         parts="\n".join(parts),
-        bodies="\n".join(f"{row((body.angle, turns))}  # {body.name}" for body, turns in bodies),
+        bodies="\n".join(f"{row((body.angle, turns))}  # {body.name!r}" for body, turns in bodies),
         tree="\n".join(
             row((world.model.body(branch.body.name).id, 1 - 2 * branch.reverse), FORCE + branch.name)
             for branch in branches

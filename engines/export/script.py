@@ -109,7 +109,7 @@ def script(
             history = engine.follow(followed, replace(course, cost=Cost()))
             shown = figures(restored(history, units) if units else history)
         except DivergedError as error:
-            ending = f"\n# It does not get to its end: {error}.\n"
+            ending = f"\n# It does not get to its end: {str(error)!r}\n"
         writer = _writer(engine)
         _forget_imports(engine)
         with transcript.on():
@@ -121,12 +121,7 @@ def script(
     imports, lines, rest = transcript.source(world, text)
     return "\n".join(
         [
-            '"""'
-            + "\n\n".join(
-                textwrap.fill(each, 118, break_on_hyphens=False, break_long_words=False)
-                for each in (about, _units_told(units))
-            )
-            + '\n"""',
+            literal(f"{_filled(about)}\n\n{_filled(_units_told(units))}\n"),
             "",
             "import math",
             "",
@@ -165,6 +160,10 @@ def _forget_imports(engine: SteppedEngine[Any, Any]) -> None:
     for each in vars(sys.modules[type(engine).__module__]).values():
         if hasattr(each, "cache_clear"):
             each.cache_clear()
+
+
+def _filled(text: str) -> str:
+    return textwrap.fill(text, 118, break_on_hyphens=False, break_long_words=False)
 
 
 def _units_told(units: OwnUnits | None) -> str:

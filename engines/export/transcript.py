@@ -14,12 +14,12 @@ import importlib
 import keyword
 import re
 import sys
+import unicodedata
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 from types import ModuleType
 from typing import Any
-from xml.etree import ElementTree
 
 import numpy as np
 
@@ -27,9 +27,11 @@ from engines.stepping.driver import UnsupportedError
 
 OPEN, CLOSE = "\ue000", "\ue001"  # around the number of a variable in a text, until it gets its name
 VARIABLE = re.compile(f"{OPEN}(\\d+){CLOSE}")
+TEXT = r"""'(?:[^'\\\n]|\\.)*'|"(?:[^"\\\n]|\\.)*\""""  # on one line, as ``literal`` writes it
+BLOCK_QUOTE, BACKSLASHED = re.compile(r'"(?=""|\Z)'), r"\\\g<0>"  # one that would end a text of several lines
 LONGEST = 300  # characters of a line that takes up the one before it
 # Methods of the engines that only look something up.
-LOOK = re.compile(r"\.((?i:get|num|calc|compute|is|express)\w*|joint|body|equality)\([^()]*\)$")
+LOOK = re.compile(r"\.((?i:get|num|calc|compute|is|express)\w*|joint|body|equality)$")
 DEPTH = 4  # of a world in which names are looked for
 
 
@@ -192,12 +194,13 @@ class Transcript:
     def _names(self, told: Mapping[int, str], rest: str, used: set[int]) -> dict[int, str]:
         """A name for every variable: what the world calls it, else its kind with a number."""
         names = {number: name for number, (_, name) in self.imports.items()}
-        taken = {*re.findall(r"[^\W\d]\w*", re.sub(r'"[^"\n]*"|#.*', "", rest)), *names.values(), *keyword.kwlist}
+        taken = {*re.findall(r"[^\W\d]\w*", re.sub(f"{TEXT}|#.*", "", rest)), *names.values(), *keyword.kwlist}
         counts: dict[str, int] = {}
         for number in sorted(used - names.keys()):
             kind = self.kinds[number]
             key = told.get(number, "").removesuffix("_*")
-            name = re.sub(r"\W+", "_", f"{key}_{kind}" if told.get(number) != key != kind else key).strip("_")
+            name = f"{key}_{kind}" if told.get(number) != key != kind else key
+            name = re.sub(r"\W+", "_", unicodedata.normalize("NFKC", name)).strip("_")  # as Python reads it
             while not name.isidentifier() or name in taken:
                 counts[kind] = counts.get(kind, 0) + 1
                 name = f"{kind}_{counts[kind]}" if counts[kind] > 1 else kind
@@ -269,7 +272,7 @@ class StandIn:
         text = f"{self.source}({', '.join(words)})"
         with self._transcript.off():
             real = self._real(*map(bare, given), **{name: bare(value) for name, value in named.items()})
-        return self._transcript.called(real, text, isinstance(self._real, type) or bool(LOOK.search(text)))
+        return self._transcript.called(real, text, isinstance(self._real, type) or bool(LOOK.search(self.source)))
 
     def __getitem__(self, key: object) -> Any:  # noqa: ANN401
         return self._transcript.wrapped(self._real[bare(key)], f"{self.source}[{_key(key)}]")
@@ -328,10 +331,8 @@ def literal(value: Any) -> str:  # noqa: ANN401, PLR0911
         return f"[{inner}]" if isinstance(value, list) else f"({inner},)" if len(value) == 1 else f"({inner})"
     if isinstance(value, float) and not np.isfinite(value):
         return f'float("{value}")'
-    if isinstance(value, str) and value.startswith("<") and ">" in value:
-        return f'"""{_indented(value)}"""'
     if isinstance(value, str):
-        return f'"""{value}"""' if "\n" in value else repr(value) if '"' in value else f'"{value}"'
+        return _quoted(value)
     if value is None or isinstance(value, (bool, int, float, complex)):
         return repr(value)
     if isinstance(value, Sourced):
@@ -339,11 +340,13 @@ def literal(value: Any) -> str:  # noqa: ANN401, PLR0911
     raise UnsupportedError(f"the engine is given a {type(value).__name__} of the adapter's, which a script cannot hold")
 
 
-def _indented(text: str) -> str:
-    """XML with a line for each element."""
-    root = ElementTree.fromstring(text)
-    ElementTree.indent(root)
-    return ElementTree.tostring(root, encoding="unicode")
+def _quoted(text: str) -> str:
+    """A text as Python source, whatever is in it; one of several lines on as many."""
+    if "\n" not in text:
+        quoted = repr(text)
+        return quoted if '"' in text else f'"{quoted[1:-1]}"'
+    shown = "".join(c if c == "\n" or (c.isprintable() and c != "\\") else repr(c)[1:-1] for c in text)
+    return f'"""{BLOCK_QUOTE.sub(BACKSLASHED, shown)}"""'
 
 
 def _key(value: Any) -> str:  # noqa: ANN401
@@ -359,7 +362,7 @@ def folded(line: str, width: int = 118) -> str:
     """A long line in several, broken behind commas within brackets and outside text."""
     if len(line) <= width or "\n" in line:
         return line
-    pieces = re.findall(r"(?:\"[^\"]*\"|'[^']*'|[^,\"'])*,? *", line)
+    pieces = re.findall(rf"(?:{TEXT}|[^,\"'])*,? *", line)
     rows = [""]
     for piece in filter(None, pieces):
         if rows[-1] and len(rows[-1]) + len(piece.rstrip()) > width:

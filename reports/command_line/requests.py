@@ -18,9 +18,10 @@ from analytic.machine_code.compiling import cores
 from comparisons.campaign.campaign import CampaignRequest
 from comparisons.runs.cluster.connecting import check_scheduler, opened
 from comparisons.runs.failures import GIB
+from comparisons.runs.plugins import engines as adapters
 from comparisons.runs.workers import DEFAULT_BOUNDS, Bounds, LocalPool, Pool
 from engines.contract import Setting
-from engines.registry import engine, engine_names, why_unavailable
+from engines.registry import engine_names, why_unavailable
 from reports.command_line.linear_drive import prescribed
 from reports.command_line.motion_choice import EVERYTHING, MotionChoice, own_regimes
 
@@ -163,13 +164,13 @@ def _check_names_differ(chosen: list[Linkage]) -> None:
 
 def installed(engines: Sequence[str]) -> list[str]:
     """Those of the engines that are installed."""
-    return [name for name in engines if why_unavailable(engine(name)) is None]
+    return [name for name, one in zip(engines, adapters(engines), strict=True) if why_unavailable(one) is None]
 
 
 def named(engines: Sequence[str]) -> tuple[str, ...]:
     """Engines that are asked for by name, each once; raises LinkproofError for one that cannot be used here."""
-    for name in engines:
-        absent = why_unavailable(engine(name))
+    for adapter in adapters(engines):
+        absent = why_unavailable(adapter)
         if absent is not None:
             raise LinkproofError(f"{absent}; or leave it out")
     return tuple(dict.fromkeys(engines))

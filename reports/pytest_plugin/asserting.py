@@ -10,7 +10,8 @@ import pytest
 
 from comparisons.judging.records import Verdict
 from comparisons.judging.verdicts import deciding
-from engines.registry import engine, why_unavailable
+from comparisons.runs.plugins import engine
+from engines.registry import why_unavailable
 from reports.command_line.requests import CampaignChoice
 from reports.pytest_plugin.words import changed, failure
 from reports.python.campaign import Comparison, compare

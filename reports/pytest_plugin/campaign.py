@@ -14,10 +14,10 @@ from comparisons.judging.records import Record
 from comparisons.judging.run_result import from_bytes, to_bytes
 from comparisons.judging.verdicts import Standard
 from comparisons.reference.case import Case, unpickled
+from comparisons.runs.plugins import engine
 from comparisons.runs.study import Study, Task
 from comparisons.runs.workers import Bounds, LocalPool
 from engines.contract import Setting
-from engines.registry import engine
 from reports.command_line.requests import CampaignChoice, RunLimits, request
 from reports.command_line.standard_choice import StandardChoice, in_project
 

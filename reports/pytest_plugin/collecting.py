@@ -14,7 +14,8 @@ from analytic.errors import LinkproofError
 from comparisons.campaign.key_figures import KeyFigure
 from comparisons.campaign.project import find_project
 from comparisons.judging.records import Record, Verdict
-from engines.registry import engine, why_unavailable
+from comparisons.runs.plugins import engine
+from engines.registry import why_unavailable
 from reports.pytest_plugin.campaign import CampaignRun, FileCampaign, file_campaign
 from reports.pytest_plugin.words import changed, failure, recording
 

@@ -13,8 +13,8 @@ from comparisons.imported.judge import ImportedJudgement
 from comparisons.imported.judging.judgement import DEFAULT_LIMIT
 from comparisons.imported.reading import read_results
 from comparisons.runs.failures import AdapterError
+from comparisons.runs.plugins import engine as registered
 from engines.contract import Engine
-from engines.registry import engine as registered
 from reports.command_line.commands.engines import findings
 from reports.command_line.commands.judge import JudgeChoice, judgement_of
 from reports.command_line.motion_choice import MotionChoice

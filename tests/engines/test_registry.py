@@ -29,10 +29,10 @@ from engines.scene import Channel
 from reports.command_line import requests
 from tests.comparisons.faults import announce
 
-ADAPTER = """
+ADAPTER = """from engines.registry import NOTHING
 class Adapter:
     name = "{name}"
-    abilities = None
+    abilities = NOTHING
     is_control = False
     def version(self):
         return "1.0"
@@ -108,7 +108,7 @@ def test_two_plugins_of_one_name_are_unavailable_and_both_are_named(plugins):
 def test_an_engine_too_old_is_refused_by_name_and_a_row_otherwise(monkeypatch):
     monkeypatch.setattr(OndselEngine, "package", "numpy")
     monkeypatch.setattr(OndselEngine, "oldest", "9999")
-    monkeypatch.setattr(requests, "engine", lambda _: OndselEngine())
+    monkeypatch.setattr(requests, "adapters", lambda names: [OndselEngine() for _ in names])
     with pytest.raises(LinkproofError, match=r"numpy .* is too old, 9999 is the first that will do: pip install"):
         requests.named(["ondsel"])
     run = OndselEngine().run(CASE.scene([Channel.TORQUE]), Setting.TUNED)
@@ -149,7 +149,7 @@ def test_commands_run_all_other_engines_and_refuse_a_name_that_two_have(plugins)
     assert f"({plugins}/raising.py, line 2)" in rows["raising"][1]
     listed = linkproof("engines", "raising", "twin")
     assert (listed.returncode, listed.stderr) == (0, "")
-    assert "raising (ValueError: at import)" in listed.stdout
+    assert "raising (the adapter of raising raised ValueError: at import (" in listed.stdout
     assert "twin (engine 'twin' is announced by" in listed.stdout
     checked = linkproof("check-engine", "raising")
     assert (checked.returncode, checked.stderr.count("raising.py, line 2")) == (1, 1)

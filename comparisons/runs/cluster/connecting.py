@@ -7,7 +7,7 @@ import logging
 import re
 import threading
 import warnings
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from contextlib import ExitStack, contextmanager
 from typing import Any, Final, TypeVar
 
@@ -55,8 +55,9 @@ def opened(scheduler: object, otherwise: P, *, alone: bool = False) -> Iterator[
         if isinstance(scheduler, str):
             stack.enter_context(_quiet())
             found = LOCAL.fullmatch(scheduler)
-            address = stack.enter_context(local_cluster(int(found[1]))) if found else scheduler
-            client = stack.enter_context(_client(address))
+            security = _security(is_local=found is not None)
+            address = stack.enter_context(local_cluster(int(found[1]), security)) if found else scheduler
+            client = stack.enter_context(_client(address, security))
         pool = ClusterPool(client, alone=alone)
         pool.check()
         yield pool
@@ -66,17 +67,30 @@ def _distributed() -> Any:  # noqa: ANN401 - a package that need not be there
     try:
         import distributed  # noqa: PLC0415
     except ImportError as error:
-        raise LinkproofError(
-            f"expected Dask for --scheduler, got none ({error}): install it with: pip install 'linkproof[cluster]'"
-        ) from error
+        raise _lacking(error) from error
     return distributed
 
 
-@contextmanager
-def _client(address: str) -> Iterator[Any]:
+def _lacking(error: ImportError) -> LinkproofError:
+    return LinkproofError(
+        f"expected Dask for --scheduler, got none ({error}): install it with: pip install 'linkproof[cluster]'"
+    )
+
+
+def _security(*, is_local: bool) -> Any:  # noqa: ANN401
+    """The keys of Dask's configuration, if it has any; for workers here a pair that nobody else has."""
+    security = _distributed().Security
     try:
-        _greet(address)
-        client = _distributed().Client(address, timeout=PATIENCE, set_as_default=False)
+        return security.temporary() if is_local else security()
+    except ImportError as error:
+        raise _lacking(error) from error
+
+
+@contextmanager
+def _client(address: str, security: Any) -> Iterator[Any]:  # noqa: ANN401
+    try:
+        _greet(address, security.get_connection_args("client"))
+        client = _distributed().Client(address, timeout=PATIENCE, set_as_default=False, security=security)
     except Exception as error:  # what is not Dask's answers with anything at all
         raise LinkproofError(
             f"expected a Dask scheduler at {address}, got none that answers ({type(error).__name__}): start it with: "
@@ -88,7 +102,7 @@ def _client(address: str) -> Iterator[Any]:
         client.close(timeout=PATIENCE)
 
 
-def _greet(address: str) -> None:
+def _greet(address: str, keys: Mapping[str, Any]) -> None:
     """Shake hands with a scheduler; raises whatever comes of it, TimeoutError where nothing does.
 
     A client of Dask's waits for ever where something listens and says nothing, and complains when it is thrown away.
@@ -98,7 +112,7 @@ def _greet(address: str) -> None:
     found: list[BaseException | None] = []
 
     async def greeted() -> None:
-        await (await connect(address, timeout=PATIENCE)).close()
+        await (await connect(address, timeout=PATIENCE, **keys)).close()
 
     def work() -> None:
         try:

@@ -14,6 +14,7 @@ from typing import Any, Final
 from comparisons.runs.crew import Bounds, Crew
 from comparisons.runs.environment import environment, sources
 from comparisons.runs.failures import Lost
+from engines.registry import engine_names, plugins
 
 KEPT: Final = 60.0  # s that a process is kept without a job
 
@@ -29,6 +30,7 @@ class UnwantedError(Exception):
 class StationFacts:
     """What tells a Dask worker from others: ``host``, ``environment`` and ``sources`` as of the calling process.
 
+    The environment has all engines; of plug-ins, which are not imported, the packages that announce them.
     ``is_daemon``: it may start no process, so that no engine can be kept apart from it.
     """
 
@@ -40,8 +42,9 @@ class StationFacts:
 
 def facts() -> StationFacts:
     """Those of the process that this is called in."""
-    daemon = bool(multiprocessing.current_process().daemon)
-    return StationFacts(socket.gethostname(), environment(), sources(), daemon)
+    daemon, others = bool(multiprocessing.current_process().daemon), plugins()
+    versions = environment([name for name in engine_names() if name not in others]) | others
+    return StationFacts(socket.gethostname(), versions, sources(), daemon)
 
 
 def work(function: bytes, job: bytes, bounds: Bounds) -> bytes:

@@ -120,7 +120,7 @@ def _document(choice: BenchChoice, wanted: BenchRequest, measured: Measured) -> 
         "format": FORMAT,
         "command": choice.command,
         "conditions": "; ".join(dict.fromkeys(case.conditions for case in wanted.cases)),
-        "environment": {**environment(), **wanted.pool.place},
+        "environment": {**environment(wanted.engines), **wanted.pool.place},
         "extent": extent,
         "noise": {"work": WORK, "samples": [round(one, 9) for one in noise.samples]},
         "first_use": _first_uses(wanted, 1 if choice.quick else 3),

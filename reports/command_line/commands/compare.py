@@ -20,7 +20,8 @@ from comparisons.campaign.sheets import sheets
 from comparisons.campaign.standards import JudgedCampaign, judged_campaign
 from comparisons.reference.published import PublishedRecord, all_variants, compare_published
 from comparisons.runs.failures import Failure
-from engines.registry import engine, engine_names
+from comparisons.runs.plugins import engines
+from engines.registry import engine_names
 from reports.campaign.terminal import printout
 from reports.command_line import PASSED, SUITE_ERROR
 from reports.command_line.destination import Destination
@@ -78,7 +79,7 @@ def campaign_document(
     wanted: CampaignRequest, judged: JudgedCampaign, command: str, errata: Sequence[ErratumRecord] = ()
 ) -> dict[str, Any]:
     """Everything of a judged campaign but its curves, JSON-ready."""
-    readouts = {name: engine(name).abilities.told() for name in wanted.engines}
+    readouts = {one.name: one.abilities.told() for one in engines(wanted.engines)}
     return {**document(wanted, judged.results, command, errata, readouts), **judged.told}
 
 

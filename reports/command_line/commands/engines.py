@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import sys
 from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import asdict
@@ -16,14 +15,15 @@ from comparisons.conformance.findings import Finding, Found
 from comparisons.exported_run import exported, exported_cell
 from comparisons.runs.failures import blamed_on
 from comparisons.runs.files import check_writable, write_text
+from comparisons.runs.plugins import engine, engines
 from comparisons.stress.cells import find_cell
 from engines.contract import Engine, Setting
-from engines.registry import Unusable, engine, engine_names, why_unavailable
+from engines.registry import Unusable, engine_names, why_unavailable
 from reports.command_line import FAILED, PASSED
-from reports.command_line.destination import Destination
+from reports.command_line.destination import Destination, write_out
 from reports.command_line.requests import CampaignChoice, command_line, request
 from reports.document.parts import Paragraph, Table, TableCell, Words
-from reports.document.terminal import Printed, Printout, write
+from reports.document.terminal import Printed, Printout
 from reports.records.readouts import readout_table
 
 UNTESTED = (Finding.NOT_APPLICABLE, Finding.NOT_TESTED)
@@ -32,7 +32,7 @@ STYLES = {Finding.PASSED: "green", Finding.FAILED: "bold red", Finding.EXPECTED:
 
 def list_engines(names: Sequence[str], destination: Destination) -> None:
     """Print or write the abilities and read-outs of these engines, of all by default."""
-    told = [_told(engine(name)) for name in names or engine_names()]
+    told = [_told(adapter) for adapter in engines(names or engine_names())]
     destination.print(*(part for one in told for part in _shown(one)))
     destination.write_json({"records": told})
 
@@ -40,7 +40,7 @@ def list_engines(names: Sequence[str], destination: Destination) -> None:
 def _told(adapter: Engine) -> dict[str, Any]:
     """What an engine takes and offers, and why it cannot be used here, where it cannot."""
     error = adapter.error if isinstance(adapter, Unusable) else None
-    reason = why_unavailable(adapter) if error is None else f"{type(error).__name__}: {error}"
+    reason = why_unavailable(adapter) if error is None else str(error)
     able = adapter.abilities
     return {
         "engine": adapter.name,
@@ -98,7 +98,7 @@ def export(choice: CampaignChoice, cell: str | None, out: Path | None) -> None:
             )
         text = exported(found[0], choice.engines[0], settings[0], choice.written("export"))
     if out is None:
-        write(text, sys.stdout)
+        write_out(text)  # Python reads UTF-8
     else:
         write_text(out, text)
 

@@ -404,13 +404,13 @@ def test_faulty_engines_cost_their_own_rows(tmp_path, monkeypatch, capfd):
     monkeypatch.syspath_prepend(tmp_path)
     faulty = ("aborting", "hanging", "leaving", "raising", "swelling", "writing")
     request = _parallel(linkages=(JUKI,), motions=BRIEF[:1], engines=("direct", *faulty), settings=(Setting.TUNED,))
-    results = list(compare(request, bounds=Bounds(seconds=3.0, memory=GIB // 4), pool=LocalPool(2)))
+    results = list(compare(request, bounds=Bounds(seconds=6.0, memory=GIB // 4), pool=LocalPool(2)))
     told = {result.records[0].engine: {(r.outcome, r.detail) for r in result.records} for result in results}
     assert list(told) == list(request.engines)
     assert told == {
         "direct": {("passed", "")},
         "aborting": {("crashed", "died by signal 6 (SIGABRT)")},
-        "hanging": {("timed-out", "took longer than 3 s")},
+        "hanging": {("timed-out", "took longer than 6 s")},
         "leaving": {("crashed", "exited with code 3")},
         "raising": {("adapter-error", RAISED)},
         "swelling": {("crashed", "needed more than 0.25 GiB of memory")},

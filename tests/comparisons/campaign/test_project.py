@@ -61,14 +61,36 @@ def test_without_a_file_there_is_no_project(folder):
         ("memory_limit = 'much'", "memory_limit: expected a positive finite number"),
         ("baseline = ''", "baseline: expected the name of a file"),
         ("linkages = ['*.tml']", "got none that match"),
-        ("linkages = ['/etc/*.toml']", "a pattern beneath its folder"),
+        ("linkages = ['/etc/*.toml']", "linkages: expected a place beneath its folder, got '/etc"),
+        ("linkages = ['../*.toml']", "linkages: expected a place beneath its folder"),
+        ("linkages = ['**/../**/*.toml']", "linkages: expected a place beneath its folder"),
+        ("linkages = ['away/*.toml']", "linkages: expected a place beneath its folder, got 'away/"),
+        ("linkages = ['*/*.toml']", "linkages: expected a place beneath its folder, got 'away/outside.toml'"),
+        ("linkages = ['leads.toml']", "linkages: expected a place beneath its folder"),
+        ('linkages = ["\\u0000"]', "linkages: expected a place beneath its folder"),
+        ("baseline = '../outside.json'", "baseline: expected a place beneath its folder, got '../outside.json'"),
+        ("baseline = '/outside.json'", "baseline: expected a place beneath its folder"),
+        ("baseline = 'away/outside.json'", "baseline: expected a place beneath its folder"),
+        ("baseline = 'leads.toml'", "baseline: expected a place beneath its folder"),
         ("limit = []", "expected tables"),
     ],
 )
-def test_what_is_wrong_is_said(folder, text, words):
+def test_what_is_wrong_is_said(folder, tmp_path_factory, text, words):
+    elsewhere = tmp_path_factory.mktemp("elsewhere")
+    (elsewhere / "outside.toml").write_text("")
+    (folder / "away").symlink_to(elsewhere)
+    (folder / "leads.toml").symlink_to(elsewhere / "outside.toml")
     (folder / "linkproof.toml").write_text(text)
     with pytest.raises(LinkproofError, match=words):
         read_project(folder / "linkproof.toml")
+
+
+def test_links_within_a_project_are_followed(folder):
+    (folder / "again").symlink_to("linkages")
+    (folder / "linkproof.toml").write_text("linkages = ['again/*.toml']\nbaseline = 'again/baseline.json'")
+    found = read_project(folder / "linkproof.toml")
+    assert [path.name for path in found.linkages] == ["a.toml", "b.toml"]
+    assert found.baseline == folder / "again" / "baseline.json"
 
 
 def test_the_files_that_the_documentation_shows_are_read(folder):

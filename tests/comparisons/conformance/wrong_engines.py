@@ -73,7 +73,7 @@ class CarelessEngine(Direct):
 
     def run(self, scene, setting):
         run = super().run(scene, setting)
-        return replace(run, outcome=Outcome.FINISHED) if run.outcome is Outcome.DIVERGED else run
+        return replace(run, outcome=Outcome.FINISHED, history=History()) if run.outcome is Outcome.DIVERGED else run
 
 
 class PrintingEngine(Direct):

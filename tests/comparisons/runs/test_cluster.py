@@ -18,7 +18,6 @@ from analytic.errors import LinkproofError
 from comparisons.runs.cluster import connecting, station
 from comparisons.runs.cluster import pool as pools
 from comparisons.runs.cluster.connecting import check_scheduler, opened
-from comparisons.runs.cluster.local import local_cluster
 from comparisons.runs.cluster.orders import Orders
 from comparisons.runs.cluster.pool import ClusterPool
 from comparisons.runs.failures import GIB, Failure, Lost
@@ -36,15 +35,59 @@ BOUNDS = Bounds(seconds=8.0, memory=GIB // 16)
 
 
 @pytest.fixture(scope="module")
-def address():
-    with local_cluster(2) as found:
+def pool():
+    with opened("local:2", EVERY_CORE) as found:
         yield found
 
 
-@pytest.fixture(scope="module")
-def pool(address):
-    with opened(address, EVERY_CORE) as found:
-        yield found
+STRANGER = """
+import asyncio, sys
+from distributed import Client, Security
+from distributed.comm import connect
+file, scheduler, *servers = sys.argv[1:]
+async def greet(place, keys):
+    await (await connect(place, timeout=5, **keys.get_connection_args("client"))).close()
+for keys in (Security(), Security.temporary()):
+    for scheme in ("tcp", "tls"):
+        for attempt in (
+            lambda: Client(f"{scheme}://{scheduler}", timeout=5, security=keys).submit(open, file, "w").result(20),
+            *(lambda place=place: asyncio.run(greet(f"{scheme}://{place}", keys)) for place in servers),
+        ):
+            try:
+                attempt()
+            except Exception as error:
+                print(type(error).__name__)
+            else:
+                sys.exit(f"it is in at {scheme}://{scheduler}, {servers}")
+"""
+
+
+def test_nobody_without_the_keys_of_the_run_has_anything_run(pool, tmp_path):
+    workers = pool.client.scheduler_info(n_workers=-1)["workers"]
+    places = [pool.address, *workers, *(told["nanny"] for told in workers.values())]
+    hosts = [place.partition("://")[2] for place in places]
+    command = [sys.executable, "-c", STRANGER, str(tmp_path / "file"), *hosts]
+    done = subprocess.run(command, capture_output=True, text=True, check=False)
+    assert (done.returncode, len(done.stdout.split())) == (0, 4 * len(hosts)), done.stderr
+    assert not list(tmp_path.iterdir())
+    with pytest.raises(LinkproofError, match="expected a Dask scheduler at tls://"), opened(pool.address, None):
+        pass
+
+
+def test_a_local_cluster_has_no_port_for_pages(pool):
+    ports = list(pool.client.run(lambda dask_worker: dask_worker.http_server.port).values())
+    ports.append(pool.client.run_on_scheduler(lambda dask_scheduler: dask_scheduler.http_server.port))
+    for port in ports:
+        with pytest.raises(ConnectionRefusedError):
+            socket.create_connection(("127.0.0.1", port), 5.0)
+
+
+def test_an_address_is_called_with_the_keys_of_dasks_configuration(pool):
+    keys = pool.client.security.get_tls_config_for_role("client")
+    told = {"ca-file": keys["ca_file"], "client.key": keys["key"], "client.cert": keys["cert"]}
+    configured = pytest.importorskip("dask").config.set({f"distributed.comm.tls.{name}": told[name] for name in told})
+    with configured, opened(pool.address, EVERY_CORE) as other:
+        assert dict(other.run(job, [("fine", 3)])) == {0: 3}
 
 
 def test_every_fate_is_as_in_processes_of_this_one_and_prints_nothing(pool, capfd):
@@ -77,9 +120,9 @@ def test_a_study_keeps_what_a_cluster_makes(pool, tmp_path):
     assert journal.kept() == {f"task {n}": str(n).encode() for n in range(30)}
 
 
-def test_timed_jobs_of_one_machine_never_overlap(address, pool):
+def test_timed_jobs_of_one_machine_never_overlap(pool):
     assert len(pool.stations) == 2
-    with opened(address, EVERY_CORE, alone=True) as alone:
+    with opened(pool.client, EVERY_CORE, alone=True) as alone:
         times = sorted(found for _, found in alone.run(job, [("clocked", n) for n in range(5)]))
     assert all(one[1] <= other[0] for one, other in pairwise(times))
 
@@ -117,16 +160,16 @@ def test_functions_of_python_take_a_client(pool):
 
 
 def test_workers_that_lack_anything_are_refused(pool, monkeypatch):
-    known = station.environment()
+    known = station.facts().environment
     for changed, told in [
         ({**known, "numpy": "1.0"}, f": expected numpy 1.0, as here, got {known['numpy']}: install the same"),
         ({**known, "direct": "9"}, f": expected direct 9, as here, got {known['direct']}: install the same"),
         ({**known, "new": "9"}, ": expected new 9, as here, got none: install the same"),
     ]:
-        monkeypatch.setattr(station, "environment", lambda changed=changed: changed)
+        monkeypatch.setattr(station, "environment", lambda _, changed=changed: changed)
         with pytest.raises(LinkproofError) as error:
             ClusterPool(pool.client).check()
-        assert str(error.value).startswith("worker tcp://127.0.0.1:")
+        assert str(error.value).startswith("worker tls://127.0.0.1:")
         assert told in str(error.value)
     monkeypatch.undo()
     monkeypatch.setattr(station, "sources", lambda: "others")
@@ -144,7 +187,7 @@ def test_another_dask_is_refused(pool, monkeypatch):
         return told
 
     monkeypatch.setattr(pool.client, "_get_versions", answer)
-    with pytest.raises(LinkproofError, match=r"^scheduler tcp://\S+: expected distributed .* as here, got 2020.1"):
+    with pytest.raises(LinkproofError, match=r"^scheduler tls://\S+: expected distributed .* as here, got 2020.1"):
         ClusterPool(pool.client).check()
 
 
@@ -186,10 +229,11 @@ def test_what_is_no_client_is_refused():
         check_scheduler(8786)
 
 
-def test_without_dask_it_is_said_how_to_get_it(monkeypatch):
-    monkeypatch.setitem(sys.modules, "distributed", None)
-    with pytest.raises(LinkproofError, match=r"pip install 'linkproof\[cluster\]'"):
-        check_scheduler("local:2")
+@pytest.mark.parametrize("package", ["distributed", "cryptography"])
+def test_without_dask_or_its_keys_it_is_said_how_to_get_them(monkeypatch, package):
+    monkeypatch.setitem(sys.modules, package, None)
+    with pytest.raises(LinkproofError, match=r"pip install 'linkproof\[cluster\]'"), opened("local:2", None):
+        pass
 
 
 def test_a_scheduler_that_is_not_there_is_said_and_nothing_is_written(tmp_path):
@@ -209,7 +253,7 @@ def test_a_lost_scheduler_is_said_and_its_processes_end(tmp_path):
         assert next(results) == (0, 1)
         assert wait_for(lambda: written(path), 30.0)
         os.kill(pool.client.run_on_scheduler(os.getpid), signal.SIGKILL)
-        with pytest.raises(PoolLostError, match=r"the scheduler at tcp://\S+ (is gone|does not answer)"):
+        with pytest.raises(PoolLostError, match=r"the scheduler at tls://\S+ (is gone|does not answer)"):
             next(results)
     assert wait_for(lambda: not any(map(runs, [*workers, int(path.read_text())])))
 

@@ -7,6 +7,7 @@ import json
 import pytest
 
 from analytic.errors import LinkproofError, UnknownNameError
+from comparisons.runs import environment
 from comparisons.runs.failures import AdapterError, Failure, Lost
 from comparisons.runs.journal import Journal
 from comparisons.runs.workers import LocalPool
@@ -76,6 +77,7 @@ def with_engine(monkeypatch):
         for module in (stress, campaign):
             if hasattr(module, "engine"):
                 monkeypatch.setattr(module, "engine", lambda name: one)
+        monkeypatch.setattr(environment, "adapters", lambda names: [one for _ in names])
         return one
 
     return install

@@ -1,20 +1,25 @@
 """A run as a script: it needs the engine alone, and says to rounding what the adapter says."""
 
+import ast
+import shlex
 import subprocess
 import sys
+import tomllib
 from dataclasses import replace
 
 import numpy as np
 import pytest
+import tomlkit
 
 from analytic.description.crank_motion import crank_motion
+from analytic.description.loading import load
 from comparisons.exported_run import exported, exported_cell
 from comparisons.reference.case import Case, own_case
 from comparisons.stress.cells import find_cell
 from engines.contract import Outcome, Setting
 from engines.registry import engine
 from engines.scene import Channel
-from tests.analytic.linkages import mechanism
+from tests.analytic.linkages import from_text, mechanism
 
 # Without its user's environment, and without us wherever we are installed.
 ALONE = """
@@ -101,3 +106,42 @@ def test_a_run_that_an_engine_gives_up_is_given_up_by_its_script(tmp_path):
     )
     assert done.returncode == 1
     assert done.stderr.startswith("Ondsel solved 25 of 101 frames")
+
+
+CODE = '__import__("os").mkdir("pwned")'
+NAMES = ("O1", "O2", "A", "B", "C", "D", "crank", "rod", "rocker", "link", "needle_bar")
+HOSTILE = (  # as many times as there are names
+    f'""";{CODE};"""', f"\'\'\';{CODE};\'\'\'", f'");{CODE};("', f"');{CODE};('", f'\\";{CODE};\\"', f"#\u2028{CODE}",
+    f"{{{CODE}}}", f"#\ufeff{CODE}", "ends in \\", "a, \"b', c" * 30, "long, " * 500,
+    '""', "'", "\ue0003\ue001", "<a b='1'/>", "<a>", "a.get(", "\ufb01x", "fix", " ", "{0}{name}{", "\u200b%s\\",
+)  # fmt: skip
+
+
+def _renamed(value, names):
+    if isinstance(value, dict):
+        return {names.get(key, key): _renamed(each, names) for key, each in value.items()}
+    return names.get(value, value) if isinstance(value, str) else value
+
+
+@pytest.mark.parametrize("first", range(0, len(HOSTILE), len(NAMES)))
+@pytest.mark.parametrize("name", ["exudyn", "mujoco", "ondsel", "pymunk", "simbody"])
+def test_no_name_becomes_code_or_breaks_a_script(name, first, tmp_path):
+    pytest.importorskip(engine(name).package)
+    own = HOSTILE[first : first + len(NAMES)]
+    given, names = tomllib.loads(load("rimoldi-164").text), dict(zip(NAMES, own, strict=True))
+    document = {key: _renamed(given[key], names) for key in ("units", "crank", "output", "ground", "links", "sketch")}
+    swing = {"from": 0, "to": 20, "time": 0.05}
+    document |= {"title": "\n".join(HOSTILE), "variant": own[0], "regimes": {own[1]: swing}}
+    found = from_text(tomlkit.dumps(document), f"{own[0]}\\")
+    case = own_case(found, found.linkage.regimes[0])
+    scene = case.scene(frozenset())
+    text = exported(case, name, Setting.TUNED, shlex.join(["linkproof", "export", *HOSTILE]))
+    script = ast.parse(text)
+    assert "__import__" not in {node.id for node in ast.walk(script) if isinstance(node, ast.Name)}
+    assert HOSTILE[0] in ast.get_docstring(script)
+    samples, printed = _run_alone(text, tmp_path)
+    assert {path.name for path in tmp_path.iterdir()} == {"case.py", "samples.npz"}
+    assert samples.keys() >= {f"force in {joint.name}" for joint in (*scene.pins, *scene.guided)}
+    for line in printed.strip("\n").split("\n")[1:]:
+        read, exported_figure = line.split()[-4:-2]
+        assert float(read) == pytest.approx(float(exported_figure), rel=1e-8, abs=1e-10)

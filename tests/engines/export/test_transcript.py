@@ -1,12 +1,13 @@
 """What is done to an engine's objects, as source that does the same again."""
 
+import ast
 import sys
 from types import ModuleType
 
 import numpy as np
 import pytest
 
-from engines.export.transcript import Sourced, Transcript
+from engines.export.transcript import Sourced, Transcript, folded, literal
 from engines.stepping.driver import UnsupportedError
 
 ENGINE = """
@@ -56,7 +57,7 @@ def _build():
     wheels["hub"].radius *= 3  # computed here: the script gets the result
     wheels["hub"].sizes[:2] *= 0.5
     cogs.Wheel(9.0)  # which nobody uses
-    machine.add(cogs.Wheel(0.2)).parts.append("bolt")
+    machine.add(cogs.Wheel(0.2)).parts.append("bolt.get(")  # which is text, and no look at the wheel
     machine.wheels[-1].centre = (machine.get_count() + 0.5, float("inf"))
     machine.drive(law)
     return World(machine, wheels)
@@ -75,7 +76,7 @@ def test_the_source_does_the_same_again(engine):
     exec("\n".join([*imports, *lines, rest]), again)
     first, second = again["machine"].wheels
     assert (first.radius, first.centre, first.sizes.tolist()) == (0.1 * 3, (1.0, 0.0), [0.5, 0.5, 1.0])
-    assert (second.radius, second.centre, second.parts) == (0.2, (2.5, float("inf")), ["bolt"])
+    assert (second.radius, second.centre, second.parts) == (0.2, (2.5, float("inf")), ["bolt.get("])
     assert again["last"] == 8.0
     assert type(first) is engine.Wheel
 
@@ -85,3 +86,30 @@ def test_a_function_without_its_text_is_refused_and_the_engine_is_put_back(engin
     with pytest.raises(UnsupportedError, match="given a function"), transcript.on():
         sys.modules["cogs"].Machine().drive(lambda t: t)
     assert sys.modules["cogs"] is engine
+
+
+def test_names_that_python_takes_for_one_have_a_variable_each(engine):
+    transcript = Transcript("cogs")
+    with transcript.on():
+        cogs = sys.modules["cogs"]
+        machine = cogs.Machine()
+        names = ("\ufb01x", "fix", "\u00b5", "\u03bc", "machine")
+        world = World(machine, {name: machine.add(cogs.Wheel(1.0)) for name in names})
+    imports, lines, rest = transcript.source(world, f"last = {literal(list(world.wheels.values()))}")
+    again = {}
+    exec("\n".join([*imports, *lines, rest]), again)
+    assert again["machine"].wheels == again["last"]
+
+
+@pytest.mark.parametrize("text", [
+    '"""', 'a\n"""b', "'''\n", '\n"', '""\n""', "\\", "\\\n\\", "\n\r\t\0", "\x0c\x85\u2028\u2029\n", "\ud800\n",
+    "\ue0000\ue001\n", "\n\u202eright to left", "{}\n{0}", "'\"", "'\"\n", "#", "#\n#", '"' * 7, "\n" + '"' * 8,
+    "<a b='\\'/>", "<a>\n<b/></a>", "",
+])  # fmt: skip
+def test_any_text_is_written_as_itself(text):
+    for written in (text, text * 100, f"{text}, '" * 50):
+        source = literal(written)
+        assert ast.literal_eval(source) == written
+        assert all(c.isprintable() for c in source.replace("\n", ""))
+        assert source.count("\n") == written.count("\n")
+        assert ast.literal_eval(folded(literal([written, 1.0]))) == [written, 1.0]

@@ -1,0 +1,66 @@
+"""A plug-in costs its own rows alone: it is imported where it is used, in workers, and what it returns is checked."""
+
+import json
+import os
+import subprocess
+import sys
+
+import pytest
+
+from comparisons.runs.plugins import engine
+from comparisons.runs.workers import run_jobs
+from tests.comparisons.faults import announce
+from tests.comparisons.hostile_engines import ENTRIES, ROWS
+
+UNUSED = (
+    "import pathlib, time\npathlib.Path(__file__).with_suffix('.imported').touch()\nprint('noise')\ntime.sleep(1000)\n"
+)
+
+
+@pytest.fixture
+def folder(tmp_path, monkeypatch):
+    """A folder on the path with a package that announces hostile engines, one of which nobody asks for."""
+    (tmp_path / "unused.py").write_text(UNUSED)
+    announce(tmp_path, "hostile", {**ENTRIES, "unused": "unused:Engine"})
+    monkeypatch.syspath_prepend(tmp_path)
+    return tmp_path
+
+
+def linkproof(folder, *words):
+    environment = {**os.environ, "PYTHONPATH": os.pathsep.join(filter(None, sys.path))}
+    command = [sys.executable, "-m", "reports.command_line.main", *words, "--json", "-"]
+    done = subprocess.run(command, capture_output=True, env=environment, cwd=folder, timeout=180, check=False)
+    assert (done.stderr, (folder / "unused.imported").exists()) == (b"", False)
+    return done.returncode, json.loads(done.stdout, parse_constant=pytest.fail)
+
+
+def test_every_hostile_plugin_fails_in_its_own_row(folder):
+    words = [word for name in ("direct", *ROWS) for word in ("--engine", name)]
+    code, told = linkproof(folder, "compare", "juki-mf7923d", *words, "--jobs", "2", "--quantity", "S")
+    rows = {row["engine"]: row for row in told["records"]}
+    assert (rows["direct"]["outcome"], rows["direct"]["error_max"] < 1e-12) == ("passed", True)
+    for name, (outcome, detail) in ROWS.items():
+        assert (name, rows[name]["outcome"]) == (name, outcome)
+        assert detail in rows[name]["detail"]
+    assert code == 1
+
+
+def test_a_plugin_is_imported_only_where_it_is_asked_for_and_prints_nowhere(folder):
+    words = ("compare", "juki-mf7923d", "--quantity", "S", "--jobs", "2", "--engine")
+    assert linkproof(folder, *words, "direct")[0] == 0
+    code, told = linkproof(folder, "engines", "faithful", "number")
+    assert [record["version"] for record in told["records"]] == ["1.0", "1.0"]  # the second is its package's
+    assert (code, told["records"][1]["unusable"].count("got a float")) == (0, 1)
+
+
+def process_of(name):
+    return engine(name).name, os.getpid()
+
+
+def test_no_engine_runs_where_another_plugin_has_been(folder):
+    names = ["direct", "faithful", "faithful", "huge", "direct"]
+    results = dict(run_jobs(process_of, [(name,) for name in names], processes=1))
+    assert [results[number][0] for number in range(5)] == names
+    processes = [results[number][1] for number in range(5)]
+    assert processes[0] == processes[1] == processes[2]
+    assert len(set(processes[2:])) == 3
