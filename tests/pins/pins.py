@@ -1,9 +1,9 @@
 """Pinned records: everything the commands say of mechanisms and engines, taken once and held after every change.
 
 ``python tests/pins/pins.py hold [PART ...] [only=TEXT]`` makes the records anew and prints those that moved; ``take``
-renews the pins. Parts: figures (list, show, thread, published), designer (results, check, sweep, optimise,
-tolerance and judge, of the catalogue, the literature and the linkages of the tests), compare, bench, stress. Times,
-dates and borders are left out, and bench and stress are held where both trees finished. Engines' last digits belong to the
+renews the pins. Parts: figures (list, show, thread, published), designer (results, check, sweep, optimise, tolerance
+and judge, of the catalogue, the literature and the linkages of the tests), compare, bench, stress. Times, dates and
+borders are left out, and bench and stress are held where both trees finished. Engines' last digits belong to the
 machine and the versions that took them, so this is run by hand and not by the tests.
 """
 
