@@ -29,6 +29,7 @@ WRITTEN: Final[Mapping[str, str]] = {
     **{"less": "{0} < {1}", "less_equal": "{0} <= {1}", "greater": "{0} > {1}", "greater_equal": "{0} >= {1}"},
     **{"and": "{0} & {1}", "or": "{0} | {1}", "not": "not {0}", "where": "{1} if {0} else {2}"},
 }
+LOGICAL: Final = frozenset({"less", "less_equal", "greater", "greater_equal", "and", "or", "not"})
 
 
 class Result(NamedTuple):
@@ -53,15 +54,17 @@ def python_source(trace: Trace, lanes: Sequence[int], rows: Sequence[int], resul
         "        for row in range(len(rows)):",
     ]
 
-    def take(depth: int, line: int, expression: str) -> None:
+    def take(depth: int, line: int, expression: str, *, is_given: bool = False) -> None:
         names[line] = f"v{line}"
+        if is_given and trace.operations[line].name in LOGICAL:  # truth values are given as numbers
+            expression = f"{expression} != 0.0"
         text.append(f"{' ' * 4 * depth}v{line} = {expression}")
 
     for number, line in enumerate(rows):
-        take(3, line, f"rows[row, {number}]")
+        take(3, line, f"rows[row, {number}]", is_given=True)
     text.append(f"            for d in range({LANES}):")
     for number, line in enumerate(lanes):
-        take(4, line, f"given[{number * LANES} + d]")
+        take(4, line, f"given[{number * LANES} + d]", is_given=True)
     for line in trace.leading_to([result.line for result in results], names):
         operation = trace.operations[line]
         if operation.name == CONSTANT:
