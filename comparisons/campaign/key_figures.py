@@ -10,6 +10,7 @@ from typing import Final
 import numpy as np
 
 from analytic.signals import MAGNITUDE, signal
+from analytic.written import change
 from comparisons.datasheet.curves import Curves
 from comparisons.datasheet.instants import Instants
 from comparisons.judging.baseline import SAME_FIGURE, Baseline, regime_key
@@ -43,7 +44,7 @@ class KeyFigure:
             return f"{place} was {self.recorded:.9g} and is no figure any more"
         if self.recorded is None:
             return f"{place} is {self.now:.9g} and was not recorded"
-        share = f", {100.0 * self.share:+.2g} %" if self.share is not None else ""
+        share = f", {change(self.share, '.2g')}" if self.share is not None else ""
         return f"{place} was {self.recorded:.9g} and is {self.now:.9g}{share}"
 
     @property
@@ -58,7 +59,7 @@ def key_figures(case: Case) -> dict[str, float]:
     names = [name for name in curves.names if name in ("Mkr", "Peq") or _is_joint_force(name)]
     found = {name.removesuffix(MAGNITUDE) + ".peak": abs(peak.value) for name, peak in curves.peaks(names).items()}
     if curves.has("Jeq"):
-        found["Jeq.mean"] = curves.mean(lambda at: signal(at, "Jeq"))
+        (found["Jeq.mean"],) = curves.means(lambda at: signal(at, "Jeq"))
     return {name: value for name, value in found.items() if math.isfinite(value)}
 
 
