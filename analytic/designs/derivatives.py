@@ -24,9 +24,10 @@ from analytic.description.changes import design_numbers, with_numbers
 from analytic.description.law import FULL_TURN
 from analytic.description.linkage import Linkage
 from analytic.designs.checking import checked
-from analytic.designs.figures import Figure, Reduction, SignalExtreme
+from analytic.designs.figures import SQUARE, Figure, Reduction, SignalExtreme
+from analytic.designs.means import edges_of, on_branch
 from analytic.designs.results import is_turn, period_of
-from analytic.designs.sampling import FigureRequest, edges_of, on_branch
+from analytic.designs.sampling import FigureRequest
 from analytic.kinematics.decomposition import find_structure
 from analytic.kinematics.mechanism import Mechanism
 from analytic.kinematics.structure import Structure
@@ -262,6 +263,8 @@ def _best(one: SignalExtreme, values: Array, slopes: Array, places: Array, large
     """Of several tops the highest, of equal ones the first; without derivatives that differ between equal ones."""
     heights, rises = one.height(values), one.side(values) * slopes
     highest = np.max(heights)
+    if one.is_kink(highest):
+        return np.asarray(SQUARE), np.zeros(len(slopes))
     first = int(np.argmin(np.where(heights >= highest - ROUNDING * largest, places, np.inf)))
     tied = rises[:, heights >= highest - TIE * largest]
     apart = np.max(tied, axis=1) - np.min(tied, axis=1) > SAME * np.max(np.abs(tied), axis=1) + TIE * largest

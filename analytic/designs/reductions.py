@@ -10,8 +10,9 @@ from numpy.typing import NDArray
 
 from analytic.designs.dead_positions import KEPT
 from analytic.designs.figures import Figure, Reduction
+from analytic.designs.means import is_settled
 from analytic.designs.samples import Booleans
-from analytic.designs.sampling import FigureRequest, is_settled, sampled
+from analytic.designs.sampling import FigureRequest, sampled
 from analytic.machine_code.compiling import StraightFunction, in_threads
 from analytic.machine_code.linkage_trace import LinkageTrace
 from analytic.machine_code.printing import Result

@@ -78,7 +78,8 @@ class StraightFunction:
                 given[-1, number, count - full :] = flat[-1]
         out[:] = self._starts[:, None]
         self._straight(given.reshape(len(given), -1), rows, out.reshape(len(out), -1))
-        return np.array(out.swapaxes(0, 1)).reshape(len(self._starts), -1)[:, :count]  # a copy: the memory is used again
+        # A copy, since the memory is used again.
+        return np.array(out.swapaxes(0, 1)).reshape(len(self._starts), -1)[:, :count]
 
     def _memory(self, chunks: int) -> tuple[Array, Array]:
         """Memory of a thread for so many chunks, the same as before: new memory costs more than the computation."""

@@ -39,9 +39,9 @@ def evaluate(
 
     They are called and counted as in ``results``; ``Q``, ``half_slope``, ½ dJeq/dφ, and ``damping`` come besides.
     ``speed``, rpm, and ``acceleration``, rad/s², are a number or (n,); what moves needs a speed. ``designs`` has arrays
-    (k,) of numbers of the linkage, SI, by their names in its file: the Dataset is then over ``design`` and ``phi``, without signals of
-    parts and without S, and NaN where ``assembled`` is False. A drive along a line has m, its file's unit of length
-    per second and m/s² in place of rad, rpm and rad/s². Raises LinkproofError for what cannot be.
+    (k,) of numbers of the linkage, SI, by their names in its file: the Dataset is then over ``design`` and ``phi``,
+    without signals of parts and without S, and NaN where ``assembled`` is False. A drive along a line has m, its file's
+    unit of length per second and m/s² in place of rad, rpm and rad/s². Raises LinkproofError for what cannot be.
     """
     mechanism = Mechanism(chosen_linkage(linkage, variant, gravity=gravity))
     angle = np.atleast_1d(np.asarray(phi, dtype=float))

@@ -181,6 +181,17 @@ def test_signals_over_the_crank_angle_need_a_speed_where_they_move():
     assert judge(JUKI, still, crank_motion("constant-speed"), gives_speed=False).passed
 
 
+def test_an_obtuse_transmission_angle_is_the_acute_one():
+    steady, name = crank_motion("constant-speed"), "transmission_angle:" + Mechanism(JUKI).structure.dyads[0].name
+
+    def obtuse(values, _):
+        return {name: np.where(np.arange(len(TIME)) % 3, np.pi - values[name], values[name])}
+
+    judgement = judge(JUKI, exported(JUKI, steady, (name,), TIME, change=obtuse), steady)
+    assert judgement.passed
+    assert judgement.verdicts[0].error_max < 1e-5
+
+
 def test_without_a_motion_the_regime_is_asked_for():
     with pytest.raises(LinkproofError, match=r"over time without one; say how the crank moves with --regime"):
         judge(JUKI, exported(JUKI, QUINTIC, ("Mkr",), TIME))

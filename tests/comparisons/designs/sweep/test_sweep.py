@@ -8,11 +8,28 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from analytic.description.crank_motion import RPM
 from analytic.designs.results import design_figures
 from analytic.kinematics.mechanism import Mechanism
+from comparisons.datasheet.building import usual_case
+from comparisons.datasheet.designer_results import DesignerResults
+from comparisons.datasheet.instants import Instants
+from comparisons.designs.named_figures import named_figures
+from comparisons.designs.steady_motion import steady_motion
 from comparisons.designs.sweep import sweep as sweeps
-from comparisons.designs.sweep.sweep import Blocks, RankedDesign, Summary, own_figures, sweep, usual_figures, why_not
+from comparisons.designs.sweep.space import Grid, steps
+from comparisons.designs.sweep.sweep import (
+    Blocks,
+    RankedDesign,
+    Summary,
+    SweepRequest,
+    own_figures,
+    sweep,
+    usual_figures,
+    why_not,
+)
 from comparisons.runs.workers import LocalPool
+from tests.analytic.loaded_linkages import on_trial
 from tests.comparisons.designs.sweeps import SIX_BAR, grid, request
 
 
@@ -61,9 +78,8 @@ def test_figures_and_their_ends_are_those_of_a_loop(monkeypatch, pool):
     np.testing.assert_allclose(
         summary.reach, np.stack([shown[:, there].min(axis=1), shown[:, there].max(axis=1)], axis=1), rtol=1e-14
     )
-    ranks = (np.abs(found[0]), np.abs(found[1] - 90.0), found[2])
-    for row, rank, least, largest in zip(found, ranks, summary.least, summary.largest, strict=True):
-        assert (least.design, largest.design) == (np.nanargmin(rank), np.nanargmax(rank))
+    for row, least, largest in zip(found, summary.least, summary.largest, strict=True):
+        assert (least.design, largest.design) == (np.nanargmin(row), np.nanargmax(row))
         assert (least.value, largest.value) == (row[least.design], row[largest.design])
 
 
@@ -105,6 +121,17 @@ def test_the_own_design_is_that_of_the_file():
     asked = request()
     own = grid("rod.B.x=175:175:1")
     np.testing.assert_allclose(own_figures(asked), looped(request(own))[:, 0], rtol=1e-14)
+
+
+@pytest.mark.parametrize("refine", [False, True])
+def test_the_rms_torque_is_that_of_results_beside_a_dead_position_too(refine):
+    mechanism = on_trial("near-toggle", None, False)
+    motion = steady_motion(mechanism, 1000.0 * RPM)
+    space = Grid(*zip(steps(mechanism.linkage, "crank.mass=0.3:0.4:2"), strict=True))
+    asked = SweepRequest(mechanism.linkage, space, named_figures(mechanism, ["Mkr.rms"]), motion, refine=refine)
+    case = usual_case(mechanism)
+    (shown,) = (one for one in DesignerResults(case, Instants(case.motion)).drive if one.time is None)
+    assert own_figures(asked)[0] == pytest.approx(shown.torque, rel=1e-9)
 
 
 def test_a_design_that_does_not_assemble_says_where():
