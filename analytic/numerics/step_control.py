@@ -1,6 +1,6 @@
 """How long a window of integration may be, when it is good, and what is carried on to the next one.
 
-NumPy's path calls these functions, and numba compiles the same ones for the kernels.
+All functions are of plain numbers.
 """
 
 from __future__ import annotations
