@@ -129,11 +129,16 @@ class Curves:
 
     def mean(self, measure: Measure) -> float:
         """Mean over time of a measure of the closed form."""
+        return self.means({"": measure})[""]
+
+    def means(self, measures: Mapping[str, Measure]) -> dict[str, float]:
+        """Mean over time of each measure of the closed form."""
         edges = self.grid
         steps = np.diff(edges)
         time = np.clip((edges[:-1, None] + steps[:, None] * NODES).ravel(), edges[0], edges[-1])
-        values = measure(self.at(time)).reshape(-1, len(NODES))
-        return float(steps @ (values @ WEIGHTS) / (edges[-1] - edges[0]))
+        truth = self.at(time)
+        values = {name: measure(truth).reshape(-1, len(NODES)) for name, measure in measures.items()}
+        return {name: float(steps @ (part @ WEIGHTS) / (edges[-1] - edges[0])) for name, part in values.items()}
 
 
 def _is_angle_of_link(name: str) -> bool:
