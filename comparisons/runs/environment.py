@@ -22,7 +22,7 @@ INCIDENTAL = ("date", "machine")
 
 
 def environment(engines: Sequence[str] = ()) -> dict[str, str]:
-    """Name and value of everything that decides a figure or a time, ready for JSON: of these engines those announced."""
+    """Name and value of all that decides a figure or a time, ready for JSON; of these engines those announced here."""
     facts, here = {name: _version(name) for name in PACKAGES}, engine_names()
     facts |= {one.name: one.version() or "" for one in adapters([name for name in engines if name in here])}
     return {
