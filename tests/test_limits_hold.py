@@ -71,3 +71,4 @@ def test_the_key_figures_are_those_recorded():
     assert all(_entry(case)["figures"] for case in every)
     assert [change.sentence for change in changes(every, BASELINE)] == []
     assert BASELINE.changed() == ()
+    assert {*BASELINE.linkages} == {*catalogue()}

@@ -16,7 +16,7 @@ from comparisons.judging.limits import LimitTable, shipped_limits, with_rows
 FILE: Final = "linkproof.toml"
 BASELINE: Final = "linkproof-baseline.json"
 LISTS: Final = ("linkages", "engines", "settings", "regimes")
-KEYS: Final = (*LISTS, "time_limit", "memory_limit", "baseline", "limit")
+KEYS: Final = (*LISTS, "time_limit", "memory_limit", "baseline", "allow_new", "allow_missing", "limit")
 
 
 @dataclass(frozen=True)
@@ -24,7 +24,8 @@ class Project:
     """What a ``linkproof.toml`` says; nothing means the command's default.
 
     ``linkages`` are the files that its patterns match, ``engines``, ``settings`` and ``regimes`` names as the commands
-    take them, ``time_limit`` s and ``memory_limit`` GiB of each run, ``baseline`` the file of what was recorded.
+    take them, ``time_limit`` s and ``memory_limit`` GiB of each run, ``baseline`` the file of what was recorded,
+    ``names_baseline`` whether it is said; ``allow_new`` and ``allow_missing`` let linkages and motions differ from it.
     """
 
     folder: Path
@@ -36,6 +37,9 @@ class Project:
     time_limit: float | None = None
     memory_limit: float | None = None
     limits: LimitTable = field(default_factory=shipped_limits)
+    names_baseline: bool = False
+    allow_new: bool = False
+    allow_missing: bool = False
 
 
 def find_project(start: Path) -> Project | None:
@@ -65,6 +69,9 @@ def read_project(path: Path) -> Project:
         limits=with_rows(table["limit"], str(path)) if "limit" in table else shipped_limits(),
         time_limit=_number(table, "time_limit", path),
         memory_limit=_number(table, "memory_limit", path),
+        names_baseline="baseline" in table,
+        allow_new=_flag(table, "allow_new", path),
+        allow_missing=_flag(table, "allow_missing", path),
         **lists,
     )
 
@@ -81,6 +88,13 @@ def _text(table: Mapping[str, Any], name: str, default: str, path: Path) -> str:
     if not isinstance(text, str) or not text:
         raise LinkproofError(f"{path}: {name}: expected the name of a file, got {text!r}; write one")
     return text
+
+
+def _flag(table: Mapping[str, Any], name: str, path: Path) -> bool:
+    value = table.get(name, False)
+    if not isinstance(value, bool):
+        raise LinkproofError(f"{path}: {name}: expected true or false, got {value!r}; write one of them")
+    return value
 
 
 def _number(table: Mapping[str, Any], name: str, path: Path) -> float | None:

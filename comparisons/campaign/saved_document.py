@@ -92,6 +92,7 @@ class SavedCampaign(TypedDict):
     limits: NotRequired[list[LimitData]]
     figures: NotRequired[list[Any]]
     notes: NotRequired[list[str]]
+    departures: NotRequired[list[str]]
     judgement: NotRequired[list[str]]
 
 
@@ -118,12 +119,12 @@ def checked(text: str, curves: xarray.Dataset) -> dict[str, Any]:
 
 
 def _completed(document: Any) -> Any:  # noqa: ANN401 - whatever JSON holds
-    """A document with what was not told in its time: of a host, and in version 0.1.0, which told no limits, of more."""
+    """A document with what was not told in its time: hosts and units; of version 0.1.0, which told no limits, more."""
     if not isinstance(document, dict):
         return document
-    newer = {"host": ""} if "limits" in document else NEWER_FIELDS
+    records = {"host": ""} if "limits" in document else NEWER_FIELDS
     found = document if "limits" in document else {"readouts": {}, **document}
-    for key in ("records", "invariants"):
+    for key, newer in (("records", records), ("invariants", records), ("figures", {"unit": ""})):
         rows = found.get(key)
         if isinstance(rows, list) and any(isinstance(row, dict) and not newer.keys() <= row.keys() for row in rows):
             found = {**found, key: [newer | row if isinstance(row, dict) else row for row in rows]}

@@ -11,14 +11,15 @@ from typing import Any
 
 from analytic.description.loading import LinkageFile
 from analytic.errors import LinkproofError
+from comparisons.campaign.campaign import CampaignRequest, cases
 from comparisons.campaign.key_figures import KeyFigure, compared, figures
 from comparisons.campaign.project import Project
-from comparisons.judging.baseline import Baseline, Place, read_baseline
-from comparisons.judging.limits import LimitTable, read_limits, shipped_limits
-from comparisons.judging.records import Record, blank_record
+from comparisons.judging.baseline import Baseline, Coverage, Place, read_baseline
+from comparisons.judging.departures import departures
+from comparisons.judging.limits import read_limits, shipped_limits
+from comparisons.judging.records import Record
 from comparisons.judging.run_result import RunResult
 from comparisons.judging.verdicts import Standard
-from comparisons.reference.case import Case
 
 
 def places(files: Iterable[LinkageFile], folder: Path) -> dict[str, Place]:
@@ -44,48 +45,48 @@ def standard(
     baseline: Path | None = None,
     *,
     may_lack: bool = False,
+    coverage: Coverage = Coverage(),  # noqa: B008 - frozen
 ) -> Standard:
     """What results of these files are held against: a file of limits and a baseline, each before the project's.
 
-    Without any of them the suite's limits alone. Raises LinkproofError for what cannot be read, and for a baseline
-    named by its path that is not there, unless it ``may_lack``.
+    Without any of them the suite's limits alone. ``coverage`` says how much of the baseline is compared. Raises
+    LinkproofError for what cannot be read, and for a baseline named by its path that is not there, unless it
+    ``may_lack``.
     """
     table = read_limits(limits) if limits is not None else project.limits if project else shipped_limits()
     file = baseline or (project.baseline if project else None)
     if file is None:
         return Standard(table)
-    if baseline is not None and not may_lack and not baseline.exists():
+    is_named = baseline is not None or (project is not None and project.names_baseline)
+    if is_named and not may_lack and not file.exists():
         raise LinkproofError(
-            f"expected a baseline at '{baseline}', got no such file: correct its name, or add --record-baseline"
+            f"expected a baseline at '{file}', got no such file: correct its name, or add --record-baseline"
         )
     home = project.folder if project else file.parent
     found = read_baseline(file, places(files, home))
     lost = (path for path in sorted(found.linkages) if path.endswith(".toml") and not (home / path).is_file())
-    return Standard(table, replace(found, lost=tuple(lost)))
+    return Standard(table, replace(found, lost=tuple(lost), coverage=coverage))
 
 
-def notes(cases: Iterable[Case], baseline: Baseline) -> tuple[str, ...]:
-    """What a baseline says of files and motions, a sentence each: changed, not known, without a file."""
-    if not baseline.places:
-        return ()
-    if not baseline.linkages:
+def notes(baseline: Baseline) -> tuple[str, ...]:
+    """What a baseline says of files that fails nothing, a sentence each."""
+    if not baseline.is_recorded:
         return ("the baseline holds nothing yet: --record-baseline writes it",)
-    blanks = [blank_record(case, "") for case in cases]
-    unknown = [f"{one.mechanism} ({one.variant}), {one.regime}" for one in blanks if not baseline.knows(one)]
-    lacking = (f"not in the baseline: {'; '.join(unknown)}",) if unknown else ()
-    changed = (f"{path} has changed since its baseline was recorded" for path in baseline.changed())
-    lost = (f"{path} is in the baseline and does not exist any more" for path in baseline.lost)
-    return (*changed, *lacking, *lost)
+    return tuple(f"{path} has changed since its baseline was recorded" for path in baseline.changed())
 
 
 @dataclass(frozen=True)
 class JudgedCampaign:
-    """The results of a campaign under a standard, its key figures beside the recorded, and what the baseline says."""
+    """The results of a campaign under a standard, its key figures beside the recorded, and what the baseline says.
+
+    ``departures`` are sentences that fail it: linkages and motions that are missing, new or renamed.
+    """
 
     standard: Standard
     results: Sequence[RunResult]
     figures: Sequence[KeyFigure]
     notes: Sequence[str]
+    departures: Sequence[str] = ()
 
     @property
     def records(self) -> list[Record]:
@@ -99,31 +100,31 @@ class JudgedCampaign:
             "limits": self.standard.limits.told,
             "figures": [{**asdict(figure), "sentence": figure.sentence} for figure in self.figures],
             "notes": list(self.notes),
+            "departures": list(self.departures),
         }
 
 
 def judged_campaign(
-    cases: Sequence[Case], results: Iterable[RunResult], standard: Standard, record_into: Path | None = None
+    request: CampaignRequest, results: Iterable[RunResult], standard: Standard, record_into: Path | None = None
 ) -> JudgedCampaign:
     """Results under a standard; with ``record_into`` by its limits alone, and written there as its baseline."""
+    made, baseline = cases(request), standard.baseline
+    departed = departures(request.linkages, made, baseline)
     if record_into is not None:
         limits_alone = replace(standard, baseline=Baseline())
         found = [rejudged(result, limits_alone) for result in results]
         records = [record for result in found for record in (*result.records, *result.invariants)]
-        standard = replace(standard, baseline=standard.baseline.recorded(records, figures(cases)))
-        standard.baseline.write(record_into)
+        baseline = baseline.recorded(records, figures(made), [one.place for one in departed if one.is_recorded])
+        baseline.write(record_into)
+        departed = ()
     else:
         found = [rejudged(result, standard) for result in results]
-    told = (*_strangers(cases, standard.limits), *notes(cases, standard.baseline))
-    return JudgedCampaign(standard, found, compared(cases, standard.baseline), told)
-
-
-def _strangers(cases: Sequence[Case], limits: LimitTable) -> tuple[str, ...]:
-    """Limits for linkages that are not here, a sentence each: a slip in a name would go unseen."""
-    here = {case.mechanism.linkage.name for case in cases}
-    named = {name for row in limits.rows for name in row.mechanisms}
-    return tuple(
-        f"a limit is for '{name}', which is not among the linkages of this run" for name in sorted(named - here)
+    return JudgedCampaign(
+        replace(standard, baseline=baseline),
+        found,
+        compared(made, baseline),
+        (*notes(baseline), *(one.sentence for one in departed if one.is_allowed)),
+        tuple(one.sentence for one in departed if not one.is_allowed),
     )
 
 

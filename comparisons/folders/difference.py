@@ -114,7 +114,7 @@ def difference(before: Results, after: Results) -> FolderDifference:
         len(both),
         tuple(filter(_has_moved, moves)),
         _runs([(old[key], new[key]) for key in both]),
-        tuple(figure for figure in _compared(after, baseline) if figure.changed),
+        tuple(figure for figure in _compared(after, baseline) if figure.changed and figure.recorded is not None),
         _others(old, new),
         _others(new, old),
         tuple(

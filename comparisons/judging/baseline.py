@@ -34,16 +34,34 @@ class Place:
 
 
 @dataclass(frozen=True)
+class Coverage:
+    """How much of what was recorded a comparison is to hold, and what it may lack or have besides.
+
+    ``every_linkage`` says that the linkages are all there are, ``every_motion`` that a linkage's motions are;
+    ``new_motions`` that a motion which was not recorded fails. What is allowed is a note.
+    """
+
+    every_linkage: bool = False
+    every_motion: bool = False
+    new_motions: bool = True
+    allow_new: bool = False
+    allow_missing: bool = False
+
+
+@dataclass(frozen=True)
 class Baseline:
     """What was recorded. ``places`` has every linkage's, by the name its records have.
 
     ``linkages`` is as in the file: by path its checksum, and by variant and regime with its conditions the figures, and
-    by engine and setting the errors. ``lost`` are paths in it whose files do not exist any more.
+    by engine and setting the errors. ``lost`` are paths in it whose files do not exist any more; ``is_recorded`` is
+    false where there is no file yet.
     """
 
     linkages: Mapping[str, Any] = field(default_factory=dict)
     places: Mapping[str, Place] = field(default_factory=dict)
     lost: tuple[str, ...] = ()
+    coverage: Coverage = field(default_factory=Coverage)
+    is_recorded: bool = True
 
     def allowed(self, record: Record) -> float | None:
         """The largest deviation the baseline lets pass, None where none was recorded."""
@@ -57,9 +75,11 @@ class Baseline:
         """The key figures recorded for a record's linkage, variant and regime; none where there are none."""
         return {name: float(value) for name, value in self._regime(record).get("figures", {}).items()}
 
-    def knows(self, record: Record) -> bool:
-        """Whether anything was recorded for a record's linkage, variant and regime."""
-        return bool(self._regime(record))
+    @property
+    def regimes(self) -> frozenset[str]:
+        """Names of all regimes of which anything was recorded."""
+        variants = (regimes for entry in self.linkages.values() for regimes in entry["variants"].values())
+        return frozenset(key.partition(": ")[0] for regimes in variants for key in regimes)
 
     def changed(self) -> tuple[str, ...]:
         """Paths of the files that are not as they were when their entry was recorded."""
@@ -72,9 +92,23 @@ class Baseline:
         found: Mapping[str, Any] = entry.get("variants", {}).get(record.variant, {}).get(_key(record), {})
         return found
 
-    def recorded(self, records: Iterable[Record], figures: Mapping[tuple[str, str, str], Any]) -> Baseline:
-        """The same with records and figures, by mechanism, variant and ``regime_key``, over the old, none lost."""
-        linkages = json.loads(json.dumps({path: self.linkages[path] for path in {*self.linkages} - {*self.lost}}))
+    def recorded(
+        self,
+        records: Iterable[Record],
+        figures: Mapping[tuple[str, str, str], Any],
+        without: Iterable[tuple[str, ...]] = (),
+    ) -> Baseline:
+        """The same with records and figures, by mechanism, variant and ``regime_key``, over the old.
+
+        What stands at the places ``without`` is left out: a path, with a variant, with a regime's key.
+        """
+        linkages = json.loads(json.dumps(self.linkages))
+        for path, *below in without:
+            *above, last = [path, "variants", *below] if below else [path]
+            table = linkages
+            for name in above:
+                table = table[name]
+            del table[last]
         for record in records:
             regime = self._entry(linkages, record.mechanism, record.variant, _key(record))
             if record.error_max is not None:
@@ -84,7 +118,7 @@ class Baseline:
             self._entry(linkages, mechanism, variant, key)["figures"] = {
                 name: float(f"{value:.9g}") for name, value in values.items()
             }
-        return Baseline(linkages, self.places)
+        return Baseline(linkages, self.places, coverage=self.coverage)
 
     def _entry(self, linkages: dict[str, Any], mechanism: str, variant: str, key: str) -> dict[str, Any]:
         place = self.places[mechanism]
@@ -111,7 +145,7 @@ def regime_key(regime: str, conditions: str) -> str:
 def read_baseline(path: Path, places: Mapping[str, Place]) -> Baseline:
     """A baseline back from its file, empty where there is none; raises LinkproofError for one that is damaged."""
     if not path.exists():
-        return Baseline({}, places)
+        return Baseline({}, places, is_recorded=False)
     try:
         document = json.loads(path.read_text(encoding="utf-8"))
         if document["format"] != FORMAT:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import tomllib
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
@@ -121,6 +121,23 @@ def with_rows(rows: object, origin: str, unknown: list[str] | None = None) -> Li
     for number, row in enumerate(rows, start=1):
         _check(row, f"{origin}: limit {number}")
     return LimitTable((*map(_row, rows), *shipped_limits().rows))
+
+
+def check_named(
+    table: LimitTable, mechanisms: Callable[[], Iterable[str]], regimes: Callable[[], Iterable[str]]
+) -> None:
+    """Raise UnknownNameError for a user's row that names a mechanism or regime which is none: it would never apply.
+
+    The names that linkages have are asked for where a row has others than the suite's.
+    """
+    for number, row in enumerate(table.rows[: -len(shipped_limits().rows)], start=1):
+        for kind, used, ours, known in (
+            ("mechanism", row.mechanisms, (), mechanisms),
+            ("regime", row.regimes, (*REGIMES, *LAWS, OWN, SWING), regimes),
+        ):
+            for name in sorted(used - {*ours}):
+                if name not in (names := [*ours, *known()]):
+                    raise UnknownNameError(f"{kind} of limit {number}", name, names)
 
 
 def _check(row: Any, place: str) -> None:  # noqa: ANN401 - whatever TOML holds

@@ -14,6 +14,7 @@ from pathlib import Path
 
 from comparisons.runs.failures import OURS
 from comparisons.runs.plugins import engines as adapters
+from engines.registry import engine_names
 
 PACKAGES = ("linkproof", "numpy", "scipy")
 # What an environment holds that no result depends on.
@@ -21,9 +22,9 @@ INCIDENTAL = ("date", "machine")
 
 
 def environment(engines: Sequence[str] = ()) -> dict[str, str]:
-    """Name and value of everything that decides a figure or a time, these engines among it, ready for JSON."""
-    facts = {name: _version(name) for name in PACKAGES}
-    facts |= {one.name: one.version() or "" for one in adapters(engines) if one.name not in facts}
+    """Name and value of all that decides a figure or a time, ready for JSON; of these engines those announced here."""
+    facts, here = {name: _version(name) for name in PACKAGES}, engine_names()
+    facts |= {one.name: one.version() or "" for one in adapters([name for name in engines if name in here])}
     return {
         "date": datetime.datetime.now(datetime.UTC).strftime("%Y-%m-%d %H:%M UTC"),
         "python": platform.python_version(),

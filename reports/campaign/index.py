@@ -83,7 +83,7 @@ def _engines(results: Results, trust: Trust) -> tuple[Section, ...]:
     parts = (_settings_table(trust), families_table(trust))
     caught = matrix.past_baseline(results)
     worse = (Fold("Within their limit, yet worse than three times their recorded value", (Bullets(caught),)),)
-    notes = map(Paragraph, results.document.get("notes", ()))
+    notes = map(Paragraph, (*results.document.get("notes", ()), *results.document.get("departures", ())))
     moved: tuple[Part, ...] = (*notes, *changed_figures(results.figures))
     return (Section("engines", "The engines", (*parts, *(worse if caught else ()), *moved)),)
 

@@ -13,9 +13,10 @@ from comparisons.judging.verdicts import deciding
 
 ILLEGAL: Final = re.compile("[^\t\n\r\x20-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")
 FIGURES: Final = "key figures"  # stands where records have engine and setting
+BASELINE: Final = "baseline"  # the suite of what departs from it
 
 
-def junit(records: Sequence[Record], figures: Sequence[KeyFigure] = ()) -> str:
+def junit(records: Sequence[Record], figures: Sequence[KeyFigure] = (), departures: Sequence[str] = ()) -> str:
     """The document: a suite per mechanism, variant and regime; the classes are engine and setting.
 
     Skipped is what is not judged, a naive record that decides nothing beside others, and a figure not recorded.
@@ -26,11 +27,13 @@ def junit(records: Sequence[Record], figures: Sequence[KeyFigure] = ()) -> str:
         suites.setdefault(record.run[:3], []).append(_record(record, decides=id(record) in decides))
     for figure in figures:
         suites.setdefault((figure.mechanism, figure.variant, figure.regime), []).append(_figure(figure))
+    if departures:
+        suites[BASELINE, "", ""] = [_departure(words) for words in departures]
     counts = _counts([case for cases in suites.values() for case in cases])
     root = ElementTree.Element("testsuites", {"name": "linkproof"} | counts)
     for place, cases in suites.items():
         seconds = {record.run: record.seconds for record in records if record.run[:3] == place}
-        name = {"name": _legal("/".join(place)), "time": f"{sum(seconds.values()):.6f}"}
+        name = {"name": _legal("/".join(filter(None, place))), "time": f"{sum(seconds.values()):.6f}"}
         ElementTree.SubElement(root, "testsuite", name | _counts(cases)).extend(cases)
     ElementTree.indent(root, " ")
     return f'<?xml version="1.0" encoding="utf-8"?>\n{ElementTree.tostring(root, encoding="unicode")}\n'
@@ -67,6 +70,12 @@ def _figure(figure: KeyFigure) -> ElementTree.Element:
         ).text = figure.conditions
     elif figure.recorded is None:
         ElementTree.SubElement(case, "skipped", message="not in the baseline", type="not-recorded")
+    return case
+
+
+def _departure(words: str) -> ElementTree.Element:
+    case = _case(BASELINE, words)
+    ElementTree.SubElement(case, "failure", message=_legal(words), type="departure")
     return case
 
 

@@ -11,6 +11,7 @@ from typing import Final
 from analytic.description.linkage import ReleasedRegime
 from comparisons.campaign.results import Results
 from comparisons.judging.records import CONTROL, Record, Verdict
+from comparisons.judging.verdicts import deciding
 from engines.contract import Setting
 from reports.document.numbers import figure
 from reports.document.templates import sentence
@@ -148,16 +149,26 @@ def ratio(record: Record) -> str:
 
 
 def verdict(trust: Trust, *, timed: bool = True) -> tuple[str, ...]:
-    """What is not as recorded, whom to trust for what, who is nearest, and if ``timed`` quickest, what defaults do."""
+    """What is not as recorded, whom to trust for what, who is nearest, and if ``timed`` quickest, what defaults do.
+
+    Nobody is to be trusted where the campaign has not passed.
+    """
     setting = trust.settings[0]
     engines = [name for name in trust.engines if name not in trust.controls] or list(trust.engines)
     lines = (
+        _departed(trust.results),
         _moved(trust.results),
         _trust(trust, engines, setting),
         _nearest(trust, engines, setting, timed=timed),
         _untuned(trust, engines) if Setting.NAIVE.value in trust.settings[1:] else "",
     )
     return tuple(line for line in lines if line)
+
+
+def _departed(results: Results) -> str:
+    """Which linkages and motions are not those of the baseline."""
+    departures = results.document.get("departures", [])
+    return sentence("verdict_departures", departures=departures) if departures else ""
 
 
 def _moved(results: Results) -> str:
@@ -177,8 +188,16 @@ def _trust(trust: Trust, engines: Sequence[str], setting: str) -> str:
         part=_grouped({name: [f for f in trust.families if f not in judged[name]] for name in right}),
         wrong=_grouped(wrong),
         silent=listed(name for name in engines if not judged[name]),
+        red=_is_red(trust.results),
         count=sum(len(held.judged) for name in right for held in trust.held[name, setting].values()),
     )
+
+
+def _is_red(results: Results) -> bool:
+    """Whether the campaign has failed, in any engine, by a key figure or by what departs from the baseline."""
+    decided = deciding((*results.records, *results.invariants))
+    failed = any(Verdict(one.outcome).failed or one.outcome == Verdict.SUITE_ERROR for one in decided)
+    return failed or any(one.changed for one in results.figures) or bool(results.document.get("departures"))
 
 
 def _nearest(trust: Trust, engines: Sequence[str], setting: str, *, timed: bool) -> str:

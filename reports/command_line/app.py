@@ -252,6 +252,12 @@ def compare(
         bool,
         flag("Record errors and key figures into the baseline, of --baseline or the project.", "--record-baseline"),
     ] = False,
+    allow_new: Annotated[
+        bool, flag("Let linkages and motions pass that the baseline does not have.", "--allow-new")
+    ] = False,
+    allow_missing: Annotated[
+        bool, flag("Let linkages and motions be missing that the baseline has.", "--allow-missing")
+    ] = False,
     junit: Annotated[Path | None, valued("FILE", "Write every verdict as a test case, in JUnit's XML.")] = None,
     resume: options.Resume = False,
     quiet: options.Quiet = False,
@@ -269,8 +275,8 @@ def compare(
     The naive setting shows what a user gets without tuning: beside other settings its rows do not decide the exit code.
     An engine that crashes, hangs or runs out of memory fails in its own row only.
 
-    Exit codes: 0 every error within its limit, 1 an error over its limit, a run that failed or a key figure that is not
-    as recorded, 2 bad input.
+    Exit codes: 0 every error within its limit, 1 an error over its limit, a run that failed, or a linkage, motion or
+    key figure that is not as in the baseline, 2 bad input.
     """
     from comparisons.runs.worker_process import start_server
 
@@ -286,7 +292,7 @@ def compare(
         start_angle=start_angle, clockwise=clockwise, from_angle=from_angle, to_angle=to_angle,
     )  # fmt: skip
     destination = _destination(json, out, resume, quiet, verbose, junit)
-    held = StandardChoice(limits, baseline, record_baseline)
+    held = StandardChoice(limits, baseline, record_baseline, allow_new, allow_missing)
     raise typer.Exit(compare.compare(choice, destination, RunLimits(time_limit, memory_limit, jobs, scheduler), held))
 
 

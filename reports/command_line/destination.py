@@ -94,12 +94,12 @@ class Destination:
         elif self.json is not None:
             write_text(Path(self.json), to_json(document))
 
-    def write_junit(self, records: Sequence[Record], figures: Sequence[KeyFigure]) -> None:
-        """Write records and key figures as test cases, where it was asked for."""
+    def write_junit(self, records: Sequence[Record], figures: Sequence[KeyFigure], departures: Sequence[str]) -> None:
+        """Write records, key figures and departures from a baseline as test cases, where it was asked for."""
         if self.junit is not None:
             from reports.campaign.junit import junit  # noqa: PLC0415
 
-            write_text(self.junit, junit(records, figures))
+            write_text(self.junit, junit(records, figures, departures))
 
     def say(self, text: str) -> None:
         """A remark on stderr, unless quiet."""

@@ -20,17 +20,21 @@ from reports.command_line import FAILED, PASSED, SUITE_ERROR
 
 
 def campaign_exit_code(
-    records: Sequence[Record], errata: Iterable[ErratumRecord] = (), figures: Iterable[KeyFigure] = ()
+    records: Sequence[Record],
+    errata: Iterable[ErratumRecord] = (),
+    figures: Iterable[KeyFigure] = (),
+    departures: Sequence[str] = (),
 ) -> int:
     """Of judged records; naive ones count only where nothing else ran, errata only where they are a fault of ours.
 
-    A key figure that is not as recorded fails. Raises LinkproofError where no record says anything of an engine.
+    A key figure that is not as recorded fails, and so do ``departures`` from a baseline. Raises LinkproofError where no
+    record says anything of an engine.
     """
     verdicts = {Verdict(record.outcome) for record in deciding(records)}
     outcomes = {record.outcome for record in records} | {record.outcome for record in errata}
     if Verdict.SUITE_ERROR in outcomes:
         return SUITE_ERROR
-    if any(verdict.failed for verdict in verdicts) or any(figure.changed for figure in figures):
+    if any(verdict.failed for verdict in verdicts) or any(figure.changed for figure in figures) or departures:
         return FAILED
     if not any(verdict.judged for verdict in verdicts):
         raise _nothing_judged((record.outcome, record.detail) for record in records)

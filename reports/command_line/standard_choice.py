@@ -4,14 +4,18 @@ from __future__ import annotations
 
 import os
 import shlex
-from dataclasses import dataclass, replace
+from collections.abc import Iterator
+from contextlib import suppress
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 from analytic.description.linkage import Linkage
-from analytic.description.loading import load, read
+from analytic.description.loading import LinkageFile, catalogue, installed, literature, load, read
 from analytic.errors import LinkproofError, UnknownNameError
 from comparisons.campaign.project import FILE, Project, find_project
 from comparisons.campaign.standards import standard
+from comparisons.judging.baseline import Coverage
+from comparisons.judging.limits import check_named
 from comparisons.judging.verdicts import Standard
 from comparisons.runs.files import check_writable
 from engines.registry import engine_names
@@ -23,12 +27,18 @@ INSTALLATIONS = {"site-packages", "dist-packages"}  # what stands there is gone 
 
 @dataclass(frozen=True)
 class StandardChoice:
-    """Files of limits and of a baseline, each before the ``project``'s; ``record`` writes the baseline anew."""
+    """Files of limits and of a baseline, each before the ``project``'s; ``record`` writes the baseline anew.
+
+    ``allow_new`` and ``allow_missing`` let linkages and motions differ from it, of which ``coverage`` is compared.
+    """
 
     limits: Path | None = None
     baseline: Path | None = None
     record: bool = False
+    allow_new: bool = False
+    allow_missing: bool = False
     project: Project | None = None
+    coverage: Coverage = field(default_factory=Coverage)
 
     @property
     def file(self) -> Path | None:
@@ -52,14 +62,70 @@ class StandardChoice:
         check_writable(self.file)
 
     def standard(self, choice: CampaignChoice) -> Standard:
-        """What the results of a choice are held against."""
-        return standard(files(choice), self.project, self.limits, self.baseline, may_lack=self.record)
+        """What the results of a choice are held against; raises LinkproofError for a limit of what does not exist."""
+        read_files, project = files(choice), self.project
+        found = standard(read_files, project, self.limits, self.baseline, may_lack=self.record, coverage=self.coverage)
+
+        def known() -> list[LinkageFile]:
+            return [*read_files, *_others(read_files, project)]
+
+        recorded = found.baseline.linkages  # what is recorded and missing is told as that
+        check_named(
+            found.limits,
+            lambda: [*_mechanisms(known()), *(Path(path).stem for path in recorded)],
+            lambda: [*_regimes(known()), *found.baseline.regimes],
+        )
+        return found
 
     @property
     def words(self) -> str:
         """The options that verdicts depend on, as they follow a command."""
         given = (("--limits", self.limits), ("--baseline", self.baseline))
-        return "".join(f" {option} {shlex.quote(str(path))}" for option, path in given if path is not None)
+        allowed = (("--allow-new", self.allow_new), ("--allow-missing", self.allow_missing))
+        files_words = (f" {option} {shlex.quote(str(path))}" for option, path in given if path is not None)
+        return "".join((*files_words, *(f" {option}" for option, is_given in allowed if is_given)))
+
+
+def _others(named: list[LinkageFile], project: Project | None) -> Iterator[LinkageFile]:
+    """Linkages that a limit may be for besides those named: the project's, or those beside them."""
+    folders = dict.fromkeys(Path(file.origin).parent for file in named if not file.is_known)
+    paths = project.linkages if project else [path for folder in folders for path in sorted(folder.glob("*.toml"))]
+    yield from files(CampaignChoice(tuple(map(str, paths)))) if project and paths else ()
+    for path in paths:
+        with suppress(LinkproofError):  # a file beside a linkage need not be one
+            yield read(path)
+
+
+def _mechanisms(known: list[LinkageFile]) -> list[str]:
+    return [*(file.name for file in known), *catalogue(), *literature(), *installed()]
+
+
+def _regimes(known: list[LinkageFile]) -> list[str]:
+    found = []
+    for file in known:
+        with suppress(LinkproofError):
+            found += [regime.name for regime in file.linkage().regimes]
+    return found
+
+
+def project_coverage(project: Project) -> Coverage:
+    """What is compared of a project's baseline where nothing is named."""
+    return _coverage(CampaignChoice(), StandardChoice(), project)
+
+
+def _coverage(choice: CampaignChoice, held: StandardChoice, project: Project | None) -> Coverage:
+    """What of a baseline is compared: linkages and motions that are named are a part of it.
+
+    A motion that is named may be new to the project's baseline, not to one that is named itself.
+    """
+    names_motion = bool(any(choice.words.values()) or choice.clockwise or not choice.gravity)
+    return Coverage(
+        every_linkage=not choice.mechanisms and choice.variant is None,
+        every_motion=project is not None and not names_motion,
+        new_motions=not names_motion or held.baseline is not None,
+        allow_new=held.allow_new or (project is not None and project.allow_new),
+        allow_missing=held.allow_missing or (project is not None and project.allow_missing),
+    )
 
 
 def _project_of(names: tuple[str, ...]) -> Project | None:
@@ -79,10 +145,11 @@ def in_project(
     Last the project's linkages, where one of its regimes may be another linkage's than those that are named.
     """
     project = _project_of(choice.mechanisms)
+    held = replace(held, project=project, coverage=_coverage(choice, held, project))
     if project is None:
         return choice, limits, held, ()
     known = _known_linkages(choice, project)
-    return _completed(choice, project), _bounded(limits, project), replace(held, project=project), known
+    return _completed(choice, project), _bounded(limits, project), held, known
 
 
 def _completed(choice: CampaignChoice, project: Project) -> CampaignChoice:

@@ -25,9 +25,14 @@ def pytest_configure(config: pytest.Config) -> None:
 
 
 def pytest_collect_file(file_path: Path, parent: pytest.Collector) -> pytest.Collector | None:
-    """The tests of a linkage file: one that its project lists, or that is named with ``--linkproof``."""
-    if file_path.suffix.lower() != ".toml" or file_path.name == FILE:
+    """The tests of a linkage file: one that its project lists, or that is named with ``--linkproof``.
+
+    The file of a project is collected where it is named; else the first of its linkages brings it along.
+    """
+    if file_path.suffix.lower() != ".toml":
         return None
+    if file_path.name == FILE:
+        return _project_tests(file_path, parent) if parent.session.isinitpath(file_path) else None
     is_named = parent.config.getoption("linkproof") and parent.session.isinitpath(file_path)
     if not is_named and not _has_project(file_path.parent):
         return None
@@ -37,6 +42,14 @@ def pytest_collect_file(file_path: Path, parent: pytest.Collector) -> pytest.Col
         return None
     _announce_markers(parent.config)
     tests: LinkageTests = LinkageTests.from_parent(parent, path=file_path)
+    return tests
+
+
+def _project_tests(file: Path, parent: pytest.Collector) -> pytest.Collector:
+    from reports.pytest_plugin.collecting import ProjectTests  # noqa: PLC0415
+
+    _announce_markers(parent.config)
+    tests: ProjectTests = ProjectTests.from_parent(parent, path=file)
     return tests
 
 

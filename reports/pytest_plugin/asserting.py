@@ -44,6 +44,7 @@ class Assertion:
         )
         texts = [failure(record, asked, found.notes) for record in deciding(found.records) if _fails(record.outcome)]
         texts += [changed(figure, asked, found.notes) for figure in found.figures if figure.changed]
+        texts += found.departures
         if texts:
             pytest.fail("\n\n".join(texts), pytrace=False)
         if not any(Verdict(record.outcome).judged for record in found.records):

@@ -4,12 +4,15 @@ from __future__ import annotations
 
 import os
 from dataclasses import dataclass, replace
+from functools import cached_property
 from pathlib import Path
 
 from comparisons.campaign.campaign import CampaignRequest, cases, judged, lost, tasks
 from comparisons.campaign.key_figures import KeyFigure, compared
-from comparisons.campaign.standards import rejudged
+from comparisons.campaign.project import Project
+from comparisons.campaign.standards import notes, rejudged, standard
 from comparisons.invariants.checks import NEEDS as INVARIANTS
+from comparisons.judging.departures import Departure, file_departures, motion_departures
 from comparisons.judging.records import Record
 from comparisons.judging.run_result import from_bytes, to_bytes
 from comparisons.judging.verdicts import Standard
@@ -18,8 +21,8 @@ from comparisons.runs.plugins import engine
 from comparisons.runs.study import Study, Task
 from comparisons.runs.workers import Bounds, LocalPool
 from engines.contract import Setting
-from reports.command_line.requests import CampaignChoice, RunLimits, request
-from reports.command_line.standard_choice import StandardChoice, in_project
+from reports.command_line.requests import CampaignChoice, RunLimits, files, request
+from reports.command_line.standard_choice import StandardChoice, in_project, project_coverage
 
 
 @dataclass(frozen=True)
@@ -38,7 +41,15 @@ class FileCampaign:
 
     def figures(self) -> list[KeyFigure]:
         """Every key figure beside the recorded one, where there is a baseline."""
-        return compared(cases(self.request), self.standard.baseline) if self._moves else []
+        return compared(self._cases, self.standard.baseline) if self._moves else []
+
+    def departures(self) -> tuple[Departure, ...]:
+        """Motions of the file that are new or missing in the baseline."""
+        return motion_departures(self.request.linkages, self._cases if self._moves else (), self.standard.baseline)
+
+    @cached_property
+    def _cases(self) -> list[Case]:
+        return cases(self.request)
 
     @property
     def _moves(self) -> bool:
@@ -53,8 +64,8 @@ class FileCampaign:
     @property
     def notes(self) -> tuple[str, ...]:
         """What is known of the file besides, in sentences."""
-        changed = self.standard.baseline.changed()
-        return tuple(f"{path} has changed since its baseline was recorded" for path in changed)
+        baseline = self.standard.baseline
+        return notes(baseline) if baseline.is_recorded else ()
 
 
 @dataclass(frozen=True)
@@ -91,6 +102,13 @@ class CampaignRun:
         (result,) = study.in_order([self.task], self.campaign.bounds)
         result = rejudged(result, self.campaign.standard)
         return (*result.records, *result.invariants)
+
+
+def set_of_files(project: Project) -> tuple[Departure, ...] | None:
+    """Linkages that a project has and its baseline has not, or the other way round; None where nothing is recorded."""
+    chosen = CampaignChoice(tuple(map(str, project.linkages)))
+    baseline = standard(files(chosen), project, coverage=project_coverage(project)).baseline
+    return file_departures(baseline) if baseline.is_recorded else None
 
 
 def file_campaign(path: Path, folder: Path) -> FileCampaign:

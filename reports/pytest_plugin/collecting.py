@@ -1,4 +1,7 @@
-"""What pytest collects of a linkage file: a node for every run with a test for every quantity, and the key figures."""
+"""What pytest collects of a linkage file: a node for every run with a test for every quantity, and the key figures.
+
+The first linkage file of a project brings the test of its set of files along.
+"""
 
 from __future__ import annotations
 
@@ -12,14 +15,16 @@ import pytest
 
 from analytic.errors import LinkproofError
 from comparisons.campaign.key_figures import KeyFigure
-from comparisons.campaign.project import find_project
+from comparisons.campaign.project import FILE, find_project, read_project
+from comparisons.judging.departures import Departure
 from comparisons.judging.records import Record, Verdict
 from comparisons.runs.plugins import engine
 from engines.registry import why_unavailable
-from reports.pytest_plugin.campaign import CampaignRun, FileCampaign, file_campaign
+from reports.pytest_plugin.campaign import CampaignRun, FileCampaign, file_campaign, set_of_files
 from reports.pytest_plugin.words import changed, failure, recording
 
 FIGURES: Final = "key-figures"
+SEEN: Final = pytest.StashKey[set[Path]]()  # files of projects that are collected
 
 
 def is_listed(path: Path) -> bool:
@@ -34,20 +39,66 @@ def is_listed(path: Path) -> bool:
 class LinkageTests(pytest.File):
     """A linkage file: its runs and its key figures."""
 
-    def collect(self) -> Iterator[pytest.Collector]:
+    def collect(self) -> Iterator[pytest.Collector | pytest.Item]:
         """A node for every run, and one for the key figures of every motion that a baseline may know."""
         self.add_marker("linkproof")
         try:
             campaign = file_campaign(self.path, self.config.invocation_params.dir)
-            runs = campaign.runs
-            figures = campaign.figures() if campaign.standard.baseline.places else []
+            runs, baseline = campaign.runs, campaign.standard.baseline
+            figures = campaign.figures() if baseline.places else []
+            departures = campaign.departures()
+            project = find_project(self.path.parent)
         except LinkproofError as error:
             raise self.CollectError(str(error)) from error
+        if project is not None and is_first(project.folder / FILE, self.session):
+            yield ProjectTests.from_parent(self.session, path=project.folder / FILE)
+        if baseline.places and baseline.is_recorded:
+            yield SetTest.from_parent(self, name="set-of-motions", departures=departures)
         for run in runs:
             yield RunTests.from_parent(self, run=run)
         for regime in dict.fromkeys(figure.regime for figure in figures):
             ours = [figure for figure in figures if figure.regime == regime]
             yield FigureTests.from_parent(self, name=f"{regime}-{FIGURES}", campaign=campaign, figures=ours)
+
+
+def is_first(file: Path, session: pytest.Session) -> bool:
+    """Whether the file of a project is met for the first time, and is not to be collected by its own name."""
+    seen = session.config.stash.setdefault(SEEN, set())
+    is_new = file not in seen and not session.isinitpath(file)
+    seen.add(file)
+    return is_new
+
+
+class ProjectTests(pytest.File):
+    """A project: its set of files is that of its baseline."""
+
+    def collect(self) -> Iterator[pytest.Item]:
+        """One test; none where nothing is recorded."""
+        self.add_marker("linkproof")
+        try:
+            departures = set_of_files(read_project(self.path))
+        except LinkproofError as error:
+            raise self.CollectError(str(error)) from error
+        if departures is not None:
+            yield SetTest.from_parent(self, name="set-of-files", departures=departures)
+
+
+class SetTest(pytest.Item):
+    """A set of files, or of motions, is that of the baseline."""
+
+    def __init__(self, *, departures: tuple[Departure, ...], **words: Any) -> None:  # noqa: ANN401 - pytest's own
+        self.departures = departures
+        super().__init__(**words)
+
+    def runtest(self) -> None:
+        """Fail with every departure that is not allowed."""
+        sentences = [one.sentence for one in self.departures if not one.is_allowed]
+        if sentences:
+            pytest.fail("\n".join(sentences), pytrace=False)
+
+    def reportinfo(self) -> tuple[Path, int, str]:
+        """Where the test stands in reports."""
+        return self.path, 0, self.name
 
 
 class RunTests(pytest.Collector):

@@ -8,7 +8,6 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Unpack
 
 from analytic.errors import LinkproofError
-from comparisons.campaign.campaign import cases
 from comparisons.campaign.campaign import compare as run_campaign
 from comparisons.campaign.key_figures import KeyFigure
 from comparisons.campaign.standards import judged_campaign
@@ -30,17 +29,19 @@ RUN = ("mechanism", "variant", "regime", "engine", "setting")
 class Comparison:
     """What came of a comparison: a record of every run's quantities and checks, the key figures beside the recorded.
 
-    ``notes`` say what the baseline does not know or what has changed since it was recorded.
+    ``departures`` say which linkages and motions are not those of the baseline, and fail it; ``notes`` say what fails
+    nothing: what has changed since it was recorded, what is allowed to differ.
     """
 
     records: tuple[Record, ...]
     figures: tuple[KeyFigure, ...]
     notes: tuple[str, ...]
+    departures: tuple[str, ...] = ()
 
     @property
     def passed(self) -> bool:
         """Whether the command would exit with 0; raises LinkproofError where no record says anything of an engine."""
-        return campaign_exit_code(self.records, figures=self.figures) == PASSED
+        return campaign_exit_code(self.records, figures=self.figures, departures=self.departures) == PASSED
 
     @property
     def table(self) -> xarray.Dataset:
@@ -80,6 +81,8 @@ def compare(
     limits: str | Path | None = None,
     baseline: str | Path | None = None,
     record_baseline: bool = False,
+    allow_new: bool = False,
+    allow_missing: bool = False,
     time_limit: float | None = None,
     memory_limit: float | None = None,
     jobs: int | None = None,
@@ -104,14 +107,14 @@ def compare(
     )  # fmt: skip
     bounds = RunLimits(time_limit, memory_limit, jobs, scheduler)
     bounds.check()
-    held = StandardChoice(_path(limits), _path(baseline), record_baseline)
+    held = StandardChoice(_path(limits), _path(baseline), record_baseline, allow_new, allow_missing)
     asked, bounds, held, known = in_project(asked, bounds, held)
     held.check()
     wanted, standard = request(asked, known), held.standard(asked)
     with bounds.pool() as pool:
         results = list(run_campaign(wanted, bounds=bounds.bounds, pool=pool))
-    judged = judged_campaign(cases(wanted), results, standard, held.file if held.record else None)
-    return Comparison(tuple(judged.records), tuple(judged.figures), tuple(judged.notes))
+    judged = judged_campaign(wanted, results, standard, held.file if held.record else None)
+    return Comparison(tuple(judged.records), tuple(judged.figures), tuple(judged.notes), tuple(judged.departures))
 
 
 def _path(given: str | Path | None) -> Path | None:

@@ -10,19 +10,19 @@ from reports.document.numbers import ABSENT
 from reports.document.parts import Table
 
 CAPTION = "Key figures of the closed form, SI, that are not as recorded in the baseline."
-HEAD = ("mechanism", "regime", "figure", "recorded", "now", "change")
+HEAD = ("mechanism", "regime", "figure", "recorded", "now", "unit", "change")
 
 
 def changed_figures(figures: Sequence[KeyFigure]) -> tuple[Table, ...]:
     """A row for every key figure that has changed; no table where none has."""
     rows = tuple(_row(figure) for figure in figures if figure.changed)
-    return (Table(CAPTION, HEAD, rows, align="lllr"),) if rows else ()
+    return (Table(CAPTION, HEAD, rows, align="lllrrlr"),) if rows else ()
 
 
 def _row(figure: KeyFigure) -> tuple[str, ...]:
     place = f"{figure.mechanism} ({figure.variant})"
     share = ABSENT if figure.share is None else change(figure.share, ".2g")
-    return (place, figure.regime, figure.figure, _number(figure.recorded), _number(figure.now), share)
+    return (place, figure.regime, figure.figure, _number(figure.recorded), _number(figure.now), figure.unit, share)
 
 
 def _number(value: float | None) -> str:

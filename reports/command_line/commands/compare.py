@@ -11,7 +11,7 @@ from typing import Any
 from analytic.description.linkage import Linkage
 from analytic.description.loading import catalogue, literature
 from analytic.errors import LinkproofError
-from comparisons.campaign.campaign import CampaignRequest, cases, tasks
+from comparisons.campaign.campaign import CampaignRequest, tasks
 from comparisons.campaign.campaign import compare as run_campaign
 from comparisons.campaign.errata import ErratumRecord, judge_errata
 from comparisons.campaign.printed_answers import engine_answers
@@ -59,7 +59,7 @@ def compare(
             running: dict[str, Any] = {"bounds": limits.bounds, "pool": pool, "journal": kept}
             results = list(run_campaign(wanted, counting(announce), **running))
             errata = _errata(wanted, running) if destination.json or out else []
-        judged = judged_campaign(cases(wanted), results, standard, held.file if held.record else None)
+        judged = judged_campaign(wanted, results, standard, held.file if held.record else None)
         if destination.json or out:
             command = choice.command + held.words + limits.words + (" --out DIR" if out else "")
             saved = campaign_document(wanted, judged, command, errata)
@@ -70,9 +70,9 @@ def compare(
             kept.clear()
     if held.record:
         destination.say(f"baseline: {held.file}")
-    destination.write_junit(judged.records, judged.figures)
-    destination.print_out(printout(judged.results, judged.figures, judged.notes))
-    return campaign_exit_code(judged.records, errata, judged.figures)
+    destination.write_junit(judged.records, judged.figures, judged.departures)
+    destination.print_out(printout(judged.results, judged.figures, (*judged.notes, *judged.departures)))
+    return campaign_exit_code(judged.records, errata, judged.figures, judged.departures)
 
 
 def campaign_document(

@@ -9,7 +9,7 @@ from typing import Final
 from analytic.description.crank_motion import CrankMotion
 from analytic.kinematics.crank_range import crank_range
 from analytic.kinematics.mechanism import Mechanism
-from comparisons.campaign.campaign import CampaignRequest, cases, compare
+from comparisons.campaign.campaign import CampaignRequest, compare
 from comparisons.campaign.standards import judged_campaign
 from comparisons.designs.sweep.space import DesignSpace, Grid
 from comparisons.designs.trust.sample import DesignSample, hypercube, rows, sample
@@ -60,7 +60,7 @@ def simulate(
             kept = journal(below.folder, command, wanted.engines, linkages, resume=destination.resume)
         with destination.progress() as announce, destination.own_stdout():
             found = list(compare(wanted, counting(announce), bounds=limits.bounds, pool=pool, journal=kept))
-        judged = judged_campaign(cases(wanted), found, shipped_standard())
+        judged = judged_campaign(wanted, found, shipped_standard())
         if below.folder:
             told = campaign_document(wanted, judged, command)
             told["environment"] |= pool.place

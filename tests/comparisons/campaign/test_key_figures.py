@@ -1,8 +1,10 @@
 """Key figures tell a changed file: a mass of 1 %, not rounding."""
 
+import math
 import re
 from dataclasses import replace
 
+import numpy as np
 import pytest
 
 from analytic.description.crank_motion import crank_motion
@@ -39,13 +41,29 @@ def test_the_same_file_has_the_same_figures():
 def test_another_mass_is_seen(share):
     found = changes([_case(_heavier(share))], _baseline())
     assert {"joint_force:O1.peak", "joint_force:A.peak"} & {one.figure for one in found}
-    assert all("was" in one.sentence and one.sentence.endswith(" %") for one in found)
+    assert all(re.search(r" was \S+ (N|N m|W|kg m²) and is .* %$", one.sentence) for one in found)
 
 
 def test_figures_are_the_peaks_of_the_motion():
     found = key_figures(_case())
     assert found["Peq.peak"] == pytest.approx(found["Mkr.peak"] * 104.72, rel=0.05)  # near full speed
-    assert {name.partition(":")[0].partition(".")[0] for name in found} == {"Mkr", "Peq", "Jeq", "joint_force"}
+    kinds = {"Mkr", "Peq", "Jeq", "joint_force", "S", "v", "a", "transmission_angle", "point", "output"}
+    assert {name.partition(":")[0].partition(".")[0] for name in found} == kinds
+
+
+def test_figures_of_a_centric_slider_crank_are_those_of_its_formulas():
+    """S = r sin φ - sqrt(l² - r² cos²φ): a stroke of two cranks, dead centres and speed by an independent search."""
+    r, length, omega = 0.0155, 0.0545, 1000.0 * math.pi / 30.0
+    found = key_figures(Case(Mechanism(LINKAGE), crank_motion("constant-speed", speed=omega)))
+    phi = np.linspace(0.0, 2.0 * math.pi, 2_000_001)
+    root = np.sqrt(length**2 - (r * np.cos(phi)) ** 2)
+    speed = omega * (r * np.cos(phi) - r**2 * np.cos(phi) * np.sin(phi) / root)
+    assert found["S.stroke"] == found["S.largest"] - found["S.least"] == pytest.approx(2.0 * r)
+    assert (found["v.largest"], found["v.least"]) == pytest.approx((np.max(speed), np.min(speed)), rel=1e-9)
+    (least,) = (value for name, value in found.items() if name.startswith("transmission_angle"))
+    assert least == pytest.approx(math.acos(r / length))
+    assert (found["point:A:x.first"], found["point:D:y.first"]) == pytest.approx((r, -math.sqrt(length**2 - r**2)))
+    assert (found["output:direction:x"], found["output:direction:y"]) == (0.0, 1.0)
 
 
 def test_a_figure_that_is_lost_or_new_is_said():

@@ -60,6 +60,7 @@ def test_without_a_file_there_is_no_project(folder):
         ("time_limit = 0", "time_limit: expected a positive finite number"),
         ("memory_limit = 'much'", "memory_limit: expected a positive finite number"),
         ("baseline = ''", "baseline: expected the name of a file"),
+        ("allow_new = 1", "allow_new: expected true or false, got 1"),
         ("linkages = ['*.tml']", "got none that match"),
         ("linkages = ['/etc/*.toml']", "linkages: expected a place beneath its folder, got '/etc"),
         ("linkages = ['../*.toml']", "linkages: expected a place beneath its folder"),

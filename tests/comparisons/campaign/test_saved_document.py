@@ -26,7 +26,7 @@ INSTEAD = (None, "x", "", 3.5, -7, [1], {"a": 1})
 def results():
     found = made_up_results([load("juki-mf7923d")], samples=31)
     figure = KeyFigure("juki-mf7923d", "as-built", "run-up", "c", "Mkr.peak", 1.0, 1.01, changed=True)
-    judged = JudgedCampaign(shipped_standard(), [], [figure], ["a note"])
+    judged = JudgedCampaign(shipped_standard(), [], [figure], ["a note"], ["mine.toml is missing"])
     return replace(found, document={**found.document, **judged.told})
 
 

@@ -10,8 +10,9 @@ from analytic.description.loading import read
 from analytic.errors import LinkproofError
 from comparisons.campaign.campaign import CampaignRequest, RunResult, cases
 from comparisons.campaign.project import read_project
-from comparisons.campaign.standards import checksum, judged_campaign, notes, places, standard
+from comparisons.campaign.standards import checksum, judged_campaign, places, standard
 from comparisons.judging.baseline import read_baseline
+from comparisons.judging.departures import departures
 from comparisons.judging.limits import shipped_limits
 from comparisons.judging.records import blank_record
 
@@ -66,11 +67,11 @@ def _campaign(folder, record_into=None):
     """Both linkages by an engine whose torque is off by a millionth."""
     files = _files(folder)
     linkages = tuple(file.linkage() for file in files)
-    every = cases(CampaignRequest(linkages, (MOTION,), "c", ()))
+    request = CampaignRequest(linkages, (MOTION,), "c", ())
     record = {"engine": "e", "quantity": "Mkr", "error_max": 1e-6, "outcome": "passed"}
-    results = [RunResult((replace(blank_record(case, "tuned"), **record),), ()) for case in every]
+    results = [RunResult((replace(blank_record(case, "tuned"), **record),), ()) for case in cases(request)]
     project = read_project(folder / "linkproof.toml")
-    return judged_campaign(every, results, standard(files, project), record_into)
+    return judged_campaign(request, results, standard(files, project), record_into)
 
 
 def test_a_campaign_is_recorded_and_then_held_to_it(folder):
@@ -102,15 +103,17 @@ def test_what_the_baseline_does_not_know_is_said(folder):
     _campaign(folder, file)
     files = _files(folder)
     baseline = read_baseline(file, places(files, folder))
-    every = cases(CampaignRequest((files[0].linkage("as-printed"),), (MOTION,), "c", ()))
-    assert notes(every, baseline) == ("not in the baseline: a-press (as-printed), run-up",)
+    linkages = (files[0].linkage("as-printed"),)
+    (one,) = departures(linkages, cases(CampaignRequest(linkages, (MOTION,), "c", ())), baseline)
+    assert one.place == ("a/press.toml", "as-printed", "run-up: c, gravity on")
+    assert one.sentence.startswith("a/press.toml (as-printed), run-up: c, gravity on is not in the baseline: --record")
 
 
 def test_a_document_holds_limits_figures_and_notes(folder):
     told = _campaign(folder).told
     assert told["limits"][0]["value"] == 0.25
     assert len(told["limits"]) == 1 + len(shipped_limits().rows)
-    assert all(row["recorded"] is None and row["now"] and row["sentence"] for row in told["figures"])
+    assert all(row["recorded"] is None and row["now"] is not None and row["sentence"] for row in told["figures"])
     assert told["notes"]
 
 
@@ -124,22 +127,8 @@ def test_a_recorded_linkage_whose_file_is_gone_is_said_until_it_is_recorded_anew
     (folder / "b" / "press.toml").unlink()
     kept = [replace(read(str(folder / "a" / "press.toml")), name="a-press")]
     held = standard(kept, read_project(folder / "linkproof.toml"), baseline=file)
-    one = cases(CampaignRequest((kept[0].linkage(),), (MOTION,), "c", ()))
-    assert notes(one, held.baseline) == ("b/press.toml is in the baseline and does not exist any more",)
-    judged_campaign(one, [], held, file)
+    one = CampaignRequest((kept[0].linkage(),), (MOTION,), "c", ())
+    (words,) = judged_campaign(one, [], held).departures
+    assert words.startswith("b/press.toml is in the baseline and does not exist any more: ")
+    assert judged_campaign(one, [], held, file).departures == ()
     assert [*json.loads(file.read_text(encoding="utf-8"))["linkages"]] == ["a/press.toml"]
-
-
-def test_a_limit_for_a_linkage_that_is_not_here_is_said(folder):
-    (folder / "limits.toml").write_text(
-        '[[limit]]\nquantities = ["Mkr"]\nvalue = 1e-3\nmechanisms = ["mine", "my-slip"]\n', encoding="utf-8"
-    )
-    files = _files(folder)
-    linkages = tuple(file.linkage() for file in files)
-    request = CampaignRequest(linkages, (crank_motion("constant-speed"),), "", (), ())
-    judged = judged_campaign(cases(request), [], standard(files, limits=folder / "limits.toml"))
-    strangers = {"mine", "my-slip"} - {linkage.name for linkage in linkages}
-    assert [note for note in judged.notes if note.startswith("a limit is for")] == [
-        f"a limit is for '{name}', which is not among the linkages of this run" for name in sorted(strangers)
-    ]
-    assert "my-slip" in strangers

@@ -9,7 +9,7 @@ import xarray
 from analytic.description.crank_motion import crank_motion
 from analytic.kinematics.mechanism import Mechanism
 from comparisons.campaign import campaign
-from comparisons.campaign.campaign import CampaignRequest, cases
+from comparisons.campaign.campaign import CampaignRequest
 from comparisons.campaign.results import document, save
 from comparisons.campaign.standards import judged_campaign
 from comparisons.datasheet.building import bare_sheet
@@ -30,7 +30,7 @@ def save_campaign(folder, linkage, motion=MOTION, limits=None):
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(campaign, "run_engine", lambda *_: run)
         results = list(campaign.compare(request))
-    judged = judged_campaign(cases(request), results, Standard(limits or shipped_limits()))
+    judged = judged_campaign(request, results, Standard(limits or shipped_limits()))
     told = {**document(request, judged.results, "linkproof compare"), **judged.told}
     save(folder, judged.results, told, [bare_sheet(linkage, "")])
     return folder

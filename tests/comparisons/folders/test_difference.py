@@ -9,6 +9,7 @@ from analytic.description.loading import load
 from analytic.errors import LinkproofError
 from comparisons.campaign.results import load as load_results
 from comparisons.folders.difference import difference
+from comparisons.folders.verification import verify
 from tests.comparisons.folders.saved_campaign import changed, row, save_campaign
 
 
@@ -26,6 +27,19 @@ def _upgrade(folder, into, edit):
         edit(told)
 
     return difference(load_results(folder), load_results(changed(folder, into, upgraded)))
+
+
+def _fewer_figures(told, _):
+    """A folder as earlier versions wrote it: peaks alone, without their units."""
+    told["figures"] = [one for one in told["figures"] if one["figure"].endswith((".peak", ".mean"))]
+    for one in told["figures"]:
+        del one["unit"]
+
+
+def test_figures_that_an_earlier_version_did_not_tell_are_no_difference(folder, tmp_path):
+    older = changed(folder, tmp_path / "older", _fewer_figures)
+    assert difference(load_results(older), load_results(folder)).figures == ()
+    assert verify(older).findings == ()
 
 
 def test_nothing_moves_from_a_folder_to_itself(folder):

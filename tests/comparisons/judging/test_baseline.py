@@ -25,14 +25,12 @@ def _with(*records, figures=()):
 def test_nothing_is_held_before_the_first_recording():
     assert EMPTY.allowed(RECORD) is None
     assert Baseline().allowed(RECORD) is None
-    assert not EMPTY.knows(RECORD)
 
 
 def test_recording_allows_three_times_the_value_and_keeps_other_records():
     other = dataclasses.replace(RECORD, engine="other")
     found = _with(RECORD, other).recorded([dataclasses.replace(RECORD, error_max=2e-5)], {})
     assert found.allowed(RECORD) == pytest.approx(6e-5)
-    assert found.knows(RECORD)
     assert found.allowed(other) == pytest.approx(3 * 1.235e-5)
 
 

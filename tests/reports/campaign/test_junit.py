@@ -12,8 +12,8 @@ from tests.comparisons.judging.test_baseline import RECORD
 FIGURE = KeyFigure("m", "v", "r", "c", "Mkr.peak", 1.0, 1.0, changed=False)
 
 
-def _cases(records, figures=()):
-    root = ElementTree.fromstring(junit(records, figures))
+def _cases(records, figures=(), departures=()):
+    root = ElementTree.fromstring(junit(records, figures, departures))
     return {(case.get("classname"), case.get("name")): case for case in root.iter("testcase")}
 
 
@@ -60,6 +60,11 @@ def test_key_figures_are_cases_too():
     tags = {name: [told.tag for told in case] for (place, name), case in found.items() if place == "m/v/r/key figures"}
     assert tags == {"Mkr.peak": [], "Jeq.mean": ["failure"], "Peq.peak": ["skipped"]}
     assert found["m/v/r/key figures", "Jeq.mean"][0].get("message") == changed.sentence
+
+
+def test_what_departs_from_the_baseline_is_a_case_that_fails():
+    ((told,),) = (case for (place, _), case in _cases([RECORD], (), ["a.toml is new"]).items() if place == "baseline")
+    assert (told.tag, told.get("message")) == ("failure", "a.toml is new")
 
 
 def test_suites_count_their_cases_and_the_time_of_every_run_once():

@@ -74,7 +74,7 @@ def test_round_off_has_no_digits(results):
 
 
 def test_key_figures_that_changed_have_a_table(results):
-    figure = KeyFigure("juki-mf7923d", "as-built", "run-up", "c", "Mkr.peak", 1.0, 1.01, changed=True)
+    figure = KeyFigure("juki-mf7923d", "as-built", "run-up", "c", "Mkr.peak", 1.0, 1.01, changed=True, unit="N m")
     told = {"figures": [asdict(figure)], "notes": ["juki.toml has changed"]}
     found = Results({**results.document, **told}, results.curves)
-    assert "| juki-mf7923d (as-built) | run-up | Mkr.peak | 1 | 1.01 | +1 % |" in markdown(found).splitlines()
+    assert "| juki-mf7923d (as-built) | run-up | Mkr.peak | 1 | 1.01 | N m | +1 % |" in markdown(found).splitlines()

@@ -53,7 +53,7 @@ def test_an_error_over_its_limit_costs_its_own_family_alone(results):
 
     trust = Trust(changed(results, worse))
     first = verdict(trust)[0]
-    assert first.startswith("Trust alpha, once tuned, for every quantity compared")
+    assert first.startswith("Within their limits: alpha, once tuned, for every quantity compared. ")
     assert "Do not trust beta for Mkr/Peq: an error is over its limit" in first
     assert trust.nearest("tuned", "Mkr/Peq") == "alpha"
 
@@ -100,12 +100,34 @@ def test_lists_read_as_a_sentence_does(words, text):
     assert listed(words) == text
 
 
-def test_key_figures_that_have_moved_come_before_whom_to_trust(results):
-    figure = {
-        **dict.fromkeys(("mechanism", "variant", "regime", "conditions"), "some"),
-        **{"figure": "Mkr.peak", "recorded": 1.0, "now": 1.5, "changed": True, "sentence": ""},
-    }
-    moved = Results({**results.document, "figures": [figure, {**figure, "changed": False}]}, results.curves)
-    first, second, *_ = verdict(Trust(moved))
-    assert first.startswith("1 of 2 key figures of the closed form is not as recorded")
-    assert second == verdict(Trust(results))[0]
+FIGURE = {
+    **dict.fromkeys(("mechanism", "variant", "regime", "conditions", "unit"), "some"),
+    **{"figure": "Mkr.peak", "recorded": 1.0, "now": 1.5, "changed": True, "sentence": ""},
+}
+
+
+@pytest.mark.parametrize(
+    ("told", "words"),
+    [
+        (
+            {"figures": [FIGURE, {**FIGURE, "changed": False}]},
+            "1 of 2 key figures of the closed form is not as recorded",
+        ),
+        ({"departures": ["a.toml is new", "b.toml is gone"]}, "Not as in the baseline: a.toml is new; b.toml is gone."),
+    ],
+)
+def test_nobody_is_trusted_where_anything_is_red(results, told, words):
+    first, second, *rest = verdict(Trust(Results({**results.document, **told}, results.curves)))
+    assert first.startswith(words)
+    assert second == "Within their limits: alpha and beta, once tuned, for every quantity compared."
+    assert not any("Trust" in line for line in rest)
+
+
+@pytest.mark.parametrize("outcome", ["diverged", "suite-error"])
+def test_nobody_is_trusted_where_another_setting_failed(results, outcome):
+    """What decides the exit code decides here, though the table is that of tuned runs."""
+
+    def worse(record):
+        return replace(record, setting="best", outcome=outcome) if record.setting == "naive" else record
+
+    assert not any("Trust" in line for line in verdict(Trust(changed(results, worse))))

@@ -43,9 +43,10 @@ def test_naive_records_count_only_where_nothing_else_ran():
 
 
 @pytest.mark.parametrize("changed", [False, True])
-def test_a_key_figure_that_is_not_as_recorded_fails(changed):
+def test_what_is_not_as_recorded_fails(changed):
     figure = KeyFigure("m", "v", "run-up", "c", "Mkr.peak", 1.0, 1.01, changed=changed)
     assert campaign_exit_code([_record("passed")], [], [figure]) == int(changed)
+    assert campaign_exit_code([_record("passed")], departures=["a.toml is new"] * changed) == int(changed)
 
 
 @pytest.mark.parametrize(("outcome", "code"), [("finished", 0), ("diverged", 0), ("suite-error", 3)])

@@ -103,8 +103,8 @@ def test_recording_needs_a_file_of_the_users_own(folder, tmp_path):
 
 
 def test_the_words_ask_for_the_same_standard(tmp_path):
-    held = StandardChoice(Path("my limits.toml"), Path("b.json"))
-    assert held.words == " --limits 'my limits.toml' --baseline b.json"
+    held = StandardChoice(Path("my limits.toml"), Path("b.json"), allow_new=True, allow_missing=True)
+    assert held.words == " --limits 'my limits.toml' --baseline b.json --allow-new --allow-missing"
 
 
 def test_nothing_is_recorded_among_installed_packages(tmp_path):

@@ -13,7 +13,7 @@ from tests.reports.pytest_plugin.projects import BAR, INVARIANTS, PLUGIN, QUANTI
 pytest_plugins = ["pytester"]
 assert collecting  # imported once, for all runs of pytest in this process
 HEAVIER = BAR.replace("mass = 2.0", "mass = 2.02")
-FIGURES = {"Mkr.peak", "Peq.peak", "joint_force:O.peak", "Jeq.mean"}
+FIGURES = {"Mkr.peak", "Mkr.rms", "Peq.peak", "joint_force:O.peak", "Jeq.mean"}
 
 
 @pytest.fixture
@@ -86,6 +86,26 @@ def test_a_mass_changed_by_a_percent_fails_by_its_key_figures(pytester):
     done.stdout.fnmatch_lines(["*Mkr.peak was * and is *, +* %",
                                "linkages/bar.toml has changed since its baseline was recorded"])  # fmt: skip
     assert repeated(pytester, done).returncode == 1
+
+
+@pytest.mark.slow
+def test_the_set_of_files_is_one_test_and_motions_are_one_of_every_file(pytester):
+    project(pytester, bar=BAR, rod=HEAVIER)
+    assert linkproof(pytester, "compare", "--record-baseline", "--jobs", "0").returncode == 0
+    sets = ("-k", "set-of", "-v")
+    run(pytester, *sets).assert_outcomes(passed=3)
+    run(pytester, "linkproof.toml", "linkages", *sets).assert_outcomes(passed=3)
+    run(pytester, "linkproof.toml::set-of-files").assert_outcomes(passed=1)
+    folder = pytester.path / "linkages"
+    (folder / "rod.toml").rename(folder / "arm.toml")
+    (folder / "bar.toml").write_text(BAR.replace("gravity = [0, -9.81]", ""))
+    done = run(pytester, *sets)
+    done.assert_outcomes(passed=1, failed=2)
+    done.stdout.fnmatch_lines(["linkages/rod.toml was renamed to linkages/arm.toml, its text is the same: *",
+                               "linkages/bar.toml (base), run-up: *gravity off is not in the baseline: *"])  # fmt: skip
+    with (pytester.path / "linkproof.toml").open("a") as file:
+        file.write("\nallow_new = true\nallow_missing = true\n")
+    run(pytester, *sets).assert_outcomes(passed=3)
 
 
 def test_a_naive_failure_decides_only_where_nothing_else_is_run(pytester):

@@ -79,11 +79,23 @@ def test_a_changed_mass_is_red_by_its_figures_and_in_an_engine_by_its_rows(folde
     assert done.returncode == 1
     assert "b/press.toml has changed since its baseline was recorded" in done.stdout
     assert "b-press (as-built)  run-up  Mkr.peak" in done.stdout
-    assert "6 of 14 key figures are not as recorded" in done.stdout
+    assert "7 of 48 key figures are not as recorded" in done.stdout
     assert "a-press (as-built)  run-up" not in done.stdout
     failed = {case.get("classname") for case in ElementTree.parse(folder / "red.xml").iter("testcase") if len(case)}
     assert failed == {"b-press/as-built/run-up/key figures"}
     assert _compare(folder / "a", "press.toml", "--engine", "direct", "--quantity", "Jeq").returncode == 0
+
+    (folder / "b" / "press.toml").unlink()
+    done = _compare(folder, "--quantity", "Jeq", "--junit", "red.xml", "--out", "out")
+    assert done.returncode == 1
+    assert "b/press.toml is in the baseline and does not exist any more: " in done.stdout
+    failed = {case.get("classname") for case in ElementTree.parse(folder / "red.xml").iter("testcase") if len(case)}
+    assert failed == {"baseline"}
+    for page in ("RESULTS.md", "index.html"):
+        text = (folder / "out" / page).read_text(encoding="utf-8")
+        assert "Not as in the baseline: b/press.toml is in" in text
+        assert "Trust heavy" not in text
+    assert _compare(folder, "--quantity", "Jeq", "--allow-missing").returncode == 0
 
 
 def test_what_is_saved_holds_the_standard(folder):

@@ -1,0 +1,260 @@
+"""Changes of a user's repository, one at a time: each is red though the engine follows it, and a sentence says what."""
+
+import json
+import re
+import shutil
+
+import pytest
+
+import linkproof
+
+PROJECT = """
+linkages = ["linkages/*.toml"]
+engines = ["direct"]
+regimes = ["constant-speed", "own"]
+[[limit]]
+quantities = ["Jeq"]
+mechanisms = ["other"]
+regimes = ["coast"]
+value = 1e-3
+"""
+PRESS = """
+title = "a four-bar with a coupler point, a spring and a load"
+units = { length = "mm", mass = "kg", inertia = "kg*m^2", angle = "deg" }
+crank = "crank"
+gravity = [0, -9.81]
+output = { point = "C", along = [1, 0] }
+[ground]
+O1 = [0, 0]
+O2 = [50, 0]
+Q = [90, 10]
+[links.crank]
+points = { O1 = [0, 0], A = [20, 0] }
+mass = 0.5
+centre = [5, 0]
+inertia = 1e-4
+[links.coupler]
+points = { A = [0, 0], B = [60, 0], C = [30, 15], P = [10, -5] }
+mass = 0.2
+centre = [30, 5]
+inertia = 6e-5
+[links.rocker]
+points = { O2 = [0, 0], B = [45, 0] }
+mass = 0.1
+centre = [20, 0]
+inertia = 2e-5
+[sketch]
+angle = 0
+points = { B = [40, 40] }
+[[springs]]
+between = ["B", "Q"]
+stiffness = 120
+length = 40
+links = ["rocker", "ground"]
+[[forces]]
+point = "C"
+force = [0, -5]
+[[dampers]]
+between = ["rocker", "ground"]
+coefficient = 2e-4
+[variants.light.links.crank]
+mass = 0.4
+"""
+COAST = """
+[regimes.coast]
+torque = 0.2
+start_angle = 0
+start_speed = 30
+duration = 0.05
+"""
+FAST = {"quantity": "Jeq", "jobs": 0}
+PATH, BASELINE = "linkages/press.toml", "linkproof-baseline.json"
+
+
+@pytest.fixture(scope="module")
+def recorded(tmp_path_factory):
+    """A repository of two linkages, recorded: all as its project says, and a variant."""
+    folder = tmp_path_factory.mktemp("repository")
+    (folder / "linkages").mkdir()
+    (folder / "linkproof.toml").write_text(PROJECT)
+    (folder / PATH).write_text(PRESS + COAST)
+    (folder / "linkages" / "other.toml").write_text(PRESS.partition("[[springs]]")[0])
+    with pytest.MonkeyPatch.context() as patch:
+        patch.chdir(folder)
+        linkproof.compare(record_baseline=True, **FAST)
+        linkproof.compare(PATH, variant="light", record_baseline=True, **FAST)
+        assert linkproof.compare(**FAST).passed
+    return folder
+
+
+@pytest.fixture
+def folder(recorded, tmp_path, monkeypatch):
+    shutil.copytree(recorded, tmp_path / "copy")
+    monkeypatch.chdir(tmp_path / "copy")
+    return tmp_path / "copy"
+
+
+def _edit(file, old, new):
+    """A change of one place in a file."""
+
+    def change(folder):
+        text = (folder / file).read_text(encoding="utf-8")
+        assert text.count(old) == 1
+        (folder / file).write_text(text.replace(old, new), encoding="utf-8")
+
+    return change
+
+
+def _without_figures(folder):
+    document = json.loads((folder / BASELINE).read_text(encoding="utf-8"))
+    for regimes in document["linkages"][PATH]["variants"].values():
+        for regime in regimes.values():
+            del regime["figures"]
+    (folder / BASELINE).write_text(json.dumps(document), encoding="utf-8")
+
+
+def _edited_figure(folder):
+    text = (folder / BASELINE).read_text(encoding="utf-8")
+    (folder / BASELINE).write_text(re.sub(r'("Jeq.mean": )[\d.e-]+', r"\g<1>1.0", text), encoding="utf-8")
+
+
+# What changes, and what the figures or sentences that say so have in them.
+FIGURES = {
+    "mass by 0.5 %": (_edit(PATH, "mass = 0.2", "mass = 0.201"), "Mkr.peak was .* N m and is .* N m, "),
+    "length by 0.05 mm": (_edit(PATH, "B = [60, 0]", "B = [60.05, 0]"), "S.stroke was .* m and is "),
+    "inertia": (_edit(PATH, "inertia = 6e-5", "inertia = 6.01e-5"), "Jeq.mean was .* kg m² and is "),
+    "mass centre": (_edit(PATH, "centre = [30, 5]", "centre = [30, 5.01]"), "joint_force:O1.peak was .* N and is "),
+    "coupler point": (_edit(PATH, "P = [10, -5]", "P = [10, -5.01]"), "point:P:y.first was .* m and is "),
+    "output's own point": (_edit(PATH, "C = [30, 15]", "C = [30, 15.05]"), "S.largest was .* m and is "),
+    "output's name": (
+        _edit(PATH, 'output = { point = "C"', 'output = { point = "P"'),
+        "output:point:x.first was .* m ",
+    ),
+    "output's direction": (_edit(PATH, "along = [1, 0]", "along = [-1, 0]"), "output:direction:x was 1 and is -1"),
+    "pivot": (_edit(PATH, "O2 = [50, 0]", "O2 = [50.02, 0]"), "transmission_angle:.*.least was .* rad and is "),
+    "assembly": (_edit(PATH, "B = [40, 40]", "B = [40, -40]"), "v.largest was .* m/s and is "),
+    "spring": (_edit(PATH, "stiffness = 120", "stiffness = 121"), "Mkr.rms was .* N m and is "),
+    "spring's end": (_edit(PATH, "Q = [90, 10]", "Q = [90, 10.5]"), "Mkr.rms was .* N m and is "),
+    "load": (_edit(PATH, "force = [0, -5]", "force = [0, -5.01]"), "Peq.peak was .* W and is "),
+    "damper": (_edit(PATH, "coefficient = 2e-4", "coefficient = 2.01e-4"), "a.largest was .* m/s² and is "),
+    "gravity": (_edit(PATH, "-9.81", "-9.8"), "joint_force:A.peak was .* N and is "),
+    "figure of the baseline": (_edited_figure, "Jeq.mean was 1 kg m² and is "),
+}
+SETS = {
+    "file deleted": (lambda folder: (folder / PATH).unlink(), f"{PATH} is in the baseline and does not exist any more"),
+    "file renamed": (
+        lambda folder: (folder / PATH).rename(folder / "linkages" / "punch.toml"),
+        f"{PATH} was renamed to linkages/punch.toml",
+    ),
+    "file added": (
+        lambda folder: (folder / "linkages" / "new.toml").write_text(PRESS),
+        "linkages/new.toml is not in the baseline",
+    ),
+    "file left out": (
+        _edit("linkproof.toml", "linkages/*.toml", "linkages/o*.toml"),
+        f"{PATH} is in the baseline and is not compared any more",
+    ),
+    "gravity off": (_edit(PATH, "-9.81", "0"), "gravity off is not in the baseline"),
+    "released otherwise": (_edit(PATH, "torque = 0.2", "torque = 0.21"), r"coast: .* 0.21 N m, .* is not in the base"),
+    "regime removed": (
+        _edit(PATH, COAST, ""),
+        r"press.toml \(base\), coast: .* is in the baseline and is not compared any more",
+    ),
+    "regime not asked for": (
+        _edit("linkproof.toml", '"constant-speed", ', ""),
+        r"press.toml \(base\), constant-speed: .* is not compared any more",
+    ),
+    "variant removed": (
+        _edit(PATH, "[variants.light.links.crank]\nmass = 0.4", ""),
+        r"press.toml \(light\) is in the baseline and is not compared any more",
+    ),
+    "figures taken out of the baseline": (_without_figures, r"press.toml \(base\), .* is not in the baseline"),
+    "baseline emptied": (
+        lambda folder: (folder / BASELINE).write_text('{"format": 1, "linkages": {}}'),
+        f"{PATH} is not in the baseline",
+    ),
+}
+SLIPS = {
+    "linkage of a limit": (
+        _edit("linkproof.toml", '["other"]', '["othr"]'),
+        "unknown mechanism of limit 1 'othr': did",
+    ),
+    "regime of a limit": (
+        _edit("linkproof.toml", '["coast"]', '["cost"]'),
+        "unknown regime of limit 1 'cost': did you",
+    ),
+    "quantity of a limit": (_edit("linkproof.toml", '["Jeq"]', '["Jq"]'), "unknown quantity of .*limit 1 'Jq'"),
+    "key of a limit": (
+        _edit("linkproof.toml", "value =", 'engines = ["direct"]\nvalue ='),
+        "unknown key of .*'engines'",
+    ),
+    "engine of the project": (_edit("linkproof.toml", '["direct"]', '["dirct"]'), "unknown engine of .*'dirct': did"),
+    "regime of the project": (_edit("linkproof.toml", '"own"', '"owm"'), "unknown regime 'owm': did you mean 'own'"),
+    "baseline named and gone": (
+        _edit("linkproof.toml", "engines =", 'baseline = "held.json"\nengines ='),
+        "expected a baseline at .*held.json', got no such file",
+    ),
+}
+
+
+@pytest.mark.parametrize(("change", "words"), FIGURES.values(), ids=FIGURES)
+def test_a_changed_linkage_is_red_by_figures_with_units(folder, change, words):
+    change(folder)
+    found = linkproof.compare(PATH, **FAST)
+    assert not found.passed
+    assert not found.departures
+    sentences = [figure.sentence for figure in found.figures if figure.changed]
+    assert any(re.search(words, sentence) for sentence in sentences), sentences
+
+
+@pytest.mark.parametrize(("change", "words"), SETS.values(), ids=SETS)
+def test_a_changed_set_is_red_unless_it_is_allowed(folder, change, words):
+    change(folder)
+    found = linkproof.compare(**FAST)
+    assert not found.passed
+    assert any(re.search(words, sentence) for sentence in found.departures), found.departures
+    allowed = linkproof.compare(allow_new=True, allow_missing=True, **FAST)
+    assert allowed.passed
+    assert {*found.departures} <= {*allowed.notes}
+
+
+def test_what_is_missing_is_not_recorded_anew(folder):
+    for change in ("regime removed", "variant removed"):
+        SETS[change][0](folder)
+    (folder / "linkages" / "other.toml").unlink()
+    text = (folder / "linkproof.toml").read_text(encoding="utf-8")
+    (folder / "linkproof.toml").write_text(text.partition("[[limit]]")[0], encoding="utf-8")
+    linkproof.compare(record_baseline=True, **FAST)
+    assert linkproof.compare(**FAST).passed
+    entries = json.loads((folder / BASELINE).read_text(encoding="utf-8"))["linkages"]
+    assert {path: [*entry["variants"]] for path, entry in entries.items()} == {PATH: ["base"]}
+    (regime,) = entries[PATH]["variants"]["base"]
+    assert regime.startswith("constant-speed: ")
+
+
+@pytest.mark.parametrize(("change", "words"), SLIPS.values(), ids=SLIPS)
+def test_a_slip_in_a_name_is_an_error(folder, change, words):
+    change(folder)
+    with pytest.raises(linkproof.LinkproofError, match=words):
+        linkproof.compare(**FAST)
+
+
+def test_what_is_named_is_a_part_of_the_set(folder):
+    assert linkproof.compare(PATH, **FAST).passed
+    assert linkproof.compare(PATH, baseline=BASELINE, **FAST).passed
+    other = linkproof.compare(PATH, speed=500, **FAST)
+    assert other.passed
+    assert "500 rpm" in " ".join(other.notes)
+    assert not linkproof.compare(PATH, speed=500, baseline=BASELINE, **FAST).passed
+    (folder / "linkages" / "new.toml").write_text(PRESS)
+    assert linkproof.compare("linkages/new.toml", **FAST).departures
+    assert linkproof.compare("linkages/new.toml", allow_new=True, **FAST).passed
+
+
+@pytest.mark.parametrize(("name", "change"), [("allow_new", "file added"), ("allow_missing", "file deleted")])
+def test_a_project_says_what_may_differ(folder, name, change):
+    SETS[change][0](folder)
+    text = (folder / "linkproof.toml").read_text()
+    for value, passed in (("true", True), ("false", False)):
+        (folder / "linkproof.toml").write_text(f"{name} = {value}\n{text}")
+        assert linkproof.compare(**FAST).passed is passed
