@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from analytic.errors import LinkproofError
 from analytic.kinematics.mechanism import Mechanism
-from analytic.machine_code.compiling import StraightFunction, in_threads, is_worthwhile
+from analytic.machine_code.compiling import MOST_OPERATIONS, StraightFunction, in_threads, is_worthwhile
 from analytic.machine_code.linkage_trace import LinkageTrace, is_traceable, linkage_trace
 from analytic.machine_code.printing import Result
 from analytic.moving import MovingSweep
@@ -49,9 +49,10 @@ def evaluate(
     angle = np.asarray(angle, dtype=float)
     motion = [_like(angle, 0.0 if speed is None else speed, "speed"), _like(angle, acceleration, "acceleration")]
     values = None
-    listed = _listed(mechanism, chosen, bool(np.any(motion[1]))) if is_traceable(mechanism) else None
-    if is_worthwhile(path, len(listed.trace.leading_to(listed.lines)) if listed else 0, angle.size) and listed:
-        values = _by_machine_code(listed, angle.ravel(), motion, cores)
+    if is_worthwhile(path, MOST_OPERATIONS, angle.size) and is_traceable(mechanism):
+        listed = _listed(mechanism, chosen, bool(np.any(motion[1])))
+        if is_worthwhile(path, len(listed.trace.leading_to(listed.lines)), angle.size):
+            values = _by_machine_code(listed, angle.ravel(), motion, cores)
     if values is None:
         values = _by_numpy(mechanism, chosen, angle.ravel(), motion)
     if "S" in chosen:

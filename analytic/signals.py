@@ -151,7 +151,9 @@ def check_signals(mechanism: Mechanism, names: Iterable[str], *, has_speed: bool
             raise UnknownNameError("quantity", name, known)
     moving = [name for name in chosen if not known[name].is_still]
     if moving and not has_speed:
-        raise LinkproofError(f"speed: expected the crank's speed for {', '.join(moving)}, got none; pass speed=...")
+        raise LinkproofError(
+            f"speed: expected the crank's speed in rad/s for {', '.join(moving)}, got none; pass speed=..."
+        )
     return chosen
 
 

@@ -116,8 +116,9 @@ class Designs:
         else:
             given = of.trace.computed(function.lanes, known)
             lanes = [np.broadcast_to(one, phi.shape).reshape(-1) for one in given]
-            *values, moves = function(lanes, ONE_ROW, phi.size).reshape(-1, *phi.shape)
-            values = [values[self.signals.index(name)] for name in names] + values[len(self.signals) :]
+            found = function(lanes, ONE_ROW, phi.size).reshape(-1, *phi.shape)
+            count = len(self.signals)
+            values, moves = [found[self.signals.index(name)] for name in names] + [*found[count + 1 :]], found[count]
         full = [np.broadcast_to(one, phi.shape) for one in values]
         return Samples(
             {name: self._unwrapped(name, one) for name, one in zip(names, full, strict=False)},

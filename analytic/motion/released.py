@@ -174,7 +174,7 @@ def follow(
 def _noise(tolerance: float) -> float:
     """What of the peak acceleration a window need not settle below: rounding, or a share of a loose tolerance.
 
-    Driven slotted take-up, 10 s, at 3e-5: off by 2e-7 rad, and by 1e-8 if settled to rounding, in half as much time again.
+    Driven slotted take-up, 10 s, at 3e-5: off by 2e-7 rad; settled to rounding by 1e-8, in half as much time again.
     """
     return max(ROUNDINGS * EPS, SETTLED * tolerance if tolerance > FINE else 0.0)
 

@@ -10,7 +10,7 @@ from typing import Final
 import numpy as np
 
 from analytic.description.linkage import Linkage
-from analytic.signals import COMPONENTS, MAGNITUDE, UNITS, moving_points, signal, unit
+from analytic.signals import COMPONENTS, MAGNITUDE, ONE_OF_ITS_KIND, moving_points, signal, unit
 from analytic.turn.thread_feed import contour_length
 from analytic.written import change
 from comparisons.datasheet.curves import Curves
@@ -118,7 +118,7 @@ def figure_unit(name: str, linkage: Linkage) -> str:
     kind = stem.partition(":")[0]
     if name.startswith((OUTPUT, THREAD)):
         return "m"
-    if kind not in {*UNITS, *COMPONENTS}:
+    if kind not in {*ONE_OF_ITS_KIND, *COMPONENTS}:
         return ""
     return unit(f"{stem}:x" if kind == "joint_force" else stem, linkage)
 

@@ -7,9 +7,11 @@ from analytic import evaluation
 from analytic.description.crank_motion import crank_motion
 from analytic.dynamics import reduced
 from analytic.errors import LinkproofError, UnknownNameError
-from analytic.evaluation import PIECE, QUANTITIES, evaluate
+from analytic.evaluation import PIECE, evaluate
 from analytic.kinematics.dyad_solver import DyadSolver
 from analytic.kinematics.sweep import Sweep
+from analytic.turn.farthest import top_of_turn
+from analytic.turn.unit_functions import top_dead_centre
 from tests.analytic.linkages import angles, mechanism
 from tests.analytic.tolerances import FOUR_DIGITS
 
@@ -18,17 +20,20 @@ from tests.analytic.tolerances import FOUR_DIGITS
 def test_pieces_make_up_the_whole(count):
     sample, angle = mechanism("rimoldi-164"), angles(count)
     speed, acceleration = angles(count, seed=2), angles(count, seed=3)
-    found = evaluate(sample, angle, QUANTITIES, speed=speed, acceleration=acceleration, path="numpy")
+    names = ("Jeq", "half_slope", "Q", "damping", "Mkr", "Teq", "Peq", "S", "v", "a", "link:rod:angle")
+    found = evaluate(sample, angle, names, speed=speed, acceleration=acceleration, path="numpy")
     sweep = sample.sweep(angle)
     assert np.array_equal(found["Jeq"], reduced.reduced_inertia(sweep))
     assert np.array_equal(found["half_slope"], reduced.half_inertia_derivative(sweep))
     assert np.array_equal(found["Q"], reduced.generalised_force(sweep))
+    assert np.array_equal(found["damping"], reduced.damping_coefficient(sweep))
     assert np.array_equal(found["Mkr"], reduced.drive_torque(sweep, speed, acceleration))
     assert np.array_equal(found["Teq"], reduced.kinetic_energy(sweep, speed))
     assert np.array_equal(found["Peq"], found["Mkr"] * speed)
-    assert np.array_equal(found["S"], sweep.output())
-    assert np.array_equal(found["v"], sweep.output(1) * speed)
-    assert np.array_equal(found["a"], sweep.output(2) * (speed * speed) + sweep.output(1) * acceleration)
+    assert np.array_equal(found["S"], top_dead_centre(sample).coordinate - sweep.output())
+    assert np.array_equal(found["v"], -sweep.output(1) * speed)
+    assert np.array_equal(found["a"], -(sweep.output(2) * (speed * speed) + sweep.output(1) * acceleration))
+    assert np.array_equal(found["link:rod:angle"], sweep.angles("rod"))
 
 
 def test_shapes_are_kept_and_scalars_spread():
@@ -66,7 +71,7 @@ def _counted(counts, step, whole):
 )
 def test_only_what_is_asked_for_is_computed_and_only_once(solved, quantities, expected):
     sample = mechanism("rimoldi-164")
-    sample.sweep(0.0)
+    top_of_turn(sample)
     solved.update(dict.fromkeys(solved, 0))
     found = evaluate(sample, angles(10), quantities, speed=1.0, acceleration=1.0)
     assert solved == expected

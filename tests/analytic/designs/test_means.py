@@ -5,21 +5,21 @@ import math
 
 import numpy as np
 import pytest
-from analytic.compiled import choice
 from scipy.integrate import quad
 
 from analytic import signals
 from analytic.description.law import FULL_TURN
 from analytic.designs.figures import Figure, Reduction
 from analytic.designs.results import design_figures
-from analytic.evaluation import MovingSweep
 from analytic.kinematics.mechanism import Mechanism
+from analytic.machine_code import compiling
+from analytic.moving import MovingSweep
 from tests.analytic.loaded_linkages import on_trial
 from tests.analytic.swinging import double_rocker
 
 SPEED = 20.0
 VARIANTS = dict.fromkeys(("juki-mf7923d", "rimoldi-164"), "as-built")
-PATHS = ["numpy", *(["compiled"] if choice.is_installed() else [])]
+PATHS = ["numpy", *(["compiled"] if compiling.is_installed() else [])]
 SWING = (math.radians(-10.0), math.radians(65.0))
 TURN = (0.0, FULL_TURN)
 
@@ -30,7 +30,7 @@ def integral(sample, one, span):
 
     def integrand(phi):
         at = MovingSweep(sample, sample.sweep(np.array([phi])), np.asarray(SPEED), np.asarray(0.0), float(output.max()))
-        return float(signals.signal_or_magnitude(at, one.signal)[0]) ** (2 if one.reduction is Reduction.RMS else 1)
+        return float(signals.signal(at, one.signal)[0]) ** (2 if one.reduction is Reduction.RMS else 1)
 
     edges = np.linspace(*span, 41)
     parts = [quad(integrand, *ends, epsabs=0.0, epsrel=1e-11, limit=500)[0] for ends in itertools.pairwise(edges)]
