@@ -16,7 +16,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from analytic.description.linkage import GROUND, Vector
-from analytic.kinematics.change_points import EXTENDED, NEAREST_NODE
 from analytic.kinematics.groups.equations import jacobian
 from analytic.kinematics.structure import AnyGroup, DrivenDistance, Group, Prismatic, Revolute
 from analytic.kinematics.sweep import Sweep
@@ -52,7 +51,11 @@ class ErrorBounds:
     """Bounds for every body of a sweep at each of its crank angles."""
 
     def __init__(self, sweep: Sweep) -> None:
-        self.sweep = sweep = _beside_change_points(sweep)
+        angle = np.array(sweep.angle)
+        for dyad in sweep.structure.dyads:
+            if dyad.changes:
+                dyad.changes.moved_out(angle)
+        self.sweep = sweep = Sweep(sweep.linkage, sweep.structure, angle)
         self.shape = np.shape(np.atleast_1d(sweep.angle).ravel())
         still = np.zeros((ORDERS, *self.shape))
         self.errors: dict[str, BodyError] = {GROUND: BodyError(still, still)}
@@ -258,20 +261,6 @@ def _curved(inverse: Array, linear: Array, reach: Array, distances: Array) -> Ar
     shift = np.maximum(np.max(linear[:, ~turns], axis=1), reach * turn)  # a link that turns about its origin only
     small = [np.max(more[:, ~turns], axis=1) <= 0.5 * shift, np.max(more[:, turns], axis=1) <= 0.5 * turn]
     return np.where(np.all(small, axis=0)[:, None], linear + more, np.inf)
-
-
-def _beside_change_points(sweep: Sweep) -> Sweep:
-    """The sweep with angles about change points moved to where what is read there comes from.
-
-    Its series are no worse than the closed form at the edges of the patch or, where the machine has no extended
-    precision, at the nodes nearest to the change point.
-    """
-    angle = np.array(sweep.angle)
-    for dyad in sweep.structure.dyads:
-        for patch, within, place in dyad.changes.inside(angle) if dyad.changes else ():
-            from_centre = np.copysign(1.0 if EXTENDED else NEAREST_NODE, place)
-            angle.reshape(-1)[within] += (from_centre - place) * patch.half
-    return Sweep(sweep.linkage, sweep.structure, angle)
 
 
 def relative_bounds(sweep: Sweep) -> tuple[float, float, float]:

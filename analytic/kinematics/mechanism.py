@@ -12,17 +12,19 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from analytic.description.crank_motion import degrees
+from analytic.description.law import FULL_TURN
 from analytic.description.linkage import Linkage, Vector
 from analytic.errors import AssemblyError, StructureError
 from analytic.kinematics import frames
 from analytic.kinematics.assembly import check_assembly
 from analytic.kinematics.change_points import period_of, through_change_points
+from analytic.kinematics.crank_range import CrankRange, crank_range
 from analytic.kinematics.decomposition import find_structure
 from analytic.kinematics.dyad_solver import DyadSolver
 from analytic.kinematics.error_bounds import relative_bounds
 from analytic.kinematics.frames import Pose
-from analytic.kinematics.groups.branch import followed
 from analytic.kinematics.groups.equations import Motions
+from analytic.kinematics.groups.following import followed
 from analytic.kinematics.groups.solver import problem_of
 from analytic.kinematics.groups.start import nearest
 from analytic.kinematics.structure import AnyGroup, Dyad, Group, Structure
@@ -31,7 +33,6 @@ from analytic.kinematics.sweep import Array, Sweep, placed, solver_of
 # Two assembly modes closer to the sketch than this ratio of each other are not told apart by it.
 AMBIGUITY = 0.9
 TELLING = 1e-6  # share of the drawing's size by which the modes must differ at a point for the sketch to show it
-FULL_TURN = 2.0 * np.pi
 AT_REST = 1e-6  # rad from a change point
 
 
@@ -92,11 +93,13 @@ class Mechanism:
         Of a linkage that repeats its motion after several turns as many (``period``).
         """
         if self.linkage.is_linear:
-            from analytic.kinematics.crank_range import crank_range  # noqa: PLC0415 - it is made of mechanisms
-
-            low, high = crank_range(self).limits
+            low, high = self.crank_range().limits
             return self.sweep(np.linspace(low, high, 724)[2:-2])  # at its limits it stands in dead positions
         return self.sweep(np.linspace(0.0, self.period, round(720 * self.period / FULL_TURN), endpoint=False))
+
+    def crank_range(self, start: float | None = None) -> CrankRange:
+        """The values of φ around a start, the sketch's if None; see ``analytic.kinematics.crank_range``."""
+        return crank_range(self.linkage, self.structure, self.undetermined, start)
 
     def error_bound(self) -> tuple[float, float, float]:
         """Bounds on the closed form's own error over a turn: positions, first and second derivatives.

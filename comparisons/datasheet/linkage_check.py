@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from analytic.description.linkage import Linkage
 from analytic.errors import LinkproofError, StructureError
-from analytic.kinematics.crank_range import CrankRange, Toggle, crank_range
+from analytic.kinematics.crank_range import CrankRange, Toggle
 from analytic.kinematics.decomposition import find_structure
 from analytic.kinematics.mechanism import Mechanism
 from analytic.kinematics.mobility import grashof, loose_points, mobility
@@ -50,7 +50,7 @@ def _steps(linkage: Linkage) -> Iterator[Facts]:
     yield {"structure": structure.formula, "four_bar": grashof(linkage, structure)}
     mechanism = Mechanism(linkage)
     yield {"sketch": _sketch(mechanism)}
-    reach = crank_range(mechanism)
+    reach = mechanism.crank_range()
     yield {"range": range_facts(mechanism, reach)}
     yield {"transmission": _transmission(mechanism, reach)}
     if reach.is_full_turn and not reach.change_points:

@@ -12,8 +12,8 @@ from numpy.typing import NDArray
 from analytic.description.linkage import Linkage, Vector
 from analytic.errors import AssemblyError, StructureError
 from analytic.kinematics import frames
-from analytic.kinematics.groups.branch import Problem, corrected
 from analytic.kinematics.groups.equations import GroupSystem, Motions, poses_of
+from analytic.kinematics.groups.following import Problem, corrected
 from analytic.kinematics.structure import Group, Revolute, Structure
 
 Array = NDArray[np.float64]
