@@ -88,6 +88,7 @@ class _Chain:
             {GROUND: fixed, pivot.far: own} for fixed, own in zip(FIXED, moving, strict=False)
         ]
         self.done = 0
+        self.fails = np.zeros(self.angle.shape, dtype=bool)  # where a dyad solved so far cannot be assembled
 
     def up_to(self, dyads: Sequence[Dyad]) -> list[dict[str, Any]]:
         """What is known once these first dyads are solved."""
@@ -95,7 +96,8 @@ class _Chain:
             patches = dyad.changes.patches if dyad.changes else ()
             touches = [patch.touch for patch in patches]
             beside = [touch for touch in touches if np.all(np.abs(_turned(self.angle - touch.angle)) < BESIDE)]
-            self.solve(dyad, self.known, beside)
+            margin, lengths = self.solve(dyad, self.known, beside).missing()
+            self.fails |= ~(margin >= -TOUCHING * lengths)
         self.done = len(dyads)
         return self.known
 
@@ -150,9 +152,9 @@ class _Search:
 
     def _touches(self, number: int) -> Iterator[Touch]:
         """Where the links' margin touches zero."""
-        margin = np.broadcast_to(self._margin(number, self.grid)[0], self.grid.angle.shape)
-        around = np.concatenate([margin[-1:], margin, margin[:1]])
-        for angle in self.grid.angle[may_touch_zero(around)]:
+        share = self._share(number, self.grid)
+        around = np.concatenate([share[-1:], share, share[:1]])
+        for angle in self.grid.angle[may_touch_zero(around, TOUCHING)]:
             touch = self._closed_in(number, angle)
             if touch is None:
                 continue
@@ -169,7 +171,8 @@ class _Search:
         solver = chain.solve(self.dyads[number], [dict(poses)])
         with np.errstate(invalid="ignore"):
             margin, lengths = solver.missing()
-        margin, lengths, gap = np.broadcast_arrays(np.where(np.isnan(margin), np.inf, margin), lengths, solver.gap())
+        margin = np.where(np.isnan(margin) | chain.fails, np.inf, margin)
+        margin, lengths, gap = np.broadcast_arrays(margin, lengths, solver.gap())
         return margin, lengths, gap
 
     def _closed_in(self, number: int, angle: float) -> Touch | None:
@@ -181,13 +184,18 @@ class _Search:
                     return touch
         step = np.longdouble(FULL_TURN / GRID)
         bracket = np.array([angle - step]), np.array([angle + step])
-        centre, _ = lowest(lambda at: self._margin(number, _Chain(self.pivot, at))[0], *bracket, LOOKS, LOOK)
-        chain = _Chain(self.pivot, centre)
-        touch = self._touch(number, chain)
-        if abs(touch.margin) > TOUCHING * touch.lengths:
+        centre, height = lowest(
+            lambda at: self._share(number, _Chain(self.pivot, at)), *bracket, LOOKS, LOOK, -TOUCHING
+        )
+        if abs(height[0]) > TOUCHING:
             return None
-        self.centres.append(chain)
-        return touch
+        self.centres.append(_Chain(self.pivot, centre))
+        return self._touch(number, self.centres[-1])
+
+    def _share(self, number: int, chain: _Chain) -> Any:  # noqa: ANN401
+        """A dyad's margin over the lengths it comes from."""
+        margin, lengths, _ = self._margin(number, chain)
+        return margin / lengths
 
     def _touch(self, number: int, chain: _Chain) -> Touch:
         return Touch(chain.angle[0], *(part[0] for part in self._margin(number, chain)))

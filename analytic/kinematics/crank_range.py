@@ -187,11 +187,12 @@ class _Search:
         inner = margins[:, 1:-1]
         low = (inner < margins[:, :-2]) & (inner <= margins[:, 2:]) & (inner < least)
         seen = offsets[1:-1][np.any(low, axis=0)]
-        rows, columns = np.nonzero(may_touch_zero(margins))
+        rows, columns = np.nonzero(may_touch_zero(margins, ROUNDING))
         if not len(rows):
             return seen
         each = np.arange(len(rows))
-        spots, heights = lowest(lambda at: self.margins(at)[rows, each], offsets[columns], offsets[columns + 2], LOOKS)
+        brackets = offsets[columns], offsets[columns + 2]
+        spots, heights = lowest(lambda at: self.margins(at)[rows, each], *brackets, LOOKS, enough=least)
         return np.concatenate([seen, spots[heights < least]])
 
     def _end(self, row: int, good: float, end: float) -> float:
