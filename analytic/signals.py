@@ -8,7 +8,7 @@
 ``joint_force:A:x :y``          the force that a joint exerts on its first body, ground frame
 ``shaking_force:x :y``          the force of the linkage on its frame, ground frame
 ``shaking_moment``              its moment about the crank's pivot; about the origin where no crank turns
-``transmission_angle:GROUP``    of a group of two links, from 0 to π (``analytic.kinematics.transmission``)
+``transmission_angle:GROUP``    of a group of two links, from 0 to π/2 (``analytic.kinematics.transmission``)
 
 The first body of a pin is the link that is not the ground, of two moving links the second by name; of a slider it is
 the slider, of a slot the link that has the pin (``analytic.dynamics.joint_forces``). A drive along a line has a travel,

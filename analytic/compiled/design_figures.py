@@ -59,7 +59,6 @@ def compiled_figures(
     count: int,
     designs: Callable[[int, int], Array],
     speed: float,
-    weights: ArrayLike,
     cores: int | None,
 ) -> tuple[Array, NDArray[np.bool_]]:
     """Figures of ``count`` designs, (figures, count), SI, and whether each is to be looked at again, (count,).
@@ -68,13 +67,14 @@ def compiled_figures(
     move from one angle to the next: one that may not is told besides (``kernels.figures.reduced``).
 
     ``largest`` and ``designs`` are as for ``analytic.compiled.evaluation.compute``; the crank turns at a constant
-    ``speed``, rad/s. A signal is sampled at the crank angles ``angle`` (angles,), rad, whose ``weights`` add up to one.
+    ``speed``, rad/s. A signal is sampled at the crank angles ``angle`` (angles,), rad, and its means are theirs.
     The figures of a design that cannot move at any of the angles are nan. Raises LinkproofError if numba is not
     installed, UnknownNameError for signals that the linkage does not have.
     """
     linkage, code = kernels("linkage"), kernels("figures")
     wanted, chosen = _Signals(flat, largest, figures, speed).wanted(code, len(np.asarray(angle)))
-    angles, share = writable(np.concatenate([np.asarray(angle, dtype=float), chosen])), writable(np.asarray(weights))
+    angles = writable(np.concatenate([np.asarray(angle, dtype=float), chosen]))
+    share = np.full(len(np.asarray(angle)), 1.0 / len(np.asarray(angle)))
     values, steep = np.zeros((len(figures), count)), np.zeros(count)
     books = (len(flat.tables.references) + 3 * len(flat.structure.dyads) + 2) * kernels("statics").WRENCH
 

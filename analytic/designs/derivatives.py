@@ -26,13 +26,15 @@ from analytic.description.linkage import Linkage
 from analytic.designs.batches import goes_together
 from analytic.designs.checking import checked
 from analytic.designs.figures import Figure, Reduction, SignalExtreme
-from analytic.designs.results import is_turn, period_of, shares
-from analytic.designs.sampling import OUTPUT, Asked, curve
+from analytic.designs.results import is_turn, period_of
+from analytic.designs.sampling import OUTPUT, Asked, curve, edges_of, is_angle, on_branch
 from analytic.evaluation import MovingSweep
 from analytic.kinematics.decomposition import find_structure
 from analytic.kinematics.mechanism import Mechanism
 from analytic.kinematics.structure import Structure
 from analytic.kinematics.sweep import Sweep
+from analytic.kinematics.transmission import transmission_sine
+from analytic.numerics.averages import averages
 from analytic.numerics.dual import Dual
 from analytic.numerics.peaks import ROUNDING, brackets
 from analytic.numerics.roots import roots
@@ -87,12 +89,11 @@ def figure_gradients(
     angle: ArrayLike,
     *,
     speed: float,
-    weights: ArrayLike | None = None,
     refine: bool = True,
 ) -> tuple[Array, Array]:
     """Figures (figures,) and their derivatives (figures, parameters), SI.
 
-    ``angle``, ``speed``, ``weights`` and ``refine`` are as for ``analytic.designs.results.design_figures``, and
+    ``angle``, ``speed`` and ``refine`` are as for ``analytic.designs.results.design_figures``, and
     ``parameters`` as for ``signal_gradients``. The derivative is nan where tops tie that move apart.
     """
     places = np.asarray(angle, dtype=float)
@@ -101,20 +102,21 @@ def figure_gradients(
         _check_moves(_sweep(mechanism, parameters, places))
 
         period = period_of(mechanism, places)
-        asked = Asked(mechanism, tuple(figures), places, speed, shares(places, weights), period, refine)
+        asked = Asked(mechanism, tuple(figures), places, speed, period, refine)
 
         def figures_of(own: Mapping[str, float]) -> Array:  # of masses below zero as well, beside one of zero
             return asked.of({name: np.array([value]) for name, value in own.items()})[:, 0]
 
         return differences(figures_of, parameters, _steps(mechanism, parameters))[:2]
-    share = shares(places, weights)
     design = _Design(mechanism, parameters, speed)
     design.check(places)
     far = design.farthest(places, refine) if any(one.signal == "S" for one in figures) else 0.0
     wanted = tuple(dict.fromkeys(end for one in figures for end in one.extremes))
     found = dict(zip(wanted, design.extremes(wanted, places, far, refine), strict=True))
     there = design.varied(np.array([one.angle for one in figures if one.reduction is Reduction.AT]), far)
-    over = design.varied(places, far)
+    averaged = [one for one in figures if one.is_mean]
+    top = design.farthest(places, refine=True) if any(one.signal == "S" for one in averaged) else far
+    means = design.means(averaged, places, top)
     values, gradients, row = np.empty(len(figures)), np.empty((len(figures), len(parameters))), 0
     for number, one in enumerate(figures):
         if one.reduction is Reduction.AT:
@@ -124,7 +126,7 @@ def figure_gradients(
             tops = [found[end] for end in one.extremes]
             value, slopes = tops[0] if len(tops) == 1 else tuple(a - b for a, b in zip(*tops, strict=True))
         else:
-            value, slopes = _averaged(one.reduction, *_parts(curve(over, one.signal), len(parameters)), share)
+            value, slopes = means[one]
         sign = -1.0 if one.is_magnitude and value < 0.0 else 1.0
         values[number], gradients[number] = sign * value, sign * slopes
     return values, gradients
@@ -191,6 +193,26 @@ class _Design:
             found.append(_best(one, values[own], slopes[:, own], tops[row], float(np.max(np.abs(sampled[row])))))
         return found
 
+    def means(self, figures: Sequence[Figure], places: Array, far: Any) -> dict[Figure, tuple[Any, Array]]:  # noqa: ANN401 - a dual
+        """Value of every mean and its derivatives (parameters,): the integrals of both, in one."""
+        known, count = self._at(self._plain, places, 0.0), len(self.parameters)
+        near = {one.signal: curve(known, one.signal) for one in figures if is_angle(one.signal)}
+
+        def integrands(_: object, phi: Array) -> Array:
+            at = self.varied(phi, far)
+            curves = [(one, curve(at, one.signal)) for one in figures]
+            turned = [one.integrand(on_branch(row, phi, places, near.get(one.signal))) for one, row in curves]
+            pairs = [_parts(row, count) for row in turned]
+            sines = [_parts(transmission_sine(at.sweep, dyad), 0)[0] for dyad in at.sweep.structure.dyads]
+            return np.stack([*(row for value, slopes in pairs for row in (value, *slopes)), *np.divide(1.0, sines)])
+
+        means = averages(integrands, edges_of(_closed(places)))[:, 0].tolist() if figures else []
+        found = {}
+        for one, first in zip(figures, range(0, len(means), count + 1), strict=False):  # behind them are the sines
+            value, slopes = one.of_mean(means[first]), np.array(means[first + 1 : first + 1 + count])
+            found[one] = value, 0.5 * slopes / value if one.reduction is Reduction.RMS else slopes
+        return found
+
     def _tops(self, wanted: Sequence[SignalExtreme], grid: Array, sampled: Array, top: float) -> Array:
         """Places of the highest tops of every height, (extremes, tops): roots of its slope, or the ends of the grid."""
         sides = brackets(grid, sampled)
@@ -243,13 +265,6 @@ def _best(one: SignalExtreme, values: Array, slopes: Array, places: Array, large
     tied = rises[:, heights >= highest - TIE * largest]
     apart = np.max(tied, axis=1) - np.min(tied, axis=1) > SAME * np.max(np.abs(tied), axis=1) + TIE * largest
     return values[first], np.where(apart, np.nan, slopes[:, first])
-
-
-def _averaged(how: Reduction, values: Array, slopes: Array, share: Array) -> tuple[Any, Array]:
-    if how is Reduction.MEAN:
-        return share @ values, slopes @ share
-    size = np.sqrt(share @ np.square(values))
-    return size, (slopes @ (share * values)) / size
 
 
 def _parts(number: Any, count: int) -> tuple[Array, Array]:  # noqa: ANN401 - plain or dual

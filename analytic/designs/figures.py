@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from enum import StrEnum
-from math import nan, pi
+from math import nan
 from typing import Final, NamedTuple
 
 import numpy as np
@@ -17,8 +17,8 @@ Array = NDArray[np.float64]
 class Reduction(StrEnum):
     """How a signal over the sampled angles becomes one number.
 
-    ``PEAK`` is the largest magnitude, of a transmission angle the value farthest from 90°; ``RANGE``
-    the largest less the smallest; ``AT`` the value at one crank angle. Means are over the angle.
+    ``PEAK`` is the largest magnitude; ``RANGE`` the largest less the smallest; ``AT`` the value at one crank angle.
+    Means are integrals over the angle, whatever the samples.
     """
 
     PEAK = "peak"
@@ -39,13 +39,8 @@ WAYS: Final[Mapping[Reduction, tuple[int, ...]]] = {
 }
 
 
-def middle(signal: str) -> float:
-    """What a peak of a signal is farthest from."""
-    return 0.5 * pi if signal.startswith("transmission_angle:") else 0.0
-
-
 class SignalExtreme(NamedTuple):
-    """The highest (1), the lowest (-1) value of a signal, or the one farthest from its middle (0)."""
+    """The highest (1), the lowest (-1) value of a signal, or the largest magnitude (0)."""
 
     signal: str
     way: int
@@ -54,15 +49,15 @@ class SignalExtreme(NamedTuple):
         """The derivative of the height by the value, 1 or -1."""
         if self.way:
             return np.full(values.shape, float(self.way))
-        return np.where(values < middle(self.signal), -1.0, 1.0)
+        return np.where(values < 0.0, -1.0, 1.0)
 
     def height(self, values: Array, side: Array | None = None) -> Array:
         """What is largest at the extreme, seen from a ``side``: each value's own if None."""
-        return (self.side(values) if side is None else side) * (values - middle(self.signal))
+        return (self.side(values) if side is None else side) * values
 
     def value(self, height: Array, side: Array) -> Array:
         """The signal where it has a height on a side."""
-        return side * height + middle(self.signal)
+        return side * height
 
 
 @dataclass(frozen=True)
@@ -79,12 +74,25 @@ class Figure:
     @property
     def is_magnitude(self) -> bool:
         """Whether it is a largest magnitude, which has no sign."""
-        return self.reduction is Reduction.PEAK and not middle(self.signal)
+        return self.reduction is Reduction.PEAK
+
+    @property
+    def is_mean(self) -> bool:
+        """Whether it is an integral over the motion."""
+        return self.reduction in (Reduction.MEAN, Reduction.RMS)
 
     @property
     def extremes(self) -> tuple[SignalExtreme, ...]:
         """The extremes that it is made of; none for a mean or a single value."""
         return tuple(SignalExtreme(self.signal, way) for way in WAYS.get(self.reduction, ()))
+
+    def integrand(self, values: Array) -> Array:
+        """What a mean is of."""
+        return np.square(values) if self.reduction is Reduction.RMS else values
+
+    def of_mean(self, mean: Array) -> Array:
+        """The figure of the mean of its integrand."""
+        return np.sqrt(mean) if self.reduction is Reduction.RMS else mean
 
     def of(self, ends: Sequence[Array]) -> Array:
         """The figure of designs from the values of its ``extremes``."""

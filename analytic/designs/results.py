@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Mapping, Sequence
+from dataclasses import replace
 from typing import Final, Literal
 
 import numpy as np
@@ -11,11 +12,12 @@ from numpy.typing import ArrayLike, NDArray
 from analytic.compiled.choice import cores as available
 from analytic.compiled.choice import is_compiled
 from analytic.compiled.design_figures import can_figure, compiled_figures
-from analytic.compiled.flat_linkage import flatten, redesigned
+from analytic.compiled.flat_linkage import FlatLinkage, flatten, redesigned
 from analytic.description.law import FULL_TURN
+from analytic.designs.batches import Booleans, Integers
 from analytic.designs.checking import checked
-from analytic.designs.figures import Figure
-from analytic.designs.sampling import Asked
+from analytic.designs.figures import Figure, Reduction
+from analytic.designs.sampling import Asked, is_settled
 from analytic.designs.values import designs_of
 from analytic.errors import LinkproofError, UnknownNameError
 from analytic.kinematics.mechanism import Mechanism
@@ -36,7 +38,6 @@ def design_figures(
     angle: ArrayLike,
     *,
     speed: float,
-    weights: ArrayLike | None = None,
     period: float | Literal["auto"] | None = "auto",
     refine: bool = False,
     cores: int | None = None,
@@ -46,11 +47,10 @@ def design_figures(
 
     ``parameters`` are arrays (designs,) of numbers of the description, SI, by the names of
     ``analytic.description.changes``; all else is as described, and the assembly modes are those that its sketch picks.
-    A signal is sampled at the crank angles ``angle`` (angles,), rad, ascending; its means take the ``weights``
-    (angles,), which add up to one: equal ones if None. S counts from the design's own largest output.
-
-    With ``refine`` the extremes are the true ones between the samples, and S counts from the true top: over a
+    A signal is sampled at the crank angles ``angle`` (angles,), rad, ascending; S counts from the design's own largest
+    output. With ``refine`` the extremes are the true ones between the samples, and S counts from the true top: over a
     ``period``, rad, or over a range, whose ends count, if None; "auto" is a turn where the angles divide one evenly.
+    Means are integrals over the same, whatever the samples, and of S from the true top.
 
     The figures of a design that cannot be assembled, or stands in a dead position, at or between any of the angles are
     nan, and so are those of one that passes a change point where the linkage as described passes none. ``cores`` and
@@ -59,26 +59,45 @@ def design_figures(
     """
     places = _checked_places(angle, FEWEST if refine else 1)
     arrays = checked(mechanism.linkage, parameters)
-    count = len(next(iter(arrays.values())))
-    share = shares(places, weights)
     names = _known_names(mechanism, figures)
     closes = period_of(mechanism, places) if period == "auto" else period
-    asked = Asked(mechanism, tuple(figures), places, speed, share, closes, refine)
+    asked = Asked(mechanism, tuple(figures), places, speed, closes, refine)
     able = not refine and can_figure(mechanism.structure, names)
-    if is_compiled(path, "figures", _seconds(names, count * len(places), cores)) and able:
+    if is_compiled(path, "figures", _seconds(names, len(next(iter(arrays.values()))) * len(places), cores)) and able:
         flat = flatten(mechanism)
         if set(arrays) <= set(flat.places):
-            designs = designs_of(flat, arrays)
-            found, doubtful = compiled_figures(
-                flat, figures, places, largest=redesigned(flat, designs.largest()), count=count, designs=designs.rows,
-                speed=speed, weights=share, cores=cores,
-            )  # fmt: skip
-            rows = np.flatnonzero(doubtful)
-            if len(rows):
-                stand = asked.stand({name: values[rows] for name, values in arrays.items()}, cores)
-                found[:, rows[stand]] = np.nan
-            return found
+            return _by_kernels(flat, asked, arrays, cores)
     return asked.of(arrays, cores)
+
+
+def _by_kernels(flat: FlatLinkage, asked: Asked, arrays: Mapping[str, Array], cores: int | None) -> Array:
+    """Figures of designs by the kernels; by NumPy which of them stand, and means for which the samples are too few."""
+    designs, count = designs_of(flat, arrays), len(asked.figures)
+    means = [row for row, one in enumerate(asked.figures) if one.is_mean]
+    averaged = [asked.figures[row] for row in means]
+
+    def sampled(figures: Sequence[Figure], places: Array) -> tuple[Array, Booleans]:
+        return compiled_figures(
+            flat, figures, places, largest=redesigned(flat, designs.largest()), count=designs.count,
+            designs=designs.rows, speed=asked.speed, cores=cores,
+        )  # fmt: skip
+
+    def some(rows: Integers) -> dict[str, Array]:
+        return {name: values[rows] for name, values in arrays.items()}
+
+    every, doubtful = sampled([*asked.figures, *(Figure(one.signal, Reduction.RMS) for one in averaged)], asked.places)
+    found, sizes = every[:count], every[count:]
+    rows = np.flatnonzero(doubtful)
+    if len(rows):
+        found[:, rows[asked.stand(some(rows), cores)]] = np.nan
+    if means:
+        few = doubtful | ~np.array(all(map(asked.may_sample, averaged)))
+        if not np.all(few):
+            few |= ~is_settled(found[means], sampled(averaged, asked.places[::2])[0], sizes).all(axis=0)
+        rows = np.flatnonzero(few & np.isfinite(found[means[0]]))
+        if len(rows):
+            found[np.array(means)[:, None], rows] = replace(asked, figures=tuple(averaged)).of(some(rows), cores)
+    return found
 
 
 def usual_path(figures: Sequence[Figure], size: int, cores: int | None = None) -> str:
@@ -108,11 +127,6 @@ def _checked_places(angle: ArrayLike, least: int) -> Array:
 def period_of(mechanism: Mechanism, places: Array) -> float | None:
     """A turn where places of a crank divide one evenly, its end left out."""
     return None if mechanism.linkage.is_linear or not is_turn(places) else FULL_TURN
-
-
-def shares(places: Array, weights: ArrayLike | None) -> Array:
-    """Shares of sampled places in a mean: the ``weights``, or equal ones."""
-    return np.full(places.shape, 1.0 / len(places)) if weights is None else np.asarray(weights, dtype=float)
 
 
 def _known_names(mechanism: Mechanism, figures: Sequence[Figure]) -> set[str]:

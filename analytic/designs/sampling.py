@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import Final, NamedTuple
+from typing import Any, Final, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,29 +17,34 @@ from analytic.designs.tops import Tops, summits, tops
 from analytic.evaluation import MovingSweep
 from analytic.kinematics.mechanism import Mechanism
 from analytic.kinematics.transmission import transmission_sine
+from analytic.numerics.averages import SAME, averages
+from analytic.numerics.dual import Dual
 from analytic.signals import signal_or_magnitude
 
 Array = NDArray[np.float64]
+Curves = Mapping[str, Array]
 
 CHUNK: Final = 2048  # designs a thread takes at a time: their tops are refined together
 OUTPUT: Final = "output"  # the output's coordinate; no signal, for what is seen of it is S
+TOP: Final = Figure(OUTPUT, Reduction.MAX)
 # Between two crank angles the sine of a transmission angle changes by no more than this share of itself, or the step is
 # divided in PARTS, LEVELS times at most: forces go as its inverse.
 CHANGE, PARTS, LEVELS = 0.2, 8, 5
+CELLS, TOGETHER = 12, 64  # of the motion, from which a mean is integrated, and designs that are
 
 
 @dataclass(frozen=True)
 class Asked:
-    """What is asked of every design: ``places`` (angles,) of the driver, ascending, its ``speed``, ``share`` of means.
+    """What is asked of every design: ``places`` (angles,) of the driver, ascending, its ``speed``.
 
-    Extremes are true ones with ``refine``; over a ``period``, rad, curves close, else their ends count.
+    Extremes are true ones with ``refine``; over a ``period``, rad, curves close, else their ends count. Means are
+    integrals from the first place to the end of the period, or to the last place.
     """
 
     mechanism: Mechanism
     figures: tuple[Figure, ...]
     places: Array
     speed: float
-    share: Array
     period: float | None
     refine: bool
 
@@ -47,6 +52,11 @@ class Asked:
     def grid(self) -> Array:
         """The crank angles with the end of the period."""
         return self.places if self.period is None else np.append(self.places, self.places[0] + self.period)
+
+    def may_sample(self, one: Figure) -> bool:
+        """Whether a mean may be that of the samples: they divide a turn evenly, and it counts from none of them."""
+        counts_from_one = is_angle(one.signal) or (one.signal == "S" and not self.refine)
+        return self.period is not None and len(self.places) % 2 == 0 and not counts_from_one
 
     def of(self, arrays: Mapping[str, Array], cores: int | None = None) -> Array:
         """The figures, (figures, designs), of designs that differ in ``arrays`` (designs,) of numbers by name.
@@ -73,7 +83,7 @@ class Asked:
 
 
 class _Marked(NamedTuple):
-    """Sampled tops of a signal's height, and on which side of its middle the signal is at each (n,)."""
+    """Sampled tops of a signal's height, and on which side of zero the signal is at each (n,)."""
 
     tops: Tops
     sides: Array
@@ -94,8 +104,11 @@ class _Chunk:
     def all(self, figures: Sequence[Figure]) -> Array:
         """The figures, (figures, rows)."""
         if self.asked.refine and any(one.signal == "S" for one in figures):
-            self.farthest = self._figures([Figure(OUTPUT, Reduction.MAX)])[0]
+            self.farthest = self._tops()
         result = self._figures(figures)
+        means = {row: one for row, one in enumerate(figures) if one.is_mean}
+        if means:
+            self._integrate(means, result)
         doubtful = np.flatnonzero(self.doubtful & ~self.faulty)
         self.faulty[doubtful] = stuck(self.sweeps, self.rows[doubtful], self.asked.grid)
         result[:, self.faulty] = np.nan
@@ -113,8 +126,10 @@ class _Chunk:
             for row, one in enumerate(figures):
                 if one.reduction is Reduction.AT:
                     result[row, here] = sampled[one.signal][:, np.argmin(np.abs(places - one.angle))]
-                elif not (found and one.extremes):
-                    result[row, here] = _reduced(one, sampled[one.signal], self.asked.share)
+                elif one.is_mean:
+                    result[row, here] = self._mean(one, sampled[one.signal])
+                elif not found:
+                    result[row, here] = _reduced(one, sampled[one.signal])
             if found:
                 grid, sampled = self._closed(sampled, len(here))
                 self._mark(found, sampled, here, grid)
@@ -128,6 +143,49 @@ class _Chunk:
             elif found and one.extremes:
                 result[row] = one.of([heights[end] for end in one.extremes])
         return result
+
+    def _tops(self) -> Array:
+        """The output's highest coordinate, between the samples too."""
+        return np.asarray(_Chunk(replace(self.asked, refine=True), self.sweeps, self.rows)._figures([TOP])[0])
+
+    def _mean(self, one: Figure, values: Array) -> Array:
+        """A mean of samples (designs, angles), nan where they are too few for it."""
+        if not self.asked.may_sample(one):
+            return np.full(len(values), np.nan)
+        whole, half = (one.of_mean(np.mean(one.integrand(part), axis=1)) for part in (values, values[:, ::2]))
+        size = np.sqrt(np.mean(np.square(values), axis=1))
+        return np.asarray(np.where(is_settled(whole, half, size), whole, np.nan))
+
+    def _integrate(self, figures: Mapping[int, Figure], result: Array) -> None:
+        """Enter means by their row of the figures for which the samples are too few.
+
+        So they are where a step may hide a spike beside a dead position. The reciprocal sines of the transmission
+        angles are integrated with the signals, for such a spike to be closed in on.
+        """
+        few = np.isnan(result[[*figures]]).any(axis=0) | self.doubtful
+        left, names = np.flatnonzero(few & ~self.faulty), {one.signal for one in figures.values()}
+        if len(left) and "S" in names and not self.asked.refine:
+            self.farthest = self._tops()
+        places = self.asked.places
+        for start in range(0, len(left), TOGETHER):
+            here = left[start : start + TOGETHER]
+            known = self._at(here, np.broadcast_to(places, (len(here), len(places))))
+            near = {name: curve(known, name) for name in names if is_angle(name)}
+
+            def integrands(design: Integers, phi: Array, here: Integers = here, near: Curves = near) -> Array:
+                at = self._at(here[design], phi)
+                curves = {name: curve(at, name) for name in names}
+                for name, values in near.items():
+                    curves[name] = on_branch(curves[name], phi, places, values[design])
+                sines = [transmission_sine(at.sweep, dyad) for dyad in at.sweep.structure.dyads]
+                return np.stack(
+                    [*(one.integrand(curves[one.signal]) for one in figures.values()), *np.divide(1.0, sines)]
+                )
+
+            for (row, one), mean in zip(
+                figures.items(), averages(integrands, edges_of(self.asked.grid), len(here)), strict=False
+            ):
+                result[row, here] = one.of_mean(mean)
 
     def _sampled(self, here: Integers, phi: Array, names: Iterable[str]) -> tuple[dict[str, Array], Booleans]:
         """Signals of some of the designs at crank angles, (designs, angles), and where these are too far apart."""
@@ -152,7 +210,7 @@ class _Chunk:
         grid, period = self.asked.grid, self.asked.period
         if period is not None:
             for name, values in sampled.items():
-                turns = np.round((values[:, -1:] - values[:, :1]) / period) if _is_angle(name) else 0.0
+                turns = np.round((values[:, -1:] - values[:, :1]) / period) if is_angle(name) else 0.0
                 sampled[name] = np.concatenate([values, values[:, :1] + period * turns], axis=1)
         return np.broadcast_to(grid, (count, len(grid))), sampled
 
@@ -161,7 +219,7 @@ class _Chunk:
 
         Not for the angles of links, which know no forces.
         """
-        found = {extreme: parts for extreme, parts in found.items() if not _is_angle(extreme.signal)}
+        found = {extreme: parts for extreme, parts in found.items() if not is_angle(extreme.signal)}
         names = dict.fromkeys(extreme.signal for extreme in found)
         if coarse.shape[1] < phi.shape[1] - 1:  # the step that ends the period is like those beside it
             coarse = np.concatenate([coarse, coarse[:, :1] | coarse[:, -1:]], axis=1)
@@ -197,7 +255,7 @@ class _Chunk:
             at = self._at(every[here], flat[here, None], only_output=name == OUTPUT)
             values[here] = curve(at, name)[:, 0]
         values = values.reshape(phi.shape)
-        if _is_angle(name):
+        if is_angle(name):
             values += FULL_TURN * np.round((near[:, None] - values) / FULL_TURN)
         return values
 
@@ -233,15 +291,35 @@ def curve(at: MovingSweep, name: str) -> Array:
     return signal_or_magnitude(at, name)
 
 
-def _is_angle(name: str) -> bool:
+def is_settled(whole: Array, half: Array, size: Array) -> Booleans:
+    """Where means of evenly spaced samples of a turn are right: where every second of them gives the same.
+
+    That is to a share of the signal's RMS, its ``size``; of what is smooth the error goes as the square of such a gap.
+    """
+    return np.abs(whole - half) <= SAME * size
+
+
+def edges_of(grid: Array) -> Array:
+    """The cells from which means over a grid's whole length are integrated."""
+    return np.linspace(grid[0], grid[-1], CELLS + 1)
+
+
+def on_branch(values: Any, phi: Array, places: Array, near: Array | None) -> Any:  # noqa: ANN401 - plain or dual
+    """Angles at ``phi`` (..., n) with the whole turns of samples ``near`` (..., places) that are unwrapped, if any."""
+    if near is None:
+        return values
+    here = np.searchsorted(places, phi, "right") - 1
+    known = near[here] if near.ndim == 1 else np.take_along_axis(near, here, 1)
+    plain = values.value if isinstance(values, Dual) else values
+    return values + FULL_TURN * np.round((known - plain) / FULL_TURN)
+
+
+def is_angle(name: str) -> bool:
+    """Whether a signal is the angle of a link, of which whole turns count."""
     return name == "phi" or (name.startswith("link:") and name.endswith(":angle"))
 
 
-def _reduced(figure: Figure, values: Array, share: Array) -> Array:
+def _reduced(figure: Figure, values: Array) -> Array:
     """A signal (designs, angles) brought down to a number for each design."""
-    if figure.reduction is Reduction.MEAN:
-        return np.asarray(np.sum(values * share, axis=1))
-    if figure.reduction is Reduction.RMS:
-        return np.asarray(np.sqrt(np.sum(np.square(values) * share, axis=1)))
     best = (np.argmax(end.height(values), axis=1)[:, None] for end in figure.extremes)
     return figure.of([np.take_along_axis(values, place, 1)[:, 0] for place in best])

@@ -1,9 +1,10 @@
-"""Transmission angle of a dyad: how well its links can push each other, 90° at best, 0° or 180° in a dead position.
+"""Transmission angle of a dyad: how well its links can push each other, 90° at best, 0° in a dead position.
 
 Of two rods (RRR) it is the angle between them at their common pin (Alt). Of a rod and a slide (RRP) it is the angle
 between the rod and the slide's normal; of a slide between two pins (RPR) the angle between the line through the pins
-and the slide's normal; of two slides (RPP, PRP) the angle between them. In each case its sine is the determinant of the
-dyad's closure equations over the lengths in it.
+and the slide's normal; of two slides (RPP, PRP) the angle between them. It is the acute angle of the two lines, for
+130° push as well as 50°, so that it has a kink where they are square to each other. In each case its sine is the
+determinant of the dyad's closure equations over the lengths in it.
 """
 
 from __future__ import annotations
@@ -20,7 +21,7 @@ Array = NDArray[np.float64]
 
 
 def transmission_angle(sweep: Sweep, dyad: Dyad) -> Array:
-    """The dyad's transmission angle, rad, in [0, π], at every crank angle of the sweep."""
+    """The dyad's transmission angle, rad, in [0, π/2], at every crank angle of the sweep."""
     angle = between(*_sides(sweep, dyad))
     return np.copy(np.broadcast_to(angle, sweep.angle.shape))
 
@@ -33,8 +34,8 @@ def transmission_sine(sweep: Sweep, dyad: Dyad) -> Array:
 
 
 def between(one: Pair, other: Pair) -> Scalar:
-    """Angle of two directions, rad, in [0, π]."""
-    return np.arctan2(np.abs(frames.cross(one, other)), frames.dot(one, other))
+    """Acute angle of two lines, rad, in [0, π/2]."""
+    return np.arctan2(np.abs(frames.cross(one, other)), np.abs(frames.dot(one, other)))
 
 
 def _sides(sweep: Sweep, dyad: Dyad) -> tuple[Pair, Pair]:

@@ -58,7 +58,7 @@ def key_figures(case: Case) -> dict[str, float]:
     names = [name for name in curves.names if name in ("Mkr", "Peq") or _is_joint_force(name)]
     found = {name.removesuffix(MAGNITUDE) + ".peak": abs(peak.value) for name, peak in curves.peaks(names).items()}
     if curves.has("Jeq"):
-        found["Jeq.mean"] = curves.mean(lambda at: signal(at, "Jeq"))
+        (found["Jeq.mean"],) = curves.means(lambda at: signal(at, "Jeq"))
     return {name: value for name, value in found.items() if math.isfinite(value)}
 
 

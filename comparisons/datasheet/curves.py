@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from analytic import signals
 from analytic.description.law import FULL_TURN
 from analytic.description.linkage import Linkage
+from analytic.numerics.averages import averages
 from analytic.numerics.peaks import highest
 from analytic.signals import MAGNITUDE
 from comparisons.datasheet.instants import Instants, with_near_toggles
@@ -24,9 +25,7 @@ Measure = Callable[[Truth], Array]
 TIME: Final = "time"
 FORCES: Final = ("joint_force:", "shaking_force:")  # vectors whose magnitude is a signal as well
 BATCH: Final = 48  # curves whose peaks are refined together: more would compute much that none of them needs
-# Three-point Gauss-Legendre on 0 to 1: of a torque squared it leaves rounding over half-degree steps.
-NODES: Final = 0.5 + np.sqrt(0.15) * np.array([-1.0, 0.0, 1.0])
-WEIGHTS: Final = np.array([5.0, 8.0, 5.0]) / 18.0
+CELL: Final = 16  # steps of the grid to a cell of a mean
 
 
 class Peak(NamedTuple):
@@ -101,7 +100,7 @@ class Curves:
         return np.asarray(angle + FULL_TURN * np.round((near - angle) / FULL_TURN))
 
     def peaks(self, names: Iterable[str]) -> dict[str, Peak]:
-        """Of each signal the value of the largest magnitude; of a transmission angle the one farthest from 90°."""
+        """Of each signal the value of the largest magnitude; of a transmission angle the least."""
         asked = list(names)
         places = self.places({name: self._severity(name) for name in asked})
         truth = self.at(np.array([places[name] for name in asked]))
@@ -109,7 +108,7 @@ class Curves:
 
     def _severity(self, name: str) -> Measure:
         if name.startswith("transmission_angle:"):
-            return lambda at: np.abs(self.of(at, name) - 0.5 * np.pi)
+            return lambda at: -self.of(at, name)
         return lambda at: np.abs(self.of(at, name))
 
     def places(self, measures: Mapping[str, Measure]) -> dict[str, float]:
@@ -127,13 +126,16 @@ class Curves:
             found |= dict(zip(keys, places.tolist(), strict=True))
         return found
 
-    def mean(self, measure: Measure) -> float:
-        """Mean over time of a measure of the closed form."""
-        edges = self.grid
-        steps = np.diff(edges)
-        time = np.clip((edges[:-1, None] + steps[:, None] * NODES).ravel(), edges[0], edges[-1])
-        values = measure(self.at(time)).reshape(-1, len(NODES))
-        return float(steps @ (values @ WEIGHTS) / (edges[-1] - edges[0]))
+    def means(self, *measures: Measure) -> list[float]:
+        """Means over time of measures of the closed form."""
+        jumps = [jump for jump in self.case.motion.jumps if 0.0 < jump < self.grid[-1]]
+
+        def integrands(_: object, time: Array) -> Array:
+            truth = self.at(time.ravel())
+            return np.stack([measure(truth).reshape(time.shape) for measure in measures])
+
+        edges = np.unique(np.concatenate([self.grid[::CELL], jumps, self.grid[-1:]]))
+        return [float(mean) for (mean,) in averages(integrands, edges)]
 
 
 def _is_angle_of_link(name: str) -> bool:

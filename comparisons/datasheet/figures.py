@@ -62,10 +62,10 @@ def drive_points(curves: Curves) -> list[DrivePoint]:
     points = [_drive_point(curves, what, time) for what, time in places.items()]
     least = NEGLIGIBLE * max(abs(point.power) for point in points)
     points = [point for point in points if point.what != BRAKING or point.power < -least]
-    torque = math.sqrt(curves.mean(lambda at: np.square(at.torque)))
-    speed = curves.mean(lambda at: np.abs(at.speed))
-    power = curves.mean(lambda at: at.torque * at.speed)
-    return [*points, DrivePoint("RMS torque, means", torque, speed, power, None)]
+    square, speed, power = curves.means(
+        lambda at: np.square(at.torque), lambda at: np.abs(at.speed), lambda at: at.torque * at.speed
+    )
+    return [*points, DrivePoint("RMS torque, means", math.sqrt(square), speed, power, None)]
 
 
 def _drive_point(curves: Curves, what: str, time: float) -> DrivePoint:
@@ -107,12 +107,9 @@ def _loaded_links(curves: Curves) -> dict[str, str]:
 
 
 def transmission(curves: Curves) -> list[Extreme]:
-    """Of every group of two links its worst transmission angle, rad, as it differs from 0 or π."""
+    """Of every group of two links its least transmission angle, rad."""
     peaks = curves.peaks(name for name in curves.names if name.startswith(TRANSMISSION))
-    return [
-        Extreme(name.removeprefix(TRANSMISSION), name, min(peak.value, math.pi - peak.value), peak.time)
-        for name, peak in peaks.items()
-    ]
+    return [Extreme(name.removeprefix(TRANSMISSION), name, *peak) for name, peak in peaks.items()]
 
 
 def output_extremes(curves: Curves) -> list[Extreme]:

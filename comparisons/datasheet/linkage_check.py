@@ -109,30 +109,29 @@ def range_facts(mechanism: Mechanism, reach: CrankRange) -> Facts:
 
 
 def _transmission(mechanism: Mechanism, reach: CrankRange) -> Facts:
-    """Of every group the transmission angle nearest to 0° or 180°, folded to 0 to π/2, and where it has it."""
+    """Of every group the least transmission angle, rad, and where it has it."""
     low, high = reach.limits
     inset = 0.0 if reach.is_full_turn else INSET * (high - low)
     grid = np.linspace(low + inset, high - inset, POINTS)
     place = mechanism.linkage.place if reach.is_full_turn else reach.place
     found = {}
     for dyad in mechanism.structure.dyads:
-        folded = partial(_folded, mechanism, dyad)
-        at, least = _least(folded, grid)
-        good = [] if reach.is_full_turn else _good(folded, grid)
+        angle = partial(_transmission_angle, mechanism, dyad)
+        at, least = _least(angle, grid)
+        good = [] if reach.is_full_turn else _good(angle, grid)
         words = {"where": place(at), "good_from_to": [place(end) for end in good]}
         found[dyad.name] = {"least": least, "at": at, "good": good, "kind": dyad.kind, **words}
     return found
 
 
-def _folded(mechanism: Mechanism, dyad: Dyad, phi: Array) -> Array:
-    angle = transmission_angle(mechanism.sweep(phi), dyad)
-    return np.minimum(angle, np.pi - angle)
+def _transmission_angle(mechanism: Mechanism, dyad: Dyad, phi: Array) -> Array:
+    return transmission_angle(mechanism.sweep(phi), dyad)
 
 
-def _good(folded: Callable[[Array], Array], grid: Array) -> list[float]:
+def _good(angle: Callable[[Array], Array], grid: Array) -> list[float]:
     """The ends of the stretch around the best transmission angle in which it is no less than BINDS; none if nowhere."""
-    enough = folded(grid) >= BINDS
-    best = int(np.argmax(folded(grid)))
+    enough = angle(grid) >= BINDS
+    best = int(np.argmax(angle(grid)))
     if not enough[best]:
         return []
     ends = []
@@ -140,7 +139,7 @@ def _good(folded: Callable[[Array], Array], grid: Array) -> list[float]:
         short = np.flatnonzero(~enough[best::direction])
         last = best + direction * (int(short[0]) - 1) if len(short) else (-1 if direction > 0 else 0)
         outside = grid[last + direction] if len(short) else grid[last]
-        ends.append(root(lambda phi: float(folded(np.array([phi]))[0]) - BINDS, float(grid[last]), float(outside)))
+        ends.append(root(lambda phi: float(angle(np.array([phi]))[0]) - BINDS, float(grid[last]), float(outside)))
     return ends
 
 

@@ -31,7 +31,7 @@ def figures(results: DesignerResults) -> SheetFigures:
 
 
 def peaks(results: DesignerResults, names: Iterable[str]) -> Mapping[str, SheetPeak]:
-    """By name the value of the largest magnitude, of a transmission angle the one farthest from π/2, and its place."""
+    """By name the value of the largest magnitude, of a transmission angle the least, and its place."""
     found = results.curves.peaks(names)
     return {name: {"value": finite(peak.value), "at": place(results, peak.time)} for name, peak in found.items()}
 

@@ -1,9 +1,10 @@
 """Figures of a design by the names that are typed: ``Mkr.peak``, ``joint_force:A.peak``, ``point:D:y@30``, ``stroke``.
 
 ``SIGNAL.REDUCTION``     a signal of ``linkproof results`` over the motion: .peak .mean .rms .max .min .range
-``SIGNAL@30``            its value at a crank angle, in the unit of the file, or ``@0.5rad``
+``SIGNAL@30``            its value at a crank angle, degrees, or ``@0.5rad``; of a drive along a line in the file's unit
 ``joint_force:A.peak``   of a vector without a component, its magnitude
 ``joint_force.peak``     of every joint; likewise transmission_angle, of every group
+``transmission_angle.peak``  the least, which is the worst
 ``stroke``               the range of S
 """
 
@@ -23,7 +24,8 @@ from comparisons.datasheet.curves import FORCES
 from comparisons.datasheet.units import FileUnit, file_unit
 
 STROKE: Final = "stroke"
-FAMILIES: Final = ("joint_force", "transmission_angle")
+ANGLES: Final = "transmission_angle"
+FAMILIES: Final = ("joint_force", ANGLES)
 REDUCTIONS: Final = tuple(one.value for one in Reduction if one is not Reduction.AT)
 NEEDS: Final[Mapping[str, str]] = {  # what a linkage must have for these signals, in words
     **dict.fromkeys(("S", "v", "a"), "an output point"),
@@ -83,8 +85,9 @@ def _figures(mechanism: Mechanism, known: Mapping[str, str], name: str) -> list[
     if word not in REDUCTIONS:
         examples = [STROKE, *(f"{name}.{one}" for one in REDUCTIONS)]
         raise UnknownNameError("figure", name, examples if name in known or name in FAMILIES else _examples(known))
+    how = Reduction.MIN if word == Reduction.PEAK and signal.startswith(ANGLES) else Reduction(word)
     return [
-        _named(mechanism, STROKE if name == STROKE else f"{one}.{word}", Reduction(word), known[one])
+        _named(mechanism, STROKE if name == STROKE else f"{one}.{word}", how, known[one])
         for one in _members(mechanism, known, signal)
     ]
 
@@ -111,8 +114,9 @@ def _members(mechanism: Mechanism, known: Mapping[str, str], signal: str) -> lis
 
 def _angle(mechanism: Mechanism, name: str, text: str) -> float:
     """The place of the driver behind the @, rad or m."""
-    unit = file_unit("m" if mechanism.linkage.is_linear else "rad", mechanism.linkage)
-    in_radians = text.endswith("rad") and not mechanism.linkage.is_linear
+    is_linear = mechanism.linkage.is_linear
+    unit = file_unit("m", mechanism.linkage) if is_linear else FileUnit("degrees", math.radians(1.0))
+    in_radians = text.endswith("rad") and not is_linear
     try:
         place = float(text.removesuffix("rad") if in_radians else text)
     except ValueError:

@@ -25,22 +25,12 @@ MOST: Final = 10**6  # samples, which are held in memory design by design
 class SteadyMotion:
     """Sampled places of the driver, rad or m, ascending, and its constant speed, rad/s or m/s, signed.
 
-    The ``weights`` (places,) of means add up to one: equal over a turn, whose end is not sampled twice, else those of
-    the trapezoid rule.
+    The end of a full turn is not sampled twice.
     """
 
     places: Array
     speed: float
     is_full_turn: bool
-
-    @property
-    def weights(self) -> Array:
-        """Shares of the samples in a mean over the angle."""
-        if self.is_full_turn:
-            return np.full(len(self.places), 1.0 / len(self.places))
-        share = np.full(len(self.places), 1.0 / (len(self.places) - 1))
-        share[[0, -1]] *= 0.5
-        return share
 
 
 def steady_motion(

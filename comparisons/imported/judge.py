@@ -161,9 +161,11 @@ def _is_still(name: str) -> bool:
 
 
 def _without_turns(one: Samples, truth: Array) -> Samples:
-    """An angle without the whole turns that a tool adds or takes away."""
+    """An angle without the whole turns that a tool adds or takes away; a transmission angle as the acute one."""
     if not is_angle(one.name):
         return one
+    if one.name.startswith("transmission_angle"):
+        return replace(one, values=np.abs(one.values - np.pi * np.round(one.values / np.pi)))
     values = unwrapped(one.values)
     turns = np.round(np.median(truth - values) / (2.0 * np.pi))
     return replace(one, values=values + 2.0 * np.pi * turns)

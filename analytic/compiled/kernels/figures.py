@@ -206,8 +206,7 @@ def _finish(row: int, wanted: Wanted, lost: bool, tally: Array, values: Array) -
     for figure in range(len(wanted.figures)):
         signal, reduction, _ = wanted.figures[figure]
         shift = -tally[signal, LOW] if wanted.counted[signal] else 0.0
-        middle = 0.5 * math.pi if wanted.signals[signal, 0] == TRANSMISSION else 0.0
-        value = finished(reduction, middle, shift, values[figure, row], tally[signal])
+        value = finished(reduction, shift, values[figure, row], tally[signal])
         values[figure, row] = math.nan if lost else value
 
 

@@ -67,13 +67,12 @@ def gather(statistics: int, n: int, factor: float, row: Array, weights: Array, t
 
 
 @inlined
-def finished(reduction: int, middle: float, shift: float, value: float, tally: Array) -> float:
+def finished(reduction: int, shift: float, value: float, tally: Array) -> float:
     """A figure from what has been gathered; the signal is ``shift`` more than what was, and ``value`` at its angle."""
     high, low = tally[HIGH] + shift, tally[LOW] + shift
     figure: float = value + shift
     if reduction == PEAK:
-        figure = high if abs(high - middle) >= abs(low - middle) else low
-        figure = abs(figure) if middle == 0.0 else figure
+        figure = max(abs(high), abs(low))
     elif reduction == MEAN_VALUE:
         figure = tally[FIRST] + shift
     elif reduction == ROOT_MEAN_SQUARE:

@@ -23,7 +23,7 @@ from comparisons.designs.steady_motion import SteadyMotion
 
 Array = NDArray[np.float64]
 
-TOLD: Final = ("stroke", "Mkr.peak", "Jeq.mean", "joint_force.peak", "transmission_angle.min", "transmission_angle.max")
+TOLD: Final = ("stroke", "Mkr.peak", "Jeq.mean", "joint_force.peak", "transmission_angle.min")
 OF_MANY: Final = (Reduction.PEAK, Reduction.MAX)  # of which the highest of several figures can be minimised
 
 
@@ -91,7 +91,7 @@ def optimise(mechanism: Mechanism, motion: SteadyMotion, wish: Wish, announce: A
     aims = named_figures(mechanism, [wish.figure])
     sign = 1.0 if wish.is_least else -1.0
     texts = kept_figures(mechanism, wish.keep)
-    _check_figures(aims, tuple(texts), wish)
+    _check_aims(aims, wish)
     told = named_figures(mechanism, [*dict.fromkeys(one.name for one in (*aims, *texts))])
     others = [one for one in _told(mechanism, TOLD) if one.name not in {one.name for one in told}]
     figures = (*told, *others)
@@ -113,16 +113,11 @@ def optimise(mechanism: Mechanism, motion: SteadyMotion, wish: Wish, announce: A
     return Optimum(problem, found, end, before, after, figures, values)
 
 
-def _check_figures(aims: Sequence[NamedFigure], keep: Sequence[NamedFigure], wish: Wish) -> None:
-    """Raise LinkproofError for figures that cannot be optimised or kept."""
+def _check_aims(aims: Sequence[NamedFigure], wish: Wish) -> None:
+    """Raise LinkproofError for several figures of which neither the largest nor the least can be asked for."""
     if len(aims) > 1 and aims[0].figure.reduction not in (OF_MANY if wish.is_least else (Reduction.MIN,)):
         names = ", ".join(one.name for one in aims)
         raise LinkproofError(f"expected one figure, got {wish.figure}, which stands for {names}; choose one of them")
-    for one in (*aims, *keep):
-        if one.figure.signal.startswith("transmission_angle:") and one.figure.reduction is Reduction.PEAK:
-            raise LinkproofError(
-                f"{one.name} is the angle farthest from 90° on either side: expected .min or .max, got .peak"
-            )
 
 
 def _told(mechanism: Mechanism, names: Sequence[str]) -> list[NamedFigure]:
@@ -143,7 +138,7 @@ def _figures(
     numbers = {name: np.array([one[name] for one in designs]) for name in designs[0]}
     return design_figures(
         mechanism, numbers, [one.figure for one in figures], motion.places,
-        speed=motion.speed, weights=motion.weights, refine=True,
+        speed=motion.speed, refine=True,
     ).T  # fmt: skip
 
 

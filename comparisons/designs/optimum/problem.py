@@ -172,7 +172,7 @@ class DesignProblem:
         if plain:
             values, slopes = figure_gradients(
                 self.mechanism, numbers, plain, self.motion.places,
-                speed=self.motion.speed, weights=self.motion.weights, refine=True,
+                speed=self.motion.speed, refine=True,
             )  # fmt: skip
             smooth = {one: Pieces(1.0, values[[row]], slopes[[row]] * self.width) for row, one in enumerate(plain)}
         return [smooth[one.figure] if one.figure in smooth else _made(one.figure, heights) for one in self.figures]

@@ -15,7 +15,6 @@ from numpy.typing import NDArray
 from analytic.description.changes import with_numbers
 from analytic.description.law import FULL_TURN
 from analytic.description.linkage import Linkage
-from analytic.designs.figures import Reduction, middle
 from analytic.designs.results import design_figures, usual_path
 from analytic.errors import AssemblyError, LinkproofError
 from analytic.kinematics.mechanism import Mechanism
@@ -161,7 +160,7 @@ def _figures(request: SweepRequest, numbers: dict[str, Array]) -> Array:
     motion = request.motion
     found = design_figures(
         Mechanism(request.linkage), numbers, [one.figure for one in request.figures], motion.places,
-        speed=motion.speed, weights=motion.weights, refine=request.refine, cores=request.cores,
+        speed=motion.speed, refine=request.refine, cores=request.cores,
         period=FULL_TURN if motion.is_full_turn else None, path=request.path,
     )  # fmt: skip
     return np.asarray(found / np.array([one.unit.size for one in request.figures])[:, None])
@@ -240,8 +239,8 @@ def _summary(request: SweepRequest, first: int, last: int, found: Array) -> Summ
         return Summary(last - first)
     shown = request.space.shown(first, last)[:, there]
     reach = zip(np.min(shown, axis=1).tolist(), np.max(shown, axis=1).tolist(), strict=True)
-    ends, ranks = [], np.array([_ranks(one, row) for one, row in zip(request.figures, found, strict=True)])
-    for signed in (ranks, -ranks):
+    ends = []
+    for signed in (found, -found):
         places = np.argmin(np.where(finite, signed, np.inf), axis=1).tolist()
         ends.append(tuple(
             RankedDesign(float(signed[row, at]), first + at, float(found[row, at]))
@@ -249,16 +248,6 @@ def _summary(request: SweepRequest, first: int, last: int, found: Array) -> Summ
             for row, at in enumerate(places)
         ))  # fmt: skip
     return Summary(last - first, int(np.count_nonzero(there)), ends[0], ends[1], tuple(reach))
-
-
-def centre(one: NamedFigure) -> float:
-    """The value from which a figure's distance makes it least or largest, 90° of peaks of an angle; else 0."""
-    return middle(one.figure.signal) / one.unit.size if one.figure.reduction is Reduction.PEAK else 0.0
-
-
-def _ranks(one: NamedFigure, values: Array) -> Array:
-    """What makes values least or largest."""
-    return np.abs(values - centre(one)) if centre(one) else values
 
 
 def why_not(request: SweepRequest) -> str:

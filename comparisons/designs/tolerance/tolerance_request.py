@@ -92,7 +92,6 @@ class ToleranceRequest:
             [one.figure for one in self.figures],
             self.motion.places,
             speed=self.motion.speed,
-            weights=self.motion.weights,
             refine=True,
         )
 
@@ -106,7 +105,6 @@ class ToleranceRequest:
             [one.figure for one in self.figures],
             self.motion.places,
             speed=self.motion.speed,
-            weights=self.motion.weights,
         )
         by = dict(zip(names, gradients.T, strict=True))
         columns = []

@@ -15,7 +15,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from analytic.designs.derivatives import is_exact
-from analytic.designs.figures import Figure, Reduction, middle
 from analytic.errors import LinkproofError
 from comparisons.designs.tolerance.tolerance_request import Announce, ToleranceRequest
 from comparisons.designs.tolerance.tolerances import Tornado
@@ -133,7 +132,6 @@ def tolerance_study(request: ToleranceRequest, announce: Announce = lambda *_: N
     draw = np.random.default_rng(request.seed)
     random = np.stack([one.plus_minus * one.distribution.drawn(draw, request.samples) for one in request.tolerances])
     found = request.results(np.concatenate([alone, corners, random], axis=1), announce)
-    found = np.stack([_on_one_side(one.figure, row) for one, row in zip(request.figures, found, strict=True)])
     first, last = alone.shape[1], alone.shape[1] + corners.shape[1]
     nominal, changes = found[:, 0], found[:, 1:first] - found[:, :1]
     scattered = found[:, last:]
@@ -152,14 +150,6 @@ def tolerance_study(request: ToleranceRequest, announce: Announce = lambda *_: N
         scattered,
         int(np.count_nonzero(np.isnan(found[:, first:last]).any(axis=0))),
     )
-
-
-def _on_one_side(figure: Figure, values: Array) -> Array:
-    """Transmission angles farthest from 90°, all on the side of the first, the nominal: the distance counts."""
-    level = middle(figure.signal)
-    if figure.reduction is not Reduction.PEAK or not level:
-        return values
-    return np.asarray(level + np.copysign(values - level, values[0] - level))
 
 
 def _corners(derivatives: Array) -> Array:

@@ -187,5 +187,4 @@ def _transmission(case: Case) -> Iterator[float]:
     turn = FULL_TURN if not case.mechanism.linkage.is_linear else math.inf
     sweep = case.mechanism.sweep(np.linspace(low, min(high, low + turn), ANGLES))
     for dyad in case.mechanism.structure.dyads:
-        angle = transmission_angle(sweep, dyad)
-        yield float(np.min(np.minimum(angle, np.pi - angle)))
+        yield float(np.min(transmission_angle(sweep, dyad)))

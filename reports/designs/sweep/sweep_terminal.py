@@ -12,14 +12,13 @@ from numpy.typing import NDArray
 
 from comparisons.datasheet.plain_data import finite
 from comparisons.designs.sweep.space import Grid
-from comparisons.designs.sweep.sweep import NONE, RankedDesign, Summary, SweepRequest, centre
+from comparisons.designs.sweep.sweep import NONE, RankedDesign, Summary, SweepRequest
 from reports.document.numbers import figure, printed
 from reports.document.parts import Paragraph, Table
 from reports.document.terminal import Printed
 
 Array = NDArray[np.float64]
 
-NOTE: Final = "Peaks of transmission angles, the farthest from 90°, are compared by their distance from there."
 LEAST: Final = "least"
 
 
@@ -46,8 +45,7 @@ class SweepSummary:
             for number, one in enumerate(self.request.figures)
             for what, value, where in self._ends(number)
         ]
-        note = NOTE if any(map(centre, self.request.figures)) else ""
-        table = Table("", ["figure", "design", "value", *shown], rows, "llr", note)
+        table = Table("", ["figure", "design", "value", *shown], rows, "llr")
         return [Paragraph(self.conditions, colour="bold"), self.sentence, "", table]
 
     @property

@@ -33,7 +33,7 @@ def looped(asked):
         found.append(
             design_figures(
                 mechanism, values, [one.figure for one in asked.figures], asked.motion.places,
-                speed=asked.motion.speed, weights=asked.motion.weights, path="numpy",
+                speed=asked.motion.speed, path="numpy",
             )[:, 0] / [one.unit.size for one in asked.figures]
         )  # fmt: skip
     return np.array(found).T
