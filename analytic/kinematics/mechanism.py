@@ -111,12 +111,10 @@ class Mechanism:
 
     def check_full_turn(self) -> None:
         """Raise AssemblyError where the crank cannot make a full turn, be it for a gap between two of its steps."""
-        from analytic.kinematics.crank_range import crank_range  # noqa: PLC0415 - it is made of mechanisms
-
         for body in self.structure.bodies:
             self.turn.poses(body)
         self.check_determined(0.0, self.period)
-        reach = crank_range(self)
+        reach = self.crank_range()
         reach.check(reach.start, reach.start + FULL_TURN, self.linkage.name)
 
     def check_determined(self, low: float, high: float) -> None:
