@@ -185,7 +185,7 @@ class _Search:
         step = np.longdouble(FULL_TURN / GRID)
         bracket = np.array([angle - step]), np.array([angle + step])
         centre, height = lowest(
-            lambda at: self._share(number, _Chain(self.pivot, at)), *bracket, LOOKS, LOOK, -TOUCHING
+            lambda at: self._share(number, _Chain(self.pivot, at)), *bracket, LOOKS, points=LOOK, enough=-TOUCHING
         )
         if abs(height[0]) > TOUCHING:
             return None

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -159,12 +160,15 @@ class Sweep:
         """The body through which a named point is cheapest to reach: the ground, the crank, then the first dyad's."""
         if name in self.linkage.ground:
             return GROUND
+        if name not in self._carriers:
+            raise UnknownNameError("point", name, {*self._carriers, *self.linkage.ground})
+        return self._carriers[name]
+
+    @cached_property
+    def _carriers(self) -> dict[str, str]:
+        links = self.linkage.links
         order = [self.linkage.crank, *(name for group in self.structure.groups for name in group.links)]
-        for body in order:
-            if body in self.linkage.links and name in self.linkage.links[body].points:
-                return body
-        points = {p for link in self.linkage.links.values() for p in link.points} | set(self.linkage.ground)
-        raise UnknownNameError("point", name, points)
+        return {point: body for body in reversed(order) if body in links for point in links[body].points}
 
     def angles(self, body: str) -> Array:
         """Angle of a link's frame, rad, unwrapped along the last axis of the crank angles; a turning crank's is φ."""
