@@ -287,7 +287,7 @@ class Linkage:
     def written(self, length: float) -> str:
         """A length, m, for a reader: in the unit of the linkage's file."""
         unit = self.units.get("length", "m")
-        return f"{length / factor('length', unit):.4g} {unit}"
+        return f"{length / factor('length', unit):z.4g} {unit}"
 
     def local(self, point: str, body: str) -> Vector:
         """Coordinates of a point in the frame of a body (a link's name or ``ground``)."""

@@ -25,9 +25,10 @@ from analytic.description.law import FULL_TURN
 from analytic.description.linkage import Linkage
 from analytic.designs.batches import goes_together
 from analytic.designs.checking import checked
-from analytic.designs.figures import Figure, Reduction, SignalExtreme
+from analytic.designs.figures import SQUARE, Figure, Reduction, SignalExtreme
+from analytic.designs.means import edges_of, is_angle, on_branch
 from analytic.designs.results import is_turn, period_of
-from analytic.designs.sampling import OUTPUT, Asked, curve, edges_of, is_angle, on_branch
+from analytic.designs.sampling import OUTPUT, Asked, curve
 from analytic.evaluation import MovingSweep
 from analytic.kinematics.decomposition import find_structure
 from analytic.kinematics.mechanism import Mechanism
@@ -261,6 +262,8 @@ def _best(one: SignalExtreme, values: Array, slopes: Array, places: Array, large
     """Of several tops the highest, of equal ones the first; without derivatives that differ between equal ones."""
     heights, rises = one.height(values), one.side(values) * slopes
     highest = np.max(heights)
+    if one.is_kink(highest):
+        return np.asarray(SQUARE), np.zeros(len(slopes))
     first = int(np.argmin(np.where(heights >= highest - ROUNDING * largest, places, np.inf)))
     tied = rises[:, heights >= highest - TIE * largest]
     apart = np.max(tied, axis=1) - np.min(tied, axis=1) > SAME * np.max(np.abs(tied), axis=1) + TIE * largest

@@ -5,11 +5,11 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from enum import StrEnum
-from math import nan
+from math import nan, pi
 from typing import Final, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 Array = NDArray[np.float64]
 
@@ -39,6 +39,10 @@ WAYS: Final[Mapping[Reduction, tuple[int, ...]]] = {
 }
 
 
+SQUARE: Final = 0.5 * pi
+NEAR: Final = 1e-7  # rad: how near a kink is closed in on at least
+
+
 class SignalExtreme(NamedTuple):
     """The highest (1), the lowest (-1) value of a signal, or the largest magnitude (0)."""
 
@@ -54,6 +58,11 @@ class SignalExtreme(NamedTuple):
     def height(self, values: Array, side: Array | None = None) -> Array:
         """What is largest at the extreme, seen from a ``side``: each value's own if None."""
         return (self.side(values) if side is None else side) * values
+
+    def is_kink(self, value: ArrayLike) -> Array:
+        """Whether it is the top that a transmission angle has at 90°, which no number of the design moves."""
+        can_be = self.way >= 0 and self.signal.startswith("transmission_angle:")
+        return np.asarray(can_be & (np.asarray(value) > SQUARE - NEAR))
 
     def value(self, height: Array, side: Array) -> Array:
         """The signal where it has a height on a side."""

@@ -17,7 +17,8 @@ from analytic.description.law import FULL_TURN
 from analytic.designs.batches import Booleans, Integers
 from analytic.designs.checking import checked
 from analytic.designs.figures import Figure, Reduction
-from analytic.designs.sampling import Asked, is_settled
+from analytic.designs.means import is_settled
+from analytic.designs.sampling import Asked
 from analytic.designs.values import designs_of
 from analytic.errors import LinkproofError, UnknownNameError
 from analytic.kinematics.mechanism import Mechanism

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import Any, Final, NamedTuple
+from typing import Final, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,13 +12,13 @@ from numpy.typing import NDArray
 from analytic.description.law import FULL_TURN
 from analytic.designs.batches import BLOCK, Booleans, Integers, Sweeps, faults_of, in_blocks
 from analytic.designs.dead_positions import are_steep, stuck
-from analytic.designs.figures import Figure, Reduction, SignalExtreme
+from analytic.designs.figures import SQUARE, Figure, Reduction, SignalExtreme
+from analytic.designs.means import edges_of, is_angle, is_settled, on_branch
 from analytic.designs.tops import Tops, summits, tops
 from analytic.evaluation import MovingSweep
 from analytic.kinematics.mechanism import Mechanism
 from analytic.kinematics.transmission import transmission_sine
-from analytic.numerics.averages import SAME, averages
-from analytic.numerics.dual import Dual
+from analytic.numerics.averages import averages
 from analytic.signals import signal_or_magnitude
 
 Array = NDArray[np.float64]
@@ -30,7 +30,7 @@ TOP: Final = Figure(OUTPUT, Reduction.MAX)
 # Between two crank angles the sine of a transmission angle changes by no more than this share of itself, or the step is
 # divided in PARTS, LEVELS times at most: forces go as its inverse.
 CHANGE, PARTS, LEVELS = 0.2, 8, 5
-CELLS, TOGETHER = 12, 64  # of the motion, from which a mean is integrated, and designs that are
+TOGETHER: Final = 64  # designs whose means are integrated in one go
 
 
 @dataclass(frozen=True)
@@ -281,7 +281,8 @@ class _Chunk:
             seen = self._seen(extreme.signal, found.curve[top], phi, near[top])
             return extreme.height(seen, sides[top, None])
 
-        return extreme.value(*summits(found, sides, heights, len(self.rows)))
+        highest = extreme.value(*summits(found, sides, heights, len(self.rows)))
+        return np.where(extreme.is_kink(highest), SQUARE, highest)
 
 
 def curve(at: MovingSweep, name: str) -> Array:
@@ -289,34 +290,6 @@ def curve(at: MovingSweep, name: str) -> Array:
     if name == OUTPUT:
         return at.sweep.output()
     return signal_or_magnitude(at, name)
-
-
-def is_settled(whole: Array, half: Array, size: Array) -> Booleans:
-    """Where means of evenly spaced samples of a turn are right: where every second of them gives the same.
-
-    That is to a share of the signal's RMS, its ``size``; of what is smooth the error goes as the square of such a gap.
-    """
-    return np.abs(whole - half) <= SAME * size
-
-
-def edges_of(grid: Array) -> Array:
-    """The cells from which means over a grid's whole length are integrated."""
-    return np.linspace(grid[0], grid[-1], CELLS + 1)
-
-
-def on_branch(values: Any, phi: Array, places: Array, near: Array | None) -> Any:  # noqa: ANN401 - plain or dual
-    """Angles at ``phi`` (..., n) with the whole turns of samples ``near`` (..., places) that are unwrapped, if any."""
-    if near is None:
-        return values
-    here = np.searchsorted(places, phi, "right") - 1
-    known = near[here] if near.ndim == 1 else np.take_along_axis(near, here, 1)
-    plain = values.value if isinstance(values, Dual) else values
-    return values + FULL_TURN * np.round((known - plain) / FULL_TURN)
-
-
-def is_angle(name: str) -> bool:
-    """Whether a signal is the angle of a link, of which whole turns count."""
-    return name == "phi" or (name.startswith("link:") and name.endswith(":angle"))
 
 
 def _reduced(figure: Figure, values: Array) -> Array:

@@ -61,7 +61,7 @@ def averages(integrands: Integrands, edges: Array, rows: int = 1) -> Array:
 def _weighed(integrands: Integrands, row: Integers, start: Array, width: Array, share: Array) -> tuple[Array, Array]:
     """What cells (n,) add to the means of integrands, and to those of their magnitudes: (k, n)."""
     values = integrands(row, start[:, None] + width[:, None] * NODES)
-    return values @ WEIGHTS * share, np.abs(values) @ WEIGHTS * share
+    return np.sum(values * WEIGHTS, axis=2) * share, np.sum(np.abs(values) * WEIGHTS, axis=2) * share
 
 
 def _sums(parts: Array, row: Integers, rows: int) -> Array:

@@ -10,6 +10,7 @@ from typing import Final
 import numpy as np
 
 from analytic.signals import MAGNITUDE, signal
+from analytic.written import change
 from comparisons.datasheet.curves import Curves
 from comparisons.datasheet.instants import Instants
 from comparisons.judging.baseline import SAME_FIGURE, Baseline, regime_key
@@ -43,7 +44,7 @@ class KeyFigure:
             return f"{place} was {self.recorded:.9g} and is no figure any more"
         if self.recorded is None:
             return f"{place} is {self.now:.9g} and was not recorded"
-        share = f", {100.0 * self.share:+.2g} %" if self.share is not None else ""
+        share = f", {change(self.share, '.2g')}" if self.share is not None else ""
         return f"{place} was {self.recorded:.9g} and is {self.now:.9g}{share}"
 
     @property

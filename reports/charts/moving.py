@@ -15,6 +15,7 @@ from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
 from analytic.description.linkage import Linkage
+from analytic.written import fixed
 from comparisons.datasheet.sheet import Positions
 from reports.charts import draw
 from reports.charts.kinematic_scheme import KinematicScheme
@@ -26,6 +27,7 @@ Array = NDArray[np.float64]
 SECONDS: Final = 6.0
 # Points: of the drawing, around all places, of a pin's radius; the last two of a small drawing, without mass centres.
 SIZE, RIM, PIN, SMALL_RIM, SMALL_PIN, SMALL = (330, 300), 18.0, 3.15, 12.0, 2.25, 190
+DECIMALS: Final = (3, 3, 3, 3, 1, 1)  # of a turn's matrix and of its place in pixels
 NOT_A_NAME: Final = re.compile(r"[^\w-]")
 ELEMENT: Final = re.compile(r'<g id="([^"]+)">\s*<path ([^>]*?)(?: clip-path="[^"]*")?([^>]*)/>')
 COLOURS = {INK: "ink", MUTED: "muted", GHOST: "reference", PAPER: "paper", PLATE: "line"} | {
@@ -84,10 +86,10 @@ def _rules(key: str, name: str, ends: Array, at: int, frames: int) -> str:
     x, y = ((stretch * q.real + 1j * q.imag) * along for q in (before.conjugate(), 1j * before.conjugate()))
     rows = np.array([x.real, x.imag, y.real, y.imag, *(origin - origin[:, at : at + 1])])
     steps = "".join(
-        "{:.4g}%{{transform:matrix({:.3f},{:.3f},{:.3f},{:.3f},{:.1f},{:.1f})}}".format(100.0 * n / last, *rows[:, n])
+        f"{100.0 * n / last:.4g}%{{transform:matrix({','.join(map(fixed, rows[:, n], DECIMALS))})}}"
         for n in np.unique(np.rint(np.linspace(0, last, min(frames, last) + 1)).astype(int))
     )
-    centre = f"{origin[0, at]:.1f}px {origin[1, at]:.1f}px"
+    centre = f"{fixed(origin[0, at], 1)}px {fixed(origin[1, at], 1)}px"
     return f"#{key} .{name}{{transform-origin:{centre};animation-name:{name}}}@keyframes {name}{{{steps}}}"
 
 

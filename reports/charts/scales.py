@@ -10,6 +10,7 @@ import numpy as np
 from matplotlib.ticker import MaxNLocator
 from numpy.typing import NDArray
 
+from analytic.written import fixed
 from reports.document.chart import Curve, Mark, Panel
 
 Array = NDArray[np.float64]
@@ -144,8 +145,7 @@ def _worded(low: float, high: float, ticks: int | Array, label: str) -> Scale:
         label = f"{name}{comma}{power_of_ten(factor)} {unit}" if comma else f"{label} × {power_of_ten(factor)}"
     step = float(np.min(np.diff(places), initial=np.inf)) / factor
     digits = next((n for n in range(12) if math.isinf(step) or abs(step - round(step, n)) < 1e-6 * step), 12)
-    words = [f"{place / factor + 0.0:.{digits}f}" for place in places]
-    written = tuple(w.replace("-", "−") if float(w) else w.lstrip("-") for w in words)
+    written = tuple(fixed(place / factor, digits).replace("-", "−") for place in places)
     return Scale(low, high, tuple(places), written, label)
 
 

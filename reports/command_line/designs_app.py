@@ -19,7 +19,7 @@ Quantities = Annotated[
     valued(
         "NAME",
         "Figure of a design: SIGNAL.peak, .mean, .rms, .max, .min or .range, SIGNAL@DEGREES, joint_force.peak of every "
-        "joint, stroke; repeatable; default: peaks of torque, joint forces and transmission angles, and the stroke.",
+        "joint, stroke; repeatable; default: peaks of torque and joint forces, least transmission angles, the stroke.",
         "--quantity",
         names=completion.figures,
     ),

@@ -8,12 +8,13 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 
 from analytic.description.law import FULL_TURN
+from analytic.written import fixed
 from comparisons.imported.causes.corrections import written
 from comparisons.imported.causes.search import FaultFinding
 from comparisons.imported.judge import ImportedJudgement
 from comparisons.imported.judging.judgement import NEAR_ZERO, SignalVerdict
 from comparisons.judging.records import Verdict
-from reports.document.numbers import figure
+from reports.document.numbers import figure, within_turn
 from reports.document.parts import Paragraph, Table, TableCell, Words
 from reports.document.signs import RUNS
 from reports.document.terminal import Printed, Printout
@@ -118,9 +119,9 @@ def _place(judgement: ImportedJudgement, verdict: SignalVerdict) -> str:
     angle = verdict.worst_angle
     if judgement.model.linkage.is_linear:
         return judgement.model.linkage.place(angle)
-    degrees = round(math.degrees(angle), 1) + 0.0
+    degrees = math.degrees(angle)
     makes_a_turn = np.ptp(judgement.model.motion.angle(verdict.samples.time)) > FULL_TURN * (1.0 - NOTHING)
-    return f"{degrees % 360.0 if makes_a_turn else degrees:.1f}°"
+    return within_turn(degrees) if makes_a_turn else f"{fixed(degrees, 1)}°"
 
 
 def _row(verdict: SignalVerdict, place: str) -> tuple[TableCell | Words, ...]:

@@ -38,7 +38,7 @@ def player_data(shown: ShownSheet) -> Mapping[str, Any]:
         along = along[::-1]
     turned = along % TURN if shown.is_turn else along
     shares = turned / TURN if shown.is_turn else (along - axis[0]) / (axis[-1] - axis[0])
-    values = [f"{value:.1f}" if shown.is_turn else f"{value:.4g}" for value in turned / shown.axis.size]
+    values = [f"{value:z.1f}" if shown.is_turn else f"{value:z.4g}" for value in turned / shown.axis.size]
     return {
         "axis": {
             "kind": "time" if sheet.axis == "time" else "phi",

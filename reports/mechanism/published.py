@@ -7,6 +7,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from typing import Any, Final
 
+from analytic.written import signed
 from reports.document.numbers import ABSENT
 from reports.document.parts import Bullets, Section, Table, TableCell, Words
 from reports.document.signs import PUBLISHED
@@ -59,7 +60,7 @@ def _away(row: Row, value: float | None, verdict: str) -> TableCell | str:
     if value is None:
         return ABSENT
     sign = PUBLISHED[verdict]
-    return TableCell(f"{sign.symbol} {value - row['published']:+.0e}", sign.style, sign.colour)
+    return TableCell(f"{sign.symbol} {signed(value - row['published'], '.0e')}", sign.style, sign.colour)
 
 
 def notes(rows: Sequence[Row], named: Callable[[str], str] = str) -> tuple[str, ...]:
@@ -90,7 +91,7 @@ def _ours(row: Row) -> TableCell:
     sign, deviation = PUBLISHED[row["verdict"]], row["deviation"]
     share = ""
     if deviation is not None:
-        share = f" {deviation:+.1%}" if abs(deviation) >= VISIBLE or not deviation else f" {deviation:+.0e}"
+        share = f" {signed(deviation, '.1%' if abs(deviation) >= VISIBLE or not deviation else '.0e')}"
     value = ABSENT if row["ours"] is None else _digits(row, row["ours"])
     return TableCell(f"{value} {sign.symbol}{share}", sign.style, sign.colour)
 

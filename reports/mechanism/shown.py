@@ -139,7 +139,7 @@ class ShownSheet:
             return ""
         if self.is_turn:
             return within_turn(at / self.axis.size)
-        return f"{at / self.axis.size:.4g} {self.axis.name}".replace("-", "−", 1)
+        return f"{at / self.axis.size:z.4g} {self.axis.name}".replace("-", "−", 1)
 
     def peak(self, name: str) -> str:
         """The value of the largest magnitude of a signal, with its unit."""

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from analytic.written import fixed, signed
 from reports.document.parts import Paragraph, Table
 from reports.document.templates import lines
 from reports.document.terminal import Printed
@@ -77,13 +78,13 @@ def _feed(comparison: FeedComparison) -> list[Printed]:
     """Required beside actual feed, and the largest difference."""
     columns = (comparison.angle, comparison.required, comparison.actual, comparison.difference)
     rows = [
-        (f"{math.degrees(angle):.1f}", *(f"{value * 1e3:.3f}" for value in values))
+        (fixed(math.degrees(angle), 1), *(fixed(value * 1e3, 3) for value in values))
         for angle, *values in zip(*columns, strict=True)
     ]
     worst = int(np.argmax(np.abs(comparison.difference)))
     root_mean_square = float(np.sqrt(np.mean(comparison.difference**2)))
     closing = (
-        f"largest difference {comparison.difference[worst] * 1e3:+.3f} mm at "
+        f"largest difference {signed(comparison.difference[worst] * 1e3, '.3f')} mm at "
         f"{math.degrees(comparison.angle[worst]):.1f}°, RMS {root_mean_square * 1e3:.3f} mm"
     )
     return [Table("", ("φ °", "required mm", "actual mm", "difference mm"), rows), closing]

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+from analytic.written import change
 from comparisons.campaign.key_figures import KeyFigure
 from reports.document.numbers import ABSENT
 from reports.document.parts import Table
@@ -20,8 +21,8 @@ def changed_figures(figures: Sequence[KeyFigure]) -> tuple[Table, ...]:
 
 def _row(figure: KeyFigure) -> tuple[str, ...]:
     place = f"{figure.mechanism} ({figure.variant})"
-    change = ABSENT if figure.share is None else f"{100.0 * figure.share:+.2g} %"
-    return (place, figure.regime, figure.figure, _number(figure.recorded), _number(figure.now), change)
+    share = ABSENT if figure.share is None else change(figure.share, ".2g")
+    return (place, figure.regime, figure.figure, _number(figure.recorded), _number(figure.now), share)
 
 
 def _number(value: float | None) -> str:

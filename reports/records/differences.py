@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import replace
 
+from analytic.written import change
 from comparisons.folders.difference import FolderDifference, MovedRecord, Name, RunPair
 from reports.document.numbers import ABSENT, figure, seconds
 from reports.document.numbers import error as error_words
@@ -67,7 +68,7 @@ def _move(move: MovedRecord) -> Iterator[TableCell | str]:
         yield TableCell(words, colour=sign.colour)
     yield ABSENT if move.factor is None else figure(move.factor, 2)
     share = move.peak_share
-    yield ABSENT if share is None else f"{100.0 * share:+.1f} %".replace("-", "−")
+    yield ABSENT if share is None else change(share, ".1f").replace("-", "−")
     yield "beyond" if move.beyond else ""
 
 

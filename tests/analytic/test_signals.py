@@ -73,7 +73,7 @@ def test_a_slider_crank_moves_as_the_textbook_says_whatever_the_unit_of_its_file
         **{"S": float(far) - np.array(x), "v": -np.array(vx), "a": -np.array(ax)},
         **{"link:rod:angle": angle, "link:rod:omega": omega, "link:rod:alpha": alpha},
         "phi": 0.4 + 21 * TIMES + 35 * TIMES**2,
-        "transmission_angle:rod + piston (RRP)": np.pi / 2 + np.array(angle),
+        "transmission_angle:rod + piston (RRP)": np.pi / 2 - np.abs(angle),
     }
     for sample in (slider_crank(), slider_crank("in", 0.0254), slider_crank("mm", 1e-3)):
         truth = Case(sample, MOTION).at(TIMES)

@@ -152,7 +152,7 @@ class Descent:
             return np.vstack([aim, np.column_stack([here.inside_slopes, np.zeros(len(here.inside))])])
 
         limits: list[dict[str, Any]] = [{"type": "ineq", "fun": above, "jac": above_slopes}]
-        free = _independent(held(end.place).equal_slopes)
+        free = independent(held(end.place).equal_slopes)
         if free:
             limits.append({
                 "type": "eq",
@@ -171,7 +171,7 @@ class Descent:
             return None
 
 
-def _independent(slopes: Array) -> list[int]:
+def independent(slopes: Array) -> list[int]:
     """Rows of slopes (n, variables) none of which is made of others: a figure that nothing moves has no say."""
     rows: list[int] = []
     for row in range(len(slopes)):

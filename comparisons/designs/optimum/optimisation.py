@@ -15,7 +15,7 @@ from analytic.designs.results import design_figures
 from analytic.errors import AssemblyError, LinkproofError
 from analytic.kinematics.mechanism import Mechanism
 from comparisons.designs.named_figures import NamedFigure, named_figures
-from comparisons.designs.optimum.descent import ACTIVE, End
+from comparisons.designs.optimum.descent import ACTIVE, End, independent
 from comparisons.designs.optimum.problem import HELD, DesignProblem, KeptFigure, Variable
 from comparisons.designs.optimum.searches import Announce, Search, search
 from comparisons.designs.optimum.wishes import kept, kept_figures, variables
@@ -24,6 +24,7 @@ from comparisons.designs.steady_motion import SteadyMotion
 Array = NDArray[np.float64]
 
 TOLD: Final = ("stroke", "Mkr.peak", "Jeq.mean", "joint_force.peak", "transmission_angle.min")
+KINKED: Final = (Reduction.MAX, Reduction.RANGE)
 OF_MANY: Final = (Reduction.PEAK, Reduction.MAX)  # of which the highest of several figures can be minimised
 
 
@@ -78,6 +79,12 @@ class Optimum:
         return dict(zip(wanted, np.stack(rows, axis=1), strict=True))
 
     @property
+    def is_fixed(self) -> bool:
+        """Whether the kept figures leave nothing to vary."""
+        slopes = self.problem.at(self.end.place, self.problem.windows(self.end.place)).equal_slopes
+        return len(independent(slopes)) == len(self.problem.variables)
+
+    @property
     def change(self) -> Array:
         """Relative changes of the figures (figures,); nan from zero."""
         before, after = self.values
@@ -91,7 +98,7 @@ def optimise(mechanism: Mechanism, motion: SteadyMotion, wish: Wish, announce: A
     aims = named_figures(mechanism, [wish.figure])
     sign = 1.0 if wish.is_least else -1.0
     texts = kept_figures(mechanism, wish.keep)
-    _check_aims(aims, wish)
+    _check_figures(aims, tuple(texts), wish)
     told = named_figures(mechanism, [*dict.fromkeys(one.name for one in (*aims, *texts))])
     others = [one for one in _told(mechanism, TOLD) if one.name not in {one.name for one in told}]
     figures = (*told, *others)
@@ -113,8 +120,12 @@ def optimise(mechanism: Mechanism, motion: SteadyMotion, wish: Wish, announce: A
     return Optimum(problem, found, end, before, after, figures, values)
 
 
-def _check_aims(aims: Sequence[NamedFigure], wish: Wish) -> None:
-    """Raise LinkproofError for several figures of which neither the largest nor the least can be asked for."""
+def _check_figures(aims: Sequence[NamedFigure], keep: Sequence[NamedFigure], wish: Wish) -> None:
+    """Raise LinkproofError for figures that cannot be optimised or kept."""
+    for one in (*aims, *keep):
+        if one.figure.signal.startswith("transmission_angle:") and one.figure.reduction in KINKED:
+            raise LinkproofError(f"{one.name}: expected .min, the least transmission angle, which can be optimised and "
+                                 "kept; its largest is mostly 90°, in a kink")  # fmt: skip
     if len(aims) > 1 and aims[0].figure.reduction not in (OF_MANY if wish.is_least else (Reduction.MIN,)):
         names = ", ".join(one.name for one in aims)
         raise LinkproofError(f"expected one figure, got {wish.figure}, which stands for {names}; choose one of them")

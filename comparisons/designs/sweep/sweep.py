@@ -28,7 +28,7 @@ from comparisons.runs.workers import Bounds, Pool
 Array = NDArray[np.float64]
 Entry = TypeVar("Entry")
 
-USUAL: Final = ("Mkr.peak", "joint_force.peak", "transmission_angle.peak")
+USUAL: Final = ("Mkr.peak", "joint_force.peak", "transmission_angle.min")
 PLACES: Final = 8_000_000  # designs times crank angles of a block: half a second of a core, or so
 LARGEST: Final = 200_000  # designs of a block, of which a few arrays are held
 REFINED: Final = 10  # what a figure costs that is refined, in figures that are not
@@ -147,7 +147,7 @@ def _merged(
 def usual_figures(mechanism: Mechanism) -> tuple[NamedFigure, ...]:
     """What is asked of designs where nobody says: peaks of torque, forces and transmission angles, and the stroke."""
     there = names(mechanism)
-    asked = [name for name in USUAL if any(one.partition(":")[0] == name.removesuffix(".peak") for one in there)]
+    asked = [name for name in USUAL if any(one.partition(":")[0] == name.partition(".")[0] for one in there)]
     return named_figures(mechanism, [*asked, *([STROKE] if "S" in there else [])])
 
 

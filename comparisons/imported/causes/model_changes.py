@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from analytic.description.changes import Kind, changed, multiplied, numbers, without
 from analytic.description.linkage import Link, Linkage, RotaryDamper, Vector
 from analytic.errors import LinkproofError
+from analytic.written import fixed
 from comparisons.imported.causes.fitting import FaultModel, said
 from comparisons.imported.judging.judgement import SignalVerdict
 from comparisons.imported.judging.samples import JudgedModel, depends_on_masses
@@ -98,7 +99,7 @@ def _gravity(model: JudgedModel) -> Iterator[FaultModel]:
         return f"gravity is {k[0] * size:.4g} m/s² in place of {size:.4g} m/s²"
 
     def any_words(g: Array) -> str:
-        return f"gravity is ({g[0]:.3f}, {g[1]:.3f}) m/s² in place of ({x:g}, {y:g}) m/s²"
+        return f"gravity is ({fixed(g[0], 3)}, {fixed(g[1], 3)}) m/s² in place of ({x:zg}, {y:zg}) m/s²"
 
     if size:
         sizes = tuple((g / size,) for g in (EARTH, 9.81, 9.8) if g != size)

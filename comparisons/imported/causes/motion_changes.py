@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from analytic.description.crank_motion import RAMPS, RPM, CrankMotion, crank_motion
+from analytic.written import signed
 from comparisons.imported.causes.fitting import FaultModel, said
 from comparisons.imported.columns import Correction
 from comparisons.imported.judging.changed_motion import ChangedMotion
@@ -89,7 +90,7 @@ def _offsets(model: JudgedModel, start: float) -> Iterator[FaultModel]:
     def words(p: Array) -> str:
         degrees = math.degrees(turned(p[0]))
         if from_column:
-            return f"the crank angle counts from another zero: {degrees:+.4g}° are to be added to the file's"
+            return f"the crank angle counts from another zero: {signed(degrees, '.4g')}° are to be added to the file's"
         return f"the crank starts at {math.degrees(turned(start + p[0])):.4g}° in place of {math.degrees(start):.4g}°"
 
     def mirrored_words(p: Array) -> str:

@@ -10,6 +10,7 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
+from analytic.written import signed
 from comparisons.imported.causes.filters import coarser, filters
 from comparisons.imported.causes.fitting import FaultModel, said
 from comparisons.imported.columns import Correction
@@ -109,7 +110,7 @@ def _offset(verdict: SignalVerdict) -> FaultModel:
     name = verdict.name
 
     def words(c: Array) -> str:
-        by = f"{math.degrees(c[0]):+.4g}°" if is_angle(name) else f"{c[0]:+.4g} {verdict.unit}"
+        by = f"{signed(math.degrees(c[0]), '.4g')}°" if is_angle(name) else f"{signed(c[0], '.4g')} {verdict.unit}"
         return f"{name} counts from another zero, {by} from the linkage file's"
 
     def corrections(c: Array) -> dict[str, Correction]:

@@ -7,10 +7,12 @@ from collections.abc import Iterator
 from typing import Any, Final
 
 from analytic.designs.derivatives import is_exact
+from analytic.written import change
 from comparisons.datasheet.plain_data import finite
 from comparisons.designs.optimum.optimisation import Optimum
 from comparisons.designs.optimum.problem import KeptFigure
-from reports.document.numbers import error, figure
+from comparisons.designs.optimum.searches import Search
+from reports.document.numbers import figure, steady_error
 from reports.document.parts import Paragraph, Table
 from reports.document.terminal import Printed
 
@@ -55,11 +57,11 @@ def _figures(found: Optimum) -> Table:
     kept = {one.figure.name: one for one in found.problem.kept}
     aims = {one.name for one in found.problem.aims}
     rows = []
-    for one, before, after, change in zip(found.figures, *found.values, found.change, strict=True):
+    for one, before, after, share in zip(found.figures, *found.values, found.change, strict=True):
         told = [aim_word(found)] if one.name in aims else []
         told += [f"kept {_range(kept[one.name])}"] if one.name in kept else []
         cells = (figure(value / one.unit.size, DIGITS) for value in (before, after))
-        rows.append((one.name, one.unit.name, *cells, _percent(float(change)), "; ".join(told)))
+        rows.append((one.name, one.unit.name, *cells, _percent(float(share)), "; ".join(told)))
     return Table("", ("figure", "unit", "before", "after", "change", ""), rows, "llrrrl")
 
 
@@ -94,8 +96,8 @@ def _relative(before: float, after: float) -> float:
     return (after - before) / abs(before) if before else math.nan
 
 
-def _percent(change: float) -> str:
-    return f"{100.0 * change:+.2f} %" if math.isfinite(change) else ""
+def _percent(share: float) -> str:
+    return change(share) if math.isfinite(share) else ""
 
 
 def _remarks(found: Optimum) -> Iterator[Printed]:
@@ -108,15 +110,23 @@ def _remarks(found: Optimum) -> Iterator[Printed]:
         f"Method: {search.method}, {way}, extremes refined. Evaluated: {search.counter.gradients} designs with "
         f"derivatives at {grid} angles each{sampled}."
     )
+    if found.is_fixed:
+        yield "Nothing is left to vary: the kept figures fix every number. Vary more, or keep a range, LOW:HIGH."
+    else:
+        yield from _optimality(search)
+    if len(search.ends) > 1:
+        yield _starts(found)
+
+
+def _optimality(search: Search) -> Iterator[str]:
+    """How near to an optimum the search came."""
     yield (
-        f"Optimality: residual {error(search.residual)} of Karush's, Kuhn's and Tucker's conditions, the change of the "
-        "aim, as a share of it, that is left over the bounds."
+        f"Optimality: residual {steady_error(search.residual)} of Karush's, Kuhn's and Tucker's conditions, the change "
+        "of the aim, as a share of it, that is left over the bounds."
     )
     if search.residual > SETTLED:
         why = "beyond it designs cannot be assembled" if search.counter.beyond else "a figure may have a kink there"
         yield f"This is no smooth local optimum: the search could go no further, {why}."
-    if len(search.ends) > 1:
-        yield _starts(found)
 
 
 def _starts(found: Optimum) -> str:
@@ -144,8 +154,8 @@ def document(found: Optimum, command: str, conditions: str) -> dict[str, Any]:
         for one in problem.variables
     ]  # fmt: skip
     figures = [
-        {"name": one.name, "before": finite(before), "after": finite(after), "change": finite(change)}
-        for one, before, after, change in zip(found.figures, *found.values.tolist(), found.change.tolist(), strict=True)
+        {"name": one.name, "before": finite(before), "after": finite(after), "change": finite(share)}
+        for one, before, after, share in zip(found.figures, *found.values.tolist(), found.change.tolist(), strict=True)
     ]
     kept = [{"name": one.figure.name, "low": finite(one.low), "high": finite(one.high)} for one in problem.kept]
     ends = [

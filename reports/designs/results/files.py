@@ -20,7 +20,7 @@ def csv_table(results: DesignerResults) -> str:
     writer = csv.writer(text, lineterminator="\n")
     writer.writerow([f"{name} [{results.unit(name).name}]" for name in names])
     columns = [results.curves.of(results.shown, name) / results.unit(name).size + 0.0 for name in names]
-    writer.writerows([f"{value:.15g}" for value in row] for row in np.column_stack(columns).tolist())
+    writer.writerows([f"{value:z.15g}" for value in row] for row in np.column_stack(columns).tolist())
     return text.getvalue()
 
 

@@ -7,6 +7,7 @@ from collections.abc import Iterator, Sequence
 from typing import Final
 
 from analytic.signals import COMPONENTS, MAGNITUDE
+from analytic.written import fixed
 from comparisons.datasheet.designer_results import DesignerResults
 from comparisons.datasheet.figures import NEGLIGIBLE, stroke
 from comparisons.datasheet.units import FileUnit, file_unit
@@ -40,7 +41,7 @@ def _place(results: DesignerResults, time: float | None) -> tuple[str, ...]:
 
 def _angle(value: float, unit: FileUnit) -> str:
     """Degrees to two decimals, radians and lengths to five digits."""
-    return f"{value:.2f}" if unit.name == "deg" and math.isfinite(value) else figure(value, 5)
+    return fixed(value, 2) if unit.name == "deg" and math.isfinite(value) else figure(value, 5)
 
 
 def _drive(results: DesignerResults) -> list[Printed]:

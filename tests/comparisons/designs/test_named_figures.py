@@ -1,9 +1,12 @@
 """Figures that a linkage cannot have: what its file is without."""
 
+import math
+
 import pytest
 
 from analytic.errors import LinkproofError
 from comparisons.designs.named_figures import named_figures
+from tests.analytic.drives import driven
 from tests.analytic.linkages import from_text
 
 BARE = """
@@ -44,3 +47,18 @@ def test_a_figure_that_needs_what_the_file_does_not_have_says_what(name, words):
 def test_what_it_has_is_found():
     found = named_figures(from_text(BARE), ["transmission_angle.min", "point:B:y@30"])
     assert [one.name for one in found] == ["transmission_angle:coupler + rocker (RRR).min", "point:B:y@30"]
+
+
+@pytest.mark.parametrize(
+    ("unit", "place", "angle"),
+    [("deg", "30", math.pi / 6.0), ("rad", "30", math.pi / 6.0), ("rad", "-90", -0.5 * math.pi), ("deg", "2rad", 2.0)],
+)
+def test_a_place_is_in_degrees_whatever_the_unit_of_the_file(unit, place, angle):
+    mechanism = from_text(BARE.replace('"deg"', f'"{unit}"').replace("angle = 60", "angle = 1"))
+    (found,) = named_figures(mechanism, [f"point:B:y@{place}"])
+    assert found.figure.angle == pytest.approx(angle, rel=1e-15)
+
+
+def test_a_place_of_a_drive_along_a_line_is_in_the_unit_of_length():
+    (found,) = named_figures(driven("linear-motor"), ["v@12"])
+    assert found.figure.angle == pytest.approx(0.012, rel=1e-15)

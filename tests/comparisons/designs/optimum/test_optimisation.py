@@ -11,6 +11,9 @@ from analytic.description.loading import load, parse
 from analytic.designs.figures import Figure, Reduction
 from analytic.designs.results import design_figures
 from analytic.kinematics.mechanism import Mechanism
+from comparisons.datasheet.building import usual_case
+from comparisons.datasheet.designer_results import DesignerResults
+from comparisons.datasheet.instants import Instants
 from comparisons.designs.optimum.optimisation import Wish, optimise
 from comparisons.designs.optimum.searches import AGREEING
 from comparisons.designs.steady_motion import steady_motion
@@ -53,14 +56,25 @@ def figures(mechanism, numbers, *wanted):
     return design_figures(mechanism, numbers, wanted, TURN, speed=SPEED, refine=True)
 
 
-def test_the_least_transmission_angle_is_largest_where_the_formula_says():
-    # At the shortest diagonal, g - a, cos μ = (c² + d² - (g - a)²) / 2cd, which is least at c² = d² - (g - a)².
+def test_the_least_transmission_angle_is_that_of_results_on_either_side_of_a_right_angle():
+    """By the cosine rule at both ends of the diagonal, g - a and g + a; the least of both is largest where they tie."""
     figure = "transmission_angle:coupler + rocker (RRR).min"
-    found = best(moved("", 0.0), "coupler.B.x=1.6:2.6", figure=figure, is_least=False)
-    coupler = math.sqrt(ROCKER**2 - (GROUND - CRANK) ** 2)
-    assert found.after["coupler.B.x"] == pytest.approx(coupler, abs=1e-7)
-    assert found.values[1, 0] == pytest.approx(math.acos(coupler / ROCKER), rel=1e-13)
+
+    def least(coupler):
+        cosines = [
+            (coupler**2 + ROCKER**2 - gap**2) / (2.0 * coupler * ROCKER) for gap in (GROUND - CRANK, GROUND + CRANK)
+        ]
+        return math.acos(max(map(abs, cosines)))
+
+    dense = np.linspace(2.0, 5.0, 300_001)
+    expected = max(map(least, dense))
+    found = best(moved("", 0.0), "coupler.B.x=2:5", figure=figure, is_least=False)
+    assert found.values[1, 0] == pytest.approx(expected, abs=1e-5)
+    assert found.values[1, 0] == pytest.approx(least(found.after["coupler.B.x"]), rel=1e-12)
     assert found.search.residual < 1e-7
+    case = usual_case(moved("coupler.B.x", found.after["coupler.B.x"]))
+    (shown,) = DesignerResults(case, Instants(case.motion)).transmission
+    assert shown.value == pytest.approx(found.values[1, 0], rel=1e-9)
 
 
 @pytest.mark.parametrize("start", [0.3, -0.2])

@@ -1,0 +1,19 @@
+"""Numbers as a reader meets them, wherever they are printed: what is rounded to zero has no sign."""
+
+from __future__ import annotations
+
+
+def fixed(value: float, digits: int) -> str:
+    """A number to so many decimals."""
+    return f"{value:z.{digits}f}"
+
+
+def signed(value: float, form: str) -> str:
+    """A difference with its sign, in a format such as ".2f"."""
+    text = f"{value:+{form}}"
+    return text if text.strip("+-0.e%") else text[1:]
+
+
+def change(share: float, form: str = ".2f") -> str:
+    """A relative change in per cent."""
+    return f"{signed(100.0 * share, form)} %"
