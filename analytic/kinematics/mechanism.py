@@ -13,9 +13,8 @@ from numpy.typing import ArrayLike
 
 from analytic.description.crank_motion import degrees
 from analytic.description.law import FULL_TURN
-from analytic.description.linkage import Linkage, Vector
+from analytic.description.linkage import Linkage
 from analytic.errors import AssemblyError, StructureError
-from analytic.kinematics import frames
 from analytic.kinematics.assembly import check_assembly
 from analytic.kinematics.change_points import period_of, through_change_points
 from analytic.kinematics.crank_range import CrankRange, crank_range
@@ -27,12 +26,10 @@ from analytic.kinematics.groups.equations import Motions
 from analytic.kinematics.groups.following import followed
 from analytic.kinematics.groups.solver import problem_of
 from analytic.kinematics.groups.start import nearest
+from analytic.kinematics.sketch import meant, named_places
 from analytic.kinematics.structure import AnyGroup, Dyad, Group, Structure
 from analytic.kinematics.sweep import Array, Sweep, placed, solver_of
 
-# Two assembly modes closer to the sketch than this ratio of each other are not told apart by it.
-AMBIGUITY = 0.9
-TELLING = 1e-6  # share of the drawing's size by which the modes must differ at a point for the sketch to show it
 AT_REST = 1e-6  # rad from a change point
 
 
@@ -176,37 +173,20 @@ def _nearest_mode(linkage: Linkage, structure: Structure, dyad: Dyad, poses: dic
     if not dyad.has_two_modes:
         return dyad
     modes = [replace(dyad, sign=sign) for sign in (1, -1)]
+    points = {name: structure.bodies[name].points for name in dyad.links}
     places = []
     for mode in modes:
         solver = DyadSolver(mode)
-        pair = dict(zip(mode.links, solver.poses(poses), strict=True))
+        places.append(named_places(points, solver.poses(poses)))
         check_assembly(linkage, solver, np.asarray(linkage.sketch_angle))
-        places.append(_points(structure, pair))
-    distances = [_distance_to_sketch(linkage, place) for place in places]
-    nearer, farther = sorted((0, 1), key=lambda index: distances[index])
-    if not distances[nearer] < AMBIGUITY * distances[farther]:
-        raise StructureError(_ambiguous(linkage, dyad, *places))
-    return modes[nearer]
+    nearest, telling = meant(linkage, places)
+    if telling is not None:
+        raise StructureError(_ambiguous(linkage, dyad, telling))
+    return modes[nearest]
 
 
-def _points(structure: Structure, pair: dict[str, Pose]) -> dict[str, Vector]:
-    """Named points of a dyad's links."""
-    places = {}
-    for name, pose in pair.items():
-        for point, local in structure.bodies[name].points.items():
-            x, y = frames.point(pose, local)
-            places[point] = (float(x), float(y))
-    return places
-
-
-def _distance_to_sketch(linkage: Linkage, places: dict[str, Vector]) -> float:
-    return math.hypot(*(math.dist(place, linkage.sketch[p]) for p, place in places.items() if p in linkage.sketch))
-
-
-def _ambiguous(linkage: Linkage, dyad: Dyad, first: dict[str, Vector], second: dict[str, Vector]) -> str:
+def _ambiguous(linkage: Linkage, dyad: Dyad, telling: Sequence[str]) -> str:
     """What to add to the sketch: only points that tell the two modes apart are of use."""
-    least = TELLING * linkage.extent()
-    telling = sorted(point for point in first if math.dist(first[point], second[point]) > least)
     if telling:
         needed, cure = f"the rough position of {' or '.join(map(repr, telling))}", "add it under [sketch.points]"
     else:
