@@ -25,6 +25,7 @@ Facts = dict[str, Any]
 POINTS: Final = 721
 BINDS: Final = float(np.radians(40.0))  # transmission angle below which four-bars and slider-cranks bind easily (Alt)
 INSET: Final = 1e-9  # of a range that ends in dead positions, so that its ends are assembled
+EQUAL: Final = 1e-12  # share up to which two least transmission angles are equal
 LOOKS: Final = 4  # each look at the least transmission angle shrinks its bracket 16-fold
 TOGETHER: Final = 32  # dyads whose angles are closed in on together: each look solves the whole linkage before them
 
@@ -124,7 +125,8 @@ def _transmission(mechanism: Mechanism, reach: CrankRange) -> Facts:
             near = mechanism.sweep(np.clip(phi, grid[0], grid[-1]))
             return np.stack([transmission_angle(near, dyad)[row] for row, dyad in enumerate(some)])
 
-        start, step = grid[np.argmin(angles, axis=1)], grid[1] - grid[0]
+        lowest_seen = np.min(angles, axis=1, keepdims=True)  # of equals the first, whatever their last digits
+        start, step = grid[np.argmax(angles <= lowest_seen * (1.0 + EQUAL), axis=1)], grid[1] - grid[0]
         spots, heights = lowest(each, start - step, start + step, LOOKS)
         good = [] if reach.is_full_turn else _good(each, grid, angles)
         for number, dyad in enumerate(some):
