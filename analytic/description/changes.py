@@ -12,7 +12,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Collection, Mapping
 from dataclasses import replace
-from typing import Any, Final, Literal
+from typing import Any, Final, Literal, NamedTuple
 
 import numpy as np
 
@@ -24,6 +24,20 @@ Kind = Literal[
     "length", "direction", "mass", "inertia", "force", "torque", "acceleration", "stiffness", "damping", "turn_damping"
 ]
 Change = Callable[[str, Kind, float], float]
+Place = tuple[str | int, ...]
+
+
+class Number(NamedTuple):
+    """A number of a linkage, SI, what it measures, and the keys and indices that lead to it.
+
+    These are those of a linkage file, but for loads and slots, which are numbered in the linkage's order; a law's are
+    followed by row and component.
+    """
+
+    value: float
+    kind: Kind
+    place: Place
+
 
 # What can be left out, and what then stands in its place.
 NOTHING: Final[Mapping[str, object]] = {
@@ -54,7 +68,7 @@ DIMENSIONS: Final[Mapping[Kind, tuple[int, int, int]]] = {
 
 def changed(linkage: Linkage, change: Change, direction: Callable[[Vector], Vector] = unit) -> Linkage:
     """The linkage with every number replaced by ``change(name, kind, number)``, and new directions by ``direction``."""
-    return _Walk(change, direction).linkage(linkage)
+    return _Walk(lambda name, number: change(name, number.kind, number.value), direction).linkage(linkage)
 
 
 def with_numbers(linkage: Linkage, numbers: Mapping[str, Any]) -> Linkage:
@@ -62,14 +76,21 @@ def with_numbers(linkage: Linkage, numbers: Mapping[str, Any]) -> Linkage:
     return changed(linkage, lambda name, _, value: numbers.get(name, value))
 
 
+def named_numbers(linkage: Linkage) -> dict[str, Number]:
+    """Every number of a linkage by its name."""
+    found: dict[str, Number] = {}
+
+    def note(name: str, number: Number) -> float:
+        found[name] = number
+        return number.value
+
+    _Walk(note, unit).linkage(linkage)
+    return found
+
+
 def numbers(linkage: Linkage) -> dict[str, float]:
     """Every number of a linkage by its name, SI units."""
-    return {name: value for name, (_, value) in _noted(linkage).items()}
-
-
-def kinds(linkage: Linkage) -> dict[str, Kind]:
-    """What every number of a linkage measures, by its name."""
-    return {name: kind for name, (kind, _) in _noted(linkage).items()}
+    return {name: number.value for name, number in named_numbers(linkage).items()}
 
 
 def design_numbers(linkage: Linkage) -> dict[str, tuple[Kind, float]]:
@@ -77,18 +98,8 @@ def design_numbers(linkage: Linkage) -> dict[str, tuple[Kind, float]]:
 
     The sketch says which assembly mode is meant, and is the same for all designs.
     """
-    return {name: found for name, found in _noted(linkage).items() if not name.startswith("sketch.")}
-
-
-def _noted(linkage: Linkage) -> dict[str, tuple[Kind, float]]:
-    found: dict[str, tuple[Kind, float]] = {}
-
-    def note(name: str, kind: Kind, value: float) -> float:
-        found[name] = kind, value
-        return value
-
-    changed(linkage, note)
-    return found
+    every = named_numbers(linkage).items()
+    return {name: (number.kind, number.value) for name, number in every if not name.startswith("sketch.")}
 
 
 def with_point(linkage: Linkage, body: str, point: str, place: Vector) -> Linkage:
@@ -154,76 +165,102 @@ class _Walk:
     Masses come before points, lest a point called ``centre`` take the mass centre's name.
     """
 
-    def __init__(self, change: Change, unit: Callable[[Vector], Vector]) -> None:
+    def __init__(self, change: Callable[[str, Number], float], unit: Callable[[Vector], Vector]) -> None:
         self.change, self.unit = change, unit
         self.names: set[str] = set()
 
-    def number(self, name: str, kind: Kind, value: float) -> float:
+    def number(self, name: str, kind: Kind, value: float, *place: str | int) -> float:
         """What becomes of a number; if its name is taken it is followed by a count."""
         free, count = name, 2
         while free in self.names:
             free, count = f"{name} #{count}", count + 1
         self.names.add(free)
-        return self.change(free, kind, value)
+        return self.change(free, Number(value, kind, place))
 
-    def vector(self, name: str, vector: Vector, kind: Kind = "length") -> Vector:
-        return (self.number(f"{name}.x", kind, vector[0]), self.number(f"{name}.y", kind, vector[1]))
+    def vector(self, name: str, vector: Vector, *place: str | int, kind: Kind = "length") -> Vector:
+        x, y = vector
+        return self.number(f"{name}.x", kind, x, *place, 0), self.number(f"{name}.y", kind, y, *place, 1)
 
-    def direction(self, name: str, old: Vector) -> Vector:
-        new = self.vector(name, old, "direction")
+    def direction(self, name: str, old: Vector, *place: str | int) -> Vector:
+        new = self.vector(name, old, *place, kind="direction")
         same = all(isinstance(one, float) and one == other for one, other in zip(new, old, strict=True))
         return old if same else self.unit(new)
 
-    def points(self, body: str, points: Mapping[str, Vector]) -> dict[str, Vector]:
-        return {point: self.vector(f"{body}.{point}", place) for point, place in points.items()}
+    def points(self, body: str, points: Mapping[str, Vector], *place: str | int) -> dict[str, Vector]:
+        return {point: self.vector(f"{body}.{point}", at, *place, point) for point, at in points.items()}
 
     def linkage(self, old: Linkage) -> Linkage:
         bodies = {name: self.mass(link) for name, link in old.links.items()}
         return replace(
             old,
-            ground=self.points(GROUND, old.ground),
-            links={name: replace(link, points=self.points(name, link.points)) for name, link in bodies.items()},
-            sliders=tuple(replace(slider, guide=self.guide(slider.link, slider.guide)) for slider in old.sliders),
-            slots=tuple(replace(slot, guide=self.guide(slot.name, slot.guide)) for slot in old.slots),
-            gravity=self.vector("gravity", old.gravity, "acceleration"),
-            forces=tuple(replace(f, force=self.law(f"forces.{f.point}", f.force, "force")) for f in old.forces),
-            torques=tuple(replace(t, torque=self.law(f"torques.{t.link}", t.torque, "torque")) for t in old.torques),
-            springs=tuple(self.spring(spring) for spring in old.springs),
-            dampers=tuple(self.damper(damper) for damper in old.dampers),
-            output=old.output and replace(old.output, along=self.direction("output.along", old.output.along)),
-            sketch=self.points("sketch", old.sketch),
+            ground=self.points(GROUND, old.ground, GROUND),
+            links={
+                name: replace(link, points=self.points(name, link.points, "links", name, "points"))
+                for name, link in bodies.items()
+            },
+            sliders=tuple(
+                replace(slider, guide=self.guide(slider.link, slider.guide, "links", slider.link, "slides"))
+                for slider in old.sliders
+            ),
+            slots=tuple(
+                replace(slot, guide=self.guide(slot.name, slot.guide, "slots", index))
+                for index, slot in enumerate(old.slots)
+            ),
+            gravity=self.vector("gravity", old.gravity, "gravity", kind="acceleration"),
+            forces=tuple(
+                replace(force, force=self.law(f"forces.{force.point}", force.force, "force", "forces", index))
+                for index, force in enumerate(old.forces)
+            ),
+            torques=tuple(
+                replace(torque, torque=self.law(f"torques.{torque.link}", torque.torque, "torque", "torques", index))
+                for index, torque in enumerate(old.torques)
+            ),
+            springs=tuple(self.spring(index, spring) for index, spring in enumerate(old.springs)),
+            dampers=tuple(self.damper(index, damper) for index, damper in enumerate(old.dampers)),
+            output=old.output
+            and replace(old.output, along=self.direction("output.along", old.output.along, "output", "along")),
+            sketch=self.points("sketch", old.sketch, "sketch", "points"),
         )
 
     def mass(self, link: Link) -> Link:
-        mass = self.number(f"{link.name}.mass", "mass", link.mass)
-        centre = self.vector(f"{link.name}.centre", link.centre)
-        inertia = None if link.inertia is None else self.number(f"{link.name}.inertia", "inertia", link.inertia)
-        return replace(link, mass=mass, centre=centre, inertia=inertia)
-
-    def guide(self, name: str, guide: Guide) -> Guide:
-        through = self.vector(f"{name}.through", guide.through)
-        return replace(guide, through=through, along=self.direction(f"{name}.along", guide.along))
-
-    def law(self, name: str, law: Law, kind: Kind) -> Law:
-        """A law with other values: of a table the row's number stands before the component."""
-        rows = [name] if law.angles is None else [f"{name}.{row}" for row in range(len(law.values))]
-        ends = ("",) if law.values.shape[-1] == 1 else (".x", ".y")
-        names = [f"{row}{end}" for row in rows for end in ends]
-        flat = [self.number(one, kind, float(value)) for one, value in zip(names, law.values.flat, strict=True)]
-        if not all(isinstance(value, float | int) for value in flat):
-            return LawOfNumbers(law.values, law.angles, law.periodic, tuple(flat))
-        values = np.reshape(flat, law.values.shape)
-        return law if np.array_equal(values, law.values) else replace(law, values=values)
-
-    def spring(self, spring: Spring) -> Spring:
-        name = f"springs.{'.'.join(spring.points)}"
+        name, place, inertia = link.name, ("links", link.name), link.inertia
         return replace(
-            spring,
-            stiffness=self.number(f"{name}.stiffness", "stiffness", spring.stiffness),
-            length=self.number(f"{name}.length", "length", spring.length),
-            damping=self.number(f"{name}.damping", "damping", spring.damping),
+            link,
+            mass=self.number(f"{name}.mass", "mass", link.mass, *place, "mass"),
+            centre=self.vector(f"{name}.centre", link.centre, *place, "centre"),
+            inertia=inertia
+            if inertia is None
+            else self.number(f"{name}.inertia", "inertia", inertia, *place, "inertia"),
         )
 
-    def damper(self, damper: RotaryDamper) -> RotaryDamper:
+    def guide(self, name: str, guide: Guide, *place: str | int) -> Guide:
+        through = self.vector(f"{name}.through", guide.through, *place, "through")
+        return replace(guide, through=through, along=self.direction(f"{name}.along", guide.along, *place, "along"))
+
+    def law(self, name: str, law: Law, kind: Literal["force", "torque"], *place: str | int) -> Law:
+        """A law with other values: of a table the row's number stands before the component."""
+        ends = ("",) if law.values.shape[-1] == 1 else (".x", ".y")
+        rows = [name] if law.angles is None else [f"{name}.{row}" for row in range(len(law.values))]
+        names = [(f"{one}{end}", row, k) for row, one in enumerate(rows) for k, end in enumerate(ends)]
+        flat = [
+            self.number(one, kind, float(value), *place, kind, row, k)
+            for (one, row, k), value in zip(names, law.values.flat, strict=True)
+        ]
+        if not all(isinstance(value, float | int) for value in flat):
+            return LawOfNumbers(law.values, law.angles, law.periodic, tuple(flat))
+        changed = np.reshape(flat, law.values.shape)
+        return law if np.array_equal(changed, law.values) else replace(law, values=changed)
+
+    def spring(self, index: int, spring: Spring) -> Spring:
+        name, place = f"springs.{'.'.join(spring.points)}", ("springs", index)
+        return replace(
+            spring,
+            stiffness=self.number(f"{name}.stiffness", "stiffness", spring.stiffness, *place, "stiffness"),
+            length=self.number(f"{name}.length", "length", spring.length, *place, "length"),
+            damping=self.number(f"{name}.damping", "damping", spring.damping, *place, "damping"),
+        )
+
+    def damper(self, index: int, damper: RotaryDamper) -> RotaryDamper:
         name = f"dampers.{'.'.join(damper.links)}.coefficient"
-        return replace(damper, coefficient=self.number(name, "turn_damping", damper.coefficient))
+        place = ("dampers", index, "coefficient")
+        return replace(damper, coefficient=self.number(name, "turn_damping", damper.coefficient, *place))

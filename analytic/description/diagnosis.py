@@ -2,12 +2,9 @@
 
 from __future__ import annotations
 
-import re
 import tomllib
-from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from functools import cached_property
 from pathlib import Path
 from typing import Any, Final
 
@@ -40,11 +37,6 @@ class Source:
     variant: str | None = None
     copies: Mapping[str, str] = field(default_factory=dict)
 
-    @cached_property
-    def _lines(self) -> dict[str, int]:
-        lines = key_lines(self.text)
-        return {copy: lines[path] for copy, path in self.copies.items() if path in lines} | lines
-
     def with_copies(self, copies: Mapping[str, str]) -> Source:
         """The same file with copies of some of its parts."""
         return replace(self, copies=copies)
@@ -55,12 +47,14 @@ class Source:
 
     def line(self, keys: Sequence[str]) -> int:
         """The line of a key, the variant's before the file's own, or of the innermost table or list it belongs to."""
-        roots = ["", *([f"variants.{self.variant}."] if self.variant else [])]
+        roots = [*([f"variants.{self.variant}."] if self.variant else []), ""]
+        tree = tomllib.loads(self.text)
         for depth in range(len(keys), 0, -1):
-            for root in reversed(roots):
+            for root in roots:
                 path = root + ".".join(keys[:depth])
-                if path in self._lines:
-                    return self._lines[path]
+                place = _keys_in(tree, path) or _keys_in(tree, self.copies.get(path, path))
+                if place:
+                    return line_of(self.text, place)
         return 1
 
     def at(self, keys: Sequence[str]) -> str:
@@ -148,100 +142,36 @@ def _tables_in(annotation: Any) -> Iterator[type[BaseModel]]:  # noqa: ANN401 - 
         yield from _tables_in(argument)
 
 
-# Strings of all four kinds, comments, marks, and what is left: bare keys with their dots, numbers, dates, true, false.
-TOKEN: Final = re.compile(
-    r"\"\"\"(?:\\.|[^\\])*?\"{3,5}|'''.*?'{3,5}|\"(?:\\.|[^\"\\])*\"|'[^']*'|#[^\n]*|[\[\]{}=,\n]|[^\s\[\]{}=,#\"']+",
-    re.DOTALL,
-)
+def line_of(text: str, keys: Sequence[str | int]) -> int:
+    """The line of a TOML text in which a key, a header or an element of a list stands that is in it.
+
+    A table that has no header of its own stands where its first key does.
+    """
+    import tomlkit  # noqa: PLC0415 - only who is shown a fault pays for it
+    from tomlkit.items import Table  # noqa: PLC0415
+
+    mark = "here"
+    while mark in text:
+        mark += "!"
+    document = tomlkit.parse(text)
+    place: Any = document
+    for key in keys:
+        parent, place = place, place[key]
+    if isinstance(place, Table):
+        place.comment(mark)
+    else:
+        parent[keys[-1]] = mark
+    before, marked, _ = tomlkit.dumps(document).partition(mark)
+    return before.count("\n") + 1 if marked else line_of(text, [*keys, next(iter(place))])
 
 
-def key_lines(text: str) -> dict[str, int]:
-    """Where each key of a valid TOML text stands: its line by its dotted path, elements of lists counted from 0."""
-    return _KeyScan(text).lines
-
-
-class _KeyScan:
-    """One pass over the words of a TOML text."""
-
-    def __init__(self, text: str) -> None:
-        self.words: list[tuple[str, int]] = []
-        line = 1
-        for match in TOKEN.finditer(text):
-            word = match.group()
-            if not word.startswith("#"):
-                self.words.append((word, line))
-            line += word.count("\n")
-        self.words.append(("\n", line))
-        self.at = 0
-        self.lines: dict[str, int] = {}
-        self.counts: Counter[str] = Counter()  # tables so far in each [[list of tables]]
-        table = ""
-        while self.skip("\n"):
-            if self.words[self.at][0] == "[":
-                table = self.header()
-            else:
-                self.entry(table)
-
-    def skip(self, *passed: str) -> bool:
-        """Go on behind these words; whether any word is left."""
-        while self.at < len(self.words) and self.words[self.at][0] in passed:
-            self.at += 1
-        return self.at < len(self.words)
-
-    def key(self, end: str) -> list[str]:
-        """The parts of a key, up to the word behind it."""
-        parts: list[str] = []
-        while (word := self.words[self.at][0]) != end:
-            parts += [tomllib.loads(f"text = {word}")["text"]] if word[0] in "\"'" else filter(None, word.split("."))
-            self.at += 1
-        self.at += 1
-        return parts
-
-    def header(self) -> str:
-        """The path of a [table], or of the next [[table]] of a list."""
-        first, line = self.at, self.words[self.at][1]
-        self.skip("[")
-        is_list = self.at - first == 2
-        *outer, last = self.key("]")
-        path = ""
-        for part in outer:
-            path = self.noted(path, part, line)
-            if self.counts[path]:
-                path = f"{path}.{self.counts[path] - 1}"
-        path = self.noted(path, last, line)
-        if is_list:
-            self.counts[path] += 1
-            path = self.noted(path, str(self.counts[path] - 1), line)
-        self.skip("]")
-        return path
-
-    def entry(self, path: str) -> None:
-        """A key with its value."""
-        line = self.words[self.at][1]
-        for part in self.key("="):
-            path = self.noted(path, part, line)
-        self.value(path)
-
-    def noted(self, path: str, part: str, line: int) -> str:
-        """The path one part longer; its line is where it first stands."""
-        path = f"{path}.{part}" if path else part
-        self.lines.setdefault(path, line)
-        return path
-
-    def value(self, path: str) -> None:
-        """A value, noting the lines of the keys and elements in it."""
-        word = self.words[self.at][0]
-        self.at += 1
-        if word == "{":
-            while self.skip("\n", ",") and self.words[self.at][0] != "}":
-                self.entry(path)
-            self.at += 1
-        elif word == "[":
-            number = 0
-            while self.skip("\n", ",") and self.words[self.at][0] != "]":
-                self.value(self.noted(path, str(number), self.words[self.at][1]))
-                number += 1
-            self.at += 1
-        else:
-            while self.words[self.at][0] not in ("\n", ",", "]", "}"):  # a date with its time behind a space
-                self.at += 1
+def _keys_in(tree: object, path: str) -> list[str | int] | None:
+    """The keys and indices of what stands at a dotted path in nested tables and lists; None where nothing does."""
+    inner = tree.items() if isinstance(tree, dict) else enumerate(tree) if isinstance(tree, list) else ()
+    for key, value in inner:
+        if path == str(key):
+            return [key]
+        rest = _keys_in(value, path.removeprefix(f"{key}.")) if path.startswith(f"{key}.") else None
+        if rest is not None:
+            return [key, *rest]
+    return None

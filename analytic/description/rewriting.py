@@ -7,22 +7,18 @@ errata and variants.
 
 from __future__ import annotations
 
-import itertools
 import math
 import tomllib
-from collections.abc import Callable, Iterator, Mapping, MutableMapping, MutableSequence, Sequence
+from collections.abc import Callable, Mapping, MutableMapping, MutableSequence, Sequence
 from dataclasses import replace
 from typing import Any, Final, cast
 
 from analytic.description import load_tables, loading
-from analytic.description.changes import kinds, with_numbers
+from analytic.description.changes import Place, named_numbers, with_numbers
 from analytic.description.changes import numbers as numbers_of
-from analytic.description.law import Law
-from analytic.description.linkage import GROUND, Linkage, LinkTorque, PointForce, RotaryDamper, Spring
+from analytic.description.linkage import Linkage, LinkTorque, PointForce, RotaryDamper, Spring
 from analytic.description.lookup import Reader, reader_of
 from analytic.errors import LinkproofError, UnknownNameError, printable, shortened
-
-Place = tuple[str | int, ...]  # the keys and indices that lead to a number in a file
 
 DESIGN: Final = "design"
 MARK: Final = "# Made by linkproof from "
@@ -89,10 +85,10 @@ class _File:
         self.raw = raw
         self.units = reader.document.units.model_dump()
         self.scale = reader.scale
-        own = kinds(linkage)
-        self.places = dict(zip(own, _places(linkage, reader), strict=True))
-        self.kinds = {self.places[number]: kind for number, kind in own.items()}
-        self.values = {self.places[number]: value for number, value in numbers_of(linkage).items()}
+        own, indices = named_numbers(linkage), _indices(linkage, reader)
+        self.places = {name: _in_file(number.place, indices, reader) for name, number in own.items()}
+        self.kinds = {self.places[name]: number.kind for name, number in own.items()}
+        self.values = {self.places[name]: number.value for name, number in own.items()}
 
     def set(self, number: str, value: float) -> str:
         """Put an SI value in its place; gives the number as the file has it, for a reader."""
@@ -118,54 +114,25 @@ class _File:
         return next((one for one in tried if one * size == value), near)
 
 
-def _places(linkage: Linkage, reader: Reader) -> Iterator[Place]:
-    """Where each number of a linkage stands in its file, in the order in which ``changed`` visits them."""
-    for name, link in linkage.links.items():
-        yield ("links", name, "mass")
-        yield from _pair("links", name, "centre")
-        if link.inertia is not None:
-            yield ("links", name, "inertia")
-    for point in linkage.ground:
-        yield from _pair(GROUND, point)
-    for name, link in linkage.links.items():
-        for point in link.points:
-            yield from _pair("links", name, "points", point)
+def _indices(linkage: Linkage, reader: Reader) -> dict[str, list[int]]:
+    """Of slots and of each kind of load their indices in the file, in the order in which a linkage has them."""
     slots = {(table.point, table.on): number for number, table in enumerate(reader.document.slots)}
-    for slider in linkage.sliders:
-        yield from _pair("links", slider.link, "slides", "through")
-        yield from _pair("links", slider.link, "slides", "along")
-    for slot in linkage.slots:
-        yield from _pair("slots", slots[slot.point, slot.guide.host], "through")
-        yield from _pair("slots", slots[slot.point, slot.guide.host], "along")
-    yield from _pair("gravity")
-    yield from _loads(linkage, reader)
-    if linkage.output:
-        yield from _pair("output", "along")
-    for point in linkage.sketch:
-        yield from _pair("sketch", "points", point)
+    order = {kind: _order(kind, reader) for kind in LOADS}
+    return {"slots": [slots[slot.point, slot.guide.host] for slot in linkage.slots], **order}
 
 
-def _pair(*place: str | int) -> Iterator[Place]:
-    yield from ((*place, component) for component in (0, 1))
-
-
-def _law(place: Place, law: Law, *, is_listed: bool) -> Iterator[Place]:
-    rows, components = (1, len(law.values)) if law.is_constant else law.values.shape
-    for row, component in itertools.product(range(rows), range(components)):
-        yield (*place, *((row,) if is_listed else ()), *((component,) if components > 1 else ()))
-
-
-def _loads(linkage: Linkage, reader: Reader) -> Iterator[Place]:
-    for index, force in zip(_order("forces", reader), linkage.forces, strict=True):
-        rows = reader.document.forces[index].force
-        yield from _law(("forces", index, "force"), force.force, is_listed=isinstance(rows, list))
-    for index, torque in zip(_order("torques", reader), linkage.torques, strict=True):
-        values = reader.document.torques[index].torque
-        yield from _law(("torques", index, "torque"), torque.torque, is_listed=isinstance(values, list))
-    for index in _order("springs", reader):
-        yield from (("springs", index, key) for key in ("stiffness", "length", "damping"))
-    for index in _order("dampers", reader):
-        yield ("dampers", index, "coefficient")
+def _in_file(place: Place, indices: Mapping[str, Sequence[int]], reader: Reader) -> Place:
+    """Where a number of a linkage stands in its file."""
+    kind, index, *rest = place
+    if kind not in indices or not isinstance(index, int):
+        return place
+    index = indices[str(kind)][index]
+    if kind in ("forces", "torques"):
+        key, row, component = rest
+        written = getattr(getattr(reader.document, kind)[index], str(key))
+        rows = (row,) if isinstance(written, list) else ()
+        rest = [key, *rows, *((component,) if kind == "forces" else ())]
+    return (kind, index, *rest)
 
 
 def _order(kind: str, reader: Reader) -> list[int]:

@@ -14,26 +14,23 @@ radicand's minimum, a rounding of the file's numbers, would otherwise count Œ¥‚Å
 from __future__ import annotations
 
 import itertools
-from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
 from typing import Any, Final, NamedTuple
 
 import numpy as np
 from numpy.polynomial import chebyshev
-from numpy.typing import NDArray
 
+from analytic.description.law import FULL_TURN
 from analytic.description.linkage import GROUND
 from analytic.kinematics.dyad_solver import DyadSolver
 from analytic.kinematics.dyads.arms import ROUNDING
-from analytic.kinematics.structure import Dyad, Revolute, Structure
+from analytic.kinematics.passages import NODES, ChangePoints, Patch, Touch
+from analytic.kinematics.structure import Dyad, Prismatic, Revolute, Structure
 from analytic.kinematics.sweep import FIXED, crank_motion
+from analytic.numerics.roots import lowest, may_touch_zero
 
-Array = NDArray[np.float64]
-Solved = dict[str, Any]
-
-FULL_TURN: Final = 2.0 * np.pi
 GRID: Final = 720  # crank angles a turn at which a touch is looked for
-COARSE: Final = 1e-2  # of the lengths: how near to touching a sample beside a change point is at least
 LOOK, LOOKS = 17, 14  # each look at a touch shrinks its bracket 8-fold, half a degree to the root of extended rounding
 # What the file's numbers, once rounded, leave of a touch, over the lengths it is computed from.
 TOUCHING: Final = 2.0 * ROUNDING
@@ -47,93 +44,17 @@ MERGED: Final = (
 )
 SIDES: Final = np.array([-1.0, 1.0])
 BESIDE: Final = 0.5  # rad: what is so near to a change point is computed with the lengths that touch there
-NODES: Final = 24
 WIDTHS: Final = (0.4, 0.25, 0.15, 0.1, 0.06, 0.03, 0.015)  # rad, half a patch
 FITTED: Final = 64.0 * float(np.finfo(float).eps)  # last terms of a series over its largest value
-NEAREST_NODE: Final = float(np.sin(0.5 * np.pi / NODES))  # of half a patch from its centre
-EXTENDED: Final = bool(np.finfo(np.longdouble).eps < np.finfo(float).eps)  # whether this machine has more digits
-INNER: Final = 0.05  # of half a patch: nearer than any node
 APART: Final = 0.45  # of the distance of two change points
 
 
-class Touch(NamedTuple):
-    """A crank angle, rad, at which a dyad's margin is a rounding, m, of the lengths; and the outer pins' gap there."""
-
-    angle: Any
-    margin: Any
-    lengths: Any
-    gap: Any
-
-
 class Undetermined(NamedTuple):
-    """A dyad, a crank angle, rad, and why its motion there is not told: a folded kite, change points that merge."""
+    """A dyad, a crank angle, rad, and why its motion there is undetermined: a folded kite, change points that merge."""
 
     dyad: Dyad
     angle: float
     reason: str
-
-
-@dataclass(frozen=True, eq=False)
-class Patch:
-    """The surroundings of a change point, up to ``half`` on either side, rad.
-
-    ``series``: by order of derivative the coefficients (NODES, 8 or 6) of both links' poses, rates, accelerations.
-    """
-
-    touch: Touch
-    half: float
-    series: tuple[Array, Array, Array]
-    extended: tuple[NDArray[np.longdouble], ...]
-
-    def values(self, order: int, place: Any) -> Any:  # noqa: ANN401 - of either precision
-        """Both links' numbers of an order at places of [-1, 1], (8 or 6, n)."""
-        series = self.extended if np.asarray(place).dtype == np.longdouble else self.series
-        return chebyshev.chebval(place, series[order])
-
-
-@dataclass(frozen=True, eq=False)
-class ChangePoints:
-    """Those of a dyad: crank angles, rad, rising within a ``period``, the sign W below the first one, the patches."""
-
-    angles: tuple[float, ...]
-    period: float
-    first_sign: float
-    patches: tuple[Patch, ...] = ()
-
-    def signs(self, angle: Any) -> Array:  # noqa: ANN401 - of either precision
-        """W at crank angles, rad."""
-        passed = np.searchsorted(self.angles, np.mod(angle, self.period), "right")
-        return np.where(passed % 2 == 0, self.first_sign, -self.first_sign)
-
-    def inside(self, angle: Any) -> Iterator[tuple[Patch, NDArray[np.intp], Any]]:  # noqa: ANN401
-        """Each patch with the flat indices of the crank angles within it and their places there, in [-1, 1].
-
-        Of angles in extended precision only those nearer to a change point than any node.
-        """
-        flat = np.ravel(angle)
-        for patch in self.patches:
-            away = np.mod(flat - float(patch.touch.angle) + 0.5 * self.period, self.period) - 0.5 * self.period
-            reach = patch.half * (INNER if flat.dtype == np.longdouble else 1.0)
-            within = np.flatnonzero(np.abs(away) < reach)
-            if len(within):
-                yield patch, within, away[within] / patch.half
-
-    def moves(self, angle: Any, away: Any) -> Any:  # noqa: ANN401
-        """Where the dyad can move: away from its dead positions, and within patches."""
-        result = np.array(np.broadcast_to(away, np.shape(angle)))
-        for _, within, _ in self.inside(angle):
-            result.reshape(-1)[within] = True
-        return result
-
-    def patched(self, angle: Any, order: int, pair: tuple[Any, Any]) -> tuple[Any, Any]:  # noqa: ANN401
-        """Poses of the dyad's two links, or their derivatives, with those within patches read from the series."""
-        result, size = None, len(pair[0])
-        for patch, within, place in self.inside(angle):
-            if result is None:
-                result = [np.array(np.broadcast_to(np.asarray(part), np.shape(angle))) for part in (*pair[0], *pair[1])]
-            for part, values in zip(result, patch.values(order, place), strict=True):
-                part.reshape(-1)[within] = values
-        return pair if result is None else (tuple(result[:size]), tuple(result[size:]))
 
 
 def through_change_points(structure: Structure, angle: float) -> tuple[Structure, tuple[Undetermined, ...]]:
@@ -154,6 +75,43 @@ def is_followed(structure: Structure) -> bool:
     return isinstance(structure.pivot, Revolute) and not structure.is_numerical
 
 
+class _Chain:
+    """Poses of the bodies at crank angles, and derivatives up to an ``order``: of each dyad once, the next when needed.
+
+    Near a change point of a dyad on the way, its links have the lengths that touch there.
+    """
+
+    def __init__(self, pivot: Revolute | Prismatic, angle: Any, order: int = 0) -> None:  # noqa: ANN401
+        self.angle = np.asarray(angle)
+        moving = crank_motion(pivot, self.angle)[: order + 1]
+        self.known: list[dict[str, Any]] = [
+            {GROUND: fixed, pivot.far: own} for fixed, own in zip(FIXED, moving, strict=False)
+        ]
+        self.done = 0
+        self.fails = np.zeros(self.angle.shape, dtype=bool)  # where a dyad solved so far cannot be assembled
+
+    def up_to(self, dyads: Sequence[Dyad]) -> list[dict[str, Any]]:
+        """What is known once these first dyads are solved."""
+        for dyad in dyads[self.done :]:
+            patches = dyad.changes.patches if dyad.changes else ()
+            touches = [patch.touch for patch in patches]
+            beside = [touch for touch in touches if np.all(np.abs(_turned(self.angle - touch.angle)) < BESIDE)]
+            margin, lengths = self.solve(dyad, self.known, beside).missing()
+            self.fails |= ~(margin >= -TOUCHING * lengths)
+        self.done = len(dyads)
+        return self.known
+
+    def solve(self, dyad: Dyad, known: list[dict[str, Any]], touches: Sequence[Touch] = ()) -> DyadSolver:
+        """Add a dyad's links to what is known, with the lengths that touch."""
+        solver = DyadSolver(dyad, self.angle)
+        for touch in touches:
+            solver.touch(touch.margin, touch.gap)
+        steps: tuple[Any, ...] = (solver.poses, solver.rates, solver.accelerations)
+        for solved, step in zip(known, steps, strict=False):
+            solved[dyad.first], solved[dyad.second] = step(solved)
+        return solver
+
+
 class _Search:
     """Dyad after dyad: those before it are followed through their own change points already."""
 
@@ -163,106 +121,84 @@ class _Search:
         self.pivot, self.start = structure.pivot, start
         self.period = FULL_TURN
         self.undetermined: list[Undetermined] = []
-        self.centres: list[Any] = []
-        self.nodes: dict[tuple[float, float], _Nodes] = {}
-        self.grid_up_to(0)
+        self.centres: list[_Chain] = []
+        self.nodes: dict[tuple[float, float], _Chain] = {}
+        self.grid = self._grid()
 
-    def placed(self, angle: Any) -> list[Solved]:  # noqa: ANN401
-        """Poses, rates and accelerations of ground and crank."""
-        moving = crank_motion(self.pivot, angle)
-        return [{GROUND: ground, self.pivot.far: own} for ground, own in zip(FIXED, moving, strict=True)]
-
-    def grid_up_to(self, number: int) -> None:
-        """Poses over the period of the bodies of all dyads before one."""
-        self.grid = np.arange(round(GRID * self.period / FULL_TURN)) * (FULL_TURN / GRID)
-        self.poses = self.placed(self.grid)[0]
-        for dyad in self.dyads[:number]:
-            self._add(dyad)
-
-    def _add(self, dyad: Dyad) -> DyadSolver:
-        solver = DyadSolver(dyad, self.grid)
-        self.poses[dyad.first], self.poses[dyad.second] = solver.poses(self.poses)
-        return solver
+    def _grid(self) -> _Chain:
+        """Crank angles over the period."""
+        return _Chain(self.pivot, np.arange(round(GRID * self.period / FULL_TURN)) * (FULL_TURN / GRID))
 
     def look_at(self, number: int) -> None:
         """Find a dyad's change points, if it has any."""
         dyad = self.dyads[number]
-        solver = self._add(dyad)
         if not dyad.has_two_modes:
             return
-        touches = list(self._touches(number, solver))
+        touches = list(self._touches(number))
         if all(touch.gap <= ON_TOP * touch.lengths for touch in touches):
             self.undetermined += [Undetermined(dyad, float(touch.angle), FOLDED) for touch in touches]
             return
         touches.sort(key=lambda touch: touch.angle)
-        period = self.period
         if len(touches) % 2:
+            touches += [touch._replace(angle=touch.angle + self.period) for touch in touches]
             self.period *= 2.0
-            touches += [touch._replace(angle=touch.angle + period) for touch in touches]
+            self.grid = self._grid()
         angles = tuple(float(touch.angle) for touch in touches)
         here = int(np.searchsorted(angles, np.mod(self.start, self.period), "right"))
         points = ChangePoints(angles, self.period, float(dyad.sign * (-1) ** here))
         self.dyads[number] = replace(dyad, changes=points)
         patches = tuple(self._patch(number, touch, _apart(angles, touch, self.period)) for touch in touches)
         self.dyads[number] = replace(dyad, changes=replace(points, patches=patches))
-        if self.period == period:
-            self._add(self.dyads[number])
-        else:
-            self.grid_up_to(number + 1)
 
-    def _touches(self, number: int, solver: DyadSolver) -> Iterator[Touch]:
+    def _touches(self, number: int) -> Iterator[Touch]:
         """Where the links' margin touches zero."""
-        with np.errstate(invalid="ignore"):
-            margin, lengths = np.broadcast_arrays(*solver.missing(), self.grid)[:2]
-            low = (np.abs(margin) <= COARSE * lengths) & (margin <= np.roll(margin, 1)) & (margin < np.roll(margin, -1))
-        for angle in self.grid[low]:
+        share = self._share(number, self.grid)
+        around = np.concatenate([share[-1:], share, share[:1]])
+        for angle in self.grid.angle[may_touch_zero(around, TOUCHING)]:
             touch = self._closed_in(number, angle)
-            if abs(touch.margin) > TOUCHING * touch.lengths:
+            if touch is None:
                 continue
-            one, two = (self._margin(number, touch.angle + far * SIDES)[0].sum() for far in (NEAR, 2.0 * NEAR))
-            if not two < QUARTIC * one:
-                if np.isfinite(two):
-                    self.undetermined.append(Undetermined(self.dyads[number], float(touch.angle), MERGED))
-                continue
-            self.centres.append(touch.angle)
-            yield touch._replace(angle=np.mod(touch.angle, self.period))
+            far = np.asarray(touch.angle + np.multiply.outer([NEAR, 2.0 * NEAR], SIDES))
+            one, two = self._margin(number, _Chain(self.pivot, far))[0].sum(axis=1)
+            if two < QUARTIC * one:
+                yield touch._replace(angle=np.mod(touch.angle, self.period))
+            elif np.isfinite(two):
+                self.undetermined.append(Undetermined(self.dyads[number], float(touch.angle), MERGED))
 
-    def _margin(self, number: int, angle: Any) -> tuple[Any, Any, Any]:  # noqa: ANN401
+    def _margin(self, number: int, chain: _Chain) -> tuple[Any, Any, Any]:
         """What is left of a dyad's margin, the lengths it comes from, and the gap between the outer pins."""
-        angle = np.asarray(angle, dtype=np.longdouble)
-        known = self.placed(angle)
-        self._solve(known, 0, angle, 0, number)
-        solver = DyadSolver(self.dyads[number], angle)
-        solver.poses(known[0])
+        poses = chain.up_to(self.dyads[:number])[0]
+        solver = chain.solve(self.dyads[number], [dict(poses)])
         with np.errstate(invalid="ignore"):
             margin, lengths = solver.missing()
-        margin, lengths, gap = np.broadcast_arrays(np.where(np.isnan(margin), np.inf, margin), lengths, solver.gap())
+        margin = np.where(np.isnan(margin) | chain.fails, np.inf, margin)
+        margin, lengths, gap = np.broadcast_arrays(margin, lengths, solver.gap())
         return margin, lengths, gap
 
-    def _closed_in(self, number: int, angle: float) -> Touch:
-        """The minimum of the margin beside a crank angle; that of a dyad before it, if it is the same."""
+    def _closed_in(self, number: int, angle: float) -> Touch | None:
+        """The touch beside a crank angle, that of a dyad before it if it is the same; None if the margin stays away."""
         for near in self.centres:
-            touch = Touch(near, *(part[0] for part in self._margin(number, [near])))
-            if abs(_turned(near - angle)) < FULL_TURN / GRID and abs(touch.margin) <= TOUCHING * touch.lengths:
-                return touch
-        centre, reach = np.longdouble(angle), np.longdouble(FULL_TURN / GRID)
-        for _ in range(LOOKS):
-            places = centre + reach * np.linspace(-1.0, 1.0, LOOK)
-            parts = self._margin(number, places)
-            best = int(np.argmin(parts[0]))
-            centre, reach = places[best], reach / ((LOOK - 1) // 2)
-        return Touch(centre, *(part[best] for part in parts))
+            if abs(_turned(near.angle[0] - angle)) < FULL_TURN / GRID:
+                touch = self._touch(number, near)
+                if abs(touch.margin) <= TOUCHING * touch.lengths:
+                    return touch
+        step = np.longdouble(FULL_TURN / GRID)
+        bracket = np.array([angle - step]), np.array([angle + step])
+        centre, height = lowest(
+            lambda at: self._share(number, _Chain(self.pivot, at)), *bracket, LOOKS, points=LOOK, enough=-TOUCHING
+        )
+        if abs(height[0]) > TOUCHING:
+            return None
+        self.centres.append(_Chain(self.pivot, centre))
+        return self._touch(number, self.centres[-1])
 
-    def _solve(self, known: list[Solved], first: int, angle: Any, order: int, last: int) -> None:  # noqa: ANN401
-        """Adds the bodies of the dyads from one to before another, with derivatives up to an order."""
-        for dyad in self.dyads[first:last]:
-            solver = DyadSolver(dyad, angle)
-            for patch in dyad.changes.patches if dyad.changes else ():
-                if np.all(np.abs(_turned(angle - patch.touch.angle)) < BESIDE):
-                    solver.touch(patch.touch.margin, patch.touch.gap)
-            steps = (solver.poses, solver.rates, solver.accelerations)
-            for rank in range(order + 1):
-                known[rank][dyad.first], known[rank][dyad.second] = steps[rank](known[rank])
+    def _share(self, number: int, chain: _Chain) -> Any:  # noqa: ANN401
+        """A dyad's margin over the lengths it comes from."""
+        margin, lengths, _ = self._margin(number, chain)
+        return margin / lengths
+
+    def _touch(self, number: int, chain: _Chain) -> Touch:
+        return Touch(chain.angle[0], *(part[0] for part in self._margin(number, chain)))
 
     def _patch(self, number: int, touch: Touch, apart: float) -> Patch:
         """The widest patch whose series end in rounding, or the one whose series come nearest to it."""
@@ -287,16 +223,9 @@ class _Search:
         places = np.cos(half_turn * (np.arange(NODES, dtype=np.longdouble) + 0.5) / NODES)
         key = (float(touch.angle), half)
         if key not in self.nodes:
-            self.nodes[key] = _Nodes(touch.angle + half * places, self.placed(touch.angle + half * places), 0)
-        nodes = self.nodes[key]
-        self._solve(nodes.known, nodes.done, nodes.angle, 2, number)
-        nodes.done = number
-        known = [dict(solved) for solved in nodes.known]
-        solver = DyadSolver(dyad, nodes.angle)
-        solver.touch(touch.margin, touch.gap)
-        steps: tuple[Any, ...] = (solver.poses, solver.rates, solver.accelerations)
-        for solved, step in zip(known, steps, strict=True):
-            solved[dyad.first], solved[dyad.second] = step(solved)
+            self.nodes[key] = _Chain(self.pivot, touch.angle + half * places, 2)
+        known = [dict(solved) for solved in self.nodes[key].up_to(self.dyads[:number])]
+        self.nodes[key].solve(dyad, known, [touch])
         analysis = chebyshev.chebvander(places, NODES - 1) * (np.longdouble(2.0) / NODES)
         analysis[:, 0] *= 0.5
         for solved in known:
@@ -304,15 +233,6 @@ class _Search:
             values = np.stack([np.broadcast_to(np.asarray(part, dtype=np.longdouble), places.shape) for part in parts])
             with np.errstate(invalid="ignore"):
                 yield analysis.T @ values.T
-
-
-@dataclass
-class _Nodes:
-    """The nodes of patches of one centre and width, and the bodies of the first dyads there."""
-
-    angle: Any
-    known: list[Solved]
-    done: int
 
 
 def _apart(angles: tuple[float, ...], touch: Touch, period: float) -> float:

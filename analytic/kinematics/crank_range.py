@@ -3,32 +3,33 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
 
+from analytic.description.law import FULL_TURN
+from analytic.description.linkage import Linkage
 from analytic.errors import AssemblyError
-from analytic.kinematics.change_points import TOUCHING, is_followed
+from analytic.kinematics.change_points import TOUCHING, Undetermined, is_followed
 from analytic.kinematics.dyad_solver import DyadSolver
 from analytic.kinematics.dyads.arms import ROUNDING
 from analytic.kinematics.groups.solver import DEAD, GroupSolver
-from analytic.kinematics.mechanism import FULL_TURN, Mechanism
-from analytic.kinematics.structure import AnyGroup
-from analytic.kinematics.sweep import placed, solver_of
-from analytic.numerics.roots import root
+from analytic.kinematics.structure import AnyGroup, Structure
+from analytic.kinematics.sweep import Sweep, placed, solver_of
+from analytic.numerics.roots import lowest, may_touch_zero, root
 
 Array = NDArray[np.float64]
 
-# The margin is looked at in steps of half a degree, and in ever finer ones towards the start, for ranges narrower than
-# that; each of its minima is then closed in on, for gaps between two steps.
+# The margins are looked at in steps of half a degree, and in ever finer ones towards the start, for ranges narrower
+# than that; a minimum that may come down to zero between two steps is closed in on.
 STEP: Final = FULL_TURN / 720
 NEAREST, NEAR_STEPS = 1e-13, 80
 SPAN: Final = 8.0  # of the drawing's size: how far a driver that does not turn is followed to either side
 DIGITS: Final = 8  # of a change point that several dyads have
-LOOK, LOOKS = 33, 12  # each look at a minimum shrinks its bracket 16-fold
+LOOKS: Final = 12  # each look at a minimum shrinks its bracket 16-fold
 
 
 @dataclass(frozen=True)
@@ -93,117 +94,106 @@ class CrankRange:
             )
 
 
-def crank_range(mechanism: Mechanism, start: float | None = None) -> CrankRange:
+def crank_range(
+    linkage: Linkage, structure: Structure, undetermined: Sequence[Undetermined], start: float | None = None
+) -> CrankRange:
     """The range around a crank angle, rad, the sketch's if None.
 
     The limits are roots of the length by which a dyad's links reach each other, to rounding; where that length touches
     zero, and the linkage is not followed on, the root of rounding. Raises AssemblyError where it cannot be assembled at
     the start.
     """
-    search = _Search(mechanism, mechanism.linkage.sketch_angle if start is None else start)
+    search = _Search(linkage, structure, linkage.sketch_angle if start is None else start)
     low, high = search.first_fault(-1.0), search.first_fault(1.0)
-    linkage, changes = mechanism.linkage, search.change_points(low, high)
+    changes = search.change_points(low, high, undetermined)
     if linkage.is_linear:
         return CrankRange(search.start, low, high, changes, FULL_TURN * search.radian, linkage.written, is_linear=True)
     return CrankRange(search.start, low, high, changes)
 
 
 class _Search:
-    """The margin of a linkage over the crank angle: what its worst dyad has left before its links fail to meet."""
+    """The margins of a linkage over the crank angle: what its groups have left before their links fail to meet."""
 
-    def __init__(self, mechanism: Mechanism, start: float) -> None:
-        self.mechanism = mechanism
-        self.start = start
-        sweep = mechanism.sweep(np.array([start]))
-        for body in mechanism.structure.bodies:
+    def __init__(self, linkage: Linkage, structure: Structure, start: float) -> None:
+        self.structure, self.start = structure, start
+        here = np.array([start])
+        sweep = Sweep(linkage, structure, here)
+        for body in structure.bodies:
             sweep.poses(body)  # raises where it is not assembled
         self.signs = [
             1.0 if isinstance(solver, GroupSolver) else np.sign(solver.closure.determinant)
-            for solver in self.solvers(np.array([start]))
+            for solver in self.solvers(here)
         ]
-        linkage = mechanism.linkage
         self.radian = SPAN * linkage.extent() / FULL_TURN if linkage.is_linear else 1.0  # what angles are counted in
         steps = [np.zeros(1), np.geomspace(NEAREST, STEP, NEAR_STEPS)[:-1], np.arange(1, 721) * STEP]
         self.offsets = self.radian * np.concatenate(steps)
 
     def solvers(self, angle: Array) -> list[DyadSolver | GroupSolver]:
         """Every group placed at crank angles, assembled or not."""
-        structure = self.mechanism.structure
-        poses = placed(structure, angle)
-        solvers = [solver_of(group, angle) for group in structure.groups]
+        poses = placed(self.structure, angle)
+        solvers = [solver_of(group, angle) for group in self.structure.groups]
         for solver in solvers:
             poses.update(zip(solver.dyad.links, solver.poses(poses), strict=True))
         return solvers
 
     def margins(self, offset: Array) -> Array:
-        """Of each dyad the length it has left over the lengths it comes from, negative where it fails; (dyads, n).
+        """Of each group the length it has left over the lengths it comes from, negative where it fails; (groups, ...).
 
-        Two crossing lines have the sine of their angle left. Behind a dyad that fails the others have nothing to say.
+        Two crossing lines have the sine of their angle left. Behind a group that fails the others have nothing to say.
         """
-        rows = [np.full(offset.shape, np.inf)]
+        rows = np.full((len(self.signs), *offset.shape), np.inf)
         fails = np.zeros(offset.shape, dtype=bool)
         with np.errstate(invalid="ignore", divide="ignore"):
-            for solver, sign in zip(self.solvers(self.start + offset), self.signs, strict=True):
+            for number, (solver, sign) in enumerate(zip(self.solvers(self.start + offset), self.signs, strict=True)):
                 if isinstance(solver, GroupSolver):
                     missing, lengths = solver.margin(), 1.0
                 else:
                     parallel = (solver.closure.determinant, sign)
                     missing, lengths = solver.missing() if solver.dyad.has_two_modes else parallel
                 row = np.where(fails, np.inf, missing / lengths)
-                rows.append(np.where(np.isnan(row), -1.0, row))
-                fails |= rows[-1] < -ROUNDING
-        return np.array(rows)[1:]
-
-    def margin(self, offset: Array) -> Array:
-        """The least margin, (n,)."""
-        return np.asarray(np.min(self.margins(offset), axis=0, initial=np.inf))
+                rows[number] = np.where(np.isnan(row), -1.0, row)
+                fails |= rows[number] < -ROUNDING
+        return rows
 
     def toggle(self, offset: float, row: int) -> Toggle:
-        """How a dyad stands at an angle."""
+        """How a group stands at an angle."""
         solver = self.solvers(np.array([self.start + offset]))[row]
         if isinstance(solver, GroupSolver):
             return Toggle(self.start + offset, solver.dyad, f"its links stand {DEAD}")
         return Toggle(self.start + offset, solver.dyad, solver.formulas.toggle(solver.dyad, solver.closure))
 
-    def worst(self, offset: float) -> int:
-        """The dyad with the least margin at an angle."""
-        return int(np.argmin(self.margins(np.array([offset]))[:, 0]))
-
-    def minima(self, offsets: Array) -> tuple[Array, Array]:
-        """Where the margin has its local minima among ordered offsets, each closed in on, and its values there."""
-        values = self.margin(offsets)
-        inner = np.flatnonzero((values[1:-1] < values[:-2]) & (values[1:-1] <= values[2:])) + 1
-        spot, height, rows = offsets[inner], values[inner], np.arange(len(inner))
-        left, right = offsets[inner - 1], offsets[inner + 1]
-        for _ in range(LOOKS if len(inner) else 0):
-            near = left[:, None] + (right - left)[:, None] * np.linspace(0.0, 1.0, LOOK)
-            seen = self.margin(near.ravel()).reshape(near.shape)
-            best = np.argmin(seen, axis=1)
-            lower = seen[rows, best] < height
-            spot, height = np.where(lower, near[rows, best], spot), np.where(lower, seen[rows, best], height)
-            step = (right - left) / (LOOK - 1)
-            left, right = spot - step, spot + step
-        return spot, height
-
     def first_fault(self, direction: float) -> Toggle | None:
         """The nearest end of the range in a direction; None after a whole turn."""
         offsets = direction * self.offsets
-        spots, heights = self.minima(offsets)
-        least = -ROUNDING if is_followed(self.mechanism.structure) else TOUCHING
-        bad = np.concatenate([offsets[self.margin(offsets) < -ROUNDING], spots[heights < least]])
+        margins = self.margins(offsets)
+        least = -ROUNDING if is_followed(self.structure) else TOUCHING
+        bad = np.concatenate([offsets[np.any(margins < -ROUNDING, axis=0)], self._between(offsets, margins, least)])
         if not len(bad):
             return None
         end = float(bad[np.argmin(np.abs(bad))])
         good = float(offsets[np.abs(offsets) < abs(end)][-1])
         for _ in self.signs:
-            row = self.worst(end)
+            row = int(np.argmin(self.margins(np.array([end]))[:, 0]))
             at = self._end(row, good, end)
-            margins = self.margins(np.array([at]))[:, 0]
-            margins[row] = 0.0
-            if np.min(margins) >= -ROUNDING:
+            left = self.margins(np.array([at]))[:, 0]
+            left[row] = 0.0
+            if np.min(left) >= -ROUNDING:
                 break
             end = at  # a group before it comes to its end nearer to the start
         return self.toggle(at, row)
+
+    def _between(self, offsets: Array, margins: Array, least: float) -> Array:
+        """Minima of a group's margin, between ordered offsets too, in which it falls below ``least``."""
+        inner = margins[:, 1:-1]
+        low = (inner < margins[:, :-2]) & (inner <= margins[:, 2:]) & (inner < least)
+        seen = offsets[1:-1][np.any(low, axis=0)]
+        rows, columns = np.nonzero(may_touch_zero(margins, ROUNDING))
+        if not len(rows):
+            return seen
+        each = np.arange(len(rows))
+        brackets = offsets[columns], offsets[columns + 2]
+        spots, heights = lowest(lambda at: self.margins(at)[rows, each], *brackets, LOOKS, enough=least)
+        return np.concatenate([seen, spots[heights < least]])
 
     def _end(self, row: int, good: float, end: float) -> float:
         """Where a group's margin is zero between an offset where it has some and one where it has none, or touches."""
@@ -215,15 +205,16 @@ class _Search:
             return end
         return root(margin, good, end) if margin(good) > 0.0 else good
 
-    def change_points(self, low: Toggle | None, high: Toggle | None) -> tuple[Toggle, ...]:
-        """Those of the mechanism within the range, in their order; where several dyads have one, that of the first."""
-        structure = self.mechanism.structure
-        known = [(angle, dyad) for dyad in structure.dyads if dyad.changes for angle in dyad.changes.angles]
-        known += [(angle, dyad) for dyad, angle, _ in self.mechanism.undetermined]
+    def change_points(
+        self, low: Toggle | None, high: Toggle | None, undetermined: Sequence[Undetermined]
+    ) -> tuple[Toggle, ...]:
+        """Those within the range, in their order; where several dyads have one, that of the first."""
+        known = [(angle, dyad) for dyad in self.structure.dyads if dyad.changes for angle in dyad.changes.angles]
+        known += [(angle, dyad) for dyad, angle, _ in undetermined]
         first, last = (low.angle, high.angle) if low and high else (self.start, self.start + FULL_TURN)
         points: dict[float, Toggle] = {}
         for angle, dyad in known:
             offset = first - self.start + (angle - first) % FULL_TURN
-            if offset <= last - self.start:
-                points.setdefault(round(offset, DIGITS), self.toggle(offset, structure.groups.index(dyad)))
+            if offset <= last - self.start and round(offset, DIGITS) not in points:
+                points[round(offset, DIGITS)] = self.toggle(offset, self.structure.groups.index(dyad))
         return tuple(points[offset] for offset in sorted(points))

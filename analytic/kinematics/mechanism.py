@@ -12,26 +12,24 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from analytic.description.crank_motion import degrees
-from analytic.description.linkage import Linkage, Vector
+from analytic.description.law import FULL_TURN
+from analytic.description.linkage import Linkage
 from analytic.errors import AssemblyError, StructureError
-from analytic.kinematics import frames
 from analytic.kinematics.assembly import check_assembly
 from analytic.kinematics.change_points import period_of, through_change_points
+from analytic.kinematics.crank_range import CrankRange, crank_range
 from analytic.kinematics.decomposition import find_structure
 from analytic.kinematics.dyad_solver import DyadSolver
 from analytic.kinematics.error_bounds import relative_bounds
 from analytic.kinematics.frames import Pose
-from analytic.kinematics.groups.branch import followed
 from analytic.kinematics.groups.equations import Motions
+from analytic.kinematics.groups.following import followed
 from analytic.kinematics.groups.solver import problem_of
 from analytic.kinematics.groups.start import nearest
+from analytic.kinematics.sketch import meant, named_places
 from analytic.kinematics.structure import AnyGroup, Dyad, Group, Structure
 from analytic.kinematics.sweep import Array, Sweep, placed, solver_of
 
-# Two assembly modes closer to the sketch than this ratio of each other are not told apart by it.
-AMBIGUITY = 0.9
-TELLING = 1e-6  # share of the drawing's size by which the modes must differ at a point for the sketch to show it
-FULL_TURN = 2.0 * np.pi
 AT_REST = 1e-6  # rad from a change point
 
 
@@ -92,11 +90,13 @@ class Mechanism:
         Of a linkage that repeats its motion after several turns as many (``period``).
         """
         if self.linkage.is_linear:
-            from analytic.kinematics.crank_range import crank_range  # noqa: PLC0415 - it is made of mechanisms
-
-            low, high = crank_range(self).limits
+            low, high = self.crank_range().limits
             return self.sweep(np.linspace(low, high, 724)[2:-2])  # at its limits it stands in dead positions
         return self.sweep(np.linspace(0.0, self.period, round(720 * self.period / FULL_TURN), endpoint=False))
+
+    def crank_range(self, start: float | None = None) -> CrankRange:
+        """The values of φ around a start, the sketch's if None; see ``analytic.kinematics.crank_range``."""
+        return crank_range(self.linkage, self.structure, self.undetermined, start)
 
     def error_bound(self) -> tuple[float, float, float]:
         """Bounds on the closed form's own error over a turn: positions, first and second derivatives.
@@ -108,12 +108,10 @@ class Mechanism:
 
     def check_full_turn(self) -> None:
         """Raise AssemblyError where the crank cannot make a full turn, be it for a gap between two of its steps."""
-        from analytic.kinematics.crank_range import crank_range  # noqa: PLC0415 - it is made of mechanisms
-
         for body in self.structure.bodies:
             self.turn.poses(body)
         self.check_determined(0.0, self.period)
-        reach = crank_range(self)
+        reach = self.crank_range()
         reach.check(reach.start, reach.start + FULL_TURN, self.linkage.name)
 
     def check_determined(self, low: float, high: float) -> None:
@@ -175,37 +173,20 @@ def _nearest_mode(linkage: Linkage, structure: Structure, dyad: Dyad, poses: dic
     if not dyad.has_two_modes:
         return dyad
     modes = [replace(dyad, sign=sign) for sign in (1, -1)]
+    points = {name: structure.bodies[name].points for name in dyad.links}
     places = []
     for mode in modes:
         solver = DyadSolver(mode)
-        pair = dict(zip(mode.links, solver.poses(poses), strict=True))
+        places.append(named_places(points, solver.poses(poses)))
         check_assembly(linkage, solver, np.asarray(linkage.sketch_angle))
-        places.append(_points(structure, pair))
-    distances = [_distance_to_sketch(linkage, place) for place in places]
-    nearer, farther = sorted((0, 1), key=lambda index: distances[index])
-    if not distances[nearer] < AMBIGUITY * distances[farther]:
-        raise StructureError(_ambiguous(linkage, dyad, *places))
-    return modes[nearer]
+    nearest, telling = meant(linkage, places)
+    if telling is not None:
+        raise StructureError(_ambiguous(linkage, dyad, telling))
+    return modes[nearest]
 
 
-def _points(structure: Structure, pair: dict[str, Pose]) -> dict[str, Vector]:
-    """Named points of a dyad's links."""
-    places = {}
-    for name, pose in pair.items():
-        for point, local in structure.bodies[name].points.items():
-            x, y = frames.point(pose, local)
-            places[point] = (float(x), float(y))
-    return places
-
-
-def _distance_to_sketch(linkage: Linkage, places: dict[str, Vector]) -> float:
-    return math.hypot(*(math.dist(place, linkage.sketch[p]) for p, place in places.items() if p in linkage.sketch))
-
-
-def _ambiguous(linkage: Linkage, dyad: Dyad, first: dict[str, Vector], second: dict[str, Vector]) -> str:
+def _ambiguous(linkage: Linkage, dyad: Dyad, telling: Sequence[str]) -> str:
     """What to add to the sketch: only points that tell the two modes apart are of use."""
-    least = TELLING * linkage.extent()
-    telling = sorted(point for point in first if math.dist(first[point], second[point]) > least)
     if telling:
         needed, cure = f"the rough position of {' or '.join(map(repr, telling))}", "add it under [sketch.points]"
     else:

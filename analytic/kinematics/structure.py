@@ -10,16 +10,13 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
 from analytic.description.linkage import Link, Linkage, Slider, Vector, rotate
-
-if TYPE_CHECKING:
-    from analytic.kinematics.change_points import ChangePoints
-    from analytic.kinematics.groups.branch import GroupBranch
+from analytic.kinematics.branch import GroupBranch
+from analytic.kinematics.passages import ChangePoints
 
 AT_A_CHANGE = 1e-7  # rad
 # Kinds of class II groups whose two links can be placed; PPP cannot turn and is no group.

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -13,8 +14,9 @@ from analytic.kinematics import frames
 from analytic.kinematics.assembly import Booleans, check_assembly, check_motion, note_assembly, note_motion
 from analytic.kinematics.dyad_solver import DyadSolver
 from analytic.kinematics.frames import STILL, Pair, Pose, Rate, Scalar
+from analytic.kinematics.groups.equations import located, values
 from analytic.kinematics.groups.solver import GroupSolver
-from analytic.kinematics.structure import AnyGroup, DrivenDistance, Dyad, Prismatic, Revolute, Structure
+from analytic.kinematics.structure import AnyGroup, Dyad, Prismatic, Revolute, Structure
 
 Array = NDArray[np.float64]
 FIXED: tuple[Any, Any, Any] = ((0.0, 0.0, 1.0, 0.0), STILL, STILL)  # the ground and its derivatives
@@ -144,11 +146,8 @@ class Sweep:
 
     def local_point(self, body: str, local: Vector, order: int = 0) -> Pair:
         """Coordinates x and y of a point given in a body's frame, or their derivative of order 1 or 2 over φ."""
-        if order == 0:
-            return frames.point(self.poses(body), local)
-        if order == 1:
-            return frames.point_rate(self.poses(body), self.rates(body), local)
-        return frames.point_acceleration(self.poses(body), self.rates(body), self.accelerations(body), local)
+        motion: Any = tuple(self._solved(body, k) for k in range(order + 1))
+        return located(motion, local, order)
 
     def point(self, name: str, order: int = 0) -> Array:
         """A named point in the ground frame, m, or a derivative of it; shape (2, *angle.shape)."""
@@ -159,12 +158,15 @@ class Sweep:
         """The body through which a named point is cheapest to reach: the ground, the crank, then the first dyad's."""
         if name in self.linkage.ground:
             return GROUND
+        if name not in self._carriers:
+            raise UnknownNameError("point", name, {*self._carriers, *self.linkage.ground})
+        return self._carriers[name]
+
+    @cached_property
+    def _carriers(self) -> dict[str, str]:
+        links = self.linkage.links
         order = [self.linkage.crank, *(name for group in self.structure.groups for name in group.links)]
-        for body in order:
-            if body in self.linkage.links and name in self.linkage.links[body].points:
-                return body
-        points = {p for link in self.linkage.links.values() for p in link.points} | set(self.linkage.ground)
-        raise UnknownNameError("point", name, points)
+        return {point: body for body in reversed(order) if body in links for point in links[body].points}
 
     def angles(self, body: str) -> Array:
         """Angle of a link's frame, rad, unwrapped along the last axis of the crank angles; a turning crank's is φ."""
@@ -192,24 +194,9 @@ class Sweep:
     def closure_error(self) -> Array:
         """Largest distance between the two ends of any joint, m, per crank angle: loop closure on trial."""
         worst = np.zeros(self.angle.shape)
-        for group in self.structure.groups:
-            self.poses(group.first)
-            for joint in group.joints:
-                if isinstance(joint, DrivenDistance):
-                    ends = (
-                        self.local_point(joint.near, joint.near_local),
-                        self.local_point(joint.far, joint.far_local),
-                    )
-                    worst = np.maximum(worst, np.abs(np.hypot(*frames.minus(*ends)) - self.angle))
-                elif isinstance(joint, Revolute):
-                    gap = frames.minus(
-                        self.local_point(joint.near, joint.near_local), self.local_point(joint.far, joint.far_local)
-                    )
-                    worst = np.maximum(worst, np.hypot(*gap))
-                else:
-                    near, far = self.poses(joint.near), self.poses(joint.far)
-                    gap = frames.minus((far[0], far[1]), frames.point(near, joint.origin))
-                    worst = np.maximum(
-                        worst, np.abs(frames.cross(frames.arm((0.0, 0.0, near[2], near[3]), joint.along), gap))
-                    )
+        for joint in (joint for group in self.structure.groups for joint in group.joints):
+            motions = {body: (self.poses(body), STILL, STILL) for body in (joint.near, joint.far)}
+            gaps = values([joint], motions, 0, self.angle)
+            lengths = gaps[:1] if isinstance(joint, Prismatic) else gaps  # the other one is an angle
+            worst = np.maximum(worst, np.sqrt(sum(gap * gap for gap in lengths)))
         return worst

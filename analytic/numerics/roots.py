@@ -60,3 +60,44 @@ def roots(function: Callable[[Array], Array], left: Array, middle: Array, right:
         left, low = np.where(same, left, right), np.where(same, 0.5 * low, high)
         right, high, best = place, value, place
     return best
+
+
+def may_touch_zero(values: Array, rounding: float) -> NDArray[np.bool_]:
+    """Which inner samples, last axis, are local minima beside which a function may come down to zero and turn.
+
+    About a double root, or the tip of a magnitude, a sample is at most as high as both neighbours together are above
+    it; of a smooth function that stays away it is higher, the more so the finer the samples. Where a neighbour is no
+    finite number the other one has to be that much higher. A sample below zero by more than ``rounding`` counts not.
+    """
+    here, beside = values[..., 1:-1], np.stack([values[..., :-2], values[..., 2:]])
+    with np.errstate(invalid="ignore"):
+        rise = np.sum(np.where(np.isfinite(beside), beside - here, 0.0), axis=0)
+        return np.asarray((here <= beside[0]) & (here < beside[1]) & (here >= -rounding) & (here <= rise))
+
+
+def lowest(
+    function: Callable[[Array], Array],
+    left: Array,
+    right: Array,
+    looks: int,
+    *,
+    points: int = 33,
+    enough: float = -np.inf,
+) -> tuple[Array, Array]:
+    """Where each of many functions is lowest within its bracket, (m,), and its values there.
+
+    ``function`` gives the values of each at its own places, (m, points). Each look is a comb of ``points`` places over
+    the bracket, and the next bracket reaches from the lowest of them to its neighbours. It ends when all are below
+    ``enough``.
+    """
+    rows, comb = np.arange(len(left)), np.linspace(0.0, 1.0, points)
+    for _ in range(looks):
+        places = left[:, None] + (right - left)[:, None] * comb
+        values = function(places)
+        best = np.argmin(values, axis=1)
+        spot, height = places[rows, best], values[rows, best]
+        if np.all(height < enough):
+            break
+        step = (right - left) / (points - 1)
+        left, right = spot - step, spot + step
+    return spot, height

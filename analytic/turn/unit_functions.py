@@ -12,9 +12,10 @@ from functools import lru_cache
 
 import numpy as np
 
+from analytic.description.law import FULL_TURN
 from analytic.errors import LinkproofError
 from analytic.kinematics.dyads.arms import ROUNDING
-from analytic.kinematics.mechanism import FULL_TURN, Mechanism
+from analytic.kinematics.mechanism import Mechanism
 from analytic.numerics.extremes import Array, grid, largest, periodic_mean, zeros
 
 # The mean of a modulus has kinks, where the trapezoid rule errs by h²: 7200 points leave eight digits.

@@ -19,7 +19,6 @@ from numpy.typing import NDArray
 from analytic.description.crank_motion import crank_motion
 from analytic.description.linkage import Linkage
 from analytic.description.schema import Published
-from analytic.kinematics.crank_range import crank_range
 from analytic.kinematics.mechanism import Mechanism
 from analytic.signals import COMPONENTS, ORDERS, unit
 from comparisons.observation.interpolation import resample
@@ -117,7 +116,7 @@ def _trials(linkage: Linkage) -> Iterator[Trial]:
 
 def _up_to(mechanism: Mechanism, speed: float, angle: float) -> Case:
     """A crank that turns steadily and ends at an angle, rad: its last sample is read, and nothing between samples."""
-    way, reach = MARGIN, crank_range(mechanism)
+    way, reach = MARGIN, mechanism.crank_range()
     if not reach.is_full_turn:
         way = min(way, SHARE * abs(angle - reach.limits[0 if speed > 0.0 else 1]))
     motion = crank_motion(

@@ -18,7 +18,7 @@ from analytic.description.loading import parse
 from analytic.description.thread_path import ThreadEye
 from analytic.dynamics import reduced
 from analytic.errors import LinkproofError
-from analytic.kinematics.crank_range import CrankRange, crank_range
+from analytic.kinematics.crank_range import CrankRange
 from analytic.kinematics.mechanism import Mechanism
 from analytic.motion.released import FreeMotion
 from analytic.turn.thread_feed import contour, eye_travel, feed_diagram
@@ -60,7 +60,7 @@ def usual_case(mechanism: Mechanism, prescribed: Sequence[CrankMotion] = (), reg
 
     Motions of the linkage's own count by the names of their ``regimes``, after those ``prescribed``.
     """
-    reach = crank_range(mechanism)
+    reach = mechanism.crank_range()
     own = {one.name: one.motion for one in mechanism.linkage.regimes if isinstance(one, PrescribedRegime)}
     asked = (*prescribed, *(motion for name, motion in own.items() if name in regimes))
     if not reach.is_full_turn:
@@ -216,7 +216,7 @@ class _Building:
 
     def _check_turn(self) -> None:
         """Raise LinkproofError where the driver makes no full turn."""
-        if self.linkage.is_linear or not crank_range(self.mechanism).is_full_turn:
+        if self.linkage.is_linear or not self.mechanism.crank_range().is_full_turn:
             raise LinkproofError(f"A full turn tells the normalised motion, and the {self.linkage.driver} makes none")
 
     def thread(self) -> ThreadSheet | None:

@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
-from functools import partial
+from collections.abc import Callable, Iterator, Sequence
 from typing import Any, Final
 
 import numpy as np
@@ -11,13 +10,13 @@ from numpy.typing import NDArray
 
 from analytic.description.linkage import Linkage
 from analytic.errors import LinkproofError, StructureError
-from analytic.kinematics.crank_range import CrankRange, Toggle, crank_range
+from analytic.kinematics.crank_range import CrankRange, Toggle
 from analytic.kinematics.decomposition import find_structure
 from analytic.kinematics.mechanism import Mechanism
 from analytic.kinematics.mobility import grashof, loose_points, mobility
 from analytic.kinematics.structure import Dyad
 from analytic.kinematics.transmission import transmission_angle
-from analytic.numerics.roots import root
+from analytic.numerics.roots import lowest, roots
 from comparisons.datasheet.linkage_warnings import warnings
 
 Array = NDArray[np.float64]
@@ -26,7 +25,9 @@ Facts = dict[str, Any]
 POINTS: Final = 721
 BINDS: Final = float(np.radians(40.0))  # transmission angle below which four-bars and slider-cranks bind easily (Alt)
 INSET: Final = 1e-9  # of a range that ends in dead positions, so that its ends are assembled
-LOOK, LOOKS = 33, 4  # each look at the least transmission angle shrinks its bracket 16-fold
+EQUAL: Final = 1e-12  # share up to which two least transmission angles are equal
+LOOKS: Final = 4  # each look at the least transmission angle shrinks its bracket 16-fold
+TOGETHER: Final = 32  # dyads whose angles are closed in on together: each look solves the whole linkage before them
 
 
 def check(linkage: Linkage) -> tuple[Facts, LinkproofError | None]:
@@ -50,7 +51,7 @@ def _steps(linkage: Linkage) -> Iterator[Facts]:
     yield {"structure": structure.formula, "four_bar": grashof(linkage, structure)}
     mechanism = Mechanism(linkage)
     yield {"sketch": _sketch(mechanism)}
-    reach = crank_range(mechanism)
+    reach = mechanism.crank_range()
     yield {"range": range_facts(mechanism, reach)}
     yield {"transmission": _transmission(mechanism, reach)}
     if reach.is_full_turn and not reach.change_points:
@@ -114,40 +115,37 @@ def _transmission(mechanism: Mechanism, reach: CrankRange) -> Facts:
     inset = 0.0 if reach.is_full_turn else INSET * (high - low)
     grid = np.linspace(low + inset, high - inset, POINTS)
     place = mechanism.linkage.place if reach.is_full_turn else reach.place
-    found = {}
-    for dyad in mechanism.structure.dyads:
-        angle = partial(_transmission_angle, mechanism, dyad)
-        at, least = _least(angle, grid)
-        good = [] if reach.is_full_turn else _good(angle, grid)
-        words = {"where": place(at), "good_from_to": [place(end) for end in good]}
-        found[dyad.name] = {"least": least, "at": at, "good": good, "kind": dyad.kind, **words}
+    dyads, sweep, found = mechanism.structure.dyads, mechanism.sweep(grid), {}
+    for first in range(0, len(dyads), TOGETHER):
+        some = dyads[first : first + TOGETHER]
+        angles = [transmission_angle(sweep, dyad) for dyad in some]
+
+        def each(phi: Array, some: Sequence[Dyad] = some) -> Array:
+            """The angle of each dyad at its own values of φ, (dyads, ...)."""
+            near = mechanism.sweep(np.clip(phi, grid[0], grid[-1]))
+            return np.stack([transmission_angle(near, dyad)[row] for row, dyad in enumerate(some)])
+
+        lowest_seen = np.min(angles, axis=1, keepdims=True)  # of equals the first, whatever their last digits
+        start, step = grid[np.argmax(angles <= lowest_seen * (1.0 + EQUAL), axis=1)], grid[1] - grid[0]
+        spots, heights = lowest(each, start - step, start + step, LOOKS)
+        good = [] if reach.is_full_turn else _good(each, grid, angles)
+        for number, dyad in enumerate(some):
+            ends = good[number] if good else []
+            at = float(np.clip(spots[number], grid[0], grid[-1]))
+            words = {"where": place(at), "good_from_to": [place(end) for end in ends]}
+            found[dyad.name] = {"least": float(heights[number]), "at": at, "good": ends, "kind": dyad.kind, **words}
     return found
 
 
-def _transmission_angle(mechanism: Mechanism, dyad: Dyad, phi: Array) -> Array:
-    return transmission_angle(mechanism.sweep(phi), dyad)
-
-
-def _good(angle: Callable[[Array], Array], grid: Array) -> list[float]:
-    """The ends of the stretch around the best transmission angle in which it is no less than BINDS; none if nowhere."""
-    enough = angle(grid) >= BINDS
-    best = int(np.argmax(angle(grid)))
-    if not enough[best]:
-        return []
-    ends = []
-    for direction in (-1, 1):
-        short = np.flatnonzero(~enough[best::direction])
-        last = best + direction * (int(short[0]) - 1) if len(short) else (-1 if direction > 0 else 0)
-        outside = grid[last + direction] if len(short) else grid[last]
-        ends.append(root(lambda phi: float(angle(np.array([phi]))[0]) - BINDS, float(grid[last]), float(outside)))
-    return ends
-
-
-def _least(quantity: Callable[[Array], Array], grid: Array) -> tuple[float, float]:
-    """Where a quantity is least, and its value there, refined beyond the grid."""
-    step = float(grid[1] - grid[0])
-    at = float(grid[int(np.argmin(quantity(grid)))])
-    for _ in range(LOOKS):
-        near = np.clip(at + step * np.linspace(-1.0, 1.0, LOOK), grid[0], grid[-1])
-        at, step = float(near[int(np.argmin(quantity(near)))]), step * 2.0 / (LOOK - 1)
-    return at, float(quantity(np.array([at]))[0])
+def _good(each: Callable[[Array], Array], grid: Array, angles: Sequence[Array]) -> list[list[float]]:
+    """Of each dyad the ends of the stretch around its best angle in which it is no less than BINDS; none if nowhere."""
+    brackets = np.zeros((2, 2, len(angles)))  # the last place where it is enough and the first where it is not
+    for number, angle in enumerate(angles):
+        enough, best = angle >= BINDS, int(np.argmax(angle))
+        for side, direction in enumerate((-1, 1)):
+            short = np.flatnonzero(~enough[best::direction])
+            last = best + direction * (int(short[0]) - 1) if len(short) else (-1 if direction > 0 else 0)
+            brackets[side, :, number] = grid[last], grid[last + direction] if len(short) else grid[last]
+    ends = [roots(lambda phi: each(phi) - BINDS, inside, inside, outside) for inside, outside in brackets]
+    is_good = [bool(np.max(angle) >= BINDS) for angle in angles]
+    return [[float(low), float(high)] if good else [] for low, high, good in zip(*ends, is_good, strict=True)]

@@ -11,7 +11,6 @@ from analytic.description.linkage import Linkage
 from analytic.description.thread_path import ThreadPath
 from analytic.dynamics import reduced
 from analytic.dynamics.equilibrium import equilibria
-from analytic.kinematics.crank_range import crank_range
 from analytic.kinematics.mechanism import Mechanism
 from analytic.numerics.extremes import Extremes, extremes, periodic_mean
 from analytic.turn.thread_feed import eye_travel, feed_diagram
@@ -25,7 +24,7 @@ def portrait(linkage: Linkage) -> dict[str, Any]:
     Where the crank cannot turn fully, or passes change points, its range stands in place of the figures of a turn.
     """
     mechanism = Mechanism(linkage)
-    reach = crank_range(mechanism)
+    reach = mechanism.crank_range()
     signs = {dyad.name: dyad.sign for dyad in mechanism.structure.dyads if dyad.sign}
     facts = described(linkage, structure=mechanism.structure.formula, signs=signs)
     if reach.is_full_turn:

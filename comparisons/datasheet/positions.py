@@ -9,7 +9,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from analytic.description.law import FULL_TURN
-from analytic.kinematics.crank_range import crank_range
 from analytic.kinematics.mechanism import Mechanism
 from comparisons.datasheet.curves import Curves
 from comparisons.datasheet.sheet import Positions
@@ -21,7 +20,7 @@ INSET: Final = 1e-9  # of a range that ends in dead positions, so that its ends 
 
 def over_reach(mechanism: Mechanism) -> Positions:
     """The positions from φ = 0 over a turn, or between the ends of the range."""
-    reach = crank_range(mechanism)
+    reach = mechanism.crank_range()
     if reach.is_full_turn:
         return at(mechanism, np.linspace(0.0, FULL_TURN, COUNT), closed=True)
     low, high = reach.limits

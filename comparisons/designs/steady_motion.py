@@ -11,7 +11,6 @@ from numpy.typing import NDArray
 
 from analytic.description.law import FULL_TURN
 from analytic.errors import LinkproofError
-from analytic.kinematics.crank_range import crank_range
 from analytic.kinematics.mechanism import Mechanism
 from comparisons.datasheet.building import within
 
@@ -50,7 +49,7 @@ def steady_motion(
         raise LinkproofError(f"--angles: expected {MOST} crank angles or fewer, got {samples}; give fewer")
     if start is not None and end is not None:
         return SteadyMotion(np.linspace(min(start, end), max(start, end), samples), speed, is_full_turn=False)
-    reach = crank_range(mechanism)
+    reach = mechanism.crank_range()
     if reach.is_full_turn:
         return SteadyMotion(np.linspace(0.0, FULL_TURN, samples, endpoint=False), speed, is_full_turn=True)
     low, high = within(reach)

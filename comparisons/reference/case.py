@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from analytic.description.crank_motion import CrankMotion
+from analytic.description.law import FULL_TURN
 from analytic.description.linkage import (
     Linkage,
     LinkTorque,
@@ -23,8 +24,7 @@ from analytic.description.linkage import (
     Vector,
 )
 from analytic.errors import AssemblyError, LinkproofError
-from analytic.kinematics.crank_range import crank_range
-from analytic.kinematics.mechanism import FULL_TURN, Mechanism
+from analytic.kinematics.mechanism import Mechanism
 from analytic.kinematics.sweep import Sweep
 from analytic.motion.released import FreeMotion, free_motion
 from analytic.moving import LinkageInMotion
@@ -127,7 +127,7 @@ class Case:
                 for body in self.mechanism.structure.bodies:
                     sweep.rates(body)
         except AssemblyError:
-            crank_range(self.mechanism, float(self.motion.angle(0.0))).check(low, high, self.mechanism.linkage.name)
+            self.mechanism.crank_range(float(self.motion.angle(0.0))).check(low, high, self.mechanism.linkage.name)
             raise
 
     def _check_change_points(self, low: float, high: float) -> None:

@@ -9,6 +9,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from analytic.description.crank_motion import RPM, crank_motion
+from analytic.description.law import FULL_TURN
 from analytic.description.linkage import Linkage
 from analytic.description.loading import load
 from analytic.description.schema import Published
@@ -16,8 +17,7 @@ from analytic.description.units import conversion
 from analytic.dynamics import reduced
 from analytic.dynamics.equilibrium import equilibria
 from analytic.errors import LinkproofError, UnknownNameError
-from analytic.kinematics.crank_range import crank_range
-from analytic.kinematics.mechanism import FULL_TURN, Mechanism
+from analytic.kinematics.mechanism import Mechanism
 from analytic.numerics.extremes import Extremes, extremes
 from analytic.turn.unit_functions import bottom_dead_centre, stroke, top_dead_centre, unit_functions
 from comparisons.reference.case import own_motion
@@ -90,7 +90,7 @@ def _time_ratio(mechanism: Mechanism) -> float:
 
 def _limit(mechanism: Mechanism, end: int) -> float:
     """The lowest or the highest angle of a crank that cannot turn fully, rad."""
-    reach = crank_range(mechanism)
+    reach = mechanism.crank_range()
     if reach.is_full_turn:
         raise LinkproofError(f"'{mechanism.linkage.name}': its crank turns fully, so its range has no limits")
     return reach.limits[end]

@@ -12,7 +12,6 @@ from analytic.description.crank_motion import LAWS, CrankMotion, swing
 from analytic.description.linkage import Linkage
 from analytic.description.units import factor
 from analytic.errors import LinkproofError
-from analytic.kinematics.crank_range import crank_range
 from analytic.kinematics.mechanism import Mechanism
 from comparisons.datasheet.building import within
 from reports.command_line.motion_choice import EVERYTHING, SWINGING, MotionChoice, motions
@@ -53,4 +52,4 @@ def _ends(choice: MotionChoice, linkage: Linkage) -> tuple[float, float]:
     if choice.from_angle is not None and choice.to_angle is not None:
         size = factor("length", linkage.units.get("length", "m"))
         return choice.from_angle * size, choice.to_angle * size
-    return within(crank_range(Mechanism(linkage)), backwards=choice.clockwise or choice.speed < 0.0)
+    return within(Mechanism(linkage).crank_range(), backwards=choice.clockwise or choice.speed < 0.0)

@@ -13,7 +13,8 @@ from analytic.dynamics.link_loads import LoadedSweep
 from analytic.kinematics.dyad_solver import DyadSolver
 from analytic.kinematics.mechanism import Mechanism
 from analytic.kinematics.sweep import Sweep
-from tests.analytic.linkages import angles, mechanism
+from tests.analytic.chains import chain_of_dyads, nearly_parallelograms
+from tests.analytic.linkages import angles, from_text, mechanism
 from tests.counting import calls, counted
 
 LOADED = "force-over-angle"  # forces and torques over the crank angle
@@ -199,3 +200,9 @@ def test_a_second_question_costs_only_what_is_new(steps):
         sweep.output(2)
         joint_forces.reactions(sweep, 3.0, 2.0)
     assert _solved(steps) == {"poses": before + 2, "rates": 2, "accelerations": 2}
+
+
+@pytest.mark.parametrize(("text", "most"), [(chain_of_dyads, 15), (nearly_parallelograms, 100)])
+def test_a_chain_is_assembled_and_its_range_found_in_some_solutions_of_each_dyad(steps, text, most):
+    from_text(text(40)).crank_range()
+    assert len(steps["poses"]) < most * 40

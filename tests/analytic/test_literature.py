@@ -5,7 +5,6 @@ import pytest
 from mpmath import mp, mpc, mpf
 
 from analytic.description.loading import literature
-from analytic.kinematics.crank_range import crank_range
 from analytic.motion.released import free_motion
 from tests.analytic.andrews import accelerations, state_after
 from tests.analytic.fifty_digits import DIGITS
@@ -41,7 +40,7 @@ def test_points_are_the_sources(name):
 @pytest.mark.parametrize("name", ["watt-six-bar", "stephenson-six-bar"])
 def test_a_toggle_is_where_two_links_of_the_source_are_in_line(name):
     formula = FORMULAS[name][0]
-    low, high = crank_range(mechanism(name)).limits
+    low, high = mechanism(name).crank_range().limits
     for end, outward in ((low, -1), (high, 1)):
         formula(mpf(end) - outward * TOGGLE)
         with pytest.raises(ValueError, match="do not meet"):

@@ -14,7 +14,6 @@ from analytic.dynamics.joint_forces import reactions
 from analytic.dynamics.reduced import drive_torque
 from analytic.errors import AssemblyError, LinkproofError
 from analytic.evaluation import evaluate
-from analytic.kinematics.crank_range import crank_range
 from analytic.motion.energy import energy_imbalance
 from analytic.motion.released import free_motion
 from comparisons.invariants.checks import checks
@@ -125,7 +124,7 @@ def test_the_force_of_the_drive_is_found_from_virtual_work_and_from_the_balance_
 @pytest.mark.parametrize("name", LINEAR)
 def test_the_range_is_said_in_the_length_unit_of_the_file(name):
     mechanism = driven(name)
-    limits = crank_range(mechanism)
+    limits = mechanism.crank_range()
     low, high = limits.limits
     with pytest.raises(AssemblyError, match=r"mm .*its drive reaches .* mm"):
         limits.check(low, 2.0 * high, "sample")

@@ -28,12 +28,12 @@ def values(joints: Sequence[GroupJoint], motions: Motions, order: int, coordinat
     for joint in joints:
         near, far = motions[joint.near], motions[joint.far]
         if isinstance(joint, Revolute):
-            rows += frames.minus(_point(far, joint.far_local, order), _point(near, joint.near_local, order))
+            rows += frames.minus(located(far, joint.far_local, order), located(near, joint.near_local, order))
         elif isinstance(joint, DrivenDistance):
             rows.append(_length(joint, near, far, order, coordinate))
         else:
             offsets = [
-                frames.minus(_point(far, (0.0, 0.0), k), _point(near, joint.origin, k)) for k in range(order + 1)
+                frames.minus(located(far, (0.0, 0.0), k), located(near, joint.origin, k)) for k in range(order + 1)
             ]
             lines = _line(near, joint.along, order)
             across = [frames.cross(lines[k], offsets[order - k]) for k in range(order + 1)]
@@ -42,7 +42,8 @@ def values(joints: Sequence[GroupJoint], motions: Motions, order: int, coordinat
     return rows
 
 
-def _point(motion: Motion, local: Pair, order: int) -> Pair:
+def located(motion: Motion, local: Pair, order: int) -> Pair:
+    """A point of a body, or its derivative of an order."""
     if order == 0:
         return frames.point(motion[0], local)
     if order == 1:
@@ -52,7 +53,7 @@ def _point(motion: Motion, local: Pair, order: int) -> Pair:
 
 def _spans(far: Motion, there: Pair, near: Motion, here: Pair, order: int) -> list[Pair]:
     """From a point of the near body to one of the far body, and the derivatives up to an order."""
-    return [frames.minus(_point(far, there, k), _point(near, here, k)) for k in range(order + 1)]
+    return [frames.minus(located(far, there, k), located(near, here, k)) for k in range(order + 1)]
 
 
 def _line(near: Motion, along: Pair, order: int) -> list[Pair]:

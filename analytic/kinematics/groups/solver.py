@@ -9,9 +9,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from analytic.description.linkage import Linkage
+from analytic.kinematics.branch import GroupBranch
 from analytic.kinematics.frames import STILL, Pose, Rate, Scalar
-from analytic.kinematics.groups.branch import GroupBranch, Problem, corrected
 from analytic.kinematics.groups.equations import GroupSystem, poses_of, rates_of
+from analytic.kinematics.groups.following import Problem, corrected
 from analytic.kinematics.structure import Group
 
 Array = NDArray[np.float64]

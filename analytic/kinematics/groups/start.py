@@ -12,8 +12,9 @@ from numpy.typing import NDArray
 from analytic.description.linkage import Linkage, Vector
 from analytic.errors import AssemblyError, StructureError
 from analytic.kinematics import frames
-from analytic.kinematics.groups.branch import Problem, corrected
 from analytic.kinematics.groups.equations import GroupSystem, Motions, poses_of
+from analytic.kinematics.groups.following import Problem, corrected
+from analytic.kinematics.sketch import Points, meant, named_places
 from analytic.kinematics.structure import Group, Revolute, Structure
 
 Array = NDArray[np.float64]
@@ -22,8 +23,6 @@ STARTS: Final = 96  # configurations to start from: the sketch, more and more di
 DAMPED: Final = 60  # steps of Levenberg and Marquardt
 MET: Final = 1e-6  # of the unit: from here on Newton's method settles
 SAME: Final = 1e-6  # units and rad between two configurations that are one
-AMBIGUITY: Final = 0.9  # as of the dyads: nearer to each other's distance from the sketch they are not told apart
-TELLING: Final = 1e-6
 
 
 def nearest(linkage: Linkage, structure: Structure, group: Group, problem: Problem) -> Array:
@@ -43,23 +42,18 @@ def nearest(linkage: Linkage, structure: Structure, group: Group, problem: Probl
             f"'{linkage.name}': {names} cannot be assembled at {linkage.place(at)} from the sketch; check the "
             f"lengths, or place {', '.join(sorted(_names(points)))} under [sketch.points], nearer to where they belong"
         )
-    places = [_places(points, one) for one in found]
-    distances = [_distance(linkage, place) for place in places]
-    order = np.argsort(distances)
-    if len(found) > 1 and not distances[order[0]] < AMBIGUITY * distances[order[1]]:
-        one, other = places[order[0]], places[order[1]]
-        least = TELLING * linkage.extent()
-        apart = sorted(p for p in one if math.dist(one[p], other[p]) > least)
-        telling = [point for point in apart if point not in linkage.sketch] or apart
+    nearest_one, telling = meant(linkage, [named_places(points, poses_of(one[None])) for one in found])
+    if telling is not None:
+        telling = [point for point in telling if point not in linkage.sketch] or telling
         raise StructureError(
             f"sketch of '{linkage.name}': expected the rough position of {' or '.join(map(repr, telling))} at "
             f"{linkage.coordinate(at)}, got a sketch that leaves open which of {len(found)} configurations "
             f"{names} have; place it under [sketch.points], nearer to one of them"
         )
-    return np.asarray(found[order[0]])
+    return np.asarray(found[nearest_one])
 
 
-def _names(points: Mapping[str, Mapping[str, Vector]]) -> set[str]:
+def _names(points: Points) -> set[str]:
     return {f"'{point}'" for places in points.values() for point in places}
 
 
@@ -73,7 +67,7 @@ def _known(linkage: Linkage, group: Group, hosts: Motions) -> dict[str, Vector]:
     return known
 
 
-def _guesses(points: Mapping[str, Mapping[str, Vector]], known: Mapping[str, Vector], unit: float) -> Array:
+def _guesses(points: Points, known: Mapping[str, Vector], unit: float) -> Array:
     """Coordinates to start from, (starts, links, 3): the sketch's as far as it goes, then ever more disturbed."""
     random = np.random.default_rng(1)
     middle = np.mean(list(known.values()), axis=0) if known else np.zeros(2)
@@ -136,17 +130,3 @@ def _distinct(found: Array, unit: float) -> list[Array]:
 def _same(one: Array, other: Array, unit: float) -> bool:
     turned = np.abs(np.exp(1j * one[:, 2]) - np.exp(1j * other[:, 2]))
     return bool(np.max(np.abs(one[:, :2] - other[:, :2])) < SAME * unit and np.max(turned) < SAME)
-
-
-def _places(points: Mapping[str, Mapping[str, Vector]], configuration: Array) -> dict[str, Vector]:
-    """Named points of the links in a configuration."""
-    places = {}
-    for (_, locals_), pose in zip(points.items(), poses_of(configuration[None]), strict=True):
-        for point, local in locals_.items():
-            x, y = frames.point(pose, local)
-            places[point] = (float(x[0]), float(y[0]))
-    return places
-
-
-def _distance(linkage: Linkage, places: Mapping[str, Vector]) -> float:
-    return math.hypot(*(math.dist(place, linkage.sketch[p]) for p, place in places.items() if p in linkage.sketch))

@@ -13,12 +13,13 @@ from numpy.typing import NDArray
 
 from analytic.description.changes import numbers, with_numbers
 from analytic.description.crank_motion import CrankMotion
+from analytic.description.law import FULL_TURN
 from analytic.description.linkage import Linkage
 from analytic.description.loading import parse
 from analytic.description.rewriting import rewritten
 from analytic.errors import AssemblyError, LinkproofError, StructureError
 from analytic.kinematics.decomposition import find_structure
-from analytic.kinematics.mechanism import FULL_TURN, Mechanism
+from analytic.kinematics.mechanism import Mechanism
 from analytic.kinematics.sweep import Sweep
 from analytic.kinematics.transmission import transmission_angle
 from comparisons.designs.parameters import Parameter

@@ -16,7 +16,6 @@ from analytic.description.law import FULL_TURN
 from analytic.description.linkage import Linkage
 from analytic.description.loading import load
 from analytic.errors import LinkproofError
-from analytic.kinematics.crank_range import crank_range
 from analytic.kinematics.mechanism import Mechanism
 from comparisons.datasheet.building import STEADY, range_motion, sheet
 from comparisons.datasheet.designer_results import DesignerResults
@@ -154,7 +153,7 @@ def _usual_case(mechanism: Mechanism, choice: MotionChoice) -> Case:
     start = math.radians(choice.start_angle)
     speed = abs(choice.speed) * RPM
     backwards = choice.clockwise or choice.speed < 0.0
-    reach = crank_range(mechanism, start if choice.start_angle else None)
+    reach = mechanism.crank_range(start if choice.start_angle else None)
     if reach.is_full_turn:
         motion = CrankMotion(STEADY, (Segment(0.0, FULL_TURN / speed, (start, -speed if backwards else speed)),))
         return Case(mechanism, motion)

@@ -7,7 +7,6 @@ from dataclasses import replace
 from typing import Final
 
 from analytic.description.crank_motion import CrankMotion
-from analytic.kinematics.crank_range import crank_range
 from analytic.kinematics.mechanism import Mechanism
 from comparisons.campaign.campaign import CampaignRequest, compare
 from comparisons.campaign.standards import judged_campaign
@@ -82,7 +81,7 @@ def simulate(
 def _motions(mechanism: Mechanism, choice: MotionChoice) -> tuple[tuple[CrankMotion, ...], str]:
     """The motion that compare gives a linkage where none is named; over the range of a crank that makes no turn."""
     linkage = mechanism.linkage
-    if linkage.is_linear or choice.swings or crank_range(mechanism, math.radians(choice.start_angle)).is_full_turn:
+    if linkage.is_linear or choice.swings or mechanism.crank_range(math.radians(choice.start_angle)).is_full_turn:
         return prescribed(choice, [linkage])
     motion = chosen_case(mechanism, choice).motion
     assert isinstance(motion, CrankMotion)

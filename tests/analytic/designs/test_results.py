@@ -16,7 +16,6 @@ from analytic.designs import sampling
 from analytic.designs.figures import Figure, Reduction
 from analytic.designs.results import design_figures
 from analytic.errors import AssemblyError, LinkproofError, StructureError, UnknownNameError
-from analytic.kinematics.crank_range import crank_range
 from analytic.kinematics.mechanism import Mechanism
 from analytic.kinematics.sweep import Sweep
 from analytic.machine_code import compiling
@@ -53,7 +52,7 @@ def sample_of(name, variant, is_laden):
 @cache
 def places(sample, count):
     """Places of the driver over a turn, or over the middle of its range; and whether it is a turn."""
-    reach = crank_range(sample)
+    reach = sample.crank_range()
     if reach.is_full_turn:
         return np.arange(count) * (FULL_TURN / count), True
     low, high = reach.limits

@@ -10,7 +10,6 @@ from analytic.description.law import Law
 from analytic.description.linkage import GROUND, LinkTorque, PointForce, Spring
 from analytic.dynamics import joint_forces, reduced
 from analytic.errors import AssemblyError
-from analytic.kinematics.crank_range import crank_range
 from analytic.kinematics.mechanism import Mechanism
 from comparisons.reference.start_state import scene
 from engines.contract import Outcome, Setting
@@ -244,7 +243,7 @@ def test_static_forces_need_no_second_derivative(monkeypatch):
 @pytest.mark.parametrize("speed", [0.0, 5.0])
 def test_dead_position_is_refused(speed):
     toggle = from_text(text_of("double-crank").replace("B = [28, 0]", "B = [15, 0]"))
-    limit = crank_range(toggle).high.angle
+    limit = toggle.crank_range().high.angle
     with pytest.raises(AssemblyError, match="dead position"):
         joint_forces.joint_forces(toggle.sweep(np.array([toggle.linkage.sketch_angle, limit])), speed, 0.0)
 

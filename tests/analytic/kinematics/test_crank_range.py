@@ -9,7 +9,6 @@ from hypothesis import strategies as st
 from mpmath import mp, mpf
 
 from analytic.errors import AssemblyError
-from analytic.kinematics.crank_range import crank_range
 from tests.analytic.linkages import FOLDER, FULL_TURN, from_text, mechanism, text_of
 from tests.analytic.textbook import DOUBLE_ROCKER, four_bar
 from tests.analytic.tolerances import EPS
@@ -64,25 +63,25 @@ def test_four_bars(ground, crank, coupler, rocker, share):
     assume(start is not None)
     for limit in (cosine_law(ground, crank, coupler - rocker), cosine_law(ground, crank, coupler + rocker)):
         assume(limit is None or limit[1] < 1e6)
-    hold(crank_range(sample(ground, crank, coupler, rocker, start[0])), expected_range(ground, crank, coupler, rocker))
+    hold(sample(ground, crank, coupler, rocker, start[0]).crank_range(), expected_range(ground, crank, coupler, rocker))
 
 
 @pytest.mark.parametrize("rocker", [1e-2, 1e-4, 1e-5])
 def test_a_range_narrower_than_any_step(rocker):
     start = cosine_law(1.0, 0.8, 0.9)[0]
-    found = crank_range(sample(1.0, 0.8, 0.9, rocker, start))
+    found = sample(1.0, 0.8, 0.9, rocker, start).crank_range()
     hold(found, expected_range(1.0, 0.8, 0.9, rocker))
     assert found.limits[1] - found.limits[0] < 4 * rocker
 
 
 @pytest.mark.parametrize("short", [1e-4, 1e-8, 1e-12])
 def test_a_gap_narrower_than_any_step(short):
-    hold(crank_range(sample(1.0, 0.4, 0.9, 0.5 - short, 1.0)), expected_range(1.0, 0.4, 0.9, 0.5 - short))
-    assert crank_range(sample(1.0, 0.4, 0.9, 0.5 + short, 1.0)).is_full_turn
+    hold(sample(1.0, 0.4, 0.9, 0.5 - short, 1.0).crank_range(), expected_range(1.0, 0.4, 0.9, 0.5 - short))
+    assert sample(1.0, 0.4, 0.9, 0.5 + short, 1.0).crank_range().is_full_turn
 
 
 def test_limits_name_their_dyad_and_how_it_stands():
-    found = crank_range(from_text(DOUBLE_ROCKER))
+    found = from_text(DOUBLE_ROCKER).crank_range()
     assert found.low.sentence == "coupler + rocker (RRR): folded in one line"
     assert found.high.sentence == "coupler + rocker (RRR): stretched in one line"
     assert found.low.angle < found.start < found.high.angle
@@ -99,7 +98,7 @@ def test_slider_cranks_whose_rod_is_too_short(rod, offset):
     )
     text = text.replace("A = [0.05, 0]", "A = [1, 0]").replace("through = [0, 0]", f"through = [0, {offset!r}]")
     sample = from_text(text)
-    found = crank_range(sample, 0.0)
+    found = sample.crank_range(0.0)
     expected = [float(mp.asin(mpf(offset) + side * mpf(rod))) for side in (-1, 1)]
     assert found.limits == pytest.approx(expected, rel=0, abs=ROUNDINGS / (1.0 - rod - abs(offset)))
     assert "'rod' square to the guide of 'piston'" in found.low.sentence
@@ -120,7 +119,7 @@ inertia = 1e-4
 def test_a_second_group_may_limit_the_crank():
     """The crank of the four-bar turns fully; C then comes too far from E for the two links between them."""
     four = four_bar(1.0, 0.3, 0.9, 0.7, 1.0).replace("O = [0, 0],", "O = [0, 0], E = [1.5, 0.8],", 1)
-    found = crank_range(from_text(four.replace("points = { C =", "points = { D = [1, 1], C =") + SECOND_DYAD))
+    found = from_text(four.replace("points = { C =", "points = { D = [1, 1], C =") + SECOND_DYAD).crank_range()
 
     def missing(angle):
         a = 0.3 * mp.expj(angle)
@@ -159,20 +158,20 @@ def test_guides_that_become_parallel():
         along = [1, 0]
         """.replace("        ", "")
     )
-    found = crank_range(sample)
+    found = sample.crank_range()
     assert found.limits == pytest.approx([-math.pi / 2, math.pi / 2], rel=0, abs=4 * EPS)
     assert "parallel" in found.high.sentence
 
 
 @pytest.mark.parametrize(("name", "variant"), FULL_TURN)
 def test_cranks_that_turn_fully_meet_no_change_point(name, variant):
-    found = crank_range(mechanism(name, variant))
+    found = mechanism(name, variant).crank_range()
     assert found.is_full_turn
     assert found.change_points == ()
 
 
 def test_a_parallelogram_turns_through_two_change_points():
-    found = crank_range(mechanism("parallelogram"))
+    found = mechanism("parallelogram").crank_range()
     assert found.is_full_turn
     assert [toggle.angle for toggle in found.change_points] == pytest.approx([math.pi, 2 * math.pi], abs=2e-9)
 
@@ -189,7 +188,7 @@ def test_a_parallelogram_that_is_pushed_ends_at_its_change_point():
     ):
         assert old in text
         text = text.replace(old, new)
-    found = crank_range(from_text(text))
+    found = from_text(text).crank_range()
     assert found.low.angle == pytest.approx(math.hypot(0.01, 0.05), rel=0, abs=1e-9)
     assert found.low.sentence == "coupler + rocker (RRR): folded in one line"
     assert found.change_points == ()
@@ -197,16 +196,16 @@ def test_a_parallelogram_that_is_pushed_ends_at_its_change_point():
 
 def test_a_start_at_the_limit_itself():
     sample = from_text(DOUBLE_ROCKER)
-    inner = crank_range(sample)
-    found = crank_range(sample, inner.high.angle)
+    inner = sample.crank_range()
+    found = sample.crank_range(inner.high.angle)
     assert found.limits == pytest.approx(inner.limits, rel=0, abs=1e-14)
 
 
 def test_a_start_out_of_reach_and_a_motion_out_of_range():
     sample = from_text(DOUBLE_ROCKER)
     with pytest.raises(AssemblyError, match=r"cannot be assembled at 0°: 'coupler' \(60 mm\) and 'rocker' \(90 mm\)"):
-        crank_range(sample, 0.0)
-    found = crank_range(sample)
+        sample.crank_range(0.0)
+    found = sample.crank_range()
     found.check(*found.limits, "pendulum")
     message = (
         r"'sample' cannot be moved from 20° to 120°: its crank reaches 14\.3615° to 112\.411° \(at 112\.411° "

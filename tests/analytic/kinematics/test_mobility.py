@@ -7,7 +7,6 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from analytic.description.loading import parse
-from analytic.kinematics.crank_range import crank_range
 from analytic.kinematics.decomposition import find_structure
 from analytic.kinematics.mobility import grashof, loose_points, mobility
 from analytic.kinematics.structure import Dyad
@@ -66,4 +65,4 @@ def test_the_crank_turns_fully_where_grashof_says_so(lengths, angle):
         return
     kind = _grashof(sample)
     if "change-point" not in kind:
-        assert crank_range(sample).is_full_turn == kind.startswith(("Grashof crank-rocker", "Grashof double-crank"))
+        assert sample.crank_range().is_full_turn == kind.startswith(("Grashof crank-rocker", "Grashof double-crank"))

@@ -7,12 +7,14 @@ import pytest
 
 from analytic.description.loading import literature, load, parse
 from analytic.errors import AssemblyError, StructureError
+from analytic.kinematics.dyad_solver import DyadSolver
 from comparisons.datasheet.linkage_check import check
 from reports.document.terminal import rendered
 from reports.mechanism.check import printed
 from tests.analytic.chains import chain_of_dyads
 from tests.analytic.linkages import EVERY, text_of
 from tests.analytic.textbook import DOUBLE_ROCKER
+from tests.counting import calls
 
 
 def folded(gap, one, two):
@@ -45,6 +47,15 @@ def test_a_chain_so_long_that_no_bound_can_be_given():
     facts, _ = check(parse(chain_of_dyads(100), "chain", "chain.toml"))
     assert set(facts["error_bound"].values()) == {None}
     assert "no error bound can be given" in rendered(*printed(facts, str))
+
+
+def test_twice_the_dyads_are_little_more_than_twice_the_work(monkeypatch):
+    solved, counts = calls(monkeypatch, DyadSolver, "poses"), []
+    for dyads in (30, 60):
+        solved.clear()
+        check(parse(chain_of_dyads(dyads), "chain", "chain.toml"))
+        counts.append(len(solved))
+    assert counts[1] < 2.5 * counts[0]
 
 
 def test_transmission_angle_of_a_crank_rocker_is_least_with_the_crank_on_the_frame():

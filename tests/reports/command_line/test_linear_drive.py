@@ -5,7 +5,6 @@ import pytest
 
 from analytic.description.loading import load
 from analytic.errors import LinkproofError
-from analytic.kinematics.crank_range import crank_range
 from comparisons.datasheet.building import MARGIN
 from reports.command_line.linear_drive import prescribed
 from reports.command_line.motion_choice import MotionChoice, motions
@@ -33,7 +32,7 @@ def test_travels_and_speeds_are_in_millimetres_as_the_file_is():
 
 
 def test_without_a_speed_the_mean_is_that_of_a_second_and_without_ends_it_goes_over_the_range():
-    low, high = crank_range(MOTOR).limits
+    low, high = MOTOR.crank_range().limits
     for backwards in (False, True):
         motion, _ = asked(clockwise=backwards)
         inside = [low + MARGIN * (high - low), high - MARGIN * (high - low)]

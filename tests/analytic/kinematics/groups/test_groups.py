@@ -12,10 +12,9 @@ from analytic.description.loading import parse
 from analytic.dynamics.reduced import drive_torque
 from analytic.errors import AssemblyError, LinkproofError
 from analytic.kinematics import frames
-from analytic.kinematics.crank_range import crank_range
 from analytic.kinematics.decomposition import find_structure
 from analytic.kinematics.error_bounds import ErrorBounds
-from analytic.kinematics.groups.branch import Problem, corrected, followed
+from analytic.kinematics.groups.following import Problem, corrected, followed
 from analytic.kinematics.groups.solver import GroupSolver, problem_of
 from analytic.kinematics.mechanism import Mechanism
 from analytic.kinematics.structure import Dyad, Group, Revolute
@@ -39,7 +38,7 @@ def from_text(text: str) -> Mechanism:
 @pytest.mark.parametrize("name", SOLVED)
 def test_positions_derivatives_and_torque_are_those_of_50_digits_within_their_bound(name):
     model = driven(name)
-    low, high = crank_range(model).limits
+    low, high = model.crank_range().limits
     for value in low + (high - low) * np.array([0.07, 0.41, 0.93]):
         truth, sweep = exact(model, float(value)), model.sweep(float(value))
         bounds, errors, peaks = ErrorBounds(sweep), np.zeros(3), np.zeros(3)
@@ -136,7 +135,7 @@ def test_a_group_with_a_closed_contour_of_four_links_is_of_class_iv_and_names_do
 
 def test_a_turn_returns_and_later_turns_are_the_same():
     model = driven("ternary-on-rods")
-    assert crank_range(model).is_full_turn
+    assert model.crank_range().is_full_turn
     angle = np.linspace(0.0, 2.0 * np.pi, 11)
     first, later = model.sweep(angle), model.sweep(angle - 6.0 * np.pi)
     assert first.point("P") == pytest.approx(later.point("P"), abs=1e-15)
@@ -150,7 +149,7 @@ SWINGS = TEXT.replace("A = [16, 0]", "A = [34, 0]")
 
 def test_a_swing_ends_where_its_links_stand_dead_and_says_so():
     model = from_text(SWINGS)
-    limits = crank_range(model)
+    limits = model.crank_range()
     low, high = limits.limits
     assert limits.low is not None
     assert "left + plate + right + rod (III, numerical): its links stand in a dead position" in limits.low.sentence
@@ -168,7 +167,7 @@ def test_a_swing_ends_where_its_links_stand_dead_and_says_so():
 def test_of_two_groups_that_end_between_two_looks_the_nearer_end_is_the_range_s():
     """The boom's cylinder could go on a fifth of a millimetre after the rods are stretched."""
     mechanism = driven("boom")
-    low = crank_range(mechanism).low
+    low = mechanism.crank_range().low
     assert low is not None
     assert low.sentence == "jib + rod (RRR): stretched in one line"
     group = mechanism.structure.groups[0]
@@ -257,7 +256,7 @@ def test_linkages_drawn_at_random_start_as_drawn_and_stay_closed(seed):
     start = model.sweep(np.asarray(0.0))
     for name in "BCD":
         assert 1e3 * start.point(name) == pytest.approx(places[name], abs=1e-9)
-    low, high = crank_range(model).limits
+    low, high = model.crank_range().limits
     sweep = model.sweep(np.linspace(low, high, 102)[1:-1])
     assert np.max(sweep.closure_error()) < 1e-15
 

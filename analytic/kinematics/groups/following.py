@@ -1,4 +1,4 @@
-"""A configuration of a group followed over φ: nodes from which Newton's method finds the links anywhere between them.
+"""Following a configuration of a group over φ, and Newton's method from the nodes that this leaves.
 
 From the configuration at the sketch the branch is followed with a predictor of the third order and steps that shrink
 where the corrector has far to go (P. Deuflhard, Newton Methods for Nonlinear Problems, 2004, chapter 5). The sign of
@@ -16,14 +16,15 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
+from analytic.description.law import FULL_TURN
 from analytic.errors import AssemblyError
+from analytic.kinematics.branch import GroupBranch, quintic
 from analytic.kinematics.groups.equations import GroupSystem, Motions
 from analytic.kinematics.structure import GroupJoint
 
 Array = NDArray[np.float64]
 Hosts = Callable[[Array], Motions]
 
-FULL_TURN: Final = 2.0 * np.pi
 LARGEST_STEP: Final = FULL_TURN / 24.0  # rad, or units of length, between two nodes
 LEAST_STEP: Final = 1e-9  # a branch that has to go slower has come to its end
 FARTHEST: Final = 1e-3  # units and rad that a predicted node may be off; farther, another branch may be nearer
@@ -53,49 +54,6 @@ class Problem:
     def system(self, coordinate: Array) -> GroupSystem:
         """The equations at values of φ; raises AssemblyError where the links before it do not meet."""
         return GroupSystem(self.joints, self.links, self.hosts(coordinate), coordinate, self.unit)
-
-
-@dataclass(frozen=True, eq=False)
-class GroupBranch:
-    """Nodes over φ, ``coordinate`` (m,), rad or m, increasing: ``state`` (m, 3, links, 3), x, y, θ and derivatives.
-
-    ``turns`` (links,) is what each link turns by, rad, in a turn of a crank after which all is as before; None where
-    the branch has two ends. ``strays`` says that a turn of the crank ends in another configuration.
-    """
-
-    coordinate: Array
-    state: Array
-    unit: float
-    turns: Array | None
-    is_linear: bool
-    strays: bool = False
-
-    @property
-    def ends(self) -> tuple[float, float]:
-        """The lowest and the highest φ."""
-        return float(self.coordinate[0]), float(self.coordinate[-1])
-
-    def within(self, coordinate: Array) -> Array:
-        """φ brought among the nodes by whole turns of a crank, where that helps."""
-        if self.is_linear:
-            return coordinate
-        low, high = self.ends
-        if self.turns is not None:
-            return coordinate - FULL_TURN * np.floor((coordinate - low) / FULL_TURN)
-        if high - low >= FULL_TURN:
-            return coordinate
-        return coordinate - FULL_TURN * np.round((coordinate - 0.5 * (low + high)) / FULL_TURN)
-
-    def margin(self, coordinate: Array) -> Array:
-        """How far φ is from the nearer end, negative outside; infinite where there are no ends."""
-        if self.turns is not None:
-            return np.full(np.shape(coordinate), np.inf)
-        at, (low, high) = self.within(coordinate), self.ends
-        return np.asarray(np.minimum(at - low, high - at))
-
-    def guess(self, coordinate: Array) -> Array:
-        """Coordinates of the links near the exact ones, (n, links, 3), by quintics between the nodes."""
-        return _quintic(self.coordinate, self.state, self.within(coordinate))
 
 
 @dataclass(frozen=True)
@@ -217,7 +175,7 @@ def _refined(problem: Problem, branch: GroupBranch, side: float) -> GroupBranch:
         if not len(wide):
             break
         middle = 0.5 * (places[wide] + places[wide + 1])
-        guess, system = _quintic(places, state, middle), problem.system(middle)
+        guess, system = quintic(places, state, middle), problem.system(middle)
         exact = corrected(system, guess)
         with np.errstate(all="ignore"):
             sides = np.linalg.slogdet(system.matrix(system.motions(exact)))[0]
@@ -235,23 +193,3 @@ def _refined(problem: Problem, branch: GroupBranch, side: float) -> GroupBranch:
         left = np.unique(np.concatenate([new - 1, new]))
         left = left[(left >= 0) & (left < len(places) - 1)]
     return GroupBranch(places, state, branch.unit, branch.turns, branch.is_linear, branch.strays)
-
-
-def _quintic(places: Array, state: Array, at: Array) -> Array:
-    """Hermite's quintics through both neighbours' values and derivatives, (n, links, 3)."""
-    if len(places) == 1:
-        return np.repeat(state[:, 0], len(at), axis=0)
-    left = np.clip(np.searchsorted(places, at, side="right") - 1, 0, len(places) - 2)
-    width = places[left + 1] - places[left]
-    x = np.clip((at - places[left]) / width, 0.0, 1.0)
-    result = np.zeros((len(at), *state.shape[2:]))
-    for node, s, sign in ((left, x, 1.0), (left + 1, 1.0 - x, -1.0)):
-        u = 1.0 - s
-        weights = (
-            u**3 * (1.0 + 3.0 * s + 6.0 * s * s),
-            sign * width * u**3 * s * (1.0 + 3.0 * s),
-            0.5 * width**2 * u**3 * s * s,
-        )
-        for order, weight in enumerate(weights):
-            result += weight[:, None, None] * state[node, order]
-    return result
