@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Final
 
@@ -10,6 +11,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from analytic.description.law import FULL_TURN
+from analytic.designs.derivatives import figure_gradients
+from analytic.designs.figures import Figure
+from analytic.designs.results import design_figures
 from analytic.errors import LinkproofError
 from analytic.kinematics.crank_range import crank_range
 from analytic.kinematics.mechanism import Mechanism
@@ -42,6 +46,28 @@ class SteadyMotion:
         share = np.full(len(self.places), 1.0 / (len(self.places) - 1))
         share[[0, -1]] *= 0.5
         return share
+
+    def figures(
+        self,
+        mechanism: Mechanism,
+        numbers: Mapping[str, Array],
+        figures: Sequence[Figure],
+        *,
+        refine: bool = True,
+        cores: int | None = None,
+        path: str = "auto",
+    ) -> Array:
+        """Figures of designs with these numbers (designs,), SI, by name: (figures, designs), as ``design_figures``."""
+        return design_figures(
+            mechanism, numbers, figures, self.places, speed=self.speed, weights=self.weights, refine=refine,
+            period=FULL_TURN if self.is_full_turn else None, cores=cores, path=path,
+        )  # fmt: skip
+
+    def gradients(
+        self, mechanism: Mechanism, numbers: Mapping[str, float], figures: Sequence[Figure]
+    ) -> tuple[Array, Array]:
+        """Figures of one design, refined, and their derivatives (figures, numbers), SI, as ``figure_gradients``."""
+        return figure_gradients(mechanism, numbers, figures, self.places, speed=self.speed, weights=self.weights)
 
 
 def steady_motion(
