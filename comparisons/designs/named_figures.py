@@ -12,11 +12,12 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
+from difflib import get_close_matches
 from typing import Final
 
 from analytic import signals
 from analytic.designs.figures import Figure, Reduction
-from analytic.errors import LinkproofError, UnknownNameError
+from analytic.errors import SIMILAR, SYMBOLS, LinkproofError, shortened
 from analytic.kinematics.mechanism import Mechanism
 from analytic.signals import MAGNITUDE
 from comparisons.datasheet.curves import FORCES
@@ -29,6 +30,7 @@ NEEDS: Final[Mapping[str, str]] = {  # what a linkage must have for these signal
     **dict.fromkeys(("S", "v", "a"), "an output point"),
     **dict.fromkeys(("Mkr", "Peq", "Teq", "Jeq", "joint_force"), "masses of all links"),
 }
+NEAREST: Final = 3  # names in a message
 NOT_OF_A_DESIGN: Final = ("phi", "omega", "epsilon")  # they are given
 
 
@@ -49,7 +51,7 @@ class NamedFigure:
 def named_figures(mechanism: Mechanism, names: Iterable[str]) -> tuple[NamedFigure, ...]:
     """The figures of these names, each once, in their order; a family stands for all its members.
 
-    Raises UnknownNameError for a signal or a reduction that there is not, LinkproofError for a wrong angle.
+    Raises LinkproofError for a signal or a reduction that there is not, and for a wrong angle.
     """
     known = _signals(mechanism)
     found = {one.name: one for name in names for one in _figures(mechanism, known, name)}
@@ -81,8 +83,7 @@ def _figures(mechanism: Mechanism, known: Mapping[str, str], name: str) -> list[
                 for one in _members(mechanism, known, signal)]  # fmt: skip
     signal, _, word = ("S", ".", "range") if name == STROKE else name.rpartition(".")
     if word not in REDUCTIONS:
-        examples = [STROKE, *(f"{name}.{one}" for one in REDUCTIONS)]
-        raise UnknownNameError("figure", name, examples if name in known or name in FAMILIES else _examples(known))
+        raise _unknown(name, known)
     return [
         _named(mechanism, STROKE if name == STROKE else f"{one}.{word}", Reduction(word), known[one])
         for one in _members(mechanism, known, signal)
@@ -105,8 +106,22 @@ def _members(mechanism: Mechanism, known: Mapping[str, str], signal: str) -> lis
     if signal in FAMILIES:
         return members
     if signal not in known:
-        raise UnknownNameError(f"signal of '{mechanism.linkage.name}'", signal, [*known, *FAMILIES])
+        raise _unknown(f"{signal}.peak", known)
     return [signal]
+
+
+def _unknown(name: str, known: Mapping[str, str]) -> LinkproofError:
+    """What to say of a figure that there is not: the nearest few."""
+    examples, (word, _, how) = _examples(known), name.rpartition(".") if "." in name else (name, "", "peak")
+    symbol = f"{SYMBOLS.get(word.lower(), word)}.{how if how in REDUCTIONS else 'peak'}"
+    by_case = {one.lower(): one for one in examples}
+    near = get_close_matches(name.lower(), by_case, n=NEAREST, cutoff=SIMILAR)
+    meant = dict.fromkeys([*([symbol] if symbol in examples else []), *(by_case[one] for one in near)])
+    hint = f"did you mean {' or '.join(repr(one) for one in [*meant][:NEAREST])}? " if meant else ""
+    return LinkproofError(
+        f"unknown figure '{shortened(name)}': {hint}a figure is {STROKE}, or a signal of `linkproof results` with "
+        f"{', '.join(f'.{one}' for one in REDUCTIONS)} or @ANGLE behind its name, such as Mkr.peak"
+    )
 
 
 def _angle(mechanism: Mechanism, name: str, text: str) -> float:

@@ -128,6 +128,9 @@ def optimise(
     starts: Annotated[int, valued("N", "Search from so many designs, the file's first.")] = 1,
     seed: Annotated[int, valued("N", "Seed of the other designs.")] = 0,
     everywhere: Annotated[bool, flag("Look everywhere between the bounds.", "--global")] = False,
+    step: Annotated[
+        str | None, valued("STEP", "Round lengths to this step, such as 0.1mm, and say what it costs.", "--round")
+    ] = None,
     simulate: Annotated[
         list[str] | None,
         valued("ENGINE", "Simulate the result, as compare does; repeatable.", names=completion.engines),
@@ -145,7 +148,7 @@ def optimise(
     from reports.command_line.commands import optimise as command
     from reports.command_line.destination import Destination
 
-    how = {"starts": starts, "seed": seed, "everywhere": everywhere}
+    how = {"starts": starts, "seed": seed, "everywhere": everywhere, "step": step or ""}
     wish = command.wish(minimise, maximise, over or (), keep or (), how)
     choice = command.OptimiseChoice(
         mechanism=mechanism, variant=variant, **speed_words(speed), clockwise=clockwise, from_angle=from_angle,

@@ -63,7 +63,7 @@ class Descent:
     def run(self, start: Array) -> End | None:
         """The end of a search from a design; None where that cannot be assembled."""
         try:
-            end = self._end(start)
+            end = self.end(start)
         except AssemblyError:
             return None
         if not end.is_feasible:
@@ -100,7 +100,8 @@ class Descent:
         shares /= np.sum(shares[: len(aims)]) or 1.0
         return float(np.linalg.norm(matrix[:-1] @ shares))
 
-    def _end(self, place: Array) -> End:
+    def end(self, place: Array) -> End:
+        """A design as an end; raises AssemblyError."""
         here = self.at(place, self.problem.windows(place))
         return End(place, float(np.max(here.aim)), here.missed)
 
@@ -108,6 +109,10 @@ class Descent:
         """A design, counted."""
         self.counter.gradients += 1
         return self.problem.at(place, windows)
+
+    def is_fixed(self, place: Array) -> bool:
+        """Whether the figures kept at a value fix every number: none is left to vary."""
+        return len(_independent(self.at(place, self.problem.windows(place)).equal_slopes)) == len(place)
 
     def _towards_kept(self, end: End) -> End:
         """A design near by that keeps what is kept, or misses it by less."""
@@ -130,7 +135,7 @@ class Descent:
 
     def _better(self, end: End, place: Array) -> End:
         try:
-            found = self._end(np.clip(place, 0.0, 1.0))
+            found = self.end(np.clip(place, 0.0, 1.0))
         except AssemblyError:
             return end
         return found if found.rank < end.rank else end
@@ -166,7 +171,7 @@ class Descent:
         )  # fmt: skip
         place = np.asarray(found.x[:-1])
         try:
-            return self._end(np.clip(place, 0.0, 1.0)) if np.all(np.isfinite(place)) else None
+            return self.end(np.clip(place, 0.0, 1.0)) if np.all(np.isfinite(place)) else None
         except AssemblyError:
             return None
 

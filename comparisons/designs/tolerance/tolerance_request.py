@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Final
 
@@ -13,8 +13,7 @@ from numpy.typing import NDArray
 from analytic.description.changes import numbers
 from analytic.description.crank_motion import RPM
 from analytic.description.linkage import Linkage
-from analytic.designs.derivatives import figure_gradients, is_exact
-from analytic.designs.results import design_figures
+from analytic.designs.derivatives import is_exact
 from analytic.errors import LinkproofError
 from analytic.kinematics.mechanism import Mechanism
 from comparisons.datasheet.units import FileUnit, file_unit
@@ -82,32 +81,16 @@ class ToleranceRequest:
         size = TOGETHER if is_exact(self.mechanism) else ALONE
         for start in range(0, count, size):
             announce("designs", start, count)
-            parts.append(self._some({name: values[start : start + size] for name, values in designs.items()}))
+            some = {name: values[start : start + size] for name, values in designs.items()}
+            parts.append(self.motion.figures(self.mechanism, some, [one.figure for one in self.figures]))
         return np.concatenate(parts, axis=1)
-
-    def _some(self, designs: Mapping[str, Array]) -> Array:
-        return design_figures(
-            self.mechanism,
-            designs,
-            [one.figure for one in self.figures],
-            self.motion.places,
-            speed=self.motion.speed,
-            weights=self.motion.weights,
-            refine=True,
-        )
 
     def derivatives(self) -> Array:
         """Derivatives of the results by what has a tolerance, (results, tolerances)."""
         own = numbers(self.mechanism.linkage)
         names = list(self.designs(np.zeros((len(self.tolerances), 1))))
-        _, gradients = figure_gradients(
-            self.mechanism,
-            {name: own[name] for name in names},
-            [one.figure for one in self.figures],
-            self.motion.places,
-            speed=self.motion.speed,
-            weights=self.motion.weights,
-        )
+        figures = [one.figure for one in self.figures]
+        _, gradients = self.motion.gradients(self.mechanism, {name: own[name] for name in names}, figures)
         by = dict(zip(names, gradients.T, strict=True))
         columns = []
         for one in self.tolerances:
