@@ -10,6 +10,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
+from analytic.description.changes import design_numbers
 from analytic.description.law import FULL_TURN
 from analytic.designs.derivatives import figure_gradients
 from analytic.designs.figures import Figure
@@ -18,6 +19,7 @@ from analytic.errors import LinkproofError
 from analytic.kinematics.crank_range import crank_range
 from analytic.kinematics.mechanism import Mechanism
 from comparisons.datasheet.building import within
+from comparisons.designs.parameters import SPEED
 
 Array = NDArray[np.float64]
 
@@ -57,11 +59,24 @@ class SteadyMotion:
         cores: int | None = None,
         path: str = "auto",
     ) -> Array:
-        """Figures of designs with these numbers (designs,), SI, by name: (figures, designs), as ``design_figures``."""
-        return design_figures(
-            mechanism, numbers, figures, self.places, speed=self.speed, weights=self.weights, refine=refine,
-            period=FULL_TURN if self.is_full_turn else None, cores=cores, path=path,
-        )  # fmt: skip
+        """Figures of designs with these numbers (designs,), SI, by name: (figures, designs), as ``design_figures``.
+
+        One of the numbers may be the ``speed``, turned as this motion's.
+        """
+        speeds = np.asarray(numbers.get(SPEED, abs(self.speed)))
+        rest = {name: values for name, values in numbers.items() if name != SPEED}
+        if not rest:  # of the file's own numbers one stands for all
+            name, (_, value) = next(iter(design_numbers(mechanism.linkage).items()))
+            rest = {name: np.full(speeds.shape, value)}
+        found = np.empty((len(figures), len(next(iter(rest.values())))))
+        for speed in np.unique(speeds):
+            here = np.broadcast_to(speeds == speed, found.shape[1:])
+            found[:, here] = design_figures(
+                mechanism, {name: values[here] for name, values in rest.items()}, figures, self.places,
+                speed=float(np.copysign(1.0, self.speed) * speed), weights=self.weights, refine=refine,
+                period=FULL_TURN if self.is_full_turn else None, cores=cores, path=path,
+            )  # fmt: skip
+        return found
 
     def gradients(
         self, mechanism: Mechanism, numbers: Mapping[str, float], figures: Sequence[Figure]

@@ -112,7 +112,7 @@ class Descent:
 
     def is_fixed(self, place: Array) -> bool:
         """Whether the figures kept at a value fix every number: none is left to vary."""
-        return len(_independent(self.at(place, self.problem.windows(place)).equal_slopes)) == len(place)
+        return len(_independent(self.problem.at(place, self.problem.windows(place)).equal_slopes)) == len(place)
 
     def _towards_kept(self, end: End) -> End:
         """A design near by that keeps what is kept, or misses it by less."""

@@ -19,6 +19,7 @@ from analytic.errors import AssemblyError, LinkproofError
 from analytic.kinematics.mechanism import Mechanism
 from analytic.signals import names
 from comparisons.designs.named_figures import STROKE, NamedFigure, named_figures
+from comparisons.designs.parameters import SPEED
 from comparisons.designs.steady_motion import SteadyMotion
 from comparisons.designs.sweep.space import DesignSpace
 from comparisons.runs.failures import Lost
@@ -53,6 +54,11 @@ class SweepRequest:
         """The same on the path that its size calls for."""
         size = self.space.count * len(self.motion.places)
         return replace(self, path=usual_path([one.figure for one in self.figures], size, self.cores))
+
+    @property
+    def own(self) -> dict[str, float]:
+        """The file's own numbers, SI, by parameter; of a speed that of the motion."""
+        return {one.name: abs(self.motion.speed) if one.kind == SPEED else one.value for one in self.space.parameters}
 
     @cached_property
     def blocks(self) -> range:
@@ -146,12 +152,14 @@ def own_figures(request: SweepRequest) -> Array:
 
     Raises LinkproofError where the space has values that no design can.
     """
-    for one, (least, _) in zip(request.space.parameters, request.space.ends, strict=True):
+    for one, (least, most) in zip(request.space.parameters, request.space.ends, strict=True):
+        if one.kind == SPEED and least <= 0.0 <= most:
+            raise LinkproofError(f"{one.name}: expected speeds on one side of 0, got {least:g} to {most:g}; correct it")
         if one.kind in ("mass", "inertia") and least < 0.0:
             raise LinkproofError(
                 f"{one.name}: expected no negative {one.kind}, got {least:g} {one.unit.name}; correct the range"
             )
-    own = {one.name: np.array([one.value]) for one in request.space.parameters}
+    own = {name: np.array([value]) for name, value in request.own.items()}
     return _figures(replace(request, path="numpy"), own)[:, 0]
 
 

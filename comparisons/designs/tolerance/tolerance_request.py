@@ -11,13 +11,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from analytic.description.changes import numbers
-from analytic.description.crank_motion import RPM
 from analytic.description.linkage import Linkage
 from analytic.designs.derivatives import is_exact
 from analytic.errors import LinkproofError
 from analytic.kinematics.mechanism import Mechanism
-from comparisons.datasheet.units import FileUnit, file_unit
 from comparisons.designs.named_figures import NamedFigure, named_figures
+from comparisons.designs.parameters import speed_unit
 from comparisons.designs.steady_motion import SAMPLES as PLACES
 from comparisons.designs.steady_motion import SteadyMotion, steady_motion
 from comparisons.designs.tolerance.tolerances import ANGLE, LENGTH, Tolerance, Tolerances, tolerances
@@ -101,13 +100,6 @@ class ToleranceRequest:
             turns = one.name.endswith(ANGLE)
             columns.append(x * over_y - y * over_x if turns else (x * over_x + y * over_y) / math.hypot(x, y))
         return np.stack(columns, axis=1)
-
-
-def speed_unit(linkage: Linkage) -> FileUnit:
-    """The unit in which the driver's speed is said: rpm, or the file's unit of length per second."""
-    if not linkage.is_linear:
-        return FileUnit("rpm", RPM)
-    return file_unit("m/s", linkage)
 
 
 def tolerance_request(

@@ -15,6 +15,7 @@ from analytic.description.loading import load
 from analytic.errors import LinkproofError
 from comparisons.datasheet.units import file_unit
 from comparisons.designs.named_figures import named_figures
+from comparisons.designs.parameters import SPEED
 from comparisons.designs.sweep.saved_sweep import FILE, SavedSweep
 from comparisons.designs.sweep.simulated_designs import engines_over_designs, simulated_designs
 from comparisons.designs.sweep.space import DesignSpace, Grid, steps
@@ -121,6 +122,8 @@ def _simulate(choice: SweepChoice, destination: Destination, request: SweepReque
     from reports.command_line.requests import CampaignChoice  # noqa: PLC0415
     from reports.designs.sweep.engines_terminal import printout  # noqa: PLC0415
 
+    if any(one.kind == SPEED for one in request.space.parameters):
+        raise LinkproofError("--simulate: expected designs of one speed, got several; leave --vary speed out")
     designs, motion = simulated_designs(request, choice.designs, choice.seed), request.motion
     if not (motion.is_full_turn or choice.swings):
         unit = file_unit("m", request.linkage).size if request.linkage.is_linear else math.radians(1.0)

@@ -35,7 +35,7 @@ class SweepSummary:
     @property
     def own_parameters(self) -> dict[str, float]:
         """The parameters of the file's own design."""
-        return {one.name: one.value / one.unit.size for one in self.request.space.parameters}
+        return {one.name: self.request.own[one.name] / one.unit.size for one in self.request.space.parameters}
 
     @property
     def parts(self) -> list[Printed]:

@@ -105,6 +105,7 @@ def test_an_engine_says_what_it_thinks_of_the_new_design():
     [
         (PEAK, "expected numbers to vary, got none"),
         ((*PEAK, "--over", "rod.B.z=1:2"), "did you mean 'rod.B.y'"),
+        ((*PEAK, "--over", "speed=1:2"), "expected numbers of the linkage's file, got speed"),
         ((*PEAK, "--over", "rod.B.x"), "expected NAME=LOW:HIGH or NAME=±10%, got 'rod.B.x'"),
         ((*PEAK, "--over", "rod.B.x=170"), "expected LOW:HIGH or ±10%, got '170'"),
         ((*PEAK, "--over", "rod.B.x=180:170"), "expected LOW below HIGH, got '180:170'"),

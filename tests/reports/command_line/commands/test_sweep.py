@@ -77,6 +77,17 @@ def test_every_file_tells_the_same(tmp_path):
     assert told["figures"]["Mkr.peak"]["largest"]["value"] == pytest.approx(peak, rel=1e-14)
 
 
+@pytest.mark.parametrize("extra", [(), ("rod.mass=0.1:0.2:2",)])
+def test_the_speed_may_be_varied_and_torques_without_gravity_go_as_its_square(tmp_path, extra):
+    swept(csv=str(tmp_path / "t.csv"), vary=("speed=500:1500rpm:3", *extra), gravity=False)
+    head, rows = table(tmp_path / "t.csv")
+    assert head[0] == "speed [rpm]"
+    for mass in np.unique(rows[:, 1]) if extra else [None]:
+        some = rows if mass is None else rows[rows[:, 1] == mass]
+        np.testing.assert_allclose(some[:, -2] / some[0, -2], (some[:, 0] / 500.0) ** 2, rtol=1e-12)
+        np.testing.assert_allclose(some[:, -1], some[0, -1], rtol=1e-12)
+
+
 def test_a_table_gives_what_a_grid_of_the_same_designs_does(tmp_path):
     swept(csv=str(tmp_path / "grid.csv"))
     head, rows = table(tmp_path / "grid.csv")
@@ -148,6 +159,8 @@ def test_nothing_is_kept_but_the_summary_without_a_folder(tmp_path, monkeypatch)
         ({"vary": ("rod.B.q=1:2:3",)}, "unknown parameter of 'rimoldi-164' 'rod.B.q': did you mean"),
         ({"vary": ("rod.B.x=170:180:0",)}, "expected a number of values"),
         ({"vary": ("rod.B.x=1kg:2kg:3",)}, "unknown length unit 'kg'"),
+        ({"vary": ("speed=-10:10:3",)}, "speed: expected speeds on one side of 0, got -10 to 10"),
+        ({"vary": ("speed=1kg:2kg:3",)}, "speed: expected rpm, got 'kg'"),
         ({"vary": ()}, "got neither"),
         ({"table": Path("designs.csv")}, "got both"),
         ({"vary": (), "table": Path("designs.csv")}, "No such file"),
