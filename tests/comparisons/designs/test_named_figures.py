@@ -2,7 +2,9 @@
 
 import pytest
 
+from analytic.description.loading import load
 from analytic.errors import LinkproofError
+from analytic.kinematics.mechanism import Mechanism
 from comparisons.designs.named_figures import named_figures
 from tests.analytic.linkages import from_text
 
@@ -44,3 +46,15 @@ def test_a_figure_that_needs_what_the_file_does_not_have_says_what(name, words):
 def test_what_it_has_is_found():
     found = named_figures(from_text(BARE), ["transmission_angle.min", "point:B:y@30"])
     assert [one.name for one in found] == ["transmission_angle:coupler + rocker (RRR).min", "point:B:y@30"]
+
+
+@pytest.mark.parametrize(
+    ("name", "meant"),
+    [("torque", "Mkr.peak"), ("force.mean", "joint_force.mean"), ("strok", "stroke"), ("Mkr.pek", "Mkr.peak")],
+)
+def test_a_wrong_name_has_the_nearest_few(name, meant):
+    with pytest.raises(LinkproofError) as told:
+        named_figures(Mechanism(load("rimoldi-164")), [name])
+    assert f"unknown figure '{name}': did you mean '{meant}'" in str(told.value)
+    assert "more" not in str(told.value)
+    assert len(str(told.value)) < 320

@@ -173,7 +173,7 @@ def test_nothing_is_kept_but_the_summary_without_a_folder(tmp_path, monkeypatch)
         ({"designs": 8}, "--designs is for designs that are simulated: name an engine with --simulate"),
         ({"simulate": ("direct",), "seed": -1}, "--seed: expected a whole number, 0 or more, got -1"),
         ({"quantities": ("Mkr",)}, "unknown figure 'Mkr': did you mean"),
-        ({"quantities": ("nothing.peak",)}, "unknown signal"),
+        ({"quantities": ("nothing.peak",)}, "unknown figure 'nothing.peak'"),
         ({"angles": 3}, "--angles: expected 8 crank angles or more, got 3"),
         ({"jobs": 0}, "--jobs: expected 1 or more cores, got 0"),
         ({"speed": 0.0}, "--speed: expected"),
