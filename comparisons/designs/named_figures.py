@@ -80,13 +80,13 @@ def _figures(mechanism: Mechanism, known: Mapping[str, str], name: str) -> list[
     signal, mark, angle = name.rpartition("@")
     if mark:
         return [_named(mechanism, f"{one}@{angle}", _angle(mechanism, name, angle), known[one])
-                for one in _members(mechanism, known, signal)]  # fmt: skip
+                for one in _members(mechanism, known, signal, name)]  # fmt: skip
     signal, _, word = ("S", ".", "range") if name == STROKE else name.rpartition(".")
     if word not in REDUCTIONS:
         raise _unknown(name, known)
     return [
         _named(mechanism, STROKE if name == STROKE else f"{one}.{word}", Reduction(word), known[one])
-        for one in _members(mechanism, known, signal)
+        for one in _members(mechanism, known, signal, name)
     ]
 
 
@@ -95,24 +95,25 @@ def _examples(known: Mapping[str, str]) -> list[str]:
     return [STROKE, *(f"{one}.{word}" for word in REDUCTIONS for one in (*known, *FAMILIES))]
 
 
-def _members(mechanism: Mechanism, known: Mapping[str, str], signal: str) -> list[str]:
+def _members(mechanism: Mechanism, known: Mapping[str, str], signal: str, name: str) -> list[str]:
     """The signal, or every member of the family: the magnitudes of all forces, the angles of all groups."""
     ending = MAGNITUDE if signal == "joint_force" else ""
     members = [one for one, told in known.items() if told == f"{one}{ending}" and one.startswith(f"{signal}:")]
     if signal in NEEDS and signal not in known and not members:
-        name = mechanism.linkage.name
-        raise LinkproofError(f"{STROKE if signal == 'S' else signal}: expected a linkage with {NEEDS[signal]}, got "
-                             f"'{name}' without; add what is missing to its file, or name another figure")  # fmt: skip
+        raise LinkproofError(
+            f"{STROKE if signal == 'S' else signal}: expected a linkage with {NEEDS[signal]}, got "
+            f"'{mechanism.linkage.name}' without; add what is missing to its file, or name another figure"
+        )
     if signal in FAMILIES:
         return members
     if signal not in known:
-        raise _unknown(f"{signal}.peak", known)
+        raise _unknown(name, known)
     return [signal]
 
 
 def _unknown(name: str, known: Mapping[str, str]) -> LinkproofError:
     """What to say of a figure that there is not: the nearest few."""
-    examples, (word, _, how) = _examples(known), name.rpartition(".") if "." in name else (name, "", "peak")
+    examples, (word, _, how) = _examples(known), name.partition("@")[0].partition(".")
     symbol = f"{SYMBOLS.get(word.lower(), word)}.{how if how in REDUCTIONS else 'peak'}"
     by_case = {one.lower(): one for one in examples}
     near = get_close_matches(name.lower(), by_case, n=NEAREST, cutoff=SIMILAR)
