@@ -13,11 +13,12 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
+from difflib import get_close_matches
 from typing import Final
 
 from analytic import signals
 from analytic.designs.figures import Figure, Reduction
-from analytic.errors import LinkproofError, UnknownNameError
+from analytic.errors import SIMILAR, SYMBOLS, LinkproofError, shortened
 from analytic.kinematics.mechanism import Mechanism
 from analytic.signals import MAGNITUDE
 from comparisons.datasheet.curves import FORCES
@@ -31,6 +32,7 @@ NEEDS: Final[Mapping[str, str]] = {  # what a linkage must have for these signal
     **dict.fromkeys(("S", "v", "a"), "an output point"),
     **dict.fromkeys(("Mkr", "Peq", "Teq", "Jeq", "joint_force"), "masses of all links"),
 }
+NEAREST: Final = 3  # names in a message
 NOT_OF_A_DESIGN: Final = ("phi", "omega", "epsilon")  # they are given
 
 
@@ -51,7 +53,7 @@ class NamedFigure:
 def named_figures(mechanism: Mechanism, names: Iterable[str]) -> tuple[NamedFigure, ...]:
     """The figures of these names, each once, in their order; a family stands for all its members.
 
-    Raises UnknownNameError for a signal or a reduction that there is not, LinkproofError for a wrong angle.
+    Raises LinkproofError for a signal or a reduction that there is not, and for a wrong angle.
     """
     known = _signals(mechanism)
     found = {one.name: one for name in names for one in _figures(mechanism, known, name)}
@@ -80,15 +82,14 @@ def _figures(mechanism: Mechanism, known: Mapping[str, str], name: str) -> list[
     signal, mark, angle = name.rpartition("@")
     if mark:
         return [_named(mechanism, f"{one}@{angle}", _angle(mechanism, name, angle), known[one])
-                for one in _members(mechanism, known, signal)]  # fmt: skip
+                for one in _members(mechanism, known, signal, name)]  # fmt: skip
     signal, _, word = ("S", ".", "range") if name == STROKE else name.rpartition(".")
     if word not in REDUCTIONS:
-        examples = [STROKE, *(f"{name}.{one}" for one in REDUCTIONS)]
-        raise UnknownNameError("figure", name, examples if name in known or name in FAMILIES else _examples(known))
+        raise _unknown(name, known)
     how = Reduction.MIN if word == Reduction.PEAK and signal.startswith(ANGLES) else Reduction(word)
     return [
         _named(mechanism, STROKE if name == STROKE else f"{one}.{word}", how, known[one])
-        for one in _members(mechanism, known, signal)
+        for one in _members(mechanism, known, signal, name)
     ]
 
 
@@ -97,19 +98,34 @@ def _examples(known: Mapping[str, str]) -> list[str]:
     return [STROKE, *(f"{one}.{word}" for word in REDUCTIONS for one in (*known, *FAMILIES))]
 
 
-def _members(mechanism: Mechanism, known: Mapping[str, str], signal: str) -> list[str]:
+def _members(mechanism: Mechanism, known: Mapping[str, str], signal: str, name: str) -> list[str]:
     """The signal, or every member of the family: the magnitudes of all forces, the angles of all groups."""
     ending = MAGNITUDE if signal == "joint_force" else ""
     members = [one for one, told in known.items() if told == f"{one}{ending}" and one.startswith(f"{signal}:")]
     if signal in NEEDS and signal not in known and not members:
-        name = mechanism.linkage.name
-        raise LinkproofError(f"{STROKE if signal == 'S' else signal}: expected a linkage with {NEEDS[signal]}, got "
-                             f"'{name}' without; add what is missing to its file, or name another figure")  # fmt: skip
+        raise LinkproofError(
+            f"{STROKE if signal == 'S' else signal}: expected a linkage with {NEEDS[signal]}, got "
+            f"'{mechanism.linkage.name}' without; add what is missing to its file, or name another figure"
+        )
     if signal in FAMILIES:
         return members
     if signal not in known:
-        raise UnknownNameError(f"signal of '{mechanism.linkage.name}'", signal, [*known, *FAMILIES])
+        raise _unknown(name, known)
     return [signal]
+
+
+def _unknown(name: str, known: Mapping[str, str]) -> LinkproofError:
+    """What to say of a figure that there is not: the nearest few."""
+    examples, (word, _, how) = _examples(known), name.partition("@")[0].partition(".")
+    symbol = f"{SYMBOLS.get(word.lower(), word)}.{how if how in REDUCTIONS else 'peak'}"
+    by_case = {one.lower(): one for one in examples}
+    near = get_close_matches(name.lower(), by_case, n=NEAREST, cutoff=SIMILAR)
+    meant = dict.fromkeys([*([symbol] if symbol in examples else []), *(by_case[one] for one in near)])
+    hint = f"did you mean {' or '.join(repr(one) for one in [*meant][:NEAREST])}? " if meant else ""
+    return LinkproofError(
+        f"unknown figure '{shortened(name)}': {hint}a figure is {STROKE}, or a signal of `linkproof results` with "
+        f"{', '.join(f'.{one}' for one in REDUCTIONS)} or @ANGLE behind its name, such as Mkr.peak"
+    )
 
 
 def _angle(mechanism: Mechanism, name: str, text: str) -> float:

@@ -9,13 +9,15 @@ from dataclasses import dataclass
 from typing import Final, Literal
 
 from analytic.description.changes import Kind, design_numbers
+from analytic.description.crank_motion import RPM
 from analytic.description.linkage import Linkage
 from analytic.description.units import factor
 from analytic.errors import LinkproofError, UnknownNameError
-from comparisons.datasheet.units import FileUnit
+from comparisons.datasheet.units import FileUnit, file_unit
 
 # The units of kinds that a file does not state.
 FIXED: Final[Mapping[str, FileUnit]] = {"direction": FileUnit("", 1.0), "acceleration": FileUnit("m/s^2", 1.0)}
+SPEED: Final = "speed"  # of the driver, beside the numbers of the file
 WRITTEN: Final = re.compile(r"\s*(?P<number>[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*(?P<unit>\D.*?)?\s*")
 
 
@@ -24,7 +26,7 @@ class Parameter:
     """A number by its name in the file (``analytic.description.changes``), its SI value and the unit of the file."""
 
     name: str
-    kind: Kind | Literal["angle"]
+    kind: Kind | Literal["angle", "speed"]
     value: float
     unit: FileUnit
 
@@ -58,13 +60,12 @@ class Parameter:
         return number, self.unit.size if read["unit"] is None else self._size(read["unit"])
 
     def _size(self, unit: str) -> float:
-        if self.kind in FIXED:
-            fixed = FIXED[self.kind]
-            if unit != fixed.name:
+        if self.kind in FIXED or self.kind == SPEED:
+            if unit != self.unit.name:
                 raise LinkproofError(
-                    f"{self.name}: expected {fixed.name or 'a plain number'}, got '{unit}'; correct it"
+                    f"{self.name}: expected {self.unit.name or 'a plain number'}, got '{unit}'; correct it"
                 )
-            return fixed.size
+            return self.unit.size
         try:
             return factor(self.kind, unit)
         except UnknownNameError as error:
@@ -78,11 +79,18 @@ def parameters(linkage: Linkage) -> dict[str, Parameter]:
 
 
 def parameter(linkage: Linkage, name: str) -> Parameter:
-    """One of them; raises UnknownNameError, which names those that are near."""
+    """One of them, or the driver's speed, whose own value is that of a motion; raises UnknownNameError."""
+    if name == SPEED:
+        return Parameter(SPEED, SPEED, math.nan, speed_unit(linkage))
     known = parameters(linkage)
     if name not in known:
         raise UnknownNameError(f"parameter of '{linkage.name}'", name, known)
     return known[name]
+
+
+def speed_unit(linkage: Linkage) -> FileUnit:
+    """The unit in which the driver's speed is said: rpm, or the file's unit of length per second."""
+    return file_unit("m/s", linkage) if linkage.is_linear else FileUnit("rpm", RPM)
 
 
 def _unit(linkage: Linkage, kind: Kind) -> FileUnit:

@@ -63,11 +63,11 @@ def sweep(
         list[str] | None,
         valued(
             "ENGINE",
-            "Simulate a sample of the designs, and say how far this engine may be trusted; repeatable.",
+            "Compare this engine on a sample of the designs, and say how far it may be trusted; repeatable.",
             names=completion.engines,
         ),
     ] = None,
-    designs: Annotated[int, valued("N", "Designs to simulate, of a Latin hypercube or of the table.")] = 24,
+    designs: Annotated[int, valued("N", "Designs to simulate, drawn from a Latin hypercube.")] = 24,
     seed: Annotated[int, valued("N", "Which sample is drawn.")] = 0,
     resume: options.Resume = False,
     quiet: options.Quiet = False,
@@ -82,15 +82,13 @@ def sweep(
     the true ones with --refine. A design that does not assemble at one of the angles has no figures.
     """
     from reports.command_line.commands import sweep
-    from reports.command_line.commands.trust_choice import TrustChoice
     from reports.command_line.destination import Destination
 
     choice = sweep.SweepChoice(
         mechanism=mechanism, variant=variant, **speed_words(speed), clockwise=clockwise, from_angle=from_angle,
         to_angle=to_angle, gravity=not no_gravity, angles=angles, refine=refine, vary=tuple(vary or ()), table=table,
         quantities=tuple(quantity or ()), csv=csv, json=json, svg=svg, jobs=jobs,
-        trial=TrustChoice(tuple(dict.fromkeys(simulate or ())), designs, seed),
-        scheduler=scheduler,
+        simulate=tuple(dict.fromkeys(simulate or ())), designs=designs, seed=seed, scheduler=scheduler,
     )  # fmt: skip
     raise typer.Exit(sweep.run(choice, Destination(json, out, resume, quiet)))
 
@@ -130,6 +128,9 @@ def optimise(
     starts: Annotated[int, valued("N", "Search from so many designs, the file's first.")] = 1,
     seed: Annotated[int, valued("N", "Seed of the other designs.")] = 0,
     everywhere: Annotated[bool, flag("Look everywhere between the bounds.", "--global")] = False,
+    step: Annotated[
+        str | None, valued("STEP", "Round lengths to this step, such as 0.1mm, and say what it costs.", "--round")
+    ] = None,
     simulate: Annotated[
         list[str] | None,
         valued("ENGINE", "Simulate the result, as compare does; repeatable.", names=completion.engines),
@@ -147,7 +148,7 @@ def optimise(
     from reports.command_line.commands import optimise as command
     from reports.command_line.destination import Destination
 
-    how = {"starts": starts, "seed": seed, "everywhere": everywhere}
+    how = {"starts": starts, "seed": seed, "everywhere": everywhere, "step": step or ""}
     wish = command.wish(minimise, maximise, over or (), keep or (), how)
     choice = command.OptimiseChoice(
         mechanism=mechanism, variant=variant, **speed_words(speed), clockwise=clockwise, from_angle=from_angle,

@@ -9,7 +9,7 @@ from typing import Unpack
 import xarray
 
 from analytic.description.linkage import Linkage
-from analytic.description.rewriting import rewritten
+from comparisons.designs.design_file import design_file
 from comparisons.designs.steady_motion import SAMPLES
 from reports.command_line.commands.optimise import OptimiseChoice, optimum, wish
 from reports.command_line.destination import Destination
@@ -30,19 +30,21 @@ def optimise(
     starts: int = 1,
     seed: int = 0,
     everywhere: bool = False,
+    step: str | float | None = None,
     **options: Unpack[MotionOptions],
 ) -> xarray.Dataset:
     """The best of a linkage's designs, as ``linkproof optimise`` finds it, in the units of its file.
 
     ``over`` has the bounds of each number by name, (170, 180) or "±10%"; ``keep`` the figures that are kept: at None as
-    the file has them, at a value, or between two, of which None is none. ``everywhere`` is the command's ``--global``.
+    the file has them, at a value, or between two, of which None is none. ``everywhere`` is the command's ``--global``,
+    ``step`` its ``--round``.
 
     Numbers and figures are variables over ``design``, before and after, with their units; the attributes have the
     ``toml`` of the new design's file, the ``method`` and its cost, and the ``residual``, 0 at a local optimum. Raises
     LinkproofError for bad input and where no design keeps what is to be kept.
     """
     kept = dict.fromkeys(keep) if not isinstance(keep, Mapping) else keep
-    how = {"starts": starts, "seed": seed, "everywhere": everywhere}
+    how = {"starts": starts, "seed": seed, "everywhere": everywhere, "step": "" if step is None else str(step)}
     wished = wish(minimise, maximise, [_word(*one) for one in over.items()], [_word(*one) for one in kept.items()], how)
     asked = OptimiseChoice(
         mechanism=str(linkage), wish=wished, angles=angles, gravity=options.get("gravity", True), **choice(options)
@@ -65,7 +67,7 @@ def optimise(
     }
     about = {name: saved[name] for name in ("mechanism", "variant", "conditions", "command")}
     cost = {name: value for name, value in saved["search"].items() if name != "ends"}
-    text = rewritten(chosen.text, chosen.name, asked.variant, found.after)
+    text = design_file(found.problem.mechanism, found.after)
     return xarray.Dataset({**numbers, **figures}, {"design": ["before", "after"]}, {**about, **cost, "toml": text})
 
 

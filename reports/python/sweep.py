@@ -17,7 +17,8 @@ from analytic.errors import LinkproofError
 from comparisons.designs.named_figures import named_figures
 from comparisons.designs.parameters import Parameter, parameter
 from comparisons.designs.steady_motion import SAMPLES
-from comparisons.designs.sweep.space import ONE_BY_ONE, DesignSpace, Grid, Listed
+from comparisons.designs.sweep.saved_sweep import labelled
+from comparisons.designs.sweep.space import DesignSpace, Grid, Listed
 from comparisons.designs.sweep.sweep import SweepRequest, own_figures, sweep_block, usual_figures
 from comparisons.designs.sweep.sweep import sweep as sweep_space
 from comparisons.runs.cluster.connecting import opened
@@ -72,7 +73,8 @@ def sweep(
     request = SweepRequest(mechanism.linkage, space, named, motion, refine, cores)
     own_figures(request)  # complains of what no design can have
     found = _lazy(request, [*values.values()]) if is_lazy else _found(request.on_one_path(), scheduler)
-    return _labelled(request, values, found, described(request, conditions, ""))
+    about = {name: value for name, value in described(request, conditions, "").items() if name != "command"}
+    return labelled(request, values, found, about)
 
 
 def _is_lazy(values: object) -> bool:
@@ -93,15 +95,15 @@ def _space(parts: tuple[Parameter, ...], values: Sequence[Array], *, is_table: b
         return Grid(parts, tuple(values))
     if len({len(one) for one in values}) > 1:
         raise LinkproofError(f"table: expected columns of one length, got {[len(one) for one in values]}; correct it")
-    return Listed(parts, np.stack(values))
+    return Listed(parts, tuple(values))
 
 
 def _found(request: SweepRequest, scheduler: object) -> Array:
     """Figures of all designs, (figures, *shape), worked out here or on the workers of a scheduler."""
     found = np.empty((len(request.figures), request.space.count))
 
-    def keep(_: int, first: int, block: Array, __: object) -> None:
-        found[:, first : first + block.shape[1]] = block
+    def keep(number: int, block: Array) -> None:
+        found[:, slice(*request.block(number))] = block
 
     with opened(scheduler, None) as pool:
         sweep_space(request if pool is None else replace(request, cores=1), keep=keep, pool=pool)
@@ -125,15 +127,3 @@ def _lazy(request: SweepRequest, values: Sequence[Any]) -> Any:  # noqa: ANN401 
 def _chunk(request: SweepRequest, *values: Array) -> Array:
     space = _space(request.space.parameters, values, is_table=isinstance(request.space, Listed))
     return sweep_block(replace(request, space=space), 0, space.count).reshape(-1, *space.shape)
-
-
-def _labelled(
-    request: SweepRequest, values: Mapping[str, Any], found: Any, about: Mapping[str, str | int]  # noqa: ANN401
-) -> xarray.Dataset:  # fmt: skip
-    over = request.space.dimensions
-    units = {one.name: {"units": one.unit.name} for one in request.space.parameters}
-    return xarray.Dataset(
-        {one.name: (over, row, {"units": one.unit.name}) for one, row in zip(request.figures, found, strict=True)},
-        coords={name: (name if name in over else ONE_BY_ONE, one, units[name]) for name, one in values.items()},
-        attrs={name: value for name, value in about.items() if name != "command"},
-    )

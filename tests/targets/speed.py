@@ -15,9 +15,9 @@ from time import perf_counter
 from typing import Final
 
 import numpy as np
-from analytic.compiled.flat_linkage import flatten
 from numpy.typing import NDArray
 
+from analytic.description.changes import design_numbers
 from analytic.description.loading import load
 from analytic.designs.values import evaluate_designs
 from analytic.evaluation import PIECE
@@ -165,9 +165,9 @@ def designs_contest(name: str, varied: tuple[str, ...], designs: int, angles: in
     if not compiling.is_installed():
         return Contest({}, designs * angles)
     mechanism, chance = Mechanism(load(name)), np.random.default_rng(4)
-    flat = flatten(mechanism)
+    own = design_numbers(mechanism.linkage)
     angle = np.linspace(0.0, 2.0 * math.pi, angles, endpoint=False)
-    numbers = {one: flat.numbers[flat.places[one]] * chance.uniform(1 - SPREAD, 1 + SPREAD, designs) for one in varied}
+    numbers = {one: own[one][1] * chance.uniform(1 - SPREAD, 1 + SPREAD, designs) for one in varied}
     work = partial(evaluate_designs, mechanism, numbers, angle, ("Jeq",), cores=1, path="compiled")
     fault = "" if np.all(work()["assembled"]) else "some designs cannot be assembled"
     return Contest(race({OURS: work}, REPEATS), designs * angles, fault)
@@ -190,15 +190,14 @@ def forward_contest(name: str, regime: str) -> Contest:
         start_speed=own.start_speed,
         duration=own.duration,
     )
-    quick = partial(release, tolerance=TOLERANCE, path="compiled")
+    quick = partial(release, tolerance=TOLERANCE)
     theirs = baselines.dop853(mechanism, own.torque, (own.start_angle, own.start_speed), own.duration)
     contestants: dict[str, Work] = {
-        OURS: quick,
-        "NumPy": partial(release, tolerance=TOLERANCE, path="numpy"),
+        "NumPy": quick,
         "DOP853": theirs,
     }
     time, angle = theirs()
-    truth = release(path="numpy").angle(time)
-    far = {"DOP853": np.abs(angle - truth), OURS: np.abs(quick().angle(time) - truth)}
+    truth = release().angle(time)
+    far = {"DOP853": np.abs(angle - truth), "NumPy": np.abs(quick().angle(time) - truth)}
     faults = [f"{who} is off by {np.max(errors):.1e} rad" for who, errors in far.items() if np.max(errors) > WITHIN]
     return Contest(race(contestants, LONG_REPEATS, {"DOP853": lambda: None}), 1, ", ".join(faults))

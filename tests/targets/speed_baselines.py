@@ -15,18 +15,13 @@ from typing import Any, Final
 
 import numba
 import numpy as np
-from analytic.compiled.flat_linkage import Integers, Tables, flatten
-from analytic.compiled.kernels.layout import ANGLE, BLOCK, BODY, COSINE, SINE
-from analytic.compiled.kernels.linkage import design_of, scratch
-from analytic.compiled.kernels.rows import pose, rate, second
-from analytic.compiled.kernels.solution import body_at, pair, solve
-from analytic.compiled.kernels.trigonometry import cosines_and_sines
 from numpy.typing import NDArray
 
-from analytic.description.linkage import GROUND, Linkage
+from analytic.description.linkage import Linkage
 from analytic.dynamics.equation_of_motion import equation_of_motion
-from analytic.kinematics.frames import point, point_acceleration, point_rate
+from analytic.evaluation import evaluate
 from analytic.kinematics.mechanism import Mechanism
+from analytic.signals import ORDERS
 
 Array = NDArray[np.float64]
 
@@ -155,44 +150,13 @@ def hand_written_motion(measures: SixBar, angle: Array) -> Callable[[], Array]:
     return run
 
 
-@numba.njit(error_model="numpy", _nrt=False)
-def _our_kernel(
-    tables: Tables, memory: tuple[Array, Integers, Array], angle: Array, points: Integers, places: Array
-) -> None:
-    """Points of any linkage, as body and place in the design, into ``places`` (points, orders, 2, angles)."""
-    design, levels, work = memory
-    for at in range(0, len(angle), BLOCK):
-        n = min(BLOCK, len(angle) - at)
-        for i in range(n):
-            work[ANGLE + i] = angle[at + i]
-        cosines_and_sines(n, work[ANGLE : ANGLE + BLOCK], work[COSINE : COSINE + BLOCK], work[SINE : SINE + BLOCK])
-        solve(tables, design, n, levels, work)
-        for number in range(len(points)):
-            start, local = body_at(tables, points[number, 0]), pair(design, points[number, 1])
-            _place(n, local, work[start : start + BODY], places[number, :, :, at : at + n])
-
-
-@numba.njit(error_model="numpy", _nrt=False)
-def _place(n: int, local: tuple[float, float], body: Array, places: Array) -> None:
-    for i in range(min(n, BLOCK)):
-        places[0, 0, i], places[0, 1, i] = point(pose(body, i), local)
-        places[1, 0, i], places[1, 1, i] = point_rate(pose(body, i), rate(body, i), local)
-        places[2, 0, i], places[2, 1, i] = point_acceleration(pose(body, i), rate(body, i), second(body, i), local)
-
-
 def our_motion(mechanism: Mechanism, angle: Array) -> Callable[[], Array]:
-    """The kernels of any linkage, at crank angles, rad; a call gives (points, orders, 2, angles)."""
-    flat, sweep = flatten(mechanism), mechanism.sweep(angle)
-    carriers = [(sweep.carrier(name), name) for name in POINTS]
-    links = [name for dyad in mechanism.structure.dyads for name in dyad.links]
-    numbers = {name: number for number, name in enumerate((GROUND, mechanism.linkage.crank, *links))}
-    points = np.array([(numbers[body], flat.places[f"{body}.{name}.x"]) for body, name in carriers], dtype=np.int64)
-    memory = (design_of(flat), np.full_like(flat.tables.levels, 2), scratch(flat))
+    """The machine code of any linkage, at crank angles, rad; a call gives (points, orders, 2, angles)."""
+    names = [f"point:{name}:{component}" for name in POINTS for component in ORDERS]
 
     def run() -> Array:
-        places = np.empty((len(POINTS), 3, 2, len(angle)))
-        _our_kernel(flat.tables, memory, angle, points, places)
-        return places
+        found = evaluate(mechanism, angle, names, speed=1.0, cores=1, path="compiled")
+        return np.stack([found[name] for name in names]).reshape(len(POINTS), 3, 2, len(angle))
 
     return run
 

@@ -240,19 +240,19 @@ def _designs(target: Target) -> Iterator[Figure]:
 def _forward(target: Target) -> Iterator[Figure]:
     """Time of a released crank's motion over a baseline's."""
     contest = speed.forward_contest(target.arguments["mechanism"], target.arguments["regime"])
-    yield _figure(target, speed.over(contest, speed.OURS, target.arguments["baseline"], "s", 1.0))
+    yield _figure(target, speed.over(contest, "NumPy", target.arguments["baseline"], "s", 1.0))
 
 
 def _forward_alone(target: Target, linkages: Sequence[Linkage]) -> Iterator[Figure]:
-    """Time of a released crank's motion by a path, ms; infinite where its angle is not within ``speed.WITHIN``."""
+    """Time of a released crank's motion, ms; infinite where its angle is not within ``speed.WITHIN``."""
     for mechanism, own in _named(target, linkages):
         start = {"torque": own.torque, "start_angle": own.start_angle, "start_speed": own.start_speed}
         release = partial(free_motion, mechanism, **start, duration=own.duration)
-        quick = partial(release, tolerance=speed.TOLERANCE, path=target.arguments["path"])
+        quick = partial(release, tolerance=speed.TOLERANCE)
         instants = np.linspace(0.0, own.duration, 2001)
         error = float(np.max(np.abs(quick().angle(instants) - release().angle(instants))))
         spent = tuple(1e3 * seconds for seconds in _timed(quick))
-        yield Figure(target, target.arguments["path"], min(spent) if error <= speed.WITHIN else np.inf, spent)
+        yield Figure(target, own.name, min(spent) if error <= speed.WITHIN else np.inf, spent)
 
 
 def _studied(

@@ -63,7 +63,7 @@ class Descent:
     def run(self, start: Array) -> End | None:
         """The end of a search from a design; None where that cannot be assembled."""
         try:
-            end = self._end(start)
+            end = self.end(start)
         except AssemblyError:
             return None
         if not end.is_feasible:
@@ -100,7 +100,8 @@ class Descent:
         shares /= np.sum(shares[: len(aims)]) or 1.0
         return float(np.linalg.norm(matrix[:-1] @ shares))
 
-    def _end(self, place: Array) -> End:
+    def end(self, place: Array) -> End:
+        """A design as an end; raises AssemblyError."""
         here = self.at(place, self.problem.windows(place))
         return End(place, float(np.max(here.aim)), here.missed)
 
@@ -130,7 +131,7 @@ class Descent:
 
     def _better(self, end: End, place: Array) -> End:
         try:
-            found = self._end(np.clip(place, 0.0, 1.0))
+            found = self.end(np.clip(place, 0.0, 1.0))
         except AssemblyError:
             return end
         return found if found.rank < end.rank else end
@@ -166,7 +167,7 @@ class Descent:
         )  # fmt: skip
         place = np.asarray(found.x[:-1])
         try:
-            return self._end(np.clip(place, 0.0, 1.0)) if np.all(np.isfinite(place)) else None
+            return self.end(np.clip(place, 0.0, 1.0)) if np.all(np.isfinite(place)) else None
         except AssemblyError:
             return None
 

@@ -11,12 +11,12 @@ from numpy.typing import NDArray
 
 from analytic.designs.derivatives import signal_gradients
 from analytic.designs.figures import Reduction
-from analytic.designs.results import design_figures
 from analytic.errors import AssemblyError, LinkproofError
 from analytic.kinematics.mechanism import Mechanism
 from comparisons.designs.named_figures import NamedFigure, named_figures
 from comparisons.designs.optimum.descent import ACTIVE, End, independent
 from comparisons.designs.optimum.problem import HELD, DesignProblem, KeptFigure, Variable
+from comparisons.designs.optimum.rounding import rounded, step_size
 from comparisons.designs.optimum.searches import Announce, Search, search
 from comparisons.designs.optimum.wishes import kept, kept_figures, variables
 from comparisons.designs.steady_motion import SteadyMotion
@@ -30,7 +30,10 @@ OF_MANY: Final = (Reduction.PEAK, Reduction.MAX)  # of which the highest of seve
 
 @dataclass(frozen=True)
 class Wish:
-    """What is asked for, as it is typed: a figure, what to vary and what to keep; and how to look for it."""
+    """What is asked for, as it is typed: a figure, what to vary and what to keep; and how to look for it.
+
+    Lengths are rounded to a ``step``, if there is one.
+    """
 
     figure: str
     over: Sequence[str]
@@ -39,6 +42,7 @@ class Wish:
     starts: int = 1
     seed: int = 0
     everywhere: bool = False
+    step: str = ""
 
     def check(self) -> None:
         """Raise LinkproofError for what cannot be."""
@@ -52,7 +56,10 @@ class Wish:
 
 @dataclass(frozen=True)
 class Optimum:
-    """The best design found: numbers and ``values`` (2, figures), SI, before and after; the aims come first."""
+    """The best design found: numbers and ``values`` (2, figures), SI, before and after; the aims come first.
+
+    Lengths are multiples of a ``step``, if one was typed; ``exact`` (figures,) are the values before they were rounded.
+    """
 
     problem: DesignProblem
     search: Search
@@ -61,6 +68,8 @@ class Optimum:
     after: Mapping[str, float]
     figures: tuple[NamedFigure, ...]
     values: Array
+    step: str
+    exact: Array
 
     def bound(self, variable: Variable) -> str:
         """At which of its bounds a number ended: lower, upper, or neither."""
@@ -95,6 +104,7 @@ def optimise(mechanism: Mechanism, motion: SteadyMotion, wish: Wish, announce: A
     """The best design between the bounds; raises LinkproofError for bad input and where there is none."""
     wish.check()
     varied = variables(mechanism.linkage, wish.over)
+    step = step_size(varied, wish.step) if wish.step else None
     aims = named_figures(mechanism, [wish.figure])
     sign = 1.0 if wish.is_least else -1.0
     texts = kept_figures(mechanism, wish.keep)
@@ -103,7 +113,7 @@ def optimise(mechanism: Mechanism, motion: SteadyMotion, wish: Wish, announce: A
     others = [one for one in _told(mechanism, TOLD) if one.name not in {one.name for one in told}]
     figures = (*told, *others)
     before = {one.parameter.name: one.parameter.value for one in varied}
-    own = _figures(mechanism, motion, figures, [before])[0]
+    own = _figures(mechanism, motion, figures, before)
     sizes = dict(zip((one.name for one in figures), own, strict=True))
     held = tuple(kept(one, text, float(sizes[one.name])) for one, text in texts.items())
     problem = DesignProblem(
@@ -115,9 +125,10 @@ def optimise(mechanism: Mechanism, motion: SteadyMotion, wish: Wish, announce: A
     _check_depends(problem, start)
     found = search(problem, start, announce, starts=wish.starts, seed=wish.seed, everywhere=wish.everywhere)
     end = _checked(problem, found, motion)
-    after = problem.numbers(end.place)
-    values = np.array([own, _figures(mechanism, motion, figures, [after])[0]])
-    return Optimum(problem, found, end, before, after, figures, values)
+    exact = problem.numbers(end.place)
+    after = exact if step is None else rounded(problem, exact, step)
+    values = np.array([own, *(_figures(mechanism, motion, figures, one) for one in (after, exact))])
+    return Optimum(problem, found, end, before, after, figures, values[:2], wish.step, values[2])
 
 
 def _check_figures(aims: Sequence[NamedFigure], keep: Sequence[NamedFigure], wish: Wish) -> None:
@@ -143,14 +154,11 @@ def _told(mechanism: Mechanism, names: Sequence[str]) -> list[NamedFigure]:
 
 
 def _figures(
-    mechanism: Mechanism, motion: SteadyMotion, figures: Sequence[NamedFigure], designs: Sequence[Mapping[str, float]]
+    mechanism: Mechanism, motion: SteadyMotion, figures: Sequence[NamedFigure], design: Mapping[str, float]
 ) -> Array:
-    """Figures of designs, refined, (designs, figures), SI."""
-    numbers = {name: np.array([one[name] for one in designs]) for name in designs[0]}
-    return design_figures(
-        mechanism, numbers, [one.figure for one in figures], motion.places,
-        speed=motion.speed, refine=True,
-    ).T  # fmt: skip
+    """Figures (figures,) of a design, refined, SI."""
+    numbers = {name: np.array([value]) for name, value in design.items()}
+    return motion.figures(mechanism, numbers, [one.figure for one in figures])[:, 0]
 
 
 def _size(one: KeptFigure) -> float:
@@ -184,7 +192,7 @@ def _checked(problem: DesignProblem, found: Search, motion: SteadyMotion) -> End
         )
     if best.is_feasible:
         return best
-    values = _figures(problem.mechanism, motion, problem.figures, [problem.numbers(best.place)])[0][len(problem.aims) :]
+    values = _figures(problem.mechanism, motion, problem.figures, problem.numbers(best.place))[len(problem.aims) :]
     worst = max(
         zip(problem.kept, values, problem.kept_sizes, strict=True),
         key=lambda row: float(row[0].missed(row[1])) / row[2],

@@ -10,7 +10,6 @@ from typing import Final, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from analytic.designs.derivatives import figure_gradients
 from analytic.designs.figures import Figure, Reduction, SignalExtreme
 from analytic.designs.results import design_figures
 from analytic.kinematics.mechanism import Mechanism
@@ -170,10 +169,7 @@ class DesignProblem:
         plain = [one.figure for one in self.figures if not sides(one.figure)]
         smooth = {}
         if plain:
-            values, slopes = figure_gradients(
-                self.mechanism, numbers, plain, self.motion.places,
-                speed=self.motion.speed, refine=True,
-            )  # fmt: skip
+            values, slopes = self.motion.gradients(self.mechanism, numbers, plain)
             smooth = {one: Pieces(1.0, values[[row]], slopes[[row]] * self.width) for row, one in enumerate(plain)}
         return [smooth[one.figure] if one.figure in smooth else _made(one.figure, heights) for one in self.figures]
 

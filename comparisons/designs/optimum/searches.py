@@ -73,7 +73,9 @@ def search(
     """
     counter = Counter()
     descent = Descent(problem, counter)
-    others = _picked(problem, counter, seed) if everywhere else _drawn(problem, counter, starts - 1, seed)
+    others = []
+    if everywhere or starts > 1:
+        others = _picked(problem, counter, seed) if everywhere else _drawn(problem, counter, starts - 1, seed)
     ends: list[End | None] = []
     for number, place in enumerate([start, *others]):
         announce(f"search {number + 1}", number, 1 + len(others))
@@ -85,23 +87,21 @@ def search(
     method = "SLSQP" + (", from the best of a Sobol sample" if everywhere else "")
     found = Search(method, tuple(ends), counter, np.nan)
     best = found.best
-    return found if best is None else replace(found, residual=descent.residual(best.place))
+    if best is None:
+        return found
+    return replace(found, residual=descent.residual(best.place))
 
 
 def _drawn(problem: DesignProblem, counter: Counter, count: int, seed: int) -> list[Array]:
-    """Designs of a Sobol sequence that can be assembled, as many as are asked for if there are."""
-    found: list[Array] = []
-    if count < 1:
-        return found
-    places = _sobol(problem, max(64, 16 * count), seed)
-    return list(places[np.isfinite(_merits(problem, counter, places))][:count])
+    """Designs of a Sobol sequence that can be assembled, as many as are wanted if there are."""
+    places, merits = _sampled(problem, counter, max(64, 16 * count), seed)
+    return list(places[np.isfinite(merits)][:count])
 
 
 def _picked(problem: DesignProblem, counter: Counter, seed: int) -> list[Array]:
     """The best of a Sobol sample, no two of them near each other."""
     count = min(SAMPLES * 2 ** max(0, len(problem.variables) - 2), MOST_SAMPLES)
-    places = _sobol(problem, count, seed)
-    merits = _merits(problem, counter, places)
+    places, merits = _sampled(problem, counter, count, seed)
     picked: list[Array] = []
     for number in np.argsort(merits):
         if len(picked) == PICKED or not np.isfinite(merits[number]):
@@ -111,15 +111,12 @@ def _picked(problem: DesignProblem, counter: Counter, seed: int) -> list[Array]:
     return picked
 
 
-def _sobol(problem: DesignProblem, count: int, seed: int) -> Array:
+def _sampled(problem: DesignProblem, counter: Counter, count: int, seed: int) -> tuple[Array, Array]:
+    """Designs of a Sobol sequence (designs, variables), and how low they are: nan where they cannot be assembled."""
     from scipy.stats import qmc  # noqa: PLC0415
 
-    drawn = qmc.Sobol(len(problem.variables), rng=seed).random_base2(int(np.ceil(np.log2(count))))
-    return np.asarray(drawn, dtype=float)
-
-
-def _merits(problem: DesignProblem, counter: Counter, places: Array) -> Array:
+    places = qmc.Sobol(len(problem.variables), rng=seed).random_base2(int(np.ceil(np.log2(count))))
     counter.sampled += len(places)
     angles = problem.tops.grid[:: max(1, len(problem.tops.grid) // ANGLES)]
     aim, missed = problem.sampled(places, angles)
-    return np.asarray(aim + PENALTY * missed)
+    return np.asarray(places, dtype=float), np.asarray(aim + PENALTY * missed)

@@ -12,7 +12,7 @@ from analytic.errors import LinkproofError
 from analytic.kinematics.mechanism import Mechanism
 from comparisons.designs.named_figures import NamedFigure, named_figures
 from comparisons.designs.optimum.problem import KeptFigure, Variable
-from comparisons.designs.parameters import Parameter, parameter
+from comparisons.designs.parameters import SPEED, Parameter, parameter
 
 SHARE: Final = re.compile(r"\s*(?:±|\+-|\+/-)\s*(?P<percent>\d+\.?\d*|\.\d+)\s*%\s*")
 NOT_NEGATIVE: Final = ("mass", "inertia")
@@ -28,6 +28,10 @@ def variables(linkage: Linkage, texts: Sequence[str]) -> tuple[Variable, ...]:
         if not mark:
             raise LinkproofError(f"--over: expected NAME=LOW:HIGH or NAME=±10%, got '{text}'; correct it")
         one = parameter(linkage, name.strip())
+        if one.kind == SPEED:
+            raise LinkproofError(
+                "--over: expected numbers of the linkage's file, got speed: sweep --vary speed=... varies it"
+            )
         if one.name in found:
             raise LinkproofError(f"--over: expected each number once, got {one.name} twice; leave one out")
         found[one.name] = Variable(one, *_bounds(one, bounds))

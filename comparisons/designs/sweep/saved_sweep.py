@@ -1,26 +1,52 @@
-"""The folder of a sweep: its file grows in ``unfinished`` beside a journal of the blocks that are in it."""
+"""The folder of a sweep: figures grow as plain doubles in ``unfinished``, and become a netCDF file when all are there.
+
+HDF5 does not survive a kill in the midst of a write. Every block has its place in the plain file, and the journal
+beside it says which are written; the netCDF file is made of it in one step.
+"""
 
 from __future__ import annotations
 
 import contextlib
 import os
-from collections.abc import Mapping
-from dataclasses import dataclass, field, replace
+import shutil
+import warnings
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from dataclasses import dataclass
 from pathlib import Path
-from typing import Final
+from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
 
 from analytic.errors import LinkproofError
-from comparisons.designs.sweep.sweep import Summary, SweepRequest
-from comparisons.designs.sweep.sweep_file import FILE, SweepFile
+from comparisons.designs.sweep.space import ONE_BY_ONE
+from comparisons.designs.sweep.sweep import SweepRequest
 from comparisons.runs.journal import FOLDER, HEADER, Journal
+
+if TYPE_CHECKING:
+    import xarray
 
 Array = NDArray[np.float64]
 
-PATH: Final = "path"  # the key of that of the closed form
-DATA: Final = "data"  # the folder in unfinished; the journal's own pieces stand beside it
+FILE: Final = "sweep.nc"
+DATA: Final = "data/figures"  # in unfinished; the journal's own pieces stand beside the folder
+SLASH: Final = "∕"  # in the file instead of "/", which parts groups of HDF5
+
+
+def labelled(
+    request: SweepRequest, values: Mapping[str, Any], figures: Any, about: Mapping[str, str | int]  # noqa: ANN401
+) -> xarray.Dataset:  # fmt: skip
+    """``values`` of the parameters and ``figures`` (figures, *shape), arrays of any kind, with names and units."""
+    import xarray  # noqa: PLC0415 - half a second that a sweep without files does not pay
+
+    over = request.space.dimensions
+    units = {one.name: {"units": one.unit.name} for one in request.space.parameters}
+    return xarray.Dataset(
+        {one.name: (over, row, {"units": one.unit.name}) for one, row in zip(request.figures, figures, strict=True)},
+        coords={name: (name if name in over else ONE_BY_ONE, one, units[name]) for name, one in values.items()},
+        attrs=about,
+    )
 
 
 @dataclass
@@ -30,12 +56,11 @@ class SavedSweep:
     request: SweepRequest
     folder: Path
     about: Mapping[str, str | int]
-    _journal: Journal | None = field(default=None, init=False)
 
     def __post_init__(self) -> None:
-        self.file = SweepFile(self.folder / FOLDER / DATA / FILE, self.request, self.about)
-        self.holds_work = False
-        self._made_for_it = [folder for folder in (self.folder, *self.folder.parents) if not folder.exists()]
+        self._path = self.folder / FOLDER / DATA
+        self._missing = [folder for folder in (self.folder, *self.folder.parents) if not folder.exists()]
+        self._shape = (len(self.request.figures), self.request.space.count)
 
     def check(self, command: str) -> None:
         """Raise LinkproofError where the folder has unfinished work of another ``command``, or too little room."""
@@ -46,47 +71,76 @@ class SavedSweep:
                 f"expected a folder of its own, got '{self.folder}' with unfinished work of `{begun}`: finish that, or "
                 "give another folder"
             )
-        self.file.check()
+        free = shutil.disk_usage(next(one for one in self.folder.parents if one.exists())).free / 1e6
+        wanted = 16e-6 * self._shape[0] * self._shape[1]  # twice: the plain file and the netCDF file
+        if wanted > free and not self._path.exists():
+            raise LinkproofError(
+                f"expected room for {self.request.space.count} designs, {wanted:.3g} MB, in '{self.folder}', got "
+                f"{free:.3g} MB: give fewer designs or figures, or a place on another disk"
+            )
 
-    def begin(self, journal: Journal) -> dict[int, Summary]:
-        """Make the file, or find what is in it: summaries of blocks by number; ``request`` then takes their path."""
+    def begin(self, journal: Journal) -> set[int]:
+        """The numbers of the blocks that are written already."""
         self._journal = journal
-        kept = journal.kept()
-        path = kept.pop(PATH, None)
-        finished = replace(self.file, path=self.folder / FILE)
-        if kept and len(kept) == len(self.request.blocks) and not self.file.is_whole and finished.is_whole:
-            os.replace(finished.path, self._made())  # all was done but to forget the journal
-        if not kept or path is None or not self.file.is_whole:
+        done = {int(key) for key in journal.kept()}
+        if not self._path.is_file():
             journal.clear()
-            self._made()
-            self.file.create()
-            journal.keep(PATH, self.request.path.encode())
-            return {}
-        self.request = replace(self.request, path=path.decode())
-        self.holds_work = True
-        return {int(key): Summary.decoded(piece) for key, piece in kept.items()}
+            done = set()
+        return done
 
-    def keep(self, number: int, first: int, found: Array, summary: Summary) -> None:
+    def keep(self, number: int, found: Array) -> None:
         """Write a block, then note that it is written."""
-        assert self._journal is not None
-        self.file.write(first, found)
-        self._journal.keep(str(number), summary.encoded())
-        self.holds_work = True
+        with self._writing():
+            self._path.parent.mkdir(parents=True, exist_ok=True)
+            with os.fdopen(os.open(self._path, os.O_RDWR | os.O_CREAT), "r+b") as file:
+                for row, values in enumerate(found):
+                    file.seek(8 * (row * self._shape[1] + self.request.blocks[number]))
+                    file.write(np.ascontiguousarray(values).data)
+                file.truncate(8 * self._shape[0] * self._shape[1])  # its size from the first block on
+                file.flush()
+                os.fsync(file.fileno())
+        self._journal.keep(str(number), b"")
 
-    def finish(self) -> None:
-        """Put the file in its place."""
-        assert self._journal is not None
-        os.replace(self.file.path, self.folder / FILE)
+    def read(self, number: int) -> Array:
+        """The figures of a block that is written, (figures, designs)."""
+        first, last = self.request.block(number)
+        return np.array(self._figures()[:, first:last])
+
+    def _figures(self) -> Array:
+        return np.memmap(self._path, float, "r", shape=self._shape)
+
+    def dataset(self) -> xarray.Dataset:
+        """All designs, their figures left on the disk."""
+        space = self.request.space
+        values = dict(zip((one.name for one in space.parameters), space.columns, strict=True))
+        return labelled(self.request, values, self._figures().reshape(-1, *space.shape), self.about)
+
+    def finish(self, *, keeps: bool) -> None:
+        """Write the netCDF file where it ``keeps``, and forget the rest."""
+        if keeps:
+            dataset = self.dataset()
+            dataset = dataset.rename({name: str(name).replace("/", SLASH) for name in dataset.variables})
+            plain: dict[Any, Any] = {name: {"_FillValue": None} for name in dataset.variables}
+            made = self._path.with_name(FILE)
+            with self._writing(), warnings.catch_warnings():
+                warnings.simplefilter("ignore")  # of names with blanks, which no list of coordinates can have
+                dataset.to_netcdf(made, engine="h5netcdf", encoding=plain)
+                os.replace(made, self.folder / FILE)
         self._journal.clear()
 
     def forget(self) -> None:
         """Leave the folder as it was."""
-        if self._journal is not None:
-            self._journal.clear()
+        self._journal.clear()
         with contextlib.suppress(OSError):  # another command may have written there
-            for folder in self._made_for_it:
+            for folder in self._missing:
                 folder.rmdir()
 
-    def _made(self) -> Path:
-        self.file.path.parent.mkdir(parents=True, exist_ok=True)
-        return self.file.path
+    @contextmanager
+    def _writing(self) -> Iterator[None]:
+        try:
+            yield
+        except OSError as error:
+            raise LinkproofError(
+                f"cannot write to '{self.folder}': {error.strerror or error}; what is done is kept: free some space "
+                "and repeat with --resume"
+            ) from error

@@ -1,4 +1,4 @@
-"""Spaces of designs: the grid of several ranges, or a list; designs are numbered, and none is held before it is asked.
+"""Spaces of designs: the grid of several ranges, or a list; designs are numbered, and a grid's are made when needed.
 
 The designs of a grid are numbered in C order, its last axis fastest. Values are in the units of the linkage's file.
 """
@@ -21,37 +21,20 @@ from comparisons.designs.parameters import Parameter, parameter
 Array = NDArray[np.float64]
 
 MOST: Final = 10**12  # designs: half a day's work for a thousand cores
+LONGEST: Final = 10**7  # values of an axis, which are in memory
 ONE_BY_ONE: Final = "design"  # the dimension of a list
 WRITTEN: Final = "NAME=FIRST:LAST:COUNT, such as rod.B.x=170:180:1000"
 
 
 @dataclass(frozen=True)
-class Steps:
-    """Equal steps between two values, both included; an array that is not held."""
-
-    first: float
-    last: float
-    count: int
-
-    def __len__(self) -> int:
-        return self.count
-
-    def __getitem__(self, places: NDArray[np.int64]) -> Array:
-        """The values at these places."""
-        if self.count == 1:
-            return np.full(places.shape, self.first)
-        values = self.first + (self.last - self.first) * (places / (self.count - 1))
-        return np.where(places == self.count - 1, self.last, values)
-
-
-Axis = Steps | Array
-
-
-@dataclass(frozen=True)
 class DesignSpace(ABC):
-    """Designs by number: the values of their ``parameters`` in the units of the file."""
+    """Designs by number: the values of their ``parameters`` in the units of the file.
+
+    ``columns`` are of every parameter the values of its axis, or those of all designs of a list.
+    """
 
     parameters: tuple[Parameter, ...]
+    columns: tuple[Array, ...]
 
     def __post_init__(self) -> None:
         names = [one.name for one in self.parameters]
@@ -65,32 +48,27 @@ class DesignSpace(ABC):
         """Designs along each dimension."""
 
     @property
+    @abstractmethod
     def dimensions(self) -> tuple[str, ...]:
-        """Names of the dimensions; one, of all designs, of those that are no grid."""
-        return (ONE_BY_ONE,)
+        """Names of the dimensions."""
 
     @abstractmethod
     def shown(self, first: int, last: int) -> Array:
         """Values of the designs from number ``first`` up to ``last``, (parameters, designs), in the file's units."""
-
-    @property
-    @abstractmethod
-    def ends(self) -> Array:
-        """Least and largest value of every parameter, (parameters, 2), in the file's units."""
 
     def part(self, first: int, last: int) -> DesignSpace:
         """What knows these designs by the same numbers, and can be sent elsewhere."""
         return self
 
     @property
+    def ends(self) -> Array:
+        """Least and largest value of every parameter, (parameters, 2), in the file's units."""
+        return np.array([[np.min(values), np.max(values)] for values in self.columns])
+
+    @property
     def count(self) -> int:
         """Number of designs."""
         return math.prod(self.shape)
-
-    @property
-    def slab(self) -> int:
-        """Designs of one place along the first dimension."""
-        return math.prod(self.shape[1:])
 
     def block(self, first: int, last: int) -> dict[str, Array]:
         """SI values (designs,) of the designs from number ``first`` up to ``last``, by parameter."""
@@ -102,8 +80,6 @@ class DesignSpace(ABC):
 class Grid(DesignSpace):
     """Every combination of the values of its axes."""
 
-    axes: tuple[Axis, ...]
-
     def __post_init__(self) -> None:
         super().__post_init__()
         if self.count > MOST:
@@ -114,53 +90,46 @@ class Grid(DesignSpace):
     @property
     def shape(self) -> tuple[int, ...]:
         """Values of every axis."""
-        return tuple(map(len, self.axes))
+        return tuple(map(len, self.columns))
 
     @property
     def dimensions(self) -> tuple[str, ...]:
         """The axes, by their parameters."""
         return tuple(one.name for one in self.parameters)
 
-    @property
-    def ends(self) -> Array:
-        """Least and largest value of every axis."""
-        ends = [axis[np.array([0, len(axis) - 1])] if isinstance(axis, Steps) else axis for axis in self.axes]
-        return np.array([[np.min(values), np.max(values)] for values in ends])
-
     def shown(self, first: int, last: int) -> Array:
         """Values of a range of designs, (parameters, designs)."""
         places = np.unravel_index(np.arange(first, last), self.shape)
-        return np.stack([axis[place] for axis, place in zip(self.axes, places, strict=True)])
+        return np.stack([axis[place] for axis, place in zip(self.columns, places, strict=True)])
 
 
 @dataclass(frozen=True)
 class Listed(DesignSpace):
-    """Designs one by one: ``values`` (parameters, designs), of which the first has the number ``start``."""
+    """Designs one by one, of which the first has the number ``start``."""
 
-    values: Array
     start: int = 0
 
     @property
     def shape(self) -> tuple[int, ...]:
         """The number of designs."""
-        return (self.values.shape[1],)
+        return (len(self.columns[0]),)
 
     @property
-    def ends(self) -> Array:
-        """Least and largest value of every column."""
-        return np.stack([np.min(self.values, axis=1), np.max(self.values, axis=1)], axis=1)
+    def dimensions(self) -> tuple[str, ...]:
+        """One, of all designs."""
+        return (ONE_BY_ONE,)
 
     def shown(self, first: int, last: int) -> Array:
         """Values of a range of designs, (parameters, designs)."""
-        return self.values[:, first - self.start : last - self.start]
+        return np.stack([values[first - self.start : last - self.start] for values in self.columns])
 
     def part(self, first: int, last: int) -> Listed:
         """These designs alone."""
-        return Listed(self.parameters, self.shown(first, last), first)
+        return Listed(self.parameters, tuple(self.shown(first, last)), first)
 
 
-def steps(linkage: Linkage, text: str) -> tuple[Parameter, Steps]:
-    """The parameter and its values that ``--vary rod.B.x=170:180:1000`` asks for.
+def steps(linkage: Linkage, text: str) -> tuple[Parameter, Array]:
+    """The parameter and its values, in equal steps, that ``--vary rod.B.x=170:180:1000`` asks for.
 
     Raises UnknownNameError for a parameter or a unit that there is not, LinkproofError for what is no range.
     """
@@ -168,15 +137,16 @@ def steps(linkage: Linkage, text: str) -> tuple[Parameter, Steps]:
     words = ends.split(":")
     if not equals or len(words) != 3:
         raise LinkproofError(f"--vary: expected {WRITTEN}, got '{text}'; correct it")
-    found = parameter(linkage, name.strip())
-    first, last = (found.in_file(word) for word in words[:2])
-    if not re.fullmatch(r"\s*\d{1,18}\s*", words[2], re.ASCII) or int(words[2]) < 1:
-        raise LinkproofError(f"--vary {name}: expected a number of values from 1 to {MOST:.0e}, got '{words[2]}'; "
-                             f"write {WRITTEN}")  # fmt: skip
-    count = int(words[2])
+    one = parameter(linkage, name.strip())
+    first, last = (one.in_file(word) for word in words[:2])
+    count = int(words[2]) if re.fullmatch(r"\s*\d{1,18}\s*", words[2], re.ASCII) else 0
+    if not 1 <= count <= LONGEST:
+        raise LinkproofError(
+            f"--vary {name}: expected a number of values from 1 to {LONGEST:.0e}, got '{words[2]}'; write {WRITTEN}"
+        )
     if (count == 1) != (first == last) or not math.isfinite(last - first):
         raise LinkproofError(
             f"--vary {name}: expected {'two values that differ' if count > 1 else 'a single value, twice'} for "
             f"{count} value{'s' if count > 1 else ''}, got {words[0]} and {words[1]}; correct the range or the count"
         )
-    return found, Steps(first, last, count)
+    return one, np.linspace(first, last, count)

@@ -2,31 +2,29 @@
 
 from __future__ import annotations
 
-import json
 import math
 from collections.abc import Callable, Collection, Iterator, Sequence
-from dataclasses import asdict, dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import Any, Final, NamedTuple, TypeVar
+from typing import Any, Final, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from analytic.description.changes import with_numbers
-from analytic.description.law import FULL_TURN
 from analytic.description.linkage import Linkage
-from analytic.designs.results import design_figures, usual_path
+from analytic.designs.results import usual_path
 from analytic.errors import AssemblyError, LinkproofError
 from analytic.kinematics.mechanism import Mechanism
 from analytic.signals import names
 from comparisons.designs.named_figures import STROKE, NamedFigure, named_figures
+from comparisons.designs.parameters import SPEED
 from comparisons.designs.steady_motion import SteadyMotion
 from comparisons.designs.sweep.space import DesignSpace
 from comparisons.runs.failures import Lost
 from comparisons.runs.workers import Bounds, Pool
 
 Array = NDArray[np.float64]
-Entry = TypeVar("Entry")
 
 USUAL: Final = ("Mkr.peak", "joint_force.peak", "transmission_angle.min")
 PLACES: Final = 8_000_000  # designs times crank angles of a block: half a second of a core, or so
@@ -34,36 +32,6 @@ LARGEST: Final = 200_000  # designs of a block, of which a few arrays are held
 REFINED: Final = 10  # what a figure costs that is refined, in figures that are not
 BOUNDS: Final = Bounds(seconds=math.inf)
 NONE: Final = -1  # the number of no design
-
-
-@dataclass(frozen=True)
-class Blocks(Sequence[tuple[int, int]]):
-    """Ranges of designs (first, last + 1), about ``size`` each: several whole slabs, or parts of one."""
-
-    designs: int
-    slab: int
-    size: int
-
-    @property
-    def _whole(self) -> int:
-        return max(1, self.size // self.slab) * self.slab
-
-    @property
-    def _parts(self) -> int:
-        return max(1, -(-self.slab // self.size))
-
-    def __len__(self) -> int:
-        return -(-self.designs // self._whole) * self._parts
-
-    def __getitem__(self, number: Any) -> Any:  # noqa: ANN401 - a sequence's own types are two
-        """The range of a block by its number."""
-        if not 0 <= number < len(self):
-            raise IndexError(number)
-        whole, part = divmod(number, self._parts)
-        first = whole * self._whole + part * self.size
-        return first, min(
-            first + (self._whole if self._parts == 1 else self.size), (whole + 1) * self._whole, self.designs
-        )
 
 
 @dataclass(frozen=True)
@@ -86,11 +54,21 @@ class SweepRequest:
         size = self.space.count * len(self.motion.places)
         return replace(self, path=usual_path([one.figure for one in self.figures], size))
 
+    @property
+    def own(self) -> dict[str, float]:
+        """The file's own numbers, SI, by parameter; of a speed that of the motion."""
+        return {one.name: abs(self.motion.speed) if one.kind == SPEED else one.value for one in self.space.parameters}
+
     @cached_property
-    def blocks(self) -> Blocks:
-        """The pieces in which the space is worked through, the same wherever they are."""
+    def blocks(self) -> range:
+        """The first designs of the pieces in which the space is worked through, the same wherever they are."""
         cost = len(self.motion.places) * (REFINED if self.refine else 1)
-        return Blocks(self.space.count, self.space.slab, min(max(1, PLACES // cost), LARGEST))
+        return range(0, self.space.count, min(max(1, PLACES // cost), LARGEST))
+
+    def block(self, number: int) -> tuple[int, int]:
+        """The first and the last + 1 of the designs of a piece."""
+        first = self.blocks[number]
+        return first, min(first + self.blocks.step, self.space.count)
 
 
 class RankedDesign(NamedTuple):
@@ -101,54 +79,52 @@ class RankedDesign(NamedTuple):
     value: float = math.nan
 
 
-@dataclass(frozen=True)
+@dataclass
 class Summary:
     """What is known of so many ``designs``: how many assemble, the ends of their figures and of their parameters.
 
-    ``least`` and ``largest`` have an extreme per figure, ``reach`` the least and largest value per parameter, file's
-    units; nothing where no design assembles.
+    ``least`` and ``largest`` have an extreme per figure, ``reach`` (parameters, 2) the least and the largest value of a
+    parameter among the designs that assemble, in the file's units; nan where none does.
     """
 
+    request: SweepRequest
     designs: int = 0
     assembled: int = 0
-    least: tuple[RankedDesign, ...] = ()
-    largest: tuple[RankedDesign, ...] = ()
-    reach: tuple[tuple[float, float], ...] = ()
+    least: list[RankedDesign] = field(init=False)
+    largest: list[RankedDesign] = field(init=False)
+    reach: Array = field(init=False)
 
-    def plus(self, other: Summary) -> Summary:
-        """Both together, in either order."""
-        return Summary(
-            self.designs + other.designs,
-            self.assembled + other.assembled,
-            _merged(min, self.least, other.least),
-            _merged(min, self.largest, other.largest),
-            _merged(lambda a, b: (min(a[0], b[0]), max(a[1], b[1])), self.reach, other.reach),
-        )
+    def __post_init__(self) -> None:
+        self.least, self.largest = ([RankedDesign()] * len(self.request.figures) for _ in range(2))
+        self.reach = np.full((len(self.request.space.parameters), 2), np.nan)
 
-    def encoded(self) -> bytes:
-        """The summary as JSON."""
-        return json.dumps(asdict(self)).encode()
+    @property
+    def extremes(self) -> set[int]:
+        """The designs with the least and the largest figures."""
+        return {one.design for one in (*self.least, *self.largest)} - {NONE}
 
-    @staticmethod
-    def decoded(text: bytes) -> Summary:
-        """The summary of ``encoded``."""
-        told = json.loads(text)
-        extremes = {end: tuple(RankedDesign(*one) for one in told[end]) for end in ("least", "largest")}
-        return Summary(told["designs"], told["assembled"], **extremes, reach=tuple(map(tuple, told["reach"])))
-
-
-def _merged(
-    how: Callable[[Entry, Entry], Entry], first: tuple[Entry, ...], second: tuple[Entry, ...]
-) -> tuple[Entry, ...]:
-    """Both, entry by entry; one of them where the other is empty."""
-    return tuple(map(how, first, second)) if first and second else first or second
+    def add(self, first: int, found: Array) -> None:
+        """Count in the figures (figures, designs) of the designs from number ``first`` on; blocks come in any order."""
+        there = ~np.all(np.isnan(found), axis=0)
+        self.designs += len(there)
+        self.assembled += int(np.count_nonzero(there))
+        if not np.any(there):
+            return
+        shown = self.request.space.shown(first, first + len(there))[:, there]
+        self.reach[:, 0] = np.fmin(self.reach[:, 0], np.min(shown, axis=1))
+        self.reach[:, 1] = np.fmax(self.reach[:, 1], np.max(shown, axis=1))
+        for row, values in enumerate(found):
+            for ends, signed in ((self.least, values), (self.largest, -values)):
+                at = int(np.argmin(np.where(np.isfinite(values), signed, np.inf)))
+                if np.isfinite(values[at]):
+                    ends[row] = min(ends[row], RankedDesign(float(signed[at]), first + at, float(values[at])))
 
 
 def usual_figures(mechanism: Mechanism) -> tuple[NamedFigure, ...]:
-    """What is asked of designs where nobody says: peaks of torque, forces and transmission angles, and the stroke."""
+    """The figures where nobody names any: peaks of torque, forces and transmission angles, and the stroke."""
     there = names(mechanism)
-    asked = [name for name in USUAL if any(one.partition(":")[0] == name.partition(".")[0] for one in there)]
-    return named_figures(mechanism, [*asked, *([STROKE] if "S" in there else [])])
+    usual = [name for name in USUAL if any(one.partition(":")[0] == name.partition(".")[0] for one in there)]
+    return named_figures(mechanism, [*usual, *([STROKE] if "S" in there else [])])
 
 
 def sweep_block(request: SweepRequest, first: int, last: int) -> Array:
@@ -157,12 +133,10 @@ def sweep_block(request: SweepRequest, first: int, last: int) -> Array:
 
 
 def _figures(request: SweepRequest, numbers: dict[str, Array]) -> Array:
-    motion = request.motion
-    found = design_figures(
-        Mechanism(request.linkage), numbers, [one.figure for one in request.figures], motion.places,
-        speed=motion.speed, refine=request.refine, cores=request.cores,
-        period=FULL_TURN if motion.is_full_turn else None, path=request.path,
-    )  # fmt: skip
+    figures = [one.figure for one in request.figures]
+    found = request.motion.figures(
+        Mechanism(request.linkage), numbers, figures, refine=request.refine, cores=request.cores, path=request.path
+    )
     return np.asarray(found / np.array([one.unit.size for one in request.figures])[:, None])
 
 
@@ -171,36 +145,36 @@ def own_figures(request: SweepRequest) -> Array:
 
     Raises LinkproofError where the space has values that no design can.
     """
-    for one, (least, _) in zip(request.space.parameters, request.space.ends, strict=True):
+    for one, (least, most) in zip(request.space.parameters, request.space.ends, strict=True):
+        if one.kind == SPEED and least <= 0.0 <= most:
+            raise LinkproofError(f"{one.name}: expected speeds on one side of 0, got {least:g} to {most:g}; correct it")
         if one.kind in ("mass", "inertia") and least < 0.0:
-            raise LinkproofError(f"{one.name}: expected no negative {one.kind}, got {least:g} {one.unit.name}; "
-                                 "correct the range")  # fmt: skip
-    return _figures(
-        replace(request, path="numpy"), {one.name: np.array([one.value]) for one in request.space.parameters}
-    )[:, 0]
+            raise LinkproofError(
+                f"{one.name}: expected no negative {one.kind}, got {least:g} {one.unit.name}; correct the range"
+            )
+    own = {name: np.array([value]) for name, value in request.own.items()}
+    return _figures(replace(request, path="numpy"), own)[:, 0]
 
 
 def sweep(
     request: SweepRequest,
     *,
-    keep: Callable[[int, int, Array, Summary], object] = lambda *_: None,
+    keep: Callable[[int, Array], object] = lambda *_: None,
     done: Collection[int] = (),
     begun: Summary | None = None,
     announce: Callable[[int], object] = lambda _: None,
     pool: Pool | None = None,
 ) -> Summary:
-    """Work a space through; ``keep`` is handed every block's number, first design, figures and summary.
+    """Work a space through; ``keep`` is handed the number and the figures of every block.
 
     Blocks that are ``done`` are not made again, and ``begun`` is their summary. ``announce`` hears how many designs are
     finished. Blocks are made here, in turn, or by a ``pool``, which is sent what it needs.
     """
-    total = begun or Summary()
+    total = begun or Summary(request)
     todo = [number for number in range(len(request.blocks)) if number not in done]
     for number, found in _made(request, todo, pool):
-        first, last = request.blocks[number]
-        summary = _summary(request, first, last, found)
-        keep(number, first, found, summary)
-        total = total.plus(summary)
+        keep(number, found)
+        total.add(request.blocks[number], found)
         announce(total.designs)
     return total
 
@@ -208,11 +182,11 @@ def sweep(
 def _made(request: SweepRequest, todo: Sequence[int], pool: Pool | None) -> Iterator[tuple[int, Array]]:
     if pool is None:
         for number in todo:
-            yield number, sweep_block(request, *request.blocks[number])
+            yield number, sweep_block(request, *request.block(number))
         return
     for place, found in pool.run(sweep_block, _Jobs(request, todo), BOUNDS):
         if isinstance(found, Lost):
-            first, last = request.blocks[todo[place]]
+            first, last = request.block(todo[place])
             raise LinkproofError(f"designs {first} to {last - 1}: expected their figures, got none: {found.reason}")
         yield todo[place], found
 
@@ -228,26 +202,8 @@ class _Jobs(Sequence[tuple[Any, ...]]):
         return len(self.todo)
 
     def __getitem__(self, place: Any) -> Any:  # noqa: ANN401 - a sequence's own types are two
-        first, last = self.request.blocks[self.todo[place]]
+        first, last = self.request.block(self.todo[place])
         return replace(self.request, space=self.request.space.part(first, last)), first, last
-
-
-def _summary(request: SweepRequest, first: int, last: int, found: Array) -> Summary:
-    finite = np.isfinite(found)
-    there = ~np.all(np.isnan(found), axis=0)
-    if not np.any(there):
-        return Summary(last - first)
-    shown = request.space.shown(first, last)[:, there]
-    reach = zip(np.min(shown, axis=1).tolist(), np.max(shown, axis=1).tolist(), strict=True)
-    ends = []
-    for signed in (found, -found):
-        places = np.argmin(np.where(finite, signed, np.inf), axis=1).tolist()
-        ends.append(tuple(
-            RankedDesign(float(signed[row, at]), first + at, float(found[row, at]))
-            if finite[row, at] else RankedDesign()
-            for row, at in enumerate(places)
-        ))  # fmt: skip
-    return Summary(last - first, int(np.count_nonzero(there)), ends[0], ends[1], tuple(reach))
 
 
 def why_not(request: SweepRequest) -> str:

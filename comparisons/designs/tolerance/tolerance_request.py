@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Final
 
@@ -11,14 +11,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from analytic.description.changes import numbers
-from analytic.description.crank_motion import RPM
 from analytic.description.linkage import Linkage
-from analytic.designs.derivatives import figure_gradients, is_exact
-from analytic.designs.results import design_figures
+from analytic.designs.derivatives import is_exact
 from analytic.errors import LinkproofError
 from analytic.kinematics.mechanism import Mechanism
-from comparisons.datasheet.units import FileUnit, file_unit
 from comparisons.designs.named_figures import NamedFigure, named_figures
+from comparisons.designs.parameters import speed_unit
 from comparisons.designs.steady_motion import SAMPLES as PLACES
 from comparisons.designs.steady_motion import SteadyMotion, steady_motion
 from comparisons.designs.tolerance.tolerances import ANGLE, LENGTH, Tolerance, Tolerances, tolerances
@@ -82,30 +80,16 @@ class ToleranceRequest:
         size = TOGETHER if is_exact(self.mechanism) else ALONE
         for start in range(0, count, size):
             announce("designs", start, count)
-            parts.append(self._some({name: values[start : start + size] for name, values in designs.items()}))
+            some = {name: values[start : start + size] for name, values in designs.items()}
+            parts.append(self.motion.figures(self.mechanism, some, [one.figure for one in self.figures]))
         return np.concatenate(parts, axis=1)
-
-    def _some(self, designs: Mapping[str, Array]) -> Array:
-        return design_figures(
-            self.mechanism,
-            designs,
-            [one.figure for one in self.figures],
-            self.motion.places,
-            speed=self.motion.speed,
-            refine=True,
-        )
 
     def derivatives(self) -> Array:
         """Derivatives of the results by what has a tolerance, (results, tolerances)."""
         own = numbers(self.mechanism.linkage)
         names = list(self.designs(np.zeros((len(self.tolerances), 1))))
-        _, gradients = figure_gradients(
-            self.mechanism,
-            {name: own[name] for name in names},
-            [one.figure for one in self.figures],
-            self.motion.places,
-            speed=self.motion.speed,
-        )
+        figures = [one.figure for one in self.figures]
+        _, gradients = self.motion.gradients(self.mechanism, {name: own[name] for name in names}, figures)
         by = dict(zip(names, gradients.T, strict=True))
         columns = []
         for one in self.tolerances:
@@ -116,13 +100,6 @@ class ToleranceRequest:
             turns = one.name.endswith(ANGLE)
             columns.append(x * over_y - y * over_x if turns else (x * over_x + y * over_y) / math.hypot(x, y))
         return np.stack(columns, axis=1)
-
-
-def speed_unit(linkage: Linkage) -> FileUnit:
-    """The unit in which the driver's speed is said: rpm, or the file's unit of length per second."""
-    if not linkage.is_linear:
-        return FileUnit("rpm", RPM)
-    return file_unit("m/s", linkage)
 
 
 def tolerance_request(

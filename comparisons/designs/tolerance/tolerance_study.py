@@ -129,8 +129,12 @@ def tolerance_study(request: ToleranceRequest, announce: Announce = lambda *_: N
     derivatives = request.derivatives()
     alone = np.concatenate([np.zeros((count, 1)), np.diag(-sizes), np.diag(sizes)], axis=1)
     corners = sizes[:, None] * _corners(derivatives)
-    draw = np.random.default_rng(request.seed)
-    random = np.stack([one.plus_minus * one.distribution.drawn(draw, request.samples) for one in request.tolerances])
+    from scipy.stats.qmc import LatinHypercube  # noqa: PLC0415 - a second that help does not pay
+
+    drawn = LatinHypercube(count, rng=request.seed).random(request.samples).T
+    random = np.stack(
+        [one.plus_minus * one.distribution.drawn(row) for one, row in zip(request.tolerances, drawn, strict=True)]
+    )
     found = request.results(np.concatenate([alone, corners, random], axis=1), announce)
     first, last = alone.shape[1], alone.shape[1] + corners.shape[1]
     nominal, changes = found[:, 0], found[:, 1:first] - found[:, :1]

@@ -21,6 +21,7 @@ from typing import Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.special import ndtri
 
 from analytic.description.linkage import Linkage
 from analytic.description.units import factor
@@ -46,9 +47,9 @@ class Distribution(StrEnum):
         """The standard deviation, as a share of the ±."""
         return 1.0 / 3.0 if self is Distribution.NORMAL else 1.0 / math.sqrt(3.0)
 
-    def drawn(self, draw: np.random.Generator, count: int) -> Array:
-        """Random numbers, as shares of the ±."""
-        return draw.normal(0.0, 1.0 / 3.0, count) if self is Distribution.NORMAL else draw.uniform(-1.0, 1.0, count)
+    def drawn(self, shares: Array) -> Array:
+        """Numbers, as shares of the ±, below which these shares of all are."""
+        return np.asarray(ndtri(shares)) / 3.0 if self is Distribution.NORMAL else 2.0 * shares - 1.0
 
 
 @dataclass(frozen=True)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import webbrowser
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import asdict
 from pathlib import Path
 from typing import Any
@@ -29,7 +29,7 @@ from reports.command_line.exit_codes import campaign_exit_code
 from reports.command_line.interruption import interruptible, journal
 from reports.command_line.requests import CampaignChoice, RunLimits, installed, request
 from reports.command_line.standard_choice import StandardChoice, in_project
-from reports.document.terminal import show
+from reports.document.terminal import Printout, show
 from reports.mechanism import terminal
 
 PAGE = "index.html"
@@ -40,10 +40,11 @@ def compare(
     destination: Destination,
     limits: RunLimits | None = None,
     held: StandardChoice | None = None,
+    words: Callable[[JudgedCampaign], Printout] = lambda judged: printout(judged.results, judged.figures, judged.notes),
 ) -> int:
     """Run a campaign, write what was asked for, print its tables; returns the exit code.
 
-    What the words leave open the project says that the linkages belong to.
+    What the words leave open the project says that the linkages belong to. ``words`` print something else.
     """
     limits, held, out = limits or RunLimits(), held or StandardChoice(), destination.folder
     limits.check()
@@ -71,7 +72,7 @@ def compare(
     if held.record:
         destination.say(f"baseline: {held.file}")
     destination.write_junit(judged.records, judged.figures, judged.departures)
-    destination.print_out(printout(judged.results, judged.figures, (*judged.notes, *judged.departures)))
+    destination.print_out(words(judged))
     return campaign_exit_code(judged.records, errata, judged.figures, judged.departures)
 
 

@@ -13,10 +13,10 @@ import numpy as np
 from analytic import signals
 from analytic.description.linkage import Linkage
 from analytic.description.loading import load
-from analytic.description.rewriting import rewritten
 from analytic.errors import LinkproofError
 from analytic.signals import MAGNITUDE
 from comparisons.datasheet.units import file_unit
+from comparisons.designs.design_file import design_file
 from comparisons.designs.optimum.optimisation import Optimum, Wish, optimise
 from comparisons.judging.records import to_json
 from comparisons.runs.files import write_text
@@ -49,6 +49,7 @@ class OptimiseChoice(SteadyChoice):
             **self.words,
             "starts": [str(self.wish.starts)] if self.wish.starts > 1 else [],
             "seed": [str(self.wish.seed)] if self.wish.seed else [],
+            "round": [self.wish.step] if self.wish.step else [],
             "simulate": self.simulate,
         }
         flags = {**super().flags, "refine": False, "global": self.wish.everywhere}
@@ -84,7 +85,7 @@ def run(choice: OptimiseChoice, destination: Destination, limits: RunLimits | No
     choice.check()
     linkage = load(choice.mechanism, choice.variant)
     found, conditions = optimum(linkage, choice, destination)
-    text = rewritten(linkage.text, linkage.name, choice.variant, found.after)
+    text = design_file(found.problem.mechanism, found.after)
     name = f"{linkage.name}-optimised.toml"
     saved = document(found, choice.command, conditions)
     destination.write_json(saved)

@@ -2,39 +2,42 @@
 
 from __future__ import annotations
 
+import hashlib
+import math
 import tempfile
-from collections.abc import Mapping, Sequence
 from contextlib import ExitStack
-from dataclasses import dataclass, field, replace
-from functools import reduce
+from dataclasses import dataclass, fields, replace
 from pathlib import Path
 from typing import Final
 
 from analytic.description.linkage import Linkage
 from analytic.description.loading import load
 from analytic.errors import LinkproofError
-from analytic.kinematics.mechanism import Mechanism
+from comparisons.datasheet.units import file_unit
 from comparisons.designs.named_figures import named_figures
-from comparisons.designs.sweep.saved_sweep import SavedSweep
+from comparisons.designs.parameters import SPEED
+from comparisons.designs.sweep.saved_sweep import FILE, SavedSweep
+from comparisons.designs.sweep.simulated_designs import engines_over_designs, simulated_designs
 from comparisons.designs.sweep.space import DesignSpace, Grid, steps
 from comparisons.designs.sweep.sweep import Summary, SweepRequest, own_figures, sweep, usual_figures, why_not
-from comparisons.designs.sweep.sweep_file import FILE, SweepFile, saved_sweep
-from comparisons.designs.sweep.table import TableFile, table_file
+from comparisons.designs.sweep.table import read_table
 from comparisons.runs.cluster.connecting import opened
 from comparisons.runs.files import write_file, write_text
 from comparisons.runs.journal import Journal
 from comparisons.runs.workers import Pool
-from reports.command_line.commands.trust_choice import NOTHING, TrustChoice, Trusted
+from reports.command_line import PASSED
 from reports.command_line.destination import STDOUT, Destination, check_files, write_out
 from reports.command_line.interruption import interruptible, journal
-from reports.command_line.requests import RunLimits, command_line
+from reports.command_line.motion_choice import MotionChoice
+from reports.command_line.requests import RunLimits, command_line, named
 from reports.command_line.steady_choice import SteadyChoice, steady_case
 from reports.designs.sweep.sweep_table import csv_rows
 from reports.designs.sweep.sweep_terminal import SweepSummary
 from reports.document.terminal import Printout
 
 PICTURE: Final = "sweep.svg"
-DRAWN: Final = 10**6  # designs of which a picture is drawn without being asked for, in half a second or so
+SIMULATED, DESIGN_FILES = "simulated", "designs"  # folders of compare's records and of the files it compares
+DESIGNS: Final = 24  # that are simulated
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -48,7 +51,9 @@ class SweepChoice(SteadyChoice):
     json: str | None = None
     svg: str | None = None
     jobs: int | None = None
-    trial: TrustChoice = field(default_factory=TrustChoice)
+    simulate: tuple[str, ...] = ()
+    designs: int = DESIGNS
+    seed: int = 0
     scheduler: str | None = None
 
     @property
@@ -60,22 +65,21 @@ class SweepChoice(SteadyChoice):
     @property
     def command(self) -> str:
         """The command that asks for the same figures."""
-        return self._written({})
-
-    @property
-    def trial_command(self) -> str:
-        """The command that tries engines on the same designs."""
-        return self._written(self.trial.words)
-
-    def _written(self, more: Mapping[str, Sequence[str]]) -> str:
         table = [] if self.table is None else [str(self.table)]
-        options = {"vary": self.vary, "table": table, "quantity": self.quantities, **self.words, **more}
+        options = {"vary": self.vary, "table": table, "quantity": self.quantities, **self.words}
         return command_line("sweep", [self.mechanism], options, self.flags)
 
     def check(self) -> None:
         """Raise LinkproofError for what cannot be, before anything is worked out."""
         super().check()
-        self.trial.check()
+        if self.designs < 1:
+            raise LinkproofError(f"--designs: expected 1 design or more to simulate, got {self.designs}; give more")
+        if self.seed < 0:
+            raise LinkproofError(f"--seed: expected a whole number, 0 or more, got {self.seed}; give another")
+        if not self.simulate and (self.designs, self.seed) != (DESIGNS, 0):
+            option = "--designs" if self.designs != DESIGNS else "--seed"
+            raise LinkproofError(f"{option} is for designs that are simulated: name an engine with --simulate")
+        named(self.simulate)
         if bool(self.vary) == (self.table is not None):
             got = "both" if self.vary else "neither"
             raise LinkproofError(f"expected designs by --vary NAME=FIRST:LAST:COUNT or by --table FILE, got {got}: "
@@ -98,42 +102,50 @@ def run(choice: SweepChoice, destination: Destination) -> int:
         folder = destination.folder
         if folder is None and (choice.csv or choice.svg):
             folder = Path(stack.enter_context(tempfile.TemporaryDirectory(prefix="linkproof-")))
-        about = described(request, conditions, choice.command)
-        saved = None if folder is None else SavedSweep(request, folder, about)
+        saved = None if folder is None else SavedSweep(request, folder, described(request, conditions, choice.command))
         found = SweepSummary(request, own, _worked(choice, destination, request, saved), conditions)
         if saved is not None:
-            _write_rows(choice.csv, saved.file)
-            _write_pictures(choice, destination, saved.file, found.own_parameters)
-        try:
-            trusted = _simulated(choice, destination, request)
-        except LinkproofError:  # the figures are there all the same
-            if saved is not None:
-                saved.finish()
-            raise
-        if saved is not None:
-            saved.finish()
+            _write_rows(choice.csv, saved)
+            _write_pictures(choice, destination, saved, found)
+            saved.finish(keeps=destination.folder is not None)
     destination.write_json(found.document)
     if STDOUT not in choice.files.values():
         there = [destination.folder / name for name in (FILE, PICTURE)] if destination.folder else []
         wrote = [f"wrote {path}" for path in there if path.exists()]
-        closing = [found.sentence, *wrote] if destination.quiet else wrote
-        destination.print_out(
-            Printout([*found.parts, "", *trusted.printout.tables], [*trusted.printout.closing, *closing])
-        )
-    return trusted.exit_code
+        destination.print_out(Printout([*found.parts, ""], [found.sentence, *wrote] if destination.quiet else wrote))
+    return _simulate(choice, destination, request) if choice.simulate else PASSED
 
 
-def _simulated(choice: SweepChoice, destination: Destination, request: SweepRequest) -> Trusted:
-    """A sample of the designs in the engines that are named; nothing where none is."""
-    if not choice.trial.engines:
-        return NOTHING
-    from reports.command_line.commands.trust import simulate  # noqa: PLC0415 - engines cost time that figures do not
+def _simulate(choice: SweepChoice, destination: Destination, request: SweepRequest) -> int:
+    """Compare engines on some of the designs, as ``linkproof compare`` does; its exit code."""
+    from reports.command_line.commands.compare import compare  # noqa: PLC0415 - what no other call pays for
+    from reports.command_line.requests import CampaignChoice  # noqa: PLC0415
+    from reports.designs.sweep.engines_terminal import printout  # noqa: PLC0415
 
-    limits = RunLimits(jobs=choice.jobs, scheduler=choice.scheduler)
-    return simulate(
-        Mechanism(request.linkage), request.space, choice.trial, choice,
-        command=choice.trial_command, destination=destination, limits=limits,
-    )  # fmt: skip
+    if any(one.kind == SPEED for one in request.space.parameters):
+        raise LinkproofError("--simulate: expected designs of one speed, got several; leave --vary speed out")
+    designs, motion = simulated_designs(request, choice.designs, choice.seed), request.motion
+    if not (motion.is_full_turn or choice.swings):
+        unit = file_unit("m", request.linkage).size if request.linkage.is_linear else math.radians(1.0)
+        ends = (motion.places[[0, -1]] / unit).tolist()
+        choice = replace(choice, from_angle=ends[0], to_angle=ends[1])
+    with tempfile.TemporaryDirectory() as temporary, destination.own_stdout():
+        folder = (destination.folder or Path(temporary)) / DESIGN_FILES
+        for name, text in designs.files.items():
+            write_text(folder / f"{name}.toml", text)
+        wanted = CampaignChoice(
+            tuple(str(folder / f"{name}.toml") for name in designs.files), engines=choice.simulate,
+            gravity=choice.gravity,
+            **{one.name: getattr(choice, one.name) for one in fields(MotionChoice) if one.name != "variant"},
+        )  # fmt: skip
+        below = Destination(
+            folder=destination.folder and destination.folder / SIMULATED, resume=destination.resume,
+            quiet=destination.quiet,
+        )  # fmt: skip
+        return compare(
+            wanted, below, RunLimits(jobs=choice.jobs, scheduler=choice.scheduler),
+            words=lambda judged: printout(engines_over_designs(designs, judged.records), choice.seed),
+        )  # fmt: skip
 
 
 def sweep_request(linkage: Linkage, choice: SweepChoice) -> tuple[SweepRequest, str]:
@@ -149,7 +161,7 @@ def sweep_request(linkage: Linkage, choice: SweepChoice) -> tuple[SweepRequest, 
 def designs_of(linkage: Linkage, choice: SweepChoice) -> DesignSpace:
     """The grid of ``--vary``, or the list of ``--table``."""
     if choice.table is not None:
-        return table_file(choice.table, linkage)
+        return read_table(choice.table, linkage)
     return Grid(*zip(*(steps(linkage, text) for text in choice.vary), strict=True))
 
 
@@ -174,27 +186,23 @@ def _worked(choice: SweepChoice, destination: Destination, request: SweepRequest
 def _worked_in(
     pool: Pool | None, choice: SweepChoice, destination: Destination, request: SweepRequest, saved: SavedSweep | None
 ) -> Summary:
-    done: dict[int, Summary] = {}
+    done: set[int] = set()
+    begun = Summary(request)
     if saved is not None:
         saved.check(choice.command)
-        done = saved.begin(_journal(saved.folder, request, choice.command, resume=destination.resume))
-        request = saved.request
-    begun = reduce(Summary.plus, done.values(), Summary())
+        done = saved.begin(_journal(saved.folder, request, choice, resume=destination.resume))
+        for number in sorted(done):
+            begun.add(request.blocks[number], saved.read(number))
     with interruptible(destination.folder, "designs") as counting, destination.progress() as announce:
         heard = counting(announce)
-        try:
-            found = sweep(
-                request if pool is None else replace(request, cores=1),
-                pool=pool,
-                keep=saved.keep if saved else lambda *_: None,
-                done=done.keys(),
-                begun=begun,
-                announce=lambda number: heard("designs", number, request.space.count),
-            )
-        except LinkproofError:
-            if saved is not None and not saved.holds_work:
-                saved.forget()
-            raise
+        found = sweep(
+            request if pool is None else replace(request, cores=1),
+            pool=pool,
+            keep=saved.keep if saved else lambda *_: None,
+            done=done,
+            begun=begun,
+            announce=lambda number: heard("designs", number, request.space.count),
+        )
     if not found.assembled:
         if saved is not None:
             saved.forget()
@@ -204,37 +212,38 @@ def _worked_in(
     return found
 
 
-def _journal(folder: Path, request: SweepRequest, command: str, *, resume: bool) -> Journal:
-    files = {str(request.space.path): request.space.digest} if isinstance(request.space, TableFile) else {}
-    return journal(folder, command, linkages=[request.linkage], files=files, resume=resume)
+def _journal(folder: Path, request: SweepRequest, choice: SweepChoice, *, resume: bool) -> Journal:
+    files = {}
+    if choice.table is not None:
+        with choice.table.open("rb") as table:
+            files[str(choice.table)] = hashlib.file_digest(table, "sha256").hexdigest()
+    return journal(folder, choice.command, linkages=[request.linkage], files=files, resume=resume)
 
 
-def _write_rows(place: str | None, file: SweepFile) -> None:
+def _write_rows(place: str | None, saved: SavedSweep) -> None:
     """Write the designs as CSV, where that is asked for."""
 
     def write(path: Path) -> None:
         with path.open("w", encoding="utf-8", newline="") as stream:
-            stream.writelines(csv_rows(file))
+            stream.writelines(csv_rows(saved))
 
     if place == STDOUT:
-        for text in csv_rows(file):
+        for text in csv_rows(saved):
             write_out(text)
     elif place is not None:
         write_file(Path(place), write)
 
 
-def _write_pictures(choice: SweepChoice, destination: Destination, file: SweepFile, own: Mapping[str, float]) -> None:
-    """Write the picture where it is asked for, and into the folder where it is cheap and not ``quiet``."""
+def _write_pictures(choice: SweepChoice, destination: Destination, saved: SavedSweep, found: SweepSummary) -> None:
+    """Write the picture where it is asked for, and into the folder where not ``quiet``."""
     places = [] if choice.svg is None else [choice.svg]
     if destination.folder is not None:
         picture = destination.folder / PICTURE
         picture.unlink(missing_ok=True)  # that of an earlier sweep
-        if not destination.quiet and file.request.space.count <= DRAWN:
-            places.append(str(picture))
+        places += [] if destination.quiet else [str(picture)]
     if places:
         from reports.designs.sweep.sweep_picture import sweep_svg  # noqa: PLC0415 - a second that nothing else pays for
 
-        with saved_sweep(file.path) as dataset:
-            text = sweep_svg(dataset, own)
+        text = sweep_svg(saved.dataset(), found.own_parameters, found.summary.extremes)
         for place in places:
             write_out(text) if place == STDOUT else write_text(Path(place), text)

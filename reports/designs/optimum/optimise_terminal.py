@@ -6,6 +6,8 @@ import math
 from collections.abc import Iterator
 from typing import Any, Final
 
+import numpy as np
+
 from analytic.designs.derivatives import is_exact
 from analytic.written import change
 from comparisons.datasheet.plain_data import finite
@@ -17,6 +19,7 @@ from reports.document.parts import Paragraph, Table
 from reports.document.terminal import Printed
 
 DIGITS: Final = 6
+ROUNDED: Final = 1e-8  # share of its size by which a kept figure may be off
 SETTLED: Final = 1e-4  # a residual that a local optimum stays below
 
 
@@ -111,22 +114,41 @@ def _remarks(found: Optimum) -> Iterator[Printed]:
         f"derivatives at {grid} angles each{sampled}."
     )
     if found.is_fixed:
-        yield "Nothing is left to vary: the kept figures fix every number. Vary more, or keep a range, LOW:HIGH."
+        names = ", ".join(one.parameter.name for one in problem.variables)
+        kept = ", ".join(one.figure.name for one in problem.kept if one.is_equal)
+        yield f"Nothing is left to vary: keeping {kept} fixes {names}. Vary more, or keep a range, LOW:HIGH."
     else:
         yield from _optimality(search)
     if len(search.ends) > 1:
         yield _starts(found)
+    if found.step:
+        yield _rounding(found)
 
 
 def _optimality(search: Search) -> Iterator[str]:
     """How near to an optimum the search came."""
     yield (
-        f"Optimality: residual {steady_error(search.residual)} of Karush's, Kuhn's and Tucker's conditions, the change "
-        "of the aim, as a share of it, that is left over the bounds."
+        f"Remaining possible improvement (KKT residual): {steady_error(search.residual)}, as a share of the aim over "
+        "the whole of the bounds."
     )
     if search.residual > SETTLED:
         why = "beyond it designs cannot be assembled" if search.counter.beyond else "a figure may have a kink there"
         yield f"This is no smooth local optimum: the search could go no further, {why}."
+
+
+def _rounding(found: Optimum) -> str:
+    """What whole steps cost: the aim, and what is not kept for them."""
+    many = len(found.problem.aims)
+    before, after = (max((found.problem.sign * values[:many]).tolist()) for values in (found.exact, found.values[1]))
+    cost = change((after - before) / abs(before)) if before else ""
+    after_of = dict(zip((one.name for one in found.figures), found.values[1].tolist(), strict=True))
+    missed = [
+        f"{one.figure.name} by {figure(by / one.figure.unit.size)} {one.figure.unit.name}".rstrip()
+        for one, size in zip(found.problem.kept, found.problem.kept_sizes, strict=True)
+        if (by := float(one.missed(np.asarray(after_of[one.figure.name])))) > ROUNDED * size
+    ]
+    kept = f"; it misses {', '.join(missed)}" if missed else ", and what is kept stays kept" * bool(found.problem.kept)
+    return f"Rounded: lengths are multiples of {found.step}, which costs {cost} of the aim{kept}."
 
 
 def _starts(found: Optimum) -> str:
@@ -171,6 +193,7 @@ def document(found: Optimum, command: str, conditions: str) -> dict[str, Any]:
         "aim": {aim_word(found): [one.name for one in problem.aims]},
         "kept": kept,
         "numbers": numbers,
+        "rounded_to": found.step or None,
         "figures": figures,
         "search": {
             "method": search.method,
@@ -179,6 +202,7 @@ def document(found: Optimum, command: str, conditions: str) -> dict[str, Any]:
             "designs_with_derivatives": search.counter.gradients,
             "designs_sampled": search.counter.sampled,
             "residual": search.residual,
+            "nothing_to_vary": found.is_fixed,
             "ends": ends,
         },
     }

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import partial
-from itertools import repeat
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -15,14 +14,11 @@ from reports.charts import draw, labels, scales
 from reports.charts.scales import Scale
 from reports.charts.scheme import BEHIND
 from reports.charts.style import FULL_WIDTH, INK, MUTED, SHADES, drawn, ink
-from reports.designs.sweep import thinning
-from reports.designs.sweep.swept import FAILS, OWN, Swept, grouped
-from reports.designs.sweep.thinning import Kept
+from reports.designs.sweep.drawn_designs import FAILS, OWN, DrawnDesigns
 from reports.document.chart import Chart, Curve
 
 Array = NDArray[np.float64]
 
-MOST = 2000  # lines
 APART, HIGH, TICKS = 1.7, 3.6, 6  # in, between axes at least, their height; ticks of an axis
 THIN = 0.6  # points, of a line among many
 EDGE = 0.25  # in, below the axes
@@ -43,44 +39,29 @@ class Lines:
     best: int | None
 
 
-def parallel_figure(swept: Swept) -> Figure:
+def parallel_figure(designs: DrawnDesigns) -> Figure:
     """The parameters, then the figures; designs that do not assemble end behind the parameters."""
-    lines, kept, meaning = _lines(swept)
-    note = (
-        f"{grouped(MOST)} designs are drawn, chosen at random with seed 0; among them the best, and the least and the "
-        "largest of every figure."
-        if swept.count > MOST
-        else ""
-    )
-    first = f"{swept.figures[0]}: {meaning}"
+    names = (*designs.parameters, *designs.figures)
+    values = np.stack([designs.values(name) for name in names], axis=1)
+    spans = [np.array(designs.span(name) or _ends(values[:, column])) if name in designs.figures
+             else _ends(values[:, column]) for column, name in enumerate(names)]  # fmt: skip
+    axes = [scales.tight(span, designs.label(name), TICKS) for span, name in zip(spans, names, strict=True)]
+    low, high = (np.array([getattr(axis, end) for axis in axes]) for end in ("low", "high"))
+    lines = Lines(tuple(axes), (values - low) / (high - low), len(designs.parameters), designs.best(designs.figures[0]))
+    first = f"{designs.figures[0]}: {designs.target(designs.figures[0])[1]}"
     key = [Curve(NOWHERE, NOWHERE, first, "limit", width=2.0)] if lines.best is not None else []
-    key += [Curve(NOWHERE, NOWHERE, OWN, "ink", line="", marker="D", size=5.0)] if swept.own_place else []
-    key += [Curve(NOWHERE, NOWHERE, FAILS, "reference", width=0.8)] if any(one.failing for one in kept) else []
-    about = Chart((), head=swept.head(kept, note), key=tuple(key))
-    names = [labels.fitting_label(axis.label, APART - 0.1) for axis in lines.axes]
-    width = max(FULL_WIDTH, APART * len(names))
-    room = labels.LINE * max(map(labels.lines, names)) + 0.1
-    height = draw.head_room(about, width) + room + HIGH + EDGE
-    return drawn(width, height, partial(_draw, about=about, names=names, lines=lines, own=swept.own_place))
+    key += [Curve(NOWHERE, NOWHERE, OWN, "ink", line="", marker="D", size=5.0)] if designs.own_place else []
+    fails = any(map(designs.failing, designs.figures))
+    key += [Curve(NOWHERE, NOWHERE, FAILS, "reference", width=0.8)] if fails else []
+    about = Chart((), head=designs.head, key=tuple(key))
+    words = [labels.fitting_label(axis.label, APART - 0.1) for axis in axes]
+    width = max(FULL_WIDTH, APART * len(words))
+    height = draw.head_room(about, width) + labels.LINE * max(map(labels.lines, words)) + 0.1 + HIGH + EDGE
+    return drawn(width, height, partial(_draw, about=about, names=words, lines=lines, own=designs.own_place))
 
 
-def _lines(swept: Swept) -> tuple[Lines, list[Kept], str]:
-    """The lines, what is kept of the figures, and in what the best one is best."""
-    kept = {name: swept.keep(name) for name in swept.figures}
-    names = (*swept.parameters, *swept.figures)
-    spans = [*map(swept.ends, swept.parameters), *(np.array(one.span or one.extremes[:2]) for one in kept.values())]
-    first = kept[swept.figures[0]]
-    best = int(first.indices[2])
-    always = {best} | {int(index) for one in kept.values() for index in one.indices[:2]}
-    chosen = thinning.sample(swept.count, MOST, always - {-1})
-    told = [swept.label(name, kept.get(name)) for name in names]
-    axes = tuple(map(scales.tight, spans, told, repeat(TICKS)))
-    heights = [
-        (swept.pick(name, chosen) - axis.low) / (axis.high - axis.low) for name, axis in zip(names, axes, strict=True)
-    ]
-    line = None if best < 0 else int(np.searchsorted(chosen, best))
-    whole = Lines(axes, np.stack(heights, axis=1), len(swept.parameters), line)
-    return whole, list(kept.values()), swept.target(swept.figures[0])[1]
+def _ends(values: Array) -> Array:
+    return np.array([np.nanmin(values), np.nanmax(values)]) if np.any(np.isfinite(values)) else np.full(2, np.nan)
 
 
 def _draw(figure: Figure, about: Chart, names: list[str], lines: Lines, own: tuple[float, ...]) -> None:

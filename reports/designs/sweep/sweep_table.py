@@ -9,20 +9,20 @@ from typing import Final
 
 import numpy as np
 
-from comparisons.designs.sweep.sweep_file import SweepFile
+from comparisons.designs.sweep.saved_sweep import SavedSweep
 
 ROWS: Final = 10_000  # made into text at once
 
 
-def csv_rows(file: SweepFile) -> Iterator[str]:
+def csv_rows(saved: SavedSweep) -> Iterator[str]:
     """A line per design, block by block, a column per parameter and figure, headed by name and unit."""
-    request, head = file.request, io.StringIO()
+    request, head = saved.request, io.StringIO()
     columns = [*(one.shown for one in request.space.parameters), *(one.shown for one in request.figures)]
     csv.writer(head, lineterminator="\n").writerow(columns)
     yield head.getvalue()
     row = ",".join(["%.15g"] * len(columns)) + "\n"
-    for first, last in request.blocks:
-        values = np.concatenate([request.space.shown(first, last), file.read(first, last)]).T + 0.0  # no -0
+    for number in range(len(request.blocks)):
+        values = np.concatenate([request.space.shown(*request.block(number)), saved.read(number)]).T + 0.0  # no -0
         for start in range(0, len(values), ROWS):
             rows = values[start : start + ROWS]
             yield row * len(rows) % tuple(rows.ravel().tolist())

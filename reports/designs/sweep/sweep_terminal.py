@@ -34,7 +34,7 @@ class SweepSummary:
     @property
     def own_parameters(self) -> dict[str, float]:
         """The parameters of the file's own design."""
-        return {one.name: one.value / one.unit.size for one in self.request.space.parameters}
+        return {one.name: self.request.own[one.name] / one.unit.size for one in self.request.space.parameters}
 
     @property
     def parts(self) -> list[Printed]:
@@ -64,7 +64,7 @@ class SweepSummary:
         share = math.floor(1e3 * found.assembled / found.designs) / 10.0
         where = ", ".join(
             f"{one.name} from {printed(least)} to {printed(most)} {one.unit.name}".strip()
-            for one, (least, most) in zip(space.parameters, found.reach, strict=True)
+            for one, (least, most) in zip(space.parameters, found.reach.tolist(), strict=True)
         )
         return f"{count} designs, of which {_grouped(found.assembled)} ({share:g} %) assemble at every angle: {where}"
 
@@ -80,8 +80,10 @@ class SweepSummary:
             "designs": found.designs,
             "assembled": found.assembled,
             "parameters": {
-                one.name: {"units": one.unit.name, "least": low, "largest": high, "assembles": list(reach)}
-                for one, (low, high), reach in zip(space.parameters, space.ends.tolist(), found.reach, strict=True)
+                one.name: {"units": one.unit.name, "least": low, "largest": high, "assembles": reach}
+                for one, (low, high), reach in zip(
+                    space.parameters, space.ends.tolist(), found.reach.tolist(), strict=True
+                )
             },
             "figures": {
                 one.name: {"units": one.unit.name} | {

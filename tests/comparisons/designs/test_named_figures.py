@@ -4,7 +4,9 @@ import math
 
 import pytest
 
+from analytic.description.loading import load
 from analytic.errors import LinkproofError
+from analytic.kinematics.mechanism import Mechanism
 from comparisons.designs.named_figures import named_figures
 from tests.analytic.drives import driven
 from tests.analytic.linkages import from_text
@@ -62,3 +64,15 @@ def test_a_place_is_in_degrees_whatever_the_unit_of_the_file(unit, place, angle)
 def test_a_place_of_a_drive_along_a_line_is_in_the_unit_of_length():
     (found,) = named_figures(driven("linear-motor"), ["v@12"])
     assert found.figure.angle == pytest.approx(0.012, rel=1e-15)
+
+
+@pytest.mark.parametrize(
+    ("name", "meant"),
+    [("torque", "Mkr.peak"), ("force.mean", "joint_force.mean"), ("strok", "stroke"), ("Mkr.pek", "Mkr.peak")],
+)
+def test_a_wrong_name_has_the_nearest_few(name, meant):
+    with pytest.raises(LinkproofError) as told:
+        named_figures(Mechanism(load("rimoldi-164")), [name])
+    assert f"unknown figure '{name}': did you mean '{meant}'" in str(told.value)
+    assert "more" not in str(told.value)
+    assert len(str(told.value)) < 320

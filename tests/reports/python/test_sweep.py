@@ -5,7 +5,6 @@ import pytest
 import xarray
 
 import linkproof
-from comparisons.designs.sweep.sweep_file import saved_sweep
 from reports.command_line.commands.sweep import SweepChoice, run
 from reports.command_line.destination import Destination
 
@@ -26,7 +25,7 @@ def test_a_grid_is_what_the_command_writes(tmp_path):
         mechanism="rimoldi-164", vary=vary, quantities=FIGURES, angles=12, speed=500.0, gives_speed=True
     )
     run(choice, Destination(None, tmp_path, quiet=True))
-    with saved_sweep(tmp_path / "sweep.nc") as saved:
+    with xarray.open_dataset(tmp_path / "sweep.nc") as saved:
         found = grid()
         xarray.testing.assert_allclose(found, saved, rtol=1e-14)
         assert found.attrs == {name: value for name, value in saved.attrs.items() if name != "command"}

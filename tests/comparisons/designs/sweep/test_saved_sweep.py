@@ -1,16 +1,22 @@
-"""A sweep that is killed and resumed leaves, byte for byte, the file of one that was not."""
+"""A sweep that is killed and resumed leaves the figures of one that was not, and a file that xarray opens."""
 
+import shutil
 import subprocess
 import sys
+from types import SimpleNamespace
 
+import numpy as np
 import pytest
+import xarray
 
 from analytic.errors import LinkproofError
+from comparisons.designs.parameters import parameter
 from comparisons.designs.sweep import sweep as sweeps
 from comparisons.designs.sweep.saved_sweep import SavedSweep
+from comparisons.designs.sweep.space import Listed
 from comparisons.designs.sweep.sweep import sweep
 from comparisons.runs.journal import Journal
-from tests.comparisons.designs.sweeps import request
+from tests.comparisons.designs.sweeps import GRID, SIX_BAR, grid, request
 
 # Runs one sweep after the other, each killed at the next call that touches a file, until one ends by itself.
 KILLED = """
@@ -21,7 +27,12 @@ from comparisons.designs.sweep.saved_sweep import SavedSweep
 from comparisons.runs.journal import Journal
 from tests.comparisons.designs.sweeps import request
 sweeps.PLACES = 8 * 7
-folder, asked, kills = Path(sys.argv[1]), request(), 0
+folder, wanted, kills = Path(sys.argv[1]), request(), 0
+def work(folder):
+    saved = SavedSweep(wanted, folder, {})
+    sweeps.sweep(wanted, keep=saved.keep, done=saved.begin(Journal(folder, "linkproof sweep")))
+    saved.finish(keeps=True)
+work(folder.with_name("first"))  # from here on nothing is imported
 while True:
     child = os.fork()
     if not child:
@@ -33,37 +44,59 @@ while True:
                 if not left:
                     os.kill(os.getpid(), signal.SIGKILL)
         sys.addaudithook(count)
-        saved = SavedSweep(asked, folder, {})
-        done = saved.begin(Journal(folder, "linkproof sweep"))
-        sweeps.sweep(asked, keep=saved.keep, done=done)
-        saved.finish()
+        work(folder)
         os._exit(0)
     if os.waitpid(child, 0)[1] == 0:
         break
     kills += 1
 print(kills)
 """
+LISTED = Listed((parameter(SIX_BAR, "rod.B.x"), parameter(SIX_BAR, "rod.mass")), tuple(np.arange(14.0).reshape(2, 7)))
 
 
 def made(folder):
-    """The file of an uninterrupted sweep."""
+    """The dataset of an uninterrupted sweep."""
     saved = SavedSweep(request(), folder, {})
-    assert saved.begin(Journal(folder, "linkproof sweep")) == {}
+    assert saved.begin(Journal(folder, "linkproof sweep")) == set()
     sweep(saved.request, keep=saved.keep)
-    saved.finish()
+    saved.finish(keeps=True)
     assert [path.name for path in folder.iterdir()] == ["sweep.nc"]
-    return (folder / "sweep.nc").read_bytes()
+    return xarray.load_dataset(folder / "sweep.nc")
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="forks")
 @pytest.mark.parametrize("apart", [400, 60])
-def test_a_sweep_killed_again_and_again_leaves_the_same_file(tmp_path, monkeypatch, apart):
+def test_a_sweep_killed_again_and_again_leaves_the_same_figures(tmp_path, monkeypatch, apart):
     monkeypatch.setattr(sweeps, "PLACES", 8 * 7)
     command = [sys.executable, "-c", KILLED, str(tmp_path / "killed"), str(apart)]
     done = subprocess.run(command, capture_output=True, text=True, timeout=100, check=True)
     assert int(done.stdout) > 10
-    assert (tmp_path / "killed" / "sweep.nc").read_bytes() == made(tmp_path / "whole")
+    xarray.testing.assert_identical(xarray.load_dataset(tmp_path / "killed" / "sweep.nc"), made(tmp_path / "whole"))
     assert [path.name for path in (tmp_path / "killed").iterdir()] == ["sweep.nc"]
+
+
+@pytest.mark.parametrize("size", [1, 7, 100])
+@pytest.mark.parametrize("space", [grid(*GRID), grid(GRID[0]), LISTED])
+def test_blocks_written_in_any_order_are_read_by_others(tmp_path, monkeypatch, space, size):
+    monkeypatch.setattr(sweeps, "PLACES", 8 * size)
+    about = {"mechanism": "größe", "variant": "", "angles": 8}
+    saved = SavedSweep(request(space), tmp_path, about)
+    values = np.random.default_rng(1).normal(size=(3, space.count))
+    values[:, ::3] = np.nan
+    saved.begin(Journal(tmp_path, "linkproof sweep"))
+    for number in np.random.default_rng(size).permutation(len(saved.request.blocks)).tolist():
+        saved.keep(number, values[:, slice(*saved.request.block(number))])
+        np.testing.assert_array_equal(saved.read(number), values[:, slice(*saved.request.block(number))])
+    saved.finish(keeps=True)
+    with xarray.open_dataset(tmp_path / "sweep.nc") as dataset:
+        assert dataset.attrs == about
+        for one, row in zip(saved.request.figures, values, strict=True):
+            assert (dataset[one.name].dims, dataset[one.name].attrs) == (space.dimensions, {"units": one.unit.name})
+            np.testing.assert_array_equal(dataset[one.name].values.ravel(), row)
+        for one, column in zip(space.parameters, space.columns, strict=True):
+            assert one.name in dataset.coords
+            assert dataset[one.name].attrs == {"units": one.unit.name}
+            np.testing.assert_array_equal(dataset[one.name].values, column)
 
 
 def test_unfinished_work_of_another_command_is_left_alone(tmp_path):
@@ -88,3 +121,16 @@ def test_what_is_forgotten_leaves_nothing(tmp_path):
         saved.begin(Journal(folder, "linkproof sweep"))
         saved.forget()
     assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.skipif(not shutil.os.path.exists("/dev/full"), reason="no /dev/full")
+def test_a_full_disk_is_a_sentence(tmp_path, monkeypatch):
+    monkeypatch.setattr(shutil, "disk_usage", lambda _: SimpleNamespace(free=100))
+    saved = SavedSweep(request(), tmp_path / "out", {})
+    with pytest.raises(LinkproofError, match="expected room for 30 designs"):
+        saved.check("linkproof sweep")
+    saved.begin(Journal(tmp_path / "out", "linkproof sweep"))
+    saved._path.parent.mkdir(parents=True)
+    saved._path.symlink_to("/dev/full")
+    with pytest.raises(LinkproofError, match="No space left on device; what is done is kept"):
+        saved.keep(0, np.zeros((3, 30)))

@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 from analytic.errors import LinkproofError
 from comparisons.designs.parameters import parameter
-from comparisons.designs.sweep.space import Grid, Listed, Steps, steps
+from comparisons.designs.sweep.space import Grid, Listed, steps
 from tests.comparisons.designs.sweeps import SIX_BAR, grid
 
 NAMES = ("rod.B.x", "rod.mass", "rod.centre.x")
@@ -28,19 +28,10 @@ def test_designs_are_numbered_last_axis_first(values, data):
         np.testing.assert_array_equal(space.block(first, last)[one.name], row[first:last] * one.unit.size)
 
 
-@given(st.floats(-1e6, 1e6), st.floats(-1e6, 1e6), st.integers(2, 50))
-def test_steps_are_equal_and_end_where_they_are_said_to(first, last, count):
-    values = Steps(first, last, count)[np.arange(count)]
-    assert (values[0], values[-1]) == (first, last)
-    np.testing.assert_allclose(
-        values, np.linspace(first, last, count), rtol=0, atol=1e-15 * max(abs(first), abs(last), 1e-300) * 4
-    )
-
-
 def test_a_range_is_read_in_the_units_of_the_file_or_in_its_own():
     for text in ("rod.B.x=170:180:11", "rod.B.x=17cm:18 cm:11", " rod.B.x =170:0.18m:11"):
-        np.testing.assert_array_equal(steps(SIX_BAR, text)[1][np.arange(11)], np.arange(170.0, 181.0))
-    assert steps(SIX_BAR, "rod.B.x=170:170:1")[1][np.arange(1)] == [170.0]
+        np.testing.assert_array_equal(steps(SIX_BAR, text)[1], np.arange(170.0, 181.0))
+    assert steps(SIX_BAR, "rod.B.x=170:170:1")[1].tolist() == [170.0]
 
 
 @pytest.mark.parametrize(
@@ -61,6 +52,7 @@ def test_a_range_is_read_in_the_units_of_the_file_or_in_its_own():
         (["rod.B.x=-1e308:1e308:5"], "expected two values that differ"),
         (["rod.B.x=1:2:3", "rod.B.x=1:2:3"], "got rod.B.x twice"),
         (["rod.B.x=1:2:9999999", "rod.mass=1:2:9999999"], "designs at most, got 9999999 × 9999999"),
+        (["rod.B.x=1:2:10000001"], "expected a number of values from 1 to 1e+07"),
         (["rod.B.x=1:2:99999999999999999999"], "expected a number of values"),
     ],
 )
@@ -72,6 +64,6 @@ def test_what_is_no_space_is_told(texts, words):
 
 def test_a_part_of_a_list_knows_its_numbers():
     columns = (parameter(SIX_BAR, "rod.B.x"), parameter(SIX_BAR, "rod.mass"))
-    space = Listed(columns, np.arange(20.0).reshape(2, 10))
+    space = Listed(columns, tuple(np.arange(20.0).reshape(2, 10)))
     np.testing.assert_array_equal(space.part(3, 7).shown(4, 6), space.shown(4, 6))
     assert (space.count, space.part(3, 7).count) == (10, 4)

@@ -1,12 +1,9 @@
 """A sweep is what a loop over its designs, one by one, makes of them."""
 
 import itertools
-import math
 
 import numpy as np
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
 
 from analytic.description.crank_motion import RPM
 from analytic.designs.results import design_figures
@@ -18,28 +15,10 @@ from comparisons.designs.named_figures import named_figures
 from comparisons.designs.steady_motion import steady_motion
 from comparisons.designs.sweep import sweep as sweeps
 from comparisons.designs.sweep.space import Grid, steps
-from comparisons.designs.sweep.sweep import (
-    Blocks,
-    RankedDesign,
-    Summary,
-    SweepRequest,
-    own_figures,
-    sweep,
-    usual_figures,
-    why_not,
-)
+from comparisons.designs.sweep.sweep import Summary, SweepRequest, own_figures, sweep, usual_figures, why_not
 from comparisons.runs.workers import LocalPool
 from tests.analytic.loaded_linkages import on_trial
 from tests.comparisons.designs.sweeps import SIX_BAR, grid, request
-
-
-@given(st.integers(1, 40), st.integers(1, 40), st.integers(1, 100))
-def test_blocks_follow_each_other_and_are_whole_slabs_or_parts_of_one(slabs, slab, size):
-    blocks = list(Blocks(slabs * slab, slab, size))
-    assert [number for first, last in blocks for number in range(first, last)] == list(range(slabs * slab))
-    for first, last in blocks:
-        assert 0 < last - first <= max(size, slab)
-        assert (first % slab == 0 == last % slab) or (first // slab == (last - 1) // slab and last - first <= size)
 
 
 def looped(asked):
@@ -62,10 +41,8 @@ def test_figures_and_their_ends_are_those_of_a_loop(monkeypatch, pool):
     asked = request()
     found = np.full((3, 30), np.nan)
 
-    def keep(number, first, values, summary):
-        assert (first, first + values.shape[1]) == asked.blocks[number]
-        assert summary == Summary.decoded(summary.encoded())
-        found[:, first : first + values.shape[1]] = values
+    def keep(number, values):
+        found[:, slice(*asked.block(number))] = values
 
     heard = []
     summary = sweep(asked, keep=keep, announce=heard.append, pool=pool)
@@ -86,35 +63,14 @@ def test_figures_and_their_ends_are_those_of_a_loop(monkeypatch, pool):
 def test_what_is_done_is_not_made_again(monkeypatch):
     monkeypatch.setattr(sweeps, "PLACES", 8 * 7)
     asked, parts = request(), {}
-    whole = sweep(asked, keep=lambda number, first, values, summary: parts.setdefault(number, summary))
-    made = []
-    done = [number for number in parts if number % 2]
-    begun = parts[done[1]].plus(parts[done[0]])
-    rest = [*done[:2]]
-    again = sweep(asked, done=rest, begun=begun, keep=lambda number, *_: made.append(number))
-    assert again == whole
-    assert sorted(made + rest) == sorted(parts)
-
-
-@given(st.permutations(range(6)), st.lists(st.sampled_from([1.0, 2.0, math.nan]), min_size=6, max_size=6))
-def test_summaries_add_up_in_any_order(order, values):
-    def one(number):
-        value = values[number]
-        if math.isnan(value):
-            return Summary(1)
-        least, largest = RankedDesign(value, number, value), RankedDesign(-value, number, value)
-        return Summary(1, 1, (least,), (largest,), ((value, value),))
-
-    total = Summary()
-    for number in order:
-        total = total.plus(one(number))
-    assert total.designs == 6
-    there = [value for value in values if not math.isnan(value)]
-    assert total.assembled == len(there)
-    if there:
-        assert total.least[0].design == values.index(min(there))
-        assert total.largest[0].design == values.index(max(there))
-        assert total.reach == ((min(there), max(there)),)
+    whole = sweep(asked, keep=parts.__setitem__)
+    made, begun = [], Summary(asked)
+    for number in (3, 1):  # in any order
+        begun.add(asked.blocks[number], parts[number])
+    again = sweep(asked, done={1, 3}, begun=begun, keep=lambda number, _: made.append(number))
+    assert (again.assembled, again.least, again.largest) == (whole.assembled, whole.least, whole.largest)
+    np.testing.assert_array_equal(again.reach, whole.reach)
+    assert sorted([*made, 1, 3]) == sorted(parts)
 
 
 def test_the_own_design_is_that_of_the_file():

@@ -66,6 +66,40 @@ def test_quiet_is_one_line_of_the_outcome():
     )
 
 
+def test_lengths_are_rounded_and_the_cost_is_said(tmp_path):
+    words = (*PEAK, *ROD, "--over", "rocker.B.x=20:23", "--over", "rod.mass=0.1:0.2", "--keep", "stroke")
+    exact = run(*words, "--out", str(tmp_path / "exact"))
+    done = run(*words, "--round", "0.1mm", "--out", str(tmp_path / "round"))
+    assert done.exit_code == 0, done.output
+    new = load(tmp_path / "round" / "rimoldi-164-optimised.toml")
+    for link in ("rod", "rocker"):
+        tenths = 1e4 * new.links[link].points["B"][0]
+        assert tenths == pytest.approx(round(tenths), abs=1e-9)
+    before, after = (
+        {one["name"]: one for one in json.loads((tmp_path / name / "optimise.json").read_text("utf-8"))["figures"]}
+        for name in ("exact", "round")
+    )
+    cost = after["Mkr.peak"]["after"] / before["Mkr.peak"]["after"] - 1.0
+    missed = 1e3 * abs(after["stroke"]["after"] - before["stroke"]["after"])
+    assert "Rounded" not in exact.output
+    costs = f"Rounded: lengths are multiples of 0.1mm, which costs {100.0 * cost:+.2f} % of the aim; it misses"
+    assert costs in done.output
+    assert f"stroke by {missed:#.4g} mm." in done.output
+
+
+def test_a_kept_mean_is_kept_by_a_mass_where_a_length_is_rounded():
+    words = ("--over", "rod.B.x=172:178", "--over", "rod.mass=0.1:0.2", "--keep", "joint_force:A.mean", "--round", "1")
+    done = run(*PEAK, *words)
+    assert "and what is kept stays kept." in done.output
+
+
+def test_nothing_left_to_vary_is_said():
+    done = run(*PEAK, *ROD, "--keep", "stroke")
+    assert "Nothing is left to vary: keeping stroke fixes rod.B.x." in done.output
+    assert "Optimality" not in done.output
+    assert "improvement" not in done.output
+
+
 def test_an_engine_says_what_it_thinks_of_the_new_design():
     done = run(*PEAK, *ROD, "--simulate", "direct", "--json", "-")
     assert done.exit_code == 0, done.output
@@ -79,6 +113,7 @@ def test_an_engine_says_what_it_thinks_of_the_new_design():
     [
         (PEAK, "expected numbers to vary, got none"),
         ((*PEAK, "--over", "rod.B.z=1:2"), "did you mean 'rod.B.y'"),
+        ((*PEAK, "--over", "speed=1:2"), "expected numbers of the linkage's file, got speed"),
         ((*PEAK, "--over", "rod.B.x"), "expected NAME=LOW:HIGH or NAME=±10%, got 'rod.B.x'"),
         ((*PEAK, "--over", "rod.B.x=170"), "expected LOW:HIGH or ±10%, got '170'"),
         ((*PEAK, "--over", "rod.B.x=180:170"), "expected LOW below HIGH, got '180:170'"),
@@ -108,6 +143,11 @@ def test_an_engine_says_what_it_thinks_of_the_new_design():
         (("rimoldi-164", "--minimise", "stroke", "--over", "rod.mass=0.1:0.2"), "which does not; choose others"),
         (("rimoldi-164", "--minimise", "joint_force.mean", *ROD), "expected one figure, got joint_force.mean"),
         (("rimoldi-164", "--minimise", "Mkr.pek", *ROD), "did you mean 'Mkr.peak'"),
+        (("rimoldi-164", "--minimise", "torque", *ROD), "unknown figure 'torque': did you mean 'Mkr.peak'? a figure"),
+        ((*PEAK, *ROD, "--round", "0"), "--round: expected a positive length, got '0'"),
+        ((*PEAK, *ROD, "--round", "wide"), "--round: expected a finite number of mm, got 'wide'"),
+        ((*PEAK, *ROD, "--round", "10"), "--round: expected designs at multiples of 10 mm beside rod.B.x"),
+        ((*PEAK, "--over", "rod.mass=0.1:0.2", "--round", "1"), "--round: expected a length among the numbers"),
     ],
 )
 def test_bad_input_is_one_sentence_before_anything_is_written(words, sentence, tmp_path):

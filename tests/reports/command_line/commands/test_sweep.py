@@ -8,14 +8,18 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
+import xarray
 
+from analytic.description.changes import numbers
+from analytic.description.loading import load
 from analytic.errors import LinkproofError
+from comparisons.campaign.results import load as load_campaign
 from comparisons.designs.sweep import sweep as sweeps
-from comparisons.designs.sweep.sweep_file import saved_sweep
-from reports.command_line.commands import sweep as command
+from comparisons.folders.verification import verify
 from reports.command_line.commands.sweep import SweepChoice, run
 from reports.command_line.destination import Destination
 from tests.analytic.drives import path_of
+from tests.comparisons.faults import announce
 from tests.reports.command_line.test_app import completed
 from tests.reports.command_line.test_main import linkproof
 
@@ -24,7 +28,7 @@ PLAIN = {"mechanism": "rimoldi-164", "vary": VARY, "quantities": ("Mkr.peak", "s
 
 
 def swept(folder=None, *, resume=False, quiet=True, **options):
-    run(SweepChoice(**{**PLAIN, **options}), Destination(options.get("json"), folder, resume, quiet))
+    return run(SweepChoice(**{**PLAIN, **options}), Destination(options.get("json"), folder, resume, quiet))
 
 
 def table(path):
@@ -57,7 +61,7 @@ def test_every_file_tells_the_same(tmp_path):
     head, rows = table(tmp_path / "t.csv")
     assert head == ["rod.B.x [mm]", "rod.mass [kg]", "Mkr.peak [N*m]", "stroke [mm]"]
     told = json.loads((tmp_path / "t.json").read_text())
-    with saved_sweep(out / "sweep.nc") as dataset:
+    with xarray.open_dataset(out / "sweep.nc") as dataset:
         assert dataset.sizes == {"rod.B.x": 5, "rod.mass": 3}
         np.testing.assert_allclose(dataset["stroke"].values.ravel(), rows[:, 3], rtol=1e-14)
         assert dataset.attrs["command"] == (
@@ -73,6 +77,17 @@ def test_every_file_tells_the_same(tmp_path):
     assert told["figures"]["Mkr.peak"]["largest"]["value"] == pytest.approx(peak, rel=1e-14)
 
 
+@pytest.mark.parametrize("extra", [(), ("rod.mass=0.1:0.2:2",)])
+def test_the_speed_may_be_varied_and_torques_without_gravity_go_as_its_square(tmp_path, extra):
+    swept(csv=str(tmp_path / "t.csv"), vary=("speed=500:1500rpm:3", *extra), gravity=False)
+    head, rows = table(tmp_path / "t.csv")
+    assert head[0] == "speed [rpm]"
+    for mass in np.unique(rows[:, 1]) if extra else [None]:
+        some = rows if mass is None else rows[rows[:, 1] == mass]
+        np.testing.assert_allclose(some[:, -2] / some[0, -2], (some[:, 0] / 500.0) ** 2, rtol=1e-12)
+        np.testing.assert_allclose(some[:, -1], some[0, -1], rtol=1e-12)
+
+
 def test_a_table_gives_what_a_grid_of_the_same_designs_does(tmp_path):
     swept(csv=str(tmp_path / "grid.csv"))
     head, rows = table(tmp_path / "grid.csv")
@@ -83,7 +98,7 @@ def test_a_table_gives_what_a_grid_of_the_same_designs_does(tmp_path):
     other, again = table(tmp_path / "list.csv")
     assert [other[1], other[0], *other[2:]] == head
     np.testing.assert_allclose(again[:, [1, 0, 2, 3]], rows, rtol=1e-11)
-    with saved_sweep(tmp_path / "out" / "sweep.nc") as dataset:
+    with xarray.open_dataset(tmp_path / "out" / "sweep.nc") as dataset:
         assert dataset["stroke"].dims == ("design",)
 
 
@@ -105,7 +120,8 @@ def test_an_interrupted_sweep_is_finished_and_another_is_not(tmp_path, monkeypat
     swept(tmp_path / "out", resume=True)
     assert made == [0, 6, 6, 12]
     swept(tmp_path / "whole")
-    assert (tmp_path / "out" / "sweep.nc").read_bytes() == (tmp_path / "whole" / "sweep.nc").read_bytes()
+    finished, whole = (xarray.load_dataset(tmp_path / name / "sweep.nc") for name in ("out", "whole"))
+    xarray.testing.assert_identical(finished, whole)
 
 
 def test_a_drive_along_a_line_has_places_and_speeds_in_its_unit(tmp_path):
@@ -118,7 +134,7 @@ def test_a_drive_along_a_line_has_places_and_speeds_in_its_unit(tmp_path):
     assert lines[1] == "3 designs, all of which assemble at every angle"
 
 
-def test_a_picture_is_drawn_where_it_is_asked_for_and_into_a_folder_where_it_is_cheap(tmp_path, monkeypatch):
+def test_a_picture_is_drawn_where_it_is_asked_for_and_into_a_folder(tmp_path):
     swept(svg=str(tmp_path / "t.svg"))
     assert ET.parse(tmp_path / "t.svg").getroot().tag.endswith("svg")
     assert [path.name for path in tmp_path.iterdir()] == ["t.svg"]
@@ -126,9 +142,6 @@ def test_a_picture_is_drawn_where_it_is_asked_for_and_into_a_folder_where_it_is_
     swept(picture.parent, quiet=False)
     assert picture.read_text() == (tmp_path / "t.svg").read_text()
     swept(picture.parent)  # quiet
-    assert not picture.exists()
-    monkeypatch.setattr(command, "DRAWN", 14)
-    swept(picture.parent, quiet=False)
     assert not picture.exists()
     swept(picture.parent, svg=str(picture))
     assert picture.exists()
@@ -146,15 +159,21 @@ def test_nothing_is_kept_but_the_summary_without_a_folder(tmp_path, monkeypatch)
         ({"vary": ("rod.B.q=1:2:3",)}, "unknown parameter of 'rimoldi-164' 'rod.B.q': did you mean"),
         ({"vary": ("rod.B.x=170:180:0",)}, "expected a number of values"),
         ({"vary": ("rod.B.x=1kg:2kg:3",)}, "unknown length unit 'kg'"),
+        ({"vary": ("speed=-10:10:3",)}, "speed: expected speeds on one side of 0, got -10 to 10"),
+        ({"vary": ("speed=1kg:2kg:3",)}, "speed: expected rpm, got 'kg'"),
         ({"vary": ()}, "got neither"),
         ({"table": Path("designs.csv")}, "got both"),
         ({"vary": (), "table": Path("designs.csv")}, "No such file"),
         ({"vary": ("rod.mass=-1:1:3",)}, "expected no negative mass"),
         ({"vary": ("rod.B.x=100:110:3",)}, "expected designs that assemble, got none of 3, for 'rimoldi-164' cannot"),
-        ({"vary": (f"rod.B.x=1:2:{10**9}", f"rod.mass=1:2:{10**9}")}, "designs at most"),
+        ({"vary": (f"rod.B.x=1:2:{10**7}", f"rod.mass=1:2:{10**7}")}, "designs at most"),
         ({"vary": (f"rod.B.x=170:180:{10**6}", f"rod.mass=1:2:{10**5}")}, "expected room for 100000000000 designs"),
+        ({"simulate": ("exudin",)}, "unknown engine 'exudin': did you mean 'exudyn'?"),
+        ({"simulate": ("direct",), "designs": 0}, "--designs: expected 1 design or more to simulate, got 0"),
+        ({"designs": 8}, "--designs is for designs that are simulated: name an engine with --simulate"),
+        ({"simulate": ("direct",), "seed": -1}, "--seed: expected a whole number, 0 or more, got -1"),
         ({"quantities": ("Mkr",)}, "unknown figure 'Mkr': did you mean"),
-        ({"quantities": ("nothing.peak",)}, "unknown signal"),
+        ({"quantities": ("nothing.peak",)}, "unknown figure 'nothing.peak'"),
         ({"angles": 3}, "--angles: expected 8 crank angles or more, got 3"),
         ({"jobs": 0}, "--jobs: expected 1 or more cores, got 0"),
         ({"speed": 0.0}, "--speed: expected"),
@@ -175,3 +194,40 @@ def test_bad_input_is_a_sentence_and_writes_nothing(tmp_path, monkeypatch, optio
 def test_parameters_and_figures_are_completed():
     assert completed("sweep", "rimoldi-164", "--vary", "rod.B.") == ["rod.B.x=", "rod.B.y="]
     assert completed("sweep", "rimoldi-164", "--quantity", "Mkr.p") == ["Mkr.peak"]
+
+
+QUICK = {"vary": ("rod.B.x=166:178:13",), "quantities": ("Mkr.peak",), "speed": 120.0, "gives_speed": True, "jobs": 1}
+
+
+def test_designs_are_simulated_in_a_campaign_of_their_own(tmp_path, capsys):
+    out = tmp_path / "out"
+    swept(out, **QUICK, simulate=("direct",), designs=4, quiet=False)
+    text = capsys.readouterr().out
+    assert "direct tuned: within limits on 4 of 4 designs judged; with 95 % certainty fewer than 75% of such" in text
+    verified = verify(out / "simulated")
+    assert verified.records
+    assert not verified.findings
+    names = [linkage.name for linkage in load_campaign(out / "simulated").linkages]
+    assert {*names} == {path.stem for path in (out / "designs").iterdir()}
+    rods = [numbers(load(str(path)))["rod.B.x"] for path in (out / "designs").iterdir()]
+    assert len({*rods}) == 4
+    assert all(0.166 <= rod <= 0.178 and abs(1e3 * rod - round(1e3 * rod)) < 1e-9 for rod in rods)  # of the sweep
+    assert (out / "simulated" / "index.html").is_file()
+
+
+def test_the_number_that_tells_failing_designs_apart_is_named(tmp_path, monkeypatch, capsys):
+    announce(tmp_path, "flawed", {"short-sighted": "tests.comparisons.designs.engines_with_flaws:ShortSighted"})
+    monkeypatch.syspath_prepend(str(tmp_path))
+    assert swept(**QUICK, simulate=("short-sighted",), designs=13, quiet=False) == 1
+    text = capsys.readouterr().out
+    assert "short-sighted tuned: within limits on 7 of 12 designs judged\n" in text
+    assert "fails where rod.B.x is 171.0 mm or less: there lie 5 of 5 failing designs and 0 of 7 others" in text
+    assert "the rod is too short" in text
+
+
+def test_a_crank_that_makes_no_turn_is_simulated_over_its_range(tmp_path, capsys):
+    text = load("rimoldi-164").text.replace("A = [12, 0]", "A = [30, 0]").replace("[-5, 175]", "[-5, 190]")
+    (tmp_path / "long.toml").write_text(text)  # its crank is so long that the rocker stops it
+    options = {**QUICK, "mechanism": str(tmp_path / "long.toml"), "vary": ("rod.mass=0.1:0.2:3",)}
+    swept(**options, simulate=("direct",), designs=2, quiet=False)
+    assert "within limits on 2 of 2 designs judged" in capsys.readouterr().out

@@ -1,0 +1,39 @@
+"""The linkage file of a design: numbers exchanged, the assembly modes those of the linkage that it is made from."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import numpy as np
+
+from analytic.description.changes import with_numbers
+from analytic.description.loading import parse
+from analytic.description.rewriting import DESIGN, rewritten
+from analytic.errors import StructureError
+from analytic.kinematics.decomposition import find_structure
+from analytic.kinematics.mechanism import Mechanism
+from analytic.kinematics.sweep import Sweep
+
+
+def design_file(mechanism: Mechanism, numbers: Mapping[str, float], new_variant: str = DESIGN) -> str:
+    """The text of the file with these numbers, SI, by name; its sketch moves where it would pick other modes.
+
+    Raises LinkproofError for numbers that describe no linkage, AssemblyError where the design has no such sketch.
+    """
+    own, structure = mechanism.linkage, mechanism.structure
+    signs = tuple(dyad.sign for dyad in structure.dyads)
+    text = rewritten(own.text, own.name, own.variant, numbers, new_variant=new_variant)
+    try:
+        new = Mechanism(parse(text, own.name, own.name))
+        if structure.is_numerical or tuple(dyad.sign for dyad in new.structure.dyads) == signs:
+            return text
+    except StructureError:  # the sketch leaves a mode open
+        pass
+    design = with_numbers(own, numbers)
+    sweep = Sweep(design, find_structure(design).with_signs(signs), np.asarray(design.sketch_angle))
+    sketch = {
+        f"sketch.{point}.{axis}": float(value)
+        for point in design.sketch
+        for axis, value in zip("xy", sweep.point(point), strict=True)
+    }
+    return rewritten(own.text, own.name, own.variant, {**numbers, **sketch}, new_variant=new_variant)

@@ -1,0 +1,152 @@
+"""Some designs of a sweep in engines: which are simulated, and what judged records say of the engines over them."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from analytic.errors import AssemblyError, LinkproofError
+from analytic.kinematics.mechanism import Mechanism
+from comparisons.designs.design_file import design_file
+from comparisons.designs.sweep.sweep import SweepRequest, sweep_block
+from comparisons.judging.records import Record, Verdict
+
+Array = NDArray[np.float64]
+
+TRIES: Final = 20  # hypercubes drawn before designs that assemble are given up
+BY_CHANCE: Final = 0.05  # what is as likely by chance tells nothing
+
+
+@dataclass(frozen=True)
+class SimulatedDesigns:
+    """``files`` of designs by name, and their ``numbers`` (designs,): parameters and figures, by name with unit."""
+
+    files: Mapping[str, str]
+    numbers: Mapping[str, Array]
+
+
+@dataclass(frozen=True)
+class TellingNumber:
+    """The number by whose ``value`` failing designs are told apart best: they lie ``below`` it, or at it, or above.
+
+    ``failing`` and ``others`` have how many lie there, and of how many. ``chance`` is the likelihood of it by chance.
+    """
+
+    name: str
+    below: bool
+    value: float
+    failing: tuple[int, int]
+    others: tuple[int, int]
+    chance: float
+
+
+@dataclass(frozen=True)
+class EngineOverDesigns:
+    """An engine over the designs: names of those that it fails and of those that say nothing.
+
+    ``worst`` is the record with the largest share of its limit, or without a result.
+    """
+
+    engine: str
+    designs: tuple[str, ...]
+    failing: tuple[str, ...]
+    not_judged: tuple[str, ...]
+    worst: Record | None
+    telling: TellingNumber | None
+
+    @property
+    def judged(self) -> int:
+        """How many designs were judged."""
+        return len(self.designs) - len(self.not_judged)
+
+    @property
+    def bound(self) -> float | None:
+        """Its share of failures is less, with 95 % certainty: the rule of three; None where it failed, or for few."""
+        return 3.0 / self.judged if self.judged > 3 and not self.failing else None
+
+
+def simulated_designs(request: SweepRequest, count: int, seed: int) -> SimulatedDesigns:
+    """So many designs of a sweep that assemble, fewer where it has no more: those of Latin hypercubes over its space.
+
+    Raises LinkproofError where none is found.
+    """
+    from scipy.stats.qmc import LatinHypercube  # noqa: PLC0415 - a second that only a sample pays for
+
+    space, mechanism = request.space, Mechanism(request.linkage)
+    cube = LatinHypercube(len(space.shape), rng=seed)
+    files: dict[str, str] = {}
+    columns: list[Array] = []
+    tried: set[int] = set()
+    for _ in range(TRIES):
+        places = (cube.random(min(count, space.count)) * space.shape).astype(int)
+        numbers = np.ravel_multi_index(tuple(places.T), space.shape).tolist()
+        numbers = range(space.count) if space.count <= count else dict.fromkeys(numbers)
+        for number in [one for one in numbers if one not in tried]:
+            tried.add(number)
+            figures = sweep_block(request, number, number + 1)
+            design = {name: float(values[0]) for name, values in space.block(number, number + 1).items()}
+            if len(files) == count or np.all(np.isnan(figures)):
+                continue
+            try:
+                text = design_file(mechanism, design, f"design {number}")
+            except AssemblyError:
+                continue
+            files[f"{request.linkage.name}-d{number}"] = text
+            columns.append(np.concatenate([space.shown(number, number + 1), figures])[:, 0])
+    if not files:
+        raise LinkproofError(
+            f"--simulate: expected designs that assemble, got none among {len(tried)} drawn; vary less"
+        )
+    names = [one.shown for one in space.parameters] + [one.shown for one in request.figures]
+    return SimulatedDesigns(files, dict(zip(names, np.array(columns).T, strict=True)))
+
+
+def engines_over_designs(designs: SimulatedDesigns, records: Iterable[Record]) -> list[EngineOverDesigns]:
+    """What judged records of the designs, as ``compare`` makes them, say of every engine and setting."""
+    engines: dict[str, list[Record]] = {}
+    for record in records:
+        engines.setdefault(f"{record.engine} {record.setting}", []).append(record)
+    found = []
+    for engine, own in engines.items():
+        judged = [record for record in own if Verdict(record.outcome).judged]
+        failing = {record.mechanism for record in judged if Verdict(record.outcome).failed}
+        silent = tuple(name for name in designs.files if name not in {record.mechanism for record in judged})
+        worst = max(judged, key=_share, default=None)
+        telling = telling_number(designs.numbers, np.array([name in failing for name in designs.files]))
+        names = tuple(name for name in designs.files if name in failing)
+        found.append(EngineOverDesigns(engine, tuple(designs.files), names, silent, worst, telling))
+    return found
+
+
+def _share(record: Record) -> float:
+    """The error over its limit; without a result it is beyond all."""
+    if record.error_max is None or not record.limit:
+        return math.inf if Verdict(record.outcome).failed else 0.0
+    return record.error_max / record.limit
+
+
+def telling_number(numbers: Mapping[str, Array], fails: NDArray[np.bool_]) -> TellingNumber | None:
+    """The number (designs,) that tells best which designs fail, by Kolmogorov's and Smirnov's test.
+
+    Its chance is that of the test times the count of numbers tried. None where none or all fail, or none tells more
+    than chance.
+    """
+    from scipy.stats import ks_2samp  # noqa: PLC0415
+
+    if not np.any(fails) or np.all(fails):
+        return None
+    there = {name: values for name, values in numbers.items() if np.all(np.isfinite(values))}
+    tests = {name: ks_2samp(values[fails], values[~fails]) for name, values in there.items()}
+    name = min(tests, key=lambda one: float(tests[one].pvalue))
+    chance = min(1.0, float(tests[name].pvalue) * len(tests))
+    if chance >= BY_CHANCE:
+        return None
+    below, value = bool(tests[name].statistic_sign > 0), float(tests[name].statistic_location)
+    side = (there[name] <= value) == below
+    failing, others = (int(np.sum(side & one)) for one in (fails, ~fails))
+    return TellingNumber(name, below, value, (failing, int(np.sum(fails))), (others, int(np.sum(~fails))), chance)

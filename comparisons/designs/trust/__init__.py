@@ -1,1 +1,0 @@
-"""How far engines may be trusted over a space of designs: a sample of it, simulated."""

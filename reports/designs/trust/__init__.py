@@ -1,1 +1,0 @@
-"""What simulations of a sample of designs say and show."""
