@@ -25,9 +25,7 @@ def linkproof(*words, **environment):
         "-c",
         "import sys; sys.argv[0] = 'linkproof'\nfrom reports.command_line.main import main; main()",
     ]
-    return subprocess.run(
-        [*command, *words], capture_output=True, text=True, timeout=60, check=False, env=os.environ | environment
-    )
+    return subprocess.run([*command, *words], capture_output=True, text=True, check=False, env=os.environ | environment)
 
 
 def completed(*words):

@@ -45,9 +45,7 @@ def _python(script, *words, cwd=ROOT):
         "LINKPROOF_WORKER_START": "spawn",
     }
     command = [sys.executable, "-X", "warn_default_encoding", "-c", script, *map(str, words)]
-    return subprocess.run(
-        command, capture_output=True, encoding="cp1252", timeout=300, check=False, cwd=cwd, env=environment
-    )
+    return subprocess.run(command, capture_output=True, encoding="cp1252", check=False, cwd=cwd, env=environment)
 
 
 def _of_ours(warnings):
