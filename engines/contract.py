@@ -35,6 +35,7 @@ class Origin(StrEnum):
 
     READ = "read"  # the engine's own output, or a fixed map of it: unit, sign, impulse or velocity difference over step
     EXTRAPOLATED = "extrapolated"  # several runs of the engine combined
+    PARTLY = "partly computed"  # either of the two, less a share that its adapter computes
     COMPUTED = "computed"  # from masses, inertias, loads or the linkage's equations: not the engine's word
 
 
@@ -87,9 +88,9 @@ class History:
     ``acceleration`` likewise; bodies in the scene's order. ``torque`` values (n,): what the drive exerts on the crank,
     N m, or the force of a linear drive along it, N; a free crank's is given and not recorded. ``joint_force``: one
     signal per joint name, acting on the joint's first body (the pin's ``first``, the slider's or slot's ``body``), N:
-    (n, 2) in the ground frame, or (n,) where the engine tells magnitudes only. Torque and joint forces may lack a
-    sample at the start, and they and accelerations one at a jump of the prescribed acceleration, where they have two
-    values.
+    (n, 2) in the ground frame, or (n,) where the engine tells magnitudes only. Accelerations, torque and joint
+    forces may lack a sample at the start, where the engine has none of its own, and one at a jump of the prescribed
+    acceleration, where they have two values.
     """
 
     position: Signal | None = None

@@ -44,7 +44,6 @@ def imported(tmp_path):
             text=True,
             cwd=ROOT,
             env=environment,
-            timeout=120,
             check=False,
         )
         assert done.returncode in ends, done.stderr

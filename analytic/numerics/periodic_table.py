@@ -26,6 +26,7 @@ DEGREE: Final = 12
 TOLERANCE: Final = 4e-15  # of each function's peak: the closed form's own rounding
 # Halving a cell that shrinks its error by less than this, once that is small, only chases the closed form's rounding.
 PROGRESS, SMALL = 0.6, 1e-11
+PIECE: Final = 16384  # angles at a time: a linkage of many links takes kilobytes an angle
 MOST_HALVINGS: Final = 40  # a cell of 1e-13 rad: nothing narrower can be told from a jump
 MOST_CELLS: Final = 8192  # of a level: functions so rough are left as they are, with the error they have
 
@@ -125,4 +126,6 @@ def _rules(degree: int) -> tuple[Array, Array, Array]:
 def _on(functions: Functions, left: Array, right: Array, places: Array) -> Array:
     """The functions at places of [-1, 1] across every cell; (functions, cells, places)."""
     angle = left[:, None] + np.multiply.outer(right - left, 0.5 * (places + 1.0))
-    return functions(angle.ravel()).reshape(-1, *angle.shape)
+    flat = angle.ravel()
+    pieces = [functions(flat[start : start + PIECE]) for start in range(0, flat.size, PIECE)]
+    return np.concatenate(pieces, axis=-1).reshape(-1, *angle.shape)

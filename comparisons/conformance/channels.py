@@ -13,14 +13,14 @@ from comparisons.conformance.clues import Part, likeliest
 from comparisons.conformance.findings import Check, NotApplicableError
 from comparisons.conformance.mutants import kept_run
 from comparisons.conformance.samples import PLAIN, SAMPLES, case
-from comparisons.invariants.invariants import MISSING_STEPS
 from comparisons.judging.limits import limit
 from comparisons.observation.observed_motion import DENSE
 from comparisons.reference.case import Case
 from comparisons.reference.channels import truth
+from comparisons.runs.gaps import gap
 from engines.contract import Engine, History, Outcome, Run, Setting, Signal
 from engines.mechanics.start_check import ability_obstacle
-from engines.scene import Channel, Prescribed, Scene
+from engines.scene import Channel, Drive, Prescribed, Scene
 
 Array = NDArray[np.float64]
 
@@ -143,21 +143,20 @@ def samples_cover_the_motion(engine: Engine) -> None:
         of = case(sample)
         for channel in Channel:
             for part in parts(run.history, scene, channel):
-                _check_times(f"{part.words}, sample '{sample}'", part.signal.time, of)
+                _check_times(f"{part.words}, sample '{sample}'", part.signal.time, of, scene.drive)
 
 
-def _check_times(words: str, time: Array, of: Case) -> None:
+def _check_times(words: str, time: Array, of: Case, drive: Drive) -> None:
     gaps, end = np.diff(time), of.motion.duration
     assert len(gaps), f"{words}: expected samples, got {len(time)}: record every one"
     assert np.all(gaps > 0.0), (
         f"{words}: expected increasing times, got {time[int(np.argmin(gaps)) + 1]:g} s after "
         f"{time[int(np.argmin(gaps))]:g} s: leave out what a fresh start repeats"
     )
-    longest = float(gaps.max())
-    late = max(float(time[0]), end - float(time[-1]))
-    assert late <= MISSING_STEPS * longest * ROUNDED, (
-        f"{words}: expected samples from 0 to {end:g} s, got {time[0]:g} to {time[-1]:g} s: run to the end of the "
-        "drive, and count time from its start"
+    hole, longest = gap(time, drive), float(gaps.max())
+    assert not hole, (
+        f"{words}: expected samples from 0 to {end:g} s, got none {hole}: run to the end of the drive, count time from "
+        "its start and leave no sample out"
     )
     turn = FULL_TURN / of.motion.peak_speed
     assert longest * DENSE <= turn * ROUNDED, (

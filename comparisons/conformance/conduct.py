@@ -15,10 +15,9 @@ import numpy as np
 
 from comparisons.conformance.channels import finished, obstacle, parts
 from comparisons.conformance.findings import Check, NotApplicableError
-from comparisons.conformance.mutants import tuned_run
+from comparisons.conformance.mutants import own_run, tuned_run
 from comparisons.conformance.samples import PLAIN, SAMPLES, case
 from comparisons.runs.failures import AdapterError, blamed_on
-from comparisons.runs.run_engine import run_engine
 from engines.contract import Abilities, Engine, History, Origin, Outcome, ReadOut, Run, Setting
 from engines.installed import flush
 from engines.mechanics.start_check import ability_obstacle
@@ -67,7 +66,7 @@ def _available(run: Run) -> None:
 
 
 def _plain_run(engine: Engine, channels: frozenset[Channel] = frozenset(Channel)) -> Run:
-    return run_engine(engine, case(PLAIN).scene(channels), _setting(engine))
+    return own_run(engine, case(PLAIN).scene(channels), _setting(engine))
 
 
 def _setting(engine: Engine) -> Setting:
@@ -124,7 +123,7 @@ def survives_bad_data(engine: Engine) -> None:
     """Data that cannot be run with come back as an outcome with a reason; nothing is raised and no process dies."""
     for words, spoil in BAD.items():
         scene = spoil(case(PLAIN).scene(frozenset(Channel)))
-        run = run_engine(engine, scene, _setting(engine))
+        run = own_run(engine, scene, _setting(engine))
         _available(run)
         assert run.outcome is not Outcome.FINISHED, (
             f"{words}: expected an outcome with a reason, got a finished run: look at the data before the engine does "
@@ -178,7 +177,7 @@ def settings_run(engine: Engine) -> None:
     claimed = [name for name in (PLAIN, "released") if obstacle_of_drive(engine, name) is None]
     for name in claimed:
         for setting in sorted(engine.abilities.settings):
-            run = run_engine(engine, case(name).scene(frozenset(Channel)), setting)
+            run = own_run(engine, case(name).scene(frozenset(Channel)), setting)
             _available(run)
             assert run.outcome is Outcome.FINISHED, (
                 f"setting '{setting}' of sample '{name}': expected a finished run, got {run.outcome.value}: "
@@ -194,7 +193,7 @@ def obstacle_of_drive(engine: Engine, sample: str) -> str | None:
 def origins_are_true(engine: Engine) -> None:
     """``naive`` and ``tuned`` are one run; what is made of several runs is not said to be read."""
     for setting in sorted(engine.abilities.settings):
-        run = run_engine(engine, case(PLAIN).scene(frozenset(Channel)), setting)
+        run = own_run(engine, case(PLAIN).scene(frozenset(Channel)), setting)
         if run.history is None:
             continue
         single = setting is not Setting.BEST
@@ -228,7 +227,7 @@ def keeps_silent(engine: Engine) -> None:
     with _listening() as written:
         _plain_run(engine)
         with suppress(AdapterError):  # which another check names
-            run_engine(engine, _first(case(PLAIN).scene(frozenset(Channel)), mass=float("nan")), _setting(engine))
+            own_run(engine, _first(case(PLAIN).scene(frozenset(Channel)), mass=float("nan")), _setting(engine))
     text = b"".join(written).decode(errors="replace").strip()
     assert not text, f"expected silence, got {text[:80]!r}: chatters = True has a SteppedEngine's C output sent nowhere"
 

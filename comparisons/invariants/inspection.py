@@ -20,7 +20,7 @@ from engines.contract import Signal
 from engines.mechanics.driver import driven
 from engines.mechanics.joints import JointEquations, scene_size
 from engines.mechanics.states import start_motion
-from engines.scene import Channel, Free, Prescribed
+from engines.scene import Channel, Prescribed
 
 Array = NDArray[np.float64]
 
@@ -64,12 +64,6 @@ class Inspection:
     def radian(self) -> float:
         """What φ is measured against: 1 rad, or the scene's size, m."""
         return scene_size(self.motion.scene) if self.motion.is_linear else 1.0
-
-    @property
-    def duration(self) -> float:
-        """How long the motion was to last, s."""
-        drive = self.motion.scene.drive
-        return drive.duration if isinstance(drive, Free) else drive.motion.duration
 
     @cached_property
     def _findings(self) -> dict[bytes, Findings]:

@@ -14,7 +14,8 @@ complete: what passes them all is the motion of the scene, short of what their l
   ``torque_two_routes`` hold it to each. What each of them lets through adds up over turns, but moves the energy: δE in
   it makes δE/2T of the speed, and ``crank_phase`` is what that has come to, beside what ω does not integrate to. (On
   its way past an unstable equilibrium an error of phase grows as in any true motion, and no balance tells how far.)
-- ``crank_phase`` also holds a history to its whole duration: half a motion is not a motion.
+- Samples half a turn apart show no motion, and ``crank_phase`` says so. What they leave out of their own steps is seen
+  before anything is judged (``comparisons.runs.run_engine``).
 
 ``energy_balance`` and ``joint_gap`` say nothing beyond these for a prescribed motion. The joints' equations and the
 loads are those of ``engines.mechanics``, shared with ``direct``: no formula is shared with the closed form.
@@ -34,8 +35,6 @@ from engines.scene import Channel, Free, Prescribed
 
 Array = NDArray[np.float64]
 
-# Steps by which a channel may begin late or end early: an engine may lack the samples of its first steps.
-MISSING_STEPS = 4.0
 HALF_TURN = np.pi  # rad between two samples: beyond it they show no motion
 
 
@@ -62,15 +61,9 @@ def crank_phase(seen: Inspection) -> Signal:
 
 
 def _untold(seen: Inspection) -> float:
-    """Angle that the crank turns in the longest time of which a history says nothing, rad."""
+    """Largest angle between two samples of a channel, rad, where it is more than half a turn; else 0."""
     motion = seen.motion
-    peak = float(np.max(np.abs(motion.crank(Channel.VELOCITY, motion.signal(Channel.VELOCITY).time))))
     signals = [motion.signal(channel) for channel in (*LEVELS, Channel.TORQUE) if motion.has(channel)]
-    worst = 0.0
-    for time in [s.time for s in (*signals, *motion.history.joint_force.values())]:
-        allowed = MISSING_STEPS * float(np.max(np.diff(time)))
-        late = max(float(time[0]), seen.duration - float(time[-1]))
-        worst = max(worst, peak * late if late > allowed else 0.0)
-        turned = float(np.max(np.abs(np.diff(motion.crank(Channel.POSITION, time)))))
-        worst = max(worst, turned if turned > HALF_TURN * seen.radian else 0.0)
-    return worst
+    clocks = [signal.time for signal in (*signals, *motion.history.joint_force.values())]
+    turned = max(float(np.max(np.abs(np.diff(motion.crank(Channel.POSITION, time))))) for time in clocks)
+    return turned if turned > HALF_TURN * seen.radian else 0.0

@@ -48,7 +48,8 @@ FAILED = frozenset((Verdict.OVER_LIMIT, Verdict.DIVERGED, Verdict.TIMED_OUT, Ver
 class Record:
     """A deviation beside its limit. Errors are relative to ``peak``, the reference's largest magnitude in ``unit``.
 
-    ``seconds`` is the stepping alone of the run the record belongs to, ``steps`` all its time steps; ``left_out``
+    Of the run the record belongs to, ``setup_seconds`` is the building of the model, ``seconds`` the stepping alone,
+    ``steps`` all its time steps; ``left_out``
     counts the samples not compared (acceleration jumps, standstill); ``error_at_jumps`` is the error at acceleration
     jumps, beyond the jumps themselves. ``detail`` says why, wherever it did not pass.
     ``origin`` says where the engine's figure comes from (``engines.contract.Origin``, the weakest of all that it is
@@ -83,6 +84,11 @@ class Record:
     runs: int = 0
     shared: str = ""
     host: str = ""
+
+    @property
+    def total_seconds(self) -> float:
+        """Set-up and stepping, s."""
+        return self.setup_seconds + self.seconds
 
     @property
     def run(self) -> tuple[str, str, str, str, str]:

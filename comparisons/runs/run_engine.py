@@ -14,6 +14,7 @@ import numpy as np
 
 from comparisons.observation.interpolation import POINTS
 from comparisons.runs.failures import AdapterError, blamed_on
+from comparisons.runs.gaps import gap
 from engines.contract import Engine, History, Method, Origin, Outcome, Run, Setting, Signal, StudiedEngine
 from engines.scene import Channel, Scene
 
@@ -24,7 +25,7 @@ _LARGEST: Final = 1e100  # of a signal, in any unit: the squares of what is made
 def run_engine(adapter: Engine, model: Scene, way: Setting | Method, step: float | None = None) -> Run:
     """The run of a scene by a setting, or by a method at a longest ``step``, s.
 
-    What a run that finished has recorded is finite, and so are its squares.
+    What a run that finished has recorded covers the whole motion and is finite, and so are its squares.
     Raises AdapterError for every exception of the adapter but MemoryError, which whoever set the bound explains
     (``comparisons.runs.failures``), and for a run that is not as the contract has it.
     """
@@ -42,6 +43,19 @@ def started(adapter: Engine, model: Scene, way: Setting | Method, step: float | 
 
 
 def checked(run: Run, model: Scene, name: str) -> Run:
+    """The run that the engine of this name made, held to samples that can be read and that cover the whole motion.
+
+    Raises AdapterError for what no simulation can do wrong.
+    """
+    run = readable(run, model, name)
+    if run.outcome is Outcome.FINISHED:
+        for channel, signal in _signals(run.history, model):
+            if signal is not None and (hole := gap(signal.time, model.drive)):
+                return replace(run, outcome=Outcome.DIVERGED, reason=f"{channel} has no samples {hole}")
+    return run
+
+
+def readable(run: Run, model: Scene, name: str) -> Run:
     """The run that the engine of this name made, held to the contract: plain data, and samples of the scene's shapes.
 
     One that claims to have finished, and cannot be read between its samples or is not finite throughout, has diverged.

@@ -66,13 +66,10 @@ def _off(name: str, case: Case, signal: Signal, true: Array, least: float = 0.0)
 
 
 def _missing(case: Case, motion: ObservedMotion) -> float:
-    """Share of the duration of which a history says nothing: before it, after it, or half a turn and more within it."""
+    """Share of the duration between samples that lie half a turn and more apart."""
     time = motion.signal(Channel.POSITION).time
-    gaps = np.diff(time)
-    ends = np.array([time[0], case.motion.duration - time[-1]])
     blind = np.abs(np.diff(case.motion.angle(time))) > HALF_TURN
-    left_out = np.sum(ends[ends > 2.0 * np.max(gaps)]) + np.sum(gaps[blind])
-    return float(left_out) / case.motion.duration
+    return float(np.sum(np.diff(time)[blind])) / case.motion.duration
 
 
 def _state_error(case: Case, motion: ObservedMotion, order: int) -> tuple[str, float, float]:

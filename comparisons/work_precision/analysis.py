@@ -1,12 +1,14 @@
 """What a benchmark's records say: orders, floors, fronts, the point to choose, and what the settings are worth.
 
-Pure functions of records. Times are the stepping alone, the shortest of the repeats.
+Pure functions of records. Times are those of set-up and stepping, each the shortest of the repeats: a method that steps
+fast because it builds for long is not cheap.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
+from operator import attrgetter
 
 from comparisons.work_precision.floor import Floor, floor
 from comparisons.work_precision.records import SETTING, BenchRecord, PointRecord, Series, by_quantity, series
@@ -58,9 +60,7 @@ class Standing:
     @property
     def ratio(self) -> float | None:
         """Time of the setting over the cheapest method's at the same error."""
-        if self.rival_seconds is None or self.record.seconds_min is None:
-            return None
-        return self.record.seconds_min / self.rival_seconds
+        return None if self.rival_seconds is None else self.record.total_seconds / self.rival_seconds
 
 
 def findings(records: Iterable[BenchRecord]) -> tuple[SweepFinding, ...]:
@@ -128,9 +128,7 @@ def on_front(records: Iterable[BenchRecord]) -> list[BenchRecord]:
     return sorted((record for record, keep in zip(finished, unbeaten, strict=True) if keep), key=_seconds)
 
 
-def _seconds(record: BenchRecord) -> float:
-    assert record.seconds_min is not None
-    return record.seconds_min
+_seconds = attrgetter("total_seconds")
 
 
 def _error(record: BenchRecord) -> float:

@@ -90,6 +90,11 @@ class PointRecord:
         return (self.mechanism, self.variant, self.regime)
 
     @property
+    def total_seconds(self) -> float:
+        """Set-up and stepping, each the shortest of the repeats, s; 0 where it did not finish."""
+        return (self.setup_seconds or 0.0) + (self.seconds_min or 0.0)
+
+    @property
     def is_extrapolated(self) -> bool:
         """Whether it is no single run."""
         return self.runs > 1
@@ -155,8 +160,8 @@ class Series:
 
     @cached_property
     def seconds(self) -> tuple[float, ...]:
-        """Shortest time of each point, s."""
-        return tuple(record.seconds_min for record in self.records if record.seconds_min is not None)
+        """Shortest time of each point, set-up and stepping, s."""
+        return tuple(record.total_seconds for record in self.records)
 
     @cached_property
     def numbers(self) -> StepSweep:

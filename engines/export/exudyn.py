@@ -60,7 +60,8 @@ for begin, duration, count, ratio, jumps, crank, states, turns in PARTS:
         for body, sensor in enumerate(numbers):
             values[:, body, : data[sensor].shape[1] - 1] = data[sensor][:, 1:]
         values += START + turns if name == "position" else 0.0
-        kept = slice(0 if begin == 0.0 else 1, -1 if jumps and name == "acceleration" else None)
+        given = begin > 0.0 or (name == "acceleration" and len(states) > 0)  # those at the start are not exudyn's own
+        kept = slice(1 if given else 0, -1 if jumps and name == "acceleration" else None)
         keep(name, time[kept], values[kept])
     kept = slice(1, -1 if jumps else None)  # forces belong to a step
 {torque}

@@ -23,6 +23,9 @@ COORDINATES = {
 END = "of the state at the end of the step"
 READOUTS: Mapping[Channel, ReadOut] = {
     **{channel: ReadOut(f"SensorNode, {name}", instant=END) for channel, name in COORDINATES.items()},
+    Channel.ACCELERATION: ReadOut(
+        "SensorNode, Coordinates_tt; without that of the start, which is given to exudyn but in naive", instant=END
+    ),
     Channel.TORQUE: ReadOut(
         "SensorObject of the drive's ObjectConnectorCoordinate (linear: CoordinateVector), Force, with its sign turned",
         instant=END,
@@ -57,15 +60,17 @@ class Recorder:
     def read(self, *, first: bool, before_jump: bool) -> History:
         """The samples of the latest solve that are exudyn's own: of the state it started from only the run's first.
 
-        The multipliers belong to a step, not to a state: loads have no sample at the start. Accelerations and loads
-        have none at a jump, where they have two values.
+        The multipliers belong to a step, not to a state: loads have no sample at the start. Nor have accelerations
+        where those of the scene were given to start from. Both have none at a jump, where they have two values.
         """
         data = {sensor: self.model.mbs.GetSensorStoredData(sensor) for sensor in self.sensors}
         time = self.model.begin + next(iter(data.values()))[:, 0] if data else np.zeros(0)
         end = -1 if before_jump else None
         motion = {}
         for channel, sensors in self.motion.items():
-            kept = slice(0 if first else 1, end if channel is Channel.ACCELERATION else None)
+            changes = channel is Channel.ACCELERATION
+            given = not first or (changes and bool(self.model.starts))
+            kept = slice(1 if given else 0, end if changes else None)
             values = self._motion(channel, [data[sensor] for sensor in sensors], len(time))
             motion[channel.value] = Signal(time[kept], values[kept])
         loaded = slice(1, end)

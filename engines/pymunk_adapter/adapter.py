@@ -95,7 +95,7 @@ class PymunkEngine(SteppedEngine[PymunkWorld, PymunkRecipe]):
             Channel.ACCELERATION: ReadOut("difference of Body.velocity over the step"),
             Channel.TORQUE: ReadOut(
                 "SimpleMotor.impulse (linear: PinJoint.impulse) over the step, less an applied torque or force that "
-                "keeps its sign and a flywheel's share",
+                "keeps its sign; of a driven crank, but in naive, less a share that is computed, its added flywheel's",
                 drive="the drive's own",
             ),
             Channel.JOINT_FORCE: ReadOut(

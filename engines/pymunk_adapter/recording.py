@@ -14,7 +14,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from engines.contract import History, Signal
+from engines.contract import History, Origin, Signal
 from engines.mechanics.states import across
 from engines.pymunk_adapter.layout import PartLayout
 from engines.pymunk_adapter.stepping import LOADS, LOOK
@@ -119,7 +119,8 @@ class Recording:
             change = carried_velocity(self.layout, state, late, half * clock.fine)
             change -= carried_velocity(self.layout, state, early, -half * clock.fine)
             acceleration = Signal(loaded, change / clock.fine)
-        torque = Signal(loaded, self.torque) if Channel.TORQUE in asked else None
+        origin = Origin.PARTLY if self.layout.flywheel else Origin.READ
+        torque = Signal(loaded, self.torque, origin) if Channel.TORQUE in asked else None
         forces = {name: Signal(loaded, values) for name, values in self.forces.items()}
         return History(position, velocity, acceleration, torque, forces)
 

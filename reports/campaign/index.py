@@ -97,8 +97,8 @@ def _settings_table(trust: Trust) -> Table:
             row += _standing(trust, engine, setting)
         rows.append(row)
     return Table(
-        "The worst error over its limit, where it is, and the time of stepping in the median run.",
-        ("engine", *(("error / limit", "stepping") * len(trust.settings))),
+        "The worst error over its limit, where it is, and the median times of set-up and of stepping.",
+        ("engine", *(("error / limit", "set-up + stepping") * len(trust.settings))),
         rows,
         groups=(("", 1), *((_setting_words(trust, setting), 2) for setting in trust.settings)),
         note=sentence("index_settings", has_control=bool(trust.controls)),
@@ -125,7 +125,7 @@ def _standing(trust: Trust, engine: str, setting: str) -> tuple[TableCell | str,
     )
     computed = [words for words in exceptions(records).split("; ") if not words.startswith("shared")]
     origin = "; ".join(filter(None, (origin_words(records), *computed)))
-    return largest, TableCell(numbers.ABSENT if seconds is None else numbers.seconds(seconds), note=origin)
+    return largest, TableCell(" + ".join(map(numbers.seconds, seconds or ())) or numbers.ABSENT, note=origin)
 
 
 def _failure(held: Held) -> str:

@@ -32,7 +32,7 @@ def junit(records: Sequence[Record], figures: Sequence[KeyFigure] = (), departur
     counts = _counts([case for cases in suites.values() for case in cases])
     root = ElementTree.Element("testsuites", {"name": "linkproof"} | counts)
     for place, cases in suites.items():
-        seconds = {record.run: record.seconds for record in records if record.run[:3] == place}
+        seconds = {record.run: record.total_seconds for record in records if record.run[:3] == place}
         name = {"name": _legal("/".join(filter(None, place))), "time": f"{sum(seconds.values()):.6f}"}
         ElementTree.SubElement(root, "testsuite", name | _counts(cases)).extend(cases)
     ElementTree.indent(root, " ")

@@ -68,6 +68,7 @@ def _mechanism_table(results: Sequence[RunResult]) -> Table:
         worst = [_worst(result, quantity) for result in results]
         rows.append((quantity, _limits(worst), *map(_cell, worst)))
     rows.append(("figures of", "", *(origin_words(_all(result)) for result in results)))
+    rows.append(("seconds, set-up", "", *(f"{record.setup_seconds:.3f}" for record in first)))
     rows.append(("seconds, stepping", "", *(f"{record.seconds:.3f}" for record in first)))
     rows.append(("steps", "", *(f"{record.steps}" for record in first)))
     head = ("error over peak", "limit", *(f"{record.engine}\n{record.setting}" for record in first))

@@ -110,10 +110,13 @@ class Trust:
         errors = {engine: cell.error for engine, cell in cells.items() if cell.error is not None and not cell.failed}
         return min(errors, key=lambda engine: errors[engine] or 0.0, default="") if len(cells) > 1 else ""
 
-    def seconds(self, engine: str, setting: str) -> float | None:
-        """Median wall time of the stepping of a run, s."""
-        runs = {r.run: r.seconds for r in self.records(engine, setting) if r.steps}
-        return statistics.median(runs.values()) if runs else None
+    def seconds(self, engine: str, setting: str) -> tuple[float, float] | None:
+        """Wall time of the set-up and of the stepping of a run, s, each the median of all runs."""
+        runs = {r.run: (r.setup_seconds, r.seconds) for r in self.records(engine, setting) if r.steps}
+        if not runs:
+            return None
+        setup, stepping = (statistics.median(times) for times in zip(*runs.values(), strict=True))
+        return setup, stepping
 
     def _family(self, record: Record) -> str:
         if record.quantity in self.checks:
@@ -208,7 +211,7 @@ def _nearest(trust: Trust, engines: Sequence[str], setting: str, *, timed: bool)
         if name != CHECKS and (leader := trust.nearest(setting, name)):
             leaders.setdefault(leader, []).append(name)
     right = [name for name in engines if not any(held.failed for held in trust.held.get((name, setting), {}).values())]
-    times = {name: seconds for name in right if (seconds := trust.seconds(name, setting)) is not None}
+    times = {name: sum(seconds) for name in right if (seconds := trust.seconds(name, setting)) is not None}
     quickest = min(times, key=lambda name: times[name], default="") if timed else ""
     worst = {name: max(trust.cell(name, setting, f).error or 0.0 for f in held) for name, held in leaders.items()}
     told = [(name, listed(held), worst[name]) for name, held in leaders.items()]

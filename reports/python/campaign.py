@@ -47,8 +47,8 @@ class Comparison:
     def table(self) -> xarray.Dataset:
         """The records over ``run`` and ``quantity``: errors and limits as shares of the peak, NaN where there is none.
 
-        ``mechanism``, ``variant``, ``regime``, ``engine`` and ``setting`` stand along ``run``, with ``seconds`` and
-        ``steps`` of each.
+        ``mechanism``, ``variant``, ``regime``, ``engine`` and ``setting`` stand along ``run``, with
+        ``setup_seconds``, ``seconds`` of stepping and ``steps`` of each.
         """
         import xarray  # noqa: PLC0415  half a second that records alone do not pay
 
@@ -65,7 +65,10 @@ class Comparison:
             {
                 **{name: (*cells(name, math.nan), {"units": "1"}) for name in ("error_max", "error_rms", "limit")},
                 "outcome": cells("outcome", ""),
-                "seconds": ("run", [record.seconds for record in runs.values()], {"units": "s"}),
+                **{
+                    name: ("run", [getattr(record, name) for record in runs.values()], {"units": "s"})
+                    for name in ("setup_seconds", "seconds")
+                },
                 "steps": ("run", [record.steps for record in runs.values()]),
             },
             coords={"quantity": quantities, **labels},

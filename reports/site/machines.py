@@ -76,15 +76,19 @@ def _engines(results: Results) -> Table:
     for engine, setting in sorted({(record.engine, record.setting) for record in every}):
         mine = [record for record in every if (record.engine, record.setting) == (engine, setting)]
         counts = Counter(Verdict(record.outcome) for record in mine)
+        spent = {record.run: (record.setup_seconds, record.seconds) for record in mine}
         shares = [r.error_max / r.limit for r in mine if r.error_max is not None and r.limit]
         rows.append((
             engine, mine[0].engine_version, setting, f"{len({record.run for record in mine})}",
             f"{counts[Verdict.PASSED]}", f"{sum(n for verdict, n in counts.items() if verdict.failed)}",
             f"{sum(n for verdict, n in counts.items() if not verdict.judged)}", error_words(max(shares, default=None)),
-            seconds(sum({record.run: record.seconds for record in mine}.values())),
+            *(seconds(sum(times)) for times in zip(*spent.values(), strict=True)),
         ))  # fmt: skip
-    head = ("engine", "version", "setting", "runs", "passed", "failed", "not judged", "worst error / limit", "stepping")
-    return Table("Verdicts of every engine, and the time of its runs together, on this machine.", head, rows, "lllr")
+    head = (
+        *("engine", "version", "setting", "runs", "passed", "failed", "not judged", "worst error / limit"),
+        *("set-up", "stepping"),
+    )
+    return Table("Verdicts of every engine, and the times of its runs together, on this machine.", head, rows, "lllr")
 
 
 def _across(groups: Sequence[Sequence[MergedFolder]]) -> Iterator[Part]:

@@ -44,8 +44,8 @@ def _met(engines: Iterable[EngineFacts], column: int) -> list[Found]:
 
 
 def _time(found: Found) -> float:
-    """Stepping time of a point, s."""
-    return found[1].seconds_min or 0.0
+    """Time of a point, set-up and stepping, s."""
+    return found[1].total_seconds
 
 
 def _span(found: Sequence[Found]) -> str:

@@ -25,7 +25,7 @@ def method_section(regimes: Regimes, methods: Sequence[Mapping[str, Any]], noise
     def settings(facts: EngineFacts) -> Iterator[tuple[TableCell, TableCell]]:
         for one in facts.standings:
             told = standing_words(one, facts, noise).lstrip(":; ") if facts.sweeps else ""
-            words = f"{error(one.record.error_max)} in {seconds(one.record.seconds_min or 0.0)}"
+            words = f"{error(one.record.error_max)} in {seconds(one.record.total_seconds)}"
             yield (
                 TableCell(one.record.setting),
                 TableCell(words.replace(" ", "\u00a0"), note=told.partition(":")[0], told=told),

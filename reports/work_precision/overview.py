@@ -29,7 +29,7 @@ def inks(labels: Mapping[str, str]) -> dict[str, Ink]:
 
 def figures(regimes: Regimes, colours: Mapping[str, Ink]) -> tuple[PageFigure, ...]:
     """A figure for every regime."""
-    alt = "error over stepping time, {}, every engine, {} mechanisms"
+    alt = "error over the time of set-up and stepping, {}, every engine, {} mechanisms"
     return tuple(
         PageFigure(
             name, sentence("bench_overview", regime=name), alt.format(name, len(places)), chart(places, colours), True
@@ -56,7 +56,7 @@ def _panel(place: PlaceFacts, colours: Mapping[str, Ink]) -> Panel:
     for facts in place.engines(place.foremost):
         curves += _engine(facts, colours[facts.engine])
     title = f"{place.mechanism}: {plain(place.foremost)}"
-    return Panel(tuple(curves), "stepping alone, s", "largest |error| / peak", scale="loglog", title=title)
+    return Panel(tuple(curves), "set-up and stepping, s", "largest |error| / peak", scale="loglog", title=title)
 
 
 def _engine(facts: EngineFacts, ink: Ink) -> Iterator[Curve]:
@@ -81,7 +81,7 @@ def _fronts(records: Sequence[BenchRecord]) -> list[tuple[Array, Array]]:
 
 def _places(records: Sequence[BenchRecord]) -> tuple[Array, Array]:
     """Times, s, and errors over the peak of points (n,)."""
-    return np.array([one.seconds_min or 0.0 for one in records]), np.array([drawn_error(one) for one in records])
+    return np.array([one.total_seconds for one in records]), np.array([drawn_error(one) for one in records])
 
 
 def drawn_error(record: BenchRecord) -> float:

@@ -20,7 +20,7 @@ CHOICES = ("engine", "to get", "time", "by")
 METHODS = ("engine", "method", "order", "least error", "steps/turn", "time", "what limits it")
 POINTS = (
     *("mechanism", "regime", "engine", "method", "runs", "effort", "step s", "quantity", "outcome", "error", "RMS"),
-    *("stepping", "steps", "why"),
+    *("set-up", "stepping", "steps", "why"),
 )
 
 
@@ -42,8 +42,8 @@ def _points(bench: Bench) -> Table:
             one.mechanism, one.regime, engine_label(one.engine, one.is_control), one.setting, f"{one.runs}",
             "" if one.effort is None else f"{one.effort:g}",
             "" if one.step is None else f"{one.step:.4g}", one.quantity, one.outcome, error(one.error_max),
-            error(one.error.error_rms if one.error else None), seconds(one.seconds_min or 0.0),
-            f"{one.steps}", one.detail,
+            error(one.error.error_rms if one.error else None), seconds(one.setup_seconds or 0.0),
+            seconds(one.seconds_min or 0.0), f"{one.steps}", one.detail,
         )
         for one in bench.records
     ]  # fmt: skip
@@ -59,7 +59,7 @@ def _block(place: PlaceFacts, quantity: str, noise: float) -> Iterator[Printed]:
         yield from (_methods(place, quantity), "", _choices(place, quantity), "")
     for facts in engines if measured else ():
         for one in facts.standings:
-            told = f"{error(one.record.error_max)} in {seconds(one.record.seconds_min or 0.0)}"
+            told = f"{error(one.record.error_max)} in {seconds(one.record.total_seconds)}"
             yield f"{facts.engine} {one.record.setting}: {told}{words.standing_words(one, facts, noise)}"
     for facts in engines:
         for reason in words.failed_methods(facts):
@@ -74,7 +74,7 @@ def _methods(place: PlaceFacts, quantity: str) -> Table:
     for facts, sweep in [(one, sweep) for one in place.engines(quantity) for sweep in one.methods]:
         least, floor = sweep.points.records[sweep.points.numbers.best], sweep.floor
         order = ABSENT if sweep.order is None else f"{sweep.order:.1f}"
-        found = (error(floor.error), words.per_turn(least), seconds(least.seconds_min or 0.0), floor.cause.value)
+        found = (error(floor.error), words.per_turn(least), seconds(least.total_seconds), floor.cause.value)
         rows.append((label_of(facts), words.way(facts, sweep.first), order, *found))
     return Table("", METHODS, tuple(rows), "llrrrrl")
 
@@ -87,7 +87,7 @@ def _choices(place: PlaceFacts, quantity: str) -> Table:
             errors = [bound(error) for _, error in part]
             span = errors[0] if len(errors) == 1 else f"{errors[0]} to {errors[-1]}"
             if record := choice.record:
-                found = (seconds(record.seconds_min or 0.0), words.way_words(facts, record))
+                found = (seconds(record.total_seconds), words.way_words(facts, record))
             else:
                 found = (ABSENT, f"not reached; least {error(choice.closest.error_max)}")
             rows.append((label_of(facts), span, *found))

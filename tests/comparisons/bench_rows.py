@@ -39,6 +39,12 @@ def row(*, error_max=1e-3, **changes):
     return BenchRecord(**values, errors={values["quantity"]: error} if error else {})
 
 
+def times(seconds):
+    """So many seconds of set-up and stepping, a quarter of them set-up; None for what did not finish."""
+    shares = {"seconds_min": 0.75, "setup_seconds": 0.25}
+    return {name: None if seconds is None else share * seconds for name, share in shares.items()}
+
+
 def sweep_rows(errors, *, first=0.06, ratio=2.0, cost=1e-3, **changes):
     """A sweep from the step ``first``, s, down, each step ``ratio`` times finer and dearer."""
     return [
@@ -46,7 +52,7 @@ def sweep_rows(errors, *, first=0.06, ratio=2.0, cost=1e-3, **changes):
             step=first / ratio**k,
             steps_per_turn=ratio**k,
             error_max=error,
-            seconds_min=cost * ratio**k,
+            **times(cost * ratio**k),
             seconds_median=1.1 * cost * ratio**k,
             repeats=(cost * ratio**k, 1.2 * cost * ratio**k),
             **changes,
@@ -58,7 +64,7 @@ def sweep_rows(errors, *, first=0.06, ratio=2.0, cost=1e-3, **changes):
 def setting_row(name, error, seconds, **changes):
     """A finished setting."""
     return row(
-        kind=SETTING, setting=name, step=None, steps_per_turn=None, error_max=error, seconds_min=seconds, **changes
+        kind=SETTING, setting=name, step=None, steps_per_turn=None, error_max=error, **(times(seconds) | changes)
     )
 
 

@@ -13,6 +13,8 @@ from pathlib import Path
 
 from engines.contract import Abilities, Outcome, Run
 
+LONG, PATIENCE = 3600.0, 600.0  # s that a job hangs, and that a test waits for what has to come
+
 
 def job(kind, value=None):
     """Do what its kind says; 'fine' returns the value."""
@@ -23,9 +25,31 @@ def fine(value):
     return value
 
 
-def slow(value):
-    time.sleep(0.3)
-    return value
+def wait_for(condition):
+    """Wait until the condition holds, for minutes where a machine is that busy."""
+    patience = time.monotonic() + PATIENCE
+    while not condition() and time.monotonic() < patience:
+        time.sleep(0.01)
+    return condition()
+
+
+def children(process):
+    """The processes that a process has started, on Linux."""
+    numbers = [name for name in os.listdir("/proc") if name.isdigit()]
+    return [int(number) for number in numbers if _parent(number) == process]
+
+
+def _parent(process):
+    try:
+        return int(Path(f"/proc/{process}/stat").read_text().rpartition(")")[2].split()[1])
+    except OSError:
+        return None
+
+
+def slow(path):
+    """Return the path of a file once it is there."""
+    assert wait_for(Path(path).exists)
+    return path
 
 
 def abort(_):
@@ -41,7 +65,7 @@ def leave(value):
 
 
 def sleep(_):
-    time.sleep(60.0)
+    time.sleep(LONG)
 
 
 def spin(_):
@@ -100,7 +124,7 @@ def large(value):
 
 def hang_up(_):
     os.closerange(3, 256)
-    time.sleep(60.0)
+    time.sleep(LONG)
 
 
 def interrupt_itself(value):
@@ -124,14 +148,14 @@ def spoil(value):
 def sign_and_sleep(path):
     """Leave its process number in a file, and hang."""
     Path(path).write_text(str(os.getpid()))
-    time.sleep(60.0)
+    time.sleep(LONG)
 
 
 def fork_and_sleep(path):
     """Leave a child, its process number in a file, and hang."""
-    child = subprocess.Popen([sys.executable, "-c", "import time; time.sleep(60)"])
+    child = subprocess.Popen([sys.executable, "-c", f"import time; time.sleep({LONG})"])
     Path(path).write_text(str(child.pid))
-    time.sleep(60.0)
+    time.sleep(LONG)
 
 
 JOBS = {

@@ -12,6 +12,7 @@ import linkproof
 from analytic.description.format.json_schema import json_schema
 from comparisons.judging.limits import shipped_limits
 from docs.making.pages import keys, limits, reference
+from tests.pages.browser import PATIENCE
 
 ROOT = Path(__file__).parents[2]
 LOADED = re.compile(r"<(?:script|img|iframe|source)[^>]* src=\"?([^\" >]+)|<link[^>]* href=\"?([^\" >]+)")
@@ -52,6 +53,7 @@ def test_the_site_is_searched_from_the_disk(site):
     with sync_api.sync_playwright() as playwright:
         browser = playwright.chromium.launch(executable_path=shutil.which("chromium"), args=["--no-sandbox"])
         page = browser.new_page()
+        page.set_default_timeout(PATIENCE)
         asked = []
         page.on("request", lambda request: asked.append(request.url))
         page.goto((site / "index.html").as_uri())

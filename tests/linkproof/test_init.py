@@ -12,7 +12,6 @@ import linkproof
 
 ROOT = Path(__file__).parents[2]
 MOST_NAMES, MOST_LINES = 20, 110
-MOST_SECONDS = 0.1  # that the processor works on the import
 
 
 def _run(folder, *words):
@@ -48,12 +47,10 @@ def test_its_re_exports_are_short():
 
 def test_importing_it_imports_nothing_heavy(tmp_path):
     code = (
-        "import sys, time; start = time.process_time(); import linkproof; print(time.process_time() - start); "
+        "import sys, linkproof; "
         "print(*sys.modules.keys() & {'numpy', 'scipy', 'xarray', 'pydantic', 'typer', 'reports.python', 'engines'})"
     )
-    seconds, heavy = _run(tmp_path, "-c", code).stdout.splitlines()
-    assert heavy == ""
-    assert float(seconds) <= MOST_SECONDS
+    assert _run(tmp_path, "-c", code).stdout == "\n"
 
 
 @pytest.mark.parametrize("name", ["analytic", "engines", "comparisons", "reports"])

@@ -12,6 +12,7 @@ from typing import Any
 
 WIDTHS = (1400, 390)
 HEIGHT = 1000
+PATIENCE = 600_000  # ms that anything may take on a busy machine
 THEMES = ("light", "dark")
 NAMES = ("chromium", "chromium-browser", "google-chrome", "chrome")
 SHARED = "plotly-basic.min.js"  # loaded once for all pages, and not counted
@@ -120,6 +121,7 @@ def opened(
     context = browser.new_context(
         viewport={"width": width, "height": HEIGHT}, color_scheme=theme, java_script_enabled=scripts, offline=True
     )
+    context.set_default_timeout(PATIENCE)
     try:
         look = Look(context.new_page())
         folder = _root(path)

@@ -37,9 +37,8 @@ class Saving:
 
     @property
     def own_seconds(self) -> float:
-        """Time of the setting, s."""
-        assert self.record.seconds_min is not None
-        return self.record.seconds_min
+        """Time of the setting, set-up and stepping, s."""
+        return self.record.total_seconds
 
     @property
     def ratio(self) -> float | None:

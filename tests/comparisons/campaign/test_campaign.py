@@ -27,6 +27,7 @@ from engines.contract import Abilities, Origin, Outcome, ReadOut, Run, Setting, 
 from engines.scene import Channel
 from tests.comparisons.faults import announce_engines, fail
 from tests.comparisons.perfect_engine import perfect_motion
+from tests.comparisons.true_motions import cut
 
 JUKI = load("juki-mf7923d")
 MOTION = crank_motion("run-up-quintic")
@@ -112,6 +113,29 @@ def test_nan_is_divergence_with_its_time(with_engine):
     (result,) = compare(_request())
     assert {r.outcome for r in result.records} == {"diverged"}
     assert result.records[0].detail == "torque is not finite from 0.35 s on"
+
+
+PEAK = np.max(np.abs(HISTORY.torque.values))
+
+
+@pytest.mark.parametrize("quantities", [(), ("Mkr",)])
+@pytest.mark.parametrize(
+    ("kept", "where"),
+    [
+        (lambda t: t < 0.0058, "from 0.0055 to 0.7 s"),
+        (lambda t: t < 0.35, "from 0.3495 to 0.7 s"),
+        (lambda t: t > 0.05, "from 0 to 0.0505 s"),
+        (lambda t: np.abs(t - 0.65) > 0.012, "from 0.638 to 0.662 s"),  # 144 degrees
+        (lambda t: np.abs(np.interp(t, HISTORY.torque.time, HISTORY.torque.values)) < 0.98 * PEAK, "from 0.6"),
+    ],
+    ids=["twelve samples", "half of it", "a late start", "most of half a turn", "all but its peaks"],
+)
+def test_a_part_of_a_motion_is_not_the_motion_whatever_is_asked_of_it(with_engine, kept, where, quantities):
+    with_engine(Scripted(lambda scene: Run(Outcome.FINISHED, history=cut(HISTORY, kept))))
+    (result,) = compare(_request(quantities=quantities, with_invariants=not quantities))
+    assert {r.outcome for r in result.records} == {"diverged"}
+    assert f"has no samples {where}" in result.records[0].detail
+    assert result.records[0].detail.endswith("where its own step is 0.0005 s")
 
 
 @pytest.mark.parametrize(("offered", "outcome"), [(True, "adapter-error"), (False, "not-provided")])

@@ -5,6 +5,7 @@ import signal
 import subprocess
 import sys
 import time
+from contextlib import closing
 from functools import partial
 from pathlib import Path
 
@@ -12,12 +13,14 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from comparisons.runs import crew
+from comparisons.runs.crew import Crew
 from comparisons.runs.failures import GIB, SHOW_OUTPUT, Failure, Lost
 from comparisons.runs.workers import Bounds, run_jobs
-from tests.comparisons.faults import Counting, job, large
+from tests.comparisons.faults import PATIENCE, Counting, job, large, wait_for
 
 ENVIRONMENT = {**os.environ, "PYTHONPATH": os.pathsep.join(filter(None, sys.path))}
-BOUNDS = Bounds(seconds=2.5, memory=GIB // 16)
+BOUNDS = Bounds(memory=GIB // 16)
 
 FATES = [
     ("abort", None, Failure.CRASHED, "died by signal 6 (SIGABRT)"),
@@ -27,22 +30,32 @@ FATES = [
     ("leave", 3, Failure.CRASHED, "exited with code 3"),
     ("leave", None, Failure.CRASHED, "exited with code 0"),
     ("leave", "words", Failure.CRASHED, "exited with code 1"),
-    ("sleep", None, Failure.TIMED_OUT, "took longer than 2.5 s"),
-    ("spin", None, Failure.TIMED_OUT, "took longer than 2.5 s"),
     ("swell", None, Failure.CRASHED, "needed more than 0.0625 GiB of memory"),
     ("swell_in_c", None, Failure.CRASHED, "needed more than 0.0625 GiB of memory"),
     ("fail", None, Failure.SUITE_ERROR, "this is a fault of linkproof: ValueError: first line second line ("),
     ("unsendable", None, Failure.SUITE_ERROR, "this is a fault of linkproof: "),
     ("unreadable", None, Failure.SUITE_ERROR, "this is a fault of linkproof: ValueError: first line second line ("),
-    ("hang_up", None, Failure.CRASHED, "hung up without ending"),
 ]
 
 
-def wait_for(condition, seconds=10.0):
-    patience = time.monotonic() + seconds
-    while not condition() and time.monotonic() < patience:
-        time.sleep(0.01)
-    return condition()
+class Clock:
+    """Time as ``crew`` sees it, which can be put forward."""
+
+    sleep, ahead = staticmethod(time.sleep), 0.0
+
+    def monotonic(self):
+        return time.monotonic() + self.ahead
+
+    def put_forward(self):
+        self.ahead += 2.0 * BOUNDS.seconds
+
+
+@pytest.fixture
+def clock(monkeypatch):
+    """What the time that jobs take is measured by."""
+    found = Clock()
+    monkeypatch.setattr(crew, "time", found)
+    return found
 
 
 def runs(process):
@@ -58,7 +71,8 @@ def written(path):
 
 
 @pytest.mark.skipif(not sys.platform.startswith("linux"), reason="bounds on memory and the C++ library are Linux's")
-def test_every_fault_costs_its_own_job_and_prints_nothing(capfd):
+def test_every_fault_costs_its_own_job_and_prints_nothing(capfd, monkeypatch):
+    monkeypatch.setattr(crew, "_DYING", PATIENCE)
     jobs = [one for kind, value, *_ in FATES for one in ((kind, value), ("fine", kind), ("write", kind))]
     results = dict(run_jobs(job, jobs, bounds=BOUNDS))
     assert sorted(results) == list(range(len(jobs)))
@@ -69,6 +83,18 @@ def test_every_fault_costs_its_own_job_and_prints_nothing(capfd):
         assert lost.reason.startswith(reason)
         assert results[3 * number + 1] == results[3 * number + 2] == kind
     assert capfd.readouterr() == ("", "")
+
+
+@pytest.mark.parametrize("kind", ["sleep", "spin"])
+def test_a_job_over_its_time_costs_itself_alone(clock, kind):
+    jobs = [("fine", 1), (kind, None), ("fine", 2)]
+    results = dict(run_jobs(job, jobs, processes=1, begun=lambda number: number == 1 and clock.put_forward()))
+    assert results == {0: 1, 1: Lost(Failure.TIMED_OUT, "took longer than 600 s"), 2: 2}
+
+
+def test_a_job_that_hangs_up_costs_itself_alone():
+    results = dict(run_jobs(job, [("fine", 1), ("hang_up", None), ("fine", 2)], processes=1))
+    assert results == {0: 1, 1: Lost(Failure.CRASHED, "hung up without ending"), 2: 2}
 
 
 @settings(max_examples=15)
@@ -91,8 +117,10 @@ def test_hundreds_that_abort_at_once_are_each_told_from_those_that_do_not():
 
 
 def test_a_job_does_not_pay_for_what_another_did_to_its_worker():
-    jobs = [("spoil", 1), ("slow", 2), ("fine", 3)]
-    assert sorted(run_jobs(job, jobs, processes=1)) == [(0, 1), (1, 2), (2, 3)]
+    jobs = [("spoil", 1), *(("clocked", None),) * 3, ("fine", 3)]
+    results = dict(run_jobs(job, jobs, processes=1))
+    assert (len(results), results[0], results[4]) == (5, 1, 3)
+    assert not any(isinstance(one, Lost) for one in results.values())
 
 
 def test_a_job_that_brings_down_any_worker_is_tried_no_more_than_twice():
@@ -104,13 +132,13 @@ def test_a_job_that_brings_down_any_worker_is_tried_no_more_than_twice():
     assert begun == [0, 1, 1, 2, 3]
 
 
-def test_results_come_as_they_complete_and_jobs_begin_in_order():
-    begun = []
-    finished = [
-        number for number, _ in run_jobs(job, [("slow", 0), ("fine", 1), ("fine", 2)], processes=2, begun=begun.append)
-    ]
+def test_results_come_as_they_complete_and_jobs_begin_in_order(tmp_path):
+    begun, path = [], tmp_path / "at last"
+    results = run_jobs(job, [("slow", str(path)), ("fine", 1), ("fine", 2)], processes=2, begun=begun.append)
+    assert [next(results), next(results)] == [(1, 1), (2, 2)]
+    path.touch()
+    assert list(results) == [(0, str(path))]
     assert begun == [0, 1, 2]
-    assert finished == [1, 2, 0]
 
 
 def test_a_hundred_megabytes_come_back_whole():
@@ -164,11 +192,13 @@ def test_without_processes_jobs_run_here_and_what_they_raise_is_caught():
         list(run_jobs(job, [("interrupt_itself", None)], processes=0))
 
 
-def test_a_late_question_does_not_make_a_job_late():
-    results = run_jobs(job, [("fine", 1), ("slow", 2)], bounds=Bounds(seconds=0.8), processes=2)
-    assert next(results) == (0, 1)
-    time.sleep(1.0)
-    assert next(results) == (1, 2)
+def test_a_late_question_does_not_make_a_job_late(clock):
+    with closing(Crew(job, [("fine", 1), ("clocked", 2)], BOUNDS, 2)) as workers:
+        results = workers.results()
+        next(results)
+        assert wait_for(lambda: all(one.channel.poll() for one in workers.workers if one.job is not None))
+        clock.put_forward()
+        assert not isinstance(next(results)[1], Lost)
 
 
 def test_closing_stops_workers_at_once(tmp_path):
@@ -181,14 +211,15 @@ def test_closing_stops_workers_at_once(tmp_path):
 
 
 @pytest.mark.skipif(not sys.platform.startswith("linux"), reason="reads /proc")
-@pytest.mark.parametrize("bounds", [Bounds(seconds=1.5), Bounds(seconds=60.0)], ids=["late", "closed"])
-def test_what_a_job_has_started_dies_with_its_worker(tmp_path, bounds):
+@pytest.mark.parametrize("is_late", [True, False])
+def test_what_a_job_has_started_dies_with_its_worker(tmp_path, clock, is_late):
     path = tmp_path / "child"
-    results = run_jobs(job, [("fine", None), ("fork_and_sleep", str(path))], bounds=bounds, processes=2)
+    results = run_jobs(job, [("fine", None), ("fork_and_sleep", str(path))], processes=2)
     next(results)
     assert wait_for(lambda: written(path))
     assert runs(int(path.read_text()))
-    if bounds.seconds < 60.0:
+    if is_late:
+        clock.put_forward()
         next(results)
     results.close()
     assert wait_for(lambda: not runs(int(path.read_text())))
@@ -212,5 +243,5 @@ def test_workers_and_what_they_started_die_with_their_parent(tmp_path, by):
         workers = [int(path.read_text()) for path in paths]
         assert all(map(runs, workers))
         parent.send_signal(by)
-        parent.wait(10.0)
+        parent.wait(PATIENCE)
     assert wait_for(lambda: not any(map(runs, workers)))

@@ -32,9 +32,17 @@ def test_efforts_of_one_method_explain_each_other_and_only_each_other():
 def test_the_cheapest_point_that_holds_an_error_is_chosen():
     for wanted, choice in zip(WANTED, choices([*SECOND, *FOURTH]), strict=True):
         held = [one for one in (*SECOND, *FOURTH) if one.error_max <= wanted]
-        expected = min(held, key=lambda one: one.seconds_min, default=None)
+        expected = min(held, key=lambda one: one.total_seconds, default=None)
         assert choice.record == expected
     assert len(choices(SECOND)) == len(WANTED)
+
+
+def test_what_builds_for_long_and_steps_fast_is_not_cheap():
+    slow, built = (setting_row(name, 1e-4, 0.0, **spent) for name, spent in (
+        ("tuned", {"seconds_min": 0.3, "setup_seconds": 0.1}), ("best", {"seconds_min": 0.04, "setup_seconds": 0.65})
+    ))  # fmt: skip
+    assert choices([slow, built], [1e-3])[0].record == slow
+    assert on_front([slow, built]) == [slow]
 
 
 def test_an_error_nobody_reaches_names_the_closest():
@@ -57,9 +65,10 @@ def test_a_setting_may_be_the_one_to_choose():
 def test_the_front_leaves_nothing_better_out():
     records = [*SECOND, *FOURTH, setting_row("tuned", 1e-6, 2e-3)]
     front = on_front(records)
-    assert front == sorted(front, key=lambda one: one.seconds_min)
+    assert front == sorted(front, key=lambda one: one.total_seconds)
     for one in records:
-        beaten = any(o.seconds_min <= one.seconds_min and o.error_max <= one.error_max and o != one for o in records)
+        cheaper = [other for other in records if other != one and other.total_seconds <= one.total_seconds]
+        beaten = any(other.error_max <= one.error_max for other in cheaper)
         assert (one in front) is not beaten
     assert {one.errors["Mkr"].on_front for one in judged(points(records)) if one.setting == "tuned"} == {True}
 

@@ -43,35 +43,26 @@ def _case(linkage, regime):
 
 def _run_alone(text, folder):
     (folder / "case.py").write_text(text, encoding="utf-8")
-    done = subprocess.run(
-        [sys.executable, "-I", "-c", ALONE], cwd=folder, capture_output=True, text=True, check=False, timeout=120
-    )
+    done = subprocess.run([sys.executable, "-I", "-c", ALONE], cwd=folder, capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stderr
     samples = np.load(folder / "samples.npz")
     return {name: (samples[f"{name}/0"], samples[f"{name}/1"]) for name in {key[:-2] for key in samples}}, done.stdout
 
 
 @pytest.mark.parametrize(("name", "linkage", "regime", "setting"), [
-    ("exudyn", "rimoldi-164", "run-up", "tuned"),
-    ("exudyn", "slotted-takeup", "run-up-quintic", "tuned"),
     ("exudyn", "spring-and-damper", "run-up", "naive"),
     ("exudyn", "slotted-takeup", "free", "tuned"),
     ("ondsel", "slotted-takeup", "run-up", "tuned"),
     ("ondsel", "rimoldi-164", "run-up-quintic", "naive"),
     ("exudyn", "force-over-angle", "run-up", "tuned"),
-    ("mujoco", "slotted-takeup", "run-up", "tuned"),
     ("mujoco", "force-over-angle", "run-up", "tuned"),
     ("mujoco", "spring-and-damper", "run-up-quintic", "naive"),
     ("mujoco", "slotted-takeup", "driven", "tuned"),
-    ("mujoco", "juki-mf7923d", "run-up-quintic", "naive"),
-    ("pymunk", "slotted-takeup", "run-up", "tuned"),
     ("pymunk", "slotted-takeup", "driven", "tuned"),
-    ("pymunk", "rimoldi-164", "run-up-quintic", "tuned"),
     ("pymunk", "juki-mf7923d", "run-up-quintic", "naive"),
     ("pymunk", "spring-and-damper", "run-up", "tuned"),
     ("pymunk", "force-over-angle", "run-up", "tuned"),
     ("simbody", "force-over-angle", "run-up", "tuned"),
-    ("simbody", "slotted-takeup", "run-up", "tuned"),
     ("simbody", "spring-and-damper", "run-up-quintic", "naive"),
     ("simbody", "slotted-takeup", "driven", "tuned"),
 ])  # fmt: skip
@@ -101,9 +92,7 @@ def test_a_run_that_an_engine_gives_up_is_given_up_by_its_script(tmp_path):
     pytest.importorskip("pyondsel")
     cell = find_cell("change-point/rocker longer than crank/0/ondsel/tuned")
     (tmp_path / "case.py").write_text(exported_cell(cell, "linkproof export"), encoding="utf-8")
-    done = subprocess.run(
-        [sys.executable, "-I", "case.py"], cwd=tmp_path, capture_output=True, text=True, check=False, timeout=120
-    )
+    done = subprocess.run([sys.executable, "-I", "case.py"], cwd=tmp_path, capture_output=True, text=True, check=False)
     assert done.returncode == 1
     assert done.stderr.startswith("Ondsel solved 25 of 101 frames")
 

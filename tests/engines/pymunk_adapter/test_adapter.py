@@ -191,14 +191,16 @@ def test_best_is_better_than_tuned_however_short_or_slow_the_run(changes):
     assert np.all(errors[1] < errors[0])
 
 
-def test_what_is_handed_back_is_the_engines_word():
-    for setting, origin in (
-        (Setting.NAIVE, Origin.READ),
-        (Setting.TUNED, Origin.READ),
-        (Setting.BEST, Origin.EXTRAPOLATED),
+def test_what_is_handed_back_is_the_engines_word_but_for_the_flywheels_share_of_the_torque():
+    for setting, origin, of_torque in (
+        (Setting.NAIVE, Origin.READ, Origin.READ),
+        (Setting.TUNED, Origin.READ, Origin.PARTLY),
+        (Setting.BEST, Origin.EXTRAPOLATED, Origin.PARTLY),
     ):
         _, run = _run("juki-mf7923d", _motion(ramp_time=0.02), setting)
-        assert {signal.origin for _, signal in labelled(run.history)} == {origin}
+        origins = {name: signal.origin for name, signal in labelled(run.history)}
+        assert origins.pop("drive torque") is of_torque
+        assert {*origins.values()} == {origin}
         assert len(run.details["steps"].split()) == (1 if origin is Origin.READ else 4)
 
 

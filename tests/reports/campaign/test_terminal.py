@@ -2,6 +2,8 @@
 
 import dataclasses
 
+import pytest
+
 from comparisons.campaign.campaign import RunResult
 from reports.campaign.terminal import printout
 from reports.document.terminal import rendered
@@ -24,6 +26,28 @@ def test_deviations_stand_beside_their_limits():
     assert "1e-04" in text
     assert text.count("joint_force") == 1
     assert "3 deviations: 3 passed" in text
+
+
+def test_set_up_stands_beside_stepping():
+    lines = [line.split() for line in _text(printout([_result(setup_seconds=0.65, seconds=0.04)])).splitlines()]
+    place = lines.index(["seconds,", "set-up", "0.650"])
+    assert lines[place + 1] == ["seconds,", "stepping", "0.040"]
+
+
+@pytest.mark.parametrize(
+    ("origin", "runs", "words", "line"),
+    [
+        ("read", 1, "1 run, read", ""),
+        ("partly computed", 1, "read in part", "partly computed by its adapter: Jeq, joint_force"),
+        ("computed", 1, "read in part", "computed by its adapter: Jeq, joint_force"),
+        ("partly computed", 4, "4 runs, extrapolated", "partly computed by its adapter: Jeq, joint_force"),
+    ],
+)
+def test_what_is_computed_is_not_said_to_be_read(origin, runs, words, line):
+    text = _text(printout([_result(origin=origin, runs=runs)]))
+    assert words in text
+    assert ("read" in text) is ("read" in words)
+    assert f"{RECORD.engine} {RECORD.setting}: {line}" in text or not line
 
 
 def test_the_worst_joint_stands_for_all():

@@ -2,9 +2,8 @@
 
 import os
 import re
-import subprocess
-import sys
 from pathlib import Path
+from unittest.mock import patch
 
 import pytest
 
@@ -14,27 +13,18 @@ from comparisons.stress.axes import axes
 from engines.contract import Setting
 from engines.registry import engine_names
 from reports.command_line.app import GLOSSARY
+from tests.commands import linkproof
 
 COMMANDS = ("list", "new", "check", "schema", "show", "results", "thread", "published", "compare", "bench", "stress")
 COMMANDS += ("export", "report")
 
 
-def linkproof(*words, **environment):
-    command = [
-        sys.executable,
-        "-c",
-        "import sys; sys.argv[0] = 'linkproof'\nfrom reports.command_line.main import main; main()",
-    ]
-    return subprocess.run(
-        [*command, *words], capture_output=True, text=True, timeout=60, check=False, env=os.environ | environment
-    )
-
-
 def completed(*words):
     """What bash is offered for the last of these words."""
     line = " ".join(("linkproof", *words))
-    found = linkproof(_LINKPROOF_COMPLETE="complete_bash", COMP_WORDS=line, COMP_CWORD=str(len(words)))
-    return found.stdout.split()
+    asked = {"_LINKPROOF_COMPLETE": "complete_bash", "COMP_WORDS": line, "COMP_CWORD": str(len(words))}
+    with patch.dict(os.environ, asked):
+        return linkproof().stdout.split()
 
 
 def test_help_explains_every_symbol():
@@ -83,7 +73,6 @@ def test_variants_and_regimes_of_the_file_that_is_named_are_completed():
 
 def test_a_file_is_completed_from_where_it_lies(tmp_path, monkeypatch):
     (tmp_path / "mine.toml").write_text("")
-    monkeypatch.setenv("PYTHONPATH", os.getcwd())
     monkeypatch.chdir(tmp_path)
     assert completed("show", "mi") == ["mine.toml"]
 

@@ -16,6 +16,7 @@ from comparisons.stress.verdict import Judgement, StressVerdict
 from reports.campaign.terminal import printout
 from reports.command_line.exit_codes import bench_exit_code, campaign_exit_code, stress_exit_code
 from reports.document.terminal import rendered
+from tests.commands import COMMAND
 from tests.comparisons.bench_rows import row
 
 
@@ -123,8 +124,7 @@ def test_a_fault_of_ours_is_one_sentence_and_exit_code_3():
 @pytest.mark.skipif(sys.platform == "win32", reason="pipes differ there")
 @pytest.mark.parametrize("words", [["--out", "o"], ["--json", "-", "--out", "o"]])
 def test_a_reader_that_leaves_costs_no_report(tmp_path, words):
-    words = ["compare", "juki-mf7923d", "--engine", "direct", *words]
-    command = [sys.executable, "-m", "reports.command_line.main", *words]
+    command = [*COMMAND, "compare", "juki-mf7923d", "--engine", "direct", "--quantity", "Jeq", *words]
     environment = {**os.environ, "PYTHONPATH": os.pathsep.join(filter(None, sys.path))}
     reading, writing = os.pipe()
     os.close(reading)

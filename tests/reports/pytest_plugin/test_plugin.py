@@ -13,20 +13,16 @@ from tests.reports.pytest_plugin.projects import BAR, ROOT, project, run
 
 pytest_plugins = ["pytester"]
 assert collecting  # imported once, for all runs of pytest in this process
-MOST = 0.030  # s
 
 
-def test_its_import_costs_next_to_nothing():
+def test_its_import_imports_nothing_heavy():
     script = (
-        "import pytest, sys, time; began = time.process_time(); import linkproof.pytest_plugin; "
-        "print(time.process_time() - began, *{'numpy', 'pydantic', 'analytic', 'engines.registry'} & {*sys.modules})"
+        "import pytest, sys, linkproof.pytest_plugin; "
+        "print(*{'numpy', 'pydantic', 'analytic', 'engines.registry'} & {*sys.modules})"
     )
     env = {**os.environ, "PYTHONPATH": str(ROOT)}
-    told = [
-        subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=True, env=env).stdout
-        for _ in range(3)
-    ]
-    assert min(float(line) for line in told) < MOST  # float() fails where a module's name stands behind the time
+    done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=True, env=env)
+    assert done.stdout == "\n"
 
 
 def test_the_names_it_repeats_are_the_projects():

@@ -44,6 +44,6 @@ def test_the_broad_front_is_that_of_the_ranked_engines_as_a_staircase():
     broad = _mine(panel, "reference")
     for curve, part in zip(broad, apart(beta), strict=True):
         front = on_front(part)
-        assert list(dict.fromkeys(curve.x)) == list(dict.fromkeys(one.seconds_min for one in front))
+        assert list(dict.fromkeys(curve.x)) == list(dict.fromkeys(one.total_seconds for one in front))
         assert np.all((np.diff(curve.x) == 0.0) | (np.diff(curve.y) == 0.0))
     assert "control" in {curve.name for curve in panel.curves}

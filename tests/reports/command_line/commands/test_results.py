@@ -10,7 +10,7 @@ from analytic.errors import LinkproofError
 from reports.command_line.commands.results import ResultsChoice, results
 from tests.analytic.drives import path_of
 from tests.analytic.textbook import DOUBLE_ROCKER
-from tests.reports.command_line.test_main import linkproof, refused
+from tests.commands import linkproof, refused
 from tests.reports.designs.results.samples import piston_text
 
 

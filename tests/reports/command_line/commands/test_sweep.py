@@ -19,9 +19,9 @@ from comparisons.folders.verification import verify
 from reports.command_line.commands.sweep import SweepChoice, run
 from reports.command_line.destination import Destination
 from tests.analytic.drives import path_of
+from tests.commands import linkproof
 from tests.comparisons.faults import announce
 from tests.reports.command_line.test_app import completed
-from tests.reports.command_line.test_main import linkproof
 
 VARY = ("rod.B.x=160:18cm:5", "rod.mass=100g:0.2:3")
 PLAIN = {"mechanism": "rimoldi-164", "vary": VARY, "quantities": ("Mkr.peak", "stroke"), "angles": 12}

@@ -9,7 +9,7 @@ import linkproof as package
 from analytic.errors import LinkproofError
 from reports.command_line.commands.tolerance import ToleranceChoice, run
 from tests.analytic.drives import path_of
-from tests.reports.command_line.test_main import linkproof, refused
+from tests.commands import linkproof, refused
 
 TEXT = """results = ["Mkr.peak", "stroke"]
 speed = 900

@@ -1,0 +1,50 @@
+"""The command line as a user meets it: in this process where that is not the point, or in one of its own."""
+
+from __future__ import annotations
+
+import gc
+import io
+import os
+import subprocess
+import sys
+from contextlib import chdir, redirect_stderr, redirect_stdout
+from pathlib import Path
+from unittest.mock import patch
+
+from reports.command_line.main import main
+
+ROOT = Path(__file__).parents[1]
+COMMAND = (sys.executable, "-m", "reports.command_line.main")
+
+
+def linkproof(*words, cwd=None):
+    """What a command says and its exit code, run in this process."""
+    argv, thresholds = ["linkproof", *map(str, words)], gc.get_threshold()
+    out, err, code = io.StringIO(), io.StringIO(), 0
+    with chdir(cwd or os.curdir), patch.object(sys, "argv", argv), redirect_stdout(out), redirect_stderr(err):
+        try:
+            main()
+        except SystemExit as end:
+            code = end.code or 0
+        finally:
+            gc.set_threshold(*thresholds)
+    return subprocess.CompletedProcess(argv, code, out.getvalue(), err.getvalue())
+
+
+def process(*words, cwd=None, **environment):
+    """The same of a process of its own, with more in its environment."""
+    path = os.pathsep.join(filter(None, [environment.pop("PYTHONPATH", ""), str(ROOT)]))
+    return subprocess.run(
+        [*COMMAND, *map(str, words)],
+        capture_output=True, text=True, cwd=cwd, env=os.environ | environment | {"PYTHONPATH": path}, check=False,
+    )  # fmt: skip
+
+
+def refused(*words, cwd=None):
+    """What a command says that has to fail with exit code 2, nothing on stdout and one sentence on stderr."""
+    done = linkproof(*words, cwd=cwd)
+    assert done.returncode == 2, done.stderr
+    assert done.stdout == ""
+    assert done.stderr.startswith("linkproof: ")
+    assert done.stderr.count("\n") == 1
+    return done.stderr
