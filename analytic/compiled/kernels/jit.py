@@ -3,6 +3,10 @@
 Only the entry points keep their machine code on disk, with everything they call inside. Numba looks at an entry's own
 file only to see whether that code is still good; ``SOURCES`` makes up for it: an entry takes it as the default of its
 last parameter, which is part of the key, so that a change in any file of formulas or kernels counts.
+
+Numba calls machine code by its function's qualified name and a number that counts from 1 in every process. Where one
+process loads what two have kept, code of one name is taken for one: kernels that one function makes, one for each kind
+of dyad, would be exchanged. So each is named by what it is made of.
 """
 
 from __future__ import annotations
@@ -36,15 +40,23 @@ def checksum(paths: Iterable[Path]) -> int:
 SOURCES: Final = checksum(sources())
 
 
+def _named(function: Function) -> Function:
+    """The function, by a name that no other has which is made by the same one."""
+    parts = [cell.cell_contents for cell in function.__closure__ or ()]
+    names = [str(getattr(part, "__qualname__", getattr(part, "__name__", part))) for part in parts]
+    function.__qualname__ = "_of_".join([function.__qualname__, *names])
+    return function
+
+
 def kernel(function: Function) -> Function:
     """Compile a function that other kernels call."""
-    compiled: Function = numba.njit(**_OPTIONS)(function)
+    compiled: Function = numba.njit(**_OPTIONS)(_named(function))
     return compiled
 
 
 def inlined(function: Function) -> Function:
     """Compile a function into its callers: a small one, or one that takes the tables, a hundred words to pass on."""
-    compiled: Function = numba.njit(**INLINED)(function)
+    compiled: Function = numba.njit(**INLINED)(_named(function))
     return compiled
 
 

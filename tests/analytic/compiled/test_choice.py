@@ -139,6 +139,20 @@ def test_a_change_of_any_formula_or_kernel_counts(tmp_path):
         assert jit.checksum(copies) != before
 
 
+def test_no_two_kernels_have_one_name():
+    """What processes have kept is told apart by name alone where another loads it."""
+    dispatcher = pytest.importorskip("numba.core.dispatcher").Dispatcher
+    modules = [choice.kernels(path.stem) for path in Path(kernels_package.__file__).parent.glob("[!_]*.py")]
+    todo, known = [thing for module in modules for thing in vars(module).values()], {}
+    while todo:
+        thing = todo.pop()
+        if isinstance(thing, dispatcher):
+            function = thing.py_func
+            assert known.setdefault((function.__module__, function.__qualname__), function) is function
+            todo += [cell.cell_contents for cell in function.__closure__ or ()]
+    assert len(known) > 100
+
+
 def test_a_folder_that_cannot_be_made_is_not_numbas_choice(monkeypatch, tmp_path):
     in_the_way = tmp_path / "file"
     in_the_way.touch()
