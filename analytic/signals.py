@@ -41,7 +41,7 @@ Formula = Callable[[LinkageInMotion], Scalar]
 
 
 @dataclass(frozen=True)
-class Signal:
+class NamedSignal:
     """A signal of the closed form: its SI ``unit``, of a turning crank's, and its ``formula``.
 
     One that ``is_still`` depends on the crank's angle alone, not on how it moves. One that is not ``is_listed`` is
@@ -54,33 +54,35 @@ class Signal:
     is_listed: bool = True
 
 
-DRIVE: Final[Mapping[str, Signal]] = {
-    "phi": Signal("rad", lambda at: at.sweep.angle, is_still=True),
-    "omega": Signal("rad/s", lambda at: at.speed),
-    "epsilon": Signal("rad/s²", lambda at: at.acceleration),
+DRIVE: Final[Mapping[str, NamedSignal]] = {
+    "phi": NamedSignal("rad", lambda at: at.sweep.angle, is_still=True),
+    "omega": NamedSignal("rad/s", lambda at: at.speed),
+    "epsilon": NamedSignal("rad/s²", lambda at: at.acceleration),
 }
-LOADS: Final[Mapping[str, Signal]] = {
-    "Mkr": Signal("N m", lambda at: at.torque),
-    "Peq": Signal("W", lambda at: at.torque * at.speed),
-    "Teq": Signal("J", lambda at: 0.5 * at.inertia * (at.speed * at.speed)),
-    "Jeq": Signal("kg m²", lambda at: at.inertia, is_still=True),
+LOADS: Final[Mapping[str, NamedSignal]] = {
+    "Mkr": NamedSignal("N m", lambda at: at.torque),
+    "Peq": NamedSignal("W", lambda at: at.torque * at.speed),
+    "Teq": NamedSignal("J", lambda at: 0.5 * at.inertia * (at.speed * at.speed)),
+    "Jeq": NamedSignal("kg m²", lambda at: at.inertia, is_still=True),
 }
-EQUATION: Final[Mapping[str, Signal]] = {
-    "half_slope": Signal("kg m²", lambda at: reduced.half_inertia_derivative(at.sweep), is_still=True, is_listed=False),
-    "Q": Signal("N m", lambda at: reduced.generalised_force(at.sweep), is_still=True, is_listed=False),
-    "damping": Signal("N m s", lambda at: reduced.damping_coefficient(at.sweep), is_still=True, is_listed=False),
+EQUATION: Final[Mapping[str, NamedSignal]] = {
+    "half_slope": NamedSignal(
+        "kg m²", lambda at: reduced.half_inertia_derivative(at.sweep), is_still=True, is_listed=False
+    ),
+    "Q": NamedSignal("N m", lambda at: reduced.generalised_force(at.sweep), is_still=True, is_listed=False),
+    "damping": NamedSignal("N m s", lambda at: reduced.damping_coefficient(at.sweep), is_still=True, is_listed=False),
 }
-OUTPUT: Final[Mapping[str, Signal]] = {
-    "S": Signal("m", lambda at: at.farthest - at.sweep.output(), is_still=True),
-    "v": Signal("m/s", lambda at: -at.sweep.output(1) * at.speed),
-    "a": Signal(
+OUTPUT: Final[Mapping[str, NamedSignal]] = {
+    "S": NamedSignal("m", lambda at: at.farthest - at.sweep.output(), is_still=True),
+    "v": NamedSignal("m/s", lambda at: -at.sweep.output(1) * at.speed),
+    "a": NamedSignal(
         "m/s²", lambda at: -(at.sweep.output(2) * (at.speed * at.speed) + at.sweep.output(1) * at.acceleration)
     ),
 }
-SHAKING: Final[Mapping[str, Signal]] = {
-    "shaking_force:x": Signal("N", lambda at: at.shaking[0]),
-    "shaking_force:y": Signal("N", lambda at: at.shaking[1]),
-    "shaking_moment": Signal("N m", lambda at: at.shaking[2]),
+SHAKING: Final[Mapping[str, NamedSignal]] = {
+    "shaking_force:x": NamedSignal("N", lambda at: at.shaking[0]),
+    "shaking_force:y": NamedSignal("N", lambda at: at.shaking[1]),
+    "shaking_moment": NamedSignal("N m", lambda at: at.shaking[2]),
 }
 # Of a kind of parts its components, each with its unit.
 COMPONENTS: Final[Mapping[str, Mapping[str, str]]] = {
@@ -173,7 +175,7 @@ def moving_points(linkage: Linkage) -> tuple[str, ...]:
 
 
 @lru_cache(maxsize=64)
-def table(mechanism: Mechanism) -> Mapping[str, Signal]:
+def table(mechanism: Mechanism) -> Mapping[str, NamedSignal]:
     """Every signal of a mechanism by name."""
     linkage, found = mechanism.linkage, dict(DRIVE)
     loaded = not linkage.is_idle
@@ -188,15 +190,15 @@ def table(mechanism: Mechanism) -> Mapping[str, Signal]:
         found |= SHAKING
     for dyad in mechanism.structure.dyads:
         formula = partial(_transmission, group=dyad.name)
-        found[f"transmission_angle:{dyad.name}"] = Signal("rad", formula, is_still=True)
+        found[f"transmission_angle:{dyad.name}"] = NamedSignal("rad", formula, is_still=True)
     return {**found, **EQUATION}
 
 
-def _each(kind: str, parts: Iterable[str], formula: Callable[..., Scalar]) -> dict[str, Signal]:
+def _each(kind: str, parts: Iterable[str], formula: Callable[..., Scalar]) -> dict[str, NamedSignal]:
     """The signals of a kind: every component of every part."""
     is_place = kind != "joint_force"
     return {
-        f"{kind}:{part}:{component}": Signal(
+        f"{kind}:{part}:{component}": NamedSignal(
             unit, partial(formula, name=part, component=component), is_still=is_place and component in PLACES
         )
         for part in parts

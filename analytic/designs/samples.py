@@ -35,7 +35,7 @@ BLOCK: Final = 9216
 ONE_ROW: Final = np.empty((1, 0))
 
 
-class Samples(NamedTuple):
+class DesignSamples(NamedTuple):
     """Signals of designs at crank angles, by name, (designs, angles).
 
     ``moves`` (designs, angles) tells where a design can be assembled and moved; elsewhere the signals are nan or
@@ -48,7 +48,7 @@ class Samples(NamedTuple):
 
 
 # Samples of the designs of some rows (n,) at crank angles, rad, (n, m), and which of the signals.
-Sampler = Callable[[Integers, Array, tuple[str, ...]], Samples]
+Sampler = Callable[[Integers, Array, tuple[str, ...]], DesignSamples]
 
 
 @dataclass(frozen=True)
@@ -102,7 +102,7 @@ class Designs:
 
         in_threads(part, range(0, self.count, size if self.listed else 1), cores)
 
-    def _listed_samples(self, rows: Integers, phi: Array, names: tuple[str, ...]) -> Samples:
+    def _listed_samples(self, rows: Integers, phi: Array, names: tuple[str, ...]) -> DesignSamples:
         """Samples by the list."""
         of = self.listed
         assert of is not None
@@ -120,7 +120,7 @@ class Designs:
             count = len(self.signals)
             values, moves = [found[self.signals.index(name)] for name in names] + [*found[count + 1 :]], found[count]
         full = [np.broadcast_to(one, phi.shape) for one in values]
-        return Samples(
+        return DesignSamples(
             {name: self._unwrapped(name, one) for name, one in zip(names, full, strict=False)},
             np.broadcast_to(np.asarray(moves, dtype=bool), phi.shape),
             np.reshape(full[len(names) :], (-1, *phi.shape)),
@@ -153,7 +153,7 @@ class Designs:
         except (AssemblyError, StructureError):
             return None
 
-    def _swept_samples(self, design: Mechanism, phi: Array, names: tuple[str, ...]) -> Samples:
+    def _swept_samples(self, design: Mechanism, phi: Array, names: tuple[str, ...]) -> DesignSamples:
         """Samples of one design, the same at every row of the crank angles."""
         faults = np.zeros(phi.shape, dtype=bool)
         sweep = Sweep(design.linkage, design.structure, phi, faults)
@@ -163,4 +163,4 @@ class Designs:
         values = {name: signal(at, name) for name in names}
         dyads = [dyad for dyad in design.structure.dyads if self.all_groups and not dyad.changes]
         sizes = [np.broadcast_to(abs(sweep.determinant(dyad)), phi.shape) for dyad in dyads]
-        return Samples(values, ~faults, np.reshape(sizes, (-1, *phi.shape)))
+        return DesignSamples(values, ~faults, np.reshape(sizes, (-1, *phi.shape)))

@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 
 from analytic.errors import LinkproofError, UnknownNameError
 from analytic.machine_code.printing import FUNCTION, LANES, Result, python_source
-from analytic.machine_code.tracing import Trace
+from analytic.machine_code.tracing import OperationList
 
 Array = NDArray[np.float64]
 
@@ -60,7 +60,9 @@ class StraightFunction:
     See ``analytic.machine_code.printing`` for lanes and rows. The compiled code lets go of the interpreter.
     """
 
-    def __init__(self, trace: Trace, lanes: Sequence[int], rows: Sequence[int], results: Sequence[Result]) -> None:
+    def __init__(
+        self, trace: OperationList, lanes: Sequence[int], rows: Sequence[int], results: Sequence[Result]
+    ) -> None:
         self.lanes, self.rows = tuple(lanes), tuple(rows)
         self._starts = np.array([result.start for result in results])
         self._straight = compiled(python_source(trace, lanes, rows, results))

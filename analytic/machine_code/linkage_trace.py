@@ -16,7 +16,7 @@ from analytic.kinematics.dyad_solver import DyadSolver
 from analytic.kinematics.groups.solver import GroupSolver
 from analytic.kinematics.mechanism import Mechanism
 from analytic.kinematics.sweep import Sweep
-from analytic.machine_code.tracing import INPUT, Trace
+from analytic.machine_code.tracing import INPUT, OperationList
 from analytic.moving import MovingSweep
 from analytic.signals import signal
 
@@ -46,7 +46,7 @@ class LinkageTrace:
     ``SPEED``, ``ACCELERATION`` and laws over φ, which are named (law, order, component).
     """
 
-    trace: Trace
+    trace: OperationList
     varied: frozenset[str]
     signals: tuple[int, ...]
     moves: int
@@ -107,7 +107,7 @@ def linkage_trace(
     """
     if not is_traceable(mechanism):
         raise LinkproofError(f"'{mechanism.linkage.name}': expected groups of two links without change points")
-    trace, varied = Trace(), frozenset(varied)
+    trace, varied = OperationList(), frozenset(varied)
     linkage = with_numbers(mechanism.linkage, {name: trace.input(name) for name in varied} | dict.fromkeys(zero, 0.0))
     signs = tuple(dyad.sign for dyad in mechanism.structure.dyads)
     sweep = TracedSweep(linkage, find_structure(linkage).with_signs(signs), trace.input(PHI))  # type: ignore[arg-type]

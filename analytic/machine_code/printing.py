@@ -14,7 +14,7 @@ from collections.abc import Mapping, Sequence
 from math import isfinite
 from typing import Final, NamedTuple
 
-from analytic.machine_code.tracing import CONSTANT, Trace
+from analytic.machine_code.tracing import CONSTANT, OperationList
 
 LANES: Final = 64
 FUNCTION: Final = "straight"
@@ -44,7 +44,7 @@ class Result(NamedTuple):
     start: float = 0.0
 
 
-def python_source(trace: Trace, lanes: Sequence[int], rows: Sequence[int], results: Sequence[Result]) -> str:
+def python_source(trace: OperationList, lanes: Sequence[int], rows: Sequence[int], results: Sequence[Result]) -> str:
     """The source of ``FUNCTION``, whose numbers of lanes and of rows are these lines."""
     names: dict[int, str] = {}
     text = [

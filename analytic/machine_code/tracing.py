@@ -1,9 +1,9 @@
 """Numbers that record what formulas do to them: the closed form as one straight list of operations.
 
 A formula written for arrays does not compute when it gets ``Traced`` numbers: every NumPy function that it calls is
-noted in their ``Trace``. What stands there already is not noted again, constants are computed at once, and sums with
+noted in their ``OperationList``. What stands there already is not noted again, constants are computed at once, and sums with
 zero and products with zero or one fall away. The list is data: ``analytic.machine_code.printing`` writes it as a
-function, and ``Trace.computed`` computes it by NumPy.
+function, and ``OperationList.computed`` computes it by NumPy.
 
 The list has no branches: formulas choose by ``np.where``, and a branch on a traced number raises TypeError.
 """
@@ -47,7 +47,7 @@ class Operation:
     value: float = 0.0
 
 
-class Trace:
+class OperationList:
     """A list of ``operations`` that grows as formulas are applied to its numbers; ``inputs`` by their names."""
 
     def __init__(self) -> None:
@@ -131,7 +131,7 @@ class Traced(NDArrayOperatorsMixin):
     shape: tuple[int, ...] = ()
     ndim = 0
 
-    def __init__(self, trace: Trace, line: int) -> None:
+    def __init__(self, trace: OperationList, line: int) -> None:
         self.trace, self.line = trace, line
 
     def __bool__(self) -> bool:
@@ -157,7 +157,7 @@ class Traced(NDArrayOperatorsMixin):
 
 
 def _where(*numbers: Any) -> Any:  # noqa: ANN401 - plain or traced
-    trace: Trace = next(one.trace for one in numbers if isinstance(one, Traced))
+    trace: OperationList = next(one.trace for one in numbers if isinstance(one, Traced))
     return trace.apply("where", *numbers)
 
 

@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from analytic.description.changes import changed
 from analytic.description.crank_motion import CrankMotion, Segment, crank_motion
 from analytic.description.linkage import DriverKind
 from analytic.designs.values import evaluate_designs
@@ -12,8 +13,9 @@ from analytic.dynamics.equation_of_motion import equation_of_motion
 from analytic.dynamics.equilibrium import equilibria
 from analytic.dynamics.joint_forces import reactions
 from analytic.dynamics.reduced import drive_torque
-from analytic.errors import AssemblyError, LinkproofError
+from analytic.errors import AssemblyError
 from analytic.evaluation import evaluate
+from analytic.kinematics.mechanism import Mechanism
 from analytic.motion.energy import energy_imbalance
 from analytic.motion.released import free_motion
 from comparisons.invariants.checks import checks
@@ -168,9 +170,11 @@ def test_a_pushed_driver_rests_where_its_force_holds_the_loads(name, force):
         assert rest.stable == bool(needed[2] > needed[0])
 
 
-def test_many_designs_at_once_are_of_cranks_alone():
-    with pytest.raises(LinkproofError, match="expected a turning crank"):
-        evaluate_designs(driven("linear-motor"), {"rod.mass": [1.0]}, [0.0], ["Jeq"])
+def test_many_designs_at_once_of_a_linear_drive():
+    heavier = changed(driven("linear-motor").linkage, lambda name, _, value: 1.0 if name == "rod.mass" else value)
+    travel = np.array([-0.01, 0.0, 0.02])
+    found = evaluate_designs(driven("linear-motor"), {"rod.mass": [1.0]}, travel, ["Jeq"])
+    assert found["Jeq"][0] == pytest.approx(evaluate(Mechanism(heavier), travel, ["Jeq"])["Jeq"], rel=1e-13)
 
 
 def test_a_load_over_the_travel_is_a_spline_held_at_its_ends():

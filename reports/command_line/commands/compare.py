@@ -40,7 +40,9 @@ def compare(
     destination: Destination,
     limits: RunLimits | None = None,
     held: StandardChoice | None = None,
-    words: Callable[[JudgedCampaign], Printout] = lambda judged: printout(judged.results, judged.figures, judged.notes),
+    words: Callable[[JudgedCampaign], Printout] = lambda judged: printout(
+        judged.results, judged.figures, (*judged.notes, *judged.departures)
+    ),
 ) -> int:
     """Run a campaign, write what was asked for, print its tables; returns the exit code.
 

@@ -13,7 +13,7 @@ from analytic.machine_code import compiling
 from analytic.machine_code.compiling import StraightFunction, is_worthwhile
 from analytic.machine_code.linkage_trace import is_traceable, linkage_trace
 from analytic.machine_code.printing import FUNCTION, LANES, Result, python_source
-from analytic.machine_code.tracing import FUNCTIONS, Trace
+from analytic.machine_code.tracing import FUNCTIONS, OperationList
 from analytic.signals import names
 from tests.analytic.linkages import from_text, mechanism, text_of
 
@@ -24,7 +24,7 @@ numba = pytest.mark.skipif(not compiling.is_installed(), reason="numba is not in
 
 def every_operation():
     """A trace of every operation on two numbers of a lane and one of a row."""
-    trace = Trace()
+    trace = OperationList()
     x, y, row = (trace.input(name) for name in ("x", "y", "row"))
     terms = [x + y, x - row, x * y, x / y, -x, abs(row), np.sign(x), np.sqrt(abs(y)), np.hypot(x, y), np.sin(x)]
     terms += [np.cos(row), np.arctan2(y, x), np.maximum(x, y), np.minimum(x, row), np.where(x < y, x, row)]

@@ -7,14 +7,14 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from analytic.machine_code.tracing import Trace, Traced
+from analytic.machine_code.tracing import OperationList, Traced
 
 NUMBERS = st.floats(-1e3, 1e3)
 
 
 def traced(formula, *values):
     """The value of a formula computed from its list, and how many lines of it lead there."""
-    trace = Trace()
+    trace = OperationList()
     numbers = [trace.input(name) for name in range(len(values))]
     line = trace.line(formula(*numbers))
     given = {number.line: value for number, value in zip(numbers, values, strict=True)}
@@ -52,7 +52,7 @@ def test_nothing_stands_twice_and_nothing_stands_in_vain(formula, operations):
 
 
 def test_only_what_leads_to_a_result_is_computed():
-    trace = Trace()
+    trace = OperationList()
     x, y = trace.input("x"), trace.input("y")
     wanted, other = x * x + 1.0, np.sin(y)
     assert other.line not in trace.leading_to([wanted.line])
@@ -62,16 +62,16 @@ def test_only_what_leads_to_a_result_is_computed():
 
 
 def test_the_same_name_is_the_same_input():
-    trace = Trace()
+    trace = OperationList()
     assert trace.input("x").line == trace.input("x").line != trace.input("y").line
 
 
 @pytest.mark.parametrize("slip", [bool, float, math.sqrt, np.asarray, lambda x: x if x > 0.0 else -x, np.cumsum])
 def test_what_a_list_cannot_have_raises(slip):
     with pytest.raises(TypeError):
-        slip(Trace().input("x"))
+        slip(OperationList().input("x"))
 
 
 def test_a_traced_number_among_arrays_raises():
     with pytest.raises(TypeError):
-        np.ones(3) * Traced(Trace(), 0)
+        np.ones(3) * Traced(OperationList(), 0)

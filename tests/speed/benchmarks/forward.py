@@ -12,25 +12,15 @@ DRIVEN = {"torque": 0.025, "start_angle": math.radians(269.18), "duration": 10.0
 class FreeMotion:
     """The motion to its usual tolerance, without the bound on its error."""
 
-    params = ("numpy", "compiled")
-    param_names = ("path",)
-    timeout = 300.0  # of the set-up, where the kernels may have to be compiled
-
-    def setup(self, path):
+    def setup(self):
         loading, mechanism = (
             lacking.module("analytic.description.loading"),
             lacking.module("analytic.kinematics.mechanism"),
         )
         self.free_motion = lacking.module("analytic.motion.released").free_motion
         self.mechanism = mechanism.Mechanism(loading.load("slotted-takeup"))
-        self.options = {}
-        if path == "compiled":
-            lacking.module("numba")
-            lacking.check_parameter(self.free_motion, "path")
-            self.options = {"path": path}
-        elif "path" in self.free_motion.__kwdefaults__:
-            self.options = {"path": path}
+        self.options = {"path": "numpy"} if "path" in self.free_motion.__kwdefaults__ else {}
         self.free_motion(self.mechanism, **{**DRIVEN, "duration": 0.1}, **self.options)
 
-    def time_driven(self, _path):
+    def time_driven(self):
         return self.free_motion(self.mechanism, **DRIVEN, **self.options).angle(1.0)
