@@ -58,7 +58,7 @@ def test_every_reduction_and_query_is_measured_and_survives_json(monkeypatch):
     assert all((cost.outcome, cost.reason, cost.angles) == ("finished", "", 0) and cost.steps for cost in runs)
     assert all(len(cost.seconds) == len(cost.stepping) == costs.FEWEST for cost in runs)
     assert all(0.0 < inside <= whole for c in runs for inside, whole in zip(c.stepping, c.seconds, strict=True))
-    assert all(len(cost.seconds) == costs.FEWEST and cost.angles == costs.ANGLES["numpy"] for cost in queries)
+    assert all(len(cost.seconds) == costs.FEWEST and cost.angles == costs.ANGLES for cost in queries)
     assert len(evaluations) == 1 + costs.FEWEST * len(queries)  # one goes before
     document = {"costs": json.loads(json.dumps(rows(measured), allow_nan=False))}
     assert list(Bench(document).costs) == measured
