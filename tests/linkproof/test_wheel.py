@@ -10,6 +10,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from tests.printed import is_same
+
 ROOT = Path(__file__).parents[2]
 SCRIPT = """
 import numpy as np
@@ -80,21 +82,16 @@ def _run(folder, *command):
     return subprocess.run(command, capture_output=True, text=True, cwd=folder, env=environment, check=False)
 
 
-def _checked(python, folder, text):
-    (folder / "script.py").write_text(text)
-    mypy = (sys.executable, "-m", "mypy", "--strict", "--config-file=", "--cache-dir=.mypy_cache")
-    return _run(folder, *mypy, f"--python-executable={python}", "script.py")
-
-
 @pytest.mark.slow
 def test_a_users_script_is_clean_under_strict_types_and_runs(python, tmp_path):
-    done = _checked(python, tmp_path, SCRIPT)
-    assert done.returncode == 0, done.stdout + done.stderr
-    wrong = _checked(python, tmp_path, WRONG).stdout
-    assert [int(line.split(":")[1]) for line in wrong.splitlines() if ": error:" in line] == [4, 5, 6, 7], wrong
-    (tmp_path / "script.py").write_text(SCRIPT)
+    for name, text in (("script", SCRIPT), ("wrong", WRONG)):
+        (tmp_path / f"{name}.py").write_text(text)
+    mypy = (sys.executable, "-m", "mypy", "--strict", "--config-file=", "--cache-dir=.mypy_cache")
+    told = _run(tmp_path, *mypy, f"--python-executable={python}", "script.py", "wrong.py").stdout
+    errors = [line.partition(": error:")[0] for line in told.splitlines() if ": error:" in line]
+    assert errors == [f"wrong.py:{line}" for line in (4, 5, 6, 7)], told
     done = _run(tmp_path, str(python), "script.py")
-    assert done.stdout == "9.13e-05 N True True I (crank) -> coupler + needle_bar (RRP) []\n", done.stderr
+    assert is_same(done.stdout, "9.13e-05 N True True I (crank) -> coupler + needle_bar (RRP) []\n"), done.stderr
 
 
 @pytest.mark.slow

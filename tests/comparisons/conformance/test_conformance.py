@@ -1,10 +1,7 @@
 """The conformance test on trial: a right engine passes, one wrong in one thing fails the check that names it."""
 
 import re
-import subprocess
-import sys
 from dataclasses import replace
-from pathlib import Path
 
 import pytest
 
@@ -19,6 +16,7 @@ from comparisons.conformance.findings import Finding, Found, examined, in_worker
 from engines.direct_adapter.adapter import DirectEngine
 from tests.comparisons.conformance.wrong_engines import WRONG, AlterableEngine, BlindEngine, DyingEngine, NarrowEngine
 
+pytest_plugins = ["pytester"]
 OWN = [name for name in CHECKS if not name.startswith(MUTANT)]
 MUTANTS = [name for name in CHECKS if name.startswith(MUTANT)]
 
@@ -108,14 +106,9 @@ def test_engine(check):
         ({"silence": "it prints", "repetition": "once"}, {"failed": 1, "xfailed": 1}),
     ],
 )
-def test_pytest_has_a_case_of_every_check_and_turns_red_when_an_expected_failure_passes(tmp_path, expected, outcome):
-    path = tmp_path / "test_engine.py"
-    path.write_text(SUITE.format(expected=expected))
-    command = [sys.executable, "-m", "pytest", "-q", "-p", "no:cacheprovider", "-n0", "-rN", "--rootdir", str(tmp_path)]
-    done = subprocess.run(
-        [*command, str(path), "-k", "not mutant or gravity"],
-        capture_output=True, text=True, cwd=Path(__file__).parents[3], check=False,
-    )  # fmt: skip
-    counts = {name: int(n) for n, name in re.findall(r"(\d+) (failed|xfailed|skipped)", done.stdout.splitlines()[-1])}
+def test_pytest_has_a_case_of_every_check_and_turns_red_when_an_expected_failure_passes(pytester, expected, outcome):
+    pytester.makepyfile(SUITE.format(expected=expected))
+    done = pytester.runpytest_inprocess("-p", "no:cacheprovider", "-k", "silence or repetition or refusals or gravity")
+    counts = done.parseoutcomes()
     assert {name: counts.get(name, 0) for name in ("failed", "xfailed")} == {"failed": 0, "xfailed": 0, **outcome}
     assert counts["skipped"] >= 4  # refusals do not apply, worlds cannot be altered
