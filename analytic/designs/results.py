@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from typing import Final, Literal
 
 import numpy as np
@@ -61,7 +62,8 @@ def design_figures(
         return request.of(arrays, cores)
     found, doubtful = reduced_figures(request, arrays, designs.listed, cores)
     if np.any(doubtful):
-        found[:, doubtful] = request.of({name: values[doubtful] for name, values in arrays.items()}, cores)
+        some = {name: values[doubtful] for name, values in arrays.items()}
+        found[:, doubtful] = replace(request, path="auto").of(some, cores)  # few: another function rarely pays
     return found
 
 
