@@ -131,7 +131,7 @@ def test_a_crank_at_rest_feels_static_forces():
 
 @numba
 @given(st.one_of(four_bars().map(lambda drawn: drawn.text()), slider_cranks()), st.integers(1, 300))
-@settings(max_examples=25, deadline=None)
+@settings(max_examples=25)
 def test_random_linkages(text, count):
     sample = from_text(text)
     check(sample, 1, max(relative_bounds(sample.turn)), np.linspace(0.0, 6.0, count))

@@ -98,7 +98,7 @@ def test_terms_of_the_equation_of_motion(case, is_laden):
 @given(
     st.one_of(four_bars().map(lambda drawn: drawn.text()), slider_cranks()), st.integers(0, 2**32), st.integers(1, 400)
 )
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=60)
 def test_random_linkages_at_random_angles(text, seed, count):
     sample = from_text(text)
     draw = np.random.default_rng(seed)
