@@ -32,7 +32,7 @@ pins: $(READY)  ## every pinned record made anew and held; python tests/pins/pin
 	$(BIN)/python tests/pins/pins.py hold
 
 test: $(READY)  ## the whole test suite, on all cores
-	$(BIN)/python -m pytest --numprocesses auto
+	$(BIN)/python -m pytest --numprocesses auto --dist worksteal
 
 lint: $(READY)  ## style, types and the direction of imports
 	$(BIN)/ruff check .

@@ -17,11 +17,13 @@ ROOT = Path(__file__).parents[1]
 COMMAND = (sys.executable, "-m", "reports.command_line.main")
 
 
-def linkproof(*words, cwd=None):
-    """What a command says and its exit code, run in this process."""
+def linkproof(*words, cwd=None, stderr=None):
+    """What a command says and its exit code, run in this process; ``stderr`` as in ``subprocess.run``."""
     argv, thresholds = ["linkproof", *map(str, words)], gc.get_threshold()
-    out, err, code = io.StringIO(), io.StringIO(), 0
-    with chdir(cwd or os.curdir), patch.object(sys, "argv", argv), redirect_stdout(out), redirect_stderr(err):
+    out, code = io.StringIO(), 0
+    err = out if stderr == subprocess.STDOUT else io.StringIO()
+    here = patch("reports.site.site.usual_processes", lambda _: 0)  # this process has imported what draws pages
+    with here, chdir(cwd or os.curdir), patch.object(sys, "argv", argv), redirect_stdout(out), redirect_stderr(err):
         try:
             main()
         except SystemExit as end:

@@ -1,11 +1,13 @@
-"""What all tests share: property tests without a deadline, the same examples every time on CI; and Ctrl-C as it is."""
+"""What all tests share: property tests without deadlines, the same examples every time on CI; Ctrl-C as it is."""
 
 import os
 import signal
 
-from hypothesis import settings
+from hypothesis import HealthCheck, settings
 
-settings.register_profile("steady", deadline=None, derandomize=bool(os.environ.get("CI")))
+settings.register_profile(
+    "steady", deadline=None, suppress_health_check=[HealthCheck.too_slow], derandomize=bool(os.environ.get("CI"))
+)
 settings.load_profile("steady")
 
 # A shell starts background jobs with SIGINT ignored, which children inherit: tests of Ctrl-C would send it in vain.

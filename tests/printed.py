@@ -9,11 +9,13 @@ import re
 from decimal import Decimal
 
 NUMBER = re.compile(r"[-−+]?\d+(?:\.\d+)?(?:e[-+]?\d+)?")
+SEARCHED = re.compile(r"(?<=Evaluated: )\d+")  # how far a search went, which its roundings decide
 ROUNDING = Decimal("1e-9")  # numbers with an exponent below it are roundings of zero
 
 
 def is_same(text: str, other: str) -> bool:
     """Whether two texts differ in nothing but the last digits of numbers that are no counts, and their width."""
+    text, other = (SEARCHED.sub("", one) for one in (text, other))
     numbers = NUMBER.findall(text), NUMBER.findall(other)
     if numbers[0] == numbers[1]:
         return text == other

@@ -17,6 +17,7 @@ from tests.printed import is_same
         ("peak  1.2e-7 N", "peak  1.4e-7 N", False),
         ("peak  1.25 N", "peak  -1.25 N", False),
         ("25 of 101 frames", "26 of 101 frames", False),
+        ("Evaluated: 12 designs", "Evaluated: 15 designs", True),
         ("1.25 N", "1.25 m", False),
         ("1.25 N", "1.25  N", False),
         ("1.25 N 2", "1.25 N", False),

@@ -4,6 +4,7 @@ import contextlib
 import io
 import os
 import re
+import shlex
 import subprocess
 import sys
 from pathlib import Path
@@ -11,6 +12,7 @@ from pathlib import Path
 import pytest
 
 from tests import printed
+from tests.commands import linkproof
 from tests.docs.given import lay_out
 
 ROOT = Path(__file__).parents[2]
@@ -23,6 +25,7 @@ SETTING_UP = {"git", "python3", "pip", "make", "barwork"}
 # Their figures are errors and times of engines, which differ from machine to machine.
 MEASURING = {"compare", "bench", "stress", "export", "published"}
 LONG = {"bench", "stress"}
+SHOWN = ("direct", "exudyn")  # of the engines that printed models are put to, those that a page shows
 
 
 def blocks(page):
@@ -64,7 +67,7 @@ def agrees(told, shown, measured):
 
 @pytest.fixture(scope="module")
 def shell(tmp_path_factory):
-    """Run a line of a shell that knows ``linkproof``, in a folder with the files that pages take as given."""
+    """Run a line of a shell that knows ``linkproof``, in a folder; a command and nothing else in this process."""
     programs = tmp_path_factory.mktemp("programs")
     for name, module in (("linkproof", " -m reports.command_line.main"), ("python", "")):
         (programs / name).write_text(f'#!/bin/sh\nexec "{sys.executable}"{module} "$@"\n')
@@ -72,6 +75,8 @@ def shell(tmp_path_factory):
     env = {**os.environ, "PATH": f"{programs}{os.pathsep}{os.environ['PATH']}", "PYTHONPATH": str(ROOT)}
 
     def run(command, folder):
+        if command.startswith("linkproof ") and not {*"|;>&"} & {*command}:
+            return linkproof(*shlex.split(command)[1:], cwd=folder, stderr=subprocess.STDOUT)
         return subprocess.run(["bash", "-o", "pipefail", "-c", command], stdout=subprocess.PIPE,
                               stderr=subprocess.STDOUT, text=True, cwd=folder, env=env, check=False)  # fmt: skip
 
@@ -80,7 +85,8 @@ def shell(tmp_path_factory):
 
 @pytest.mark.slow
 @pytest.mark.parametrize("page", PAGES, ids=lambda page: page.stem)
-def test_what_a_page_shows_is_what_happens(page, shell, tmp_path):
+def test_what_a_page_shows_is_what_happens(page, shell, tmp_path, monkeypatch):
+    monkeypatch.setattr("reports.command_line.commands.compare.engine_names", lambda: SHOWN)
     lay_out(tmp_path)
     for name, text in FILE.findall(page.read_text(encoding="utf-8")):
         (tmp_path / name).write_text(text, encoding="utf-8")

@@ -5,7 +5,7 @@ import re
 import tomllib
 
 import pytest
-from hypothesis import HealthCheck, given, settings
+from hypothesis import given, settings
 from pydantic import ValidationError
 
 from analytic.description.loading import catalogue, find, literature, load, parse, read
@@ -359,7 +359,7 @@ def test_the_literature_is_found_by_name_and_kept_apart_from_the_catalogue():
         find("andrew-squeezer")
 
 
-@settings(max_examples=250, deadline=None, suppress_health_check=[HealthCheck.too_slow])
+@settings(max_examples=250)
 @given(mutated_files())
 def test_whatever_is_wrong_with_a_file_is_told_in_one_sentence(text):
     told = _everything_of(text)

@@ -146,7 +146,7 @@ def test_designs_that_cannot_be_assembled_or_moved_are_nan_and_no_others(case):
 
 
 @given(sample=st.one_of(four_bars().map(lambda bar: bar.text()), slider_cranks()), seed=st.integers(0, 2**32))
-@settings(max_examples=25, deadline=None)
+@settings(max_examples=25)
 def test_figures_of_linkages_drawn_at_random(sample, seed):
     mechanism = Mechanism(laden(from_text(sample).linkage))
     compare(mechanism, varied(mechanism, seed, 3, 0.05), TURN)
@@ -180,7 +180,7 @@ def test_true_peaks_are_those_that_results_prints(case):
 
 
 @given(sample=four_bars(), seed=st.integers(0, 2**32))
-@settings(max_examples=10, deadline=None)
+@settings(max_examples=10)
 def test_true_extremes_need_few_samples(sample, seed):
     """Those of 60 samples are those of 240; every extreme lies on the other side of 240 plain samples."""
     mechanism = from_text(sample.text())

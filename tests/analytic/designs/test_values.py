@@ -29,7 +29,7 @@ TINY = 1e-300
 
 @pytest.mark.parametrize("path", PATHS)
 @given(sample=four_bars(), seed=st.integers(0, 2**32))
-@settings(max_examples=15, deadline=None)
+@settings(max_examples=15)
 def test_designs_are_a_loop_over_linkages(path, sample, seed):
     """The linkages are written out as files, each with its own figures."""
     draw = np.random.default_rng(seed)

@@ -72,7 +72,7 @@ def _slope(function, angle, step=1e-3):
     return sum(w * (function(angle + k * step) - function(angle - k * step)) for k, w in weights.items()) / (60 * step)
 
 
-@settings(max_examples=30, deadline=None)
+@settings(max_examples=30)
 @given(four_bars() | slider_cranks())
 def test_energy_balances_along_the_crank_angle(sample):
     linkage = from_text(sample if isinstance(sample, str) else sample.text())
@@ -125,7 +125,7 @@ def _assert_same(one, two):
     assert np.all(np.abs(one - two) <= SAME_FIGURES * np.max(np.abs(one), axis=1, keepdims=True))
 
 
-@settings(max_examples=25, deadline=None)
+@settings(max_examples=25)
 @given(four_bars())
 def test_listing_order_changes_not_one_bit(four_bar):
     one, two = (_figures(from_text(four_bar.text(reverse=r)), angles(20)) for r in (False, True))
@@ -140,21 +140,21 @@ def test_listing_order_of_loads_and_joints_changes_not_one_bit():
         assert np.array_equal(_figures(from_text(text), angles(20)), _figures(from_text(turned), angles(20)))
 
 
-@settings(max_examples=25, deadline=None)
+@settings(max_examples=25)
 @given(four_bars(), st.floats(-3.0, 3.0), st.tuples(st.floats(-0.3, 0.3), st.floats(-0.3, 0.3)))
 def test_turning_and_shifting_the_drawing_changes_nothing(four_bar, turn, shift):
     moved = from_text(four_bar.text(turn=turn, shift=shift))
     _assert_same(_figures(from_text(four_bar.text()), angles(20)), _figures(moved, angles(20) + turn))
 
 
-@settings(max_examples=25, deadline=None)
+@settings(max_examples=25)
 @given(four_bars(), st.sampled_from([("mm", 1e-3), ("cm", 1e-2), ("in", 0.0254), ("um", 1e-6)]))
 def test_units_change_nothing(four_bar, unit):
     converted = from_text(four_bar.text(unit=unit))
     _assert_same(_figures(from_text(four_bar.text()), angles(20)), _figures(converted, angles(20)))
 
 
-@settings(max_examples=25, deadline=None)
+@settings(max_examples=25)
 @given(four_bars())
 def test_the_mirrored_linkage_turned_the_other_way_does_the_same(four_bar):
     plain = _figures(from_text(four_bar.text()), angles(20))

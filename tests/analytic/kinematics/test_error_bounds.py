@@ -61,7 +61,7 @@ def test_the_bound_gives_up_where_rounding_decides_how_the_links_lie():
     assert max(relative_bounds(from_text(text.replace("[55, 30]", "[100055, 30]")).sweep(np.array([np.pi])))) == np.inf
 
 
-@settings(max_examples=25, deadline=None)
+@settings(max_examples=25)
 @given(four_bars() | slider_cranks())
 def test_the_bound_holds_for_random_linkages(drawn):
     sample = from_text(drawn if isinstance(drawn, str) else drawn.text())

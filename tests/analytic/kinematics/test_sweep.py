@@ -72,14 +72,14 @@ def test_every_loop_closes_to_a_few_roundings(name, variant):
     assert np.max(sweep.closure_error()) <= CLOSURE * mechanism(name, variant).linkage.extent()
 
 
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=40)
 @given(four_bars())
 def test_random_crank_rockers_close(four_bar):
     sample = from_text(four_bar.text(shift=(0.1, -0.3), turn=0.4))
     assert np.max(sample.turn.closure_error()) <= CLOSURE * sample.linkage.extent()
 
 
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=40)
 @given(slider_cranks())
 def test_random_slider_cranks_close(text):
     sample = from_text(text)
