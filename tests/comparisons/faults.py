@@ -11,6 +11,7 @@ import threading
 import time
 from pathlib import Path
 
+from comparisons.runs.crew import DEFAULT_BOUNDS
 from engines.contract import Abilities, Outcome, Run
 
 LONG, PATIENCE = 3600.0, 600.0  # s that a job hangs, and that a test waits for what has to come
@@ -44,6 +45,18 @@ def _parent(process):
         return int(Path(f"/proc/{process}/stat").read_text().rpartition(")")[2].split()[1])
     except OSError:
         return None
+
+
+class Clock:
+    """Time as ``crew`` sees it, which can be put forward beyond what any job may take."""
+
+    sleep, ahead = staticmethod(time.sleep), 0.0
+
+    def monotonic(self):
+        return time.monotonic() + self.ahead
+
+    def put_forward(self):
+        self.ahead += 2.0 * DEFAULT_BOUNDS.seconds
 
 
 def slow(path):

@@ -118,10 +118,10 @@ def test_a_plugin_that_cannot_be_imported_costs_its_own_rows_in_every_study(plug
     names, words = ("raising", "failing"), {"ValueError: at import", "ZeroDivisionError: ran"}
     request = CampaignRequest((CASE.mechanism.linkage,), (CASE.motion,), "", names, quantities=("Mkr",))
     compared = [record for result in compare(request, pool=LocalPool(0)) for record in result.records]
-    extent = Extent((8.0,), budget=1.0, repeats=1, patience=0.1)
+    extent = Extent((8.0,), budget=PATIENCE, repeats=1, patience=PATIENCE)
     benched = bench(BenchRequest((CASE,), names, ("Mkr",), (Setting.TUNED,), extent=extent, pool=LocalPool(0))).records
     errata = list(judge_errata([load("slotted-takeup")], names, pool=LocalPool(0)))
-    cells = make_cells([find_cell(f"start/positions/1e-06/{name}/tuned") for name in names])
+    cells = make_cells([find_cell(f"start/positions/1e-06/{name}/tuned") for name in names], PATIENCE)
     rows = [
         *((record.engine, record.outcome, record.detail) for record in (*compared, *benched)),
         *((record.engine, record.outcome, record.reason) for record in errata),

@@ -48,7 +48,7 @@ PAUSE = 0.06
 BEYOND = 2
 RUNS = len(catalogue()) * len(REGIMES)
 # Seconds that processes are given to notice their parent's death.
-PATIENCE = 5.0
+PATIENCE = 600.0
 TIMINGS = ("seconds", "setup_seconds")
 _PR_SET_CHILD_SUBREAPER = 36
 

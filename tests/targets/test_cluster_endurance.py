@@ -5,6 +5,8 @@ import sys
 
 import pytest
 
+from comparisons.runs.cluster import connecting
+from tests.comparisons.faults import PATIENCE
 from tests.targets import cluster_endurance
 
 pytestmark = [
@@ -15,6 +17,7 @@ pytestmark = [
 
 @pytest.mark.slow
 def test_killed_workers_and_a_killed_scheduler_cost_and_double_no_record(monkeypatch):
+    monkeypatch.setattr(connecting, "PATIENCE", PATIENCE)
     monkeypatch.setattr(cluster_endurance, "catalogue", lambda: ("juki-mf7923d", "rimoldi-164"))
     found = cluster_endurance.measure(3, 1, regimes=1)
     assert (found.workers, found.schedulers, found.lost, found.doubled) == (3, 1, 0, 0)

@@ -20,12 +20,13 @@ from comparisons.judging.limits import shipped_limits
 from comparisons.judging.records import Verdict
 from comparisons.judging.run_result import ARRAYS
 from comparisons.judging.verdicts import Standard, shipped_standard
+from comparisons.runs import crew
 from comparisons.runs.failures import GIB
 from comparisons.runs.journal import Journal
 from comparisons.runs.workers import Bounds, LocalPool
 from engines.contract import Abilities, Origin, Outcome, ReadOut, Run, Setting, Signal
 from engines.scene import Channel
-from tests.comparisons.faults import announce_engines, fail
+from tests.comparisons.faults import PATIENCE, Clock, announce_engines, fail
 from tests.comparisons.perfect_engine import perfect_motion
 from tests.comparisons.true_motions import cut
 
@@ -428,13 +429,21 @@ def test_faulty_engines_cost_their_own_rows(tmp_path, monkeypatch, capfd):
     monkeypatch.syspath_prepend(tmp_path)
     faulty = ("aborting", "hanging", "leaving", "raising", "swelling", "writing")
     request = _parallel(linkages=(JUKI,), motions=BRIEF[:1], engines=("direct", *faulty), settings=(Setting.TUNED,))
-    results = list(compare(request, bounds=Bounds(seconds=6.0, memory=GIB // 4), pool=LocalPool(2)))
+    clock = Clock()
+    monkeypatch.setattr(crew, "time", clock)
+    monkeypatch.setattr(crew, "_DYING", PATIENCE)
+
+    def begun(label, *_):
+        if "hanging" in label and not clock.ahead:
+            clock.put_forward()
+
+    results = list(compare(request, begun, bounds=Bounds(memory=GIB // 4), pool=LocalPool(1)))
     told = {result.records[0].engine: {(r.outcome, r.detail) for r in result.records} for result in results}
     assert list(told) == list(request.engines)
     assert told == {
         "direct": {("passed", "")},
         "aborting": {("crashed", "died by signal 6 (SIGABRT)")},
-        "hanging": {("timed-out", "took longer than 6 s")},
+        "hanging": {("timed-out", "took longer than 600 s")},
         "leaving": {("crashed", "exited with code 3")},
         "raising": {("adapter-error", RAISED)},
         "swelling": {("crashed", "needed more than 0.25 GiB of memory")},

@@ -23,6 +23,7 @@ from comparisons.runs.failures import GIB, Failure, Lost
 from comparisons.runs.journal import Journal
 from comparisons.runs.study import Study, Task
 from comparisons.runs.workers import EVERY_CORE, Bounds, PoolLostError, run_jobs
+from tests.commands import refused
 from tests.comparisons.faults import PATIENCE, children, job, wait_for
 from tests.comparisons.runs.test_workers import runs, written
 
@@ -31,6 +32,14 @@ pytestmark = [
     pytest.mark.skipif(not sys.platform.startswith("linux"), reason="kills processes, and reads /proc"),
 ]
 BOUNDS = Bounds(memory=GIB // 16)
+
+
+@pytest.fixture(scope="module", autouse=True)
+def _patient():
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(connecting, "PATIENCE", PATIENCE)
+        patch.setattr(pools, "ANSWER", PATIENCE)
+        yield
 
 
 @pytest.fixture(scope="module")
@@ -236,13 +245,11 @@ def test_without_dask_or_its_keys_it_is_said_how_to_get_them(monkeypatch, packag
         pass
 
 
-def test_a_scheduler_that_is_not_there_is_said_and_nothing_is_written(tmp_path):
-    command = [sys.executable, "-m", "linkproof", "stress", "--scheduler", "tcp://127.0.0.1:1", "--out", "out"]
-    environment = {**os.environ, "PYTHONPATH": os.pathsep.join(filter(None, sys.path))}
-    done = subprocess.run(command, cwd=tmp_path, env=environment, capture_output=True, text=True, check=False)
-    assert (done.returncode, done.stdout, list(tmp_path.iterdir())) == (2, "", [])
-    assert done.stderr.startswith("linkproof: expected a Dask scheduler at tcp://127.0.0.1:1, got none that answers")
-    assert done.stderr.count("\n") == 1
+def test_a_scheduler_that_is_not_there_is_said_and_nothing_is_written(tmp_path, monkeypatch):
+    monkeypatch.setattr(connecting, "PATIENCE", 0.5)
+    told = refused("stress", "--scheduler", "tcp://127.0.0.1:1", "--out", "out", cwd=tmp_path)
+    assert told.startswith("linkproof: expected a Dask scheduler at tcp://127.0.0.1:1, got none that answers")
+    assert list(tmp_path.iterdir()) == []
 
 
 def test_a_lost_scheduler_is_said_and_its_processes_end(tmp_path):
@@ -260,8 +267,10 @@ def test_a_lost_scheduler_is_said_and_its_processes_end(tmp_path):
 
 COMMAND = """
 import sys
+from comparisons.runs.cluster import connecting
 from comparisons.runs.cluster.connecting import opened
-from tests.comparisons.faults import job
+from tests.comparisons.faults import PATIENCE, job
+connecting.PATIENCE = PATIENCE
 with opened("local:1", None) as pool:
     list(pool.run(job, [("sign_and_sleep", sys.argv[1])]))
 """

@@ -4,7 +4,6 @@ import os
 import signal
 import subprocess
 import sys
-import time
 from contextlib import closing
 from functools import partial
 from pathlib import Path
@@ -17,7 +16,7 @@ from comparisons.runs import crew
 from comparisons.runs.crew import Crew
 from comparisons.runs.failures import GIB, SHOW_OUTPUT, Failure, Lost
 from comparisons.runs.workers import Bounds, run_jobs
-from tests.comparisons.faults import PATIENCE, Counting, job, large, wait_for
+from tests.comparisons.faults import PATIENCE, Clock, Counting, job, large, wait_for
 
 ENVIRONMENT = {**os.environ, "PYTHONPATH": os.pathsep.join(filter(None, sys.path))}
 BOUNDS = Bounds(memory=GIB // 16)
@@ -36,18 +35,6 @@ FATES = [
     ("unsendable", None, Failure.SUITE_ERROR, "this is a fault of linkproof: "),
     ("unreadable", None, Failure.SUITE_ERROR, "this is a fault of linkproof: ValueError: first line second line ("),
 ]
-
-
-class Clock:
-    """Time as ``crew`` sees it, which can be put forward."""
-
-    sleep, ahead = staticmethod(time.sleep), 0.0
-
-    def monotonic(self):
-        return time.monotonic() + self.ahead
-
-    def put_forward(self):
-        self.ahead += 2.0 * BOUNDS.seconds
 
 
 @pytest.fixture
@@ -92,7 +79,8 @@ def test_a_job_over_its_time_costs_itself_alone(clock, kind):
     assert results == {0: 1, 1: Lost(Failure.TIMED_OUT, "took longer than 600 s"), 2: 2}
 
 
-def test_a_job_that_hangs_up_costs_itself_alone():
+def test_a_job_that_hangs_up_costs_itself_alone(monkeypatch):
+    monkeypatch.setattr(crew, "_DYING", 0.1)
     results = dict(run_jobs(job, [("fine", 1), ("hang_up", None), ("fine", 2)], processes=1))
     assert results == {0: 1, 1: Lost(Failure.CRASHED, "hung up without ending"), 2: 2}
 

@@ -11,6 +11,7 @@ from comparisons.stress.axes import axes
 from comparisons.stress.campaign import StressRequest, make_cells, stress, summary
 from comparisons.stress.cells import Cell, CellResult, find_cell, made
 from comparisons.stress.verdict import Judgement, StressVerdict
+from tests.comparisons.faults import PATIENCE
 
 START = replace(axes()["start"], quick=(1e-8,))
 
@@ -44,6 +45,6 @@ def test_a_missed_cell_is_named():
 @pytest.mark.parametrize("usage", ["naive", "tuned"])
 def test_a_cell_alone_is_the_cell_of_the_map(usage):
     cell = find_cell(f"start/{START.rows[0].label}/1e-08/direct/{usage}")
-    (alone,) = make_cells([cell])
+    (alone,) = make_cells([cell], PATIENCE)
     here = made(cell)
     assert (alone.verdict, alone.judgement, alone.steps) == (here.verdict, here.judgement, here.steps)

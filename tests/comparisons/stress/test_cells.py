@@ -19,6 +19,7 @@ from comparisons.stress.cells import Cell, cells, find_cell, from_document, lost
 from comparisons.stress.scenes import case
 from comparisons.stress.verdict import StressVerdict
 from engines.contract import Abilities, Method, Outcome, Run
+from tests.comparisons.faults import PATIENCE
 from tests.comparisons.true_motions import true_history, with_signal
 
 
@@ -258,5 +259,5 @@ def test_where_the_closed_form_has_no_motion_no_engine_is_tried(with_engine, mon
 
 
 def test_a_cell_can_be_made_alone_in_a_process_of_its_own():
-    (found,) = make_cells([Cell("units", "length", 1e3, "direct", "tuned")])
+    (found,) = make_cells([Cell("units", "length", 1e3, "direct", "tuned")], PATIENCE)
     assert (found.verdict, found.outcome) == (StressVerdict.WITHIN, "finished")

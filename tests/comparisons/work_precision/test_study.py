@@ -22,9 +22,10 @@ from comparisons.work_precision.records import METHOD, SETTING
 from comparisons.work_precision.study import BenchRequest, bench, methods_told
 from engines.contract import Outcome, Run, Setting
 from tests.comparisons.bench_engine import KnownEngine
+from tests.comparisons.faults import PATIENCE
 
 CASE = Case(Mechanism(load("juki-mf7923d")), crank_motion("run-up-quintic", ramp_time=0.15, hold_time=0.0))
-EXTENT = Extent(tuple(12.0 * 2.0**k for k in range(9)), budget=1.0, repeats=3, patience=10.0, effort_stride=1)
+EXTENT = Extent(tuple(12.0 * 2.0**k for k in range(9)), budget=PATIENCE, repeats=3, patience=PATIENCE, effort_stride=1)
 REQUEST = BenchRequest((CASE,), ("known",), ("Mkr",), extent=EXTENT, pool=LocalPool(0))
 
 

@@ -13,8 +13,9 @@ from reports.command_line.commands import bench as bench_command
 from reports.command_line.commands.bench import BenchChoice, bench
 from reports.command_line.destination import Destination
 from reports.command_line.requests import CampaignChoice
+from tests.comparisons.faults import PATIENCE
 
-SHORT = Extent((12.0, 24.0, 48.0), budget=0.1, repeats=2, patience=0.1, deadline=30.0)
+SHORT = Extent((12.0, 24.0, 48.0), budget=PATIENCE, repeats=2, patience=PATIENCE)
 CHOICE = BenchChoice(("juki-mf7923d",), ("direct",), regimes=("run-up-quintic",), quantities=("Mkr",), quick=True)
 
 

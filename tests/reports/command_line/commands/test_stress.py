@@ -11,6 +11,14 @@ from comparisons.stress.verdict import Judgement, StressVerdict
 from reports.command_line.commands import stress
 from reports.command_line.commands.stress import StressChoice, run
 from reports.command_line.destination import Destination
+from tests.comparisons.faults import PATIENCE
+
+
+@pytest.fixture(autouse=True)
+def _unhurried(monkeypatch):
+    """A cell may take minutes where nothing else is said."""
+    monkeypatch.setattr(campaign, "_seconds", lambda request, _: request.time_limit or PATIENCE)
+
 
 CELL = "start/positions/1e-08/direct/tuned"
 
