@@ -1,13 +1,12 @@
 """What is collected of a project's linkage files, what passes and what fails with which words, in one run an engine."""
 
 import shlex
-import subprocess
-import sys
 
 import pytest
 
 from comparisons.runs.study import Study
 from reports.pytest_plugin import collecting
+from tests.commands import process
 from tests.reports.pytest_plugin.projects import BAR, INVARIANTS, PLUGIN, QUANTITIES, ROOT, project, run
 
 pytest_plugins = ["pytester"]
@@ -25,19 +24,12 @@ def made(monkeypatch):
     return keys
 
 
-def linkproof(pytester, *words):
-    """Run a command in the project's folder."""
-    env = {"PYTHONPATH": str(ROOT), "PATH": "/usr/bin:/bin"}
-    command = [sys.executable, "-m", "reports.command_line.main", *words]
-    return subprocess.run(command, capture_output=True, text=True, cwd=pytester.path, env=env, check=False)
-
-
 def repeated(pytester, done):
     """What comes of the command that a failed test names."""
     (command,) = {line.partition("repeat it: ")[2] for line in done.outlines if "repeat it: " in line}
     name, *words = shlex.split(command)
     assert name == "linkproof"
-    return linkproof(pytester, *words, "--jobs", "0")
+    return process(*words, "--jobs", "0", cwd=pytester.path)
 
 
 def test_every_engine_setting_and_quantity_is_a_test_and_a_run_is_made_once(pytester, made):
@@ -75,7 +67,7 @@ def test_an_error_over_its_limit_fails_with_its_reason_and_the_command_that_repe
 def test_a_mass_changed_by_a_percent_fails_by_its_key_figures(pytester):
     project(pytester)
     run(pytester, "-k", "figures").assert_outcomes(skipped=1, deselected=12)
-    recording = linkproof(pytester, "compare", "--record-baseline", "--jobs", "0")
+    recording = process("compare", "--record-baseline", "--jobs", "0", cwd=pytester.path)
     assert recording.returncode == 0, recording.stderr
     done = run(pytester, "-v", "-k", "figures")
     assert {line.split("::")[2].split()[0] for line in done.outlines if " PASSED" in line} == FIGURES
