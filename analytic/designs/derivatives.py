@@ -36,11 +36,12 @@ from analytic.machine_code.linkage_trace import is_traceable
 from analytic.moving import MovingSweep
 from analytic.numerics.averages import averages
 from analytic.numerics.dual import Dual
-from analytic.numerics.peaks import ROUNDING, brackets
+from analytic.numerics.refine import ROUNDING, tops
 from analytic.numerics.roots import roots
 from analytic.signals import OUTPUT_COORDINATE, is_angle, signal
 
 Array = NDArray[np.float64]
+Integers = NDArray[np.int64]
 Model = tuple[Linkage, Structure]
 
 TIE: Final = 1e-9  # of a signal's largest value: tops that differ by less count as equal
@@ -51,6 +52,23 @@ SAME: Final = 1e-6  # relative: derivatives at such tops that differ by less cou
 def is_exact(mechanism: Mechanism) -> bool:
     """Whether derivatives are exact; else they are differences."""
     return is_traceable(mechanism)
+
+
+def signal_values(
+    mechanism: Mechanism, parameters: Mapping[str, float], signals: Sequence[str], angle: Array, *, speed: float
+) -> Array:
+    """Signals of one design (signals, angles), SI, as ``signal_gradients`` has them.
+
+    Raises AssemblyError where the design cannot be assembled.
+    """
+    if is_exact(mechanism):
+        sweep = Sweep(*_Design(mechanism, parameters, speed).plain, angle)
+    else:
+        sweep = _sweep(mechanism, parameters, angle)
+    _check_moves(sweep)
+    far = float(np.max(sweep.output())) if "S" in signals else 0.0
+    at = MovingSweep(mechanism, sweep, np.asarray(speed), np.asarray(0.0), far)
+    return np.stack([signal(at, name) for name in signals])
 
 
 def signal_gradients(
@@ -66,13 +84,9 @@ def signal_gradients(
     places = np.asarray(angle, dtype=float)
     _check(mechanism, parameters)
     if not is_exact(mechanism):
-        _check_moves(_sweep(mechanism, parameters, places))
 
         def curves_of(own: Mapping[str, float]) -> Array:
-            sweep = _sweep(mechanism, own, places)
-            far = float(np.max(sweep.output())) if "S" in signals else 0.0
-            at = MovingSweep(mechanism, sweep, np.asarray(speed), np.asarray(0.0), far)
-            return np.stack([signal(at, name) for name in signals])
+            return signal_values(mechanism, own, signals, places, speed=speed)
 
         return differences(curves_of, parameters, _steps(mechanism, parameters))[:2]
     design = _Design(mechanism, parameters, speed)
@@ -142,7 +156,8 @@ class _Design:
     speed: float
 
     @cached_property
-    def _plain(self) -> Model:
+    def plain(self) -> Model:
+        """The design's linkage and structure in plain numbers."""
         return self._model(self.parameters)
 
     @cached_property
@@ -160,7 +175,7 @@ class _Design:
 
     def check(self, places: Array) -> None:
         """Raise AssemblyError where the design has no motion at one of the places."""
-        _check_moves(Sweep(*self._plain, places))
+        _check_moves(Sweep(*self.plain, places))
 
     def varied(self, places: Array, far: Any) -> MovingSweep:  # noqa: ANN401 - a dual
         """The design with derivatives at crank angles, rad."""
@@ -183,20 +198,20 @@ class _Design:
             return []
         grid = _closed(places) if refine else places
         top = far.value if isinstance(far, Dual) else far
-        plain = self._at(self._plain, grid, top)
+        plain = self._at(self.plain, grid, top)
         sampled = np.stack([one.height(signal(plain, one.signal)) for one in wanted])
-        tops = self._tops(wanted, grid, sampled, top) if refine else grid[np.argmax(sampled, axis=1)][:, None]
-        at = self.varied(tops.ravel(), far)
+        curve, places = self._tops(wanted, grid, sampled, top, refine)
+        at = self.varied(places, far)
         found = []
         for row, one in enumerate(wanted):
             values, slopes = _parts(signal(at, one.signal), len(self.parameters))
-            own = slice(row * tops.shape[1], (row + 1) * tops.shape[1])
-            found.append(_best(one, values[own], slopes[:, own], tops[row], float(np.max(np.abs(sampled[row])))))
+            own = curve == row
+            found.append(_best(one, values[own], slopes[:, own], places[own], float(np.max(np.abs(sampled[row])))))
         return found
 
     def means(self, figures: Sequence[Figure], places: Array, far: Any) -> dict[Figure, tuple[Any, Array]]:  # noqa: ANN401 - a dual
         """Value of every mean and its derivatives (parameters,): the integrals of both, in one."""
-        known, count = self._at(self._plain, places, 0.0), len(self.parameters)
+        known, count = self._at(self.plain, places, 0.0), len(self.parameters)
         near = {one.signal: signal(known, one.signal) for one in figures if is_angle(one.signal)}
 
         def integrands(_: object, phi: Array) -> Array:
@@ -215,21 +230,25 @@ class _Design:
             found[one] = value, 0.5 * slopes / value if one.reduction is Reduction.RMS else slopes
         return found
 
-    def _tops(self, wanted: Sequence[SignalExtreme], grid: Array, sampled: Array, top: float) -> Array:
-        """Places of the highest tops of every height, (extremes, tops): roots of its slope, or the ends of the grid."""
-        sides = brackets(grid, sampled)
-        row = np.repeat(np.arange(len(wanted)), sides.shape[1])
+    def _tops(
+        self, wanted: Sequence[SignalExtreme], grid: Array, sampled: Array, top: float, refine: bool
+    ) -> tuple[Integers, Array]:
+        """Tops of the heights: whose each is, and its place, a root of the slope; without ``refine`` the sample's."""
+        if not refine:
+            return np.arange(len(wanted)), grid[np.argmax(sampled, axis=1)]
+        found = tops(sampled)
 
         def slope(angle: Array) -> Array:
-            at = self._at(self._plain, Dual(angle, np.ones((1, len(angle)))), top)
-            found = np.empty(angle.shape)
+            at = self._at(self.plain, Dual(angle, np.ones((1, len(angle)))), top)
+            rises = np.empty(angle.shape)
             for number, one in enumerate(wanted):
                 values, slopes = _parts(signal(at, one.signal), 1)
-                own = row == number
-                found[own] = (one.side(values) * slopes[0])[own]
-            return found
+                own = found.curve == number
+                rises[own] = (one.side(values) * slopes[0])[own]
+            return rises
 
-        return roots(slope, *(sides[..., side].ravel() for side in range(3))).reshape(sides.shape[:2])
+        left, right = found.bounds(len(grid) - 1)
+        return found.curve, roots(slope, grid[left], grid[found.best], grid[right])
 
 
 def differences(

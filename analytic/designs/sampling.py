@@ -14,9 +14,9 @@ from analytic.designs.dead_positions import are_steep, beside, divided, stuck
 from analytic.designs.figures import SQUARE, Figure, Reduction, SignalExtreme
 from analytic.designs.means import edges_of, is_settled, on_branch
 from analytic.designs.samples import BLOCK, Booleans, Designs, Integers, Sampler
-from analytic.designs.tops import Tops, summits, tops
 from analytic.kinematics.mechanism import Mechanism
 from analytic.numerics.averages import averages
+from analytic.numerics.refine import Tops, summits, tops
 from analytic.signals import OUTPUT_COORDINATE, is_angle
 
 Array = NDArray[np.float64]

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from analytic.errors import AssemblyError
 from analytic.kinematics.mechanism import Mechanism
-from analytic.numerics.peaks import highest
+from analytic.numerics.refine import highest
 from analytic.turn.unit_functions import top_dead_centre
 
 Array = NDArray[np.float64]

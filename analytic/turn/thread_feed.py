@@ -84,7 +84,7 @@ def _check_turns(mechanism: Mechanism, what: str, cure: str) -> None:
 def eye_travel(mechanism: Mechanism, eye: str) -> EyeTravel:
     """Where an eye turns round: the outermost zeros of the exact derivative of its height, not grid points."""
     _check_turns(mechanism, f"the extreme height of eye '{eye}'", "give a crank angle as the reference")
-    angles = zeros(lambda phi: mechanism.sweep(phi).point(eye, 1)[1], lambda phi: mechanism.sweep(phi).point(eye, 2)[1])
+    angles = zeros(lambda phi: mechanism.sweep(phi).point(eye, 1)[1])
     if not len(angles):
         raise LinkproofError(
             f"thread: expected an eye that moves up and down, got '{eye}' of '{mechanism.linkage.name}', which does "

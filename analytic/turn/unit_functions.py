@@ -60,11 +60,7 @@ class UnitFunctions:
 @lru_cache(maxsize=64)
 def dead_centres(mechanism: Mechanism) -> tuple[DeadCentre, ...]:
     """Every reversal of the output over one turn, by crank angle; roots of its first derivative, not grid points."""
-    angles = zeros(
-        lambda phi: mechanism.sweep(phi).output(1),
-        lambda phi: mechanism.sweep(phi).output(2),
-        turns=round(mechanism.period / FULL_TURN),
-    )
+    angles = zeros(lambda phi: mechanism.sweep(phi).output(1), turns=round(mechanism.period / FULL_TURN))
     if not len(angles):
         raise _still(mechanism)
     coordinates = mechanism.sweep(angles).output()

@@ -14,7 +14,7 @@ from analytic import signals
 from analytic.description.law import FULL_TURN
 from analytic.description.linkage import Linkage
 from analytic.numerics.averages import averages
-from analytic.numerics.peaks import highest
+from analytic.numerics.refine import highest
 from analytic.signals import MAGNITUDE
 from comparisons.datasheet.instants import Instants, with_near_toggles
 from comparisons.reference.case import Case, Truth

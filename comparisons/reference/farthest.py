@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from analytic.kinematics.mechanism import Mechanism
-from analytic.numerics.peaks import highest
+from analytic.numerics.refine import highest
 from analytic.turn.farthest import top_of_turn
 from comparisons.reference.motion import INSTANTS, Motion
 

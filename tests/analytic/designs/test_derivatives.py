@@ -17,7 +17,7 @@ from analytic.designs.results import design_figures
 from analytic.errors import AssemblyError, LinkproofError, UnknownNameError
 from analytic.kinematics.mechanism import Mechanism
 from analytic.moving import MovingSweep
-from analytic.numerics.peaks import highest
+from analytic.numerics.refine import highest
 from analytic.signals import signal as signal_of
 from tests.analytic import fifty_digits
 from tests.analytic.exact_forces import forces_of, signals_of, transmission_of

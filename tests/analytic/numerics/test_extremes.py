@@ -75,17 +75,17 @@ def test_largest_magnitude_may_be_negative():
 
 
 def test_zeros_are_exact_and_sorted():
-    found = zeros(lambda phi: np.sin(2.0 * phi - 0.5), lambda phi: 2.0 * np.cos(2.0 * phi - 0.5))
+    found = zeros(lambda phi: np.sin(2.0 * phi - 0.5))
     assert np.allclose(found, 0.25 + 0.5 * np.pi * np.arange(4), rtol=0.0, atol=4 * EPS * 2.0 * np.pi)
 
 
-def test_zeros_where_newton_alone_would_leave_the_bracket():
-    found = zeros(lambda phi: np.tanh(60.0 * np.sin(phi - 1.0)), lambda phi: np.zeros(phi.shape), 12)
+def test_zeros_of_a_function_that_all_but_jumps():
+    found = zeros(lambda phi: np.tanh(60.0 * np.sin(phi - 1.0)), 12)
     assert np.allclose(found, [1.0, 1.0 + np.pi], rtol=0.0, atol=8 * EPS * np.pi)
 
 
 def test_no_zeros_where_there_is_no_change_of_sign():
-    assert len(zeros(lambda phi: 2.0 + np.cos(phi), lambda phi: -np.sin(phi))) == 0
+    assert len(zeros(lambda phi: 2.0 + np.cos(phi))) == 0
 
 
 def test_angles_are_brought_below_a_full_turn():

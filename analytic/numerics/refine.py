@@ -1,6 +1,8 @@
-"""The true highest values of sampled curves, closed in between the neighbours of their highest samples.
+"""The true highest values of many sampled curves at once, closed in between the neighbours of their highest samples.
 
-Of many curves at once, each with places of its own, unlike ``analytic.numerics.peaks``, which sees all at the same.
+The one refinement of extremes: over the turn of a crank, the time of a motion, or the turns of many designs. A curve
+may jump between two samples: it is followed on either side of the jump, never across it. A top narrower than two steps
+of the samples may be missed.
 """
 
 from __future__ import annotations
@@ -11,12 +13,13 @@ from typing import Final, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from analytic.numerics.peaks import ROUNDING
-
 Array = NDArray[np.float64]
 Integers = NDArray[np.int64]
 # Heights (n, 3) of the tops of some numbers (n,) at places (n, 3).
 Heights = Callable[[Integers, Array], Array]
+Curves = Callable[[Array], Array]
+
+ROUNDING: Final = 1e-12  # of a curve's largest value: of tops that differ by less the first is taken, on every machine
 
 MOST: Final = 3  # tops of a curve that are looked at: of more, the highest
 # Three places about the top of a parabola, a share NEAR of the bracket apart. Where that leaves a wide bracket, as the
@@ -25,9 +28,11 @@ MOST: Final = 3  # tops of a curve that are looked at: of more, the highest
 NEAR: Final = 1.0 / 32.0
 FINE: Final = 1.0 / 2000.0
 # A top that is still above its points by the share MISSED is sharper than the samples show it: it is closed in on
-# further. One that is above them by JUMP is no top but the side of a jump.
+# further; one that stays above them then is a corner, whose highest point is taken. One that is above them by JUMP is
+# no top but the side of a jump.
 MISSED, SHARP, JUMP = 1e-12, 1e-3, 1e-6
 LOOKS: Final = 12
+BESIDE: Final = 1e-3  # points so close beside each other, as either side of a jump, give a slope of rounding alone
 
 
 class Tops(NamedTuple):
@@ -48,6 +53,28 @@ class SampledTops(NamedTuple):
     best: Integers
     near: Integers
 
+    def bounds(self, last: int) -> tuple[Integers, Integers]:
+        """The samples beside each top, of samples up to ``last``."""
+        return np.maximum(self.best - 1, 0), np.minimum(self.best + 1, last)
+
+
+def highest(curves: Curves, grid: Array, values: Array) -> tuple[Array, Array]:
+    """The highest value of every curve between the ends of the grid, and its place: two arrays (k,).
+
+    Of equal ones it is the first. ``curves`` gives k curves at places (m,) as (k, m); ``values`` (k, n) are theirs on
+    the ascending ``grid`` (n,).
+    """
+    sampled = tops(values)
+    found = Tops(sampled.curve, grid[sampled.near], values[sampled.curve[:, None], sampled.near])
+
+    def heights(top: Integers, places: Array) -> Array:
+        seen = curves(places.ravel()).reshape(len(values), *places.shape)
+        return seen[found.curve[top], np.arange(len(top))]
+
+    climbed, where = climb(found, heights)
+    first = firsts(found, climbed, len(values), np.max(np.abs(values), axis=1))
+    return climbed[first], where[first]
+
 
 def tops(heights: Array, least: Array | float = -np.inf) -> SampledTops:
     """The sampled tops of curves (k, m), m ≥ 3, that may be highest between the samples, and above ``least`` (k,)."""
@@ -58,9 +85,10 @@ def tops(heights: Array, least: Array | float = -np.inf) -> SampledTops:
     is_top &= reach >= np.maximum(np.max(heights, axis=1), least)[:, None]
     many = np.flatnonzero(np.count_nonzero(is_top, axis=1) > MOST)
     for row in many:  # a curve that is flat but for rounding
-        places = np.flatnonzero(is_top[row])
+        places, step = np.flatnonzero(is_top[row]), ROUNDING * np.max(np.abs(heights[row]))
         is_top[row] = False
-        is_top[row, places[np.argsort(-heights[row, places], kind="stable")[:MOST]]] = True
+        levels = np.round(heights[row, places] / (step or 1.0))
+        is_top[row, places[np.argsort(-levels, kind="stable")[:MOST]]] = True
     curve, best = np.nonzero(is_top)
     return SampledTops(curve, best, np.clip(best, 1, heights.shape[1] - 2)[:, None] + np.array([-1, 0, 1]))
 
@@ -70,20 +98,28 @@ def summits(found: Tops, signs: Array, heights: Heights, count: int) -> tuple[Ar
 
     Of tops that are equal but for rounding it is the first.
     """
-    climbed = climb(found, heights)
-    highest, result = np.full(count, -np.inf), np.full((2, count), np.nan)
-    np.maximum.at(highest, found.curve, climbed)
-    least = highest - ROUNDING * np.abs(highest)
-    order = np.lexsort((found.places[:, 1], found.curve))
-    order = order[~(climbed[order] < least[found.curve[order]])]
-    curve, first = np.unique(found.curve[order], return_index=True)
-    result[:, curve] = climbed[order[first]], signs[order[first]]
+    climbed, _ = climb(found, heights)
+    first, result = firsts(found, climbed, count), np.full((2, count), np.nan)
+    result[:, found.curve[first]] = climbed[first], signs[first]
     return result[0], result[1]
 
 
-def climb(found: Tops, heights: Heights) -> Array:
-    """The height of each top, (n,)."""
-    result = np.empty(len(found.curve))
+def firsts(found: Tops, climbed: Array, count: int, sizes: Array | float = 0.0) -> Integers:
+    """Of each of ``count`` curves that has tops the highest of them, the first of those that are equal.
+
+    They are equal where they differ by the rounding of their height, or of a curve's size (count,).
+    """
+    most = np.full(count, -np.inf)
+    np.maximum.at(most, found.curve, climbed)
+    least = most - ROUNDING * np.maximum(np.abs(most), sizes)
+    order = np.lexsort((found.places[:, 1], found.curve))
+    order = order[~(climbed[order] < least[found.curve[order]])]
+    return np.asarray(order[np.unique(found.curve[order], return_index=True)[1]])
+
+
+def climb(found: Tops, heights: Heights) -> tuple[Array, Array]:
+    """The height of each top, (n,), and its place."""
+    result = np.empty((2, len(found.curve)))
     x, y = found.places, found.heights
     left: Integers = np.arange(len(x))
     low, high = _bounds(x, np.argmax(y, axis=1))
@@ -105,15 +141,18 @@ def climb(found: Tops, heights: Heights) -> Array:
         share = np.where(high - low < 0.4 * was, NEAR, 0.25)
         three = np.clip(best, 1, x.shape[1] - 2)[:, None] + np.array([-1, 0, 1])
         x, y = np.take_along_axis(x, three, 1), np.take_along_axis(y, three, 1)
-        seen, top = np.max(y, axis=1), _height(x, y, low, high)
+        seen, place = np.max(y, axis=1), x[np.arange(len(x)), np.argmax(y, axis=1)]
+        summit, top = _summit(x, y, low, high, seen)
         missed = top - seen > MISSED * np.abs(top)
-        result[left] = np.where(top - seen > JUMP * np.abs(top), seen, top)
-        on = (high - low > np.where(missed, SHARP * fine, fine)) & np.isfinite(seen)
+        wide = high - low > np.where(missed, SHARP * fine, fine)
+        is_corner = (missed & ~wide) | (top - seen > JUMP * np.abs(top))
+        result[:, left] = np.where(is_corner, seen, top), np.where(is_corner | (top <= seen), place, summit)
+        on = wide & np.isfinite(seen)
         left, x, y = left[on], x[on], y[on]
         low, high, fine, share = low[on], high[on], fine[on], share[on]
         if not len(left):
             break
-    return result
+    return result[0], result[1]
 
 
 def _bounds(x: Array, best: Integers) -> tuple[Array, Array]:
@@ -123,17 +162,17 @@ def _bounds(x: Array, best: Integers) -> tuple[Array, Array]:
 
 
 def _parabola(x: Array, y: Array) -> tuple[Array, Array]:
-    """Place and height of the top of the parabola through three points; infinite or nan where it has none."""
+    """Place and height of the top of the parabola through three points; infinite or nan where it has none to trust."""
     one, two = x[:, 1] - x[:, 0], x[:, 2] - x[:, 1]
     rise, fall = (y[:, 1] - y[:, 0]) / one, (y[:, 2] - y[:, 1]) / two
     bend = (fall - rise) / (one + two)
     slope = (rise * two + fall * one) / (one + two)
-    bend = np.where(bend < 0.0, bend, np.nan)
+    bend = np.where((bend < 0.0) & (np.minimum(one, two) > BESIDE * (one + two)), bend, np.nan)
     return x[:, 1] - 0.5 * slope / bend, y[:, 1] - 0.25 * slope * slope / bend
 
 
-def _height(x: Array, y: Array, low: Array, high: Array) -> Array:
-    """The top of the parabola, if that is between the bounds, or the highest of the points; nan if one is nan."""
+def _summit(x: Array, y: Array, low: Array, high: Array, seen: Array) -> tuple[Array, Array]:
+    """Place and height of the parabola's top where that is between the bounds; the height is ``seen`` elsewhere."""
     place, top = _parabola(x, y)
-    best = np.max(y, axis=1)
-    return np.asarray(np.where((place > low) & (place < high), np.fmax(top, best), best))
+    inside = (place > low) & (place < high)
+    return place, np.asarray(np.where(inside, np.fmax(top, seen), seen))
