@@ -16,7 +16,8 @@ from analytic.kinematics.mechanism import Mechanism
 from analytic.kinematics.mobility import grashof, loose_points, mobility
 from analytic.kinematics.structure import Dyad
 from analytic.kinematics.transmission import transmission_angle
-from analytic.numerics.roots import lowest, roots
+from analytic.numerics.refine import highest
+from analytic.numerics.roots import roots
 from comparisons.datasheet.linkage_warnings import warnings
 
 Array = NDArray[np.float64]
@@ -25,8 +26,6 @@ Facts = dict[str, Any]
 POINTS: Final = 721
 BINDS: Final = float(np.radians(40.0))  # transmission angle below which four-bars and slider-cranks bind easily (Alt)
 INSET: Final = 1e-9  # of a range that ends in dead positions, so that its ends are assembled
-EQUAL: Final = 1e-12  # share up to which two least transmission angles are equal
-LOOKS: Final = 4  # each look at the least transmission angle shrinks its bracket 16-fold
 TOGETHER: Final = 32  # dyads whose angles are closed in on together: each look solves the whole linkage before them
 
 
@@ -118,26 +117,28 @@ def _transmission(mechanism: Mechanism, reach: CrankRange) -> Facts:
     dyads, sweep, found = mechanism.structure.dyads, mechanism.sweep(grid), {}
     for first in range(0, len(dyads), TOGETHER):
         some = dyads[first : first + TOGETHER]
-        angles = [transmission_angle(sweep, dyad) for dyad in some]
+        angles = np.stack([transmission_angle(sweep, dyad) for dyad in some])
 
         def each(phi: Array, some: Sequence[Dyad] = some) -> Array:
             """The angle of each dyad at its own values of φ, (dyads, ...)."""
             near = mechanism.sweep(np.clip(phi, grid[0], grid[-1]))
             return np.stack([transmission_angle(near, dyad)[row] for row, dyad in enumerate(some)])
 
-        lowest_seen = np.min(angles, axis=1, keepdims=True)  # of equals the first, whatever their last digits
-        start, step = grid[np.argmax(angles <= lowest_seen * (1.0 + EQUAL), axis=1)], grid[1] - grid[0]
-        spots, heights = lowest(each, start - step, start + step, LOOKS)
+        def negative(phi: Array, some: Sequence[Dyad] = some) -> Array:
+            near = mechanism.sweep(phi)
+            return np.stack([-transmission_angle(near, dyad) for dyad in some])
+
+        heights, spots = highest(negative, grid, -angles)
         good = [] if reach.is_full_turn else _good(each, grid, angles)
         for number, dyad in enumerate(some):
             ends = good[number] if good else []
-            at = float(np.clip(spots[number], grid[0], grid[-1]))
+            at = float(spots[number])
             words = {"where": place(at), "good_from_to": [place(end) for end in ends]}
-            found[dyad.name] = {"least": float(heights[number]), "at": at, "good": ends, "kind": dyad.kind, **words}
+            found[dyad.name] = {"least": -float(heights[number]), "at": at, "good": ends, "kind": dyad.kind, **words}
     return found
 
 
-def _good(each: Callable[[Array], Array], grid: Array, angles: Sequence[Array]) -> list[list[float]]:
+def _good(each: Callable[[Array], Array], grid: Array, angles: Array) -> list[list[float]]:
     """Of each dyad the ends of the stretch around its best angle in which it is no less than BINDS; none if nowhere."""
     brackets = np.zeros((2, 2, len(angles)))  # the last place where it is enough and the first where it is not
     for number, angle in enumerate(angles):
