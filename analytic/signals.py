@@ -100,6 +100,7 @@ LINEAR_UNITS: Final[Mapping[str, str]] = {
 }
 ONE_OF_ITS_KIND: Final = {**DRIVE, **LOADS, **EQUATION, **OUTPUT, **SHAKING}
 MAGNITUDE: Final = ":magnitude"
+VECTORS: Final = ("joint_force:", "shaking_force:")  # whose magnitude is a signal as well
 OUTPUT_COORDINATE: Final = "output"  # no signal, for what is seen of it is S
 ORDERS: Final = ("x", "y", "vx", "vy", "ax", "ay")  # of a point: two components of each derivative
 
@@ -107,6 +108,16 @@ ORDERS: Final = ("x", "y", "vx", "vy", "ax", "ay")  # of a point: two components
 def names(mechanism: Mechanism) -> tuple[str, ...]:
     """Names of all signals that a mechanism has under any motion, always in the same order."""
     return tuple(name for name, signal in table(mechanism).items() if signal.is_listed)
+
+
+def names_with_magnitudes(mechanism: Mechanism) -> tuple[str, ...]:
+    """The same, and after the components of a vector its magnitude."""
+    found = []
+    for name in names(mechanism):
+        found.append(name)
+        if name.startswith(VECTORS) and name.endswith(":y"):
+            found.append(name.removesuffix(":y") + MAGNITUDE)
+    return tuple(found)
 
 
 def unit(name: str, linkage: Linkage) -> str:

@@ -9,6 +9,7 @@ from typing import Final, Literal
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from analytic.description.changes import design_numbers
 from analytic.description.law import FULL_TURN
 from analytic.designs.checking import checked
 from analytic.designs.figures import Figure
@@ -17,7 +18,8 @@ from analytic.designs.sampling import FigureRequest
 from analytic.errors import LinkproofError, UnknownNameError
 from analytic.kinematics.mechanism import Mechanism
 from analytic.machine_code.compiling import is_worthwhile
-from analytic.signals import MAGNITUDE, table
+from analytic.numerics.extremes import grid
+from analytic.signals import names_with_magnitudes, table
 
 Array = NDArray[np.float64]
 
@@ -42,10 +44,11 @@ def design_figures(
 
     ``parameters`` are arrays (designs,) of numbers of the description, SI, by the names of
     ``analytic.description.changes``; all else is as described, and the assembly modes are those that its sketch picks.
-    A signal is sampled at the crank angles ``angle`` (angles,), rad, ascending; S counts from the design's own largest
-    output. With ``refine`` the extremes are the true ones between the samples, and S counts from the true top: over a
-    ``period``, rad, or over a range, whose ends count, if None; "auto" is a turn where the angles divide one evenly.
-    Means are integrals over the same, whatever the samples, and of S from the true top.
+    Without any it is one design, the file's. A signal is sampled at the crank angles ``angle`` (angles,), rad,
+    ascending; S counts from the design's own largest output. With ``refine`` the extremes are the true ones between the
+    samples, and S counts from the true top: over a ``period``, rad, or over a range, whose ends count, if None; "auto"
+    is a turn where the angles divide one evenly. Means are integrals over the same, whatever the samples, and of S from
+    the true top.
 
     The figures of a design that cannot be assembled, or stands in a dead position, at or between any of the angles are
     nan, and so are those of one that passes a change point where the linkage as described passes none. ``cores`` and
@@ -53,6 +56,9 @@ def design_figures(
     ``evaluate_designs`` does.
     """
     places = _checked_places(angle, FEWEST if refine else 1)
+    if not parameters:  # of the file's own numbers one stands for all
+        name, (_, value) = next(iter(design_numbers(mechanism.linkage).items()))
+        parameters = {name: [value]}
     arrays = checked(mechanism.linkage, parameters)
     _check_names(mechanism, figures)
     closes = period_of(mechanism, places) if period == "auto" else period
@@ -65,6 +71,15 @@ def design_figures(
         some = {name: values[doubtful] for name, values in arrays.items()}
         found[:, doubtful] = replace(request, path="auto").of(some, cores)  # few: another function rarely pays
     return found
+
+
+def turn_figures(mechanism: Mechanism, figures: Sequence[Figure], speed: float) -> Array:
+    """Figures of a linkage as its file has it, (figures,), SI, over a turn of the crank at a ``speed``, rad/s.
+
+    Raises AssemblyError where the crank makes none.
+    """
+    mechanism.check_full_turn()
+    return design_figures(mechanism, {}, figures, grid(), speed=speed, refine=True)[:, 0]
 
 
 def usual_path(figures: Sequence[Figure], size: int) -> str:
@@ -91,8 +106,7 @@ def period_of(mechanism: Mechanism, places: Array) -> float | None:
 
 def _check_names(mechanism: Mechanism, figures: Sequence[Figure]) -> None:
     """Raise UnknownNameError for a figure of a signal that the mechanism does not have."""
-    known = list(table(mechanism))
-    known += [name.removesuffix(":x") + MAGNITUDE for name in known if "force:" in name and name.endswith(":x")]
+    known = {*table(mechanism), *names_with_magnitudes(mechanism)}
     for one in figures:
         if one.signal not in known:
             raise UnknownNameError("signal", one.signal, known)

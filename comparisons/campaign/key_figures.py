@@ -10,6 +10,7 @@ from typing import Final
 import numpy as np
 
 from analytic.description.linkage import Linkage
+from analytic.designs.figure_names import STROKE
 from analytic.signals import COMPONENTS, MAGNITUDE, ONE_OF_ITS_KIND, moving_points, signal, unit
 from analytic.turn.thread_feed import contour_length
 from analytic.written import change
@@ -67,14 +68,14 @@ def key_figures(case: Case) -> dict[str, float]:
     """Key figures of a case over its motion, SI, by name; ``figure_unit`` has the unit of each.
 
     Peaks of Mkr, Peq and every joint force (``Mkr.peak``, ``joint_force:A.peak``), mean Jeq, root mean square of Mkr;
-    ``least`` and ``largest`` S, v and a, ``S.stroke``; the ``least`` transmission angle of every group. Where every
+    ``.min`` and ``.max`` of S, v and a, ``stroke``; ``.min`` of the transmission angle of every group. Where every
     moving point is in the first instant (``point:C:x.first``): a point moved in its link moves there as far; the
     thread's length there. Which point is the output, and its direction (``output:point:x.first``,
     ``output:direction:x``).
     """
     curves = Curves(case, Instants(case.motion, turns=not case.mechanism.linkage.is_linear))
     found = {**_extremes(curves), **_means(curves), **dict(_places(case))}
-    found |= {f"{one.signal}.least": one.value for one in transmission(curves)}
+    found |= {f"{one.signal}.min": one.value for one in transmission(curves)}
     return {name: value for name, value in found.items() if math.isfinite(value)}
 
 
@@ -83,13 +84,13 @@ def _extremes(curves: Curves) -> dict[str, float]:
     peaks = [name for name in curves.names if name in ("Mkr", "Peq") or _is_joint_force(name)]
     measures = {name.removesuffix(MAGNITUDE) + ".peak": (lambda at, of=name: abs(curves.of(at, of))) for name in peaks}
     for name in filter(curves.has, ("S", "v", "a")):
-        measures[f"{name}.least"] = lambda at, of=name: -signal(at, of)
-        measures[f"{name}.largest"] = lambda at, of=name: signal(at, of)
+        measures[f"{name}.min"] = lambda at, of=name: -signal(at, of)
+        measures[f"{name}.max"] = lambda at, of=name: signal(at, of)
     places = curves.places(measures)
     truth = curves.at(np.array([*places.values()]))
     heights = {name: float(measures[name](truth)[row]) for row, name in enumerate(places)}
-    found = {name: -height if name.endswith(".least") else height for name, height in heights.items()}
-    return found | ({"S.stroke": found["S.largest"] - found["S.least"]} if curves.has("S") else {})
+    found = {name: -height if name.endswith(".min") else height for name, height in heights.items()}
+    return found | ({STROKE: found["S.max"] - found["S.min"]} if curves.has("S") else {})
 
 
 def _means(curves: Curves) -> dict[str, float]:
@@ -116,7 +117,7 @@ def figure_unit(name: str, linkage: Linkage) -> str:
     """SI unit of a key figure by its name; none of a direction, and of what is no key figure of this version."""
     stem = name.rpartition(".")[0]
     kind = stem.partition(":")[0]
-    if name.startswith((OUTPUT, THREAD)):
+    if name == STROKE or name.startswith((OUTPUT, THREAD)):
         return "m"
     if kind not in {*ONE_OF_ITS_KIND, *COMPONENTS}:
         return ""

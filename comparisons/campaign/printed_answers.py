@@ -19,13 +19,14 @@ from numpy.typing import NDArray
 from analytic.description.crank_motion import crank_motion
 from analytic.description.linkage import Linkage
 from analytic.description.schema import Published
+from analytic.designs.figure_names import place
 from analytic.kinematics.mechanism import Mechanism
 from analytic.signals import COMPONENTS, ORDERS, unit
 from comparisons.observation.interpolation import resample
 from comparisons.observation.observed_motion import ObservedMotion
 from comparisons.reference.case import Case, unpickled
 from comparisons.reference.published import applies, in_printed_unit, speed_of, verdict
-from comparisons.reference.signal_figures import case_of, instant
+from comparisons.reference.signal_figures import case_of
 from comparisons.runs.failures import Lost
 from comparisons.runs.plugins import engine
 from comparisons.runs.run_engine import run_engine
@@ -102,9 +103,9 @@ def _trials(linkage: Linkage) -> Iterator[Trial]:
     """One run for each regime, and for each speed and crank angle that figures are printed for."""
     groups: dict[str | tuple[float, float], list[tuple[Published, str, float]]] = {}
     for entry in linkage.published:
-        names, _, place = entry.quantity.rpartition("@")
+        names, _, where = entry.quantity.rpartition("@")
         if names and applies(linkage, entry) and entry.relative_to is None:
-            number, regime = instant(place)
+            number, regime = place(linkage, where)
             groups.setdefault(regime or (speed_of(entry), number), []).append((entry, names, number))
     mechanism = Mechanism(linkage)
     for key, group in groups.items():

@@ -15,7 +15,6 @@ from analytic.description.law import FULL_TURN
 from analytic.description.linkage import Linkage
 from analytic.numerics.averages import averages
 from analytic.numerics.refine import highest
-from analytic.signals import MAGNITUDE
 from comparisons.datasheet.instants import Instants, with_near_toggles
 from comparisons.reference.case import Case, Truth
 
@@ -23,7 +22,6 @@ Array = NDArray[np.float64]
 Measure = Callable[[Truth], Array]
 
 TIME: Final = "time"
-FORCES: Final = ("joint_force:", "shaking_force:")  # vectors whose magnitude is a signal as well
 BATCH: Final = 48  # curves whose peaks are refined together: more would compute much that none of them needs
 CELL: Final = 16  # steps of the grid to a cell of a mean
 
@@ -53,12 +51,7 @@ class Curves:
     @cached_property
     def names(self) -> tuple[str, ...]:
         """Every name, the time first, a magnitude after the components of its vector."""
-        found = [TIME]
-        for name in signals.names(self.case.mechanism):
-            found.append(name)
-            if name.startswith(FORCES) and name.endswith(":y"):
-                found.append(name.removesuffix(":y") + MAGNITUDE)
-        return tuple(found)
+        return (TIME, *signals.names_with_magnitudes(self.case.mechanism))
 
     def has(self, name: str) -> bool:
         """Whether the case has a signal."""

@@ -19,9 +19,9 @@ from analytic.dynamics.equilibrium import equilibria
 from analytic.errors import LinkproofError, UnknownNameError
 from analytic.kinematics.mechanism import Mechanism
 from analytic.numerics.extremes import Extremes, extremes
-from analytic.turn.unit_functions import bottom_dead_centre, stroke, top_dead_centre, unit_functions
+from analytic.turn.unit_functions import bottom_dead_centre, top_dead_centre, unit_functions
 from comparisons.reference.case import own_motion
-from comparisons.reference.signal_figures import is_of_a_signal, signal_figure
+from comparisons.reference.signal_figures import signal_figure
 
 # The sources call their own methods in agreement "within 2-6 %": that is the width of a figure that is met.
 CLAIMED = 0.06
@@ -97,15 +97,10 @@ def _limit(mechanism: Mechanism, end: int) -> float:
 
 
 FIGURES: Mapping[str, tuple[str, Figure]] = {
-    "Jeq.mean": ("kg m²", lambda m: _inertia(m).mean),
-    "Jeq.max": ("kg m²", lambda m: _inertia(m).maximum),
-    "Jeq.min": ("kg m²", lambda m: _inertia(m).minimum),
-    "Jeq.range": ("kg m²", lambda m: _inertia(m).maximum - _inertia(m).minimum),
     "Jeq.pulsation": ("", lambda m: _inertia(m).relative_pulsation),
     "Mkr.peak": ("N m", lambda m: _run_up_peaks(m)[0]),
     "Peq.peak": ("W", lambda m: _run_up_peaks(m)[1]),
     "equilibrium": ("°", _resting_angle),
-    "stroke": ("m", stroke),
     "time_ratio": ("", _time_ratio),
     "range.low": ("rad", lambda m: _limit(m, 0)),
     "range.high": ("rad", lambda m: _limit(m, 1)),
@@ -121,12 +116,10 @@ START_PREFIX, SHORT = "start_acceleration:", 1e-3
 
 
 def figure(mechanism: Mechanism, name: str, speed: float = 1.0) -> tuple[str, float]:
-    """SI unit and value of a figure of a mechanism by name; raises UnknownNameError for one we cannot compute.
+    """SI unit and value of a figure of a mechanism by name: one of these, or one of a signal, at a crank's ``speed``.
 
-    ``speed``, rad/s, is that of the crank where the figure is a signal's at a crank angle.
+    The speed is in rad/s. Raises LinkproofError for a figure that we cannot compute.
     """
-    if is_of_a_signal(name):
-        return signal_figure(mechanism, name, speed)
     if name in FIGURES:
         unit, compute = FIGURES[name]
         return unit, compute(mechanism)
@@ -137,7 +130,9 @@ def figure(mechanism: Mechanism, name: str, speed: float = 1.0) -> tuple[str, fl
     if name in regimes:
         return "rad/s²", _start_acceleration(mechanism, name.removeprefix(START_PREFIX))
     links = [f"{LINK_PREFIX}{link}{LINK_SUFFIX}" for link in mechanism.linkage.links]
-    raise UnknownNameError("published quantity", name, [*FIGURES, *links, *regimes])
+    if name.startswith((LINK_PREFIX, START_PREFIX)):
+        raise UnknownNameError("published quantity", name, [*links, *regimes])
+    return signal_figure(mechanism, name, speed)
 
 
 def compare_published(linkages: Iterable[Linkage]) -> tuple[PublishedRecord, ...]:

@@ -68,8 +68,8 @@ def parameters(incomplete: str) -> list[str]:
 
 def figures(incomplete: str) -> list[str]:
     """The figures of a design of the mechanism on the command line."""
+    from analytic.designs.figure_names import figure_names
     from analytic.kinematics.mechanism import Mechanism
-    from comparisons.designs.named_figures import figure_names
 
     return _starting([name for linkage in _linkages() for name in figure_names(Mechanism(linkage))], incomplete)
 

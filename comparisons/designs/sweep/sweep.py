@@ -13,11 +13,12 @@ from numpy.typing import NDArray
 
 from analytic.description.changes import with_numbers
 from analytic.description.linkage import Linkage
+from analytic.designs.figure_names import STROKE
 from analytic.designs.results import usual_path
 from analytic.errors import AssemblyError, LinkproofError
 from analytic.kinematics.mechanism import Mechanism
 from analytic.signals import names
-from comparisons.designs.named_figures import STROKE, NamedFigure, named_figures
+from comparisons.designs.named_figures import NamedFigure, named_figures
 from comparisons.designs.parameters import SPEED
 from comparisons.designs.steady_motion import SteadyMotion
 from comparisons.designs.sweep.space import DesignSpace

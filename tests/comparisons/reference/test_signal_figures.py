@@ -9,7 +9,7 @@ from analytic.description.loading import literature, load
 from analytic.errors import LinkproofError, UnknownNameError
 from analytic.kinematics.mechanism import Mechanism
 from comparisons.reference.published import all_variants, compare_published, figure
-from comparisons.reference.signal_figures import is_of_a_signal, signal_figure
+from comparisons.reference.signal_figures import signal_figure
 from tests.analytic.linkages import from_text, mechanism
 
 # A crank of 30 mm and a rod of 100 mm, the guide through the crank's pivot.
@@ -76,13 +76,18 @@ def test_a_value_at_a_time_is_that_of_the_regime():
         ("point:B:x@-", LinkproofError, "got '-'"),
         ("point:B:x@1s:driven", UnknownNameError, "unknown regime of 'sample' 'driven'"),
         ("point:C:x@30", UnknownNameError, "unknown signal 'point:C:x'"),
-        ("point:C:x.max", UnknownNameError, "unknown signal 'point:C:x'"),
+        ("point:C:x.max", LinkproofError, "unknown figure 'point:C:x.max': did you mean '"),
         ("range.low", LinkproofError, "its crank turns fully"),
     ],
 )
 def test_what_cannot_be_told_is_refused_in_a_sentence(quantity, error, message):
     with pytest.raises(error, match=message):
         figure(from_text(SLIDER_CRANK), quantity)
+
+
+def test_a_name_of_several_figures_is_refused():
+    with pytest.raises(LinkproofError, match=r"expected one figure, got 'joint_force\.peak', which is several"):
+        figure(mechanism("rimoldi-164"), "joint_force.peak")
 
 
 def test_figures_of_the_output_and_of_the_range():
@@ -93,11 +98,6 @@ def test_figures_of_the_output_and_of_the_range():
     assert (unit, ratio) == ("", pytest.approx((math.pi - half) / half, rel=1e-12))
     low, high = (figure(Mechanism(load("watt-six-bar")), f"range.{end}")[1] for end in ("low", "high"))
     assert -math.radians(6) < low < 0.0 < high < math.radians(6)
-
-
-def test_names_of_figures_of_signals_are_told_from_the_others():
-    assert all(map(is_of_a_signal, ("phi@30", "point:B:x.max", "omega@0.1s:driven")))
-    assert not any(map(is_of_a_signal, ("Jeq.max", "Jeq:link.mean", "range.low", "start_acceleration:driven")))
 
 
 def test_a_printed_unit_is_that_of_both_figures():

@@ -121,22 +121,22 @@ def _edited_figure(folder):
 # What changes, and what the figures or sentences that say so have in them.
 FIGURES = {
     "mass by 0.5 %": (_edit(PATH, "mass = 0.2", "mass = 0.201"), "Mkr.peak was .* N m and is .* N m, "),
-    "length by 0.05 mm": (_edit(PATH, "B = [60, 0]", "B = [60.05, 0]"), "S.stroke was .* m and is "),
+    "length by 0.05 mm": (_edit(PATH, "B = [60, 0]", "B = [60.05, 0]"), "stroke was .* m and is "),
     "inertia": (_edit(PATH, "inertia = 6e-5", "inertia = 6.01e-5"), "Jeq.mean was .* kg m² and is "),
     "mass centre": (_edit(PATH, "centre = [30, 5]", "centre = [30, 5.01]"), "joint_force:O1.peak was .* N and is "),
     "coupler point": (_edit(PATH, "P = [10, -5]", "P = [10, -5.01]"), "point:P:y.first was .* m and is "),
-    "output's own point": (_edit(PATH, "C = [30, 15]", "C = [30, 15.05]"), "S.largest was .* m and is "),
+    "output's own point": (_edit(PATH, "C = [30, 15]", "C = [30, 15.05]"), "S.max was .* m and is "),
     "output's name": (
         _edit(PATH, 'output = { point = "C"', 'output = { point = "P"'),
         "output:point:x.first was .* m ",
     ),
     "output's direction": (_edit(PATH, "along = [1, 0]", "along = [-1, 0]"), "output:direction:x was 1 and is -1"),
-    "pivot": (_edit(PATH, "O2 = [50, 0]", "O2 = [50.02, 0]"), "transmission_angle:.*.least was .* rad and is "),
-    "assembly": (_edit(PATH, "B = [40, 40]", "B = [40, -40]"), "v.largest was .* m/s and is "),
+    "pivot": (_edit(PATH, "O2 = [50, 0]", "O2 = [50.02, 0]"), "transmission_angle:.*.min was .* rad and is "),
+    "assembly": (_edit(PATH, "B = [40, 40]", "B = [40, -40]"), "v.max was .* m/s and is "),
     "spring": (_edit(PATH, "stiffness = 120", "stiffness = 121"), "Mkr.rms was .* N m and is "),
     "spring's end": (_edit(PATH, "Q = [90, 10]", "Q = [90, 10.5]"), "Mkr.rms was .* N m and is "),
     "load": (_edit(PATH, "force = [0, -5]", "force = [0, -5.01]"), "Peq.peak was .* W and is "),
-    "damper": (_edit(PATH, "coefficient = 2e-4", "coefficient = 2.01e-4"), "a.largest was .* m/s² and is "),
+    "damper": (_edit(PATH, "coefficient = 2e-4", "coefficient = 2.01e-4"), "a.max was .* m/s² and is "),
     "gravity": (_edit(PATH, "-9.81", "-9.8"), "joint_force:A.peak was .* N and is "),
     "figure of the baseline": (_edited_figure, "Jeq.mean was 1 kg m² and is "),
 }

@@ -1,0 +1,130 @@
+"""Figures by the names that are typed and printed: ``Mkr.peak``, ``joint_force:A.peak``, ``point:D:y@30``, ``stroke``.
+
+``SIGNAL.REDUCTION``     a signal of ``linkproof results`` over the motion: .peak .mean .rms .max .min .range
+``SIGNAL@30``            its value at a crank angle, degrees, or ``@0.5rad``; of a drive along a line in the file's unit
+``joint_force:A.peak``   of a vector without a component, its magnitude
+``joint_force.peak``     of every joint; likewise transmission_angle, of every group
+``transmission_angle.peak``  the least, which is the worst
+``stroke``               the range of S
+
+Sources print values at a time of one of the linkage's own regimes besides, ``omega@0.03s:squeezing``.
+"""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Mapping
+from difflib import get_close_matches
+from typing import Final
+
+from analytic.description.linkage import Linkage
+from analytic.description.units import factor
+from analytic.designs.figures import Figure, Reduction
+from analytic.errors import SIMILAR, SYMBOLS, LinkproofError, shortened
+from analytic.kinematics.mechanism import Mechanism
+from analytic.signals import MAGNITUDE, names_with_magnitudes
+
+STROKE: Final = "stroke"
+ANGLES: Final = "transmission_angle"
+FAMILIES: Final = ("joint_force", ANGLES)
+REDUCTIONS: Final = tuple(one.value for one in Reduction if one is not Reduction.AT)
+NEEDS: Final[Mapping[str, str]] = {  # what a linkage must have for these signals, in words
+    **dict.fromkeys(("S", "v", "a"), "an output point"),
+    **dict.fromkeys(("Mkr", "Peq", "Teq", "Jeq", "joint_force"), "masses of all links"),
+}
+NEAREST: Final = 3  # names in a message
+PLACE: Final = re.compile(r"(?P<number>[-+]?(?:\d+\.?\d*|\.\d+)(?:e[-+]?\d+)?)(?:(?P<angle>deg|rad)?|s:(?P<regime>.+))")
+NOT_OF_A_DESIGN: Final = ("phi", "omega", "epsilon")  # they are given
+
+
+def figures_named(mechanism: Mechanism, name: str) -> dict[str, Figure]:
+    """The figure of a name, and of a family all its members, by name.
+
+    Raises LinkproofError for a signal or a reduction that there is not, and for a wrong angle.
+    """
+    known = _signals(mechanism)
+    signal, mark, place = name.rpartition("@")
+    if mark:
+        members = _members(mechanism, known, signal, name)
+        angle = _angle(mechanism.linkage, name, place)
+        return {f"{one}@{place}": Figure(known[one], Reduction.AT, angle) for one in members}
+    signal, _, word = ("S", ".", "range") if name == STROKE else name.rpartition(".")
+    if word not in REDUCTIONS:
+        raise _unknown(name, known)
+    how = Reduction.MIN if word == Reduction.PEAK and signal.startswith(ANGLES) else Reduction(word)
+    members = _members(mechanism, known, signal, name)
+    return {STROKE if name == STROKE else f"{one}.{word}": Figure(known[one], how) for one in members}
+
+
+def figure_names(mechanism: Mechanism) -> list[str]:
+    """Every figure by name, the peaks first; those at an angle have names without end."""
+    return _examples(_signals(mechanism))
+
+
+def _signals(mechanism: Mechanism) -> dict[str, str]:
+    """Signals by the names they are asked for: a vector's own name stands for its magnitude."""
+    names = [name for name in names_with_magnitudes(mechanism) if name not in NOT_OF_A_DESIGN]
+    return {name.removesuffix(MAGNITUDE): name for name in names}
+
+
+def _examples(known: Mapping[str, str]) -> list[str]:
+    """Every figure, the peaks first."""
+    return [STROKE, *(f"{one}.{word}" for word in REDUCTIONS for one in (*known, *FAMILIES))]
+
+
+def _members(mechanism: Mechanism, known: Mapping[str, str], signal: str, name: str) -> list[str]:
+    """The signal, or every member of the family: the magnitudes of all forces, the angles of all groups."""
+    ending = MAGNITUDE if signal == "joint_force" else ""
+    members = [one for one, told in known.items() if told == f"{one}{ending}" and one.startswith(f"{signal}:")]
+    if signal in NEEDS and signal not in known and not members:
+        raise LinkproofError(
+            f"{STROKE if signal == 'S' else signal}: expected a linkage with {NEEDS[signal]}, got "
+            f"'{mechanism.linkage.name}' without; add what is missing to its file, or name another figure"
+        )
+    if signal in FAMILIES:
+        return members
+    if signal not in known:
+        raise _unknown(name, known)
+    return [signal]
+
+
+def _unknown(name: str, known: Mapping[str, str]) -> LinkproofError:
+    """What to say of a figure that there is not: the nearest few."""
+    examples, (word, _, how) = _examples(known), name.partition("@")[0].partition(".")
+    symbol = f"{SYMBOLS.get(word.lower(), word)}.{how if how in REDUCTIONS else 'peak'}"
+    by_case = {one.lower(): one for one in examples}
+    near = get_close_matches(name.lower(), by_case, n=NEAREST, cutoff=SIMILAR)
+    meant = dict.fromkeys([*([symbol] if symbol in examples else []), *(by_case[one] for one in near)])
+    hint = f"did you mean {' or '.join(repr(one) for one in [*meant][:NEAREST])}? " if meant else ""
+    return LinkproofError(
+        f"unknown figure '{shortened(name)}': {hint}a figure is {STROKE}, or a signal of `linkproof results` with "
+        f"{', '.join(f'.{one}' for one in REDUCTIONS)} or @ANGLE behind its name, such as Mkr.peak"
+    )
+
+
+def place(linkage: Linkage, text: str) -> tuple[float, str | None]:
+    """What stands behind the '@': a crank angle, rad, a travel, m, or a time, s, and the regime whose time it is.
+
+    Raises LinkproofError for anything else.
+    """
+    read = PLACE.fullmatch(text)
+    if read is None or (linkage.is_linear and read["angle"]):
+        where = "a travel of the drive" if linkage.is_linear else "a crank angle"
+        raise LinkproofError(
+            f"expected {where} or a time with its regime after '@', got '{text}'; write 30, "
+            f"{'' if linkage.is_linear else '0.5rad '}or 0.03s:REGIME"
+        )
+    number = float(read["number"])
+    if read["regime"] is not None or read["angle"] == "rad":
+        return number, read["regime"]
+    return number * (factor("length", linkage.units["length"]) if linkage.is_linear else math.radians(1.0)), None
+
+
+def _angle(linkage: Linkage, name: str, text: str) -> float:
+    """The place of the driver behind the @, rad or m."""
+    read = PLACE.fullmatch(text)
+    if read is None or read["regime"] is not None or (linkage.is_linear and read["angle"]):
+        unit = linkage.units["length"] if linkage.is_linear else "degrees"
+        raise LinkproofError(f"{name}: expected a crank angle in {unit} after '@', got '{text}'; correct it")
+    return place(linkage, text)[0]
