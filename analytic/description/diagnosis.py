@@ -81,7 +81,10 @@ def sentence(error: ValidationError, source: Source, model: type[BaseModel] = Do
         return f"{source.at(keys)}: {UnknownNameError('key', keys[-1], _known_keys(keys[:-1], model))}"
     if fault["type"] == "missing" and not keys[-1].isdigit():
         return f"{source.at(keys)}{WITHOUT}: expected {_expected(fault, keys)}; add it"
-    return f"{source.at(keys)}: expected {_expected(fault, keys)}, got {shown(fault['input'])}; correct it"
+    expected, value = _expected(fault, keys), fault["input"]
+    is_comma = "[x, y]" in expected and isinstance(value, list) and len(value) > 2 and isinstance(value[-1], int)
+    cure = "write decimals with a dot, 25.5 and not 25,5" if is_comma else "correct it"
+    return f"{source.at(keys)}: expected {expected}, got {shown(value)}; {cure}"
 
 
 def _telling(faults: Sequence[ErrorDetails]) -> ErrorDetails:

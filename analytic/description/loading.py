@@ -215,12 +215,30 @@ def _too_deep(place: str) -> DescriptionError:
     return DescriptionError(f"{place}: expected tables and short lists, got very deep nesting; flatten it")
 
 
+DECIMAL_COMMA: Final = re.compile(r"=\s*[-+]?\d+,\d+\s*(#.*)?$")
+TWICE: Final = re.compile(r"Cannot (mutate immutable namespace|overwrite|declare)[^(]*(\('(?P<name>[^']*)',?\))?")
+BARE_NAME: Final = re.compile(r"\s*\[*([^\]=\"'#]+)[\]=]")
+
+
 def _syntax(fault: str, text: str, origin: str) -> str:
     """A fault that the TOML parser found, its place put first."""
     place = PLACE.search(fault)
     line, column = place.groups() if place and place[1] else (_line(text.rstrip(), len(text)), None)
+    slip = _slip(fault, text.split("\n")[int(line) - 1])
     where = f" in column {column}" if column else " at the end of the file"
-    return f"{origin}:{line}: not valid TOML: {PLACE.sub('', fault)}{where}; correct it"
+    return f"{origin}:{line}: not valid TOML: {slip or PLACE.sub('', fault) + where + '; correct it'}"
+
+
+def _slip(fault: str, line: str) -> str:
+    """A usual slip in a line and what to do about it; empty where it is another fault."""
+    if DECIMAL_COMMA.search(line):
+        return "a number with a decimal comma; write a dot, such as 0.3"
+    if twice := TWICE.match(fault):
+        return f"{repr(twice['name']) if twice['name'] else 'a key'} is written twice; leave one out or rename it"
+    name = BARE_NAME.match(line)
+    if name and not name[1].isascii():
+        return f'a name with letters other than a to z; put it in quotes: "{name[1].strip().rpartition(".")[2]}"'
+    return ""
 
 
 def check_characters(raw: Mapping[str, Any], source: Source) -> None:

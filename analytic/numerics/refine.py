@@ -30,7 +30,7 @@ FINE: Final = 1.0 / 2000.0
 # A top that is still above its points by the share MISSED is sharper than the samples show it: it is closed in on
 # further; one that stays above them then is a corner, whose highest point is taken. One that is above them by JUMP is
 # no top but the side of a jump.
-MISSED, SHARP, JUMP = 1e-12, 1e-3, 1e-6
+MISSED, SHARP, JUMP = 1e-13, 1e-3, 1e-6
 LOOKS: Final = 12
 BESIDE: Final = 1e-3  # points so close beside each other, as either side of a jump, give a slope of rounding alone
 
@@ -118,7 +118,7 @@ def firsts(found: Tops, climbed: Array, count: int, sizes: Array | float = 0.0) 
 
 
 def climb(found: Tops, heights: Heights) -> tuple[Array, Array]:
-    """The height of each top, (n,), and its place."""
+    """The height of each top, (n,), and a place where it is as high to ``MISSED``."""
     result = np.empty((2, len(found.curve)))
     x, y = found.places, found.heights
     left: Integers = np.arange(len(x))
@@ -142,11 +142,11 @@ def climb(found: Tops, heights: Heights) -> tuple[Array, Array]:
         three = np.clip(best, 1, x.shape[1] - 2)[:, None] + np.array([-1, 0, 1])
         x, y = np.take_along_axis(x, three, 1), np.take_along_axis(y, three, 1)
         seen, place = np.max(y, axis=1), x[np.arange(len(x)), np.argmax(y, axis=1)]
-        summit, top = _summit(x, y, low, high, seen)
+        top = _height(x, y, low, high, seen)
         missed = top - seen > MISSED * np.abs(top)
         wide = high - low > np.where(missed, SHARP * fine, fine)
         is_corner = (missed & ~wide) | (top - seen > JUMP * np.abs(top))
-        result[:, left] = np.where(is_corner, seen, top), np.where(is_corner | (top <= seen), place, summit)
+        result[:, left] = np.where(is_corner, seen, top), place
         on = wide & np.isfinite(seen)
         left, x, y = left[on], x[on], y[on]
         low, high, fine, share = low[on], high[on], fine[on], share[on]
@@ -171,8 +171,7 @@ def _parabola(x: Array, y: Array) -> tuple[Array, Array]:
     return x[:, 1] - 0.5 * slope / bend, y[:, 1] - 0.25 * slope * slope / bend
 
 
-def _summit(x: Array, y: Array, low: Array, high: Array, seen: Array) -> tuple[Array, Array]:
-    """Place and height of the parabola's top where that is between the bounds; the height is ``seen`` elsewhere."""
+def _height(x: Array, y: Array, low: Array, high: Array, seen: Array) -> Array:
+    """The top of the parabola, if that is between the bounds, or the highest point ``seen``; nan if one is nan."""
     place, top = _parabola(x, y)
-    inside = (place > low) & (place < high)
-    return place, np.asarray(np.where(inside, np.fmax(top, seen), seen))
+    return np.asarray(np.where((place > low) & (place < high), np.fmax(top, seen), seen))

@@ -8,12 +8,22 @@ from collections import defaultdict
 from collections.abc import Iterator
 from typing import Final
 
+import numpy as np
+
+from analytic.description.law import FULL_TURN, Law
 from analytic.description.linkage import Link, Linkage
+from analytic.errors import LinkproofError
 
 FAR: Final = 2.0  # of a link's size: how far outside of its points a mass centre may be
 # Radius of gyration of a link over its size: of parts of linkages between 0.02 and 2.
 LEAST_GYRATION, LARGEST_GYRATION = 0.005, 5.0
 DENSEST: Final = 1e7  # kg/m³ in a cube of a link's size: crank discs of sewing machines have up to 2e5
+# A link this heavy for its length is a disc, whose radius of gyration is no small share of its length.
+HEAVY, CONCENTRATED = 1e5, 0.1
+GRAVITY: Final = 100.0  # m/s²: what pulls harder is a slip of the unit, which is always m/s²
+GAP: Final = 4.0  # times the usual step of a load's table: a wider one is a part of the turn without values
+MOST_GAP: Final = math.radians(60.0)
+OVERSHOOT: Final = 0.5  # of the range of a load's values: how far its spline may leave it
 UNIT_SLIPS: Final = {1e6: "kg*mm^2 read as kg*m^2", 1e-6: "kg*m^2 read as kg*mm^2"}
 
 
@@ -22,6 +32,13 @@ def warnings(linkage: Linkage) -> Iterator[str]:
     yield from _names(linkage)
     for link in linkage.links.values():
         yield from _masses(linkage, link)
+    yield from _loads(linkage)
+
+
+def check_slips(linkage: Linkage) -> None:
+    """Raise LinkproofError for the first of them."""
+    for sentence in warnings(linkage):
+        raise LinkproofError(f"--strict: {sentence}; or leave --strict out")
 
 
 def _names(linkage: Linkage) -> Iterator[str]:
@@ -37,6 +54,8 @@ def _names(linkage: Linkage) -> Iterator[str]:
 def _masses(linkage: Linkage, link: Link) -> Iterator[str]:
     """Mass centre, mass and inertia beside the link's size."""
     size = max((math.dist(a, b) for a, b in itertools.combinations(link.points.values(), 2)), default=0.0)
+    if not link.mass and any(link.centre) and any(one.mass for one in linkage.links.values()):
+        yield f"'{link.name}' has a mass centre and no mass: it weighs nothing; add links.{link.name}.mass"
     if not link.mass or not size:
         return
     nearest = min(math.dist(link.centre, place) for place in link.points.values())
@@ -45,7 +64,8 @@ def _masses(linkage: Linkage, link: Link) -> Iterator[str]:
             f"mass centre of '{link.name}' is {linkage.written(nearest)} from its nearest point, and the link "
             f"{linkage.written(size)} long: check links.{link.name}.centre"
         )
-    if link.mass > DENSEST * size**3:
+    concentrated = link.inertia and link.inertia < link.mass * (CONCENTRATED * size) ** 2
+    if link.mass > (HEAVY if concentrated else DENSEST) * size**3:
         yield f"'{link.name}' weighs {link.mass:.4g} kg at a length of {linkage.written(size)}: check the unit of mass"
     if link.inertia:
         gyration = math.sqrt(link.inertia / link.mass)
@@ -55,6 +75,45 @@ def _masses(linkage: Linkage, link: Link) -> Iterator[str]:
                 f"inertia of '{link.name}' is that of its mass {linkage.written(gyration)} from the mass centre, and "
                 f"its points are within {linkage.written(reach)}: check the unit of inertia{_slip(gyration / reach)}"
             )
+
+
+def _loads(linkage: Linkage) -> Iterator[str]:
+    """Size of gravity, free lengths of springs, tables of loads over the angle."""
+    pull = math.hypot(*linkage.gravity)
+    if pull > GRAVITY:
+        yield f"gravity is {pull:.4g} m/s^2, which is the unit of gravity in every file: check its size"
+    for spring in linkage.springs:
+        if not spring.length:
+            ends = " and ".join(spring.points)
+            yield f"the spring between {ends} has no free length: it pulls at every length; add length if it has one"
+    laws = [(f"force at '{one.point}'", one.force) for one in linkage.forces]
+    laws += [(f"torque on '{one.link}'", one.torque) for one in linkage.torques]
+    for what, law in laws:
+        yield from _table(what, law)
+
+
+def _table(what: str, law: Law) -> Iterator[str]:
+    """A table that leaves out a part of the turn, and one whose spline goes far beyond its values."""
+    if law.angles is None or not law.periodic:
+        return
+    steps = np.diff(np.append(law.angles, law.angles[0] + FULL_TURN))
+    if np.max(steps) > max(MOST_GAP, GAP * float(np.median(steps))):
+        at = int(np.argmax(steps))
+        low, high = np.degrees([law.angles[at], law.angles[at] + steps[at]])
+        yield (
+            f"the {what} has no values between {low:.4g}° and {high:.4g}°, where a curve joins them: check the unit of "
+            "its angles, or add values"
+        )
+    curve = law(np.linspace(0.0, FULL_TURN, 2000))
+    reach, beyond = (
+        np.ptp(law.values, axis=0),
+        np.maximum(
+            np.max(curve, axis=-1) - np.max(law.values, axis=0), np.min(law.values, axis=0) - np.min(curve, axis=-1)
+        ),
+    )
+    if np.any(beyond > OVERSHOOT * reach):
+        times = float(np.max(beyond[reach > 0.0] / reach[reach > 0.0]))
+        yield f"the {what} goes beyond its values by {times:.2g} times their range between two angles: add values there"
 
 
 def _slip(ratio: float) -> str:

@@ -114,6 +114,7 @@ def check(
     variant: options.Variant = None,
     svg: Annotated[Path | None, valued("FILE", "Draw the scheme into this file.")] = None,
     json: options.Json = None,
+    strict: options.Strict = False,
 ) -> None:
     """Look a linkage over: mobility, groups, range of the crank, transmission angles, toggles, masses, slips.
 
@@ -123,7 +124,7 @@ def check(
     """
     from reports.command_line.commands import files
 
-    files.check(mechanism, variant, svg, _destination(json))
+    files.check(mechanism, variant, svg, _destination(json), strict=strict)
 
 
 @app.command(short_help="Write the JSON schema of linkage files.")
@@ -198,6 +199,7 @@ def results(
     svg: Annotated[str | None, valued("FILE|-", "Draw scheme, coupler curves, torque, bearing forces.")] = None,
     out: Annotated[Path | None, valued("DIR", "Write its page, with the linkage in motion, into this folder.")] = None,
     opens: Annotated[bool, flag("Open the page in the browser.", "--open")] = False,
+    strict: options.Strict = False,
     quiet: options.Quiet = False,
 ) -> None:
     """Work out what a designer needs of one linkage: torque, power, bearing forces, positions; needs no engine.
@@ -213,6 +215,7 @@ def results(
         mechanism=mechanism, variant=variant, regimes=(regime,) if regime else (), **_speed(speed), ramp_time=ramp_time,
         hold_time=hold_time, start_angle=start_angle, clockwise=clockwise, from_angle=from_angle, to_angle=to_angle,
         gravity=not no_gravity, at=at, time=time, csv=csv, json=json, svg=svg, out=out, opens=opens,
+        strict=strict,
     )  # fmt: skip
     results.results(choice, quiet=quiet)
 

@@ -13,6 +13,7 @@ from analytic.description.loading import load
 from analytic.errors import LinkproofError, is_safe
 from analytic.kinematics.mechanism import Mechanism
 from comparisons.datasheet import linkage_check
+from comparisons.datasheet.linkage_warnings import check_slips
 from comparisons.runs.files import check_writable, write_text
 from reports.command_line.destination import Destination
 from reports.mechanism.check import printed
@@ -50,8 +51,11 @@ def _is_ours(path: Path) -> bool:
         return False
 
 
-def check(name: str, variant: str | None, svg: Path | None, destination: Destination) -> None:
-    """Print or write all that is right with a linkage, draw it, and raise the fault that is left."""
+def check(name: str, variant: str | None, svg: Path | None, destination: Destination, *, strict: bool) -> None:
+    """Print or write all that is right with a linkage, draw it, and raise the fault that is left.
+
+    With ``strict`` what looks like a slip is a fault.
+    """
     linkage = load(name, variant)
     if svg is not None:
         check_writable(svg)
@@ -60,6 +64,8 @@ def check(name: str, variant: str | None, svg: Path | None, destination: Destina
     destination.write_json(facts)
     if fault is not None:
         raise fault
+    if strict:
+        check_slips(linkage)
     if svg is not None:
         write_text(svg, drawing(linkage))
         destination.print(f"wrote {svg}")

@@ -20,6 +20,7 @@ from analytic.kinematics.mechanism import Mechanism
 from comparisons.datasheet.building import STEADY, range_motion, sheet
 from comparisons.datasheet.designer_results import DesignerResults
 from comparisons.datasheet.instants import Instants
+from comparisons.datasheet.linkage_warnings import check_slips
 from comparisons.datasheet.saved import FILE, load_sheets, save_sheets
 from comparisons.datasheet.units import file_unit
 from comparisons.reference.case import Case, own_case
@@ -40,7 +41,7 @@ class ResultsChoice(MotionChoice):
     """What was asked for, in the user's words; ``at`` are degrees and ``time`` seconds, with commas between them.
 
     ``csv``, ``json`` and ``svg`` are files, or "-" for stdout, which then holds nothing else. ``out`` is the folder of
-    a report, whose page of the mechanism a browser ``opens``.
+    a report, whose page of the mechanism a browser ``opens``. With ``strict`` what looks like a slip is refused.
     """
 
     mechanism: str
@@ -52,6 +53,7 @@ class ResultsChoice(MotionChoice):
     svg: str | None = None
     out: Path | None = None
     opens: bool = False
+    strict: bool = False
 
     @property
     def files(self) -> dict[str, str]:
@@ -74,7 +76,10 @@ class ResultsChoice(MotionChoice):
 def results(choice: ResultsChoice, *, quiet: bool = False) -> None:
     """Print the key figures of a linkage, or its signals at chosen instants, and write the files asked for."""
     choice.check()
-    found = designer_results(load(choice.mechanism, choice.variant), choice)
+    linkage = load(choice.mechanism, choice.variant)
+    if choice.strict:
+        check_slips(linkage)
+    found = designer_results(linkage, choice)
     texts = {file: _text(option, found) for option, file in choice.files.items()}
     for file, text in texts.items():
         if file != STDOUT:

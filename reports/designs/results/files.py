@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from comparisons.datasheet.designer_results import DesignerResults
+from comparisons.datasheet.linkage_warnings import warnings
 from comparisons.datasheet.plain_data import figures, peaks, plain
 
 
@@ -25,7 +26,7 @@ def csv_table(results: DesignerResults) -> str:
 
 
 def json_text(results: DesignerResults) -> str:
-    """One object: ``conditions``, ``axis``, ``units``, ``values``, ``peaks`` and ``figures``; SI, angles in rad.
+    """One object, SI, angles in rad: ``conditions axis units values peaks figures warnings``.
 
     ``values`` has a list by name, ``peaks`` and ``figures`` are those of ``comparisons.datasheet.plain_data``; where φ
     is the axis a place is φ, else the time. What is not finite is null.
@@ -38,5 +39,6 @@ def json_text(results: DesignerResults) -> str:
         "values": {name: plain(curves.of(results.shown, name)) for name in curves.names},
         "peaks": peaks(results, curves.names),
         "figures": figures(results),
+        "warnings": list(warnings(results.linkage)),
     }
     return json.dumps(document, ensure_ascii=False, allow_nan=False) + "\n"

@@ -10,6 +10,7 @@ from analytic.signals import COMPONENTS, MAGNITUDE
 from analytic.written import fixed
 from comparisons.datasheet.designer_results import DesignerResults
 from comparisons.datasheet.figures import NEGLIGIBLE, stroke
+from comparisons.datasheet.linkage_warnings import warnings
 from comparisons.datasheet.units import FileUnit, file_unit
 from reports.document.numbers import ABSENT, figure
 from reports.document.parts import Paragraph, Table
@@ -23,7 +24,12 @@ def key_figures(results: DesignerResults) -> list[Printed]:
     parts: list[Printed] = [Paragraph(results.conditions, colour="bold")]
     for part in (_drive(results), _forces(results), _transmission(results), _output(results)):
         parts += ["", *part] if part else []
-    return [*parts, "", *_remarks(results)]
+    return [*parts, "", *_remarks(results), *_warnings(results)]
+
+
+def _warnings(results: DesignerResults) -> list[Printed]:
+    """What looks like a slip in the file, as ``linkproof check`` has it."""
+    return [Paragraph(f"warning: {text}", colour="yellow") for text in warnings(results.linkage)]
 
 
 def _where(results: DesignerResults) -> tuple[str, ...]:
@@ -129,7 +135,7 @@ def at_instants(results: DesignerResults) -> list[Printed]:
         parts += _of_crank(results, [name for name in names if results.curves.has(name)])
     for kind, head in (("point", "point"), ("link", "link"), ("joint_force", "force in"), ("shaking_force", "force")):
         parts += _of_kind(results, kind, head)
-    return [*parts, "", *_remarks(results)]
+    return [*parts, "", *_remarks(results), *_warnings(results)]
 
 
 def _of_crank(results: DesignerResults, names: Sequence[str]) -> list[Printed]:

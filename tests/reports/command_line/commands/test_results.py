@@ -94,6 +94,16 @@ torque = [0.4, 0.5, 0.4, 0.3]
     assert document["peaks"]["Mkr"]["value"] == pytest.approx(0.5, rel=1e-6)
 
 
+def test_what_looks_like_a_slip_is_said_and_strictly_refused(engine):
+    engine.write_text("gravity = [0, -9810]\n" + engine.read_text(encoding="utf-8"), encoding="utf-8")
+    for command in ("results", "check"):
+        done = linkproof(command, engine)
+        assert (done.returncode, "warning: gravity is 9810 m/s^2" in done.stdout) == (0, True)
+        strict = linkproof(command, engine, "--strict")
+        assert (strict.returncode, "--strict: gravity is 9810 m/s^2" in strict.stderr) == (2, True)
+    assert "gravity is 9810" in json.loads(linkproof("results", engine, "--json", "-").stdout)["warnings"][0]
+
+
 def test_without_masses_there_are_no_torques_and_a_line_says_so(tmp_path, engine):
     text = "\n".join(line for line in engine.read_text().splitlines() if not line.startswith(("mass", "inertia")))
     (tmp_path / "light.toml").write_text(text)
