@@ -45,7 +45,7 @@ class Patch:
     def values(self, order: int, place: Any) -> Any:  # noqa: ANN401 - of either precision
         """Both links' numbers of an order at places of [-1, 1], (8 or 6, n)."""
         series = self.extended if np.asarray(place).dtype == np.longdouble else self.series
-        return (chebyshev.chebvander(place, NODES - 1) @ series[order]).T  # of eight series at once, faster than chebval
+        return (chebyshev.chebvander(place, NODES - 1) @ series[order]).T  # faster than chebval
 
 
 @dataclass(frozen=True, eq=False)
