@@ -8,7 +8,7 @@ from collections.abc import Callable, Mapping, Sequence
 from contextlib import AbstractContextManager, nullcontext, redirect_stdout
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Final
 
 from analytic.errors import LinkproofError
 from comparisons.judging.records import to_json
@@ -107,8 +107,14 @@ class Destination:
             show(text, stderr=True)
 
 
+# Endings that name a format: a file of one is not written under the name of another.
+FORMATS: Final = {".svg", ".png", ".pdf", ".gif", ".csv", ".xlsx", ".json", ".html", ".toml", ".nc"}
+
+
 def check_files(named: Mapping[str, str], read: Mapping[str, Path]) -> None:
     """Raise LinkproofError where files, by the option that names each, cannot be written, or are ``read``, by words.
+
+    Likewise for a name that ends as another format does.
 
     "-" is stdout, which holds one of them.
     """
@@ -124,6 +130,11 @@ def check_files(named: Mapping[str, str], read: Mapping[str, Path]) -> None:
         for what, other in read.items():
             if Path(file).resolve() == other.resolve():
                 raise LinkproofError(f"{option} '{file}' would take the place of {what}: give another name")
+        suffix, own = Path(file).suffix.lower(), f".{option.removeprefix('--')}"
+        if suffix in FORMATS and suffix != own:
+            raise LinkproofError(
+                f"{option}: expected the name of a {own} file, got '{file}'; {option} writes no {suffix}"
+            )
 
 
 def write_out(text: str) -> None:

@@ -98,5 +98,7 @@ def _ours(row: Row) -> TableCell:
 
 def _digits(row: Row, value: float) -> str:
     """A value with as many digits as were printed, four at least."""
-    shown = math.log10(abs(row["published"]) / row["half_digit"]) if row["published"] and row["half_digit"] else 0.0
+    shown = 0.0
+    if row["published"] and row["half_digit"]:
+        shown = math.log10(abs(row["published"])) - math.log10(row["half_digit"])
     return f"{value:.{min(max(4, math.ceil(shown)), 17)}g}"

@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
+from numbers import Real
 from pathlib import Path
-from typing import Any, TypedDict
+from typing import Any, Final, TypedDict
+
+import numpy as np
 
 from analytic.description.changes import without
 from analytic.description.linkage import Linkage
 from analytic.description.loading import in_variant, load
-from analytic.errors import UnknownNameError
+from analytic.errors import LinkproofError, UnknownNameError, shortened
 
 Words = str | Iterable[str]  # a name, or several
 
@@ -32,6 +35,17 @@ class MotionOptions(TypedDict, total=False):
     gravity: bool
 
 
+UNITS: Final = {"speed": "rpm", "ramp_time": "s", "hold_time": "s"} | dict.fromkeys(
+    ("start_angle", "from_angle", "to_angle"), "degrees"
+)
+
+
+def check_number(name: str, value: object, unit: str) -> None:
+    """Raise LinkproofError for an argument that is no number; None is left to its default."""
+    if value is not None and (isinstance(value, bool | np.bool_) or not isinstance(value, Real)):
+        raise LinkproofError(f"{name}: expected a number of {unit}, got {shortened(repr(value))}; pass a number")
+
+
 def words(given: Words) -> tuple[str, ...]:
     """A name, or several, as the command line has them."""
     return (given,) if isinstance(given, str) else tuple(given)
@@ -42,6 +56,8 @@ def choice(options: MotionOptions) -> dict[str, Any]:
     for name in options:
         if name not in MotionOptions.__annotations__:
             raise TypeError(str(UnknownNameError("argument", name, MotionOptions.__annotations__)))
+    for name in {*options} & {*UNITS}:
+        check_number(name, options.get(name), UNITS[name])
     chosen: dict[str, Any] = {name: value for name, value in options.items() if name != "gravity"}
     chosen["regimes"] = words(chosen.pop("regime", None) or ())
     if chosen.get("speed") is None:

@@ -21,12 +21,17 @@ def table_motion(regime: str, time: Sequence[float], angle: Sequence[float]) -> 
     """The cubic spline (its end conditions: not a knot) through angles, rad, at times, s, that begin at 0.
 
     Angle, speed and acceleration are continuous; the pieces meet to rounding. Raises LinkproofError for a table that
-    jumps: times that do not increase, or steps faster than JUMP times all others.
+    jumps: times that do not increase, steps faster than JUMP times all others, or times that all but coincide.
     """
     from scipy.interpolate import CubicSpline  # noqa: PLC0415 - a motion without a table does not pay for it
 
     check_table(time, angle)
-    spline = CubicSpline(time, angle)
+    with np.errstate(over="ignore", invalid="ignore"):
+        spline = CubicSpline(time, angle)
+    if not np.all(np.isfinite(spline.c)):
+        raise LinkproofError(
+            f"expected times a motion can have, got some {min(np.diff(time)):.3g} s apart; correct them"
+        )
     pieces = spline.c[::-1].T.tolist()
     starts = [float(t) for t in time]
     return CrankMotion(regime, tuple(map(_segment, starts, starts[1:], pieces)))

@@ -38,3 +38,8 @@ def test_a_fast_part_that_several_points_show_is_no_jump():
 def test_what_is_not_finite_is_refused(bad):
     with pytest.raises(LinkproofError, match="finite times and angles"):
         table_motion("bad", [0.0, 1.0, 2.0, 3.0], [0.0, bad, 2.0, 3.0])
+
+
+def test_times_that_all_but_coincide_are_refused():
+    with pytest.raises(LinkproofError, match="times a motion can have, got some 1e-300 s apart"):
+        table_motion("bad", [0.0, 1e-300, 2e-300, 3e-300], [0.0, 1.0, 2.0, 3.0])

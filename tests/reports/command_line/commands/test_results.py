@@ -125,6 +125,8 @@ FAULTS = [
     ({"csv": "."}, "cannot write '.'"),
     ({"csv": "engine.toml/t.csv"}, "cannot write 'engine.toml/t.csv'"),
     ({"svg": "engine.toml"}, "--svg 'engine.toml' would take the place of the linkage's file"),
+    ({"svg": "a.png"}, "--svg: expected the name of a .svg file, got 'a.png'; --svg writes no .png"),
+    ({"csv": "a.XLSX"}, "--csv: expected the name of a .csv file"),
     ({"csv": "-", "json": "-"}, "--csv and --json cannot both go to stdout"),
     ({"csv": "a", "svg": "a"}, "--csv and --svg cannot both go to 'a'"),
     ({"regimes": ("all",)}, "expected one motion"),
