@@ -7,6 +7,7 @@ as a model of its own, so that it can be refuted.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -106,6 +107,11 @@ class EquationOfMotion:
         return np.asarray(self.over_time(time) * self.terms(np.asarray(angle, dtype=float))[3])
 
     @property
+    def period(self) -> float:
+        """Period of every term in φ, rad; infinite for a driver that is pushed."""
+        return math.inf if self.mechanism.linkage.is_linear else self.mechanism.period
+
+    @property
     def timing(self) -> Timing:
         """The torque over time for an integrator: what it adds, and where it has kinks, s."""
         return {} if self.over_time is None else {"push": self.push, "knots": self.over_time.times}
@@ -115,10 +121,10 @@ class EquationOfMotion:
         if self.mechanism.linkage.is_linear:
             return self
         try:
-            period = self.mechanism.period
-            return replace(self, table=tabulate(self.closed_form, degree, ends=(0.0, period), period=period))
+            table = tabulate(self.closed_form, degree, ends=(0.0, self.period), period=self.period)
         except AssemblyError:
             return self
+        return replace(self, table=table)
 
 
 def equation_of_motion(

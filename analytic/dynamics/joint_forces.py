@@ -23,14 +23,12 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from analytic.description.linkage import Vector
-from analytic.dynamics.force_formulas import Wrench
-from analytic.dynamics.group_forces import joint_wrenches
-from analytic.dynamics.higher_groups import higher_wrenches
-from analytic.dynamics.link_balance import LinkBalance
+from analytic.dynamics.group_forces import group_wrenches
+from analytic.dynamics.link_balance import LinkBalance, Wrench
 from analytic.dynamics.link_loads import LoadedSweep, resultant
 from analytic.kinematics import frames
 from analytic.kinematics.frames import Pair, Scalar
-from analytic.kinematics.structure import AnyGroup, Dyad, GroupJoint, Revolute
+from analytic.kinematics.structure import AnyGroup, Revolute
 from analytic.kinematics.sweep import Sweep
 
 Array = NDArray[np.float64]
@@ -81,12 +79,7 @@ def reactions(sweep: Sweep, speed: ArrayLike, acceleration: ArrayLike) -> Reacti
 
 def _book_group(balance: LinkBalance, group: AnyGroup) -> None:
     """Enter the forces of a group's joints."""
-    wrenches: list[tuple[GroupJoint, Wrench]]
-    if isinstance(group, Dyad):
-        wrenches = list(zip(group.joints, joint_wrenches(balance.statics(group)), strict=True))
-    else:
-        wrenches = higher_wrenches(balance, group)
-    for joint, wrench in wrenches:
+    for joint, wrench in group_wrenches(balance, group):
         if joint.near in group.links and joint.far in group.links:
             balance.book(joint, wrench)
         else:

@@ -1,16 +1,20 @@
-"""The books of a force analysis: what every link still needs from its joints, and what these are found to exert."""
+"""The books of a force analysis: what every link still needs from its joints, and what these are found to exert.
+
+A *wrench* is (force x, force y, N, moment, N m). What a link *needs* is the wrench that its joints together must exert
+on it, about the link's reference point, which is a pin of its group wherever it has one.
+"""
 
 from __future__ import annotations
 
 import numpy as np
 
 from analytic.description.linkage import GROUND, Vector
-from analytic.dynamics.force_formulas import Wrench, charged, passed_on
-from analytic.dynamics.group_forces import Statics, references
 from analytic.dynamics.link_loads import LoadedSweep
 from analytic.kinematics import frames
 from analytic.kinematics.frames import Pair, Scalar
-from analytic.kinematics.structure import DrivenDistance, Dyad, GroupJoint, Prismatic, Revolute
+from analytic.kinematics.structure import AnyGroup, DrivenDistance, GroupJoint, Prismatic, Revolute, Structure
+
+Wrench = tuple[Scalar, Scalar, Scalar]
 
 
 class LinkBalance:
@@ -39,19 +43,12 @@ class LinkBalance:
             if load.torque is not None:
                 self._charge(load.body, (0.0, 0.0), (0.0, 0.0), load.torque)
 
-    def statics(self, dyad: Dyad) -> Statics:
-        """A dyad whose later groups have all been booked."""
-        return Statics(dyad, self.poses, self.references, self.needs[dyad.first], self.needs[dyad.second])
-
     def book_outer(self, joint: GroupJoint, wrench: Wrench) -> None:
         """Enter what an outer joint of a group exerts on its far link; its reverse is a load on the near one."""
         self.book(joint, wrench)
-        if isinstance(joint, Revolute):
-            arm = self.arm(joint.near, joint.near_local)
-        else:
-            arm = frames.minus(self.place(joint.far), self.place(joint.near))
-        if joint.near != GROUND:
-            self.needs[joint.near] = passed_on(self.needs[joint.near], wrench, arm)
+        x, y, moment = wrench
+        arm = self.arm(joint.near, joint.near_local) if isinstance(joint, Revolute) else self.gap(joint.near, joint.far)
+        self._charge(joint.near, (-x, -y), arm, -moment)
 
     def book(self, joint: GroupJoint, wrench: Wrench) -> None:
         """Enter what a joint exerts on its far body, and the reverse on the near one."""
@@ -76,7 +73,8 @@ class LinkBalance:
     def _charge(self, body: str, force: Pair, arm: Pair, torque: Scalar = 0.0) -> None:
         """Enter a load on a body, its force at an arm from the reference point; the ground keeps no books."""
         if body != GROUND:
-            self.needs[body] = charged(self.needs[body], force, arm, torque)
+            x, y, moment = self.needs[body]
+            self.needs[body] = (x - force[0], y - force[1], moment - frames.cross(arm, force) - torque)
 
     def _add(self, point: str, body: str, force: Pair) -> None:
         """Add to the force of a pin on a body, which the pin may hold in one group and load from others."""
@@ -98,3 +96,28 @@ class LinkBalance:
     def place(self, body: str) -> Pair:
         """Where the reference point of a body is."""
         return frames.point(self.poses[body], self.references[body])
+
+    def gap(self, start: str, end: str) -> Pair:
+        """From the reference point of a body to that of another."""
+        return frames.minus(self.place(end), self.place(start))
+
+
+def references(structure: Structure) -> dict[str, Vector]:
+    """The reference point of every body, in its own frame: its outer pin, else its inner pin, else its mass centre.
+
+    With moments taken about pins, lengths are differences of points of one link, however far its frame's origin lies.
+    """
+    pivot = structure.pivot
+    reference = {GROUND: (0.0, 0.0)}
+    if pivot is not None:
+        reference[pivot.far] = pivot.far_local if isinstance(pivot, Revolute) else structure.bodies[pivot.far].centre
+    for group in structure.groups:
+        reference.update({body: _own_pin(group, body) or structure.bodies[body].centre for body in group.links})
+    return reference
+
+
+def _own_pin(group: AnyGroup, body: str) -> Vector | None:
+    """A pin of a link, in its own frame; of the pins to placed bodies if it has one."""
+    pins = [joint for joint in group.joints if isinstance(joint, Revolute) and body in (joint.near, joint.far)]
+    pins.sort(key=lambda joint: joint.near in group.links)
+    return next((joint.far_local if body == joint.far else joint.near_local for joint in pins), None)

@@ -8,17 +8,18 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
+from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
 
 from analytic.description.linkage import Link, RotaryDamper, Spring, Vector
-from analytic.dynamics.force_formulas import drag, pull, weight_and_inertia
 from analytic.kinematics import frames
 from analytic.kinematics.frames import Pair, Scalar
 from analytic.kinematics.sweep import Sweep
 
 Array = NDArray[np.float64]
+TINY: Final = float(np.finfo(float).tiny)
 
 
 @dataclass(frozen=True)
@@ -70,8 +71,8 @@ class LoadedSweep:
         if self.is_static:
             return Load(link.name, link.centre, (link.mass * x, link.mass * y))
         first, second = (self.sweep.centre(link.name, order) for order in (1, 2))
-        moves = tuple(self.square * two + self.acceleration * one for one, two in zip(first, second, strict=True))
-        force = weight_and_inertia(link.mass, (x, y), (moves[0], moves[1]))
+        moves = [self.square * two + self.acceleration * one for one, two in zip(first, second, strict=True)]
+        force = (link.mass * (x - moves[0]), link.mass * (y - moves[1]))
         if link.inertia is None:
             return Load(link.name, link.centre, force)
         turn = self.square * self.sweep.accelerations(link.name)[2]
@@ -82,10 +83,11 @@ class LoadedSweep:
         """A pull along the line between the ends; ends that meet have no such line and pull only by their stretch."""
         (one, two), (here, there) = spring.links, self._ends(spring)
         span = frames.minus(*(self.sweep.local_point(body, at) for body, at in ((one, here), (two, there))))
-        per_length = pull(span, spring.stiffness, spring.length)
+        over_length = _over_length(span)
+        per_length = spring.stiffness * (1.0 - spring.length * over_length)
         if self.turns and not frames.is_zero(spring.damping):
             rate = frames.minus(*(self.sweep.local_point(body, at, 1) for body, at in ((one, here), (two, there))))
-            per_length = per_length + drag(span, rate, spring.damping * self.speed)
+            per_length = per_length + spring.damping * self.speed * frames.dot(span, rate) * over_length * over_length
         force = (per_length * span[0], per_length * span[1])
         return Load(one, here, (-force[0], -force[1])), Load(two, there, force)
 
@@ -97,6 +99,12 @@ class LoadedSweep:
         first, second = (self.sweep.rates(name)[2] for name in damper.links)
         torque = damper.coefficient * self.speed * (first - second)
         return Load(damper.links[0], (0.0, 0.0), None, -torque), Load(damper.links[1], (0.0, 0.0), None, torque)
+
+
+def _over_length(span: Pair) -> Scalar:
+    """Reciprocal of a length, zero of none."""
+    square = frames.dot(span, span)
+    return (square > 0.0) / np.sqrt(np.maximum(square, TINY))
 
 
 def resultant(sweep: Sweep, loads: Iterable[Load], about: Vector) -> tuple[Scalar, Scalar, Scalar]:

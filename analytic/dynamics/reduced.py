@@ -14,9 +14,9 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from analytic.description.linkage import Link, Linkage
-from analytic.dynamics.link_sums import stretching, weighed
+from analytic.dynamics.link_loads import TINY
 from analytic.kinematics import frames
-from analytic.kinematics.frames import STILL, Pair, Scalar, is_zero
+from analytic.kinematics.frames import Pair, Scalar, is_zero
 from analytic.kinematics.structure import Prismatic
 from analytic.kinematics.sweep import Sweep
 
@@ -40,16 +40,15 @@ def _link_inertia(sweep: Sweep, link: str) -> Scalar:
 
 
 def _weighed(sweep: Sweep, link: str, order: int) -> Scalar:
-    """A link's first derivatives times those of an order, weighed with mass and inertia; none for what is zero."""
+    """A link's part of ½ Jeq', m S'·S'' + J θ' θ'', and with order 1 of Jeq; what is zero takes no work."""
     body = sweep.linkage.links[link]
-    mass, inertia = body.mass, _inertia(body)
-    first, other = STILL, STILL
-    if not is_zero(mass):
-        first, other = (*sweep.centre(link, 1), 0.0), (*sweep.centre(link, order), 0.0)
-    if not is_zero(inertia):
-        turns = sweep.rates(link)[2], (sweep.rates if order == 1 else sweep.accelerations)(link)[2]
-        first, other = (*first[:2], turns[0]), (*other[:2], turns[1])
-    return weighed(mass, inertia, first, other)
+    inertia = _inertia(body)
+    moved = 0.0 if is_zero(body.mass) else body.mass * frames.dot(sweep.centre(link, 1), sweep.centre(link, order))
+    if is_zero(inertia):
+        return moved
+    second = (sweep.rates if order == 1 else sweep.accelerations)(link)[2]
+    turned = inertia * (sweep.rates(link)[2] * second)
+    return turned if is_zero(moved) else moved + turned
 
 
 def _inertia(body: Link) -> Scalar:
@@ -131,7 +130,8 @@ def spring_length(sweep: Sweep, number: int) -> tuple[Array, Array]:
     (b1, p1), (b2, p2) = ends
     span = frames.minus(sweep.local_point(b1, p1), sweep.local_point(b2, p2))
     rate = frames.minus(sweep.local_point(b1, p1, 1), sweep.local_point(b2, p2, 1))
-    return stretching(span, rate)
+    length = np.sqrt(frames.dot(span, span))
+    return length, frames.dot(span, rate) * frames.inverse(np.maximum(length, TINY))
 
 
 def damping_coefficient(sweep: Sweep) -> Array:

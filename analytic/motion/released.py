@@ -25,14 +25,13 @@ from analytic.numerics.integration import integrate
 Array = NDArray[np.float64]
 
 TOLERANCE: Final = 1e-12
-NODES: Final = 20
+NODES: Final = 32
 # The motion that the error bound is taken from shares neither steps nor order nor table with the one it judges.
-CONTROL_NODES, CONTROL_DEGREE, TIGHTENED = 16, 10, 0.1
-SAMPLES: Final = 5  # instants per window at which the two are compared
+CONTROL_NODES, CONTROL_DEGREE, TIGHTENED = 24, 10, 0.1
+SAMPLES: Final = 8  # instants per window at which the two are compared
 # Relative disturbance of the equation's terms whose effect is still in proportion, and what it need be integrated to.
 DISTURBANCE, LOOSE = 1e-7, 1e-10
 ROUNDINGS: Final = 64.0  # of the largest moment, in any one: the closed form's and the table's
-SETTLED, FINE = 0.1, 1e-9  # of a tolerance looser than that: changes of an iteration that no longer matter
 SEEN: Final = 720  # instants at which the closed form's own error is looked at
 LOOK, LOOKS = 16, 5  # each look at the peak shrinks its bracket 16-fold
 EPS: Final = float(np.finfo(float).eps)
@@ -125,7 +124,7 @@ class FreeMotion:
             gauss_scheme(NODES),
             tolerance=LOOSE,
             rounding=DISTURBANCE * push,
-            repeats=self.equation.mechanism.repeats,
+            period=self.equation.period,
             **self.equation.timing,
         )
         response = float(np.max(np.abs(angle - moved.angle_at(time)))) / DISTURBANCE
@@ -171,19 +170,11 @@ def follow(
     return FreeMotion(regime, start, duration, equation, windows, tolerance)
 
 
-def _noise(tolerance: float) -> float:
-    """What of the peak acceleration a window need not settle below: rounding, or a share of a loose tolerance.
-
-    Driven slotted take-up, 10 s, at 3e-5: off by 2e-7 rad; settled to rounding by 1e-8, in half as much time again.
-    """
-    return max(ROUNDINGS * EPS, SETTLED * tolerance if tolerance > FINE else 0.0)
-
-
 def _integrated(
     equation: EquationOfMotion, start: tuple[float, float], duration: float, nodes: int, tolerance: float
 ) -> Windows:
     """The windows of a motion; near an equilibrium the moment is a small difference, with the rounding of its peak."""
-    rounding = _noise(tolerance) * equation.peak_moment
+    rounding = ROUNDINGS * EPS * equation.peak_moment
     linkage = equation.mechanism.linkage
     return integrate(
         equation.acceleration,
@@ -193,6 +184,6 @@ def _integrated(
         tolerance=tolerance,
         rounding=rounding,
         place=linkage.coordinate,
-        repeats=equation.mechanism.repeats,
+        period=equation.period,
         **equation.timing,
     )

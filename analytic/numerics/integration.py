@@ -6,70 +6,100 @@ together. A window is accepted when the last terms of its series are below the t
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Sequence
 from typing import Final
 
 import numpy as np
-from numpy.polynomial import legendre
 from numpy.typing import NDArray
 
 from analytic.description.crank_motion import degrees
 from analytic.description.law import FULL_TURN
 from analytic.errors import AssemblyError, LinkproofError
-from analytic.numerics import step_control
 from analytic.numerics.collocation import GaussScheme, Windows
-from analytic.numerics.step_control import State
 
 Array = NDArray[np.float64]
 Acceleration = Callable[[Array, Array], Array]
 Push = Callable[[Array, Array], Array]
+Timed = Callable[[Array, Array, Array], Array]
 
+EPS, TINY = float(np.finfo(float).eps), float(np.finfo(float).tiny)
+LEAST_TOLERANCE: Final = 64.0 * EPS  # the last coefficients of a series never fall below a few roundings
 MOST_WINDOWS: Final = 200_000  # some ten thousand turns
-LEAST_TOLERANCE: Final = 64.0 * step_control.EPS  # the last coefficients of a series never fall below a few roundings
+MOST_ITERATIONS: Final = 30
+DIVERGING: Final = 30.0  # times the least change so far: the window is too long
+SETTLED: Final = 0.001  # of the tolerance, relative to the acceleration: what an iteration may leave
+SAFETY, MOST_GROWTH, LEAST_GROWTH, MOST_RETRY = 0.85, 1.5, 0.2, 0.7
+ALL_BUT: Final = 0.999  # of the rest of the time: no sliver of a window is left over
+FIRST_ANGLE: Final = 0.3  # rad, the first window's guess
+LEAST_WINDOW: Final = 1e-12  # of the longest one
+# Near a dead position the windows shrink without end. A kink in a load takes some 40 small ones to get over.
+STUCK, STUCK_SHARE = 100, 0.05
 
 
 class _Path:
-    """The windows done so far and the state at their end."""
+    """The windows done so far and the state at their end: φ, ω and φ̈.
 
-    def __init__(self, scheme: GaussScheme, angle: float, speed: float, *, repeats: bool) -> None:
-        self.scheme = scheme
-        self.repeats = repeats
-        self.state: State = (angle, 0.0, speed, 0.0, 0.0)
+    ``angle`` is φ less its whole periods, whose digits would be lost to those that the equation depends on.
+    """
+
+    def __init__(self, scheme: GaussScheme, start: tuple[float, float], period: float) -> None:
+        self.scheme, self.period = scheme, period
+        self.angle, self.speed = start
+        self.acceleration = 0.0
+        self._lost = [0.0, 0.0]  # the rounding of the latest sums of both
+        self._periods = 0
         self.starts = [0.0]
-        self.base: list[float] = []
-        self.angles: list[Array] = []
-        self.speeds: list[Array] = []
+        self._base: list[float] = []
+        self._speeds: list[float] = []
+        self._accelerations: list[Array] = []
 
     @property
-    def angle(self) -> float:
-        """φ less its whole turns, rad."""
-        return self.state[0]
+    def time(self) -> float:
+        """The end of the latest window, s."""
+        return self.starts[-1]
 
-    @property
-    def speed(self) -> float:
-        """ω, rad/s."""
-        return self.state[2]
-
-    def add(self, found: Array, length: float, end: float) -> None:
-        """Append a window of a length, up to the time ``end``, from the accelerations at its nodes."""
-        angle, speed = length**2 * (self.scheme.angle @ found), length * (self.scheme.speed @ found)
-        speed[0] += self.speed
-        angle[:2] += 0.5 * length * self.speed  # the line from 0 to ω·length over [-1, 1]
-        self.base.append(self.angle + self.state[4] * FULL_TURN)
-        self.angles.append(angle)
-        self.speeds.append(speed)
+    def add(self, accelerations: Array, end: float) -> None:
+        """Append a window up to the time ``end``, s, from those at its nodes."""
+        length = end - self.time
+        self._base.append(self.angle + (self._periods * self.period if self._periods else 0.0))
+        self._speeds.append(self.speed)
+        self._accelerations.append(accelerations)
         self.starts.append(end)
-        self.state = step_control.at_end(
-            self.state, length, float(self.scheme.end_once @ found), float(self.scheme.end_twice @ found)
+        angle, self._lost[0] = _sum(
+            self.angle, self._lost[0], length * self.speed + length**2 * float(self.scheme.end_twice @ accelerations)
         )
-        if not self.repeats:  # a travel: nothing comes again after 2π
-            travel, *others, turns = self.state
-            self.state = (travel + turns * FULL_TURN, others[0], others[1], others[2], 0.0)
+        self.speed, self._lost[1] = _sum(
+            self.speed, self._lost[1], length * float(self.scheme.end_once @ accelerations)
+        )
+        self.acceleration = float(accelerations[-1])  # the last node's, a hair before the end
+        self.angle = math.fmod(angle, self.period)
+        self._periods += round((angle - self.angle) / self.period)
 
     def windows(self) -> Windows:
-        return Windows(
-            np.array(self.starts), np.array(self.base), np.stack(self.angles, axis=1), np.stack(self.speeds, axis=1)
-        )
+        length, start = np.diff(self.starts), np.array(self._speeds)
+        accelerations = np.stack(self._accelerations, axis=1)
+        angle, speed = length**2 * (self.scheme.angle @ accelerations), length * (self.scheme.speed @ accelerations)
+        angle[:2] += 0.5 * length * start  # the line from 0 to ω·length over [-1, 1]
+        speed[0] += start
+        return Windows(np.array(self.starts), np.array(self._base), angle, speed)
+
+    def is_lost(self, length: float, longest: float) -> bool:
+        """Whether the windows get too short, or the latest together are beside one before: it runs into a wall."""
+        done = len(self.starts) - 1
+        if length < LEAST_WINDOW * longest or self.time + length == self.time:
+            return True
+        if done == 0 or done % STUCK != 0:
+            return False
+        before = np.diff(self.starts[max(done - 2 * STUCK, 0) : done - STUCK + 1])
+        return self.time - self.starts[done - STUCK] < STUCK_SHARE * float(before.max(initial=0.0))
+
+
+def _sum(value: float, lost: float, change: float) -> tuple[float, float]:
+    """A sum and the rounding of the addition, which the next one makes good (Kahan)."""
+    change += lost
+    total = value + change
+    return total, change - (total - value)
 
 
 def integrate(
@@ -81,46 +111,41 @@ def integrate(
     tolerance: float,
     rounding: float,
     place: Callable[[float], str] = lambda angle: f"crank angle {degrees(angle)}",
-    repeats: bool = True,
+    period: float = FULL_TURN,
     push: Push | None = None,
     knots: Sequence[float] = (),
 ) -> Windows:
     """Integrate from ``start``, (φ, ω), for ``duration`` seconds; ``tolerance`` is of the speed within a window.
 
     ``rounding`` is what of an acceleration is noise, rad/s²: no window is made smaller to follow it. ``place`` writes a
-    φ for a reader, ``repeats`` says whether the acceleration has period 2π in φ. ``push`` is a part of the
-    acceleration that depends on time, s, and φ; at its ``knots``, s, where it has kinks, a window ends and the next one
-    begins anew. Raises LinkproofError where the motion cannot be followed.
+    φ for a reader, ``period`` is that of the acceleration in φ, infinite where nothing comes again. ``push`` is a part
+    of the acceleration that depends on time, s, and φ; at its ``knots``, s, where it has kinks, a window ends and the
+    next one begins anew. Raises LinkproofError where the motion cannot be followed.
     """
     tolerance, count = max(tolerance, LEAST_TOLERANCE), len(scheme.nodes)
-    path = _Path(scheme, *start, repeats=repeats)
+    path = _Path(scheme, start, period)
     pushed = _timed(acceleration, push)
     borders = [*sorted(knot for knot in knots if 0.0 < knot < duration), duration]
-    guess = _constant(pushed, path)
-    length = longest = step_control.first_window(start[1], float(guess[0]), duration)
-    while path.starts[-1] < duration:
-        rest = borders[0] - path.starts[-1]
-        last = length >= step_control.ALL_BUT * rest
-        length = rest if last else length
-        found = _solve(pushed, path, length, guess, rounding)
-        error = np.inf if found is None else _error(path, found, length, rounding)
-        factor = step_control.growth(error, tolerance, count)
-        if found is not None and error <= tolerance:
-            path.add(found, length, borders[0] if last else path.starts[-1] + length)
-            guess = _continued(scheme, found, factor)
+    path.acceleration = _at_end(pushed, path)
+    length = longest = _first_window(path, duration)
+    while path.time < duration:
+        last = length >= ALL_BUT * (borders[0] - path.time)
+        end = borders[0] if last else path.time + length
+        length = end - path.time
+        accelerations = _solve(pushed, path, length, rounding, SETTLED * tolerance)
+        error = np.inf if accelerations is None else _error(path, accelerations, length, rounding)
+        factor = min(max(SAFETY * (tolerance / max(error, TINY)) ** (1.0 / count), LEAST_GROWTH), MOST_GROWTH)
+        if accelerations is not None and error <= tolerance:
+            path.add(accelerations, end)
             longest = max(longest, length)
             if last:
                 del borders[0]
-                guess = _constant(pushed, path)
+                path.acceleration = _at_end(pushed, path)
         else:
-            factor = min(factor, step_control.MOST_RETRY)
-            guess = _constant(pushed, path)
+            factor = min(factor, MOST_RETRY)
         length *= factor
         _check(path, length, longest, duration, place)
     return path.windows()
-
-
-Timed = Callable[[Array, Array, Array], Array]
 
 
 def _timed(acceleration: Acceleration, push: Push | None) -> Timed:
@@ -130,53 +155,61 @@ def _timed(acceleration: Acceleration, push: Push | None) -> Timed:
     return lambda time, angle, speed: acceleration(angle, speed) + push(time, angle)
 
 
-def _constant(acceleration: Timed, path: _Path) -> Array:
-    """The acceleration at the path's end, for every node."""
-    count = len(path.scheme.nodes)
-    return acceleration(np.full(count, path.starts[-1]), np.full(count, path.angle), np.full(count, path.speed))
+def _at_end(acceleration: Timed, path: _Path) -> float:
+    """The acceleration at the path's end."""
+    return float(acceleration(np.array([path.time]), np.array([path.angle]), np.array([path.speed]))[0])
 
 
-def _solve(acceleration: Timed, path: _Path, length: float, guess: Array, rounding: float) -> Array | None:
-    """Accelerations at the nodes, or None where the iteration does not settle."""
+def _first_window(path: _Path, duration: float) -> float:
+    """Time in which the crank turns a little, s."""
+    rate = max(abs(path.speed), math.sqrt(abs(path.acceleration) * FIRST_ANGLE))
+    return min(duration, FIRST_ANGLE / rate) if rate > 0.0 else duration
+
+
+def _solve(acceleration: Timed, path: _Path, length: float, rounding: float, share: float) -> Array | None:
+    """Accelerations at the nodes, or None where the iteration does not settle.
+
+    It has settled where they are off by no more than ``rounding``, rad/s², or a ``share`` of their peak.
+    """
     scheme, speed = path.scheme, path.speed
     ahead = path.angle + speed * length * scheme.nodes
     once, twice = length * scheme.once, length**2 * scheme.twice
-    time = path.starts[-1] + length * scheme.nodes
-    found, before, least = guess, np.inf, np.inf
-    for _ in range(step_control.MOST_ITERATIONS):
+    time = path.time + length * scheme.nodes
+    latest = np.full(len(time), path.acceleration)
+    before, least, peak = 0.0, np.inf, 0.0
+    for _ in range(MOST_ITERATIONS):
         try:
-            following = acceleration(time, ahead + twice @ found, speed + once @ found)
+            following = acceleration(time, ahead + twice @ latest, speed + once @ latest)
         except AssemblyError:
             return None
-        change, peak = float(np.max(np.abs(following - found))), float(np.max(np.abs(following)))
-        if not change <= step_control.DIVERGING * least:
+        change = float(np.abs(following - latest).max())
+        if not change <= DIVERGING * least:
             return None
-        found, least = following, min(least, change)
-        if step_control.has_settled(change, before, peak, rounding):
-            return found
+        peak = peak or float(np.abs(following).max())
+        latest, least = following, min(least, change)
+        # As the changes shrink, what is left to change is less than change²/before.
+        if change * change <= before * (rounding + (4.0 * EPS + share) * peak):
+            return latest
+        if change >= 0.5 * before and change <= 1e4 * EPS * peak:
+            return latest
         before = change
     return None
 
 
-def _error(path: _Path, found: Array, length: float, rounding: float) -> float:
+def _error(path: _Path, accelerations: Array, length: float, rounding: float) -> float:
     """Error of the speed over the speed in a window, from the last terms of the acceleration's series."""
-    tail = max(float(np.abs(path.scheme.series[-2:] @ found).max()) - rounding, 0.0)
-    gained, peak = float(path.scheme.end_once @ found), float(np.abs(found).max())
-    return step_control.relative_error(tail, path.speed, gained, peak, length)
-
-
-def _continued(scheme: GaussScheme, found: Array, growth: float) -> Array:
-    """The acceleration's polynomial carried on into the next window, without its high terms, which grow outside."""
-    kept = max(2, len(found) // 2)
-    return np.asarray(legendre.legval(1.0 + 2.0 * growth * scheme.nodes, (scheme.series @ found)[:kept]))
+    tail = max(float(np.abs(path.scheme.series[-2:] @ accelerations).max()) - rounding, 0.0)
+    gained, peak = float(path.scheme.end_once @ accelerations), float(np.abs(accelerations).max())
+    scale = max(abs(path.speed), abs(path.speed + length * gained), length * peak)
+    return tail * length / scale if scale > 0.0 else 0.0
 
 
 def _check(path: _Path, length: float, longest: float, duration: float, place: Callable[[float], str]) -> None:
-    time, done = path.starts[-1], len(path.base)
-    if step_control.is_lost(path.starts, done, length, longest):
+    time, done = path.time, len(path.starts) - 1
+    if path.is_lost(length, longest):
         raise LinkproofError(
             f"motion: expected one that is smooth, got one that cannot be followed beyond t = {time:.6g} s at "
-            f"{place(float(path.angle))}, a dead position or an unbounded speed; shorten the "
+            f"{place(path.angle)}, a dead position or an unbounded speed; shorten the "
             "duration or change the loads"
         )
     if done > MOST_WINDOWS:

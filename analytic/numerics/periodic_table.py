@@ -47,20 +47,20 @@ class PeriodicTable:
 
     @cached_property
     def _cells(self) -> tuple[Array, Array, Array]:
-        """Start, middle and reciprocal half width of every cell."""
+        """Borders between the cells, middle and reciprocal half width of every cell."""
         left, right = self.edges[:-1], self.edges[1:]
-        return left, 0.5 * (left + right), 2.0 / (right - left)
+        return left[1:], 0.5 * (left + right), 2.0 / (right - left)
 
     def __call__(self, angle: Array) -> Array:
         """Every function at each crank angle, rad; shape (functions, *angle.shape)."""
-        starts, middle, scale = self._cells
-        turned = starts[0] + (np.ravel(angle) - starts[0]) % self.period
-        cell = starts.searchsorted(turned, "right") - 1
+        first, (borders, middle, scale) = self.edges[0], self._cells
+        turned = angle.ravel() % self.period if first == 0.0 else first + (angle.ravel() - first) % self.period
+        cell = borders.searchsorted(turned, "right")
         powers = np.empty((len(turned), 1, self.coefficients.shape[1]))
         powers[:, 0, 0] = 1.0
         powers[:, 0, 1:] = ((turned - middle[cell]) * scale[cell])[:, None]
         np.multiply.accumulate(powers, axis=2, out=powers)
-        return np.asarray((powers @ self.coefficients[cell])[:, 0].T.reshape(-1, *np.shape(angle)))
+        return np.asarray((powers @ self.coefficients.take(cell, axis=0)).T.reshape(-1, *angle.shape))
 
 
 def tabulate(

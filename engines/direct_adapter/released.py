@@ -85,7 +85,7 @@ def released_motion(equations: Equations, path: Path, drive: Free, tolerance: fl
             gauss_scheme(NODES),
             tolerance=tolerance,
             rounding=crank.rounding,
-            repeats=driver.turns and crank.table.period == FULL_TURN,
+            period=crank.table.period,
             push=None if drive.over_time is None else crank.push(drive.over_time),
             knots=() if drive.over_time is None else drive.over_time.times,
         )
