@@ -18,6 +18,7 @@ from comparisons.datasheet.units import FileUnit, file_unit
 # The units of kinds that a file does not state.
 FIXED: Final[Mapping[str, FileUnit]] = {"direction": FileUnit("", 1.0), "acceleration": FileUnit("m/s^2", 1.0)}
 SPEED: Final = "speed"  # of the driver, beside the numbers of the file
+LISTED: Final = "those that `linkproof list --numbers` shows"
 WRITTEN: Final = re.compile(r"\s*(?P<number>[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*(?P<unit>\D.*?)?\s*")
 
 
@@ -84,7 +85,7 @@ def parameter(linkage: Linkage, name: str) -> Parameter:
         return Parameter(SPEED, SPEED, math.nan, speed_unit(linkage))
     known = parameters(linkage)
     if name not in known:
-        raise UnknownNameError(f"parameter of '{linkage.name}'", name, known)
+        raise UnknownNameError(f"parameter of '{linkage.name}'", name, [*known, SPEED], LISTED)
     return known[name]
 
 

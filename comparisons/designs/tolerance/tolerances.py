@@ -27,7 +27,7 @@ from analytic.description.linkage import Linkage
 from analytic.description.units import factor
 from analytic.errors import LinkproofError, UnknownNameError
 from comparisons.datasheet.units import FileUnit
-from comparisons.designs.parameters import Parameter, parameters
+from comparisons.designs.parameters import LISTED, Parameter, parameters
 
 Array = NDArray[np.float64]
 
@@ -158,7 +158,7 @@ def _known(linkage: Linkage) -> dict[str, Parameter]:
 
 def _tolerance(own: Collection[str], known: Mapping[str, Parameter], name: str, value: object, where: str) -> Tolerance:
     if name not in known:
-        raise LinkproofError(f"{where.removesuffix('tolerances.')}{UnknownNameError('parameter', name, known)}")
+        raise LinkproofError(f"{where.removesuffix('tolerances.')}{UnknownNameError('parameter', name, known, LISTED)}")
     distribution = Distribution.NORMAL
     if isinstance(value, Mapping):
         for key in value:
