@@ -41,7 +41,8 @@ def design_figures(
     """Figures of every design, (figures, designs), SI; the crank turns at a constant ``speed``, rad/s, signed.
 
     ``parameters`` are arrays (designs,) of numbers of the description, SI, by the names of
-    ``analytic.description.changes``; all else is as described, and the assembly modes are those that its sketch picks.
+    ``analytic.description.changes``, and ``speed``, turned as ``speed``; all else is as described, and the assembly
+    modes are those that its sketch picks.
     A signal is sampled at the crank angles ``angle`` (angles,), rad, ascending; S counts from the design's own largest
     output. With ``refine`` the extremes are the true ones between the samples, and S counts from the true top: over a
     ``period``, rad, or over a range, whose ends count, if None; "auto" is a turn where the angles divide one evenly.
@@ -53,7 +54,7 @@ def design_figures(
     ``evaluate_designs`` does.
     """
     places = _checked_places(angle, FEWEST if refine else 1)
-    arrays = checked(mechanism.linkage, parameters)
+    arrays = checked(mechanism.linkage, parameters, has_speed=True)
     _check_names(mechanism, figures)
     closes = period_of(mechanism, places) if period == "auto" else period
     request = FigureRequest(mechanism, tuple(figures), places, speed, closes, refine, path)

@@ -10,6 +10,7 @@ from typing import Final
 
 import numpy as np
 
+from analytic.description.changes import SPEED
 from analytic.description.linkage import Linkage
 from analytic.description.loading import catalogue, installed, literature, load
 from analytic.errors import LinkproofError, printable
@@ -20,7 +21,7 @@ from comparisons.datasheet.mechanism_summary import portrait, thread_facts
 from comparisons.datasheet.plain_data import finite
 from comparisons.datasheet.units import FileUnit
 from comparisons.designs.named_figures import figure_names, named_figures
-from comparisons.designs.parameters import SPEED, parameters, speed_unit
+from comparisons.designs.parameters import parameters, speed_unit
 from reports.command_line.destination import Destination
 from reports.document.numbers import ABSENT, printed
 from reports.document.parts import Paragraph, Table
