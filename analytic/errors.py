@@ -7,6 +7,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from typing import Final
 
 MOST_NAMES: Final = 30  # of a list in a message
+NEAREST: Final = 3  # of the names that one is taken for
 LONGEST_NAME: Final = 60  # characters of a name or value worth repeating
 LONGEST: Final = 1500  # characters of a message
 SIMILAR: Final = 0.6  # share of equal characters from which one name is taken for a misspelling of another
@@ -54,25 +55,29 @@ class AssemblyError(LinkproofError):
 
 
 class UnknownNameError(LinkproofError):
-    """A name (mechanism, variant, engine, quantity, ...) that does not exist."""
+    """A name (mechanism, variant, engine, quantity, ...) that does not exist.
 
-    def __init__(self, kind: str, name: str, known: Iterable[str]) -> None:
+    ``where`` says what lists the ones that are ``known``, which are listed if it is empty.
+    """
+
+    def __init__(self, kind: str, name: str, known: Iterable[str], where: str = "") -> None:
         choices = sorted(set(known))
-        meant = SYMBOLS.get(name.lower())
-        meant = meant if meant in choices else _nearest(name, choices)
-        hint = f"did you mean '{meant}'? " if meant else ""
-        super().__init__(f"unknown {kind} '{shortened(name)}': {hint}known are {listed(choices)}")
+        meant, many = SYMBOLS.get(name.lower()), NEAREST if len(choices) > MOST_NAMES else 1
+        near = [meant] if meant in choices else _nearest(name, choices)[:many]
+        meanings = "' or '".join(near)
+        hint = f"did you mean '{meanings}'? " if near else ""
+        super().__init__(f"unknown {kind} '{shortened(name)}': {hint}known are {where or listed(choices)}")
 
 
-def _nearest(name: str, choices: Sequence[str]) -> str | None:
-    """The choice that a name is the beginning or a misspelling of."""
+def _nearest(name: str, choices: Sequence[str]) -> list[str]:
+    """The choices that a name is the beginning or a misspelling of."""
     begun = [choice for choice in choices if name and choice.lower().startswith(name.lower())]
     if begun or len(name) > LONGEST_NAME:
-        return begun[0] if begun else None
+        return begun
     by_spelling = {choice.lower(): choice for choice in choices if len(choice) <= LONGEST_NAME}
-    near = difflib.get_close_matches(name.lower(), by_spelling, n=1, cutoff=SIMILAR)
+    near = difflib.get_close_matches(name.lower(), by_spelling, n=NEAREST, cutoff=SIMILAR)
     near = near or [choice for choice in by_spelling if _differ_by_a_letter(name.lower(), choice)]
-    return by_spelling[near[0]] if near else None
+    return [by_spelling[one] for one in near]
 
 
 def _differ_by_a_letter(one: str, other: str) -> bool:

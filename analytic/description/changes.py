@@ -49,6 +49,7 @@ NOTHING: Final[Mapping[str, object]] = {
     "output": None,
     "thread": None,
 }
+SPEED: Final = "speed"  # of the driver, in which designs may differ besides; no number has this name
 LOADS: Final = ("forces", "torques", "springs", "dampers")
 
 # Exponents of length, mass and time in each kind of number.

@@ -2,32 +2,35 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping
+from collections.abc import Mapping
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from analytic.description.changes import Kind, design_numbers
+from analytic.description.changes import SPEED, design_numbers
 from analytic.description.linkage import Linkage
 from analytic.errors import LinkproofError, UnknownNameError
 
 Array = NDArray[np.float64]
 
 
-def checked(
-    linkage: Linkage, parameters: Mapping[str, ArrayLike], known: Collection[str] | None = None
-) -> dict[str, Array]:
-    """The parameters as arrays (designs,) by name.
+def speed_of(numbers: Mapping[str, Any], speed: ArrayLike) -> Any:  # noqa: ANN401 - plain or dual
+    """The driver's speed, rad/s or m/s, signed: that among the numbers of designs, turned as ``speed``, or this one."""
+    return numbers[SPEED] * np.sign(speed) if SPEED in numbers else np.asarray(speed)
 
-    ``known`` are the names that are allowed: all of ``analytic.description.changes.numbers`` but the sketch's if None.
-    Raises UnknownNameError for another, LinkproofError for arrays that are not of one length or not flat, numbers that
-    are not finite, negative masses and directions of no length.
+
+def checked(linkage: Linkage, parameters: Mapping[str, ArrayLike], *, has_speed: bool = False) -> dict[str, Array]:
+    """The parameters as arrays (designs,) by name: numbers of a description but the sketch's; ``SPEED`` if it has one.
+
+    Raises UnknownNameError for another name, LinkproofError for arrays that are not of one length or not flat, numbers
+    that are not finite, negative masses, directions of no length and speeds of zero.
     """
     numbers = design_numbers(linkage)
-    allowed = numbers if known is None else known
+    kinds: dict[str, str] = {name: kind for name, (kind, _) in numbers.items()} | ({SPEED: SPEED} if has_speed else {})
     for name in parameters:
-        if name not in allowed:
-            raise UnknownNameError(f"parameter of '{linkage.name}'", name, allowed)
+        if name not in kinds:
+            raise UnknownNameError(f"parameter of '{linkage.name}'", name, kinds)
     arrays = {name: np.asarray(values, dtype=float) for name, values in parameters.items()}
     shapes = {values.shape for values in arrays.values()}
     if len(shapes) != 1 or len(next(iter(shapes))) != 1 or next(iter(shapes)) == (0,):
@@ -37,7 +40,7 @@ def checked(
             "give every parameter a value per design"
         )
     for name, values in arrays.items():
-        _check(name, numbers[name][0], values)
+        _check(name, kinds[name], values)
     directions = [name for name, (kind, _) in numbers.items() if kind == "direction"]
     for x, y in zip(directions[::2], directions[1::2], strict=True):
         if x in arrays or y in arrays:
@@ -45,13 +48,16 @@ def checked(
     return arrays
 
 
-def _check(name: str, kind: Kind, values: Array) -> None:
-    """Finite numbers, and no negative masses."""
+def _check(name: str, kind: str, values: Array) -> None:
+    """Finite numbers, no negative masses, and a speed."""
     wrong = ~np.isfinite(values)
     expected = "finite numbers"
     if kind in ("mass", "inertia"):
         wrong |= values < 0.0
         expected = "finite numbers, none negative"
+    if kind == SPEED:
+        wrong |= values == 0.0
+        expected = "finite numbers other than 0"
     if np.any(wrong):
         first = int(np.argmax(wrong))
         raise LinkproofError(f"{name}: expected {expected}, got {values[first]:g} in design {first}; correct it")

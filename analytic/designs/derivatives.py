@@ -20,10 +20,10 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from analytic.description.changes import design_numbers, with_numbers
+from analytic.description.changes import SPEED, design_numbers, with_numbers
 from analytic.description.law import FULL_TURN
 from analytic.description.linkage import Linkage
-from analytic.designs.checking import checked
+from analytic.designs.checking import checked, speed_of
 from analytic.designs.figures import SQUARE, Figure, Reduction, SignalExtreme
 from analytic.designs.means import edges_of, on_branch
 from analytic.designs.results import is_turn, period_of
@@ -67,7 +67,7 @@ def signal_values(
         sweep = _sweep(mechanism, parameters, angle)
     _check_moves(sweep)
     far = float(np.max(sweep.output())) if "S" in signals else 0.0
-    at = MovingSweep(mechanism, sweep, np.asarray(speed), np.asarray(0.0), far)
+    at = MovingSweep(mechanism, sweep, np.asarray(speed_of(parameters, speed)), np.asarray(0.0), far)
     return np.stack([signal(at, name) for name in signals])
 
 
@@ -76,10 +76,11 @@ def signal_gradients(
 ) -> tuple[Array, Array]:
     """Signals (signals, angles) and their derivatives (signals, parameters, angles), SI, at crank angles (angles,).
 
-    ``parameters`` are numbers of the description by the names of ``analytic.description.changes``, with the SI values
-    at which to differentiate; a signal may be a magnitude, as in a ``Figure``. S counts from the highest of the angles.
-    The crank turns at a constant ``speed``, rad/s, signed. Raises UnknownNameError, LinkproofError for numbers that no
-    design can have, and AssemblyError where the design cannot be assembled.
+    ``parameters`` are numbers of the description by the names of ``analytic.description.changes``, or the driver's
+    ``speed``, turned as ``speed``, with the SI values at which to differentiate; a signal may be a magnitude, as in a
+    ``Figure``. S counts from the highest of the angles. The crank turns at a constant ``speed``, rad/s, signed. Raises
+    UnknownNameError, LinkproofError for numbers that no design can have, and AssemblyError where the design cannot be
+    assembled.
     """
     places = np.asarray(angle, dtype=float)
     _check(mechanism, parameters)
@@ -161,9 +162,13 @@ class _Design:
         return self._model(self.parameters)
 
     @cached_property
-    def _varied(self) -> Model:
+    def _duals(self) -> dict[str, Dual]:
         seeds = np.eye(len(self.parameters))
-        return self._model({n: Dual(v, seed) for (n, v), seed in zip(self.parameters.items(), seeds, strict=True)})
+        return {n: Dual(v, seed) for (n, v), seed in zip(self.parameters.items(), seeds, strict=True)}
+
+    @cached_property
+    def _varied(self) -> Model:
+        return self._model(self._duals)
 
     def _model(self, own: Mapping[str, Any]) -> Model:
         linkage = with_numbers(self.mechanism.linkage, own)
@@ -171,7 +176,8 @@ class _Design:
         return linkage, find_structure(linkage).with_signs(signs)
 
     def _at(self, model: Model, angle: Any, far: Any) -> MovingSweep:  # noqa: ANN401 - plain or dual
-        return MovingSweep(self.mechanism, Sweep(*model, angle), np.asarray(self.speed), np.asarray(0.0), far)
+        speed = speed_of(self._duals if model is self._varied else self.parameters, self.speed)
+        return MovingSweep(self.mechanism, Sweep(*model, angle), speed, np.asarray(0.0), far)
 
     def check(self, places: Array) -> None:
         """Raise AssemblyError where the design has no motion at one of the places."""
@@ -273,7 +279,8 @@ def differences(
 
 def _steps(mechanism: Mechanism, parameters: Mapping[str, float]) -> dict[str, float]:
     """Steps of differences: a share of the number, of the drawing for a length of zero, of one for any other zero."""
-    own = {name: design_numbers(mechanism.linkage)[name] for name in parameters}
+    every = {**design_numbers(mechanism.linkage), SPEED: (SPEED, parameters.get(SPEED, 0.0))}
+    own = {name: every[name] for name in parameters}
     sizes = {"length": mechanism.linkage.extent()}
     return {name: STEP * (abs(value) or sizes.get(kind, 1.0)) for name, (kind, value) in own.items()}
 
@@ -315,4 +322,4 @@ def _check_moves(sweep: Sweep) -> None:
 
 def _check(mechanism: Mechanism, parameters: Mapping[str, float]) -> None:
     """Raise UnknownNameError and LinkproofError for numbers that a design cannot have."""
-    checked(mechanism.linkage, {name: [value] for name, value in parameters.items()})
+    checked(mechanism.linkage, {name: [value] for name, value in parameters.items()}, has_speed=True)

@@ -99,7 +99,7 @@ def _unknown(name: str, known: Mapping[str, str]) -> LinkproofError:
     hint = f"did you mean {' or '.join(repr(one) for one in [*meant][:NEAREST])}? " if meant else ""
     return LinkproofError(
         f"unknown figure '{shortened(name)}': {hint}a figure is {STROKE}, or a signal of `linkproof results` with "
-        f"{', '.join(f'.{one}' for one in REDUCTIONS)} or @ANGLE behind its name, such as Mkr.peak"
+        f"{', '.join(f'.{one}' for one in REDUCTIONS)} or @ANGLE behind its name; `linkproof list --figures` shows all"
     )
 
 

@@ -8,6 +8,7 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
+from analytic.designs.checking import speed_of
 from analytic.designs.dead_positions import KEPT
 from analytic.designs.figures import Figure, Reduction
 from analytic.designs.means import is_settled
@@ -114,7 +115,7 @@ def reduced_figures(
     def part(start: int) -> None:
         here = slice(start, min(start + CHUNK, count))
         own = {name: numbers[here] for name, numbers in arrays.items()}
-        lanes = listed.trace.computed(given, listed.values(own))
+        lanes = listed.trace.computed(given, listed.values(own, speed=speed_of(own, request.speed)))
         found = function(lanes, rows, here.stop - start)
         doubtful[here] = found[steep].any(axis=0)
         moves = found[gathered.places["moves"]] > 0.0

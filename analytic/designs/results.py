@@ -43,12 +43,12 @@ def design_figures(
     """Figures of every design, (figures, designs), SI; the crank turns at a constant ``speed``, rad/s, signed.
 
     ``parameters`` are arrays (designs,) of numbers of the description, SI, by the names of
-    ``analytic.description.changes``; all else is as described, and the assembly modes are those that its sketch picks.
-    Without any it is one design, the file's. A signal is sampled at the crank angles ``angle`` (angles,), rad,
-    ascending; S counts from the design's own largest output. With ``refine`` the extremes are the true ones between the
-    samples, and S counts from the true top: over a ``period``, rad, or over a range, whose ends count, if None; "auto"
-    is a turn where the angles divide one evenly. Means are integrals over the same, whatever the samples, and of S from
-    the true top.
+    ``analytic.description.changes``, and ``speed``, turned as ``speed``; all else is as described, and the assembly
+    modes are those that its sketch picks. Without any it is one design, the file's. A signal is sampled at the crank
+    angles ``angle`` (angles,), rad, ascending; S counts from the design's own largest output. With ``refine`` the
+    extremes are the true ones between the samples, and S counts from the true top: over a ``period``, rad, or over a
+    range, whose ends count, if None; "auto" is a turn where the angles divide one evenly. Means are integrals over the
+    same, whatever the samples, and of S from the true top.
 
     The figures of a design that cannot be assembled, or stands in a dead position, at or between any of the angles are
     nan, and so are those of one that passes a change point where the linkage as described passes none. ``cores`` and
@@ -59,7 +59,7 @@ def design_figures(
     if not parameters:  # of the file's own numbers one stands for all
         name, (_, value) = next(iter(design_numbers(mechanism.linkage).items()))
         parameters = {name: [value]}
-    arrays = checked(mechanism.linkage, parameters)
+    arrays = checked(mechanism.linkage, parameters, has_speed=True)
     _check_names(mechanism, figures)
     closes = period_of(mechanism, places) if period == "auto" else period
     request = FigureRequest(mechanism, tuple(figures), places, speed, closes, refine, path)

@@ -16,6 +16,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from analytic.description.changes import with_numbers
+from analytic.designs.checking import speed_of
 from analytic.errors import AssemblyError, StructureError
 from analytic.kinematics.mechanism import Mechanism
 from analytic.kinematics.sweep import Sweep
@@ -55,7 +56,8 @@ Sampler = Callable[[Integers, Array, tuple[str, ...]], DesignSamples]
 class Designs:
     """Designs that differ in ``arrays`` (designs,) of numbers by name, SI, in the assembly modes as described.
 
-    The crank has a ``speed``, rad/s, and an ``acceleration``, rad/s², numbers or (angles,). ``poses`` are those that
+    The crank has a ``speed``, rad/s, or one among the arrays, turned as it, and an ``acceleration``, rad/s², numbers or
+    (angles,). ``poses`` are those that
     are wanted in all, by which the ``path`` "auto" decides whether to compile.
     """
 
@@ -98,7 +100,7 @@ class Designs:
                 if self.listed is not None:
                     work(np.arange(start, min(start + size, self.count)), self._listed_samples)
                 elif (design := self._alone(start)) is not None:
-                    work(np.array([start]), lambda _, phi, names: self._swept_samples(design, phi, names))
+                    work(np.array([start]), lambda rows, phi, names: self._swept_samples(design, rows, phi, names))
 
         in_threads(part, range(0, self.count, size if self.listed else 1), cores)
 
@@ -108,7 +110,7 @@ class Designs:
         assert of is not None
         places = phi[:1] if phi.strides[0] == 0 else phi  # every design's own
         numbers = {name: values[rows, None] for name, values in self.arrays.items()}
-        known = of.values(numbers, places, self.speed, self.acceleration)
+        known = of.values(numbers, places, speed_of(numbers, self.speed), self.acceleration)
         function = self._function
         if function is None:
             wanted = [of.signals[self.signals.index(name)] for name in names]
@@ -153,13 +155,14 @@ class Designs:
         except (AssemblyError, StructureError):
             return None
 
-    def _swept_samples(self, design: Mechanism, phi: Array, names: tuple[str, ...]) -> DesignSamples:
+    def _swept_samples(self, design: Mechanism, rows: Integers, phi: Array, names: tuple[str, ...]) -> DesignSamples:
         """Samples of one design, the same at every row of the crank angles."""
         faults = np.zeros(phi.shape, dtype=bool)
         sweep = Sweep(design.linkage, design.structure, phi, faults)
         for body in design.structure.bodies if self.all_groups else ():
             sweep.rates(body)
-        at = MovingSweep(design, sweep, np.asarray(self.speed), np.asarray(self.acceleration))
+        speed = speed_of({name: values[rows[0]] for name, values in self.arrays.items()}, self.speed)
+        at = MovingSweep(design, sweep, speed, np.asarray(self.acceleration))
         values = {name: signal(at, name) for name in names}
         dyads = [dyad for dyad in design.structure.dyads if self.all_groups and not dyad.changes]
         sizes = [np.broadcast_to(abs(sweep.determinant(dyad)), phi.shape) for dyad in dyads]

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from analytic.description.changes import with_numbers
+from analytic.description.changes import SPEED, with_numbers
 from analytic.errors import LinkproofError
 from analytic.kinematics.decomposition import find_structure
 from analytic.kinematics.dyad_solver import DyadSolver
@@ -22,7 +22,7 @@ from analytic.signals import signal
 
 Array = NDArray[np.float64]
 
-PHI, SPEED, ACCELERATION = ("crank angle", "crank speed", "crank acceleration")  # no numbers' names
+PHI, ACCELERATION = ("crank angle", "crank acceleration")  # no numbers' names
 OF_DESIGN, OF_PLACE = 1, 2
 
 
@@ -100,7 +100,7 @@ def linkage_trace(
     accelerates: bool = False,
     all_groups: bool = True,
 ) -> LinkageTrace:
-    """The list of a linkage's signals, with numbers by name that vary or are ``zero``; the rest are its constants.
+    """The list of a linkage's signals, with numbers by name, or ``SPEED``, that vary or are ``zero``, others constants.
 
     ``signals`` are those of ``analytic.signals``, magnitudes of vectors and the output's coordinate. ``all_groups``
     takes the groups that no signal needs as well. Raises LinkproofError for a linkage that is not traceable.

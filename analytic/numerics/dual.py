@@ -142,4 +142,5 @@ FUNCTIONS: Final[Mapping[Any, Callable[..., Any]]] = {
     np.copy: lambda number: number,
     np.unwrap: lambda number: Dual(np.unwrap(number.value), number.slopes),
     np.shape: lambda number: number.shape,
+    np.any: lambda _: True,
 }

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from analytic.description.changes import with_numbers
+from analytic.description.changes import SPEED, with_numbers
 from analytic.description.loading import parse
 from analytic.description.rewriting import DESIGN, rewritten
 from analytic.errors import StructureError
@@ -18,9 +18,11 @@ from analytic.kinematics.sweep import Sweep
 def design_file(mechanism: Mechanism, numbers: Mapping[str, float], new_variant: str = DESIGN) -> str:
     """The text of the file with these numbers, SI, by name; its sketch moves where it would pick other modes.
 
-    Raises LinkproofError for numbers that describe no linkage, AssemblyError where the design has no such sketch.
+    A speed among them is no number of a file, and left out. Raises LinkproofError for numbers that describe no linkage,
+    AssemblyError where the design has no such sketch.
     """
     own, structure = mechanism.linkage, mechanism.structure
+    numbers = {name: value for name, value in numbers.items() if name != SPEED}
     signs = tuple(dyad.sign for dyad in structure.dyads)
     text = rewritten(own.text, own.name, own.variant, numbers, new_variant=new_variant)
     try:

@@ -8,7 +8,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Final, Literal
 
-from analytic.description.changes import Kind, design_numbers
+from analytic.description.changes import SPEED, Kind, design_numbers
 from analytic.description.crank_motion import RPM
 from analytic.description.linkage import Linkage
 from analytic.description.units import factor
@@ -17,7 +17,7 @@ from comparisons.datasheet.units import FileUnit, file_unit
 
 # The units of kinds that a file does not state.
 FIXED: Final[Mapping[str, FileUnit]] = {"direction": FileUnit("", 1.0), "acceleration": FileUnit("m/s^2", 1.0)}
-SPEED: Final = "speed"  # of the driver, beside the numbers of the file
+LISTED: Final = "those that `linkproof list --numbers` shows"
 WRITTEN: Final = re.compile(r"\s*(?P<number>[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*(?P<unit>\D.*?)?\s*")
 
 
@@ -78,13 +78,13 @@ def parameters(linkage: Linkage) -> dict[str, Parameter]:
     return {name: Parameter(name, kind, value, _unit(linkage, kind)) for name, (kind, value) in own}
 
 
-def parameter(linkage: Linkage, name: str) -> Parameter:
-    """One of them, or the driver's speed, whose own value is that of a motion; raises UnknownNameError."""
+def parameter(linkage: Linkage, name: str, speed: float = math.nan) -> Parameter:
+    """One of them, or the driver's speed, whose own value is that of a motion, SI; raises UnknownNameError."""
     if name == SPEED:
-        return Parameter(SPEED, SPEED, math.nan, speed_unit(linkage))
+        return Parameter(SPEED, SPEED, abs(speed), speed_unit(linkage))
     known = parameters(linkage)
     if name not in known:
-        raise UnknownNameError(f"parameter of '{linkage.name}'", name, known)
+        raise UnknownNameError(f"parameter of '{linkage.name}'", name, [*known, SPEED], LISTED)
     return known[name]
 
 

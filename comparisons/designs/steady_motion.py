@@ -10,7 +10,6 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from analytic.description.changes import design_numbers
 from analytic.description.law import FULL_TURN
 from analytic.designs.derivatives import figure_gradients
 from analytic.designs.figures import Figure
@@ -18,7 +17,6 @@ from analytic.designs.results import design_figures
 from analytic.errors import LinkproofError
 from analytic.kinematics.mechanism import Mechanism
 from comparisons.datasheet.building import within
-from comparisons.designs.parameters import SPEED
 
 Array = NDArray[np.float64]
 
@@ -52,20 +50,10 @@ class SteadyMotion:
 
         One of the numbers may be the ``speed``, turned as this motion's.
         """
-        speeds = np.asarray(numbers.get(SPEED, abs(self.speed)))
-        rest = {name: values for name, values in numbers.items() if name != SPEED}
-        if not rest:  # of the file's own numbers one stands for all
-            name, (_, value) = next(iter(design_numbers(mechanism.linkage).items()))
-            rest = {name: np.full(speeds.shape, value)}
-        found = np.empty((len(figures), len(next(iter(rest.values())))))
-        for speed in np.unique(speeds):
-            here = np.broadcast_to(speeds == speed, found.shape[1:])
-            found[:, here] = design_figures(
-                mechanism, {name: values[here] for name, values in rest.items()}, figures, self.places,
-                speed=float(np.copysign(1.0, self.speed) * speed), refine=refine,
-                period=FULL_TURN if self.is_full_turn else None, cores=cores, path=path,
-            )  # fmt: skip
-        return found
+        return design_figures(
+            mechanism, numbers, figures, self.places, speed=self.speed, refine=refine,
+            period=FULL_TURN if self.is_full_turn else None, cores=cores, path=path,
+        )  # fmt: skip
 
     def gradients(
         self, mechanism: Mechanism, numbers: Mapping[str, float], figures: Sequence[Figure]

@@ -78,12 +78,24 @@ def linkproof(
     """Options that stand before a command."""
 
 
-@app.command("list", short_help="List the mechanisms of the catalogue.")
-def list_(json: options.Json = None) -> None:
-    """List the mechanisms of the catalogue, their variants and sources."""
+@app.command("list", short_help="List the mechanisms of the catalogue, or the figures or numbers of one.")
+def list_(
+    figures: Annotated[
+        str | None,
+        valued("MECHANISM", "Every figure that sweep, optimise and tolerance take.", names=completion.mechanisms),
+    ] = None,
+    numbers: Annotated[
+        str | None, valued("MECHANISM", "Every number of the file that they vary.", names=completion.mechanisms)
+    ] = None,
+    json: options.Json = None,
+) -> None:
+    """List the mechanisms of the catalogue, their variants and sources; or the figures or the numbers of one.
+
+    MECHANISM is a name in the catalogue or the path of a .toml file. Values are in the units of the file.
+    """
     from reports.command_line.commands import mechanisms
 
-    mechanisms.list_mechanisms(_destination(json))
+    mechanisms.list_names(figures, numbers, _destination(json))
 
 
 @app.command(short_help="Show one mechanism: structure, links, Jeq, stroke.")

@@ -61,9 +61,10 @@ def quantities(incomplete: str) -> list[str]:
 
 def parameters(incomplete: str) -> list[str]:
     """The numbers of the mechanism on the command line that designs may differ in."""
+    from analytic.description.changes import SPEED
     from comparisons.designs.parameters import parameters as known
 
-    return _starting([f"{name}=" for linkage in _linkages() for name in known(linkage)], incomplete)
+    return _starting([f"{name}=" for linkage in _linkages() for name in (*known(linkage), SPEED)], incomplete)
 
 
 def figures(incomplete: str) -> list[str]:

@@ -41,8 +41,8 @@ def sweep(
         list[str] | None,
         valued(
             "NAME=FIRST:LAST:COUNT",
-            "Values of a number of the file, in its units or one of their own: rod.B.x=17cm:18cm:100; several make a "
-            "grid.",
+            "Values of a number of the file, or of the speed, in its units or one of their own: rod.B.x=17cm:18cm:100; "
+            "several make a grid.",
             names=completion.parameters,
         ),
     ] = None,
@@ -106,7 +106,7 @@ def optimise(
         list[str] | None,
         valued(
             "NAME=LOW:HIGH",
-            "A number of the file and its bounds, or NAME=±10%; repeatable.",
+            "A number of the file, or the speed, and its bounds, or NAME=±10%; repeatable.",
             names=completion.parameters,
         ),
     ] = None,
@@ -178,8 +178,9 @@ def tolerance(
     MECHANISM is a name in the catalogue or the path of a .toml file. TOLERANCES.toml says what may move what:
 
     results = ["Mkr.peak", "joint_force:A.peak", "stroke"]; speed = 1000; and under [tolerances] the ± of numbers of the
-    linkage's file, in its units or one of their own: "rod.B.x" = 0.05, "rod.B.length" = "50um", "rocker.C.angle" = 0.1,
-    "rod.mass" = { plus_minus = 0.01, distribution = "uniform" } (else normal: the ± are three standard deviations).
+    linkage's file, in its units or one of their own, and of the speed: "rod.B.x" = 0.05, "rod.B.length" = "50um",
+    "rocker.C.angle" = 0.1, speed = 10, "rod.mass" = { plus_minus = 0.01, distribution = "uniform" } (else normal: the ±
+    are three standard deviations).
     """
     from reports.command_line.commands import tolerance
 

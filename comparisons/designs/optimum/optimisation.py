@@ -103,7 +103,7 @@ class Optimum:
 def optimise(mechanism: Mechanism, motion: SteadyMotion, wish: Wish, announce: Announce) -> Optimum:
     """The best design between the bounds; raises LinkproofError for bad input and where there is none."""
     wish.check()
-    varied = variables(mechanism.linkage, wish.over)
+    varied = variables(mechanism.linkage, wish.over, motion.speed)
     step = step_size(varied, wish.step) if wish.step else None
     aims = named_figures(mechanism, [wish.figure])
     sign = 1.0 if wish.is_least else -1.0

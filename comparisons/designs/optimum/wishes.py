@@ -7,19 +7,23 @@ import re
 from collections.abc import Iterable, Sequence
 from typing import Final
 
+from analytic.description.changes import SPEED
 from analytic.description.linkage import Linkage
 from analytic.errors import LinkproofError
 from analytic.kinematics.mechanism import Mechanism
 from comparisons.designs.named_figures import NamedFigure, named_figures
 from comparisons.designs.optimum.problem import KeptFigure, Variable
-from comparisons.designs.parameters import SPEED, Parameter, parameter
+from comparisons.designs.parameters import Parameter, parameter
 
 SHARE: Final = re.compile(r"\s*(?:±|\+-|\+/-)\s*(?P<percent>\d+\.?\d*|\.\d+)\s*%\s*")
 NOT_NEGATIVE: Final = ("mass", "inertia")
 
 
-def variables(linkage: Linkage, texts: Sequence[str]) -> tuple[Variable, ...]:
-    """The numbers to be varied; raises LinkproofError for bounds that are none, UnknownNameError for a name."""
+def variables(linkage: Linkage, texts: Sequence[str], speed: float) -> tuple[Variable, ...]:
+    """The numbers to be varied, the driver's ``speed``, SI, among them.
+
+    Raises LinkproofError for bounds that are none, UnknownNameError for a name.
+    """
     if not texts:
         raise LinkproofError("expected numbers to vary, got none: name them with their bounds, --over rod.B.x=170:180")
     found: dict[str, Variable] = {}
@@ -27,11 +31,7 @@ def variables(linkage: Linkage, texts: Sequence[str]) -> tuple[Variable, ...]:
         name, mark, bounds = text.rpartition("=")
         if not mark:
             raise LinkproofError(f"--over: expected NAME=LOW:HIGH or NAME=±10%, got '{text}'; correct it")
-        one = parameter(linkage, name.strip())
-        if one.kind == SPEED:
-            raise LinkproofError(
-                "--over: expected numbers of the linkage's file, got speed: sweep --vary speed=... varies it"
-            )
+        one = parameter(linkage, name.strip(), speed)
         if one.name in found:
             raise LinkproofError(f"--over: expected each number once, got {one.name} twice; leave one out")
         found[one.name] = Variable(one, *_bounds(one, bounds))
@@ -54,6 +54,8 @@ def _bounds(one: Parameter, text: str) -> tuple[float, float]:
         raise LinkproofError(f"--over {one.name}: expected LOW below HIGH, got '{text}'{about}; correct it")
     if one.kind in NOT_NEGATIVE and low < 0.0:
         raise LinkproofError(f"--over {one.name}: expected bounds that are not negative, got '{text}'; correct it")
+    if one.kind == SPEED and low <= 0.0:
+        raise LinkproofError(f"--over speed: expected bounds above 0, got '{text}'; --clockwise turns the other way")
     return low, high
 
 

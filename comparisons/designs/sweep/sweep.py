@@ -11,7 +11,7 @@ from typing import Any, Final, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from analytic.description.changes import with_numbers
+from analytic.description.changes import SPEED, with_numbers
 from analytic.description.linkage import Linkage
 from analytic.designs.figure_names import STROKE
 from analytic.designs.results import usual_path
@@ -19,7 +19,6 @@ from analytic.errors import AssemblyError, LinkproofError
 from analytic.kinematics.mechanism import Mechanism
 from analytic.signals import names
 from comparisons.designs.named_figures import NamedFigure, named_figures
-from comparisons.designs.parameters import SPEED
 from comparisons.designs.steady_motion import SteadyMotion
 from comparisons.designs.sweep.space import DesignSpace
 from comparisons.runs.failures import Lost

@@ -10,7 +10,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from analytic.description.changes import numbers
+from analytic.description.changes import SPEED, numbers
 from analytic.description.linkage import Linkage
 from analytic.designs.derivatives import is_exact
 from analytic.errors import LinkproofError
@@ -54,12 +54,17 @@ class ToleranceRequest:
             f"refined between {len(self.motion.places)} {places}"
         )
 
+    @property
+    def _own(self) -> dict[str, float]:
+        """The nominal numbers, SI, the speed among them."""
+        return numbers(self.mechanism.linkage) | {SPEED: abs(self.motion.speed)}
+
     def designs(self, offsets: Array) -> dict[str, Array]:
         """Numbers of the description (designs,) by name, at offsets (tolerances, designs) from the nominal; SI.
 
         Masses and inertias that a wide normal distribution makes negative are zero.
         """
-        own, found = numbers(self.mechanism.linkage), {}
+        own, found = self._own, {}
         polar: dict[str, dict[str, Array]] = {}
         for one, offset in zip(self.tolerances, offsets, strict=True):
             if one.point:
@@ -86,7 +91,7 @@ class ToleranceRequest:
 
     def derivatives(self) -> Array:
         """Derivatives of the results by what has a tolerance, (results, tolerances)."""
-        own = numbers(self.mechanism.linkage)
+        own = self._own
         names = list(self.designs(np.zeros((len(self.tolerances), 1))))
         figures = [one.figure for one in self.figures]
         _, gradients = self.motion.gradients(self.mechanism, {name: own[name] for name in names}, figures)
@@ -115,7 +120,7 @@ def tolerance_request(
             f"{asked.origin}speed: expected the driver's speed in {speed_unit(linkage).name}, got nothing; add it"
         )
     speed = (USUAL if asked.speed is None else asked.speed) * speed_unit(linkage).size
-    found = tolerances(linkage, asked.table, f"{asked.origin}tolerances.")
+    found = tolerances(linkage, asked.table, f"{asked.origin}tolerances.", speed)
     if not asked.results:
         raise LinkproofError(f'{asked.origin}results: expected a figure, as "Mkr.peak", got none; name one')
     try:

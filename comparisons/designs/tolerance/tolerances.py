@@ -23,11 +23,12 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.special import ndtri
 
+from analytic.description.changes import SPEED
 from analytic.description.linkage import Linkage
 from analytic.description.units import factor
 from analytic.errors import LinkproofError, UnknownNameError
 from comparisons.datasheet.units import FileUnit
-from comparisons.designs.parameters import Parameter, parameters
+from comparisons.designs.parameters import LISTED, Parameter, parameter, parameters
 
 Array = NDArray[np.float64]
 
@@ -111,13 +112,18 @@ def read_tolerances(path: Path) -> Tolerances:
     return Tolerances(tuple(results), speed, table, f"{path}: ")
 
 
-def tolerances(linkage: Linkage, table: Mapping[str, Any], where: str = "") -> tuple[Tolerance, ...]:
-    """Tolerances of a linkage by name; a value is a number, a text with a unit, or a table of ± and distribution.
+def tolerances(
+    linkage: Linkage, table: Mapping[str, Any], where: str = "", speed: float = math.nan
+) -> tuple[Tolerance, ...]:
+    """Tolerances of a linkage, and of its driver's ``speed``, SI, by name.
+
+    A value is a number, a text with a unit, or a table of ± and distribution.
 
     Raises LinkproofError, beginning with ``where`` and the name, for unknown names, near ones told, for what is no
     positive ±, and where a point has tolerances of x or y and of length or angle.
     """
-    own, known = parameters(linkage), _known(linkage)
+    driven = {SPEED: parameter(linkage, SPEED, speed)}
+    own, known = parameters(linkage) | driven, _known(linkage) | driven
     found = tuple(_tolerance(own, known, name, value, where) for name, value in _flat(table))
     cartesian = {one.name[:-2] for one in found if not one.point}
     for one in found:
@@ -158,7 +164,7 @@ def _known(linkage: Linkage) -> dict[str, Parameter]:
 
 def _tolerance(own: Collection[str], known: Mapping[str, Parameter], name: str, value: object, where: str) -> Tolerance:
     if name not in known:
-        raise LinkproofError(f"{where.removesuffix('tolerances.')}{UnknownNameError('parameter', name, known)}")
+        raise LinkproofError(f"{where.removesuffix('tolerances.')}{UnknownNameError('parameter', name, known, LISTED)}")
     distribution = Distribution.NORMAL
     if isinstance(value, Mapping):
         for key in value:
@@ -171,6 +177,8 @@ def _tolerance(own: Collection[str], known: Mapping[str, Parameter], name: str, 
     size = _size(known[name], value, f"{where}{name}")
     if known[name].kind in ("mass", "inertia") and size > known[name].value:
         raise LinkproofError(f"{where}{name}: expected a ± up to the number itself, got a larger one; lessen it")
+    if name == SPEED and size > 0.5 * known[name].value:  # so that no random one is on the other side of zero
+        raise LinkproofError(f"{where}speed: expected a ± up to half of the speed, got a larger one; lessen it")
     return Tolerance(known[name], size, distribution, "" if name in own else name.rpartition(".")[0])
 
 

@@ -3,20 +3,29 @@
 from __future__ import annotations
 
 import os
+from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import Final
 
 import numpy as np
 
+from analytic.description.changes import SPEED
 from analytic.description.linkage import Linkage
 from analytic.description.loading import catalogue, installed, literature, load
+from analytic.designs.figure_names import figure_names
 from analytic.errors import LinkproofError, printable
 from analytic.kinematics.mechanism import Mechanism
 from analytic.turn.required_feed import compare_feed, read_required_feed
 from comparisons.campaign.project import FILE, find_project
 from comparisons.datasheet.mechanism_summary import portrait, thread_facts
+from comparisons.datasheet.plain_data import finite
+from comparisons.datasheet.units import FileUnit
+from comparisons.designs.named_figures import named_figures
+from comparisons.designs.parameters import parameters, speed_unit
 from reports.command_line.destination import Destination
+from reports.document.numbers import ABSENT, printed
+from reports.document.parts import Paragraph, Table
 from reports.mechanism import terminal
 
 SHELVES: Final = {
@@ -25,6 +34,49 @@ SHELVES: Final = {
     "installed": "Linkages of installed packages, taken where they are named",
     "project": f"Linkages of the {FILE} here, taken in the catalogue's place",
 }
+
+
+def list_names(figures: str | None, numbers: str | None, destination: Destination) -> None:
+    """Print or write the figures of a design, or the numbers of a file, by name; the linkages where neither is wanted.
+
+    Figures are those under the motion that ``linkproof sweep`` has where no option says another, extremes refined.
+    """
+    if figures is not None and numbers is not None:
+        raise LinkproofError("--figures and --numbers make a list each: give one of them")
+    if figures is not None:
+        _list_figures(figures, destination)
+    elif numbers is not None:
+        linkage = load(numbers)
+        rows = [(one.name, one.unit, one.value) for one in parameters(linkage).values()]
+        beside = (
+            f"speed, {speed_unit(linkage).name}, may be varied too, and tolerances be of a point's length and angle"
+        )
+        words = f"{linkage.name} ({linkage.variant}); {beside}"
+        _list("number", linkage, rows, words, destination)
+    else:
+        list_mechanisms(destination)
+
+
+def _list_figures(name: str, destination: Destination) -> None:
+    from reports.command_line.steady_choice import SteadyChoice, steady_case  # noqa: PLC0415 - for this list alone
+
+    mechanism, motion, conditions = steady_case(load(name), SteadyChoice(mechanism=name, refine=True))
+    every = named_figures(mechanism, figure_names(mechanism))
+    values = motion.figures(mechanism, {SPEED: np.array([abs(motion.speed)])}, [one.figure for one in every])[:, 0]
+    rows = [(one.name, one.unit, value) for one, value in zip(every, values.tolist(), strict=True)]
+    _list("figure", mechanism.linkage, rows, conditions, destination)
+
+
+def _list(
+    what: str, linkage: Linkage, rows: Sequence[tuple[str, FileUnit, float]], words: str, destination: Destination
+) -> None:
+    """Names with units and values, SI, in the units of the file."""
+    shown = [(name, unit.name, finite(float(f"{value / unit.size:.15g}"))) for name, unit, value in rows]
+    cells = [(name, unit, ABSENT if value is None else printed(value)) for name, unit, value in shown]
+    destination.print(Paragraph(words, colour="bold"), "", Table("", (what, "unit", "value"), cells, "llr"))
+    records = [{"name": name, "units": unit, "value": value} for name, unit, value in shown]
+    about = {"mechanism": linkage.name, "variant": linkage.variant, "conditions": words}
+    destination.write_json({**about, "records": records})
 
 
 def list_mechanisms(destination: Destination) -> None:

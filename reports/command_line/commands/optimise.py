@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
+import math
 import tempfile
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, fields, replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from analytic import signals
+from analytic.description.changes import SPEED
 from analytic.description.linkage import Linkage
 from analytic.description.loading import load
 from analytic.errors import LinkproofError
@@ -18,6 +20,7 @@ from analytic.signals import MAGNITUDE
 from comparisons.datasheet.units import file_unit
 from comparisons.designs.design_file import design_file
 from comparisons.designs.optimum.optimisation import Optimum, Wish, optimise
+from comparisons.designs.parameters import speed_unit
 from comparisons.judging.records import to_json
 from comparisons.runs.files import write_text
 from reports.command_line import PASSED
@@ -96,11 +99,17 @@ def run(choice: OptimiseChoice, destination: Destination, limits: RunLimits | No
         write_text(destination.folder / JSON, to_json(saved))
         write_text(destination.folder / CURVES, _picture(found, conditions))
         wrote.append(f"Written: {destination.folder / name}, {JSON}, {CURVES}.")
+    if SPEED in found.after:
+        unit = speed_unit(linkage)
+        speed = math.copysign(float(f"{found.after[SPEED] / unit.size:.15g}"), choice.speed)
+        choice = replace(choice, speed=speed, gives_speed=True)
+        wrote.append(f"It is the best design at {abs(speed):.6g} {unit.name}: a linkage file holds no speed.")
     destination.print(*([closing(found)] if destination.quiet else tables), *wrote)
     if not choice.simulate:
-        where = destination.folder / name if destination.folder else f"DIR/{name}"
+        where = str(destination.folder / name) if destination.folder else f"DIR/{name}"
+        flags = {"clockwise": choice.clockwise, "no-gravity": not choice.gravity}
         first = "" if destination.folder else "--out DIR writes the new file; "
-        destination.say(f"An engine's word on it: {first}linkproof compare {where}")
+        destination.say(f"An engine's word on it: {first}{command_line('compare', [where], choice.numbers, flags)}")
         return PASSED
     return _simulate(choice, destination, name, text, limits)
 

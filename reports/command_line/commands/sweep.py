@@ -10,12 +10,12 @@ from dataclasses import dataclass, fields, replace
 from pathlib import Path
 from typing import Final
 
+from analytic.description.changes import SPEED
 from analytic.description.linkage import Linkage
 from analytic.description.loading import load
 from analytic.errors import LinkproofError
 from comparisons.datasheet.units import file_unit
 from comparisons.designs.named_figures import named_figures
-from comparisons.designs.parameters import SPEED
 from comparisons.designs.sweep.saved_sweep import FILE, SavedSweep
 from comparisons.designs.sweep.simulated_designs import engines_over_designs, simulated_designs
 from comparisons.designs.sweep.space import DesignSpace, Grid, steps

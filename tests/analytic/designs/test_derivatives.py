@@ -73,11 +73,11 @@ def _exact(sample: Mechanism, angle: float, nudges: frozenset[tuple[str, mpf]]) 
 
 
 def _differences(sample: Mechanism, angle: float, parameters: list[str], names: list[str]) -> np.ndarray:
-    """Derivatives of signals by numbers (signals, parameters), in many digits."""
+    """Derivatives of signals by numbers and the speed (signals, parameters), in many digits."""
     found = []
     for nudges in (HERE, *(_nudge(one) for one in parameters)):
-        at = _exact(sample, angle, nudges)
-        values = signals_of(at, SPEED) | forces_of(at, SPEED) | _transmission(sample, at)
+        at, speed = _exact(sample, angle, nudges), SPEED + dict(nudges).get("speed", mpf(0))
+        values = signals_of(at, speed) | forces_of(at, speed) | _transmission(sample, at)
         found.append([values[one] for one in names])
     steps = [1 if _is_load(one) else NUDGE for one in parameters]
     return np.array([[float((b - a) / step) for a, b in zip(found[0], row, strict=True)]
@@ -116,7 +116,7 @@ def _of_every_kind(linkage: Linkage, seed: int) -> dict[str, float]:
 def test_every_signal_has_the_derivatives_of_ninety_digits(name, variant):
     sample = on_trial(name, variant, True)
     angle = 0.7
-    chosen = _of_every_kind(sample.linkage, 3)
+    chosen = _of_every_kind(sample.linkage, 3) | {"speed": SPEED}
     before = signals.names(sample)
     names = [
         one for one in before if one not in ("phi", "omega", "epsilon", "S") and not one.startswith(("trans", "shak"))

@@ -47,12 +47,14 @@ def test_a_file_states_results_speed_and_tolerances_in_several_ways(tmp_path):
         ({"rod.B.x": {"distribution": "normal"}}, "expected a number, or one with its unit, got nothing"),
         ({"rod.mass": 0.2}, "rod.mass: expected a ± up to the number itself"),
         ({"rod.B.x": 0.1, "rod.B.angle": 0.1}, "expected either x and y, or length and angle, of 'rod.B'"),
+        ({"speed": "50mm"}, "speed: expected rpm, got 'mm'"),
+        ({"speed": 500}, "speed: expected a ± up to half of the speed, got a larger one"),
         ({"rod.A.length": 0.1}, "unknown parameter 'rod.A.length'"),  # it is the origin
     ],
 )
 def test_what_is_no_tolerance_is_told_in_a_sentence(table, words):
     with pytest.raises(LinkproofError, match=words) as told:
-        tolerances(RIMOLDI, table, "t.toml: tolerances.")
+        tolerances(RIMOLDI, table, "t.toml: tolerances.", 100.0)
     assert str(told.value).startswith("t.toml: ")
 
 

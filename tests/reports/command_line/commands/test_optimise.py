@@ -44,6 +44,28 @@ def test_tables_files_and_json_say_the_same(tmp_path):
     assert again == saved
 
 
+def test_the_speed_may_be_varied_and_is_said_since_no_file_holds_it(tmp_path):
+    words = (
+        *PEAK,
+        "--no-gravity",
+        "--clockwise",
+        "--over",
+        "speed=±20%",
+        "--simulate",
+        "direct",
+        "--out",
+        str(tmp_path),
+    )
+    done = run(*words)
+    assert done.exit_code == 0, done.output
+    figures = {one["name"]: one for one in json.loads((tmp_path / "optimise.json").read_text("utf-8"))["figures"]}
+    assert figures["Mkr.peak"]["change"] == pytest.approx(0.8**2 - 1.0, rel=1e-9)  # at the lower bound
+    assert "It is the best design at 800 rpm: a linkage file holds no speed." in done.output
+    assert "800 rpm clockwise" in done.output  # the motion of the engine
+    assert load(tmp_path / "rimoldi-164-optimised.toml").links == load("rimoldi-164").links
+    assert "--speed 800 --clockwise --no-gravity" in run(*words[:-4]).stderr
+
+
 def test_bounds_and_values_out_of_them_are_said():
     done = run(*PEAK, "--over", "rod.B.x=176:17.8cm", "--speed", "-500")
     assert "500 rpm clockwise" in done.output
@@ -113,7 +135,7 @@ def test_an_engine_says_what_it_thinks_of_the_new_design():
     [
         (PEAK, "expected numbers to vary, got none"),
         ((*PEAK, "--over", "rod.B.z=1:2"), "did you mean 'rod.B.y'"),
-        ((*PEAK, "--over", "speed=1:2"), "expected numbers of the linkage's file, got speed"),
+        ((*PEAK, "--over", "speed=0:2"), "--over speed: expected bounds above 0, got '0:2'"),
         ((*PEAK, "--over", "rod.B.x"), "expected NAME=LOW:HIGH or NAME=±10%, got 'rod.B.x'"),
         ((*PEAK, "--over", "rod.B.x=170"), "expected LOW:HIGH or ±10%, got '170'"),
         ((*PEAK, "--over", "rod.B.x=180:170"), "expected LOW below HIGH, got '180:170'"),
