@@ -31,7 +31,7 @@ def _run() -> None:
     accept_any_text()
     try:
         try:
-            app()
+            app(prog_name="linkproof")
         finally:
             sys.stdout.flush()
     except LinkproofError as error:
