@@ -1,8 +1,8 @@
 """The quantities that are compared: what each is in the closed form, and how it is read from an engine's motion.
 
-A quantity is a row of ``quantities.toml`` and its two formulas here; adding one adds nothing elsewhere. S is the
-output's displacement from its top dead centre (positive away from it), v and a its time derivatives, as in article 003;
-where the crank cannot turn fully it counts from the farthest point that the motion reaches.
+A quantity is a signal of ``analytic.signals``, which has its formula and unit, a row of ``quantities.toml`` and what an
+engine did, here. S is the output's displacement from its top dead centre (positive away from it), v and a its time
+derivatives, as in article 003; where the crank cannot turn fully it counts from the farthest point of the motion.
 Every joint of the linkage at hand has its force, ``joint_force:JOINT``.
 """
 
@@ -22,7 +22,7 @@ from numpy.typing import NDArray
 from analytic.description.law import FULL_TURN
 from analytic.description.thread_path import ThreadEye, ThreadPath
 from analytic.errors import LinkproofError, UnknownNameError
-from analytic.signals import unit_of
+from analytic.signals import ONE_OF_ITS_KIND, unit_of
 from analytic.turn.farthest import top_of_turn
 from analytic.turn.thread_feed import feed, feed_of_length, reference_angle, reference_length
 from comparisons.observation.interpolation import SHARP, peak, resample
@@ -156,11 +156,6 @@ def _crank(channel: Channel, case: Case, motion: ObservedMotion) -> Signal:
     return Signal(time, motion.crank(channel, time))
 
 
-def _true_acceleration(case: Case, time: Array) -> Array:
-    at = case.at(time)
-    return -(at.sweep.output(2) * at.speed**2 + at.sweep.output(1) * at.acceleration)
-
-
 def _joint_force(joint: str) -> Quantity:
     return Quantity(
         JOINT_FORCE + joint,
@@ -206,25 +201,37 @@ def _thread_feed(case: Case, motion: ObservedMotion) -> Signal:
     return Signal(time, feed_of_length(path, length, start))
 
 
-# Of each quantity of the table: the truth, and what the engine did.
-FORMULAS: Mapping[str, tuple[Reference, Observed]] = {
-    "phi": (lambda case, time: case.motion.angle(time), partial(_crank, Channel.POSITION)),
-    "omega": (lambda case, time: case.at(time).speed, partial(_crank, Channel.VELOCITY)),
-    "epsilon": (lambda case, time: case.at(time).acceleration, partial(_crank, Channel.ACCELERATION)),
-    "Jeq": (lambda case, time: case.at(time).inertia, _inertia),
-    "Teq": (lambda case, time: 0.5 * case.at(time).inertia * case.at(time).speed ** 2, _kinetic_energy),
-    "Mkr": (lambda case, time: case.at(time).torque, lambda case, motion: motion.signal(Channel.TORQUE)),
-    "Peq": (lambda case, time: case.at(time).torque * case.at(time).speed, _power),
-    "S": (lambda case, time: _top(case) - case.sweep(time).output(), _displacement),
-    "v": (lambda case, time: -case.sweep(time).output(1) * case.at(time).speed, partial(_output, Channel.VELOCITY, 1)),
-    "a": (_true_acceleration, partial(_output, Channel.ACCELERATION, 2)),
-    "thread_feed": (lambda case, time: feed(case.mechanism, _thread(case), case.motion.angle(time)), _thread_feed),
+def _true_feed(case: Case, time: Array) -> Array:
+    return feed(case.mechanism, _thread(case), case.motion.angle(time))
+
+
+# Of each quantity of the table what the engine did; the truth is that of ``analytic.signals``.
+OBSERVED: Mapping[str, Observed] = {
+    "phi": partial(_crank, Channel.POSITION),
+    "omega": partial(_crank, Channel.VELOCITY),
+    "epsilon": partial(_crank, Channel.ACCELERATION),
+    "Jeq": _inertia,
+    "Teq": _kinetic_energy,
+    "Mkr": lambda case, motion: motion.signal(Channel.TORQUE),
+    "Peq": _power,
+    "S": _displacement,
+    "v": partial(_output, Channel.VELOCITY, 1),
+    "a": partial(_output, Channel.ACCELERATION, 2),
+    "thread_feed": _thread_feed,
 }
 
 
 def _quantity(name: str, row: dict[str, Any]) -> Quantity:
     channels = {"clock": Channel(row["clock"]), "also": frozenset(map(Channel, row.get("also", ())))}
-    return Quantity(name, *FORMULAS[name], **{**row, **channels})
+    if name not in ONE_OF_ITS_KIND:
+        return Quantity(name, _true_feed, OBSERVED[name], **{**row, **channels})
+    known = ONE_OF_ITS_KIND[name]
+    return Quantity(
+        name,
+        lambda case, time: np.asarray(known.formula(case.at(time))),
+        OBSERVED[name],
+        **{"unit": known.unit, **row, **channels},
+    )
 
 
 QUANTITIES: Mapping[str, Quantity] = {
