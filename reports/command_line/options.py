@@ -90,4 +90,7 @@ StartAngle = Annotated[float, valued("DEGREES", "Crank angle at the start.")]
 FromAngle = Annotated[float | None, valued("DEGREES", "Crank angle at which a swing begins.", "--from")]
 ToAngle = Annotated[float | None, valued("DEGREES", "Crank angle at which it ends.", "--to")]
 Clockwise = Annotated[bool, flag("Turn the crank clockwise.", "--clockwise")]
+ScaleMass = Annotated[
+    bool, flag("Mass and inertia of a link go with its lengths; else they are as in the file.", "--scale-mass")
+]
 NoGravity = Annotated[bool, flag("Leave gravity out.", "--no-gravity")]
