@@ -73,8 +73,36 @@ def changed(linkage: Linkage, change: Change, direction: Callable[[Vector], Vect
 
 
 def with_numbers(linkage: Linkage, numbers: Mapping[str, Any]) -> Linkage:
-    """The linkage with numbers by name in place of its own, SI; they may be arrays."""
-    return changed(linkage, lambda name, _, value: numbers.get(name, value))
+    """The linkage with numbers by name in place of its own, SI; they may be arrays.
+
+    Where it ``scales_mass``, what is not named of mass, centre and inertia of a link goes with the lengths of the link.
+    """
+    result = changed(linkage, lambda name, _, value: numbers.get(name, value))
+    if not linkage.scales_mass:
+        return result
+    bars = {name: _as_bar(link, linkage.links[name], numbers) for name, link in result.links.items()}
+    return replace(result, links=bars)
+
+
+def _as_bar(link: Link, old: Link, numbers: Mapping[str, Any]) -> Link:
+    """A link that keeps its cross-section where its points move: the mass goes as its length, the inertia as the cube.
+
+    The length is the sum of the points' distances from the frame's origin; a link without one stays as it is.
+    """
+    was, now = (sum(np.hypot(x, y) for x, y in one.points.values()) for one in (old, link))
+    if not was:
+        return link
+    scale = now / was
+
+    def scaled(name: str, value: Any, factor: Any) -> Any:  # noqa: ANN401 - plain, dual or traced
+        return value if f"{link.name}.{name}" in numbers or not value else value * factor
+
+    return replace(
+        link,
+        mass=scaled("mass", link.mass, scale),
+        centre=(scaled("centre.x", link.centre[0], scale), scaled("centre.y", link.centre[1], scale)),
+        inertia=scaled("inertia", link.inertia, scale * scale * scale),
+    )
 
 
 def named_numbers(linkage: Linkage) -> dict[str, Number]:

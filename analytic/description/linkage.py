@@ -212,6 +212,7 @@ class Linkage:
 
     ``crank`` names the driven link; it is empty where a ``cylinder`` drives.
     ``units`` are those of its file by what they measure, and ``text`` is the file's; all values are in SI all the same.
+    ``scales_mass`` says how designs are made of it: masses go with lengths (``analytic.description.changes``).
     """
 
     name: str
@@ -241,6 +242,7 @@ class Linkage:
     units: Mapping[str, str] = field(default_factory=dict, repr=False)
     text: str = field(default="", repr=False)
     cylinder: CylinderDrive | None = None
+    scales_mass: bool = False
 
     @property
     def driver(self) -> DriverKind:

@@ -7,6 +7,7 @@ from collections.abc import Mapping
 import numpy as np
 
 from analytic.description.changes import SPEED, with_numbers
+from analytic.description.changes import numbers as numbers_of
 from analytic.description.loading import parse
 from analytic.description.rewriting import DESIGN, rewritten
 from analytic.errors import StructureError
@@ -23,6 +24,9 @@ def design_file(mechanism: Mechanism, numbers: Mapping[str, float], new_variant:
     """
     own, structure = mechanism.linkage, mechanism.structure
     numbers = {name: value for name, value in numbers.items() if name != SPEED}
+    if own.scales_mass:
+        before, after = numbers_of(own), numbers_of(with_numbers(own, numbers))
+        numbers = {name: value for name, value in after.items() if value != before[name]}
     signs = tuple(dyad.sign for dyad in structure.dyads)
     text = rewritten(own.text, own.name, own.variant, numbers, new_variant=new_variant)
     try:

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from typing import Final, Literal
 
-from analytic.description.changes import SPEED, Kind, design_numbers
+from analytic.description.changes import SPEED, Kind, design_numbers, named_numbers
 from analytic.description.crank_motion import RPM
 from analytic.description.linkage import Linkage
 from analytic.description.units import factor
@@ -86,6 +86,14 @@ def parameter(linkage: Linkage, name: str, speed: float = math.nan) -> Parameter
     if name not in known:
         raise UnknownNameError(f"parameter of '{linkage.name}'", name, [*known, SPEED], LISTED)
     return known[name]
+
+
+def mass_words(linkage: Linkage, names: Iterable[str]) -> str:
+    """Words on the masses of designs for their conditions: none where no length of a moving link differs."""
+    places = {name: number.place for name, number in named_numbers(linkage).items()}
+    if not any(places.get(name, ())[0:3:2] == ("links", "points") for name in names):
+        return ""
+    return ", masses scaled with lengths" if linkage.scales_mass else ", masses as in the file"
 
 
 def speed_unit(linkage: Linkage) -> FileUnit:

@@ -53,6 +53,7 @@ def sweep(
     to_angle: options.ToAngle = None,
     clockwise: options.Clockwise = False,
     no_gravity: options.NoGravity = False,
+    scale_mass: options.ScaleMass = False,
     angles: Angles = 180,
     refine: Refine = False,
     out: Annotated[Path | None, valued("DIR", "Write sweep.nc, every design, and sweep.svg into this folder.")] = None,
@@ -86,8 +87,8 @@ def sweep(
 
     choice = sweep.SweepChoice(
         mechanism=mechanism, variant=variant, **speed_words(speed), clockwise=clockwise, from_angle=from_angle,
-        to_angle=to_angle, gravity=not no_gravity, angles=angles, refine=refine, vary=tuple(vary or ()), table=table,
-        quantities=tuple(quantity or ()), csv=csv, json=json, svg=svg, jobs=jobs,
+        to_angle=to_angle, gravity=not no_gravity, scale_mass=scale_mass, angles=angles, refine=refine,
+        vary=tuple(vary or ()), table=table, quantities=tuple(quantity or ()), csv=csv, json=json, svg=svg, jobs=jobs,
         simulate=tuple(dict.fromkeys(simulate or ())), designs=designs, seed=seed, scheduler=scheduler,
     )  # fmt: skip
     raise typer.Exit(sweep.run(choice, Destination(json, out, resume, quiet)))
@@ -124,6 +125,7 @@ def optimise(
     to_angle: options.ToAngle = None,
     clockwise: options.Clockwise = False,
     no_gravity: options.NoGravity = False,
+    scale_mass: options.ScaleMass = False,
     angles: Angles = 180,
     starts: Annotated[int, valued("N", "Search from so many designs, the file's first.")] = 1,
     seed: Annotated[int, valued("N", "Seed of the other designs.")] = 0,
@@ -152,7 +154,8 @@ def optimise(
     wish = command.wish(minimise, maximise, over or (), keep or (), how)
     choice = command.OptimiseChoice(
         mechanism=mechanism, variant=variant, **speed_words(speed), clockwise=clockwise, from_angle=from_angle,
-        to_angle=to_angle, gravity=not no_gravity, angles=angles, wish=wish, simulate=tuple(simulate or ()),
+        to_angle=to_angle, gravity=not no_gravity, scale_mass=scale_mass, angles=angles, wish=wish,
+        simulate=tuple(simulate or ()),
     )  # fmt: skip
     raise typer.Exit(command.run(choice, Destination(json, out, quiet=quiet)))
 
@@ -162,8 +165,12 @@ def tolerance(
     mechanism: options.Mechanism,
     tolerances: Annotated[Path, typer.Argument(metavar="TOLERANCES.toml", hidden=True)],
     variant: options.Variant = None,
-    angles: Annotated[int, valued("N", "Crank angles between which extremes are refined.")] = 180,
+    from_angle: options.FromAngle = None,
+    to_angle: options.ToAngle = None,
+    clockwise: options.Clockwise = False,
     no_gravity: options.NoGravity = False,
+    scale_mass: options.ScaleMass = False,
+    angles: Annotated[int, valued("N", "Crank angles between which extremes are refined.")] = 180,
     samples: Annotated[
         int | None, valued("N", "Random designs; default: 10000, 200 where a group has no closed form.")
     ] = None,
@@ -185,6 +192,8 @@ def tolerance(
     from reports.command_line.commands import tolerance
 
     choice = tolerance.ToleranceChoice(
-        mechanism, tolerances, variant, not no_gravity, angles, samples, seed, json=json, csv=csv, svg=svg, quiet=quiet
-    )
+        mechanism=mechanism, tolerances=tolerances, variant=variant, from_angle=from_angle, to_angle=to_angle,
+        clockwise=clockwise, gravity=not no_gravity, scale_mass=scale_mass, angles=angles, samples=samples, seed=seed,
+        json=json, csv=csv, svg=svg, quiet=quiet,
+    )  # fmt: skip
     tolerance.run(choice)

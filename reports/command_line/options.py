@@ -91,4 +91,7 @@ FromAngle = Annotated[float | None, valued("DEGREES", "Crank angle at which a sw
 ToAngle = Annotated[float | None, valued("DEGREES", "Crank angle at which it ends.", "--to")]
 Clockwise = Annotated[bool, flag("Turn the crank clockwise.", "--clockwise")]
 Strict = Annotated[bool, flag("Refuse a file with what looks like a slip: units, masses, load tables.", "--strict")]
+ScaleMass = Annotated[
+    bool, flag("Mass and inertia of a link go with its lengths; else they are as in the file.", "--scale-mass")
+]
 NoGravity = Annotated[bool, flag("Leave gravity out.", "--no-gravity")]

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import numpy as np
@@ -24,13 +24,14 @@ from reports.command_line.motion_choice import MotionChoice
 class SteadyChoice(MotionChoice):
     """A motion at constant speed, in the user's words, and at how many crank ``angles`` it is looked at.
 
-    With ``refine`` extremes are looked for between them.
+    With ``refine`` extremes are looked for between them, with ``scale_mass`` masses of designs go with lengths.
     """
 
     mechanism: str
     gravity: bool = True
     angles: int = SAMPLES
     refine: bool = False
+    scale_mass: bool = False
 
     @property
     def words(self) -> dict[str, Sequence[str]]:
@@ -40,7 +41,8 @@ class SteadyChoice(MotionChoice):
     @property
     def flags(self) -> dict[str, bool]:
         """Options without a value, and whether they are set."""
-        return {"clockwise": self.clockwise, "no-gravity": not self.gravity, "refine": self.refine}
+        flags = {"clockwise": self.clockwise, "no-gravity": not self.gravity, "refine": self.refine}
+        return {**flags, "scale-mass": self.scale_mass}
 
 
 class SteadyCase(NamedTuple):
@@ -57,6 +59,7 @@ def steady_case(linkage: Linkage, choice: SteadyChoice) -> SteadyCase:
     Raises LinkproofError for what cannot be.
     """
     choice.check()
+    linkage = replace(linkage, scales_mass=choice.scale_mass)
     mechanism = Mechanism(linkage if choice.gravity else without(linkage, "gravity"))
     case = chosen_case(mechanism, choice)
     case.check_motion()

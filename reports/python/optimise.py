@@ -27,6 +27,7 @@ def optimise(
     maximise: str | None = None,
     keep: Mapping[str, Range] | Sequence[str] = (),
     angles: int = SAMPLES,
+    scale_mass: bool = False,
     starts: int = 1,
     seed: int = 0,
     everywhere: bool = False,
@@ -37,7 +38,7 @@ def optimise(
 
     ``over`` has the bounds of each number by name, (170, 180) or "±10%"; ``keep`` the figures that are kept: at None as
     the file has them, at a value, or between two, of which None is none. ``everywhere`` is the command's ``--global``,
-    ``step`` its ``--round``.
+    ``step`` its ``--round``; with ``scale_mass`` masses go with lengths.
 
     Numbers and figures are variables over ``design``, before and after, with their units; the attributes have the
     ``toml`` of the new design's file, the ``method`` and its cost, and the ``residual``, 0 at a local optimum. Raises
@@ -47,8 +48,9 @@ def optimise(
     how = {"starts": starts, "seed": seed, "everywhere": everywhere, "step": "" if step is None else str(step)}
     wished = wish(minimise, maximise, [_word(*one) for one in over.items()], [_word(*one) for one in kept.items()], how)
     asked = OptimiseChoice(
-        mechanism=str(linkage), wish=wished, angles=angles, gravity=options.get("gravity", True), **choice(options)
-    )
+        mechanism=str(linkage), wish=wished, angles=angles, scale_mass=scale_mass,
+        gravity=options.get("gravity", True), **choice(options),
+    )  # fmt: skip
     chosen = chosen_linkage(linkage, asked.variant)
     found, conditions = optimum(chosen, asked, Destination(quiet=True))
     saved = document(found, asked.command, conditions)

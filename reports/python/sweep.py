@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from analytic.description.linkage import Linkage
 from analytic.errors import LinkproofError
 from comparisons.designs.named_figures import named_figures
-from comparisons.designs.parameters import Parameter, parameter
+from comparisons.designs.parameters import Parameter, mass_words, parameter
 from comparisons.designs.steady_motion import SAMPLES
 from comparisons.designs.sweep.saved_sweep import labelled
 from comparisons.designs.sweep.space import DesignSpace, Grid, Listed
@@ -40,6 +40,7 @@ def sweep(
     table: Any = None,  # noqa: ANN401 - whatever has columns
     angles: int = SAMPLES,
     refine: bool = False,
+    scale_mass: bool = False,
     cores: int | None = None,
     scheduler: str | Client | None = None,
     **options: Unpack[MotionOptions],
@@ -53,12 +54,13 @@ def sweep(
 
     Where values are Dask arrays, so are the figures, worked out chunk by chunk when they are asked for. Where a
     ``scheduler`` of Dask is named, its address, "local:N" or a client, its workers make figures of other values.
-    Extremes are those of the sampled crank ``angles``, with ``refine`` the true ones. Raises LinkproofError for what
-    cannot be, but where no design assembles all is nan.
+    Extremes are those of the sampled crank ``angles``, with ``refine`` the true ones; with ``scale_mass`` masses go
+    with lengths. Raises LinkproofError for what cannot be, but where no design assembles all is nan.
     """
     asked = SteadyChoice(
-        mechanism=str(linkage), gravity=options.get("gravity", True), angles=angles, refine=refine, **choice(options)
-    )
+        mechanism=str(linkage), gravity=options.get("gravity", True), angles=angles, refine=refine,
+        scale_mass=scale_mass, **choice(options),
+    )  # fmt: skip
     mechanism, motion, conditions = steady_case(chosen_linkage(linkage, asked.variant), asked)
     if (vary is None) == (table is None):
         raise LinkproofError(f"sweep: expected vary or table, got {'neither' if vary is None else 'both'}: pass one")
@@ -73,6 +75,7 @@ def sweep(
     request = SweepRequest(mechanism.linkage, space, named, motion, refine, cores)
     own_figures(request)  # complains of what no design can have
     found = _lazy(request, [*values.values()]) if is_lazy else _found(request.on_one_path(), scheduler)
+    conditions += mass_words(mechanism.linkage, values)
     about = {name: value for name, value in described(request, conditions, "").items() if name != "command"}
     return labelled(request, values, found, about)
 

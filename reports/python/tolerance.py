@@ -3,18 +3,20 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import replace
 from pathlib import Path
-from typing import Any
+from typing import Any, Unpack
 
 import numpy as np
 import xarray
 
 from analytic.description.linkage import Linkage
 from comparisons.designs.steady_motion import SAMPLES as PLACES
-from comparisons.designs.tolerance.tolerance_request import tolerance_request
 from comparisons.designs.tolerance.tolerance_study import SHARES, ToleranceStudy, tolerance_study
 from comparisons.designs.tolerance.tolerances import Tolerances, read_tolerances
-from reports.python.options import Words, chosen_linkage, words
+from reports.command_line.commands.tolerance import request_of
+from reports.command_line.steady_choice import SteadyChoice
+from reports.python.options import MotionOptions, Words, choice, chosen_linkage, words
 
 
 def tolerance(
@@ -22,17 +24,17 @@ def tolerance(
     tolerances: Mapping[str, Any] | str | Path,
     results: Words | None = None,
     *,
-    variant: str | None = None,
-    speed: float | None = None,
     angles: int = PLACES,
-    gravity: bool = True,
+    scale_mass: bool = False,
     samples: int | None = None,
     seed: int = 0,
+    **options: Unpack[MotionOptions],
 ) -> xarray.Dataset:
     """How tolerances of a linkage's numbers move results, over ``result`` and ``parameter``; in the file's units.
 
     ``tolerances`` are ± by name, as under [tolerances] in a file of ``linkproof tolerance``, or such a file, which also
-    says ``results`` and ``speed`` where they are not given: rpm, or the file's unit of length per second.
+    says ``results`` and ``speed`` where they are not given: rpm, or the file's unit of length per second. With
+    ``scale_mass`` masses go with lengths.
 
     ``contribution`` (±), ``share`` (of the variance), ``worst`` (±, all together) and ``linear_deviation`` follow from
     ``derivative``, whose attribute ``derivatives`` is exact or difference. ``change`` (over ``limit``) is worked out
@@ -41,14 +43,15 @@ def tolerance(
     LinkproofError for what cannot be.
     """
     asked = Tolerances((), None, tolerances) if isinstance(tolerances, Mapping) else read_tolerances(Path(tolerances))
-    asked = Tolerances(
-        asked.results if results is None else words(results),
-        asked.speed if speed is None else speed,
-        asked.table,
-        asked.origin,
-    )
-    chosen = chosen_linkage(linkage, variant, gravity=gravity)
-    return dataset(tolerance_study(tolerance_request(chosen, asked, angles=angles, samples=samples, seed=seed)))
+    asked = replace(asked, results=asked.results if results is None else words(results))
+    if options.get("speed") is not None:
+        asked = replace(asked, speed=options["speed"])
+    how = SteadyChoice(
+        mechanism=str(linkage), gravity=options.get("gravity", True), angles=angles, refine=True,
+        scale_mass=scale_mass, **choice(options),
+    )  # fmt: skip
+    chosen = chosen_linkage(linkage, how.variant)
+    return dataset(tolerance_study(request_of(chosen, asked, how, samples=samples, seed=seed)))
 
 
 def dataset(study: ToleranceStudy) -> xarray.Dataset:

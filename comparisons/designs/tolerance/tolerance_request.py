@@ -4,28 +4,25 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
 
 from analytic.description.changes import SPEED, numbers
-from analytic.description.linkage import Linkage
 from analytic.designs.derivatives import is_exact
 from analytic.errors import LinkproofError
 from analytic.kinematics.mechanism import Mechanism
 from comparisons.designs.named_figures import NamedFigure, named_figures
-from comparisons.designs.parameters import speed_unit
-from comparisons.designs.steady_motion import SAMPLES as PLACES
-from comparisons.designs.steady_motion import SteadyMotion, steady_motion
+from comparisons.designs.parameters import mass_words
+from comparisons.designs.steady_motion import SteadyMotion
 from comparisons.designs.tolerance.tolerances import ANGLE, LENGTH, Tolerance, Tolerances, tolerances
 
 Array = NDArray[np.float64]
 Announce = Callable[[str, int, int], None]  # what is worked out, how many are, of how many
 
 FEWEST, MOST = 2, 10**7
-USUAL: Final = 1000.0  # rpm
 SAMPLES: Final = 10_000
 FEW_SAMPLES: Final = 200  # of a linkage whose groups are followed anew for every design, which takes a second or so
 TOGETHER, ALONE = 1000, 5  # designs worked out between two announcements
@@ -33,7 +30,7 @@ TOGETHER, ALONE = 1000, 5  # designs worked out between two announcements
 
 @dataclass(frozen=True)
 class ToleranceRequest:
-    """Tolerances of a mechanism, the results they may move, its motion, and the random designs."""
+    """Tolerances of a mechanism, the results they may move, its motion, the random designs, and conditions in words."""
 
     mechanism: Mechanism
     tolerances: tuple[Tolerance, ...]
@@ -41,23 +38,17 @@ class ToleranceRequest:
     motion: SteadyMotion
     samples: int
     seed: int = 0
-
-    @property
-    def conditions(self) -> str:
-        """Linkage and motion in words."""
-        linkage, unit = self.mechanism.linkage, speed_unit(self.mechanism.linkage)
-        variant = f" ({linkage.variant})" if linkage.variant else ""
-        places = "places" if linkage.is_linear else "crank angles"
-        gravity = "" if any(linkage.gravity) else ", no gravity"
-        return (
-            f"{linkage.name}{variant}: constant speed, {self.motion.speed / unit.size:g} {unit.name}{gravity}, "
-            f"refined between {len(self.motion.places)} {places}"
-        )
+    conditions: str = ""
 
     @property
     def _own(self) -> dict[str, float]:
         """The nominal numbers, SI, the speed among them."""
         return numbers(self.mechanism.linkage) | {SPEED: abs(self.motion.speed)}
+
+    @property
+    def names(self) -> list[str]:
+        """The numbers of the description in which the designs differ."""
+        return list(self.designs(np.zeros((len(self.tolerances), 1))))
 
     def designs(self, offsets: Array) -> dict[str, Array]:
         """Numbers of the description (designs,) by name, at offsets (tolerances, designs) from the nominal; SI.
@@ -92,10 +83,9 @@ class ToleranceRequest:
     def derivatives(self) -> Array:
         """Derivatives of the results by what has a tolerance, (results, tolerances)."""
         own = self._own
-        names = list(self.designs(np.zeros((len(self.tolerances), 1))))
         figures = [one.figure for one in self.figures]
-        _, gradients = self.motion.gradients(self.mechanism, {name: own[name] for name in names}, figures)
-        by = dict(zip(names, gradients.T, strict=True))
+        _, gradients = self.motion.gradients(self.mechanism, {name: own[name] for name in self.names}, figures)
+        by = dict(zip(self.names, gradients.T, strict=True))
         columns = []
         for one in self.tolerances:
             if not one.point:
@@ -108,19 +98,20 @@ class ToleranceRequest:
 
 
 def tolerance_request(
-    linkage: Linkage, asked: Tolerances, *, angles: int = PLACES, samples: int | None = None, seed: int = 0
+    mechanism: Mechanism,
+    motion: SteadyMotion,
+    asked: Tolerances,
+    *,
+    samples: int | None = None,
+    seed: int = 0,
+    conditions: str = "",
 ) -> ToleranceRequest:
-    """What is asked for; of random designs there are 10 000, or 200 of a linkage that goes design by design.
+    """What is asked for, under a motion whose ``conditions`` are words.
 
-    Raises LinkproofError for names that are not there and for a motion that cannot be.
+    Of random designs there are 10 000, or 200 of a linkage that goes design by design. Raises LinkproofError for names
+    that are not there.
     """
-    mechanism = Mechanism(linkage)
-    if asked.speed is None and linkage.is_linear:
-        raise LinkproofError(
-            f"{asked.origin}speed: expected the driver's speed in {speed_unit(linkage).name}, got nothing; add it"
-        )
-    speed = (USUAL if asked.speed is None else asked.speed) * speed_unit(linkage).size
-    found = tolerances(linkage, asked.table, f"{asked.origin}tolerances.", speed)
+    found = tolerances(mechanism.linkage, asked.table, f"{asked.origin}tolerances.", motion.speed)
     if not asked.results:
         raise LinkproofError(f'{asked.origin}results: expected a figure, as "Mkr.peak", got none; name one')
     try:
@@ -135,5 +126,5 @@ def tolerance_request(
         raise LinkproofError(f"--samples: expected {MOST} random designs or fewer, got {samples}; draw fewer")
     if seed < 0:
         raise LinkproofError(f"--seed: expected a number from 0 on, got {seed}; give another")
-    motion = steady_motion(mechanism, speed, samples=angles)
-    return ToleranceRequest(mechanism, found, figures, motion, samples, seed)
+    request = ToleranceRequest(mechanism, found, figures, motion, samples, seed)
+    return replace(request, conditions=conditions + mass_words(mechanism.linkage, request.names))

@@ -20,7 +20,7 @@ from analytic.signals import MAGNITUDE
 from comparisons.datasheet.units import file_unit
 from comparisons.designs.design_file import design_file
 from comparisons.designs.optimum.optimisation import Optimum, Wish, optimise
-from comparisons.designs.parameters import speed_unit
+from comparisons.designs.parameters import mass_words, speed_unit
 from comparisons.judging.records import to_json
 from comparisons.runs.files import write_text
 from reports.command_line import PASSED
@@ -79,7 +79,8 @@ def optimum(linkage: Linkage, choice: OptimiseChoice, destination: Destination) 
     """The best design, and the conditions in words."""
     mechanism, motion, conditions = steady_case(linkage, choice)
     with destination.progress() as announce:
-        return optimise(mechanism, motion, choice.wish, announce), conditions
+        found = optimise(mechanism, motion, choice.wish, announce)
+    return found, conditions + mass_words(mechanism.linkage, found.after)
 
 
 def run(choice: OptimiseChoice, destination: Destination, limits: RunLimits | None = None) -> int:

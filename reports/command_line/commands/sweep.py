@@ -16,6 +16,7 @@ from analytic.description.loading import load
 from analytic.errors import LinkproofError
 from comparisons.datasheet.units import file_unit
 from comparisons.designs.named_figures import named_figures
+from comparisons.designs.parameters import mass_words
 from comparisons.designs.sweep.saved_sweep import FILE, SavedSweep
 from comparisons.designs.sweep.simulated_designs import engines_over_designs, simulated_designs
 from comparisons.designs.sweep.space import DesignSpace, Grid, steps
@@ -155,6 +156,7 @@ def sweep_request(linkage: Linkage, choice: SweepChoice) -> tuple[SweepRequest, 
     if not figures:
         raise LinkproofError(f"expected a figure of '{linkage.name}', got none: name one with --quantity")
     space = designs_of(mechanism.linkage, choice)
+    conditions += mass_words(mechanism.linkage, (one.name for one in space.parameters))
     return SweepRequest(mechanism.linkage, space, figures, motion, choice.refine, choice.jobs).on_one_path(), conditions
 
 

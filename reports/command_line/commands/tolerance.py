@@ -2,33 +2,30 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
-from analytic.description.changes import without
+from analytic.description.linkage import Linkage
 from analytic.description.loading import load
-from comparisons.designs.steady_motion import SAMPLES as PLACES
-from comparisons.designs.tolerance.tolerance_request import tolerance_request
+from comparisons.designs.tolerance.tolerance_request import ToleranceRequest, tolerance_request
 from comparisons.designs.tolerance.tolerance_study import ToleranceStudy, tolerance_study
-from comparisons.designs.tolerance.tolerances import read_tolerances
+from comparisons.designs.tolerance.tolerances import Tolerances, read_tolerances
 from comparisons.judging.records import to_json
 from comparisons.runs.files import write_text
 from reports.command_line.destination import STDOUT, check_files, write_out
 from reports.command_line.progress import progress
+from reports.command_line.steady_choice import SteadyChoice, steady_case
 from reports.designs.tolerance.tolerance_files import csv_table, document
 from reports.designs.tolerance.tolerance_terminal import printout
 from reports.document.terminal import show
 
 
-@dataclass(frozen=True)
-class ToleranceChoice:
+@dataclass(frozen=True, kw_only=True)
+class ToleranceChoice(SteadyChoice):
     """What was asked for, in the user's words; ``json``, ``csv`` and ``svg`` are files, or "-" for stdout."""
 
-    mechanism: str
     tolerances: Path
-    variant: str | None = None
-    gravity: bool = True
-    angles: int = PLACES
+    refine: bool = True
     samples: int | None = None
     seed: int = 0
     json: str | None = None
@@ -46,15 +43,8 @@ class ToleranceChoice:
 def run(choice: ToleranceChoice) -> None:
     """Work the tolerances through, print the tables and write the files asked for."""
     check_files(choice.files, {"the linkage's file": Path(choice.mechanism), "the tolerances": choice.tolerances})
-    linkage = load(choice.mechanism, choice.variant)
-    asked = read_tolerances(choice.tolerances)
-    request = tolerance_request(
-        linkage if choice.gravity else without(linkage, "gravity"),
-        asked,
-        angles=choice.angles,
-        samples=choice.samples,
-        seed=choice.seed,
-    )
+    request = request_of(load(choice.mechanism, choice.variant), read_tolerances(choice.tolerances), choice,
+                         samples=choice.samples, seed=choice.seed)  # fmt: skip
     with progress(visible=not choice.quiet) as announce:
         found = tolerance_study(request, announce)
     for option, file in choice.files.items():
@@ -67,6 +57,16 @@ def run(choice: ToleranceChoice) -> None:
         return
     printed = printout(found)
     show(*([] if choice.quiet else printed.tables), *printed.closing)
+
+
+def request_of(
+    linkage: Linkage, asked: Tolerances, choice: SteadyChoice, *, samples: int | None, seed: int
+) -> ToleranceRequest:
+    """What is asked for, at the speed of the file of tolerances where that has one."""
+    if asked.speed is not None:
+        choice = replace(choice, speed=asked.speed, gives_speed=True)
+    mechanism, motion, conditions = steady_case(linkage, choice)
+    return tolerance_request(mechanism, motion, asked, samples=samples, seed=seed, conditions=conditions)
 
 
 def _written(option: str, found: ToleranceStudy) -> str:

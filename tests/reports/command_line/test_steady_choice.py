@@ -40,9 +40,9 @@ def test_a_drive_along_a_line_goes_over_its_range_in_a_second():
 
 
 def test_the_command_that_asks_for_the_same_names_what_is_not_usual():
-    choice = SteadyChoice(mechanism="rimoldi-164", angles=90, refine=True, gravity=False)
+    choice = SteadyChoice(mechanism="rimoldi-164", angles=90, refine=True, gravity=False, scale_mass=True)
     assert choice.words["angles"] == ["90"]
-    assert choice.flags == {"clockwise": False, "no-gravity": True, "refine": True}
+    assert choice.flags == {"clockwise": False, "no-gravity": True, "refine": True, "scale-mass": True}
     assert SteadyChoice(mechanism="rimoldi-164").words["angles"] == []
 
 

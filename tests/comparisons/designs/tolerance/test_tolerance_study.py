@@ -16,7 +16,7 @@ from comparisons.designs.steady_motion import steady_motion
 from comparisons.designs.tolerance.tolerance_request import FEW_SAMPLES, ToleranceRequest, tolerance_request
 from comparisons.designs.tolerance.tolerance_study import tolerance_study
 from comparisons.designs.tolerance.tolerances import Tolerances, tolerances
-from tests.analytic.drives import path_of
+from tests.analytic.drives import driven
 from tests.analytic.linkages import IN_LINE, from_text
 
 RIMOLDI = Mechanism(load("rimoldi-164"))
@@ -100,10 +100,11 @@ def test_a_picture_has_the_units_of_the_file():
 
 
 def test_where_there_is_no_closed_form_derivatives_are_differences():
-    linkage, heard = load(path_of("ternary-on-rods")), []
-    asked = Tolerances(("Mkr.peak", "Mkr@30"), 100.0, {"crank.A.x": 0.01, "crank.mass": 0.01})
-    request = tolerance_request(linkage, asked, angles=12, samples=3)
-    assert tolerance_request(linkage, asked).samples == FEW_SAMPLES
+    sample, heard = driven("ternary-on-rods"), []
+    asked = Tolerances(("Mkr.peak", "Mkr@30"), None, {"crank.A.x": 0.01, "crank.mass": 0.01})
+    motion = steady_motion(sample, 10.0, samples=12)
+    request = tolerance_request(sample, motion, asked, samples=3)
+    assert tolerance_request(sample, motion, asked).samples == FEW_SAMPLES
     found = tolerance_study(request, lambda *words: heard.append(words))
     slopes = (found.changes[..., 1] - found.changes[..., 0]) / 2.0
     assert found.how == "difference"

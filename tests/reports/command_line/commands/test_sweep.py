@@ -44,7 +44,7 @@ def test_it_says_how_many_assemble_and_where_figures_are_least_and_largest(tmp_p
     assert done.returncode == 0, done.stderr
     lines = done.stdout.splitlines()
     assert lines[0].startswith("rimoldi-164 (as-built): constant-speed, 500 rpm clockwise, φ from 0° to -360°")
-    assert lines[0].endswith("gravity on, sampled at 180 crank angles")
+    assert lines[0].endswith("gravity on, sampled at 180 crank angles, masses as in the file")
     assert lines[1] == (
         "15 (5 × 3) designs, of which 9 (60 %) assemble at every angle: rod.B.x from 170 to 180 mm, rod.mass from 0.1 "
         "to 0.2 kg"

@@ -34,7 +34,10 @@ def test_it_says_what_moves_what_and_writes_it(tmp_path, file):
     )  # fmt: skip
     assert (done.returncode, done.stderr) == (0, "")
     lines = done.stdout.splitlines()
-    head = "rimoldi-164 (as-built): constant speed, 900 rpm, no gravity, refined between 24 crank angles"
+    head = (
+        "rimoldi-164 (as-built): constant-speed, 900 rpm counter-clockwise, φ from 0° to 360° in 0.06667 s, gravity off"
+    )
+    head += ", refined between 24 crank angles, masses as in the file"
     assert lines[0] == head
     assert "stroke [mm]: 30.9866" in lines
     assert any(line.startswith("worst case: ") and "of all 8 corners worked out" in line for line in lines)
@@ -56,7 +59,11 @@ def test_it_says_what_moves_what_and_writes_it(tmp_path, file):
 
 
 def test_python_has_the_same_numbers(tmp_path, file):
-    run(ToleranceChoice("rimoldi-164", file, angles=24, samples=50, json=str(tmp_path / "a.json"), quiet=True))
+    run(
+        ToleranceChoice(
+            mechanism="rimoldi-164", tolerances=file, angles=24, samples=50, json=str(tmp_path / "a.json"), quiet=True
+        )
+    )
     told = json.loads((tmp_path / "a.json").read_text(encoding="utf-8"))["results"]["Mkr.peak"]
     found = package.tolerance("rimoldi-164", file, angles=24, samples=50).sel(result="Mkr.peak")
     assert found.sizes == {"parameter": 3, "limit": 2, "end": 2, "level": 2}
@@ -77,8 +84,8 @@ def test_a_drive_along_a_line_has_its_own_unit_of_speed(file):
     file.write_text(f'results = ["v.peak"]\nspeed = 12\n[tolerances]\n"{name}.mass" = 0.01\n', encoding="utf-8")
     found = package.tolerance(motor, file, angles=12, samples=4)
     assert "12 mm/s" in found.attrs["conditions"]
-    with pytest.raises(LinkproofError, match="expected the driver's speed in mm/s"):
-        package.tolerance(motor, {f"{name}.mass": 0.01}, "v.peak")
+    usual = package.tolerance(motor, {f"{name}.mass": 0.01}, "v.peak", angles=12, samples=4)
+    assert "φ from -9.97355 mm to 172.96 mm in 1 s" in usual.attrs["conditions"]
 
 
 @pytest.mark.parametrize(
@@ -95,7 +102,7 @@ def test_a_drive_along_a_line_has_its_own_unit_of_speed(file):
 def test_faults_of_the_file_are_told_with_its_name(file, old, new, words):
     file.write_text(TEXT.replace(old, new), encoding="utf-8")
     with pytest.raises(LinkproofError, match=words) as told:
-        run(ToleranceChoice("rimoldi-164", file))
+        run(ToleranceChoice(mechanism="rimoldi-164", tolerances=file))
     assert str(told.value).startswith(str(file))
 
 
@@ -109,6 +116,7 @@ def test_other_faults_are_told_before_anything_is_written(tmp_path, file):
         ({"seed": -1}, "--seed: expected a number from 0 on"),
         ({"angles": 3}, "--angles: expected 8 crank angles or more, got 3"),
     ):
+        given = {"json": str(tmp_path / "none.json"), **options}
         with pytest.raises(LinkproofError, match=words):
-            run(ToleranceChoice("rimoldi-164", file, **{"json": str(tmp_path / "none.json"), **options}))
+            run(ToleranceChoice(mechanism="rimoldi-164", tolerances=file, **given))
     assert not (tmp_path / "none.json").exists()

@@ -1,5 +1,7 @@
 """What is printed of a tolerance study: rows by contribution, what a derivative is, the worst case, random designs."""
 
+from analytic.description.crank_motion import RPM
+from comparisons.designs.steady_motion import steady_motion
 from comparisons.designs.tolerance.tolerance_request import tolerance_request
 from comparisons.designs.tolerance.tolerance_study import tolerance_study
 from comparisons.designs.tolerance.tolerances import Tolerances
@@ -9,16 +11,17 @@ from reports.document.terminal import rendered
 from tests.analytic.linkages import IN_LINE, from_text, mechanism
 
 
-def told(linkage, results, table, **options):
+def told(sample, results, table, **options):
     """The text of a study."""
-    study = tolerance_study(tolerance_request(linkage, Tolerances(results, 900.0, table), angles=24, **options))
+    motion = steady_motion(sample, 900.0 * RPM, samples=24)
+    study = tolerance_study(tolerance_request(sample, motion, Tolerances(results, None, table), **options))
     found = printout(study)
     return study, rendered(*found.tables, *found.closing)
 
 
 def test_rows_stand_by_contribution_and_a_mass_moves_no_stroke():
     table = {"rod.mass": 0.01, "rod.B.x": 0.01, "rocker.B.length": {"plus_minus": 0.05, "distribution": "uniform"}}
-    study, text = told(mechanism("rimoldi-164", "as-built").linkage, ("stroke",), table, samples=30, seed=2)
+    study, text = told(mechanism("rimoldi-164", "as-built"), ("stroke",), table, samples=30, seed=2)
     rows = [line.split()[0] for line in text.splitlines() if "exact" in line]
     assert rows == ["rocker.B.length", "rod.B.x", "rod.mass"]
     assert "stroke [mm]: 30.9866" in text
@@ -29,24 +32,24 @@ def test_rows_stand_by_contribution_and_a_mass_moves_no_stroke():
 
 
 def test_corners_that_do_not_assemble_are_counted():
-    study, text = told(mechanism("rimoldi-164", "as-built").linkage, ("stroke",), {"rod.B.x": 12.0}, samples=30)
+    study, text = told(mechanism("rimoldi-164", "as-built"), ("stroke",), {"rod.B.x": 12.0}, samples=30)
     assert "of all 2 corners worked out, of which 2 do not assemble" in text
     assert document(study)["results"]["stroke"]["worst case"]["corners that do not assemble"] == 2
 
 
 def test_what_has_no_derivative_says_why():
     table = {"piston.through.y": 0.001, "rod.B.x": 0.001}
-    study, text = told(from_text(IN_LINE).linkage, ("v.peak",), table, samples=4)
+    study, text = told(from_text(IN_LINE), ("v.peak",), table, samples=4)
     assert text.count(TIED) == 1
     first = document(study)["results"]["v.peak"]["tolerances"][0]
     assert first["derivative"] is None
     assert first["contribution"] > 0.0
-    _, text = told(mechanism("parallelogram").linkage, ("Mkr@30",), {"coupler.mass": 0.01}, samples=4)
+    _, text = told(mechanism("parallelogram"), ("Mkr@30",), {"coupler.mass": 0.01}, samples=4)
     assert "difference" in text
     assert NONE not in text.split()
 
 
 def test_designs_that_do_not_assemble_are_a_share():
     table = {"crank.A.x": {"plus_minus": 11.9, "distribution": "uniform"}}
-    _, text = told(mechanism("rimoldi-164", "as-built").linkage, ("stroke",), table, samples=100)
+    _, text = told(mechanism("rimoldi-164", "as-built"), ("stroke",), table, samples=100)
     assert "% of them do not assemble" in text
