@@ -151,7 +151,7 @@ def test_what_can_be_read_can_be_written(text):
 @pytest.mark.parametrize(
     ("numbers", "words"),
     [
-        ({"rod.B.z": 1.0}, "unknown parameter of 'rimoldi-164' 'rod.B.z': did you mean 'rod.B.y'?"),
+        ({"rod.B.z": 1.0}, "unknown parameter of 'rimoldi-164' 'rod.B.z': did you mean 'rod.B.y'"),
         ({"rod.B.x": math.nan}, "rod.B.x: expected a finite number, got nan"),
         ({"needle_bar.along.y": 0.0}, "needle_bar.along.y: expected a direction, got [0, 0]"),
         ({"rod.mass": -1.0}, "links.rod.mass: expected"),
