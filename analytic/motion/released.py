@@ -21,6 +21,7 @@ from analytic.kinematics.error_bounds import relative_bounds
 from analytic.kinematics.mechanism import Mechanism
 from analytic.numerics.collocation import Windows, gauss_scheme
 from analytic.numerics.integration import integrate
+from analytic.numerics.refine import highest
 
 Array = NDArray[np.float64]
 
@@ -33,7 +34,6 @@ SAMPLES: Final = 8  # instants per window at which the two are compared
 DISTURBANCE, LOOSE = 1e-7, 1e-10
 ROUNDINGS: Final = 64.0  # of the largest moment, in any one: the closed form's and the table's
 SEEN: Final = 720  # instants at which the closed form's own error is looked at
-LOOK, LOOKS = 16, 5  # each look at the peak shrinks its bracket 16-fold
 EPS: Final = float(np.finfo(float).eps)
 
 
@@ -73,13 +73,12 @@ class FreeMotion:
     @cached_property
     def peak_speed(self) -> float:
         """Largest |ω|, rad/s."""
-        near = self._instants(2 * NODES)
-        step = float(np.max(np.diff(near)))
-        for _ in range(LOOKS):
-            best = near[int(np.argmax(np.abs(self.speed(near))))]
-            near = np.clip(best + step * np.linspace(-1.0, 1.0, 2 * LOOK + 1), 0.0, self.duration)
-            step /= LOOK
-        return float(np.max(np.abs(self.speed(near))))
+        instants = self._instants(2 * NODES)
+
+        def size(time: Array) -> Array:
+            return np.abs(self.speed(time))[None]
+
+        return float(highest(size, instants, size(instants))[0][0])
 
     def _instants(self, count: int) -> Array:
         """``count`` instants in each window and all windows' ends, s."""
