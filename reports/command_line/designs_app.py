@@ -28,9 +28,9 @@ Angles = Annotated[int, valued("N", "Crank angles at which signals are sampled."
 Refine = Annotated[bool, flag("Look for true extremes between the sampled angles.", "--refine")]
 
 
-def speed_words(rpm: float | None) -> dict[str, Any]:
-    """The speed of a motion, and whether it was given: a drive along a line has a default of its own."""
-    return {} if rpm is None else {"speed": rpm, "gives_speed": True}
+def motion_words(regime: str | None, rpm: float | None = None) -> dict[str, Any]:
+    """A motion's regime, its speed, and whether that was given: a drive along a line has a default of its own."""
+    return {"regimes": (regime,) if regime else ()} | ({} if rpm is None else {"speed": rpm, "gives_speed": True})
 
 
 @app.command(short_help="Figures of many designs: peaks of torque and forces over ranges of lengths.")
@@ -48,6 +48,7 @@ def sweep(
     ] = None,
     table: Annotated[Path | None, valued("CSV", "Designs one by one: columns rod.B.x or rod.B.x [mm].")] = None,
     quantity: Quantities = None,
+    regime: options.SteadyRegime = None,
     speed: options.Speed = None,
     from_angle: options.FromAngle = None,
     to_angle: options.ToAngle = None,
@@ -86,7 +87,7 @@ def sweep(
     from reports.command_line.destination import Destination
 
     choice = sweep.SweepChoice(
-        mechanism=mechanism, variant=variant, **speed_words(speed), clockwise=clockwise, from_angle=from_angle,
+        mechanism=mechanism, variant=variant, **motion_words(regime, speed), clockwise=clockwise, from_angle=from_angle,
         to_angle=to_angle, gravity=not no_gravity, scale_mass=scale_mass, angles=angles, refine=refine,
         vary=tuple(vary or ()), table=table, quantities=tuple(quantity or ()), csv=csv, json=json, svg=svg, jobs=jobs,
         simulate=tuple(dict.fromkeys(simulate or ())), designs=designs, seed=seed, scheduler=scheduler,
@@ -120,6 +121,7 @@ def optimise(
         ),
     ] = None,
     variant: options.Variant = None,
+    regime: options.SteadyRegime = None,
     speed: options.Speed = None,
     from_angle: options.FromAngle = None,
     to_angle: options.ToAngle = None,
@@ -153,7 +155,7 @@ def optimise(
     how = {"starts": starts, "seed": seed, "everywhere": everywhere, "step": step or ""}
     wish = command.wish(minimise, maximise, over or (), keep or (), how)
     choice = command.OptimiseChoice(
-        mechanism=mechanism, variant=variant, **speed_words(speed), clockwise=clockwise, from_angle=from_angle,
+        mechanism=mechanism, variant=variant, **motion_words(regime, speed), clockwise=clockwise, from_angle=from_angle,
         to_angle=to_angle, gravity=not no_gravity, scale_mass=scale_mass, angles=angles, wish=wish,
         simulate=tuple(simulate or ()),
     )  # fmt: skip
@@ -165,6 +167,7 @@ def tolerance(
     mechanism: options.Mechanism,
     tolerances: Annotated[Path, typer.Argument(metavar="TOLERANCES.toml", hidden=True)],
     variant: options.Variant = None,
+    regime: options.SteadyRegime = None,
     from_angle: options.FromAngle = None,
     to_angle: options.ToAngle = None,
     clockwise: options.Clockwise = False,
@@ -192,8 +195,8 @@ def tolerance(
     from reports.command_line.commands import tolerance
 
     choice = tolerance.ToleranceChoice(
-        mechanism=mechanism, tolerances=tolerances, variant=variant, from_angle=from_angle, to_angle=to_angle,
-        clockwise=clockwise, gravity=not no_gravity, scale_mass=scale_mass, angles=angles, samples=samples, seed=seed,
-        json=json, csv=csv, svg=svg, quiet=quiet,
+        mechanism=mechanism, tolerances=tolerances, variant=variant, **motion_words(regime), from_angle=from_angle,
+        to_angle=to_angle, clockwise=clockwise, gravity=not no_gravity, scale_mass=scale_mass, angles=angles,
+        samples=samples, seed=seed, json=json, csv=csv, svg=svg, quiet=quiet,
     )  # fmt: skip
     tolerance.run(choice)

@@ -80,6 +80,9 @@ Scheduler = Annotated[
     str | None,
     valued("ADDRESS", "Run on the workers of a Dask scheduler, tcp://HOST:8786, or on N of this machine, local:N."),
 ]
+SteadyRegime = Annotated[
+    str | None, typer.Option("--regime", metavar="NAME", hidden=True)
+]  # constant-speed, or refused
 Speed = Annotated[
     float | None,
     valued("RPM", "Final crank speed, of a swing the largest; negative turns clockwise; default: 1000.", "--speed"),

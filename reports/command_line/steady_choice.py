@@ -11,7 +11,9 @@ import numpy as np
 from analytic.description.changes import without
 from analytic.description.law import FULL_TURN
 from analytic.description.linkage import Linkage
+from analytic.errors import LinkproofError
 from analytic.kinematics.mechanism import Mechanism
+from comparisons.datasheet.building import STEADY
 from comparisons.datasheet.designer_results import DesignerResults
 from comparisons.datasheet.figures import NEGLIGIBLE
 from comparisons.datasheet.instants import Instants
@@ -32,6 +34,16 @@ class SteadyChoice(MotionChoice):
     angles: int = SAMPLES
     refine: bool = False
     scale_mass: bool = False
+
+    def check(self) -> None:
+        """Raise LinkproofError for what cannot be, and for a motion that is not at constant speed."""
+        if self.regimes not in ((), (STEADY,)):
+            name = ", ".join(self.regimes)
+            raise LinkproofError(
+                f"--regime {name}: designs are compared at constant speed; leave it out, or see one design under that "
+                f"motion by linkproof results --regime {name}"
+            )
+        super().check()
 
     @property
     def words(self) -> dict[str, Sequence[str]]:

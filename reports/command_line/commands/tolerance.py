@@ -42,6 +42,7 @@ class ToleranceChoice(SteadyChoice):
 
 def run(choice: ToleranceChoice) -> None:
     """Work the tolerances through, print the tables and write the files asked for."""
+    choice.check()
     check_files(choice.files, {"the linkage's file": Path(choice.mechanism), "the tolerances": choice.tolerances})
     request = request_of(load(choice.mechanism, choice.variant), read_tolerances(choice.tolerances), choice,
                          samples=choice.samples, seed=choice.seed)  # fmt: skip

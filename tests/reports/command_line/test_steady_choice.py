@@ -1,14 +1,17 @@
 """The motion of many designs is that of ``results``: a turn, a range, or from one angle to another, at one speed."""
 
+import json
 import math
 
 import numpy as np
 import pytest
 
+import linkproof as package
 from analytic.description.loading import load
 from analytic.errors import LinkproofError
 from reports.command_line.steady_choice import SteadyChoice, steady_case
 from tests.analytic.drives import path_of
+from tests.commands import linkproof, refused
 
 
 def steady(name="rimoldi-164", **options):
@@ -44,6 +47,52 @@ def test_the_command_that_asks_for_the_same_names_what_is_not_usual():
     assert choice.words["angles"] == ["90"]
     assert choice.flags == {"clockwise": False, "no-gravity": True, "refine": True, "scale-mass": True}
     assert SteadyChoice(mechanism="rimoldi-164").words["angles"] == []
+
+
+MOTOR = path_of("linear-motor")
+
+
+@pytest.mark.parametrize(
+    ("name", "motion"),
+    [
+        ("juki-mf7923d", {"from_angle": 200.0, "to_angle": 30.0}),
+        ("juki-mf7923d", {"from_angle": 0.0, "to_angle": 500.0, "regime": "constant-speed"}),
+        (MOTOR, {}),
+        (MOTOR, {"speed": -50.0}),
+        (MOTOR, {"from_angle": 20.0, "to_angle": 100.0, "speed": 50.0}),
+    ],
+)
+def test_swings_and_drives_along_a_line_have_the_figures_of_results(name, motion):
+    words = [word for key, value in motion.items() for word in (f"--{key.removesuffix('_angle')}", str(value))]
+    told = json.loads(linkproof("results", name, *words, "--json", "-").stdout)["figures"]
+    force = next(one for one in told["forces"] if one["joint"] == "A")["force"]
+    peaks, number = ["Mkr.peak", "joint_force:A.peak"], f"{next(iter(load(name).links))}.mass"
+    expected = pytest.approx([abs(told["drive"][0]["torque"]), force], rel=1e-9)
+    mass = load(name).links[number.partition(".")[0]].mass
+    found = package.tolerance(name, {number: 1e-6 * mass}, peaks, samples=2, **motion)
+    assert found["nominal"].values.tolist() == expected
+    swept = package.sweep(name, {number: [mass]}, peaks, refine=True, **motion)
+    assert [float(swept[peak].squeeze()) for peak in peaks] == expected
+    over = {number: (0.9 * mass, 1.1 * mass)}
+    best = package.optimise(name, minimise=peaks[0], keep={peaks[1]: (0.0, 2.0 * force)}, over=over, **motion)
+    assert [float(best[peak].sel(design="before")) for peak in peaks] == expected
+    assert float(best[peaks[0]].sel(design="after")) < expected.expected[0]
+
+
+@pytest.mark.parametrize("regime", ["run-up", "own", "cycloidal", "nonsense"])
+@pytest.mark.parametrize(
+    "words",
+    [
+        ("sweep", "juki-mf7923d", "--vary", "crank.mass=1:2:3"),
+        ("optimise", "juki-mf7923d", "--over", "crank.mass=1:2", "--minimise", "Mkr.peak"),
+        ("tolerance", "juki-mf7923d", "none.toml"),
+    ],
+)
+def test_another_motion_than_constant_speed_is_refused(words, regime):
+    told = (
+        f"--regime {regime}: designs are compared at constant speed; leave it out, or see one design under that motion"
+    )
+    assert told in refused(*words, "--regime", regime)
 
 
 def test_too_few_angles_are_told():
