@@ -12,7 +12,8 @@ import typer
 from typer.core import TyperGroup
 
 from reports.command_line import completion, options
-from reports.command_line.options import flag, valued, words
+from reports.command_line.motion_choice import MotionChoice
+from reports.command_line.options import flag, valued, with_choices, words
 
 if TYPE_CHECKING:
     from reports.command_line.destination import Destination
@@ -46,13 +47,11 @@ app = typer.Typer(
 )
 
 
+USUAL = MotionChoice()
+
+
 def _names(given: list[str] | None) -> tuple[str, ...]:
     return tuple(given or ())
-
-
-def _speed(rpm: float | None) -> dict[str, Any]:
-    """The speed of a motion, and whether it was given: a drive along a line has a default of its own."""
-    return {"gives_speed": False} if rpm is None else {"speed": rpm, "gives_speed": True}
 
 
 def _destination(json: str | None, *rest: Any) -> Destination:  # noqa: ANN401
@@ -184,26 +183,10 @@ def published(
 
 
 @app.command(short_help="Peaks, bearing forces and every signal of one linkage, without an engine.")
+@with_choices()
 def results(
     mechanism: options.Mechanism,
-    variant: options.Variant = None,
-    regime: Annotated[
-        str | None,
-        valued(
-            "NAME",
-            "Motion of the crank, as for compare, or one of the file's own; default: one turn at constant speed, or "
-            "the range of a crank that makes none.",
-            names=completion.regimes,
-        ),
-    ] = None,
-    speed: options.Speed = None,
-    ramp_time: options.RampTime = 0.6,
-    hold_time: options.HoldTime = 0.1,
-    start_angle: options.StartAngle = 0.0,
-    from_angle: options.FromAngle = None,
-    to_angle: options.ToAngle = None,
-    clockwise: options.Clockwise = False,
-    no_gravity: options.NoGravity = False,
+    motion: MotionChoice = USUAL,
     at: Annotated[str | None, valued("DEGREES", "Every signal at these crank angles: 0,30,60.")] = None,
     time: Annotated[str | None, valued("SECONDS", "Every signal at these times: 0.1,0.2.")] = None,
     csv: Annotated[str | None, valued("FILE|-", "Write every signal as a table, in the file's units.")] = None,
@@ -224,10 +207,8 @@ def results(
     from reports.command_line.commands.results import ResultsChoice
 
     choice = ResultsChoice(
-        mechanism=mechanism, variant=variant, regimes=(regime,) if regime else (), **_speed(speed), ramp_time=ramp_time,
-        hold_time=hold_time, start_angle=start_angle, clockwise=clockwise, from_angle=from_angle, to_angle=to_angle,
-        gravity=not no_gravity, at=at, time=time, csv=csv, json=json, svg=svg, out=out, opens=opens,
-        strict=strict,
+        mechanism=mechanism, at=at, time=time, csv=csv, json=json, svg=svg, out=out, opens=opens, strict=strict,
+        **motion.motion_options,
     )  # fmt: skip
     results.results(choice, quiet=quiet)
 
@@ -243,21 +224,13 @@ def engines(
 
 
 @app.command(short_help="Simulate mechanisms; compare every error with its limit.")
+@with_choices()
 def compare(
     mechanisms: options.Mechanisms = None,
-    variant: options.Variant = None,
-    regime: options.Regimes = None,
+    motion: MotionChoice = USUAL,
     engine: options.Engines = None,
     setting: options.Settings = None,
     quantity: options.Quantities = None,
-    speed: options.Speed = None,
-    ramp_time: options.RampTime = 0.6,
-    hold_time: options.HoldTime = 0.1,
-    start_angle: options.StartAngle = 0.0,
-    from_angle: options.FromAngle = None,
-    to_angle: options.ToAngle = None,
-    clockwise: options.Clockwise = False,
-    no_gravity: options.NoGravity = False,
     full: Annotated[bool, flag("Run the files' own regimes in every setting, not tuned alone.", "--full")] = False,
     out: options.Out = None,
     json: options.Json = None,
@@ -302,32 +275,22 @@ def compare(
     from reports.command_line.standard_choice import StandardChoice
 
     choice = CampaignChoice(
-        _names(mechanisms), _names(engine), _names(setting), _names(quantity), not no_gravity, full,
-        variant=variant, regimes=_names(regime), **_speed(speed), ramp_time=ramp_time, hold_time=hold_time,
-        start_angle=start_angle, clockwise=clockwise, from_angle=from_angle, to_angle=to_angle,
-    )  # fmt: skip
+        _names(mechanisms), _names(engine), _names(setting), _names(quantity), full, **motion.motion_options
+    )
     destination = _destination(json, out, resume, quiet, verbose, junit)
     held = StandardChoice(limits, baseline, record_baseline, allow_new, allow_missing)
     raise typer.Exit(compare.compare(choice, destination, RunLimits(time_limit, memory_limit, jobs, scheduler), held))
 
 
 @app.command(short_help="Judge the results of another tool: right or not, and what is likely wrong.")
+@with_choices()
 def judge(
     mechanism: options.Mechanism,
     results: Annotated[list[Path], typer.Argument(metavar="RESULTS...", hidden=True)],
     mapping: Annotated[Path | None, valued("FILE", "What each column is, and which corrections are agreed to.")] = None,
     write_mapping: Annotated[Path | None, valued("FILE", "Write the mapping as recognised.")] = None,
     limit: Annotated[float, valued("SHARE", "Largest error allowed, as a share of the closed form's peak.")] = 0.01,
-    variant: options.Variant = None,
-    regime: options.Regimes = None,
-    speed: options.Speed = None,
-    from_angle: options.FromAngle = None,
-    to_angle: options.ToAngle = None,
-    ramp_time: options.RampTime = 0.6,
-    hold_time: options.HoldTime = 0.1,
-    start_angle: options.StartAngle = 0.0,
-    clockwise: options.Clockwise = False,
-    no_gravity: options.NoGravity = False,
+    motion: MotionChoice = USUAL,
     out: options.Out = None,
     json: options.Json = None,
     quiet: options.Quiet = False,
@@ -343,30 +306,18 @@ def judge(
     Exit codes: 0 every signal within the limit, 1 one is not, 2 bad input or nothing to judge.
     """
     from reports.command_line.commands import judge
-    from reports.command_line.motion_choice import MotionChoice
 
-    motion = MotionChoice(
-        variant=variant, regimes=_names(regime), **_speed(speed), ramp_time=ramp_time, hold_time=hold_time,
-        start_angle=start_angle, clockwise=clockwise, from_angle=from_angle, to_angle=to_angle,
-    )  # fmt: skip
-    choice = judge.JudgeChoice(mechanism, tuple(results), motion, limit, mapping, write_mapping, not no_gravity)
+    choice = judge.JudgeChoice(mechanism, tuple(results), motion, limit, mapping, write_mapping)
     raise typer.Exit(judge.judge(choice, _destination(json, out, False, quiet, verbose)))
 
 
 @app.command(short_help="Measure error against run time, over a sweep of steps.")
+@with_choices()
 def bench(
     mechanisms: options.Mechanisms = None,
-    variant: options.Variant = None,
-    regime: options.Regimes = None,
+    motion: MotionChoice = USUAL,
     engine: options.Engines = None,
     quantity: options.Quantities = None,
-    speed: options.Speed = None,
-    ramp_time: options.RampTime = 0.6,
-    hold_time: options.HoldTime = 0.1,
-    start_angle: options.StartAngle = 0.0,
-    from_angle: options.FromAngle = None,
-    to_angle: options.ToAngle = None,
-    clockwise: options.Clockwise = False,
     quick: Annotated[bool, flag("A coarser sweep of one regime: under a minute.", "--quick")] = False,
     costs: Annotated[bool, flag("Measure what each output and load costs too.", "--costs")] = False,
     out: options.Out = None,
@@ -389,8 +340,7 @@ def bench(
 
     choice = bench.BenchChoice(
         _names(mechanisms), _names(engine), quantities=_names(quantity), quick=quick, costs=costs,
-        variant=variant, regimes=_names(regime), **_speed(speed), ramp_time=ramp_time, hold_time=hold_time,
-        start_angle=start_angle, clockwise=clockwise, from_angle=from_angle, to_angle=to_angle,
+        **motion.motion_options,
     )  # fmt: skip
     raise typer.Exit(bench.bench(choice, _destination(json, out, resume, quiet, verbose), scheduler))
 
@@ -449,25 +399,15 @@ def check_engine(
 
 
 @app.command(short_help="Write an engine's run as a script of its own.")
+@with_choices()
 def export(
     mechanism: Annotated[str | None, words("MECHANISM", completion.mechanisms)] = None,
-    variant: options.Variant = None,
+    motion: MotionChoice = USUAL,
     engine: Annotated[str | None, valued("NAME", "Engine.", names=completion.engines)] = None,
-    regime: Annotated[
-        str | None, valued("NAME", "Motion of the crank; default: run-up.", names=completion.regimes)
-    ] = None,
     setting: Annotated[str | None, valued("NAME", "naive or tuned; default: tuned.", names=completion.settings)] = None,
     cell: Annotated[
         str | None, valued("CELL", "Instead of a mechanism: a run of a stability map, AXIS/ROW/VALUE/ENGINE/USAGE.")
     ] = None,
-    speed: options.Speed = None,
-    ramp_time: options.RampTime = 0.6,
-    hold_time: options.HoldTime = 0.1,
-    start_angle: options.StartAngle = 0.0,
-    from_angle: options.FromAngle = None,
-    to_angle: options.ToAngle = None,
-    clockwise: options.Clockwise = False,
-    no_gravity: options.NoGravity = False,
     out: Annotated[Path | None, valued("FILE", "Where to write it; default: stdout.")] = None,
 ) -> None:
     """Write an engine's run as a script that needs the engine and numpy alone, so that its author can repeat it.
@@ -479,13 +419,8 @@ def export(
     from reports.command_line.commands import engines
     from reports.command_line.requests import CampaignChoice
 
-    one = [(name,) if name else () for name in (mechanism, engine, setting, regime)]
-    choice = CampaignChoice(
-        one[0], one[1], one[2], (), not no_gravity,
-        variant=variant, regimes=one[3], **_speed(speed), ramp_time=ramp_time, hold_time=hold_time,
-        start_angle=start_angle, clockwise=clockwise, from_angle=from_angle, to_angle=to_angle,
-    )  # fmt: skip
-    engines.export(choice, cell, out)
+    mechanisms, named, settings = ((name,) if name else () for name in (mechanism, engine, setting))
+    engines.export(CampaignChoice(mechanisms, named, settings, **motion.motion_options), cell, out)
 
 
 @app.command(short_help="Write the pages of what was saved again, or its curves as CSV.")

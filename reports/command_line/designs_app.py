@@ -6,13 +6,14 @@ They are added to the commands of ``app``; what they need is imported when they 
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated
 
 import typer
 
 from reports.command_line import completion, options
 from reports.command_line.app import app
-from reports.command_line.options import flag, valued
+from reports.command_line.motion_choice import TIMED, MotionChoice
+from reports.command_line.options import flag, valued, with_choices
 
 Quantities = Annotated[
     list[str] | None,
@@ -28,15 +29,15 @@ Angles = Annotated[int, valued("N", "Crank angles at which signals are sampled."
 Refine = Annotated[bool, flag("Look for true extremes between the sampled angles.", "--refine")]
 
 
-def motion_words(regime: str | None, rpm: float | None = None) -> dict[str, Any]:
-    """A motion's regime, its speed, and whether that was given: a drive along a line has a default of its own."""
-    return {"regimes": (regime,) if regime else ()} | ({} if rpm is None else {"speed": rpm, "gives_speed": True})
+USUAL = MotionChoice()
+STEADY = with_choices(without=TIMED)  # of a motion at constant speed
 
 
 @app.command(short_help="Figures of many designs: peaks of torque and forces over ranges of lengths.")
+@STEADY
 def sweep(
     mechanism: options.Mechanism,
-    variant: options.Variant = None,
+    motion: MotionChoice = USUAL,
     vary: Annotated[
         list[str] | None,
         valued(
@@ -48,12 +49,6 @@ def sweep(
     ] = None,
     table: Annotated[Path | None, valued("CSV", "Designs one by one: columns rod.B.x or rod.B.x [mm].")] = None,
     quantity: Quantities = None,
-    regime: options.SteadyRegime = None,
-    speed: options.Speed = None,
-    from_angle: options.FromAngle = None,
-    to_angle: options.ToAngle = None,
-    clockwise: options.Clockwise = False,
-    no_gravity: options.NoGravity = False,
     scale_mass: options.ScaleMass = False,
     angles: Angles = 180,
     refine: Refine = False,
@@ -87,8 +82,7 @@ def sweep(
     from reports.command_line.destination import Destination
 
     choice = sweep.SweepChoice(
-        mechanism=mechanism, variant=variant, **motion_words(regime, speed), clockwise=clockwise, from_angle=from_angle,
-        to_angle=to_angle, gravity=not no_gravity, scale_mass=scale_mass, angles=angles, refine=refine,
+        **motion.motion_options, mechanism=mechanism, scale_mass=scale_mass, angles=angles, refine=refine,
         vary=tuple(vary or ()), table=table, quantities=tuple(quantity or ()), csv=csv, json=json, svg=svg, jobs=jobs,
         simulate=tuple(dict.fromkeys(simulate or ())), designs=designs, seed=seed, scheduler=scheduler,
     )  # fmt: skip
@@ -96,6 +90,7 @@ def sweep(
 
 
 @app.command(short_help="The best lengths of a linkage: least peak torque at the same stroke, say.")
+@STEADY
 def optimise(
     mechanism: options.Mechanism,
     minimise: Annotated[
@@ -120,13 +115,7 @@ def optimise(
             names=completion.figures,
         ),
     ] = None,
-    variant: options.Variant = None,
-    regime: options.SteadyRegime = None,
-    speed: options.Speed = None,
-    from_angle: options.FromAngle = None,
-    to_angle: options.ToAngle = None,
-    clockwise: options.Clockwise = False,
-    no_gravity: options.NoGravity = False,
+    motion: MotionChoice = USUAL,
     scale_mass: options.ScaleMass = False,
     angles: Angles = 180,
     starts: Annotated[int, valued("N", "Search from so many designs, the file's first.")] = 1,
@@ -155,23 +144,18 @@ def optimise(
     how = {"starts": starts, "seed": seed, "everywhere": everywhere, "step": step or ""}
     wish = command.wish(minimise, maximise, over or (), keep or (), how)
     choice = command.OptimiseChoice(
-        mechanism=mechanism, variant=variant, **motion_words(regime, speed), clockwise=clockwise, from_angle=from_angle,
-        to_angle=to_angle, gravity=not no_gravity, scale_mass=scale_mass, angles=angles, wish=wish,
+        **motion.motion_options, mechanism=mechanism, scale_mass=scale_mass, angles=angles, wish=wish,
         simulate=tuple(simulate or ()),
     )  # fmt: skip
     raise typer.Exit(command.run(choice, Destination(json, out, quiet=quiet)))
 
 
 @app.command(short_help="Tolerances: which length, angle or mass moves which result by how much.")
+@with_choices(without=(*TIMED, "speed"))  # which stands in the file of tolerances
 def tolerance(
     mechanism: options.Mechanism,
     tolerances: Annotated[Path, typer.Argument(metavar="TOLERANCES.toml", hidden=True)],
-    variant: options.Variant = None,
-    regime: options.SteadyRegime = None,
-    from_angle: options.FromAngle = None,
-    to_angle: options.ToAngle = None,
-    clockwise: options.Clockwise = False,
-    no_gravity: options.NoGravity = False,
+    motion: MotionChoice = USUAL,
     scale_mass: options.ScaleMass = False,
     angles: Annotated[int, valued("N", "Crank angles between which extremes are refined.")] = 180,
     samples: Annotated[
@@ -195,8 +179,7 @@ def tolerance(
     from reports.command_line.commands import tolerance
 
     choice = tolerance.ToleranceChoice(
-        mechanism=mechanism, tolerances=tolerances, variant=variant, **motion_words(regime), from_angle=from_angle,
-        to_angle=to_angle, clockwise=clockwise, gravity=not no_gravity, scale_mass=scale_mass, angles=angles,
+        **motion.motion_options, mechanism=mechanism, tolerances=tolerances, scale_mass=scale_mass, angles=angles,
         samples=samples, seed=seed, json=json, csv=csv, svg=svg, quiet=quiet,
     )  # fmt: skip
     tolerance.run(choice)

@@ -14,7 +14,8 @@ from analytic.description.units import factor
 from analytic.errors import LinkproofError
 from analytic.kinematics.mechanism import Mechanism
 from comparisons.datasheet.building import within
-from reports.command_line.motion_choice import EVERYTHING, SWINGING, MotionChoice, motions
+from reports.command_line.motion_choice import MotionChoice
+from reports.command_line.motions import EVERYTHING, SWINGING, motions, offered
 
 
 def prescribed(choice: MotionChoice, linkages: Sequence[Linkage]) -> tuple[tuple[CrankMotion, ...], str]:
@@ -29,7 +30,7 @@ def prescribed(choice: MotionChoice, linkages: Sequence[Linkage]) -> tuple[tuple
         )
     own = {regime.name for regime in linkage.regimes}
     for name in choice.regimes:
-        if name in choice.offered and name not in LAWS and name not in own:
+        if name in offered(choice) and name not in LAWS and name not in own:
             raise LinkproofError(
                 f"--regime {name} turns a crank, and '{linkage.name}' is driven along a line: choose one of "
                 f"{', '.join(LAWS)} with --from and --to"
@@ -41,8 +42,7 @@ def prescribed(choice: MotionChoice, linkages: Sequence[Linkage]) -> tuple[tuple
     names = LAWS if EVERYTHING in choice.regimes else choice.regimes or (SWINGING,)
     unit = linkage.units.get("length", "m")
     (first, last), size = _ends(choice, linkage), factor("length", unit)
-    gives_speed = choice.gives_speed or choice.speed != MotionChoice().speed
-    speed = abs(choice.speed) * size if gives_speed else abs(last - first)
+    speed = abs(last - first) if choice.speed is None else abs(choice.speed) * size
     found = tuple(swing(name, first, last, speed=speed) for name in dict.fromkeys(names) if name in LAWS)
     return found, f"from {linkage.written(first)} to {linkage.written(last)}, at most {speed / size:.4g} {unit}/s"
 
@@ -52,4 +52,4 @@ def _ends(choice: MotionChoice, linkage: Linkage) -> tuple[float, float]:
     if choice.from_angle is not None and choice.to_angle is not None:
         size = factor("length", linkage.units.get("length", "m"))
         return choice.from_angle * size, choice.to_angle * size
-    return within(Mechanism(linkage).crank_range(), backwards=choice.clockwise or choice.speed < 0.0)
+    return within(Mechanism(linkage).crank_range(), backwards=choice.turns_back)

@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+import inspect
+from collections.abc import Callable, Sequence
+from dataclasses import Field, fields, is_dataclass
+from functools import wraps
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any, TypeVar, get_args, get_origin, get_type_hints
 
 import typer
 from typer.models import ArgumentInfo, OptionInfo
@@ -30,22 +33,84 @@ def flag(text: str, *flags: str) -> OptionInfo:
     return option
 
 
+Command = TypeVar("Command", bound=Callable[..., Any])
+
+
+def with_choices(*, without: Sequence[str] = ()) -> Callable[[Command], Command]:
+    """A command whose arguments of a dataclass are given by options, one for each annotated field of it.
+
+    A list stands for a tuple, and a flag says that what is True by default is not. Fields ``without`` have no option.
+    """
+
+    def decorated(command: Command) -> Command:
+        hints = get_type_hints(command, include_extras=True)
+        choices: dict[str, Any] = {name: kind for name, kind in hints.items() if is_dataclass(kind)}
+        parameters: list[inspect.Parameter] = []
+        for parameter in inspect.signature(command).parameters.values():
+            kind = choices.get(parameter.name)
+            if kind is None:
+                parameters.append(parameter.replace(annotation=hints[parameter.name]))
+            else:
+                parameters += [_parameter(one, *rest) for one, *rest in _options(kind) if one.name not in without]
+
+        @wraps(command)
+        def called(**given: Any) -> object:  # noqa: ANN401 - what the command takes
+            for name, kind in choices.items():
+                own = {one.name: _value(one, given.pop(one.name)) for one, *_ in _options(kind) if one.name in given}
+                given[name] = kind(**own)
+            return command(**given)
+
+        called.__signature__ = inspect.Signature(parameters)  # type: ignore[attr-defined]
+        called.__annotations__ = {one.name: one.annotation for one in parameters}
+        del called.__wrapped__  # whose own signature would be read in place of this one
+        return called  # type: ignore[return-value]
+
+    return decorated
+
+
+def stated(choice: Any) -> dict[str, tuple[str, ...]]:  # noqa: ANN401 - a dataclass
+    """The options that differ from their defaults, by name, each with its values: none of a flag."""
+    found = {}
+    for one, _, info in _options(type(choice)):
+        value = getattr(choice, one.name)
+        if value != one.default:
+            several = value if isinstance(value, tuple) else () if isinstance(value, bool) else (value,)
+            name = info.default if isinstance(info.default, str) else one.name.replace("_", "-")  # as typer holds it
+            found[name.removeprefix("--")] = tuple(
+                repr(float(each)).removesuffix(".0") if isinstance(each, float | int) else str(each) for each in several
+            )
+    return found
+
+
+def _options(kind: Any) -> list[tuple[Field[Any], Any, OptionInfo]]:  # noqa: ANN401 - a dataclass
+    """The fields of a dataclass that are options, each with its type and how it is shown."""
+    hints = get_type_hints(kind, include_extras=True)
+    return [(one, *get_args(hints[one.name])) for one in fields(kind) if get_origin(hints[one.name]) is Annotated]
+
+
+def _parameter(one: Field[Any], kind: Any, info: OptionInfo) -> inspect.Parameter:  # noqa: ANN401 - a type
+    """The option of a field as a parameter of a command."""
+    default = one.default
+    if isinstance(default, tuple):
+        kind, default = list[str] | None, None
+    elif default is True:
+        default = False
+    way = inspect.Parameter.POSITIONAL_OR_KEYWORD
+    return inspect.Parameter(one.name, way, default=default, annotation=Annotated[kind, info])
+
+
+def _value(one: Field[Any], given: Any) -> Any:  # noqa: ANN401 - of any option
+    """What a field is, of what typer gives."""
+    if isinstance(one.default, tuple):
+        return tuple(given or ())
+    return not given if one.default is True else given
+
+
 Mechanism = Annotated[str, words("MECHANISM", completion.mechanisms)]
 Mechanisms = Annotated[list[str] | None, words("MECHANISM", completion.mechanisms)]
 Cells = Annotated[list[str] | None, words("AXIS|CELL", completion.axes)]
 Variant = Annotated[
     str | None, valued("NAME", "Variant of the file; default: its own values.", names=completion.variants)
-]
-Regimes = Annotated[
-    list[str] | None,
-    valued(
-        "NAME",
-        "Motion of the crank: run-up, run-up-cubic, run-up-quintic, constant-speed, one of the file's own, own (all of "
-        "those), or all; with --from and --to: constant-speed, cubic, polynomial, cycloidal, modified-sine, or all; "
-        "repeatable; default: run-up (bench: run-up-quintic and run-up), with --from and --to constant-speed.",
-        "--regime",
-        names=completion.regimes,
-    ),
 ]
 Engines = Annotated[
     list[str] | None,
@@ -80,21 +145,7 @@ Scheduler = Annotated[
     str | None,
     valued("ADDRESS", "Run on the workers of a Dask scheduler, tcp://HOST:8786, or on N of this machine, local:N."),
 ]
-SteadyRegime = Annotated[
-    str | None, typer.Option("--regime", metavar="NAME", hidden=True)
-]  # constant-speed, or refused
-Speed = Annotated[
-    float | None,
-    valued("RPM", "Final crank speed, of a swing the largest; negative turns clockwise; default: 1000.", "--speed"),
-]
-RampTime = Annotated[float, valued("SECONDS", "Time to reach it.")]
-HoldTime = Annotated[float, valued("SECONDS", "Time at that speed.")]
-StartAngle = Annotated[float, valued("DEGREES", "Crank angle at the start.")]
-FromAngle = Annotated[float | None, valued("DEGREES", "Crank angle at which a swing begins.", "--from")]
-ToAngle = Annotated[float | None, valued("DEGREES", "Crank angle at which it ends.", "--to")]
-Clockwise = Annotated[bool, flag("Turn the crank clockwise.", "--clockwise")]
 Strict = Annotated[bool, flag("Refuse a file with what looks like a slip: units, masses, load tables.", "--strict")]
 ScaleMass = Annotated[
     bool, flag("Mass and inertia of a link go with its lengths; else they are as in the file.", "--scale-mass")
 ]
-NoGravity = Annotated[bool, flag("Leave gravity out.", "--no-gravity")]

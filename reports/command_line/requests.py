@@ -23,7 +23,8 @@ from comparisons.runs.workers import DEFAULT_BOUNDS, Bounds, LocalPool, Pool
 from engines.contract import Setting
 from engines.registry import engine_names, why_unavailable
 from reports.command_line.linear_drive import prescribed
-from reports.command_line.motion_choice import EVERYTHING, MotionChoice, own_regimes
+from reports.command_line.motion_choice import MotionChoice
+from reports.command_line.motions import EVERYTHING, own_regimes
 
 DEEPEST_FOLDER = 5  # by which files of one name are told apart
 
@@ -36,7 +37,6 @@ class CampaignChoice(MotionChoice):
     engines: tuple[str, ...] = ()
     settings: tuple[str, ...] = ()
     quantities: tuple[str, ...] = ()
-    gravity: bool = True
     full: bool = False
 
     @property
@@ -58,7 +58,7 @@ class CampaignChoice(MotionChoice):
     @property
     def flags(self) -> dict[str, bool]:
         """Options without a value, and whether they are set."""
-        return {"clockwise": self.clockwise, "no-gravity": not self.gravity, "full": self.full}
+        return {**super().flags, "full": self.full}
 
 
 def command_line(

@@ -19,7 +19,7 @@ from comparisons.judging.limits import check_named
 from comparisons.judging.verdicts import Standard
 from comparisons.runs.files import check_writable
 from engines.registry import engine_names
-from reports.command_line.motion_choice import EVERYTHING, OWN
+from reports.command_line.motions import EVERYTHING, OWN, offered
 from reports.command_line.requests import CampaignChoice, RunLimits, files, having
 
 INSTALLATIONS = {"site-packages", "dist-packages"}  # what stands there is gone with the next installation
@@ -167,8 +167,8 @@ def _completed(choice: CampaignChoice, project: Project) -> CampaignChoice:
 
 
 def _known_linkages(choice: CampaignChoice, project: Project) -> tuple[Linkage, ...]:
-    offered = {*choice.offered, OWN, EVERYTHING}
-    if choice.regimes or not choice.mechanisms or {*project.regimes} <= offered:
+    known = {*offered(choice), OWN, EVERYTHING}
+    if choice.regimes or not choice.mechanisms or {*project.regimes} <= known:
         return ()
     return tuple(load(str(path)) for path in project.linkages)
 

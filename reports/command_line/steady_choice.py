@@ -30,7 +30,6 @@ class SteadyChoice(MotionChoice):
     """
 
     mechanism: str
-    gravity: bool = True
     angles: int = SAMPLES
     refine: bool = False
     scale_mass: bool = False
@@ -53,8 +52,7 @@ class SteadyChoice(MotionChoice):
     @property
     def flags(self) -> dict[str, bool]:
         """Options without a value, and whether they are set."""
-        flags = {"clockwise": self.clockwise, "no-gravity": not self.gravity, "refine": self.refine}
-        return {**flags, "scale-mass": self.scale_mass}
+        return {**super().flags, "refine": self.refine, "scale-mass": self.scale_mass}
 
 
 class SteadyCase(NamedTuple):

@@ -105,7 +105,7 @@ def compare(
                 "limits and baselines belong to files"
             )
     asked = CampaignChoice(
-        tuple(map(str, mechanisms)), words(engine), words(setting), words(quantity), options.get("gravity", True),
+        tuple(map(str, mechanisms)), words(engine), words(setting), words(quantity),
         full, **choice(options),
     )  # fmt: skip
     bounds = RunLimits(time_limit, memory_limit, jobs, scheduler)

@@ -58,7 +58,7 @@ def judge(
     """
     given = choice(options)
     paths, map_ = tuple(map(Path, results)), None if mapping is None else Path(mapping)
-    asked = JudgeChoice(str(linkage), paths, MotionChoice(**given), limit, map_, gravity=options.get("gravity", True))
+    asked = JudgeChoice(str(linkage), paths, MotionChoice(**given), limit, map_)
     asked.check()
     model = asked.model(chosen_linkage(linkage, asked.motion.variant))
     return judgement_of(asked, model, read_results(paths, model, map_))

@@ -52,18 +52,14 @@ def words(given: Words) -> tuple[str, ...]:
 
 
 def choice(options: MotionOptions) -> dict[str, Any]:
-    """The options as a ``MotionChoice`` takes them, ``gravity`` left out; raises TypeError for others."""
+    """The options as a ``MotionChoice`` takes them; raises TypeError for others."""
     for name in options:
         if name not in MotionOptions.__annotations__:
             raise TypeError(str(UnknownNameError("argument", name, MotionOptions.__annotations__)))
     for name in {*options} & {*UNITS}:
         check_number(name, options.get(name), UNITS[name])
-    chosen: dict[str, Any] = {name: value for name, value in options.items() if name != "gravity"}
+    chosen: dict[str, Any] = dict(options)
     chosen["regimes"] = words(chosen.pop("regime", None) or ())
-    if chosen.get("speed") is None:
-        chosen.pop("speed", None)
-    else:
-        chosen["gives_speed"] = True
     return chosen
 
 

@@ -28,9 +28,7 @@ def results(
     degrees, or ``time``, in s, choose the instants. Raises LinkproofError for what cannot be.
     """
     chosen = [None if given is None else ",".join(repr(float(one)) for one in given) for given in (at, time)]
-    asked = ResultsChoice(
-        mechanism=str(linkage), gravity=options.get("gravity", True), at=chosen[0], time=chosen[1], **choice(options)
-    )
+    asked = ResultsChoice(mechanism=str(linkage), at=chosen[0], time=chosen[1], **choice(options))
     asked.check()
     found = designer_results(chosen_linkage(linkage, asked.variant), asked)
     values = {name: found.curves.of(found.shown, name) for name in found.curves.names}

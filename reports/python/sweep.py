@@ -58,7 +58,7 @@ def sweep(
     with lengths. Raises LinkproofError for what cannot be, but where no design assembles all is nan.
     """
     asked = SteadyChoice(
-        mechanism=str(linkage), gravity=options.get("gravity", True), angles=angles, refine=refine,
+        mechanism=str(linkage), angles=angles, refine=refine,
         scale_mass=scale_mass, **choice(options),
     )  # fmt: skip
     mechanism, motion, conditions = steady_case(chosen_linkage(linkage, asked.variant), asked)

@@ -47,7 +47,7 @@ def tolerance(
     if options.get("speed") is not None:
         asked = replace(asked, speed=options["speed"])
     how = SteadyChoice(
-        mechanism=str(linkage), gravity=options.get("gravity", True), angles=angles, refine=True,
+        mechanism=str(linkage), angles=angles, refine=True,
         scale_mass=scale_mass, **choice(options),
     )  # fmt: skip
     chosen = chosen_linkage(linkage, how.variant)

@@ -51,7 +51,7 @@ def _is_ours(path: Path) -> bool:
         return False
 
 
-def check(name: str, variant: str | None, svg: Path | None, destination: Destination, *, strict: bool) -> None:
+def check(name: str, variant: str | None, svg: Path | None, destination: Destination, *, strict: bool = False) -> None:
     """Print or write all that is right with a linkage, draw it, and raise the fault that is left.
 
     With ``strict`` what looks like a slip is a fault.

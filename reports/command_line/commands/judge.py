@@ -29,7 +29,8 @@ from comparisons.runs.files import check_writable, write_text
 from reports.command_line import FAILED, PASSED
 from reports.command_line.destination import Destination
 from reports.command_line.linear_drive import prescribed
-from reports.command_line.motion_choice import MotionChoice, own_regimes
+from reports.command_line.motion_choice import MotionChoice
+from reports.command_line.motions import own_regimes
 from reports.command_line.requests import command_line
 from reports.imported.document import blank_of, document, with_cause
 from reports.imported.terminal import printout, sentence, sentences
@@ -47,7 +48,6 @@ class JudgeChoice:
     limit: float
     mapping: Path | None = None
     write_mapping: Path | None = None
-    gravity: bool = True
 
     def check(self) -> None:
         """Raise LinkproofError for what cannot be, before anything is read."""
@@ -57,7 +57,7 @@ class JudgeChoice:
 
     def model(self, linkage: Linkage) -> Linkage:
         """A linkage under the gravity asked for."""
-        return linkage if self.gravity else without(linkage, "gravity")
+        return linkage if self.motion.gravity else without(linkage, "gravity")
 
     @property
     def command(self) -> str:
@@ -67,8 +67,7 @@ class JudgeChoice:
             "mapping": [str(self.mapping)] if self.mapping else [],
             "limit": [f"{self.limit:g}"],
         }
-        flags = {"clockwise": self.motion.clockwise, "no-gravity": not self.gravity}
-        return command_line("judge", (self.mechanism, *map(str, self.results)), options, flags)
+        return command_line("judge", (self.mechanism, *map(str, self.results)), options, self.motion.flags)
 
 
 def judge(choice: JudgeChoice, destination: Destination) -> int:
@@ -102,7 +101,7 @@ def judgement_of(choice: JudgeChoice, linkage: Linkage, imported: ImportedResult
         _motion(choice, linkage, imported),
         limit=choice.limit,
         start_angle=math.radians(choice.motion.start_angle),
-        gives_speed=choice.motion.gives_speed,
+        gives_speed=choice.motion.speed is not None,
     )
 
 
@@ -140,8 +139,7 @@ def _motion(choice: JudgeChoice, linkage: Linkage, imported: ImportedResults) ->
         ((motion, *_), _) = prescribed(asked, [linkage])
         return motion
     if imported.signals and all(one.axis == "phi" for one in imported.signals):
-        clockwise = asked.clockwise or asked.speed < 0.0
-        return crank_motion("constant-speed", speed=abs(asked.speed) * RPM, clockwise=clockwise)
+        return crank_motion("constant-speed", speed=abs(asked.rpm) * RPM, clockwise=asked.turns_back)
     return None
 
 

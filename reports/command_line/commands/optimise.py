@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import tempfile
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -102,15 +102,15 @@ def run(choice: OptimiseChoice, destination: Destination, limits: RunLimits | No
         wrote.append(f"Written: {destination.folder / name}, {JSON}, {CURVES}.")
     if SPEED in found.after:
         unit = speed_unit(linkage)
-        speed = math.copysign(float(f"{found.after[SPEED] / unit.size:.15g}"), choice.speed)
-        choice = replace(choice, speed=speed, gives_speed=True)
+        speed = math.copysign(float(f"{found.after[SPEED] / unit.size:.15g}"), choice.rpm)
+        choice = replace(choice, speed=speed)
         wrote.append(f"It is the best design at {abs(speed):.6g} {unit.name}: a linkage file holds no speed.")
     destination.print(*([closing(found)] if destination.quiet else tables), *wrote)
     if not choice.simulate:
         where = str(destination.folder / name) if destination.folder else f"DIR/{name}"
-        flags = {"clockwise": choice.clockwise, "no-gravity": not choice.gravity}
+        moved = MotionChoice(**{**choice.motion_options, "variant": None})
         first = "" if destination.folder else "--out DIR writes the new file; "
-        destination.say(f"An engine's word on it: {first}{command_line('compare', [where], choice.numbers, flags)}")
+        destination.say(f"An engine's word on it: {first}{command_line('compare', [where], moved.words, moved.flags)}")
         return PASSED
     return _simulate(choice, destination, name, text, limits)
 
@@ -139,8 +139,5 @@ def _simulate(choice: OptimiseChoice, destination: Destination, name: str, text:
         path = (destination.folder or Path(folder)) / name
         if destination.folder is None:
             write_text(path, text)
-        asked = CampaignChoice(
-            (str(path),), engines=choice.simulate, gravity=choice.gravity,
-            **{one.name: getattr(choice, one.name) for one in fields(MotionChoice) if one.name != "variant"},
-        )  # fmt: skip
+        asked = CampaignChoice((str(path),), engines=choice.simulate, **{**choice.motion_options, "variant": None})
         return compare(asked, Destination(quiet=destination.quiet), limits)

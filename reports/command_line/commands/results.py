@@ -27,7 +27,8 @@ from comparisons.reference.case import Case, own_case
 from comparisons.runs.files import check_writable, write_text
 from reports.command_line.destination import STDOUT, check_files, write_out
 from reports.command_line.linear_drive import prescribed
-from reports.command_line.motion_choice import EVERYTHING, OWN, MotionChoice, own_regimes
+from reports.command_line.motion_choice import MotionChoice
+from reports.command_line.motions import EVERYTHING, OWN, own_regimes
 from reports.designs.results.files import csv_table, json_text
 from reports.document.terminal import show
 
@@ -45,7 +46,6 @@ class ResultsChoice(MotionChoice):
     """
 
     mechanism: str
-    gravity: bool = True
     at: str | None = None
     time: str | None = None
     csv: str | None = None
@@ -156,8 +156,7 @@ def _is_timed(choice: MotionChoice) -> bool:
 def _usual_case(mechanism: Mechanism, choice: MotionChoice) -> Case:
     """Constant speed over a full turn, or over the range of a crank that makes none, short of its limits."""
     start = math.radians(choice.start_angle)
-    speed = abs(choice.speed) * RPM
-    backwards = choice.clockwise or choice.speed < 0.0
+    speed, backwards = abs(choice.rpm) * RPM, choice.turns_back
     reach = mechanism.crank_range(start if choice.start_angle else None)
     if reach.is_full_turn:
         motion = CrankMotion(STEADY, (Segment(0.0, FULL_TURN / speed, (start, -speed if backwards else speed)),))

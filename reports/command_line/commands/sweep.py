@@ -6,7 +6,7 @@ import hashlib
 import math
 import tempfile
 from contextlib import ExitStack
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Final
 
@@ -29,7 +29,6 @@ from comparisons.runs.workers import Pool
 from reports.command_line import PASSED
 from reports.command_line.destination import STDOUT, Destination, check_files, write_out
 from reports.command_line.interruption import interruptible, journal
-from reports.command_line.motion_choice import MotionChoice
 from reports.command_line.requests import RunLimits, command_line, named
 from reports.command_line.steady_choice import SteadyChoice, steady_case
 from reports.designs.sweep.sweep_table import csv_rows
@@ -136,8 +135,7 @@ def _simulate(choice: SweepChoice, destination: Destination, request: SweepReque
             write_text(folder / f"{name}.toml", text)
         wanted = CampaignChoice(
             tuple(str(folder / f"{name}.toml") for name in designs.files), engines=choice.simulate,
-            gravity=choice.gravity,
-            **{one.name: getattr(choice, one.name) for one in fields(MotionChoice) if one.name != "variant"},
+            **{**choice.motion_options, "variant": None},
         )  # fmt: skip
         below = Destination(
             folder=destination.folder and destination.folder / SIMULATED, resume=destination.resume,

@@ -65,7 +65,7 @@ def request_of(
 ) -> ToleranceRequest:
     """What is asked for, at the speed of the file of tolerances where that has one."""
     if asked.speed is not None:
-        choice = replace(choice, speed=asked.speed, gives_speed=True)
+        choice = replace(choice, speed=asked.speed)
     mechanism, motion, conditions = steady_case(linkage, choice)
     return tolerance_request(mechanism, motion, asked, samples=samples, seed=seed, conditions=conditions)
 

@@ -7,7 +7,8 @@ from analytic.description.loading import load
 from analytic.errors import LinkproofError
 from comparisons.datasheet.building import MARGIN
 from reports.command_line.linear_drive import prescribed
-from reports.command_line.motion_choice import MotionChoice, motions
+from reports.command_line.motion_choice import MotionChoice
+from reports.command_line.motions import motions
 from reports.command_line.requests import CampaignChoice, request
 from tests.analytic.drives import driven, path_of
 
@@ -58,9 +59,9 @@ def test_cranks_have_the_motions_they_had_and_a_campaign_takes_both():
 
 
 def test_a_speed_that_is_given_counts_even_if_it_is_the_default_of_a_crank():
-    motion, _ = asked(from_angle=10.0, to_angle=60.0, speed=1000.0, gives_speed=True)
+    motion, _ = asked(from_angle=10.0, to_angle=60.0, speed=1000.0)
     assert motion.peak_speed == pytest.approx(1.0)
-    assert MotionChoice(gives_speed=True).numbers == {"speed": ["1000"]}
+    assert MotionChoice(speed=1000.0).words == {"speed": ("1000",)}
 
 
 def test_a_start_angle_is_refused_where_nothing_turns():

@@ -7,7 +7,9 @@ import pytest
 from analytic.description.crank_motion import LAWS, REGIMES, RPM
 from analytic.description.loading import load
 from analytic.errors import LinkproofError
-from reports.command_line.motion_choice import MotionChoice, motions, own_regimes
+from reports.command_line.motion_choice import MotionChoice
+from reports.command_line.motions import motions, own_regimes
+from reports.command_line.options import stated
 
 SWING = {"from_angle": 20.0, "to_angle": 110.0}
 
@@ -38,12 +40,13 @@ def test_the_speed_of_a_swing_is_its_largest():
     ("given", "words"),
     [
         ({}, {}),
-        ({"speed": -300.0, "regimes": ("run-up",)}, {"regime": ("run-up",), "speed": ["-300"]}),
-        ({**SWING, "variant": "as-printed"}, {"variant": ["as-printed"], "from": ["20"], "to": ["110"]}),
+        ({"speed": -300.0, "regimes": ("run-up",)}, {"regime": ("run-up",), "speed": ("-300",)}),
+        ({"clockwise": True, "gravity": False}, {"clockwise": (), "no-gravity": ()}),
+        ({**SWING, "variant": "as-printed"}, {"variant": ("as-printed",), "from": ("20",), "to": ("110",)}),
     ],
 )
 def test_the_words_ask_for_the_same(given, words):
-    assert {option: values for option, values in MotionChoice(**given).words.items() if values} == words
+    assert stated(MotionChoice(**given)) == words
 
 
 def test_conditions_tell_motions_apart():

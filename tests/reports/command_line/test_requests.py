@@ -15,7 +15,7 @@ from comparisons.runs.failures import GIB
 from comparisons.runs.workers import DEFAULT_BOUNDS
 from engines.contract import Setting
 from engines.registry import engine_names
-from reports.command_line.motion_choice import motions
+from reports.command_line.motions import motions
 from reports.command_line.requests import CampaignChoice, RunLimits, linkages, request
 from tests.counting import calls
 

@@ -21,9 +21,7 @@ def grid(**options):
 
 def test_a_grid_is_what_the_command_writes(tmp_path):
     vary = ("rod.B.x=160:180:5", "rod.mass=0.1:0.2:3")
-    choice = SweepChoice(
-        mechanism="rimoldi-164", vary=vary, quantities=FIGURES, angles=12, speed=500.0, gives_speed=True
-    )
+    choice = SweepChoice(mechanism="rimoldi-164", vary=vary, quantities=FIGURES, angles=12, speed=500.0)
     run(choice, Destination(None, tmp_path, quiet=True))
     with xarray.open_dataset(tmp_path / "sweep.nc") as saved:
         found = grid()

@@ -196,7 +196,7 @@ def test_parameters_and_figures_are_completed():
     assert completed("sweep", "rimoldi-164", "--quantity", "Mkr.p") == ["Mkr.peak"]
 
 
-QUICK = {"vary": ("rod.B.x=166:178:13",), "quantities": ("Mkr.peak",), "speed": 120.0, "gives_speed": True, "jobs": 1}
+QUICK = {"vary": ("rod.B.x=166:178:13",), "quantities": ("Mkr.peak",), "speed": 120.0, "jobs": 1}
 
 
 def test_designs_are_simulated_in_a_campaign_of_their_own(tmp_path, capsys):
