@@ -157,6 +157,9 @@ def _places(result: object) -> Array:
     """A contestant's result as (points, orders, 2, angles)."""
     if isinstance(result, tuple):
         return np.stack([np.moveaxis(places[:, -4:], 0, -1) for places in result], axis=1)
+    if isinstance(result, dict):
+        places = np.stack(list(result.values()))
+        return places.reshape(-1, 3, 2, places.shape[-1])
     return np.asarray(result)
 
 
