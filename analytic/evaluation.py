@@ -88,17 +88,15 @@ def _by_numpy(mechanism: Mechanism, names: tuple[str, ...], angle: Array, motion
 def _by_machine_code(listed: LinkageTrace, angle: Array, motion: Sequence[Array], cores: int | None) -> Array | None:
     """The same by a list of operations; None where the linkage cannot move, for NumPy has a sentence there."""
     function = _compiled(listed)
-    values = np.empty((len(listed.signals), angle.size))
-    moves = np.zeros(angle.shape, dtype=bool)
+    values = np.empty((len(listed.lines), angle.size))  # the last says where it moves
 
     def part(start: int) -> None:
         here = slice(start, start + SHARE)
         given = listed.values({}, angle[here], *(move[here] if move.ndim else move for move in motion))
-        found = function(listed.trace.computed(function.lanes, given), ONE_ROW, angle[here].size)
-        values[:, here], moves[here] = found[:-1], found[-1]
+        function([given[line] for line in function.lanes], ONE_ROW, angle[here].size, values[:, here])
 
     in_threads(part, range(0, angle.size, SHARE), cores)
-    return values if np.all(moves) else None
+    return values[:-1] if np.all(values[-1]) else None
 
 
 @lru_cache(maxsize=8)
@@ -109,4 +107,5 @@ def _listed(mechanism: Mechanism, names: tuple[str, ...], accelerates: bool) -> 
 
 @lru_cache(maxsize=8)
 def _compiled(listed: LinkageTrace) -> StraightFunction:
-    return StraightFunction(listed.trace, listed.borders(listed.lines)[1], (), [Result(line) for line in listed.lines])
+    inputs = {*listed.trace.inputs.values()} & {*listed.trace.leading_to(listed.lines)}
+    return StraightFunction(listed.trace, sorted(inputs), (), [Result(line) for line in listed.lines])

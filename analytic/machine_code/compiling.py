@@ -18,7 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from analytic.errors import LinkproofError, UnknownNameError
-from analytic.machine_code.printing import FUNCTION, LANES, Result, python_source
+from analytic.machine_code.printing import FUNCTION, LANES, Result, ahead, python_source
 from analytic.machine_code.tracing import OperationList
 
 Array = NDArray[np.float64]
@@ -64,12 +64,12 @@ class StraightFunction:
         self, trace: OperationList, lanes: Sequence[int], rows: Sequence[int], results: Sequence[Result]
     ) -> None:
         self.lanes, self.rows = tuple(lanes), tuple(rows)
-        self._starts = np.array([result.start for result in results])
+        self._widths = len(lanes) + len(ahead(trace, lanes, results)), len(results)
         self._straight = compiled(python_source(trace, lanes, rows, results))
         self._scratch = threading.local()
 
-    def __call__(self, lanes: Sequence[Any], rows: Array, count: int) -> Array:
-        """Results (results, count): ``lanes`` are numbers or arrays of so many, ``rows`` (rows, numbers of a row)."""
+    def __call__(self, lanes: Sequence[Any], rows: Array, count: int, into: Array | None = None) -> Array:
+        """Results (results, count), or put there: ``lanes`` are numbers or arrays of so many, ``rows`` (rows, k)."""
         given, out = self._memory(-(-count // LANES))
         full = count - count % LANES
         for number, values in enumerate(lanes):
@@ -78,17 +78,18 @@ class StraightFunction:
             if full < count:
                 given[-1, number, : count - full] = flat[full:]
                 given[-1, number, count - full :] = flat[-1]
-        out[:] = self._starts[:, None]
         self._straight(given.reshape(len(given), -1), rows, out.reshape(len(out), -1))
-        # A copy, since the memory is used again.
-        return np.array(out.swapaxes(0, 1)).reshape(len(self._starts), -1)[:, :count]
+        results = np.empty((len(out[0]), count)) if into is None else into
+        results[:, :full].reshape(len(results), full // LANES, LANES)[:] = out[: full // LANES].swapaxes(0, 1)
+        if full < count:
+            results[:, full:] = out[-1, :, : count - full]
+        return results
 
     def _memory(self, chunks: int) -> tuple[Array, Array]:
         """Memory of a thread for so many chunks, the same as before: new memory costs more than the computation."""
         kept: tuple[Array, Array] | None = getattr(self._scratch, "kept", None)
         if kept is None or len(kept[0]) < chunks:
-            widths = len(self.lanes), len(self._starts)
-            kept = self._scratch.kept = tuple(np.empty((chunks, width, LANES)) for width in widths)
+            kept = self._scratch.kept = tuple(np.empty((chunks, width, LANES)) for width in self._widths)
         return kept[0][:chunks], kept[1][:chunks]
 
 

@@ -5,7 +5,9 @@
 goes through chunks of ``LANES`` lanes, such as designs, and in each through rows, such as crank angles, with the lanes
 innermost. The k-th number of a chunk's lane d is ``lanes[chunk, k * LANES + d]``, the same in every row; the j-th of a
 row is ``rows[row, j]``, the same in every lane; ``results[chunk, m * LANES + d]`` is the m-th result. Constant offsets
-let the compiler see that no two of them overlap, and compute several lanes in one instruction.
+let the compiler see that no two of them overlap, and compute several lanes in one instruction. Sines and cosines of
+what is given, which a library computes lane by lane, come first in a loop of their own, and lie behind the numbers of
+the lanes (``ahead``).
 """
 
 from __future__ import annotations
@@ -30,6 +32,7 @@ WRITTEN: Final[Mapping[str, str]] = {
     **{"and": "{0} & {1}", "or": "{0} | {1}", "not": "not {0}", "where": "{1} if {0} else {2}"},
 }
 LOGICAL: Final = frozenset({"less", "less_equal", "greater", "greater_equal", "and", "or", "not"})
+LATEST: Final = "{value}"  # a result that is the last row's
 
 
 class Result(NamedTuple):
@@ -40,17 +43,36 @@ class Result(NamedTuple):
     """
 
     line: int
-    formula: str = "{value}"
+    formula: str = LATEST
     start: float = 0.0
+
+
+def ahead(trace: OperationList, lanes: Sequence[int], results: Sequence[Result]) -> list[int]:
+    """The lines of sines and cosines of the lanes' numbers."""
+    rows = trace.operations
+    needed = trace.leading_to([result.line for result in results], lanes)
+    return [line for line in needed if rows[line].name in {"sin", "cos"} and rows[line].operands[0] in lanes]
 
 
 def python_source(trace: OperationList, lanes: Sequence[int], rows: Sequence[int], results: Sequence[Result]) -> str:
     """The source of ``FUNCTION``, whose numbers of lanes and of rows are these lines."""
     names: dict[int, str] = {}
+    first = ahead(trace, lanes, results)
+    places = {line: f"given[{number * LANES} + d]" for number, line in enumerate([*lanes, *first])}
+    outs = [f"out[{number * LANES} + d]" for number in range(len(results) + 1)]
+    over_lanes = f"for d in range({LANES}):"
+    begun = [f"{out} = {_number(result.start)}" for out, result in zip(outs, results, strict=False)]
+    if all(result.formula == LATEST for result in results):
+        begun = []  # no result is of what it was
+    for line in first:  # side by side, so that a sine and a cosine of one number are one call
+        operation = trace.operations[line]
+        begun.append(f"{places[line]} = {WRITTEN[operation.name].format(places[operation.operands[0]])}")
     text = [
         f"def {FUNCTION}(lanes, rows, results):",
         "    for chunk in range(len(results)):",
         "        given, out = lanes[chunk], results[chunk]",
+        f"        {over_lanes}",
+        *(f"            {one}" for one in begun or ["pass"]),
         "        for row in range(len(rows)):",
     ]
 
@@ -62,17 +84,20 @@ def python_source(trace: OperationList, lanes: Sequence[int], rows: Sequence[int
 
     for number, line in enumerate(rows):
         take(3, line, f"rows[row, {number}]", is_given=True)
-    text.append(f"            for d in range({LANES}):")
-    for number, line in enumerate(lanes):
-        take(4, line, f"given[{number * LANES} + d]", is_given=True)
+    text.append(f"            {over_lanes}")
+    for line, place in places.items():
+        take(4, line, place, is_given=True)
     for line in trace.leading_to([result.line for result in results], names):
         operation = trace.operations[line]
         if operation.name == CONSTANT:
-            names[line] = f"float('{operation.value!r}')" if not isfinite(operation.value) else repr(operation.value)
+            names[line] = _number(operation.value)
         elif line not in names:
             take(4, line, WRITTEN[operation.name].format(*(names[other] for other in operation.operands)))
-    places = [f"out[{number * LANES} + d]" for number in range(len(results) + 1)]
     for number, result in enumerate(results):
-        value = result.formula.format(value=names[result.line], so_far=places[number], next=places[number + 1])
-        text.append(f"{' ' * 16}{places[number]} = {value}")
+        value = result.formula.format(value=names[result.line], so_far=outs[number], next=outs[number + 1])
+        text.append(f"{' ' * 16}{outs[number]} = {value}")
     return "\n".join(text) + "\n"
+
+
+def _number(value: float) -> str:
+    return repr(value) if isfinite(value) else f"float('{value!r}')"

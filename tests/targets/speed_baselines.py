@@ -11,6 +11,7 @@ import importlib.util
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 from typing import Any, Final
 
 import numba
@@ -150,15 +151,10 @@ def hand_written_motion(measures: SixBar, angle: Array) -> Callable[[], Array]:
     return run
 
 
-def our_motion(mechanism: Mechanism, angle: Array) -> Callable[[], Array]:
-    """The machine code of any linkage, at crank angles, rad; a call gives (points, orders, 2, angles)."""
+def our_motion(mechanism: Mechanism, angle: Array) -> Callable[[], dict[str, Array]]:
+    """The machine code of any linkage, at crank angles, rad; a call gives points, orders and x, y by their names."""
     names = [f"point:{name}:{component}" for name in POINTS for component in ORDERS]
-
-    def run() -> Array:
-        found = evaluate(mechanism, angle, names, speed=1.0, cores=1, path="compiled")
-        return np.stack([found[name] for name in names]).reshape(len(POINTS), 3, 2, len(angle))
-
-    return run
+    return partial(evaluate, mechanism, angle, names, speed=1.0, cores=1, path="compiled")
 
 
 def dop853(

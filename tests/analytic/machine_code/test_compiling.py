@@ -82,6 +82,14 @@ def test_signals_of_one_linkage_are_numpy_s(name):
 
 
 @numba
+def test_nothing_of_one_linkage_is_left_to_numpy(monkeypatch):
+    monkeypatch.setattr(OperationList, "computed", lambda *_: pytest.fail("NumPy computes what machine code should"))
+    evaluate(
+        mechanism("rimoldi-164"), np.linspace(0.0, 6.0, LANES + 1), ["Mkr", "point:D:ay"], speed=2.0, path="compiled"
+    )
+
+
+@numba
 def test_threads_make_up_the_whole():
     sample, angle = mechanism("rimoldi-164"), np.linspace(0.0, 40.0, 70_001)
     whole, parts = (evaluate(sample, angle, ["Mkr"], speed=2.0, cores=cores, path="compiled") for cores in (1, 3))
