@@ -61,8 +61,8 @@ class SampledTops(NamedTuple):
 def highest(curves: Curves, grid: Array, values: Array) -> tuple[Array, Array]:
     """The highest value of every curve between the ends of the grid, and its place: two arrays (k,).
 
-    Of equal ones it is the first. ``curves`` gives k curves at places (m,) as (k, m); ``values`` (k, n) are theirs on
-    the ascending ``grid`` (n,).
+    Of equal ones it is the first; of a curve that is not finite it is the sample. ``curves`` gives k curves at places
+    (m,) as (k, m); ``values`` (k, n) are theirs on the ascending ``grid`` (n,).
     """
     sampled = tops(values)
     found = Tops(sampled.curve, grid[sampled.near], values[sampled.curve[:, None], sampled.near])
@@ -73,13 +73,17 @@ def highest(curves: Curves, grid: Array, values: Array) -> tuple[Array, Array]:
 
     climbed, where = climb(found, heights)
     first = firsts(found, climbed, len(values), np.max(np.abs(values), axis=1))
-    return climbed[first], where[first]
+    best = np.argmax(values, axis=1)
+    most, places = values[np.arange(len(values)), best], grid[best]
+    most[found.curve[first]], places[found.curve[first]] = climbed[first], where[first]
+    return most, places
 
 
 def tops(heights: Array, least: Array | float = -np.inf) -> SampledTops:
     """The sampled tops of curves (k, m), m ≥ 3, that may be highest between the samples, and above ``least`` (k,)."""
     walled = np.pad(heights, ((0, 0), (1, 1)), constant_values=-np.inf)
-    bend = np.abs(np.diff(heights, 2, axis=1))  # a parabola rises above its samples by an eighth of it at most
+    with np.errstate(invalid="ignore"):  # infinity less infinity
+        bend = np.abs(np.diff(heights, 2, axis=1))  # a parabola rises above its samples by an eighth of it at most
     reach = heights + np.concatenate([bend[:, :1], bend, bend[:, -1:]], axis=1)
     is_top = (heights > walled[:, :-2]) & (heights >= walled[:, 2:])
     is_top &= reach >= np.maximum(np.max(heights, axis=1), least)[:, None]

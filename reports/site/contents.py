@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
 
@@ -61,13 +61,25 @@ class Contents:
         """The stability maps, if there are any."""
         return stress_test.load(self.folder) if (self.folder / stress_test.FILE).is_file() else None
 
+    @property
+    def is_of_one(self) -> bool:
+        """Whether it is a designer's results or a judgement of one linkage, whose page is the first one."""
+        judged = self.results is None or "judgement" in self.results.document
+        return len(self.sheets) == 1 and judged and self.bench is None and self.stress is None
+
+    def file_of(self, sheet: Sheet) -> str:
+        """Where the page of a mechanism is."""
+        return INDEX if self.is_of_one else mechanism_page.file_of(sheet)
+
     def links(self) -> tuple[PageLink, ...]:
         """Its pages in the order of a reader; raises LinkproofError where there is nothing to make one of."""
+        if self.is_of_one:
+            return (PageLink(self.sheets[0].name, INDEX),)
         studies = ((BENCH, self.bench), (STRESS, self.stress))
         names = [sheet.name for sheet in self.sheets]
         found = (
             *(
-                PageLink(name if names.count(name) == 1 else f"{name} ({sheet.variant})", mechanism_page.file_of(sheet))
+                PageLink(name if names.count(name) == 1 else f"{name} ({sheet.variant})", self.file_of(sheet))
                 for name, sheet in zip(names, self.sheets, strict=True)
             ),
             *(link for link, study in studies if study is not None),
@@ -81,14 +93,14 @@ class Contents:
 
     def page(self, file: str) -> Page:
         """One of the pages, by its file."""
-        if file == INDEX:
+        if file == INDEX and not self.is_of_one:
             return index(self.results, self.sheets, tuple(self._studies()))
         if file == BENCH.href and self.bench is not None:
             return bench_page.page(self.bench)
         if file == STRESS.href and self.stress is not None:
             return stress_page.page(self.stress)
-        sheet = next(sheet for sheet in self.sheets if mechanism_page.file_of(sheet) == file)
-        return mechanism_page.page(sheet, self.results)
+        sheet = next(sheet for sheet in self.sheets if self.file_of(sheet) == file)
+        return replace(mechanism_page.page(sheet, self.results), file=file)
 
     def _studies(self) -> Iterator[Words]:
         if self.bench is not None:

@@ -103,7 +103,7 @@ def designer_results(linkage: Linkage, choice: ResultsChoice) -> DesignerResults
 
 def _write_page(out: Path, case: Case, *, opens: bool, quiet: bool) -> None:
     """Save the data sheet of a case among those of a report's folder, and write the report's pages."""
-    from reports.mechanism.page import file_of  # noqa: PLC0415 - seconds that nothing else pays for
+    from reports.site.contents import contents  # noqa: PLC0415 - seconds that nothing else pays for
     from reports.site.site import write_site  # noqa: PLC0415
 
     own = sheet(case, tuple(case.mechanism.linkage.released))
@@ -111,7 +111,7 @@ def _write_page(out: Path, case: Case, *, opens: bool, quiet: bool) -> None:
     others = [one for one in sheets if (one.name, one.variant) != (own.name, own.variant)]
     save_sheets(out, [*others, own])
     write_site(out, processes=0)
-    page = out / file_of(own)
+    page = out / contents(out).file_of(own)
     if not quiet:
         show(f"page: {page}", stderr=True)
     if opens:

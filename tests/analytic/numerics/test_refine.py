@@ -69,3 +69,14 @@ def test_of_equal_tops_the_first_is_taken_whatever_their_rounding():
     assert places == pytest.approx([0.0, 0.25], abs=PLACE)
     _, (place,) = highest(lambda x: np.ones((1, len(x))), GRID, 1.0 + ripple[None])
     assert place < GRID[2]
+
+
+def test_a_curve_that_is_not_finite_has_its_sample():
+    values, places = highest(
+        lambda x: np.stack([np.full(x.shape, np.inf), np.full(x.shape, np.nan), np.sin(x)]),
+        GRID,
+        np.stack([np.full(GRID.shape, np.inf), np.full(GRID.shape, np.nan), np.sin(GRID)]),
+    )
+    assert (values[0], places[0]) == (np.inf, 0.0)
+    assert np.isnan(values[1])
+    assert (values[2], places[2]) == pytest.approx((1.0, math.pi / 2), abs=PLACE)

@@ -96,11 +96,13 @@ def test_a_list_of_written_files_leads_nowhere_else(saved, tmp_path):
     assert (tmp_path / "precious.txt").is_file()
 
 
-@pytest.mark.parametrize("file", [BENCH, STRESS, SHEETS])
-def test_a_folder_with_one_thing_has_its_page_and_an_index(saved, tmp_path, file):
+@pytest.mark.parametrize(("file", "pages"), [(BENCH, 2), (STRESS, 2), (SHEETS, 1)])
+def test_a_folder_with_one_thing_has_its_page_and_an_index_but_for_a_linkage_whose_page_is_the_first(
+    saved, tmp_path, file, pages
+):
     shutil.copy(saved / file, tmp_path)
     write_site(tmp_path, processes=0)
-    assert len([name for name in files_of(tmp_path) if name.endswith(".html")]) == 2
+    assert len([name for name in files_of(tmp_path) if name.endswith(".html")]) == pages
 
 
 def test_a_folder_without_any_is_refused_and_an_older_report_too(saved, tmp_path):

@@ -100,7 +100,7 @@ def test_the_page_begins_with_the_verdict_and_its_cause(run, tmp_path):
     run("--regime", "run-up", "--out", "page", factor=-1.0)
     page = (tmp_path / "page" / "index.html").read_text(encoding="utf-8")
     head = page[page.index("<header>") : page.index("<section")].replace("\N{NO-BREAK SPACE}", " ")
-    assert "Is this simulation right?" in head
+    assert "Juki MF-7923D needle mechanism" in head
     assert "Not right: 1 of 3 signals over" in head
     assert "Likely cause of the difference in Mkr: Mkr has the other sign" in head
     assert "agree in the mapping to Mkr: sign = -1" in head
