@@ -1,6 +1,6 @@
 """Tolerances of a linkage's numbers as a file states them, in the file's units: lengths, angles, mass centres, others.
 
-``results = ["Mkr.peak", "stroke"]``  figures of a design, as ``comparisons.designs.named_figures`` has them
+``results = ["Mkr.peak", "stroke"]``  figures of a design, as ``analytic.designs.figure_names`` has them
 ``speed = 1000``                      of the crank, as ``--speed`` has it
 ``[tolerances]``                      ± about the number in the linkage's file, in its unit there or one of its own:
 ``"rod.B.x" = 0.05``, ``"rod.B.x" = "50um"``, ``"rod.B.x" = { plus_minus = 0.05, distribution = "uniform" }``
