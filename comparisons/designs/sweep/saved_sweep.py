@@ -9,7 +9,6 @@ from __future__ import annotations
 import contextlib
 import os
 import shutil
-import warnings
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass
@@ -20,6 +19,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from analytic.errors import LinkproofError
+from comparisons.designs.named_figures import NamedFigure
+from comparisons.designs.parameters import Parameter
 from comparisons.designs.sweep.space import ONE_BY_ONE
 from comparisons.designs.sweep.sweep import SweepRequest
 from comparisons.runs.journal import FOLDER, HEADER, Journal
@@ -118,15 +119,34 @@ class SavedSweep:
     def finish(self, *, keeps: bool) -> None:
         """Write the netCDF file where it ``keeps``, and forget the rest."""
         if keeps:
-            dataset = self.dataset()
-            dataset = dataset.rename({name: str(name).replace("/", SLASH) for name in dataset.variables})
-            plain: dict[Any, Any] = {name: {"_FillValue": None} for name in dataset.variables}
             made = self._path.with_name(FILE)
-            with self._writing(), warnings.catch_warnings():
-                warnings.simplefilter("ignore")  # of names with blanks, which no list of coordinates can have
-                dataset.to_netcdf(made, engine="h5netcdf", encoding=plain)
+            with self._writing():
+                self._write(made)
                 os.replace(made, self.folder / FILE)
         self._journal.clear()
+
+    def _write(self, path: Path) -> None:
+        """What ``dataset`` has, in netCDF; xarray, which could write it, takes a second to import where Dask is."""
+        import h5netcdf  # noqa: PLC0415 - what no sweep without files pays for
+
+        space = self.request.space
+        over = space.dimensions
+        beside = [one.name for one in space.parameters if one.name not in over]
+        with h5netcdf.File(path, "w") as file:
+            file.attrs.update(self.about)
+            file.dimensions = dict(zip(over, space.shape, strict=True))
+
+            def add(one: Parameter | NamedFigure, dimensions: tuple[str, ...], values: Array) -> h5netcdf.Variable:
+                variable = file.create_variable(one.name.replace("/", SLASH), dimensions, float, data=values)
+                variable.attrs["units"] = one.unit.name
+                return variable
+
+            for parameter, column in zip(space.parameters, space.columns, strict=True):
+                add(parameter, (parameter.name,) if parameter.name in over else (ONE_BY_ONE,), column)
+            for figure, row in zip(self.request.figures, self._figures(), strict=True):
+                variable = add(figure, over, row.reshape(space.shape))
+                if beside and not any(" " in name for name in beside):  # a list of names is parted by blanks
+                    variable.attrs["coordinates"] = " ".join(name.replace("/", SLASH) for name in beside)
 
     def forget(self) -> None:
         """Leave the folder as it was."""
