@@ -207,6 +207,8 @@ def results(
     at: Annotated[str | None, valued("DEGREES", "Every signal at these crank angles: 0,30,60.")] = None,
     time: Annotated[str | None, valued("SECONDS", "Every signal at these times: 0.1,0.2.")] = None,
     csv: Annotated[str | None, valued("FILE|-", "Write every signal as a table, in the file's units.")] = None,
+    decimal: Annotated[str, valued(".|,", "Decimal mark of --csv; with a comma, semicolons between columns.")] = ".",
+    xlsx: Annotated[str | None, valued("FILE", "Write signals and key figures as a workbook.")] = None,
     json: options.Json = None,
     svg: Annotated[str | None, valued("FILE|-", "Draw scheme, coupler curves, torque, bearing forces.")] = None,
     out: Annotated[Path | None, valued("DIR", "Write its page, with the linkage in motion, into this folder.")] = None,
@@ -226,7 +228,8 @@ def results(
     choice = ResultsChoice(
         mechanism=mechanism, variant=variant, regimes=(regime,) if regime else (), **_speed(speed), ramp_time=ramp_time,
         hold_time=hold_time, start_angle=start_angle, clockwise=clockwise, from_angle=from_angle, to_angle=to_angle,
-        gravity=not no_gravity, at=at, time=time, csv=csv, json=json, svg=svg, out=out, opens=opens,
+        gravity=not no_gravity, at=at, time=time, csv=csv, decimal=decimal, xlsx=xlsx, json=json,
+        svg=svg, out=out, opens=opens,
         strict=strict,
     )  # fmt: skip
     results.results(choice, quiet=quiet)
