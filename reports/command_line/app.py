@@ -211,6 +211,16 @@ def results(
     xlsx: Annotated[str | None, valued("FILE", "Write signals and key figures as a workbook.")] = None,
     json: options.Json = None,
     svg: Annotated[str | None, valued("FILE|-", "Draw scheme, coupler curves, torque, bearing forces.")] = None,
+    png: Annotated[str | None, valued("FILE", "The same as PNG, 300 dots to the inch.")] = None,
+    pdf: Annotated[str | None, valued("FILE", "The same as PDF.")] = None,
+    figure: Annotated[
+        str | None,
+        valued(
+            "NAME",
+            "Draw one figure alone, as wide as a paper's column: scheme, curves, torque, power, energy, inertia, "
+            "output, forces, transmission.",
+        ),
+    ] = None,
     out: Annotated[Path | None, valued("DIR", "Write its page, with the linkage in motion, into this folder.")] = None,
     opens: Annotated[bool, flag("Open the page in the browser.", "--open")] = False,
     strict: options.Strict = False,
@@ -229,7 +239,7 @@ def results(
         mechanism=mechanism, variant=variant, regimes=(regime,) if regime else (), **_speed(speed), ramp_time=ramp_time,
         hold_time=hold_time, start_angle=start_angle, clockwise=clockwise, from_angle=from_angle, to_angle=to_angle,
         gravity=not no_gravity, at=at, time=time, csv=csv, decimal=decimal, xlsx=xlsx, json=json,
-        svg=svg, out=out, opens=opens,
+        svg=svg, png=png, pdf=pdf, figure=figure, out=out, opens=opens,
         strict=strict,
     )  # fmt: skip
     results.results(choice, quiet=quiet)

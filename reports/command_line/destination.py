@@ -110,7 +110,7 @@ class Destination:
 
 # Endings that name a format: a file of one is not written under the name of another.
 FORMATS: Final = {".svg", ".png", ".pdf", ".gif", ".csv", ".xlsx", ".json", ".html", ".toml", ".nc"}
-BINARY: Final = {"--xlsx"}
+BINARY: Final = {"--xlsx", "--png", "--pdf"}
 PACKAGES: Final = {"--xlsx": "openpyxl"}  # that write the file of an option, each in an extra of the option's name
 
 

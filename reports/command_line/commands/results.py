@@ -34,15 +34,18 @@ from reports.document.terminal import show
 Array = NDArray[np.float64]
 
 PAGE = "index.html"
+PICTURES = ("svg", "png", "pdf")
+FILES = ("csv", "xlsx", "json", *PICTURES)
 
 
 @dataclass(frozen=True, kw_only=True)
 class ResultsChoice(MotionChoice):
     """What was asked for, in the user's words; ``at`` are degrees and ``time`` seconds, with commas between them.
 
-    ``csv``, ``json`` and ``svg`` are files, or "-" for stdout, which then holds nothing else; ``xlsx`` is a file.
-    ``decimal`` is the point or comma in the numbers of ``csv``. ``out`` is the folder of
-    a report, whose page of the mechanism a browser ``opens``. With ``strict`` what looks like a slip is refused.
+    ``csv``, ``json`` and ``svg`` are files, or "-" for stdout, which then holds nothing else; ``xlsx``, ``png`` and
+    ``pdf`` are files. ``decimal`` is the point or comma in the numbers of ``csv``, ``figure`` the one picture that is
+    drawn in place of all. ``out`` is the folder of a report, whose page of the mechanism a browser ``opens``. With
+    ``strict`` what looks like a slip is refused.
     """
 
     mechanism: str
@@ -53,7 +56,10 @@ class ResultsChoice(MotionChoice):
     decimal: str = "."
     xlsx: str | None = None
     json: str | None = None
+    figure: str | None = None
     svg: str | None = None
+    png: str | None = None
+    pdf: str | None = None
     out: Path | None = None
     opens: bool = False
     strict: bool = False
@@ -61,7 +67,7 @@ class ResultsChoice(MotionChoice):
     @property
     def files(self) -> dict[str, str]:
         """Files to be written, by option."""
-        named = {"--csv": self.csv, "--xlsx": self.xlsx, "--json": self.json, "--svg": self.svg}
+        named = {f"--{name}": getattr(self, name) for name in FILES}
         return {option: file for option, file in named.items() if file is not None}
 
     def check(self) -> None:
@@ -75,6 +81,8 @@ class ResultsChoice(MotionChoice):
             )
         if self.decimal == "," and self.csv is None:
             raise LinkproofError("--decimal belongs to the table of --csv, and none is written: name a file with --csv")
+        if self.figure is not None and not {f"--{kind}" for kind in PICTURES} & {*self.files}:
+            raise LinkproofError(f"--figure {self.figure} needs a file: name one with --svg, --png or --pdf")
         if self.opens and self.out is None:
             raise LinkproofError("--open shows the page that --out writes: name a folder with --out")
         if self.out is not None:
@@ -136,10 +144,10 @@ def _content(option: str, found: DesignerResults, choice: ResultsChoice) -> str 
         from reports.designs.results.workbook import workbook  # noqa: PLC0415
 
         return workbook(found)
-    if option == "--svg":
-        from reports.designs.results.drawing import svg_text  # noqa: PLC0415
+    if option.removeprefix("--") in PICTURES:
+        from reports.designs.results.drawing import picture  # noqa: PLC0415
 
-        return svg_text(found)
+        return picture(found, option.removeprefix("--"), choice.figure)
     return csv_table(found, choice.decimal) if option == "--csv" else json_text(found)
 
 

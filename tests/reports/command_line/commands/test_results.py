@@ -43,14 +43,15 @@ def test_positions_velocities_and_forces_at_chosen_angles(engine):
 def test_all_files_at_once_and_json_to_stdout_alone(engine, tmp_path):
     done = linkproof(
         "results", engine, "--regime", "run-up", "--ramp-time", "0.1", "--csv", tmp_path / "t.csv", "--decimal", ",",
-        "--svg", tmp_path / "t.svg", "--xlsx", tmp_path / "t.xlsx", "--json", "-", cwd=tmp_path,
+        "--svg", tmp_path / "t.svg", "--xlsx", tmp_path / "t.xlsx", "--png", tmp_path / "t.png", "--json", "-",
+        cwd=tmp_path,
     )  # fmt: skip
     document = json.loads(done.stdout)
     assert document["axis"] == "time"
     assert "run-up, up to 1000 rpm" in document["conditions"]
     assert (tmp_path / "t.csv").read_text().startswith("\ufefftime [s];phi [deg];")
     assert ET.parse(tmp_path / "t.svg").getroot().tag.endswith("svg")
-    assert {path.name for path in tmp_path.iterdir()} == {"engine.toml", "t.csv", "t.svg", "t.xlsx"}
+    assert {path.name for path in tmp_path.iterdir()} == {"engine.toml", "t.csv", "t.svg", "t.png", "t.xlsx"}
 
 
 def test_groups_of_a_higher_class_are_said_to_be_numerical():
@@ -125,6 +126,9 @@ FAULTS = [
     ({"csv": "."}, "cannot write '.'"),
     ({"csv": "engine.toml/t.csv"}, "cannot write 'engine.toml/t.csv'"),
     ({"svg": "engine.toml"}, "--svg 'engine.toml' would take the place of the linkage's file"),
+    ({"figure": "torque"}, "--figure torque needs a file: name one with --svg, --png or --pdf"),
+    ({"figure": "tork", "png": "a.png"}, "unknown figure 'tork': did you mean 'torque'?"),
+    ({"pdf": "-"}, "--pdf: expected the name of a file, got '-'"),
     ({"svg": "a.png"}, "--svg: expected the name of a .svg file, got 'a.png'; --svg writes no .png"),
     ({"csv": "a.XLSX"}, "--csv: expected the name of a .csv file"),
     ({"xlsx": "a.csv"}, "--xlsx: expected the name of a .xlsx file, got 'a.csv'; --xlsx writes no .csv"),

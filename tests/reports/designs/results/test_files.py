@@ -15,9 +15,8 @@ from reports.designs.results.files import csv_table, json_text
 from reports.designs.results.workbook import workbook
 from tests.analytic.linkages import from_text
 from tests.analytic.textbook import DOUBLE_ROCKER
-from tests.reports.designs.results.samples import CRANK, MASS, ROD, SPEED, piston, piston_text, results
+from tests.reports.designs.results.samples import CRANK, IMPERIAL, MASS, ROD, SPEED, piston, piston_text, results
 
-IMPERIAL = ("in", 0.0254, "deg", "kN", "N*mm")
 # What one of the file's unit is in SI, for each unit that a column can have.
 SIZES = {"s": 1.0, "J": 1.0, "W": 1.0, "N*mm": 1e-3, "kN": 1e3, "kg*m^2": 1.0}
 SIZES |= {f"in{rest}": 0.0254 for rest in ("", "/s", "/s^2")} | {
