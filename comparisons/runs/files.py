@@ -59,6 +59,11 @@ def write_text(path: Path, text: str) -> None:
     write_file(path, lambda target: target.write_text(text, encoding="utf-8"))
 
 
+def write_bytes(path: Path, data: bytes) -> None:
+    """Replace a file by these bytes in one step."""
+    write_file(path, lambda target: target.write_bytes(data))
+
+
 def check_writable(path: Path) -> None:
     """Raise LinkproofError now, rather than after an hour's work, if a file could not be written at ``path``."""
     is_stream, folders = _is_stream(path), Path(os.path.realpath(path)).parents

@@ -30,9 +30,9 @@ _METADATA = re.compile(r"<metadata>.*?</metadata>\s*", re.DOTALL)
 _STYLE = re.compile(r"(<style[^>]*>)(.*?)(</style>)", re.DOTALL)
 
 
-def figure(chart: Chart) -> Figure:
-    """The chart, drawn."""
-    size = _size(chart)
+def figure(chart: Chart, width: float | None = None) -> Figure:
+    """The chart, drawn in the page's width for it or in so many inches."""
+    size = _size(chart, width or _width(chart))
     return drawn(*size, lambda found: place(found, chart, (0.0, 0.0), size))
 
 
@@ -46,14 +46,17 @@ def place(found: Figure, chart: Chart, corner: tuple[float, float], size: tuple[
 
 def edges(chart: Chart) -> tuple[float, float]:
     """Left and right end of the axes of a chart's first panel, as shares of the width."""
-    size = _size(chart)
+    size = _size(chart, _width(chart))
     left, _, width, _ = ChartLayout(chart, size).box(0)
     return left / size[0], (left + width) / size[0]
 
 
-def _size(chart: Chart) -> tuple[float, float]:
+def _width(chart: Chart) -> float:
+    return FULL_WIDTH if chart.wide else WIDTH
+
+
+def _size(chart: Chart, width: float) -> tuple[float, float]:
     """Width and height of a chart's figure, in: higher than it asks for where its names take all the room."""
-    width = FULL_WIDTH if chart.wide else WIDTH
     height = head_room(chart, width) + chart.height
     if not chart.panels:
         return width, height
@@ -75,11 +78,21 @@ def svg(drawing: Figure, page: str = "none") -> str:
     return _STYLE.sub(lambda found: f"{found[1]}{found[2].strip()}{dark}{found[3]}", text, count=1)
 
 
-def png(drawing: Figure) -> bytes:
-    """The figure as a PNG file on white, for papers."""
+def png(drawing: Figure, dots: int = DOTS_PER_INCH) -> bytes:
+    """The figure as a PNG file on white, for papers, so many dots to the inch."""
+    return _saved(drawing, "png", ("Software",), dpi=dots)
+
+
+def pdf(drawing: Figure) -> bytes:
+    """The figure as a PDF file on white, for papers: lines as lines, its fonts within it."""
+    return _saved(drawing, "pdf", ("CreationDate", "Creator", "Producer"))
+
+
+def _saved(drawing: Figure, kind: str, changing: Sequence[str], **more: Any) -> bytes:  # noqa: ANN401
+    """A figure as a file of a kind, without what would be ``changing`` from one time to the next."""
     buffer = io.BytesIO()
     with matplotlib.rc_context(house_style()):
-        drawing.savefig(buffer, format="png", dpi=DOTS_PER_INCH, facecolor="white", metadata={"Software": None})
+        drawing.savefig(buffer, format=kind, facecolor="white", metadata=dict.fromkeys(changing), **more)
     return buffer.getvalue()
 
 

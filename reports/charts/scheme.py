@@ -45,11 +45,16 @@ def scheme_figure(linkage: Linkage, positions: Positions) -> Figure:
     return scaled_figure(scheme, scheme.extent, draw_scheme)
 
 
-def scaled_figure(scheme: KinematicScheme, extent: Extent, draw: Draw) -> Figure:
-    """A figure of the plane between two corners; ``draw`` is given the axes, the scheme and a pin's radius."""
+def scaled_figure(scheme: KinematicScheme, extent: Extent, draw: Draw, wide: float | None = None) -> Figure:
+    """A figure of the plane between two corners; ``draw`` is given the axes, the scheme and a pin's radius.
+
+    It is ``wide``, in, and half as high again at most; else as wide as it needs to be.
+    """
+    largest = LARGEST if wide is None else np.array([wide, 1.5 * wide])
+    narrowest = NARROWEST if wide is None else wide - WORDS[0]
     span = np.maximum(extent[1] - extent[0], 1e-9)
-    scale = float(np.min((LARGEST - WORDS - 2.0 * ROOM) / span))
-    size = np.maximum(span * scale + 2.0 * ROOM, (NARROWEST, 0.0)) + WORDS
+    scale = float(np.min((largest - WORDS - 2.0 * ROOM) / span))
+    size = np.maximum(span * scale + 2.0 * ROOM, (narrowest, 0.0)) + WORDS
     width, height = map(float, size)
     return drawn(width, height, lambda figure: place(figure, scheme, (0.0, 0.0), size, extent=extent, draw=draw))
 

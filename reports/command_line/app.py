@@ -190,8 +190,20 @@ def results(
     at: Annotated[str | None, valued("DEGREES", "Every signal at these crank angles: 0,30,60.")] = None,
     time: Annotated[str | None, valued("SECONDS", "Every signal at these times: 0.1,0.2.")] = None,
     csv: Annotated[str | None, valued("FILE|-", "Write every signal as a table, in the file's units.")] = None,
+    decimal: Annotated[str, valued(".|,", "Decimal mark of --csv; with a comma, semicolons between columns.")] = ".",
+    xlsx: Annotated[str | None, valued("FILE", "Write signals and key figures as a workbook.")] = None,
     json: options.Json = None,
     svg: Annotated[str | None, valued("FILE|-", "Draw scheme, coupler curves, torque, bearing forces.")] = None,
+    png: Annotated[str | None, valued("FILE", "The same as PNG, 300 dots to the inch.")] = None,
+    pdf: Annotated[str | None, valued("FILE", "The same as PDF.")] = None,
+    figure: Annotated[
+        str | None,
+        valued(
+            "NAME",
+            "Draw one figure alone, as wide as a paper's column: scheme, curves, torque, power, energy, inertia, "
+            "output, forces, transmission.",
+        ),
+    ] = None,
     out: Annotated[Path | None, valued("DIR", "Write its page, with the linkage in motion, into this folder.")] = None,
     opens: Annotated[bool, flag("Open the page in the browser.", "--open")] = False,
     strict: options.Strict = False,
@@ -207,8 +219,8 @@ def results(
     from reports.command_line.commands.results import ResultsChoice
 
     choice = ResultsChoice(
-        mechanism=mechanism, at=at, time=time, csv=csv, json=json, svg=svg, out=out, opens=opens, strict=strict,
-        **motion.motion_options,
+        mechanism=mechanism, at=at, time=time, csv=csv, decimal=decimal, xlsx=xlsx, json=json, svg=svg, png=png, pdf=pdf,
+        figure=figure, out=out, opens=opens, strict=strict, **motion.motion_options,
     )  # fmt: skip
     results.results(choice, quiet=quiet)
 

@@ -7,6 +7,7 @@ import sys
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import AbstractContextManager, nullcontext, redirect_stdout
 from dataclasses import dataclass
+from importlib.util import find_spec
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
@@ -109,12 +110,14 @@ class Destination:
 
 # Endings that name a format: a file of one is not written under the name of another.
 FORMATS: Final = {".svg", ".png", ".pdf", ".gif", ".csv", ".xlsx", ".json", ".html", ".toml", ".nc"}
+BINARY: Final = {"--xlsx", "--png", "--pdf"}
+PACKAGES: Final = {"--xlsx": "openpyxl"}  # that write the file of an option, each in an extra of the option's name
 
 
 def check_files(named: Mapping[str, str], read: Mapping[str, Path]) -> None:
     """Raise LinkproofError where files, by the option that names each, cannot be written, or are ``read``, by words.
 
-    Likewise for a name that ends as another format does.
+    Likewise for a name that ends as another format does, and where the package that writes a file is missing.
 
     "-" is stdout, which holds one of them.
     """
@@ -124,6 +127,14 @@ def check_files(named: Mapping[str, str], read: Mapping[str, Path]) -> None:
             place = "stdout" if file == STDOUT else f"'{file}'"
             raise LinkproofError(f"{seen[file]} and {option} cannot both go to {place}: give one of them a file")
         seen[file] = option
+        package = PACKAGES.get(option, "sys")
+        if find_spec(package) is None:
+            extra = option.removeprefix("--")
+            raise LinkproofError(
+                f"{option}: expected {package}, got none: install it with: pip install 'linkproof[{extra}]'"
+            )
+        if file == STDOUT and option in BINARY:
+            raise LinkproofError(f"{option}: expected the name of a file, got '-': stdout is for text; name a file")
         if file == STDOUT:
             continue
         check_writable(Path(file))

@@ -24,7 +24,7 @@ from comparisons.datasheet.linkage_warnings import check_slips
 from comparisons.datasheet.saved import FILE, load_sheets, save_sheets
 from comparisons.datasheet.units import file_unit
 from comparisons.reference.case import Case, own_case
-from comparisons.runs.files import check_writable, write_text
+from comparisons.runs.files import check_writable, write_bytes, write_text
 from reports.command_line.destination import STDOUT, check_files, write_out
 from reports.command_line.linear_drive import prescribed
 from reports.command_line.motion_choice import MotionChoice
@@ -35,22 +35,31 @@ from reports.document.terminal import show
 Array = NDArray[np.float64]
 
 PAGE = "index.html"
+PICTURES = ("svg", "png", "pdf")
+FILES = ("csv", "xlsx", "json", *PICTURES)
 
 
 @dataclass(frozen=True, kw_only=True)
 class ResultsChoice(MotionChoice):
     """What was asked for, in the user's words; ``at`` are degrees and ``time`` seconds, with commas between them.
 
-    ``csv``, ``json`` and ``svg`` are files, or "-" for stdout, which then holds nothing else. ``out`` is the folder of
-    a report, whose page of the mechanism a browser ``opens``. With ``strict`` what looks like a slip is refused.
+    ``csv``, ``json`` and ``svg`` are files, or "-" for stdout, which then holds nothing else; ``xlsx``, ``png`` and
+    ``pdf`` are files. ``decimal`` is the point or comma in the numbers of ``csv``, ``figure`` the one picture that is
+    drawn in place of all. ``out`` is the folder of a report, whose page of the mechanism a browser ``opens``. With
+    ``strict`` what looks like a slip is refused.
     """
 
     mechanism: str
     at: str | None = None
     time: str | None = None
     csv: str | None = None
+    decimal: str = "."
+    xlsx: str | None = None
     json: str | None = None
+    figure: str | None = None
     svg: str | None = None
+    png: str | None = None
+    pdf: str | None = None
     out: Path | None = None
     opens: bool = False
     strict: bool = False
@@ -58,7 +67,7 @@ class ResultsChoice(MotionChoice):
     @property
     def files(self) -> dict[str, str]:
         """Files to be written, by option."""
-        named = {"--csv": self.csv, "--json": self.json, "--svg": self.svg}
+        named = {f"--{name}": getattr(self, name) for name in FILES}
         return {option: file for option, file in named.items() if file is not None}
 
     def check(self) -> None:
@@ -66,6 +75,14 @@ class ResultsChoice(MotionChoice):
         super().check()
         if self.at is not None and self.time is not None:
             raise LinkproofError("--at and --time both choose the instants of the table: leave one of the two out")
+        if self.decimal not in {".", ","}:
+            raise LinkproofError(
+                f"--decimal: expected . or , in the numbers of --csv, got '{self.decimal}'; correct it"
+            )
+        if self.decimal == "," and self.csv is None:
+            raise LinkproofError("--decimal belongs to the table of --csv, and none is written: name a file with --csv")
+        if self.figure is not None and not {f"--{kind}" for kind in PICTURES} & {*self.files}:
+            raise LinkproofError(f"--figure {self.figure} needs a file: name one with --svg, --png or --pdf")
         if self.opens and self.out is None:
             raise LinkproofError("--open shows the page that --out writes: name a folder with --out")
         if self.out is not None:
@@ -80,14 +97,17 @@ def results(choice: ResultsChoice, *, quiet: bool = False) -> None:
     if choice.strict:
         check_slips(linkage)
     found = designer_results(linkage, choice)
-    texts = {file: _text(option, found) for option, file in choice.files.items()}
-    for file, text in texts.items():
-        if file != STDOUT:
-            write_text(Path(file), text)
+    contents = {file: _content(option, found, choice) for option, file in choice.files.items()}
+    for file, content in contents.items():
+        if isinstance(content, bytes):
+            write_bytes(Path(file), content)
+        elif file != STDOUT:
+            write_text(Path(file), content)
     if choice.out is not None:
         _write_page(choice.out, found.case, opens=choice.opens, quiet=quiet)
-    if STDOUT in texts:
-        write_out(texts[STDOUT])
+    on_screen = contents.get(STDOUT)
+    if isinstance(on_screen, str):
+        write_out(on_screen)
     elif not quiet:
         from reports.designs.results import terminal  # noqa: PLC0415 - JSON and CSV need no tables
 
@@ -118,12 +138,17 @@ def _write_page(out: Path, case: Case, *, opens: bool, quiet: bool) -> None:
         webbrowser.open(page.resolve().as_uri())
 
 
-def _text(option: str, found: DesignerResults) -> str:
-    if option == "--svg":
-        from reports.designs.results.drawing import svg_text  # noqa: PLC0415 - half a second that nothing else pays for
+def _content(option: str, found: DesignerResults, choice: ResultsChoice) -> str | bytes:
+    """What the file of an option holds; what writes it is imported where it is needed: half a second or more."""
+    if option == "--xlsx":
+        from reports.designs.results.workbook import workbook  # noqa: PLC0415
 
-        return svg_text(found)
-    return csv_table(found) if option == "--csv" else json_text(found)
+        return workbook(found)
+    if option.removeprefix("--") in PICTURES:
+        from reports.designs.results.drawing import picture  # noqa: PLC0415
+
+        return picture(found, option.removeprefix("--"), choice.figure)
+    return csv_table(found, choice.decimal) if option == "--csv" else json_text(found)
 
 
 def chosen_case(mechanism: Mechanism, choice: MotionChoice) -> Case:

@@ -14,18 +14,24 @@ from reports.charts import draw
 from reports.charts.kinematic_scheme import KinematicScheme
 from reports.charts.scheme import draw_scheme, place
 from reports.charts.style import FULL_WIDTH, drawn
+from reports.designs.results.column_figures import column_figure
 from reports.document.chart import Chart, Panel
 from reports.mechanism.designer import hodograph
 from reports.mechanism.shown import ShownSheet
 
 # Inches: of the title, of the upper row and of its left half, of a hodograph's cell.
 TITLE, UPPER, LEFT, CELL, PER_ROW = 0.4, 4.8, 5.0, 2.75, 4
+PAPER_DOTS: Final = 300  # to the inch
 CURVES: Final = {"Mkr": "torque", "Peq": "power", "S": "S"}
 
 
-def svg_text(results: DesignerResults) -> str:
-    """The drawing as an SVG file of its own, on white."""
-    return draw.svg(results_figure(ShownSheet(sheet(results.case))), page="white")
+def picture(results: DesignerResults, kind: str, name: str | None = None) -> str | bytes:
+    """The drawing, or one figure of it by name for a paper's column, on white; ``kind`` is svg, png or pdf."""
+    shown = ShownSheet(sheet(results.case))
+    figure = results_figure(shown) if name is None else column_figure(shown, name)
+    if kind == "svg":
+        return draw.svg(figure, page="white")
+    return draw.pdf(figure) if kind == "pdf" else draw.png(figure, PAPER_DOTS)
 
 
 def results_figure(shown: ShownSheet) -> Figure:

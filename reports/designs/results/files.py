@@ -8,21 +8,37 @@ import json
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from comparisons.datasheet.designer_results import DesignerResults
 from comparisons.datasheet.linkage_warnings import warnings
 from comparisons.datasheet.plain_data import figures, peaks, plain
 
+Array = NDArray[np.float64]
 
-def csv_table(results: DesignerResults) -> str:
-    """Every signal at every instant: a column each, headed by name and unit, the axis first."""
+
+def columns(results: DesignerResults) -> dict[str, Array]:
+    """Every signal at every instant, (n,), in the file's units, by name and unit, the axis first."""
     names = sorted(results.curves.names, key=lambda name: name != results.axis)  # stable: the rest keeps its order
-    text = io.StringIO()
-    writer = csv.writer(text, lineterminator="\n")
-    writer.writerow([f"{name} [{results.unit(name).name}]" for name in names])
-    columns = [results.curves.of(results.shown, name) / results.unit(name).size + 0.0 for name in names]
-    writer.writerows([f"{value:z.15g}" for value in row] for row in np.column_stack(columns).tolist())
-    return text.getvalue()
+    units = {name: results.unit(name) for name in names}
+    return {
+        f"{name} [{unit.name}]": results.curves.of(results.shown, name) / unit.size + 0.0
+        for name, unit in units.items()
+    }
+
+
+def csv_table(results: DesignerResults, decimal: str = ".") -> str:
+    """A column each. With a decimal comma semicolons separate them, and a byte-order mark tells Excel that it is UTF-8.
+
+    The mark is what makes a spreadsheet of a country with decimal commas show ° and φ as they are.
+    """
+    text, table = io.StringIO(), columns(results)
+    has_comma = decimal == ","
+    writer = csv.writer(text, lineterminator="\n", delimiter=";" if has_comma else ",")
+    writer.writerow(table)
+    rows = ([f"{value:z.15g}" for value in row] for row in np.column_stack([*table.values()]).tolist())
+    writer.writerows([cell.replace(".", decimal) for cell in row] for row in rows)
+    return f"\ufeff{text.getvalue()}" if has_comma else text.getvalue()
 
 
 def json_text(results: DesignerResults) -> str:

@@ -42,15 +42,16 @@ def test_positions_velocities_and_forces_at_chosen_angles(engine):
 
 def test_all_files_at_once_and_json_to_stdout_alone(engine, tmp_path):
     done = linkproof(
-        "results", engine, "--regime", "run-up", "--ramp-time", "0.1", "--csv", tmp_path / "t.csv", "--svg",
-        tmp_path / "t.svg", "--json", "-", cwd=tmp_path,
+        "results", engine, "--regime", "run-up", "--ramp-time", "0.1", "--csv", tmp_path / "t.csv", "--decimal", ",",
+        "--svg", tmp_path / "t.svg", "--xlsx", tmp_path / "t.xlsx", "--png", tmp_path / "t.png", "--json", "-",
+        cwd=tmp_path,
     )  # fmt: skip
     document = json.loads(done.stdout)
     assert document["axis"] == "time"
     assert "run-up, up to 1000 rpm" in document["conditions"]
-    assert (tmp_path / "t.csv").read_text().startswith("time [s],phi [deg],")
+    assert (tmp_path / "t.csv").read_text().startswith("\ufefftime [s];phi [deg];")
     assert ET.parse(tmp_path / "t.svg").getroot().tag.endswith("svg")
-    assert {path.name for path in tmp_path.iterdir()} == {"engine.toml", "t.csv", "t.svg"}
+    assert {path.name for path in tmp_path.iterdir()} == {"engine.toml", "t.csv", "t.svg", "t.png", "t.xlsx"}
 
 
 def test_groups_of_a_higher_class_are_said_to_be_numerical():
@@ -125,8 +126,15 @@ FAULTS = [
     ({"csv": "."}, "cannot write '.'"),
     ({"csv": "engine.toml/t.csv"}, "cannot write 'engine.toml/t.csv'"),
     ({"svg": "engine.toml"}, "--svg 'engine.toml' would take the place of the linkage's file"),
+    ({"figure": "torque"}, "--figure torque needs a file: name one with --svg, --png or --pdf"),
+    ({"figure": "tork", "png": "a.png"}, "unknown figure 'tork': did you mean 'torque'?"),
+    ({"pdf": "-"}, "--pdf: expected the name of a file, got '-'"),
     ({"svg": "a.png"}, "--svg: expected the name of a .svg file, got 'a.png'; --svg writes no .png"),
     ({"csv": "a.XLSX"}, "--csv: expected the name of a .csv file"),
+    ({"xlsx": "a.csv"}, "--xlsx: expected the name of a .xlsx file, got 'a.csv'; --xlsx writes no .csv"),
+    ({"xlsx": "-"}, "--xlsx: expected the name of a file, got '-'"),
+    ({"csv": "a.csv", "decimal": ";"}, "--decimal: expected . or , in the numbers of --csv, got ';'"),
+    ({"decimal": ","}, "--decimal belongs to the table of --csv"),
     ({"csv": "-", "json": "-"}, "--csv and --json cannot both go to stdout"),
     ({"csv": "a", "svg": "a"}, "--csv and --svg cannot both go to 'a'"),
     ({"regimes": ("all",)}, "expected one motion"),
@@ -145,6 +153,14 @@ def test_what_cannot_be_is_said_and_nothing_is_written(engine, tmp_path, monkeyp
         results(ResultsChoice(mechanism=str(engine), **choice))
     assert said in str(error.value)
     assert {path.name for path in tmp_path.iterdir()} == {"engine.toml"}
+
+
+@pytest.mark.parametrize(("option", "package"), [("xlsx", "openpyxl")])
+def test_a_package_that_is_missing_is_one_sentence_with_the_cure(engine, tmp_path, monkeypatch, option, package):
+    monkeypatch.setattr("reports.command_line.destination.find_spec", lambda name: None if name == package else name)
+    said = refused("results", engine, f"--{option}", f"a.{option}", cwd=tmp_path)
+    cure = f"install it with: pip install 'linkproof[{option}]'"
+    assert said == f"linkproof: --{option}: expected {package}, got none: {cure}\n"
 
 
 def test_a_fault_is_one_sentence_and_exit_code_2(engine, tmp_path):

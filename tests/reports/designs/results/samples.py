@@ -13,6 +13,7 @@ TURN = CrankMotion("constant-speed", (Segment(0.0, 2.0 * math.pi / SPEED, (0.0, 
 
 # Every figure of it is a formula: a massless rod, so that the piston's force goes along it.
 CRANK, ROD, MASS = 0.05, 0.2, 0.8  # m, m, kg
+IMPERIAL = ("in", 0.0254, "deg", "kN", "N*mm")  # units that ``piston`` takes
 PISTON = """
 title = "piston engine"
 units = { length = "LENGTH", mass = "kg", inertia = "kg*m^2", angle = "ANGLE", force = "FORCE", torque = "TORQUE" }

@@ -1,23 +1,25 @@
 """The drawing is one well-formed picture that names every force, in the units of the file."""
 
 import xml.etree.ElementTree as ET
-from io import StringIO
+from io import BytesIO, StringIO
 
 import numpy as np
+import PIL.Image
 import pytest
 from rich.console import Console
 
 from analytic.description.crank_motion import swing
-from reports.designs.results.drawing import svg_text
+from analytic.errors import LinkproofError
+from reports.designs.results.drawing import picture
 from reports.designs.results.terminal import key_figures
 from tests.analytic.drives import driven
 from tests.analytic.linkages import from_text, mechanism
 from tests.analytic.textbook import DOUBLE_ROCKER
-from tests.reports.designs.results.samples import piston, results
+from tests.reports.designs.results.samples import IMPERIAL, piston, piston_text, results
 
 
-def words(results):
-    root = ET.fromstring(svg_text(results))
+def words(results, figure=None):
+    root = ET.fromstring(picture(results, "svg", figure))
     return " ".join("".join(text.itertext()) for text in root.iter("{http://www.w3.org/2000/svg}text"))
 
 
@@ -59,3 +61,52 @@ def test_forces_through_a_change_point_are_drawn_where_they_have_a_bound():
     said = screen.file.getvalue()
     assert "nan" not in said
     assert "Joint forces have no bound at the change point" in said
+
+
+@pytest.mark.parametrize(
+    ("name", "expected"),
+    [
+        ("scheme", "x, in"),
+        ("curves", "y, in"),
+        ("torque", "Mkr, N mm"),
+        ("power", "Peq, W"),
+        ("energy", "Teq, J"),
+        ("inertia", "Jeq, "),
+        ("output", "a, "),
+        ("forces", "|F|, kN"),
+        ("transmission", "transmission angle, deg"),
+    ],
+)
+def test_one_figure_has_the_width_of_a_papers_column_and_units_on_its_axes(name, expected):
+    found = piston(*IMPERIAL)
+    root = ET.fromstring(picture(found, "svg", name))
+    assert float(root.get("width").removesuffix("pt")) == pytest.approx(85.0 / 25.4 * 72.0, abs=0.01)
+    assert expected in words(found, name)
+    assert name in {"scheme", "curves"} or "crank angle φ, °" in words(found, name)
+    assert "sample (base)" not in words(found, name)
+
+
+def test_pictures_of_every_kind_are_the_same_each_time():
+    found = piston()
+    for kind, start in (("png", b"\x89PNG"), ("pdf", b"%PDF")):
+        first, second = (picture(found, kind, "torque") for _ in range(2))
+        assert first == second
+        assert first.startswith(start)
+    width, height = PIL.Image.open(BytesIO(picture(found, "png", "torque"))).size
+    assert (width, height > 300) == (1003, True)  # 85 mm at 300 dots to the inch
+
+
+@pytest.mark.parametrize(
+    ("name", "sentence"),
+    [
+        ("torqe", "unknown figure 'torqe': did you mean 'torque'?"),
+        ("torque", "--figure torque: expected a linkage that has what it shows, got 'sample'"),
+        ("forces", "--figure forces: expected a linkage"),
+        ("output", "--figure output: expected a linkage"),
+    ],
+)
+def test_a_figure_that_there_is_not_is_one_sentence(name, sentence):
+    light = "\n".join(line for line in piston_text().splitlines() if not line.startswith(("mass", "inertia", "output")))
+    with pytest.raises(LinkproofError) as error:
+        picture(results(from_text(light)), "png", name)
+    assert str(error.value).startswith(sentence)

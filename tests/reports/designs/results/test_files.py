@@ -5,16 +5,18 @@ import io
 import json
 
 import numpy as np
+import openpyxl
+import pandas
 import pytest
 
 from analytic.description.crank_motion import RPM, crank_motion, swing
 from comparisons.imported.reading import read_results
 from reports.designs.results.files import csv_table, json_text
+from reports.designs.results.workbook import workbook
 from tests.analytic.linkages import from_text
 from tests.analytic.textbook import DOUBLE_ROCKER
-from tests.reports.designs.results.samples import piston, results
+from tests.reports.designs.results.samples import CRANK, IMPERIAL, MASS, ROD, SPEED, piston, piston_text, results
 
-IMPERIAL = ("in", 0.0254, "deg", "kN", "N*mm")
 # What one of the file's unit is in SI, for each unit that a column can have.
 SIZES = {"s": 1.0, "J": 1.0, "W": 1.0, "N*mm": 1e-3, "kN": 1e3, "kg*m^2": 1.0}
 SIZES |= {f"in{rest}": 0.0254 for rest in ("", "/s", "/s^2")} | {
@@ -80,10 +82,53 @@ def test_chosen_instants_are_the_rows_and_peaks_are_those_of_the_whole_motion():
     assert some["peaks"] == all_of_it["peaks"]
 
 
-def test_the_table_is_read_back_as_the_signals_it_was_written_from(tmp_path):
+@pytest.mark.parametrize("kind", ["comma", "workbook"])
+def test_what_a_spreadsheet_reads_are_the_numbers_of_the_plain_table(kind):
+    found = piston(*IMPERIAL)
+    if kind == "comma":
+        text = csv_table(found, ",")
+        assert text.startswith("\ufeffphi [deg];time [s];")
+        read = pandas.read_csv(io.BytesIO(text.encode()), sep=";", decimal=",")
+    else:
+        read = pandas.read_excel(io.BytesIO(workbook(found)), "curves")
+    expected = table(found)
+    assert list(read) == list(expected)
+    assert all(pandas.api.types.is_numeric_dtype(read[name]) for name in read)
+    for name, values in expected.items():
+        assert read[name].to_numpy() == pytest.approx(values, rel=1e-14), name
+
+
+def test_the_key_figures_of_a_workbook_are_those_of_the_table():
+    """Figures of the piston engine by its formulas, in inches, kN and N mm."""
+    read = pandas.read_excel(io.BytesIO(workbook(piston(*IMPERIAL))), "key figures")
+    rows = read.set_index(["figure", "signal"])
+    assert list(read) == ["figure", "signal", "value", "unit", "at φ [deg]", "at time [s]"]
+    accelerated = MASS * SPEED**2 * CRANK * (1.0 + CRANK / ROD)  # N, at the top dead centre
+    for figure, value, unit, place in (
+        (("stroke", "S"), 2.0 * CRANK / 0.0254, "in", None),
+        (("shaking force on ground", "force"), accelerated * 1e-3, "kN", 0.0),
+        (("RMS torque, means", "omega"), 1000.0, "rpm", None),
+    ):
+        row = rows.loc[figure]
+        assert row["value"] == pytest.approx(value, rel=1e-9)
+        assert row["unit"] == unit
+        assert place is None or row["at φ [deg]"] == pytest.approx(place, abs=1e-6)
+
+
+@pytest.mark.parametrize("name", ["=1+1", "+A", "-A", "@A"])
+def test_no_name_is_a_formula_of_a_workbook(name):
+    found = results(from_text(piston_text().replace("A = [", f'"{name}" = [')))
+    book = openpyxl.load_workbook(io.BytesIO(workbook(found)))
+    cells = [cell for sheet in book for row in sheet.iter_rows() for cell in row]
+    assert {cell.data_type for cell in cells} == {"s", "n"}
+    assert any(str(cell.value).startswith(f"{name} on ") for cell in cells)
+
+
+@pytest.mark.parametrize("decimal", [".", ","])
+def test_the_table_is_read_back_as_the_signals_it_was_written_from(tmp_path, decimal):
     """By the reader of other tools' files, which takes names and units from the headers."""
     found = piston(*IMPERIAL)
-    (tmp_path / "t.csv").write_text(csv_table(found), encoding="utf-8")
+    (tmp_path / "t.csv").write_text(csv_table(found, decimal), encoding="utf-8")
     read = read_results([tmp_path / "t.csv"], found.linkage, None)
     signals = json.loads(json_text(found))["values"]
     assert {column.header for column, _ in read.not_judged} <= {"shaking_force:magnitude [kN]"}
