@@ -1,4 +1,4 @@
-"""The options and arguments that several commands share: how each is shown in help, and what a shell completes."""
+"""Options and arguments shared by several commands, with their help and shell completion."""
 
 from __future__ import annotations
 
@@ -40,8 +40,8 @@ Regimes = Annotated[
     list[str] | None,
     valued(
         "NAME",
-        "Motion of the crank: run-up, run-up-cubic, run-up-quintic, constant-speed, one of the file's own, own (all of "
-        "those), or all; with --from and --to: constant-speed, cubic, polynomial, cycloidal, modified-sine, or all; "
+        "Motion of the crank: run-up, run-up-cubic, run-up-quintic, constant-speed, a regime of the file, own (all of "
+        "these), or all; with --from and --to: constant-speed, cubic, polynomial, cycloidal, modified-sine, or all; "
         "repeatable; default: run-up (bench: run-up-quintic and run-up), with --from and --to constant-speed.",
         "--regime",
         names=completion.regimes,
@@ -49,7 +49,7 @@ Regimes = Annotated[
 ]
 Engines = Annotated[
     list[str] | None,
-    valued("NAME", "Engine; repeatable; default: every one.", "--engine", names=completion.engines),
+    valued("NAME", "Engine; repeatable; default: all.", "--engine", names=completion.engines),
 ]
 Settings = Annotated[
     list[str] | None,
@@ -72,10 +72,10 @@ Quantities = Annotated[
 ]
 Json = Annotated[str | None, valued("FILE|-", "Write JSON to a file; - is stdout.", "--json")]
 Out = Annotated[Path | None, valued("DIR", "Write records, curves and pages into this folder.", "--out")]
-Resume = Annotated[bool, flag("Finish what an interrupted run of the same command kept in --out.", "--resume")]
-Quiet = Annotated[bool, flag("No progress and no tables: the closing line alone.", "-q", "--quiet")]
+Resume = Annotated[bool, flag("Finish an interrupted run of the same command in --out.", "--resume")]
+Quiet = Annotated[bool, flag("No progress and no tables, only the closing line.", "-q", "--quiet")]
 Verbose = Annotated[bool, flag("Add the details of every record.", "-v", "--verbose")]
-Jobs = Annotated[int | None, valued("N", "Worker processes; default: one per core; compare: 0 is none, no limits.")]
+Jobs = Annotated[int | None, valued("N", "Worker processes; default: one per core; compare: 0 for none, no limits.")]
 Scheduler = Annotated[
     str | None,
     valued("ADDRESS", "Run on the workers of a Dask scheduler, tcp://HOST:8786, or on N of this machine, local:N."),
@@ -85,16 +85,16 @@ SteadyRegime = Annotated[
 ]  # constant-speed, or refused
 Speed = Annotated[
     float | None,
-    valued("RPM", "Final crank speed, of a swing the largest; negative turns clockwise; default: 1000.", "--speed"),
+    valued("RPM", "Final crank speed, or the largest of a swing; negative turns clockwise; default: 1000.", "--speed"),
 ]
-RampTime = Annotated[float, valued("SECONDS", "Time to reach it.")]
-HoldTime = Annotated[float, valued("SECONDS", "Time at that speed.")]
+RampTime = Annotated[float, valued("SECONDS", "Time to reach this speed.")]
+HoldTime = Annotated[float, valued("SECONDS", "Time at this speed.")]
 StartAngle = Annotated[float, valued("DEGREES", "Crank angle at the start.")]
-FromAngle = Annotated[float | None, valued("DEGREES", "Crank angle at which a swing begins.", "--from")]
-ToAngle = Annotated[float | None, valued("DEGREES", "Crank angle at which it ends.", "--to")]
+FromAngle = Annotated[float | None, valued("DEGREES", "Crank angle at the start of a swing.", "--from")]
+ToAngle = Annotated[float | None, valued("DEGREES", "Crank angle at the end of a swing.", "--to")]
 Clockwise = Annotated[bool, flag("Turn the crank clockwise.", "--clockwise")]
-Strict = Annotated[bool, flag("Refuse a file with what looks like a slip: units, masses, load tables.", "--strict")]
+Strict = Annotated[bool, flag("Refuse a file with likely mistakes: units, masses, load tables.", "--strict")]
 ScaleMass = Annotated[
-    bool, flag("Mass and inertia of a link go with its lengths; else they are as in the file.", "--scale-mass")
+    bool, flag("Scale mass and inertia of a link with its lengths; default: as in the file.", "--scale-mass")
 ]
-NoGravity = Annotated[bool, flag("Leave gravity out.", "--no-gravity")]
+NoGravity = Annotated[bool, flag("Switch gravity off.", "--no-gravity")]
