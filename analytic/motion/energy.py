@@ -14,7 +14,7 @@ from analytic.numerics.collocation import gauss_scheme
 
 
 def energy_imbalance(motion: FreeMotion) -> float:
-    """Largest gap between the energy gained and the work of torque, forces and damping, over the energy at play.
+    """Largest gap between the energy gained and the work of torque, forces and damping, over the energy scale.
 
     Energies come from the closed form at the angles and speeds of the motion, the work from Gauss quadrature along it;
     neither uses ½ Jeq' or the equation of motion. A wrong model shows here: it makes energy out of nothing.

@@ -72,7 +72,7 @@ def contour_length(sweep: Sweep, path: ThreadPath) -> Array:
 
 def _check_turns(mechanism: Mechanism, what: str, cure: str) -> None:
     """Raise LinkproofError where no full turn of a crank tells what is asked for."""
-    told = f"thread: {what} of '{mechanism.linkage.name}' is told by a full turn of the crank, which"
+    told = f"thread: {what} of '{mechanism.linkage.name}' needs a full turn of the crank, which"
     if mechanism.linkage.is_linear:
         raise LinkproofError(f"{told} its linear drive does not make; {cure}")
     try:
@@ -124,7 +124,7 @@ def _sign(path: ThreadPath) -> float:
 
 def feed_diagram(mechanism: Mechanism, path: ThreadPath, points: int = POINTS) -> FeedDiagram:
     """Contour and feed over a turn from φ = 0, at ``points`` equal steps."""
-    _check_turns(mechanism, "the contour", "compare tells its feed over a swing, --from to --to")
+    _check_turns(mechanism, "the contour", "compare computes its feed over a swing, --from to --to")
     angle = grid(points)
     sweep = mechanism.sweep(angle)
     return FeedDiagram(

@@ -178,7 +178,7 @@ def _compared(
             return replace(
                 blank, outcome=Verdict.NOT_PROVIDED.value, detail=f"{blank.engine} offers no {lacking}"
             ), None
-        detail = f"its adapter offers {lacking} and has recorded none"
+        detail = f"its adapter offers {lacking} but did not record it"
         return replace(blank, outcome=Verdict.ADAPTER_ERROR.value, detail=detail), None
     origin = CONTROL if adapter.is_control else quantity.origin(motion).value
     blank = replace(blank, origin=origin, shared=quantity.shared(case, motion))

@@ -71,7 +71,7 @@ def standard(
 def notes(baseline: Baseline) -> tuple[str, ...]:
     """What a baseline says of files that fails nothing, a sentence each."""
     if not baseline.is_recorded:
-        return ("the baseline holds nothing yet: --record-baseline writes it",)
+        return ("the baseline is empty: --record-baseline writes it",)
     return tuple(f"{path} has changed since its baseline was recorded" for path in baseline.changed())
 
 

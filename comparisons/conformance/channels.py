@@ -172,9 +172,9 @@ CHECKS = (
         Check(name, f"the closed form's: {about}", partial(says_what_is_true, channel))
         for name, channel, about in (
             ("positions", Channel.POSITION, "mass centres and angles in the ground frame"),
-            ("velocities", Channel.VELOCITY, "of the instants they are said to be of"),
-            ("accelerations", Channel.ACCELERATION, "of those instants, gravity not taken off"),
-            ("drive torque", Channel.TORQUE, "what the drive exerts on the crank"),
+            ("velocities", Channel.VELOCITY, "at the stated instants"),
+            ("accelerations", Channel.ACCELERATION, "at the stated instants, without subtracting gravity"),
+            ("drive torque", Channel.TORQUE, "the torque of the drive on the crank"),
             ("joint forces", Channel.JOINT_FORCE, "on each joint's first body, in the ground frame"),
         )
     ),

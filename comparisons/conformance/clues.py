@@ -119,7 +119,7 @@ def _candidates(case: Case, scene: Scene, part: Part, right: Array) -> Iterator[
             yield f"it is the force of joint '{name}'", truth(case, channel, name, time)
         return
     if channel is Channel.ACCELERATION:
-        yield "gravity is taken off it, as an accelerometer does", right - scene.gravity
+        yield "gravity is subtracted, as an accelerometer does", right - scene.gravity
     for name, anchor in _anchors(scene, part.name):
         yield (
             f"it is that of the point in joint '{name}', not of the mass centre",

@@ -43,7 +43,9 @@ def says_what_it_is(engine: Engine) -> None:
     for channel, told in can.readouts.items():
         assert isinstance(channel, Channel), f"expected a Channel, got {channel!r}: name one of engines.scene.Channel"
         sane = isinstance(told, ReadOut) and told.source and told.frame and told.instant
-        assert sane, f"expected a ReadOut of {channel.value} with source, frame and instant, got {told!r}: say them all"
+        assert sane, (
+            f"expected a ReadOut of {channel.value} with source, frame and instant, got {told!r}: give all of them"
+        )
     assert can.readouts, "expected the channels that are offered, got none: say what each is called in the engine"
     for name, known in (
         ("drives", frozenset(get_args(Drive))),
@@ -81,14 +83,14 @@ def refuses_what_it_cannot_hold(engine: Engine) -> None:
     asked = [(name, _setting(engine)) for name, reason in reasons.items() if reason is not None]
     asked += [(PLAIN, setting) for setting in Setting if setting not in engine.abilities.settings]
     if not asked:
-        raise NotApplicableError("its abilities hold every sample and setting")
+        raise NotApplicableError("its abilities cover every sample and setting")
     for name, setting in asked:
         with blamed_on(engine):
             run = engine.run(beyond[name], setting)
         _available(run)
         what = f"sample '{name}' in setting '{setting}', which is beyond its abilities"
         assert run.outcome is Outcome.UNSUPPORTED, f"{what}: expected 'unsupported', got '{run.outcome}': refuse it"
-        assert run.reason.strip(), f"{what}: expected a reason, got none: say in one sentence what it cannot hold"
+        assert run.reason.strip(), f"{what}: expected a reason, got none: state in one sentence what is not supported"
         assert run.history is None, f"{what}: expected no history, got one: a refused scene is not stepped"
 
 
@@ -129,7 +131,7 @@ def survives_bad_data(engine: Engine) -> None:
             f"{words}: expected an outcome with a reason, got a finished run: look at the data before the engine does "
             "(engines.mechanics.start_check.data_obstacle)"
         )
-        assert run.reason.strip(), f"{words}: expected a reason, got none: say in one sentence what is wrong"
+        assert run.reason.strip(), f"{words}: expected a reason, got none: state in one sentence what is wrong"
 
 
 def records_what_is_asked(engine: Engine) -> None:
@@ -141,17 +143,17 @@ def records_what_is_asked(engine: Engine) -> None:
         run = _plain_run(engine, frozenset({channel}))
         if run.history is None:
             raise AssertionError(
-                f"{channel.value} alone: expected a finished run, got {run.outcome.value}: {run.reason}"
+                f"only {channel.value} requested: expected a finished run, got {run.outcome.value}: {run.reason}"
             )
         for other in Channel:
             there = bool(list(parts(run.history, scene, other)))
             wanted = other is channel and channel in engine.abilities.readouts
             got, cure = ("it", "leave it out") if there else ("none", "record it")
             assert there == wanted, (
-                f"{channel.value} asked for alone: expected {'a' if wanted else 'no'} {other.value}, got {got}: {cure}"
+                f"only {channel.value} requested: expected {'a' if wanted else 'no'} {other.value}, got {got}: {cure}"
             )
         assert run.steps == whole.steps, (
-            f"{channel.value} asked for alone: expected the {whole.steps} steps of a run with every channel, got "
+            f"only {channel.value} requested: expected the {whole.steps} steps of a run with every channel, got "
             f"{run.steps}: choose the steps by the scene alone"
         )
 
@@ -273,11 +275,13 @@ CHECKS = (
     Check("identity", "name, version and abilities", says_what_it_is, needs_engine=False),
     Check("installed", "the engine can be used", is_installed),
     Check("bad data", "an outcome with a reason, nothing raised, no process dead", survives_bad_data, alone=True),
-    Check("refusals", "what it cannot hold is unsupported, with a reason", refuses_what_it_cannot_hold),
+    Check("refusals", "a scene beyond its abilities is unsupported, with a reason", refuses_what_it_cannot_hold),
     Check("claims", "every sample within its abilities is run", holds_all_it_claims),
     Check("settings", "every setting it claims runs", settings_run),
-    Check("origins", "naive and tuned are one run; nothing made of several is said to be read", origins_are_true),
-    Check("recording", "what is asked for is recorded, nothing else; it changes no step", records_what_is_asked),
+    Check(
+        "origins", "naive and tuned are one run; a value from several runs is not labelled as read", origins_are_true
+    ),
+    Check("recording", "only the requested channels are recorded; recording changes no step", records_what_is_asked),
     Check("repetition", "two runs are the same", repeats_itself),
     Check("silence", "nothing is written to the terminal", keeps_silent),
 )

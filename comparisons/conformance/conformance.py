@@ -76,7 +76,7 @@ def sees_misreading(name: str, engine: Engine) -> None:
     run = finished(engine, PLAIN)
     assert run.history is not None
     if misreading.vectors and any(signal.values.ndim == 1 for signal in run.history.joint_force.values()):
-        raise NotApplicableError(f"{engine.name} tells magnitudes of joint forces only")
+        raise NotApplicableError(f"{engine.name} provides only magnitudes of joint forces")
     _is_seen(engine, Misread(engine, misreading), PLAIN)
 
 

@@ -217,7 +217,9 @@ class _Building:
     def _check_turn(self) -> None:
         """Raise LinkproofError where the driver makes no full turn."""
         if self.linkage.is_linear or not self.mechanism.crank_range().is_full_turn:
-            raise LinkproofError(f"A full turn tells the normalised motion, and the {self.linkage.driver} makes none")
+            raise LinkproofError(
+                f"The normalised motion needs a full turn, which the {self.linkage.driver} does not make"
+            )
 
     def thread(self) -> ThreadSheet | None:
         """Contour and feed of a thread."""

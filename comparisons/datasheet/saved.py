@@ -52,7 +52,7 @@ def load_sheets(folder: Path) -> tuple[Sheet, ...]:
     except OSError as error:
         raise LinkproofError(f"cannot read '{path}': {error.strerror}; {AGAIN}") from error
     if _digest(content.partition(BODY)[2]) != found.digest:
-        raise _damaged(path, "sheets", "expected what was written, got something else")
+        raise _damaged(path, "sheets", "the checksum does not match, so the file was changed after it was written")
     return found.sheets
 
 

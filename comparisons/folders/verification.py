@@ -108,7 +108,7 @@ def _limits(results: Results, file: Path | None) -> tuple[LimitTable, str]:
         return read_limits(file), f"judged by the limits of {file}"
     rows = results.document.get("limits")
     if rows is None:
-        return shipped_limits(), "the folder tells no limits: judged by those of this version"
+        return shipped_limits(), "the folder has no limits: judged by those of this version"
     shipped = shipped_limits().told
     own = [f"{', '.join(row['quantities'])} {row['value']:g} ({row['reason']})" for row in rows if row not in shipped]
     words = f"judged by the folder's limits, of which this version has not: {'; '.join(own)}" if own else ""
@@ -141,7 +141,7 @@ def _files(results: Results, folder: Path) -> Iterator[VerificationFinding]:
     path = _beside(folder, RECORDS)
     try:
         if json.loads(path.read_text(encoding="utf-8")) != json.loads(results.curves.attrs["document"]):
-            yield VerificationFinding(RECORDS, "it tells something else than the curves' own document")
+            yield VerificationFinding(RECORDS, "it differs from the document in curves.nc")
     except (OSError, ValueError) as error:
         yield VerificationFinding(RECORDS, f"it cannot be read: {error}")
     if _beside(folder, SHEETS).is_file():
@@ -199,7 +199,7 @@ def _error_faults(case: Case, quantity: Quantity, found: Deviation, record: Reco
         if not (now <= saved + slack and (saved <= now + slack or _is_vector(case, quantity))):
             yield f"its {name} is {saved:.3g}, its curve's is {now:.3g}"
     if record.samples != found.samples:
-        yield f"it tells of {record.samples} samples compared, its curve has {found.samples}"
+        yield f"it states {record.samples} compared samples, its curve has {found.samples}"
     if not abs((record.peak or 0.0) - found.peak) <= SAME * found.peak:
         yield f"its peak is {record.peak:.9g}, the closed form's is {found.peak:.9g} {record.unit}"
 

@@ -155,7 +155,7 @@ def _refuse_twice(reading: _Reading) -> None:
         else:
             weaker, stronger = (judged, before) if meaning.taken else (before, judged)
             weaker.meaning = None
-            weaker.reason = f"'{shortened(stronger.column.header)}' says more plainly that it is {meaning.signal}"
+            weaker.reason = f"'{shortened(stronger.column.header)}' names {meaning.signal}"
             seen[meaning.signal] = stronger
 
 

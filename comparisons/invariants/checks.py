@@ -67,7 +67,7 @@ def _checks(case: Case, motion: ObservedMotion, blank: Record) -> Iterator[Recor
         unit = UNITS[name] if not motion.is_linear else LINEAR_UNITS.get(name, UNITS[name])
         record = replace(blank, quantity=name, unit=unit)
         if lacking:
-            yield replace(record, outcome=Verdict.NOT_PROVIDED.value, detail=f"{blank.engine} tells no {lacking}")
+            yield replace(record, outcome=Verdict.NOT_PROVIDED.value, detail=f"{blank.engine} provides no {lacking}")
         elif name == "force_balance" and case.unbounded_at is not None:
             yield _undefined(record, UNBOUNDED.format(angle=degrees(case.unbounded_at)))
         elif name in BALANCES and case.mechanism.linkage.is_idle:
@@ -189,9 +189,7 @@ def _check_energy(case: Case, blank: Record, balance: EnergyBalance) -> Record:
     error, bound = possible.error_max, possible.limit
     if error is None or bound is None or error <= bound:
         return possible
-    reason = (
-        f"its own error estimate, {error:.2g} of the energy at play, is over the limit {bound:.2g}: use more samples"
-    )
+    reason = f"its own error estimate, {error:.2g} of the energy scale, is over the limit {bound:.2g}: use more samples"
     return _undefined(possible, reason)
 
 

@@ -70,7 +70,7 @@ def _resting_angle(mechanism: Mechanism) -> float:
     """The stable equilibrium of the undriven crank with the least potential energy, degrees."""
     stable = [found.angle for found in equilibria(mechanism) if found.stable]
     if not stable:
-        raise LinkproofError(f"'{mechanism.linkage.name}' has no stable equilibrium: its loads hold no angle")
+        raise LinkproofError(f"'{mechanism.linkage.name}' has no stable equilibrium: its loads balance at no angle")
     lowest = min(stable, key=lambda angle: float(reduced.potential_energy(mechanism.sweep(angle))))
     return math.degrees(lowest) % 360.0
 

@@ -40,7 +40,7 @@ _NO_MEMORY: Final = (b"bad_alloc", b"out of memory", b"Out of memory", b"Cannot 
 _OUTPUT_END: Final = 4096  # bytes kept of the end of a worker's output, to see what it died of
 _CHUNK: Final = 1 << 16
 _ANSWERING: Final = 30.0  # s that a worker may pause in its answer
-_DYING: Final = 2.0  # s that a process which has hung up is given to end
+_DYING: Final = 2.0  # s within which a process must end after it has closed its connection
 _PULSE: Final = 1.0  # s
 _STARTING: Final = threading.Lock()  # a process is cut off as a whole, whichever of its threads starts a worker
 
@@ -104,7 +104,7 @@ class _Worker:
         return bool(some)
 
     def exit_code(self) -> int | None:
-        """Exit code of a process that has hung up, None if it does not end: it may have closed what it is joined by."""
+        """Exit code of a process that has closed its connection, or None if it still runs after 2 s."""
         patience = time.monotonic() + _DYING
         while self.process.exitcode is None and time.monotonic() < patience:
             time.sleep(1e-3)
@@ -291,7 +291,7 @@ def _started(pickled: bytes, function: Callable[..., Any], memory: int, host: st
 def _how(code: int | None) -> str:
     """How a process ended, from its exit code as multiprocessing gives it; None while it still runs."""
     if code is None:
-        return "hung up without ending"
+        return "closed its connection without ending"
     if code >= 0:
         return f"exited with code {code}"
     with contextlib.suppress(ValueError):

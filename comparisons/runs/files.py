@@ -45,8 +45,7 @@ def claim(folder: Path) -> Claim:
         found = _CLAIMS.get(place) or Claim(place)
     except BlockingIOError as error:
         raise LinkproofError(
-            f"expected to be alone in '{folder}', got another command that still writes there: wait for it, or give "
-            "another folder"
+            f"another linkproof command is writing to '{folder}': wait until it ends, or choose another folder"
         ) from error
     except OSError as error:
         raise _cannot_write(folder, error) from error

@@ -203,7 +203,7 @@ def _loaded(function: bytes) -> Callable[..., object]:
 
 
 def _die_with_parent() -> None:
-    """Have this process killed when the program that wants its work dies, even amid C code that never lets go.
+    """Kill this worker when its parent dies, even inside C code.
 
     The pipe that ends with the parent raises a signal by itself. (Its death does not end the server, which lives as
     long as any worker, so the kernel's signal on a father's death would come too late.)

@@ -85,7 +85,7 @@ def stress(request: StressRequest, announce: Announce = lambda *_: None, journal
     wanted = cells(request.axes, request.engines, request.usages, quick=request.quick)
     if not wanted:
         usages = ", ".join(request.usages) or "any setting"
-        raise LinkproofError(f"expected a cell to make, got none with {usages}: ask for other axes or settings")
+        raise LinkproofError(f"no stability run matches {usages}: choose other axes or settings")
     study = _study(announce, journal, request.pool)
     make = partial(_made, study, request)
     grid = make(wanted)

@@ -53,7 +53,7 @@ SAID: Mapping[str, str] = {
     "closure": "bodies are {error} (of size, rad or peak) away from fitting joints and drive",
     "assembly_mode": "a group of links is in its other assembly mode",
     "crank_phase": "the crank is {error} rad away from where it must be",
-    "energy_balance": "{error} of the energy at play comes from nowhere",
+    "energy_balance": "{error} of the energy scale has no source",
     "torque_two_routes": "the torque is {error} of its peak away from what the motion takes",
     "force_balance": "a joint force is {error} of its peak away from the bodies' balance",
 }

@@ -70,7 +70,7 @@ def _falling(sweep: StepSweep) -> Finding:
         return None
     finer = sweep.steps[-2] / sweep.steps[-1]
     gain = f"{sweep.last_gain:.0f}" if sweep.last_gain >= 10.0 else f"{sweep.last_gain:.2g}"
-    return Cause.FALLING, f"at the finest step; the last refinement, by {finer:.3g}, took a factor {gain} off"
+    return Cause.FALLING, f"at the finest step; refining the step {finer:.3g} × reduced the error {gain} ×"
 
 
 def _lowered_at_its_step(sweep: StepSweep, others: Sequence[StepSweep]) -> Finding:

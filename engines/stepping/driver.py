@@ -38,7 +38,7 @@ def run_stepping(cost: Cost, history: Callable[[], History]) -> Run:
 
 
 def check_step(step: float) -> None:
-    """Raise LinkproofError for a step that is none."""
+    """Raise LinkproofError for an empty step."""
     if not 0.0 < step < math.inf:
         raise LinkproofError(f"step: expected a positive finite number of seconds, got {step:g}; correct it")
 

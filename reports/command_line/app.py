@@ -22,7 +22,7 @@ GLOSSARY = Path(__file__).parents[1] / "templates" / "glossary.txt"
 
 
 class InterruptedRunError(Exception):
-    """Ctrl-C, of which typer would make a silent exit; says what is left."""
+    """Ctrl-C, which typer would turn into a silent exit; the message names the remaining runs."""
 
 
 class _Commands(TyperGroup):
@@ -81,10 +81,10 @@ def linkproof(
 def list_(
     figures: Annotated[
         str | None,
-        valued("MECHANISM", "Every figure that sweep, optimise and tolerance take.", names=completion.mechanisms),
+        valued("MECHANISM", "List every figure for sweep, optimise and tolerance.", names=completion.mechanisms),
     ] = None,
     numbers: Annotated[
-        str | None, valued("MECHANISM", "Every number of the file that they vary.", names=completion.mechanisms)
+        str | None, valued("MECHANISM", "List every number that they can vary.", names=completion.mechanisms)
     ] = None,
     json: options.Json = None,
 ) -> None:
@@ -110,16 +110,16 @@ def show(mechanism: options.Mechanism, variant: options.Variant = None, json: op
 
 @app.command(short_help="Write a linkage file to fill in.")
 def new(name: Annotated[str, typer.Argument(metavar="NAME", hidden=True)]) -> None:
-    """Write NAME.toml, a small linkage with every key explained, to change into one of your own; overwrites nothing.
+    """Write NAME.toml, a small linkage with every key explained, as a start for yours; overwrites nothing.
 
-    Beside it stands linkproof.schema.json, by which editors complete and check it (VS Code: Even Better TOML).
+    Also writes linkproof.schema.json, so that editors complete and check the file (VS Code: Even Better TOML).
     """
     from reports.command_line.commands import files
 
     files.new(name, _destination(None))
 
 
-@app.command(short_help="Look a linkage over: mobility, groups, range, toggles.")
+@app.command(short_help="Review a linkage file: mobility, groups, range, errors.")
 def check(
     mechanism: options.Mechanism,
     variant: options.Variant = None,
@@ -127,11 +127,11 @@ def check(
     json: options.Json = None,
     strict: options.Strict = False,
 ) -> None:
-    """Look a linkage over: mobility, groups, range of the crank, transmission angles, toggles, masses, slips.
+    """Review a linkage file: mobility, groups, range of the crank, transmission angles, toggles, masses, errors.
 
     MECHANISM is the path of a .toml file or a name in the catalogue.
 
-    What is right is told up to the first fault, which is told in a sentence; exit code 2.
+    Stops at the first error and states it in one sentence, with exit code 2.
     """
     from reports.command_line.commands import files
 
@@ -140,7 +140,7 @@ def check(
 
 @app.command(short_help="Write the JSON schema of linkage files.")
 def schema() -> None:
-    """Write the JSON schema of linkage files to stdout: editors complete and check files by it.
+    """Write the JSON schema of linkage files to stdout, so that editors complete and check the files.
 
     A file names it in its first line: #:schema ./linkproof.schema.json (taplo, Even Better TOML).
     """
@@ -169,7 +169,7 @@ def thread(
 def published(
     mechanisms: options.Mechanisms = None,
     literature: Annotated[
-        bool, flag("The linkages of the literature, with every installed engine's answer.", "--literature")
+        bool, flag("Show the linkages of the literature, in every installed engine too.", "--literature")
     ] = False,
     json: options.Json = None,
 ) -> None:
@@ -204,12 +204,12 @@ def results(
             "output, forces, transmission.",
         ),
     ] = None,
-    out: Annotated[Path | None, valued("DIR", "Write its page, with the linkage in motion, into this folder.")] = None,
+    out: Annotated[Path | None, valued("DIR", "Write a page with the linkage in motion into this folder.")] = None,
     opens: Annotated[bool, flag("Open the page in the browser.", "--open")] = False,
     strict: options.Strict = False,
     quiet: options.Quiet = False,
 ) -> None:
-    """Work out what a designer needs of one linkage: torque, power, bearing forces, positions; needs no engine.
+    """Compute torque, power, bearing forces and positions of one linkage, for its designer; needs no engine.
 
     MECHANISM is a name in the catalogue or the path of a .toml file.
 
@@ -219,17 +219,17 @@ def results(
     from reports.command_line.commands.results import ResultsChoice
 
     choice = ResultsChoice(
-        mechanism=mechanism, at=at, time=time, csv=csv, decimal=decimal, xlsx=xlsx, json=json, svg=svg, png=png, pdf=pdf,
-        figure=figure, out=out, opens=opens, strict=strict, **motion.motion_options,
+        mechanism=mechanism, at=at, time=time, csv=csv, decimal=decimal, xlsx=xlsx, json=json, svg=svg, png=png,
+        pdf=pdf, figure=figure, out=out, opens=opens, strict=strict, **motion.motion_options,
     )  # fmt: skip
     results.results(choice, quiet=quiet)
 
 
-@app.command(short_help="List the engines, what they can do and where their figures come from.")
+@app.command(short_help="List the engines, their abilities and the origin of their figures.")
 def engines(
     names: Annotated[list[str] | None, typer.Argument(metavar="[ENGINE]...")] = None, json: options.Json = None
 ) -> None:
-    """List the engines: what each can hold, what it offers, and what its figures are in the engine itself."""
+    """List the engines: supported linkages, available quantities, and the origin of each figure in the engine."""
     from reports.command_line.commands import engines
 
     engines.list_engines(_names(names), _destination(json))
@@ -243,20 +243,20 @@ def compare(
     engine: options.Engines = None,
     setting: options.Settings = None,
     quantity: options.Quantities = None,
-    full: Annotated[bool, flag("Run the files' own regimes in every setting, not tuned alone.", "--full")] = False,
+    full: Annotated[bool, flag("Run the files' regimes in every setting, not only in tuned.", "--full")] = False,
     out: options.Out = None,
     json: options.Json = None,
-    limits: Annotated[Path | None, valued("FILE", "Limits of your own, which go before the suite's.")] = None,
-    baseline: Annotated[Path | None, valued("FILE", "Errors and key figures as recorded before.")] = None,
+    limits: Annotated[Path | None, valued("FILE", "Your limits, which precede the suite's.")] = None,
+    baseline: Annotated[Path | None, valued("FILE", "Errors and key figures recorded earlier.")] = None,
     record_baseline: Annotated[
         bool,
-        flag("Record errors and key figures into the baseline, of --baseline or the project.", "--record-baseline"),
+        flag("Record errors and key figures in the file of --baseline or the project.", "--record-baseline"),
     ] = False,
     allow_new: Annotated[
-        bool, flag("Let linkages and motions pass that the baseline does not have.", "--allow-new")
+        bool, flag("Allow linkages and motions that the baseline does not contain.", "--allow-new")
     ] = False,
     allow_missing: Annotated[
-        bool, flag("Let linkages and motions be missing that the baseline has.", "--allow-missing")
+        bool, flag("Allow linkages and motions of the baseline to be missing.", "--allow-missing")
     ] = False,
     junit: Annotated[Path | None, valued("FILE", "Write every verdict as a test case, in JUnit's XML.")] = None,
     resume: options.Resume = False,
@@ -270,13 +270,13 @@ def compare(
     """Simulate mechanisms in engines and compare every error with its limit.
 
     MECHANISM is a name in the catalogue or the path of a .toml file; default: those of the linkproof.toml in the
-    working folder or above it, or the whole catalogue. A linkproof.toml above the file says what options leave open.
+    working folder or above it, or the whole catalogue. A linkproof.toml above the file supplies missing options.
 
-    The naive setting shows what a user gets without tuning: beside other settings its rows do not decide the exit code.
+    The naive setting shows the engine without tuning; if other settings run too, its rows do not affect the exit code.
     An engine that crashes, hangs or runs out of memory fails in its own row only.
 
-    Exit codes: 0 every error within its limit, 1 an error over its limit, a run that failed, or a linkage, motion or
-    key figure that is not as in the baseline, 2 bad input.
+    Exit codes: 0 every error within its limit, 1 an error over its limit, a failed run, or a linkage, motion or
+    key figure that differs from the baseline, 2 bad input.
     """
     from comparisons.runs.worker_process import start_server
 
@@ -294,13 +294,13 @@ def compare(
     raise typer.Exit(compare.compare(choice, destination, RunLimits(time_limit, memory_limit, jobs, scheduler), held))
 
 
-@app.command(short_help="Judge the results of another tool: right or not, and what is likely wrong.")
+@app.command(short_help="Judge a curve from another tool: right or wrong, and the probable cause.")
 @with_choices()
 def judge(
     mechanism: options.Mechanism,
     results: Annotated[list[Path], typer.Argument(metavar="RESULTS...", hidden=True)],
-    mapping: Annotated[Path | None, valued("FILE", "What each column is, and which corrections are agreed to.")] = None,
-    write_mapping: Annotated[Path | None, valued("FILE", "Write the mapping as recognised.")] = None,
+    mapping: Annotated[Path | None, valued("FILE", "The meaning of each column, and accepted corrections.")] = None,
+    write_mapping: Annotated[Path | None, valued("FILE", "Write the recognised mapping.")] = None,
     limit: Annotated[float, valued("SHARE", "Largest error allowed, as a share of the closed form's peak.")] = 0.01,
     motion: MotionChoice = USUAL,
     out: options.Out = None,
@@ -308,14 +308,14 @@ def judge(
     quiet: options.Quiet = False,
     verbose: options.Verbose = False,
 ) -> None:
-    """Judge results of a tool that cannot be called: SolidWorks Motion, Adams, Modelica, any CSV with a header.
+    """Judge results exported from another tool: SolidWorks Motion, Adams, Modelica, any CSV with a header.
 
     MECHANISM is a name in the catalogue or the path of a .toml file, RESULTS are the tool's files.
 
-    The crank moves as the file's column of its angle or speed says, or as --regime does. Nothing in a file is
-    interpolated, smoothed or corrected unless the mapping says so.
+    The crank's motion is taken from the file's angle or speed column, or from --regime. Nothing in a file is
+    interpolated or smoothed; only corrections in the mapping are applied.
 
-    Exit codes: 0 every signal within the limit, 1 one is not, 2 bad input or nothing to judge.
+    Exit codes: 0 every signal within the limit, 1 otherwise, 2 bad input or nothing to judge.
     """
     from reports.command_line.commands import judge
 
@@ -330,8 +330,8 @@ def bench(
     motion: MotionChoice = USUAL,
     engine: options.Engines = None,
     quantity: options.Quantities = None,
-    quick: Annotated[bool, flag("A coarser sweep of one regime: under a minute.", "--quick")] = False,
-    costs: Annotated[bool, flag("Measure what each output and load costs too.", "--costs")] = False,
+    quick: Annotated[bool, flag("Run a coarser sweep of one regime, under a minute.", "--quick")] = False,
+    costs: Annotated[bool, flag("Also measure the cost of each output and load.", "--costs")] = False,
     out: options.Out = None,
     json: options.Json = None,
     resume: options.Resume = False,
@@ -343,7 +343,7 @@ def bench(
 
     MECHANISM is a name in the catalogue or the path of a .toml file; default: the whole catalogue.
 
-    Runs are made one at a time, so that times mean something: leave the machine alone meanwhile.
+    Runs are made one at a time. Do not use the machine for anything else, or the times become wrong.
     """
     from comparisons.runs.worker_process import start_server
 
@@ -357,7 +357,7 @@ def bench(
     raise typer.Exit(bench.bench(choice, _destination(json, out, resume, quiet, verbose), scheduler))
 
 
-@app.command(short_help="Find where each engine fails, and whether the checks notice.")
+@app.command(short_help="Find conditions under which each engine fails.")
 def stress(
     words: options.Cells = None,
     engine: options.Engines = None,
@@ -374,11 +374,11 @@ def stress(
     jobs: options.Jobs = None,
     scheduler: options.Scheduler = None,
 ) -> None:
-    """Find where each engine fails, and whether the checks notice.
+    """Find conditions under which each engine fails, and whether the checks detect it.
 
     AXIS is a stability map; CELL is one run of a map, AXIS/ROW/VALUE/ENGINE/USAGE; default: every map.
 
-    Exit code 1: an engine reported success with a wrong motion, and no check noticed.
+    Exit code 1: an engine reported success with a wrong motion, and no check detected it.
     """
     from comparisons.runs.worker_process import start_server
 
@@ -389,14 +389,14 @@ def stress(
     raise typer.Exit(stress.run(choice, _destination(json, out, resume, quiet, verbose), jobs, scheduler))
 
 
-@app.command("check-engine", short_help="Hold an engine's adapter to the contract.")
+@app.command("check-engine", short_help="Test an engine's adapter.")
 def check_engine(
     engine: Annotated[str, typer.Argument(metavar="ENGINE", hidden=True)],
     json: options.Json = None,
     quiet: options.Quiet = False,
     jobs: Annotated[int | None, valued("N", "Worker processes; default: one per core.")] = None,
 ) -> None:
-    """Hold an engine's adapter to the contract: signs, frames, units, instants, failures as values, mutants.
+    """Test an engine's adapter: signs, frames, units, instants, failures as values, deliberate errors.
 
     ENGINE is the name of an adapter announced under the entry-point group linkproof.engines.
 
@@ -410,7 +410,7 @@ def check_engine(
     raise typer.Exit(engines.check(engine, _destination(json, None, False, quiet), jobs))
 
 
-@app.command(short_help="Write an engine's run as a script of its own.")
+@app.command(short_help="Write an engine's run as a standalone script.")
 @with_choices()
 def export(
     mechanism: Annotated[str | None, words("MECHANISM", completion.mechanisms)] = None,
@@ -422,11 +422,11 @@ def export(
     ] = None,
     out: Annotated[Path | None, valued("FILE", "Where to write it; default: stdout.")] = None,
 ) -> None:
-    """Write an engine's run as a script that needs the engine and numpy alone, so that its author can repeat it.
+    """Write an engine's run as a script that needs only the engine and numpy, so that its author can repeat it.
 
     MECHANISM is a name in the catalogue or the path of a .toml file.
 
-    At its end the script prints what the engine says where it is furthest from the closed form, beside the latter.
+    At its end the script prints the engine's values where they differ most from the closed form, beside the latter.
     """
     from reports.command_line.commands import engines
     from reports.command_line.requests import CampaignChoice
@@ -435,32 +435,32 @@ def export(
     engines.export(CampaignChoice(mechanisms, named, settings, **motion.motion_options), cell, out)
 
 
-@app.command(short_help="Write the pages of what was saved again, or its curves as CSV.")
+@app.command(short_help="Write the pages of saved results again, or the curves as CSV.")
 def report(
     saved: Annotated[Path, typer.Argument(metavar="DIR", hidden=True)],
     out: Annotated[Path | None, valued("DIR", "Where to write the pages; default: the same folder.")] = None,
-    single_file: Annotated[Path | None, valued("FILE", "Write one page that holds everything, to mail.")] = None,
-    csv: Annotated[Path | None, valued("DIR", "Write the curves, a CSV file per run, and no pages.")] = None,
+    single_file: Annotated[Path | None, valued("FILE", "Write one page with everything in it, to mail.")] = None,
+    csv: Annotated[Path | None, valued("DIR", "Write only the curves, a CSV file per run.")] = None,
     png: Annotated[bool, flag("Write every figure as PNG beside its SVG.", "--png")] = False,
     show: Annotated[bool, flag("Open the report in the browser.", "--open")] = False,
 ) -> None:
-    """Write the pages of what was saved again; needs no engine.
+    """Write the pages of saved results again; needs no engine.
 
-    DIR is the folder that compare, bench, stress or judge wrote with --out, the curves.nc in it, or what merge wrote.
+    DIR is a folder that compare, bench, stress or judge wrote with --out, the curves.nc in it, or a merged folder.
     """
     from reports.command_line.commands import folders
 
     folders.report(saved, out, single_file, csv, opens=show, png=png)
 
 
-@app.command(short_help="Judge a folder that someone else sent anew.")
+@app.command(short_help="Check a results folder from someone else.")
 def verify(
     saved: Annotated[Path, typer.Argument(metavar="DIR", hidden=True)],
     limits: Annotated[Path | None, valued("FILE", "Judge by these limits; default: those saved in DIR.")] = None,
     json: options.Json = None,
     quiet: options.Quiet = False,
 ) -> None:
-    """Judge a campaign's folder anew: texts, curves and records are held against each other and the closed form.
+    """Check a results folder: texts, curves and records are compared with each other and the closed form.
 
     DIR is the folder that compare wrote with --out; no engine is needed.
 
@@ -471,7 +471,7 @@ def verify(
     raise typer.Exit(folders.verify(saved, limits, _destination(json, None, False, quiet)))
 
 
-@app.command(short_help="Tell what has moved from one folder to another.")
+@app.command(short_help="Show the changes between two results folders.")
 def diff(
     before: Annotated[Path, typer.Argument(metavar="DIR", hidden=True)],
     after: Annotated[Path, typer.Argument(metavar="DIR", hidden=True)],
@@ -479,26 +479,26 @@ def diff(
     quiet: options.Quiet = False,
     verbose: options.Verbose = False,
 ) -> None:
-    """Tell what has moved between two campaigns: an engine's upgrade, two designs, two variants.
+    """Show the changes between two results folders: after an engine's upgrade, for two designs or variants.
 
-    The folders are those that compare wrote with --out, the earlier one first.
+    Each DIR is a folder that compare wrote with --out; name the earlier one first.
 
-    Exit codes: 0 nothing is beyond limits, 1 something is: a run fails that did not, or an error is three times what it
-    was or a key figure has moved in the same linkage; 2 bad input or nothing in common.
+    Exit codes: 0 no change is beyond the limits; 1 a run newly fails, or in the same linkage an error has tripled or a
+    key figure has changed; 2 bad input or nothing in common.
     """
     from reports.command_line.commands import folders
 
     raise typer.Exit(folders.diff(before, after, _destination(json, None, False, quiet, verbose)))
 
 
-@app.command(short_help="Join folders of several machines into one report.")
+@app.command(short_help="Join folders from several machines into one report.")
 def merge(
     saved: Annotated[list[Path], typer.Argument(metavar="DIR...", hidden=True)],
     out: Annotated[Path, valued("DIR", "The new folder.")],
 ) -> None:
-    """Join folders of several machines into one report, grouped by hardware; nothing is ranked across machines.
+    """Join folders from several machines into one report, grouped by hardware; nothing is ranked across machines.
 
-    The folders are those that compare, bench or stress wrote with --out, or merge itself.
+    DIR is a folder that compare, bench or stress wrote with --out, or a merged folder.
     """
     from reports.command_line.commands import folders
 

@@ -26,14 +26,15 @@ Quantities = Annotated[
     ),
 ]
 Angles = Annotated[int, valued("N", "Crank angles at which signals are sampled.")]
-Refine = Annotated[bool, flag("Look for true extremes between the sampled angles.", "--refine")]
+Refine = Annotated[bool, flag("Find the exact extremes between the sampled angles.", "--refine")]
 
 
 USUAL = MotionChoice()
-STEADY = with_choices(without=TIMED)  # of a motion at constant speed
+# A motion at constant speed: another --regime is refused in a sentence.
+STEADY = with_choices(without=TIMED, hidden=["regimes"])
 
 
-@app.command(short_help="Figures of many designs: peaks of torque and forces over ranges of lengths.")
+@app.command(short_help="Compute figures of many designs, such as peak torque over a range of lengths.")
 @STEADY
 def sweep(
     mechanism: options.Mechanism,
@@ -42,7 +43,7 @@ def sweep(
         list[str] | None,
         valued(
             "NAME=FIRST:LAST:COUNT",
-            "Values of a number of the file, or of the speed, in its units or one of their own: rod.B.x=17cm:18cm:100; "
+            "Values of a number of the file or of the speed, in the file's units or others: rod.B.x=17cm:18cm:100; "
             "several make a grid.",
             names=completion.parameters,
         ),
@@ -60,23 +61,23 @@ def sweep(
         list[str] | None,
         valued(
             "ENGINE",
-            "Compare this engine on a sample of the designs, and say how far it may be trusted; repeatable.",
+            "Compare this engine on a sample of the designs and report how often it is accurate; repeatable.",
             names=completion.engines,
         ),
     ] = None,
     designs: Annotated[int, valued("N", "Designs to simulate, drawn from a Latin hypercube.")] = 24,
-    seed: Annotated[int, valued("N", "Which sample is drawn.")] = 0,
+    seed: Annotated[int, valued("N", "Seed of the sample.")] = 0,
     resume: options.Resume = False,
     quiet: options.Quiet = False,
     jobs: Annotated[int | None, valued("N", "Processor cores; default: all.")] = None,
     scheduler: options.Scheduler = None,
 ) -> None:
-    """Work out figures of many designs of one linkage: a grid of ranges, or a table; needs no engine.
+    """Compute figures of many designs of one linkage: a grid of ranges, or a table; needs no engine.
 
     MECHANISM is a name in the catalogue or the path of a .toml file.
 
-    All is in the units of the file. The crank turns at constant speed; extremes are those of the sampled angles, or
-    the true ones with --refine. A design that does not assemble at one of the angles has no figures.
+    Values are in the units of the file. The crank turns at constant speed; extremes are taken at sampled angles, or are
+    exact with --refine. A design that does not assemble at one of the angles has no figures.
     """
     from reports.command_line.commands import sweep
     from reports.command_line.destination import Destination
@@ -89,21 +90,21 @@ def sweep(
     raise typer.Exit(sweep.run(choice, Destination(json, out, resume, quiet)))
 
 
-@app.command(short_help="The best lengths of a linkage: least peak torque at the same stroke, say.")
+@app.command(short_help="Find the best lengths: the smallest peak torque at the same stroke, for example.")
 @STEADY
 def optimise(
     mechanism: options.Mechanism,
     minimise: Annotated[
-        str | None, valued("FIGURE", "Make it as small as can be, such as Mkr.peak.", names=completion.figures)
+        str | None, valued("FIGURE", "Minimise this figure, such as Mkr.peak.", names=completion.figures)
     ] = None,
     maximise: Annotated[
-        str | None, valued("FIGURE", "Make it as large as can be: transmission_angle.min.", names=completion.figures)
+        str | None, valued("FIGURE", "Maximise it: transmission_angle.min.", names=completion.figures)
     ] = None,
     over: Annotated[
         list[str] | None,
         valued(
             "NAME=LOW:HIGH",
-            "A number of the file, or the speed, and its bounds, or NAME=±10%; repeatable.",
+            "A number of the file, or the speed, to vary within bounds, or NAME=±10%; repeatable.",
             names=completion.parameters,
         ),
     ] = None,
@@ -111,18 +112,18 @@ def optimise(
         list[str] | None,
         valued(
             "FIGURE[=LOW:HIGH]",
-            "Keep a figure: as it is, at =VALUE, or in a range; repeatable.",
+            "Hold a figure at its present value, at =VALUE, or in a range; repeatable.",
             names=completion.figures,
         ),
     ] = None,
     motion: MotionChoice = USUAL,
     scale_mass: options.ScaleMass = False,
     angles: Angles = 180,
-    starts: Annotated[int, valued("N", "Search from so many designs, the file's first.")] = 1,
+    starts: Annotated[int, valued("N", "Number of designs to start from; the first is the file's.")] = 1,
     seed: Annotated[int, valued("N", "Seed of the other designs.")] = 0,
-    everywhere: Annotated[bool, flag("Look everywhere between the bounds.", "--global")] = False,
+    everywhere: Annotated[bool, flag("Search the whole region within the bounds.", "--global")] = False,
     step: Annotated[
-        str | None, valued("STEP", "Round lengths to this step, such as 0.1mm, and say what it costs.", "--round")
+        str | None, valued("STEP", "Round lengths to this step, such as 0.1mm, and report the loss.", "--round")
     ] = None,
     simulate: Annotated[
         list[str] | None,
@@ -132,7 +133,7 @@ def optimise(
     json: options.Json = None,
     quiet: options.Quiet = False,
 ) -> None:
-    """Make a figure of a linkage least or largest by numbers of its file between bounds, others kept; in closed form.
+    """Find the best values within bounds while holding the results you choose; in closed form.
 
     MECHANISM is a name in the catalogue or the path of a .toml file; values are in the units of the file.
 
@@ -150,8 +151,8 @@ def optimise(
     raise typer.Exit(command.run(choice, Destination(json, out, quiet=quiet)))
 
 
-@app.command(short_help="Tolerances: which length, angle or mass moves which result by how much.")
-@with_choices(without=(*TIMED, "speed"))  # which stands in the file of tolerances
+@app.command(short_help="Show which length, angle or mass changes which result by how much.")
+@with_choices(without=(*TIMED, "speed"), hidden=["regimes"])  # which stands in the file of tolerances
 def tolerance(
     mechanism: options.Mechanism,
     tolerances: Annotated[Path, typer.Argument(metavar="TOLERANCES.toml", hidden=True)],
@@ -164,12 +165,12 @@ def tolerance(
     seed: Annotated[int, valued("N", "Seed of the random designs.")] = 0,
     json: options.Json = None,
     csv: Annotated[str | None, valued("FILE|-", "Write a row per result and parameter.")] = None,
-    svg: Annotated[str | None, valued("FILE|-", "Draw what moves each result into this file.")] = None,
+    svg: Annotated[str | None, valued("FILE|-", "Draw the effect on each result into this file.")] = None,
     quiet: options.Quiet = False,
 ) -> None:
-    """Say by how much tolerances move results: each alone, the worst case, and random designs; in closed form.
+    """Compute the effect of tolerances on results: one by one, the worst case, random designs; in closed form.
 
-    MECHANISM is a name in the catalogue or the path of a .toml file. TOLERANCES.toml says what may move what:
+    MECHANISM is a name in the catalogue or the path of a .toml file. Example of TOLERANCES.toml:
 
     results = ["Mkr.peak", "joint_force:A.peak", "stroke"]; speed = 1000; and under [tolerances] the ± of numbers of the
     linkage's file, in its units or one of their own, and of the speed: "rod.B.x" = 0.05, "rod.B.length" = "50um",

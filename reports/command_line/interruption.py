@@ -64,5 +64,5 @@ def interruptible(folder: Path | None, what: str = "runs") -> Iterator[Callable[
         if folder is None or not total:
             raise KeyboardInterrupt(f"{why}nothing was written" if why else str(interrupt)) from interrupt
         raise KeyboardInterrupt(
-            f"{why}{finished} of {total} {what} are kept in {folder}: repeat the command with --resume to finish"
+            f"{why}{finished} of {total} {what} are saved in {folder}: repeat the command with --resume to finish"
         ) from interrupt

@@ -26,18 +26,18 @@ def prescribed(choice: MotionChoice, linkages: Sequence[Linkage]) -> tuple[tuple
     linkage = linear[0]
     if len(linkages) > 1:
         raise LinkproofError(
-            f"'{linkage.name}' is driven along a line, so that its motion is no other linkage's: name it alone"
+            f"'{linkage.name}' is driven along a line and cannot share a motion with other linkages: run it separately"
         )
     own = {regime.name for regime in linkage.regimes}
     for name in choice.regimes:
         if name in offered(choice) and name not in LAWS and name not in own:
             raise LinkproofError(
-                f"--regime {name} turns a crank, and '{linkage.name}' is driven along a line: choose one of "
+                f"--regime {name} turns a crank, but '{linkage.name}' is driven along a line: choose one of "
                 f"{', '.join(LAWS)} with --from and --to"
             )
     if choice.start_angle:
         raise LinkproofError(
-            f"--start-angle turns a crank, and '{linkage.name}' is driven along a line: say --from and --to"
+            f"--start-angle turns a crank, but '{linkage.name}' is driven along a line: give --from and --to"
         )
     names = LAWS if EVERYTHING in choice.regimes else choice.regimes or (SWINGING,)
     unit = linkage.units.get("length", "m")

@@ -29,25 +29,27 @@ class MotionChoice:
         tuple[str, ...],
         valued(
             "NAME",
-            "Motion of the crank: run-up, run-up-cubic, run-up-quintic, constant-speed, one of the file's own, own "
-            "(all of those), or all; with --from and --to: constant-speed, cubic, polynomial, cycloidal, "
-            "modified-sine, or all; repeatable; default: run-up (bench: run-up-quintic and run-up; results, sweep, "
-            "optimise, tolerance: one turn at constant speed), with --from and --to constant-speed.",
+            "Motion of the crank: run-up, run-up-cubic, run-up-quintic, constant-speed, a regime of the file, own "
+            "(all of these), or all; with --from and --to: constant-speed, cubic, polynomial, cycloidal, "
+            "modified-sine, or all; repeatable; default: run-up (bench: run-up-quintic and run-up; results: one "
+            "turn at constant speed), with --from and --to constant-speed.",
             "--regime",
             names=completion.regimes,
         ),
     ] = ()
     speed: Annotated[
         float | None,
-        valued("RPM", "Final crank speed, of a swing the largest; negative turns clockwise; default: 1000.", "--speed"),
+        valued(
+            "RPM", "Final crank speed, or the largest of a swing; negative turns clockwise; default: 1000.", "--speed"
+        ),
     ] = None
-    ramp_time: Annotated[float, valued("SECONDS", "Time to reach it.")] = 0.6
-    hold_time: Annotated[float, valued("SECONDS", "Time at that speed.")] = 0.1
+    ramp_time: Annotated[float, valued("SECONDS", "Time to reach this speed.")] = 0.6
+    hold_time: Annotated[float, valued("SECONDS", "Time at this speed.")] = 0.1
     start_angle: Annotated[float, valued("DEGREES", "Crank angle at the start.")] = 0.0
-    from_angle: Annotated[float | None, valued("DEGREES", "Crank angle at which a swing begins.", "--from")] = None
-    to_angle: Annotated[float | None, valued("DEGREES", "Crank angle at which it ends.", "--to")] = None
+    from_angle: Annotated[float | None, valued("DEGREES", "Crank angle at the start of a swing.", "--from")] = None
+    to_angle: Annotated[float | None, valued("DEGREES", "Crank angle at the end of a swing.", "--to")] = None
     clockwise: Annotated[bool, flag("Turn the crank clockwise.", "--clockwise")] = False
-    gravity: Annotated[bool, flag("Leave gravity out.", "--no-gravity")] = True
+    gravity: Annotated[bool, flag("Switch gravity off.", "--no-gravity")] = True
 
     @property
     def rpm(self) -> float:

@@ -41,9 +41,7 @@ def check_motion(choice: MotionChoice) -> None:
 def _check_turning(choice: MotionChoice) -> None:
     for name in choice.regimes:
         if name in LAWS and name not in REGIMES:
-            raise LinkproofError(
-                f"--regime {name} goes from one crank angle to another, and none are given: add --from and --to"
-            )
+            raise LinkproofError(f"--regime {name} goes from one crank angle to another: add --from and --to")
     ramps = EVERYTHING in choice.regimes or not choice.regimes or {*choice.regimes} & {*RAMPS}
     _check("--ramp-time", choice.ramp_time, "s", 1.0 / LARGEST if ramps else 0.0)
     _check("--hold-time", choice.hold_time, "s", 0.0)
@@ -55,7 +53,7 @@ def _check_swing(choice: MotionChoice) -> None:
     start, end = choice.from_angle, choice.to_angle
     if start is None or end is None:
         given, lacking = ("--to", "--from") if start is None else ("--from", "--to")
-        raise LinkproofError(f"expected both ends of a swing, got {given} alone: add {lacking}")
+        raise LinkproofError(f"expected both ends of a swing, got only {given}: add {lacking}")
     _check("--from", start, "degrees", -LARGEST)
     _check("--to", end, "degrees", -LARGEST)
     if start == end:
@@ -70,13 +68,12 @@ def _check_swing(choice: MotionChoice) -> None:
     for name in TIMED[::-1]:
         if getattr(choice, name) != getattr(default, name):
             raise LinkproofError(
-                f"--{name.replace('_', '-')} belongs to a crank that turns on, and --from and --to say all of a "
-                "swing: leave it out"
+                f"--{name.replace('_', '-')} does not apply to a swing, which --from and --to define: leave it out"
             )
     for name in choice.regimes:
         if name in RAMPS:
             raise LinkproofError(
-                f"--regime {name} has no angle at which it ends, and --to asks for one: choose "
+                f"--regime {name} does not end at an angle, so it cannot take --to: choose "
                 f"{', '.join(LAWS)}, or leave --from and --to out"
             )
 
@@ -118,7 +115,7 @@ def own_regimes(choice: MotionChoice, linkages: Sequence[Linkage]) -> tuple[str,
             raise UnknownNameError("regime", name, known)
         if choice.swings and name in (*own, OWN):
             raise LinkproofError(
-                f"--regime {name} says in its file how the crank moves, and --from and --to say it too: leave one out"
+                f"--regime {name} is defined in its file, and --from and --to define another motion: leave one out"
             )
     if {OWN, EVERYTHING} & set(choice.regimes):
         return tuple(own)

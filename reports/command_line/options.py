@@ -1,9 +1,10 @@
-"""The options and arguments that several commands share: how each is shown in help, and what a shell completes."""
+"""Options and arguments shared by several commands, with their help and shell completion."""
 
 from __future__ import annotations
 
 import inspect
 from collections.abc import Callable, Sequence
+from copy import copy
 from dataclasses import Field, fields, is_dataclass
 from functools import wraps
 from pathlib import Path
@@ -36,10 +37,11 @@ def flag(text: str, *flags: str) -> OptionInfo:
 Command = TypeVar("Command", bound=Callable[..., Any])
 
 
-def with_choices(*, without: Sequence[str] = ()) -> Callable[[Command], Command]:
+def with_choices(*, without: Sequence[str] = (), hidden: Sequence[str] = ()) -> Callable[[Command], Command]:
     """A command whose arguments of a dataclass are given by options, one for each annotated field of it.
 
-    A list stands for a tuple, and a flag says that what is True by default is not. Fields ``without`` have no option.
+    A list stands for a tuple, and a flag says that what is True by default is not. Fields ``without`` have no option,
+    ``hidden`` ones are not in the help.
     """
 
     def decorated(command: Command) -> Command:
@@ -51,7 +53,8 @@ def with_choices(*, without: Sequence[str] = ()) -> Callable[[Command], Command]
             if kind is None:
                 parameters.append(parameter.replace(annotation=hints[parameter.name]))
             else:
-                parameters += [_parameter(one, *rest) for one, *rest in _options(kind) if one.name not in without]
+                wanted = [(one, *rest) for one, *rest in _options(kind) if one.name not in without]
+                parameters += [_parameter(*one, is_hidden=one[0].name in hidden) for one in wanted]
 
         @wraps(command)
         def called(**given: Any) -> object:  # noqa: ANN401 - what the command takes
@@ -88,13 +91,16 @@ def _options(kind: Any) -> list[tuple[Field[Any], Any, OptionInfo]]:  # noqa: AN
     return [(one, *get_args(hints[one.name])) for one in fields(kind) if get_origin(hints[one.name]) is Annotated]
 
 
-def _parameter(one: Field[Any], kind: Any, info: OptionInfo) -> inspect.Parameter:  # noqa: ANN401 - a type
+def _parameter(one: Field[Any], kind: Any, info: OptionInfo, *, is_hidden: bool) -> inspect.Parameter:  # noqa: ANN401
     """The option of a field as a parameter of a command."""
     default = one.default
     if isinstance(default, tuple):
         kind, default = list[str] | None, None
     elif default is True:
         default = False
+    if is_hidden:
+        info = copy(info)
+        info.hidden = True
     way = inspect.Parameter.POSITIONAL_OR_KEYWORD
     return inspect.Parameter(one.name, way, default=default, annotation=Annotated[kind, info])
 
@@ -114,7 +120,7 @@ Variant = Annotated[
 ]
 Engines = Annotated[
     list[str] | None,
-    valued("NAME", "Engine; repeatable; default: every one.", "--engine", names=completion.engines),
+    valued("NAME", "Engine; repeatable; default: all.", "--engine", names=completion.engines),
 ]
 Settings = Annotated[
     list[str] | None,
@@ -137,15 +143,15 @@ Quantities = Annotated[
 ]
 Json = Annotated[str | None, valued("FILE|-", "Write JSON to a file; - is stdout.", "--json")]
 Out = Annotated[Path | None, valued("DIR", "Write records, curves and pages into this folder.", "--out")]
-Resume = Annotated[bool, flag("Finish what an interrupted run of the same command kept in --out.", "--resume")]
-Quiet = Annotated[bool, flag("No progress and no tables: the closing line alone.", "-q", "--quiet")]
+Resume = Annotated[bool, flag("Finish an interrupted run of the same command in --out.", "--resume")]
+Quiet = Annotated[bool, flag("No progress and no tables, only the closing line.", "-q", "--quiet")]
 Verbose = Annotated[bool, flag("Add the details of every record.", "-v", "--verbose")]
-Jobs = Annotated[int | None, valued("N", "Worker processes; default: one per core; compare: 0 is none, no limits.")]
+Jobs = Annotated[int | None, valued("N", "Worker processes; default: one per core; compare: 0 for none, no limits.")]
 Scheduler = Annotated[
     str | None,
     valued("ADDRESS", "Run on the workers of a Dask scheduler, tcp://HOST:8786, or on N of this machine, local:N."),
 ]
-Strict = Annotated[bool, flag("Refuse a file with what looks like a slip: units, masses, load tables.", "--strict")]
+Strict = Annotated[bool, flag("Refuse a file with likely mistakes: units, masses, load tables.", "--strict")]
 ScaleMass = Annotated[
-    bool, flag("Mass and inertia of a link go with its lengths; else they are as in the file.", "--scale-mass")
+    bool, flag("Scale mass and inertia of a link with its lengths; default: as in the file.", "--scale-mass")
 ]

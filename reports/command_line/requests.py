@@ -91,7 +91,7 @@ class RunLimits:
                 raise LinkproofError(f"{option}: expected a positive finite number of {unit}, got {value:g}")
             if value is not None and self.jobs == 0:
                 raise LinkproofError(
-                    f"{option} holds for worker processes, and --jobs 0 asks for none: leave one of the two out"
+                    f"{option} applies to worker processes, but --jobs 0 starts none: leave one of the two out"
                 )
         if self.jobs is not None and self.jobs < 0:
             raise LinkproofError(f"--jobs: expected a number of processes, or 0 for none, got {self.jobs}")

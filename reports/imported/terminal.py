@@ -51,13 +51,13 @@ def sentence(judgement: ImportedJudgement) -> str:
     """The verdict in one sentence."""
     count, limit = len(judgement.verdicts), f"{share(judgement.limit)} of the closed form's peak"
     over, open_ = (_with(judgement, outcome) for outcome in (Verdict.OVER_LIMIT, Verdict.UNDEFINED))
-    still_open = f"; {len(open_)} open: {_few(open_)}" if open_ else ""
+    still_open = f"; {len(open_)} undecided: {_few(open_)}" if open_ else ""
     if len(open_) == count:
         return "Nothing could be judged."
     if over:
         return f"Not right: {len(over)} of {count} signals over {limit}: {_few(over)}{still_open}."
     if open_:
-        return f"Right as far as the file tells: {count - len(open_)} of {count} signals within {limit}{still_open}."
+        return f"Right within the file's digits: {count - len(open_)} of {count} signals within {limit}{still_open}."
     return f"Right: {'the signal is' if count == 1 else f'all {count} signals are'} within {limit}."
 
 
@@ -66,11 +66,11 @@ def sentences(judgement: ImportedJudgement) -> list[str]:
     found = [sentence(judgement), *_open(judgement), f"The crank moves as {judgement.motion_source} says."]
     found += [_cause_in_a_sentence(finding) for finding in judgement.explanation.findings]
     found += [
-        f"If that is how the file was meant, agree in the mapping to {name}: {written(correction)}."
+        f"If this is intended, accept it in the mapping: {name}: {written(correction)}."
         for name, correction in judgement.proposals.items()
     ]
     found += [
-        f"Agreed in the mapping and applied: {name}: {written(agreed)}."
+        f"Accepted in the mapping and applied: {name}: {written(agreed)}."
         for name, agreed in judgement.imported.corrections.items()
     ]
     return found + [f"Not judged: column '{column.header}', for {reason}." for column, reason in judgement.not_judged]
@@ -92,7 +92,7 @@ def _open(judgement: ImportedJudgement) -> list[str]:
     for verdict in judgement.verdicts:
         if verdict.outcome is Verdict.UNDEFINED:
             reasons.setdefault(verdict.detail, []).append(verdict.name)
-    return [f"{_few(names)} {'is' if len(names) == 1 else 'are'} open: {why}." for why, names in reasons.items()]
+    return [f"{_few(names)} {'is' if len(names) == 1 else 'are'} undecided: {why}." for why, names in reasons.items()]
 
 
 def _few(names: Sequence[str]) -> str:
@@ -106,7 +106,7 @@ def _causes_in_short(judgement: ImportedJudgement) -> list[Printed]:
     findings = judgement.explanation.findings
     if findings:
         finding = findings[0]
-        others = f" (or {len(finding.others)} more that cannot be told apart)" if finding.others else ""
+        others = f" (or {len(finding.others)} more that fit as well)" if finding.others else ""
         aligned = "".join(f", besides {name}: {written(c)}" for name, c in finding.aligned.items())
         lines.append(f"Likeliest cause: {finding.likeliest.words}{aligned}{others}.")
     elif judgement.explanation.unexplained and over:
@@ -137,10 +137,10 @@ def _row(verdict: SignalVerdict, place: str) -> tuple[TableCell | Words, ...]:
 
 def _notes(judgement: ImportedJudgement) -> Iterator[Printed]:
     if any(verdict.near_zero for verdict in judgement.verdicts):
-        yield f"* near zero: judged over {share(NEAR_ZERO)} of what is large for its kind in this linkage"
+        yield f"* near zero: judged over {share(NEAR_ZERO)} of the typical size of its kind in this linkage"
     left_out = sum(verdict.left_out for verdict in judgement.verdicts)
     if left_out:
-        yield f"{left_out} samples at jumps of the crank's acceleration may be off by the jump besides."
+        yield f"At {left_out} samples the crank's acceleration jumps; there either value is accepted."
     for name, missed in judgement.missed:
         yield f"The sample rate is too low to show the peak of {name}: {share(missed)} of it lies between samples."
 
@@ -159,11 +159,11 @@ def _causes(judgement: ImportedJudgement) -> Iterator[Printed]:
         yield f"  {_left(finding)}"
     unexplained = judgement.explanation.unexplained
     if unexplained:
-        yield f"No cause that is known here explains the difference in {', '.join(unexplained)}."
+        yield f"No known cause explains the difference in {', '.join(unexplained)}."
 
 
 def _left(finding: FaultFinding) -> str:
-    apart = " The file's rounding cannot tell these apart." if finding.others else ""
+    apart = " The file's rounding does not distinguish these." if finding.others else ""
     if finding.fully:
         return f"This explains the difference down to the file's rounding.{apart}"
     return f"This explains most of the difference; {share(finding.left)} of a peak is left.{apart}"
@@ -172,11 +172,11 @@ def _left(finding: FaultFinding) -> str:
 def _corrections(judgement: ImportedJudgement) -> Iterator[Printed]:
     proposals = judgement.proposals
     if proposals:
-        yield "If that is how the file was meant, agree in the mapping (--write-mapping FILE writes it):"
+        yield "If this is intended, agree in the mapping (--write-mapping FILE writes it):"
     for name, correction in proposals.items():
         yield f"  {name}: {written(correction)}"
     for name, agreed in judgement.imported.corrections.items():
-        yield f"Agreed in the mapping and applied: {name}: {written(agreed)}"
+        yield f"Accepted in the mapping and applied: {name}: {written(agreed)}"
 
 
 def _checks(judgement: ImportedJudgement) -> Iterator[Printed]:

@@ -23,7 +23,7 @@ def closing_line(found: Verification) -> str:
     """What was worked out again, what became of it, how much differs."""
     counts = Counter(record.outcome for record in (*found.records, *found.invariants))
     told = ", ".join(f"{count} {outcome}" for outcome, count in counts.items())
-    again = f"worked out again: curves {found.curves}, key figures {found.figures}, checksums {found.texts}"
+    again = f"computed again: curves {found.curves}, key figures {found.figures}, checksums {found.texts}"
     differs = "nothing differs" if not found.findings else f"differing: {len(found.findings)}"
     return f"{again}; {sum(counts.values())} records: {told}; {differs}"
 

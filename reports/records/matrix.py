@@ -29,7 +29,7 @@ def past_baseline(results: Results) -> tuple[str, ...]:
 def _limit(record: Record, limits: LimitTable) -> tuple[float, str]:
     """The limit of a record and its reason; that of another tool's results is what the user asked for."""
     if record.origin == IMPORTED and record.limit is not None:
-        return record.limit, "as asked for, or of a check the rounding of its columns"
+        return record.limit, "your --limit, or for a check the rounding of its columns"
     table = limits.limit(record.quantity, record.setting, record.regime, record.mechanism)
     value = record.limit if record.limit is not None else table.value
     return value, table.reason if value == table.value else "as the table of limits stood when the campaign ran"

@@ -20,7 +20,7 @@ STATIONARY: Final = 1e-7  # residual of a design from which no way leads down
 SMALLEST: Final = 1e-6  # part of the bounds in which a lower design is still looked for
 STEPS: Final = 60
 APART: Final = 1e-6  # shares of the aim by which two ends are different
-OUT_OF_REACH: Final = 10.0  # how far, scaled, a design that cannot be assembled is said to miss everything
+OUT_OF_REACH: Final = 10.0  # penalty, scaled, of a design that cannot be assembled
 ACTIVE: Final = 1e-7
 INDEPENDENT: Final = 1e-9  # slope, scaled, from which a kept figure depends on the variables
 
@@ -182,7 +182,7 @@ def independent(slopes: Array) -> list[int]:
 
 
 class _Held:
-    """Designs of one round by their place, worked out once; one that cannot be assembled misses everything by far."""
+    """Designs of one round by their place, worked out once; infeasible designs get a large penalty."""
 
     def __init__(self, descent: Descent, start: Array) -> None:
         self.descent, self.windows = descent, descent.problem.windows(start)

@@ -161,6 +161,6 @@ class SavedSweep:
             yield
         except OSError as error:
             raise LinkproofError(
-                f"cannot write to '{self.folder}': {error.strerror or error}; what is done is kept: free some space "
-                "and repeat with --resume"
+                f"cannot write to '{self.folder}': {error.strerror or error}; finished designs are saved: free some "
+                "space and repeat with --resume"
             ) from error

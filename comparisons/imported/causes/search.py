@@ -188,7 +188,7 @@ def _of_model(
 
 
 class _Before:
-    """What is left of every signal with nothing changed, and how fits compare with that."""
+    """Residuals of every signal before any fault is applied, and how fits compare with them."""
 
     def __init__(self, verdicts: Sequence[SignalVerdict]) -> None:
         self.verdicts = verdicts

@@ -147,7 +147,7 @@ def _delayed(model: JudgedModel, verdict: SignalVerdict) -> FaultModel:
     def words(p: Array) -> str:
         halves = 2.0 * p[0] / step
         whole = f", {abs(p[0] / step):.2g} samples," if round(halves) and abs(halves - round(halves)) < 0.1 else ""
-        return f"{name} is told {abs(p[0]):.4g} s{whole} too {'early' if p[0] > 0.0 else 'late'}"
+        return f"{name} is {abs(p[0]):.4g} s{whole} too {'early' if p[0] > 0.0 else 'late'}"
 
     return _altered(
         name,
@@ -206,4 +206,4 @@ def _mistaken(model: JudgedModel, verdict: SignalVerdict, names: Sequence[str]) 
         for sign in (1.0, -1.0):
             if float(np.max(np.abs(sign * truth - samples.values))) < NEAR * scale:
                 sense = "" if sign > 0.0 else " with the other sign"
-                yield _given(name, f"is {other}{sense}", f"{name} holds {other}{sense}", sign * truth)
+                yield _given(name, f"is {other}{sense}", f"{name} contains {other}{sense}", sign * truth)

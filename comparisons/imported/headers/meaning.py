@@ -155,10 +155,10 @@ class Recognition:
         if "elsewhere" in said.meanings:
             raise NotJudgedError("the closed form has no such quantity")
         if not said.quantities:
-            raise NotJudgedError("its name says no quantity that is known")
+            raise NotJudgedError("its name contains no known quantity")
         quantities = by_owner(said)
         if len(quantities) > 1:
-            raise NotJudgedError(f"it may be {' or '.join(sorted(quantities)).replace('_', ' ')}: its unit would tell")
+            raise NotJudgedError(f"it may be {' or '.join(sorted(quantities)).replace('_', ' ')}: add its unit")
         (quantity,) = quantities
         if quantity == "time":
             return TIME, ""

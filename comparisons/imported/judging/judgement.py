@@ -97,7 +97,7 @@ class SignalVerdict:
             if not self.kept.any():
                 return "every sample lies at a jump of the crank's acceleration: export a longer run"
             return (
-                "the rounding of the crank's motion leaves more than the limit open: export its angle with more "
+                "the rounding of the crank's motion causes an uncertainty over the limit: export its angle with more "
                 "digits, or say how it moves with --regime"
             )
         return f"error {self.error_max:.2g} of peak is over its limit {self.limit:.2g}"

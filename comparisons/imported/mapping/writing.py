@@ -63,9 +63,7 @@ def with_proposals(text: str, proposals: Mapping[str, Correction]) -> str:
     Those of "*" are for all signals, and stand with the time.
     """
     for signal, correction in ((TIME if name == "*" else name, own) for name, own in proposals.items()):
-        lines = "".join(
-            f"\n# {line}  # estimated: take the first # away to agree" for line in correction.keys(digits=9)
-        )
+        lines = "".join(f"\n# {line}  # estimated: remove the first # to accept" for line in correction.keys(digits=9))
         pattern = rf"(?m)^(signal = {re.escape(_quoted(signal))}\nunit = .*)$"
         text = re.sub(pattern, lambda entry, added=lines: entry[1] + added, text)  # type: ignore[misc]
     return text

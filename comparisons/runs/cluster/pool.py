@@ -86,10 +86,10 @@ class ClusterPool:
                     raise LinkproofError(f"worker {address}: {fault}")
                 self._take(address, told, threads[address])
         if not self.stations:
-            raise LinkproofError(f"expected workers at {self.address} to answer, got no word: restart them")
+            raise LinkproofError(f"workers at {self.address} do not answer: restart them")
         if self.alone and len(set(self.hosts.values())) > 1:
             raise LinkproofError(
-                f"expected machines alike, whose times can be held against each other, got {self.place['machine']}: "
+                f"expected machines of one kind, so that times are comparable, got {self.place['machine']}: "
                 "measure on each of them into a folder of its own and join these with: linkproof merge"
             )
         if self.alone and any(self._answer(self.client.scheduler.processing, workers=None).values()):

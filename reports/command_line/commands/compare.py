@@ -110,7 +110,7 @@ def report(saved: Path, out: Path | None, single: Path | None, *, opens: bool = 
     if single is not None and out is not None:
         raise LinkproofError("--single-file and --out exclude each other: leave one of them out")
     if single is not None and png:
-        raise LinkproofError("--single-file holds all figures itself: leave --png out")
+        raise LinkproofError("--single-file contains all figures: leave --png out")
     page = write_site(saved, out, png=png) if single is None else write_single_file(saved, single)
     show(f"report: {page}", stderr=True)
     if opens:

@@ -84,7 +84,7 @@ def export(choice: CampaignChoice, cell: str | None, out: Path | None) -> None:
         raise LinkproofError("expected a mechanism with --engine, or a --cell, and not both: leave one out")
     if cell is not None:
         if choice != CampaignChoice():
-            raise LinkproofError("expected --cell alone, since it says all of a run: leave the other options out")
+            raise LinkproofError("--cell already defines the whole run: leave the other options out")
         text = exported_cell(find_cell(cell), command_line("export", (), {"cell": [cell]}, {}))
     else:
         wanted = request(choice)

@@ -28,7 +28,7 @@ def new(name: str, destination: Destination) -> None:
     if path.suffix.lower() != ".toml" or not all(map(is_safe, name)):
         raise LinkproofError(f"expected a name for the new file, got '{name}': give one of letters and digits")
     if path.exists() or path.is_symlink():
-        raise LinkproofError(f"'{path}' is there already: give another name, for new files overwrite nothing")
+        raise LinkproofError(f"'{path}' exists already: give another name; linkproof new overwrites nothing")
     check_writable(path)
     schema = path.with_name(SCHEMA_FILE)
     title = json.dumps(path.stem, ensure_ascii=False)[1:-1]

@@ -109,9 +109,7 @@ def _check_is_new(path: Path, mapping: Path | None) -> None:
     """Raise LinkproofError where a mapping, in which a user may have agreed to something, would be overwritten."""
     check_writable(path)
     if path.exists() and (mapping is None or path.resolve() != mapping.resolve()):
-        raise LinkproofError(
-            f"--write-mapping: '{path}' is there already: take it with --mapping, or give another name"
-        )
+        raise LinkproofError(f"--write-mapping: '{path}' exists already: use it with --mapping, or give another name")
 
 
 def _read(choice: JudgeChoice, linkage: Linkage, destination: Destination) -> ImportedResults:

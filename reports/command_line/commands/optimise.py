@@ -1,4 +1,4 @@
-"""What ``linkproof optimise`` does: the best of a linkage's designs, a file of it, and an engine's word on it."""
+"""What ``linkproof optimise`` does: the best of a linkage's designs, a file of it, and its check in an engine."""
 
 from __future__ import annotations
 
@@ -104,13 +104,15 @@ def run(choice: OptimiseChoice, destination: Destination, limits: RunLimits | No
         unit = speed_unit(linkage)
         speed = math.copysign(float(f"{found.after[SPEED] / unit.size:.15g}"), choice.rpm)
         choice = replace(choice, speed=speed)
-        wrote.append(f"It is the best design at {abs(speed):.6g} {unit.name}: a linkage file holds no speed.")
+        wrote.append(f"It is the best design at {abs(speed):.6g} {unit.name}: a linkage file has no speed.")
     destination.print(*([closing(found)] if destination.quiet else tables), *wrote)
     if not choice.simulate:
         where = str(destination.folder / name) if destination.folder else f"DIR/{name}"
         moved = MotionChoice(**{**choice.motion_options, "variant": None})
         first = "" if destination.folder else "--out DIR writes the new file; "
-        destination.say(f"An engine's word on it: {first}{command_line('compare', [where], moved.words, moved.flags)}")
+        destination.say(
+            f"To check it in an engine: {first}{command_line('compare', [where], moved.words, moved.flags)}"
+        )
         return PASSED
     return _simulate(choice, destination, name, text, limits)
 

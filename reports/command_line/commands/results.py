@@ -172,7 +172,7 @@ def _is_timed(choice: MotionChoice) -> bool:
     times = (choice.ramp_time, choice.hold_time) != (default.ramp_time, default.hold_time)
     if times and not choice.regimes:
         raise LinkproofError(
-            "--ramp-time and --hold-time belong to a motion over time, and none is asked for: add --regime run-up, or "
+            "--ramp-time and --hold-time apply only to a motion over time: add --regime run-up, or "
             "leave them out for a turn at constant speed"
         )
     return times

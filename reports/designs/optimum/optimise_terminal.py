@@ -116,7 +116,7 @@ def _remarks(found: Optimum) -> Iterator[Printed]:
     if found.is_fixed:
         names = ", ".join(one.parameter.name for one in problem.variables)
         kept = ", ".join(one.figure.name for one in problem.kept if one.is_equal)
-        yield f"Nothing is left to vary: keeping {kept} fixes {names}. Vary more, or keep a range, LOW:HIGH."
+        yield f"Nothing is left to vary: {kept} alone determines {names}. Vary more numbers, or hold a range, LOW:HIGH."
     else:
         yield from _optimality(search)
     if len(search.ends) > 1:
@@ -147,7 +147,11 @@ def _rounding(found: Optimum) -> str:
         for one, size in zip(found.problem.kept, found.problem.kept_sizes, strict=True)
         if (by := float(one.missed(np.asarray(after_of[one.figure.name])))) > ROUNDED * size
     ]
-    kept = f"; it misses {', '.join(missed)}" if missed else ", and what is kept stays kept" * bool(found.problem.kept)
+    kept = (
+        f"; it misses {', '.join(missed)}"
+        if missed
+        else ", and the held figures stay within their ranges" * bool(found.problem.kept)
+    )
     return f"Rounded: lengths are multiples of {found.step}, which costs {cost} of the aim{kept}."
 
 
@@ -159,9 +163,9 @@ def _starts(found: Optimum) -> str:
     sentence = f"Starts: {len(found.search.ends)}; {len(ends) - len(elsewhere)} ended at this optimum"
     if feasible:
         worse = [(one.aim - found.end.aim) / abs(found.end.aim or 1.0) for one in feasible]
-        sentence += f", {len(feasible)} elsewhere, {_percent(min(worse))} to {_percent(max(worse))} off it"
+        sentence += f", {len(feasible)} at others, worse by {_percent(min(worse))} to {_percent(max(worse))}"
     if len(elsewhere) > len(feasible):
-        sentence += f", {len(elsewhere) - len(feasible)} where a kept figure is not kept"
+        sentence += f", {len(elsewhere) - len(feasible)} where a held figure is outside its range"
     if len(ends) < len(found.search.ends):
         sentence += f", {len(found.search.ends) - len(ends)} could not be assembled"
     return f"{sentence}."

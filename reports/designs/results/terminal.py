@@ -121,7 +121,7 @@ def _remarks(results: DesignerResults) -> Iterator[Printed]:
     else:
         yield "No torques and forces: no link has mass, and there are no loads."
     if not all(math.isfinite(peak.force) for peak in results.forces):
-        yield "Joint forces have no bound at the change point that the motion passes: none is told there."
+        yield "Joint forces have no bound at the change point that the motion passes, so none are given there."
     if results.case.mechanism.is_numerical:
         yield "A group without a formula is solved by Newton's method: the figures are a numerical reference."
     if results.linkage.output is None:

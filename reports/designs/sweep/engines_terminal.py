@@ -27,11 +27,11 @@ def _sentences(one: EngineOverDesigns) -> Iterator[str]:
     if one.telling is not None:
         yield f"{one.engine}: {_where(one.telling)}"
     elif one.failing and within:
-        yield f"{one.engine}: no number tells the {len(one.failing)} failing designs from the others"
+        yield f"{one.engine}: no number separates the {len(one.failing)} failing designs from the others"
     if one.worst is not None:
         lost = one.worst.error_max is None or one.worst.outcome not in (Verdict.PASSED, Verdict.OVER_LIMIT)
         share = one.worst.error_max / one.worst.limit if one.worst.error_max is not None and one.worst.limit else 0.0
-        worst = one.worst.detail if lost else f"{one.worst.quantity} is {error(share)} of its limit off"
+        worst = one.worst.detail if lost else f"{one.worst.quantity} has an error of {error(share)} of its limit"
         yield f"{one.engine}: worst in {one.worst.mechanism}: {worst}"
 
 

@@ -14,7 +14,7 @@ from reports.document.terminal import Printed, Printout
 
 HEAD: Final = ("parameter", "±", "", "derivative", "", "moves it by ±", "share of variance")
 NOTE: Final = "± of a normal distribution are three standard deviations, of a uniform one its limits."
-TIED, NONE = "none: tops tie", "none"
+TIED, NONE = "none: equal local maxima", "none"
 
 
 def printout(study: ToleranceStudy) -> Printout:
@@ -61,7 +61,7 @@ def _sentences(study: ToleranceStudy, row: int) -> Iterator[str]:
     lost = f", of which {study.lost_corners} do not assemble" if study.lost_corners else ""
     yield (
         f"worst case: {figure(nominal - worst, 6)} to {figure(nominal + worst, 6)}{end} linear; "
-        f"{figure(low, 6)} to {figure(high, 6)}{end} of {which} {corners} corners worked out{lost}"
+        f"{figure(low, 6)} to {figure(high, 6)}{end} of {which} {corners} corners{lost}"
     )
     linear, deviation = study.deviations[row] / unit.size, study.deviation[row] / unit.size
     least, most = study.quantiles[row] / unit.size

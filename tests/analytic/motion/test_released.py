@@ -37,7 +37,7 @@ COUPLED = 1e-11
 EXACT, AFTER_A_DWELL = 1e-12, 1e-9
 # rad. The second integrator's own error over a few turns at its tightest tolerance.
 SECOND_INTEGRATOR = 1e-9
-# Energy balance over the energy at play: quadrature and a few roundings of a thousand windows.
+# Energy balance over the energy scale: quadrature and a few roundings of a thousand windows.
 BALANCE = 1e-12
 # rad/s² over the peak: the slope of the dense output, by differences over this many seconds, against the equation.
 DENSE, HALF_STEP = 1e-9, 1e-4

@@ -77,7 +77,7 @@ def _campaign(folder, record_into=None):
 def test_a_campaign_is_recorded_and_then_held_to_it(folder):
     file = read_project(folder / "linkproof.toml").baseline
     first = _campaign(folder)
-    assert first.notes == ("the baseline holds nothing yet: --record-baseline writes it",)
+    assert first.notes == ("the baseline is empty: --record-baseline writes it",)
     recorded = _campaign(folder, file)
     assert recorded.notes == ()
     assert [record.baseline for record in recorded.records] == [None, None]  # judged by the limits alone

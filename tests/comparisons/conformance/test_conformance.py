@@ -33,7 +33,7 @@ def right():
 
 def test_a_right_engine_passes_every_check_and_all_its_mutants_are_seen(right):
     assert {f.check: f.detail for f in right.values() if f.finding is not Finding.PASSED} == {
-        "refusals": "its abilities hold every sample and setting"
+        "refusals": "its abilities cover every sample and setting"
     }
     assert len(MUTANTS) >= 50
 

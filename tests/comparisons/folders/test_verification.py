@@ -100,7 +100,7 @@ def test_a_folder_of_version_010_is_read_and_judged_by_todays_limits(folder, tmp
     (copy / "mechanisms.json").unlink()
     found = verify(copy)
     assert found.findings == ()
-    assert found.notes[0] == "the folder tells no limits: judged by those of this version"
+    assert found.notes[0] == "the folder has no limits: judged by those of this version"
     assert found.notes[-1].startswith("the folder has no mechanisms.json")
 
 

@@ -82,7 +82,7 @@ def test_a_job_over_its_time_costs_itself_alone(clock, kind):
 def test_a_job_that_hangs_up_costs_itself_alone(monkeypatch):
     monkeypatch.setattr(crew, "_DYING", 0.1)
     results = dict(run_jobs(job, [("fine", 1), ("hang_up", None), ("fine", 2)], processes=1))
-    assert results == {0: 1, 1: Lost(Failure.CRASHED, "hung up without ending"), 2: 2}
+    assert results == {0: 1, 1: Lost(Failure.CRASHED, "closed its connection without ending"), 2: 2}
 
 
 @settings(max_examples=15)

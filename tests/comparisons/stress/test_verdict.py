@@ -96,7 +96,7 @@ def test_an_invariant_that_fails_the_truth_is_an_alarm(monkeypatch):
     monkeypatch.setattr(verdict, "checks", nervous)
     found = judgement(case(), true_history(case(), 601))
     assert (found.verdict, found.alarms) == (StressVerdict.ALARM, ("energy_balance",))
-    assert found.reason.startswith("right, yet 1 of the energy at play comes from nowhere")
+    assert found.reason.startswith("right, yet 1 of the energy scale has no source")
 
 
 def test_a_joint_over_its_limit_is_a_deviation_and_no_false_alarm():

@@ -31,7 +31,7 @@ def test_an_interruption_tells_how_many_runs_are_kept():
     heard = []
     with pytest.raises(KeyboardInterrupt) as told:
         interrupted(Path("out"), ("first", 0, 90), ("last", 37, 90), by=lambda *words: heard.append(words))
-    assert str(told.value) == "37 of 90 runs are kept in out: repeat the command with --resume to finish"
+    assert str(told.value) == "37 of 90 runs are saved in out: repeat the command with --resume to finish"
     assert heard == [("first", 0, 90), ("last", 37, 90)]
 
 

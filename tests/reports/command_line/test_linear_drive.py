@@ -65,5 +65,5 @@ def test_a_speed_that_is_given_counts_even_if_it_is_the_default_of_a_crank():
 
 
 def test_a_start_angle_is_refused_where_nothing_turns():
-    with pytest.raises(LinkproofError, match=r"--start-angle turns a crank, and 'linear-motor' is driven along a line"):
+    with pytest.raises(LinkproofError, match=r"--start-angle turns a crank, but 'linear-motor' is driven along a line"):
         asked(start_angle=90.0)

@@ -314,7 +314,7 @@ def test_a_campaign_interrupted_is_finished_by_resume(tmp_path, gate):
     assert done.returncode == 130
     assert done.stdout == ""
     kept = re.fullmatch(
-        r"linkproof: interrupted; (\d+) of 12 runs are kept in (.*): repeat the command with --resume to finish\n",
+        r"linkproof: interrupted; (\d+) of 12 runs are saved in (.*): repeat the command with --resume to finish\n",
         done.stderr,
     )
     assert kept is not None, done.stderr

@@ -79,5 +79,5 @@ def test_a_motion_that_contradicts_itself_is_one_sentence(given, words):
 
 @pytest.mark.parametrize("name", ["free", "own"])
 def test_a_regime_of_the_file_takes_no_other_angles(name):
-    with pytest.raises(LinkproofError, match=f"--regime {name} says in its file how the crank moves"):
+    with pytest.raises(LinkproofError, match=f"--regime {name} is defined in its file"):
         own_regimes(MotionChoice(regimes=(name,), **SWING), [load("slotted-takeup")])

@@ -132,5 +132,5 @@ def test_a_full_disk_is_a_sentence(tmp_path, monkeypatch):
     saved.begin(Journal(tmp_path / "out", "linkproof sweep"))
     saved._path.parent.mkdir(parents=True)
     saved._path.symlink_to("/dev/full")
-    with pytest.raises(LinkproofError, match="No space left on device; what is done is kept"):
+    with pytest.raises(LinkproofError, match="No space left on device; finished designs are saved"):
         saved.keep(0, np.zeros((3, 30)))

@@ -55,7 +55,7 @@ OPEN = {
     "Torque (mm)": "'mm' is no unit of Mkr",
     "foo": "'foo' in its name",
     "revolute1.tau": "drive and of the whole linkage only",
-    "Speed": "its unit would tell",
+    "Speed": "add its unit",
     "Reaction Moment3 (newton-millimeter)": "drive and of the whole linkage only",
     "Spring force (N)": "no such quantity",
     "Motor Torque X (Nm)": "out of the plane",

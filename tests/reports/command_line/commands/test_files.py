@@ -70,7 +70,7 @@ def test_every_part_that_is_commented_out_works():
 def test_nothing_is_overwritten():
     Path("mine.toml").write_text("mine", encoding="utf-8")
     Path("linkproof.schema.json").write_text("{}", encoding="utf-8")
-    with pytest.raises(LinkproofError, match=r"'mine\.toml' is there already: give another name"):
+    with pytest.raises(LinkproofError, match=r"'mine\.toml' exists already: give another name"):
         files.new("mine", Destination())
     files.new("other.toml", Destination())
     assert Path("mine.toml").read_text(encoding="utf-8") == "mine"

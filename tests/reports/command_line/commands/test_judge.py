@@ -90,7 +90,7 @@ def test_a_mapping_that_is_there_is_not_overwritten_but_by_itself(run, tmp_path)
     mapping = tmp_path / "mapping.toml"
     run("--regime", "run-up", "--write-mapping", "mapping.toml")
     text = mapping.read_text()
-    with pytest.raises(LinkproofError, match="is there already: take it with --mapping"):
+    with pytest.raises(LinkproofError, match="exists already: use it with --mapping"):
         run("--regime", "run-up", "--write-mapping", "mapping.toml")
     assert mapping.read_text() == text
     assert run("--regime", "run-up", "--mapping", "mapping.toml", "--write-mapping", "mapping.toml")[0] == 0
@@ -122,9 +122,9 @@ def test_an_open_signal_is_in_the_headline_with_its_cure_and_the_exit_code_is_no
     lines = result.stdout.splitlines()
     assert (
         lines[1]
-        == "Right as far as the file tells: 1 of 2 signals within 1.0 % of the closed form's peak; 1 open: Mkr."
+        == "Right within the file's digits: 1 of 2 signals within 1.0 % of the closed form's peak; 1 undecided: Mkr."
     )
-    assert lines[2].startswith("Mkr is open: the rounding of the crank's motion leaves")
+    assert lines[2].startswith("Mkr is undecided: the rounding of the crank's motion causes")
     assert lines[2].endswith("or say how it moves with --regime.")
 
 

@@ -51,7 +51,7 @@ def test_engines_that_are_all_absent_are_no_success(monkeypatch):
 
 def test_no_cell_at_all_is_no_success(tmp_path):
     choice = StressChoice(("start",), ("direct",), ("no such setting",), quick=True)
-    with pytest.raises(LinkproofError, match="expected a cell to make, got none with no such setting"):
+    with pytest.raises(LinkproofError, match="no stability run matches no such setting"):
         run(choice, Destination(folder=tmp_path))
     assert list(tmp_path.iterdir()) == []
 

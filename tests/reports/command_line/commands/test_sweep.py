@@ -113,7 +113,7 @@ def test_an_interrupted_sweep_is_finished_and_another_is_not(tmp_path, monkeypat
         return real(request, first, last)
 
     monkeypatch.setattr(sweeps, "sweep_block", interrupted)
-    with pytest.raises(KeyboardInterrupt, match="6 of 15 designs are kept in"):
+    with pytest.raises(KeyboardInterrupt, match="6 of 15 designs are saved in"):
         swept(tmp_path / "out")
     with pytest.raises(LinkproofError, match="expected the request that was begun"):
         swept(tmp_path / "out", angles=13, resume=True)
