@@ -213,6 +213,10 @@ def results(
     svg: Annotated[str | None, valued("FILE|-", "Draw scheme, coupler curves, torque, bearing forces.")] = None,
     png: Annotated[str | None, valued("FILE", "The same as PNG, 300 dots to the inch.")] = None,
     pdf: Annotated[str | None, valued("FILE", "The same as PDF.")] = None,
+    gif: Annotated[str | None, valued("FILE", "Draw the linkage in motion.")] = None,
+    dxf: Annotated[
+        str | None, valued("FILE|-", "Draw the scheme for CAD, at the first instant of --at or --time, or as sketched.")
+    ] = None,
     figure: Annotated[
         str | None,
         valued(
@@ -239,7 +243,7 @@ def results(
         mechanism=mechanism, variant=variant, regimes=(regime,) if regime else (), **_speed(speed), ramp_time=ramp_time,
         hold_time=hold_time, start_angle=start_angle, clockwise=clockwise, from_angle=from_angle, to_angle=to_angle,
         gravity=not no_gravity, at=at, time=time, csv=csv, decimal=decimal, xlsx=xlsx, json=json,
-        svg=svg, png=png, pdf=pdf, figure=figure, out=out, opens=opens,
+        svg=svg, png=png, pdf=pdf, gif=gif, dxf=dxf, figure=figure, out=out, opens=opens,
         strict=strict,
     )  # fmt: skip
     results.results(choice, quiet=quiet)
