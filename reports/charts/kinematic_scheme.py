@@ -93,12 +93,22 @@ class KinematicScheme:
         start, end = self.shown(guide.host, [(0.0, 0.0), guide.along])
         return symbols.unit(end - start)
 
-    def travel(self, guide: Guide, body: str, point: str) -> Array:
-        """The two ends, in the position drawn out, between which a point moves along a guide over all, (2, 2)."""
+    @property
+    def runs(self) -> list[tuple[Guide, str, str]]:
+        """The guides of sliders and slots, each with the body and its point that move along it."""
+        sliders = [(s.guide, s.link, s.point) for s in self.linkage.sliders]
+        return sliders + [(s.guide, self.positions.carriers[s.point], s.point) for s in self.linkage.slots]
+
+    def reach(self, guide: Guide, body: str, point: str) -> Array:
+        """The two ends, in the frame of a guide's host, m, between which a point moves over all positions, (2, 2)."""
         start, end = self.path(guide.host, [guide.through, np.add(guide.through, guide.along)])
         pin = self.path(body, [self.linkage.local(point, body)])[0]
         course = np.sum((pin - start) * (end - start), axis=0) / self.scale**2
-        return np.array([self.at(start) + reach * self.at(end - start) for reach in (course.min(), course.max())])
+        return np.array([guide.through + reach * np.array(guide.along) for reach in (course.min(), course.max())])
+
+    def travel(self, guide: Guide, body: str, point: str) -> Array:
+        """The same in the position drawn out."""
+        return self.shown(guide.host, self.reach(guide, body, point))
 
     @cached_property
     def stretches(self) -> dict[str, Array]:

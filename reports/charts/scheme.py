@@ -134,9 +134,7 @@ def _crank_numbers(axes: Axes, scheme: KinematicScheme, size: float, taken: Arra
 
 def _guides(axes: Axes, scheme: KinematicScheme, size: float) -> None:
     """Guides of sliders and slots, over the travel they see; a rail is where no links lead to the slider."""
-    runs = [(s.guide, s.link, s.point) for s in scheme.linkage.sliders]
-    runs += [(s.guide, scheme.positions.carriers[s.point], s.point) for s in scheme.linkage.slots]
-    for guide, body, point in runs:
+    for guide, body, point in scheme.runs:
         start, end = scheme.travel(guide, body, point)
         with part_of(axes, guide.host):
             if guide.host == GROUND:

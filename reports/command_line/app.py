@@ -196,6 +196,10 @@ def results(
     svg: Annotated[str | None, valued("FILE|-", "Draw scheme, coupler curves, torque, bearing forces.")] = None,
     png: Annotated[str | None, valued("FILE", "The same as PNG, 300 dots to the inch.")] = None,
     pdf: Annotated[str | None, valued("FILE", "The same as PDF.")] = None,
+    gif: Annotated[str | None, valued("FILE", "Draw the linkage in motion.")] = None,
+    dxf: Annotated[
+        str | None, valued("FILE|-", "Draw the scheme for CAD, at the first instant of --at or --time, or as sketched.")
+    ] = None,
     figure: Annotated[
         str | None,
         valued(
@@ -220,7 +224,7 @@ def results(
 
     choice = ResultsChoice(
         mechanism=mechanism, at=at, time=time, csv=csv, decimal=decimal, xlsx=xlsx, json=json, svg=svg, png=png,
-        pdf=pdf, figure=figure, out=out, opens=opens, strict=strict, **motion.motion_options,
+        pdf=pdf, gif=gif, dxf=dxf, figure=figure, out=out, opens=opens, strict=strict, **motion.motion_options,
     )  # fmt: skip
     results.results(choice, quiet=quiet)
 

@@ -109,9 +109,12 @@ class Destination:
 
 
 # Endings that name a format: a file of one is not written under the name of another.
-FORMATS: Final = {".svg", ".png", ".pdf", ".gif", ".csv", ".xlsx", ".json", ".html", ".toml", ".nc"}
-BINARY: Final = {"--xlsx", "--png", "--pdf"}
-PACKAGES: Final = {"--xlsx": "openpyxl"}  # that write the file of an option, each in an extra of the option's name
+FORMATS: Final = {".svg", ".png", ".pdf", ".gif", ".dxf", ".csv", ".xlsx", ".json", ".html", ".toml", ".nc"}
+BINARY: Final = {"--xlsx", "--png", "--pdf", "--gif"}
+PACKAGES: Final = {
+    "--xlsx": "openpyxl",
+    "--dxf": "ezdxf",
+}  # that write the file of an option, each in an extra of the option's name
 
 
 def check_files(named: Mapping[str, str], read: Mapping[str, Path]) -> None:

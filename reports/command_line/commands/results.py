@@ -36,17 +36,17 @@ Array = NDArray[np.float64]
 
 PAGE = "index.html"
 PICTURES = ("svg", "png", "pdf")
-FILES = ("csv", "xlsx", "json", *PICTURES)
+FILES = ("csv", "xlsx", "json", *PICTURES, "gif", "dxf")
 
 
 @dataclass(frozen=True, kw_only=True)
 class ResultsChoice(MotionChoice):
     """What was asked for, in the user's words; ``at`` are degrees and ``time`` seconds, with commas between them.
 
-    ``csv``, ``json`` and ``svg`` are files, or "-" for stdout, which then holds nothing else; ``xlsx``, ``png`` and
-    ``pdf`` are files. ``decimal`` is the point or comma in the numbers of ``csv``, ``figure`` the one picture that is
-    drawn in place of all. ``out`` is the folder of a report, whose page of the mechanism a browser ``opens``. With
-    ``strict`` what looks like a slip is refused.
+    ``csv``, ``json``, ``svg`` and ``dxf`` are files, or "-" for stdout, which then holds nothing else; ``xlsx``,
+    ``png``, ``pdf`` and ``gif`` are files. ``decimal`` is the point or comma in the numbers of ``csv``, ``figure`` the
+    one picture that is drawn in place of all. ``out`` is the folder of a report, whose page of the mechanism a browser
+    ``opens``. With ``strict`` what looks like a slip is refused.
     """
 
     mechanism: str
@@ -60,6 +60,8 @@ class ResultsChoice(MotionChoice):
     svg: str | None = None
     png: str | None = None
     pdf: str | None = None
+    gif: str | None = None
+    dxf: str | None = None
     out: Path | None = None
     opens: bool = False
     strict: bool = False
@@ -144,6 +146,14 @@ def _content(option: str, found: DesignerResults, choice: ResultsChoice) -> str 
         from reports.designs.results.workbook import workbook  # noqa: PLC0415
 
         return workbook(found)
+    if option == "--gif":
+        from reports.designs.results.animation import gif  # noqa: PLC0415
+
+        return gif(found)
+    if option == "--dxf":
+        from reports.designs.results.dxf import dxf  # noqa: PLC0415
+
+        return dxf(found)
     if option.removeprefix("--") in PICTURES:
         from reports.designs.results.drawing import picture  # noqa: PLC0415
 

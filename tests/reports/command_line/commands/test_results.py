@@ -44,14 +44,22 @@ def test_all_files_at_once_and_json_to_stdout_alone(engine, tmp_path):
     done = linkproof(
         "results", engine, "--regime", "run-up", "--ramp-time", "0.1", "--csv", tmp_path / "t.csv", "--decimal", ",",
         "--svg", tmp_path / "t.svg", "--xlsx", tmp_path / "t.xlsx", "--png", tmp_path / "t.png", "--json", "-",
-        cwd=tmp_path,
+        "--gif", tmp_path / "t.gif", "--dxf", tmp_path / "t.dxf", cwd=tmp_path,
     )  # fmt: skip
     document = json.loads(done.stdout)
     assert document["axis"] == "time"
     assert "run-up, up to 1000 rpm" in document["conditions"]
     assert (tmp_path / "t.csv").read_text().startswith("\ufefftime [s];phi [deg];")
     assert ET.parse(tmp_path / "t.svg").getroot().tag.endswith("svg")
-    assert {path.name for path in tmp_path.iterdir()} == {"engine.toml", "t.csv", "t.svg", "t.png", "t.xlsx"}
+    assert {path.name for path in tmp_path.iterdir()} == {
+        "engine.toml",
+        "t.csv",
+        "t.svg",
+        "t.png",
+        "t.xlsx",
+        "t.gif",
+        "t.dxf",
+    }
 
 
 def test_groups_of_a_higher_class_are_said_to_be_numerical():
@@ -128,6 +136,8 @@ FAULTS = [
     ({"svg": "engine.toml"}, "--svg 'engine.toml' would take the place of the linkage's file"),
     ({"figure": "torque"}, "--figure torque needs a file: name one with --svg, --png or --pdf"),
     ({"figure": "tork", "png": "a.png"}, "unknown figure 'tork': did you mean 'torque'?"),
+    ({"gif": "-"}, "--gif: expected the name of a file, got '-'"),
+    ({"svg": "a.dxf"}, "--svg: expected the name of a .svg file, got 'a.dxf'"),
     ({"pdf": "-"}, "--pdf: expected the name of a file, got '-'"),
     ({"svg": "a.png"}, "--svg: expected the name of a .svg file, got 'a.png'; --svg writes no .png"),
     ({"csv": "a.XLSX"}, "--csv: expected the name of a .csv file"),
@@ -155,7 +165,7 @@ def test_what_cannot_be_is_said_and_nothing_is_written(engine, tmp_path, monkeyp
     assert {path.name for path in tmp_path.iterdir()} == {"engine.toml"}
 
 
-@pytest.mark.parametrize(("option", "package"), [("xlsx", "openpyxl")])
+@pytest.mark.parametrize(("option", "package"), [("xlsx", "openpyxl"), ("dxf", "ezdxf")])
 def test_a_package_that_is_missing_is_one_sentence_with_the_cure(engine, tmp_path, monkeypatch, option, package):
     monkeypatch.setattr("reports.command_line.destination.find_spec", lambda name: None if name == package else name)
     said = refused("results", engine, f"--{option}", f"a.{option}", cwd=tmp_path)

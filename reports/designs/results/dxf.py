@@ -1,0 +1,73 @@
+"""The scheme in one position as a DXF drawing, in the linkage's unit of length: a layer for each link."""
+
+from __future__ import annotations
+
+import io
+import re
+from itertools import pairwise
+from typing import Final
+
+import ezdxf
+import numpy as np
+from ezdxf import units
+
+from analytic.description.linkage import GROUND
+from analytic.errors import printable
+from comparisons.datasheet.designer_results import DesignerResults
+from comparisons.datasheet.positions import at, over_motion
+from comparisons.datasheet.units import file_unit
+from reports.charts import symbols
+from reports.charts.kinematic_scheme import KinematicScheme
+
+UNITS: Final = {"m": units.M, "cm": units.CM, "mm": units.MM, "um": units.InsertUnits.Microns, "in": units.IN}
+FORBIDDEN: Final = re.compile(r"""[<>/\\":;?*|=,`']""")  # in the name of a layer
+CODES: Final = re.compile(r"%(?=%)|\^")  # begin what a text shows as another character
+JOINTS, NAMES = "joints", "names"
+PIN: Final = 0.012  # of the linkage's size: radius of a joint
+
+
+def dxf(results: DesignerResults) -> str:
+    """The text of a DXF file: at the first instant chosen, else at the sketch's angle.
+
+    Links are lines, guides lines as long as their sliders' travel, joints circles and points.
+    """
+    mechanism, chosen = results.case.mechanism, results.instants.chosen
+    angle = np.array([results.linkage.sketch_angle]) if chosen is None else results.case.motion.angle(chosen[:1])
+    scheme = KinematicScheme(results.linkage, at(mechanism, angle, closed=False), float(angle[0]))
+    whole = KinematicScheme(results.linkage, over_motion(results.curves))
+    document = ezdxf.new("R2010", units=UNITS[file_unit("m", results.linkage).name])
+    space, radius = document.modelspace(), PIN * float(np.max(np.ptp(np.array(whole.extent), axis=0)))
+    layers = _layers([GROUND, *results.linkage.links, *scheme.stretches])
+    for number, layer in enumerate((JOINTS, NAMES, *layers.values())):
+        document.layers.add(layer, color=1 + number % 6)
+    for run in whole.runs:
+        host = run[0].host
+        space.add_line(*scheme.shown(host, whole.reach(*run)), {"layer": layers[host]})
+    bars = {name: scheme.shown(name, link.points.values()) for name, link in results.linkage.links.items()}
+    for name, spots in (bars | {name: scheme.at(ends) for name, ends in scheme.stretches.items()}).items():
+        corners = symbols.outline(spots)
+        for start, end in pairwise([*corners, *corners[: len(corners) > 2]]):
+            space.add_line(start, end, {"layer": layers[name]})
+    for name, spot in scheme.spots.items():
+        space.add_point(spot, {"layer": JOINTS})
+        if name in scheme.joined:
+            space.add_circle(spot, radius, {"layer": JOINTS})
+        text = CODES.sub("_", printable(name))
+        space.add_text(text, height=2.0 * radius, dxfattribs={"layer": NAMES, "insert": spot + 1.5 * radius})
+    text_file = io.StringIO()
+    document.write(text_file)
+    return text_file.getvalue()
+
+
+def _layers(parts: list[str]) -> dict[str, str]:
+    """A layer for each part, by a name that DXF allows, two of which differ by more than capitals."""
+    layers: dict[str, str] = {}
+    taken = {"0", "defpoints", JOINTS, NAMES}
+    for part in parts:
+        name = layer = FORBIDDEN.sub("_", printable(part))[:200].strip() or "_"
+        number = 2
+        while layer.casefold() in taken:
+            layer, number = f"{name}_{number}", number + 1
+        taken.add(layer.casefold())
+        layers[part] = layer
+    return layers
