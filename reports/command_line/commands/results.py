@@ -38,7 +38,7 @@ PAGE = "index.html"
 
 @dataclass(frozen=True, kw_only=True)
 class ResultsChoice(MotionChoice):
-    """What was asked for, in the user's words; ``at`` are degrees and ``time`` seconds, with commas between them.
+    """The request, in the user's words; ``at`` are degrees and ``time`` seconds, with commas between them.
 
     ``csv``, ``json`` and ``svg`` are files, or "-" for stdout, which then holds nothing else. ``out`` is the folder of
     a report, whose page of the mechanism a browser ``opens``. With ``strict`` what looks like a slip is refused.
@@ -74,7 +74,7 @@ class ResultsChoice(MotionChoice):
 
 
 def results(choice: ResultsChoice, *, quiet: bool = False) -> None:
-    """Print the key figures of a linkage, or its signals at chosen instants, and write the files asked for."""
+    """Print the key figures of a linkage, or its signals at chosen instants, and write the requested files."""
     choice.check()
     linkage = load(choice.mechanism, choice.variant)
     if choice.strict:
@@ -95,7 +95,7 @@ def results(choice: ResultsChoice, *, quiet: bool = False) -> None:
 
 
 def designer_results(linkage: Linkage, choice: ResultsChoice) -> DesignerResults:
-    """The results of a linkage under the motion and at the instants asked for."""
+    """The results of a linkage under the requested motion and at the requested instants."""
     case = chosen_case(Mechanism(linkage if choice.gravity else without(linkage, "gravity")), choice)
     case.check_motion()
     return DesignerResults(case, _instants(case, choice))
@@ -127,7 +127,7 @@ def _text(option: str, found: DesignerResults) -> str:
 
 
 def chosen_case(mechanism: Mechanism, choice: MotionChoice) -> Case:
-    """The linkage under the one motion asked for: by default a turn at constant speed, or the range of the crank."""
+    """The linkage under the one requested motion: by default a turn at constant speed, or the range of the crank."""
     linkage = mechanism.linkage
     own = own_regimes(choice, [linkage])
     if len(choice.regimes) > 1 or {EVERYTHING, OWN} & {*choice.regimes}:
@@ -166,7 +166,7 @@ def _usual_case(mechanism: Mechanism, choice: MotionChoice) -> Case:
 
 
 def _instants(case: Case, choice: ResultsChoice) -> Instants:
-    """All of the motion, or the instants asked for."""
+    """The whole motion, or the requested instants."""
     linkage = case.mechanism.linkage
     instants = Instants(case.motion, turns=not linkage.is_linear)
     if choice.at is not None:
