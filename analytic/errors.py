@@ -32,7 +32,7 @@ SYMBOLS: Final[Mapping[str, str]] = {
 
 
 class LinkproofError(Exception):
-    """Root of every error that is the caller's to mend; the command line turns it into exit code 2."""
+    """Base class of every error that the caller can correct; the command line turns it into exit code 2."""
 
     def __str__(self) -> str:
         """The message, safe to print: control characters escaped, the middle of a very long one left out."""
@@ -51,7 +51,7 @@ class StructureError(LinkproofError):
 
 
 class AssemblyError(LinkproofError):
-    """A linkage whose links cannot meet at the crank angle asked for."""
+    """A linkage whose links cannot meet at the given crank angle."""
 
 
 class UnknownNameError(LinkproofError):

@@ -23,7 +23,7 @@ Array = NDArray[np.float64]
 class LinkageInMotion(ABC):
     """A ``sweep`` of a ``mechanism`` whose crank has a ``speed``, rad/s, and an ``acceleration``, rad/s².
 
-    Both are of the sweep's shape or scalar. Everything is computed once, when it is asked for.
+    Both are of the sweep's shape or scalar. Everything is computed once, when it is needed.
     """
 
     if TYPE_CHECKING:

@@ -153,7 +153,7 @@ def _by_kind(case: Case, scene: Scene, history: History, channel: Channel) -> It
                 signal.time, signal.values[:, number, column], true[:, number, column], peak,
             )
             for number, body in enumerate(scene.bodies) for column in columns
-            if column < 2 or body.inertia is not None  # what is told not to turn has no angle of its own
+            if column < 2 or body.inertia is not None  # a body that cannot turn has no angle of its own
         ]  # fmt: skip
 
 

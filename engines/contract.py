@@ -45,7 +45,7 @@ def weakest(origins: Iterable[Origin]) -> Origin:
 
 
 class Outcome(StrEnum):
-    """How a run ended, as its adapter says; ``comparisons.runs.failures.Failure`` has what else can happen to it."""
+    """How a run ended, according to its adapter; ``comparisons.runs.failures.Failure`` has the other ways to fail."""
 
     FINISHED = "finished"
     DIVERGED = "diverged"
@@ -55,10 +55,10 @@ class Outcome(StrEnum):
 
 @dataclass(frozen=True)
 class Method:
-    """One way of stepping that an engine offers for study: each step as asked, nothing tried again or adapted.
+    """One way of stepping that an engine offers for study: exactly the given steps, nothing repeated or adapted.
 
-    A :class:`Setting` is what a user runs; a method is what its choice is argued from. ``name`` is unique within the
-    engine, ``about`` says in one sentence what it is. ``runs`` counts the runs at fractions of the step that are
+    A user runs a :class:`Setting`; the methods justify its choice. ``name`` is unique within the
+    engine, ``about`` describes it in one sentence. ``runs`` counts the runs at fractions of the step that are
     extrapolated (1: none). ``effort`` is what the constraint solver is given in every step, in ``effort_unit``
     ("iterations", "relative tolerance"); None leaves the engine's own, and any other may be put in its place with
     ``dataclasses.replace`` where ``effort_unit`` is not empty.
@@ -82,13 +82,13 @@ class Signal:
 
 @dataclass(frozen=True)
 class History:
-    """The motion an engine computed, each channel on its own clock; None where it was not asked for or not offered.
+    """The motion an engine computed, each channel on its own clock; None if not requested or not offered.
 
     ``position`` values (n, bodies, 3): mass centre x, y, m, and angle, rad, unwrapped; ``velocity`` and
-    ``acceleration`` likewise; bodies in the scene's order. ``torque`` values (n,): what the drive exerts on the crank,
+    ``acceleration`` likewise; bodies in the scene's order. ``torque`` values (n,): the drive's torque on the crank,
     N m, or the force of a linear drive along it, N; a free crank's is given and not recorded. ``joint_force``: one
     signal per joint name, acting on the joint's first body (the pin's ``first``, the slider's or slot's ``body``), N:
-    (n, 2) in the ground frame, or (n,) where the engine tells magnitudes only. Accelerations, torque and joint
+    (n, 2) in the ground frame, or (n,) if the engine provides only magnitudes. Accelerations, torque and joint
     forces may lack a sample at the start, where the engine has none of its own, and one at a jump of the prescribed
     acceleration, where they have two values.
     """
@@ -102,11 +102,11 @@ class History:
 
 @dataclass(frozen=True)
 class Run:
-    """What came of a run: an outcome with its reason, and the history if it finished.
+    """The result of a run: an outcome with its reason, and the history if it finished.
 
     ``seconds`` is wall time of the stepping alone, ``setup_seconds`` of building the model; ``steps`` counts
     every time step taken, over all passes of an extrapolation. ``solver_work`` counts what the constraint solver did
-    in them, in the engine's own unit (``StudiedEngine.work_unit``); 0 where the engine does not tell. ``passes`` are
+    in them, in the engine's own unit (``StudiedEngine.work_unit``); 0 if the engine does not report it. ``passes`` are
     the longest steps, s, of the runs that the history is made of. ``details`` states the settings actually used.
     """
 
@@ -123,7 +123,7 @@ class Run:
 
 @dataclass(frozen=True)
 class ReadOut:
-    """What a channel is in the engine: ``source`` is its name for it.
+    """The origin of a channel in the engine: ``source`` is its name there.
 
     ``frame`` is that of the engine's own numbers, ``instant`` when they hold against the positions of the same step
     ("of the state", "half a step after the positions"). ``drive`` says whether the drive's share is in a force or
@@ -140,10 +140,10 @@ class ReadOut:
 class Abilities:
     """What an engine can do: the types of ``engines.scene`` it takes, the channels it offers, and its settings.
 
-    Pins, gravity and constant forces are what every engine has to take; ``loads`` are the types of loads,
+    Every engine must support pins, gravity and constant forces; ``loads`` are the types of loads,
     ``varying_loads`` whether they may change with φ, ``timed_torque`` whether a
     free crank's torque may change with time, ``massless`` whether a body may have no mass or no inertia,
-    ``drivers`` what may drive. What else an engine cannot hold, its adapter says of the scene
+    ``drivers`` what may drive. The adapter refuses other unsupported scenes
     (``Outcome.UNSUPPORTED``).
     """
 

@@ -48,11 +48,11 @@ class Unusable:
     abilities: Abilities = NOTHING
 
     def version(self) -> str | None:
-        """The plug-in's own version, since the engine's cannot be asked for."""
+        """The plug-in's own version, since the engine's is not available."""
         return self.announced_by
 
     def why_unavailable(self) -> str | None:
-        """The reason, if there is one; an error is told when it is run."""
+        """The reason, if there is one; an error is reported when it is run."""
         return self.reason
 
     def run(self, scene: Scene, setting: Setting) -> Run:

@@ -19,7 +19,7 @@ from analytic.description.linkage import GROUND, DriverKind, Vector, rotate
 
 
 class Channel(StrEnum):
-    """What a run must hand back; an adapter records nothing that is not asked for."""
+    """The channels that a run must return; an adapter records no others."""
 
     POSITION = "position"
     VELOCITY = "velocity"
@@ -140,7 +140,7 @@ LOADS: frozenset[type] = frozenset({AppliedForce, AppliedTorque, PointSpring, Tu
 class Prescribed:
     """The driver follows ``motion`` exactly; the torque this takes is the drive torque.
 
-    Of a linear driver the motion's angle is φ in m, speed and acceleration are in m/s and m/s², and what is recorded as
+    Of a linear driver the motion's angle is φ in m, speed and acceleration are in m/s and m/s², and the recorded
     torque is the force along it, N.
     """
 
@@ -151,8 +151,8 @@ class Prescribed:
 class Free:
     """The driver is moved by a constant torque (and the scene's loads) for ``duration`` seconds.
 
-    Of a linear driver ``torque`` is a force along it, N. ``pace``, rad/s or m/s, is about how fast it will turn or
-    swing, for the choice of a step; 0 where nobody knows.
+    Of a linear driver ``torque`` is a force along it, N. ``pace``, rad/s or m/s, is the approximate speed of turning or
+    swinging, for the choice of a step; 0 if unknown.
     """
 
     torque: float
@@ -171,7 +171,7 @@ Drive = Prescribed | Free
 
 @dataclass(frozen=True)
 class Scene:
-    """All an engine is told. ``crank`` names the driven body.
+    """The whole input of an engine. ``crank`` names the driven body.
 
     It is pinned to the ground and turns, or held by a slider on the ground and is pushed along it; empty where a
     ``cylinder`` drives. ``driver_kind`` says which.

@@ -23,7 +23,7 @@ from engines.scene import (
 
 
 def build_scene(linkage: Linkage, start: Mapping[str, Body], drive: Drive, channels: frozenset[Channel]) -> Scene:
-    """Everything an engine is told of a linkage; ``start`` holds every link as a body in its state."""
+    """The whole input of an engine for a linkage; ``start`` holds every link as a body in its state."""
     merged = {slider.link: slider for slider in linkage.sliders if is_pin_mass(linkage, slider)}
     pins = tuple(
         PinJoint(name, link, pin.hub, _anchor(linkage, pin.point, link), _anchor(linkage, pin.point, pin.hub))
@@ -87,7 +87,7 @@ def is_pin_mass(linkage: Linkage, slider: Slider) -> bool:
 
 def _body(linkage: Linkage, start: Body, merged: Mapping[str, Slider]) -> Body:
     if start.inertia is None or start.name in merged or not _can_turn(linkage, start.name):
-        # A pin mass in a turning slot is told not to turn, so it may not start as if it did.
+        # A pin mass in a turning slot cannot turn, so its initial angular velocity is zero.
         return replace(start, inertia=None, angular_velocity=0.0, angular_acceleration=0.0)
     pinned = [linkage.links[name].inertia or 0.0 for name, s in merged.items() if s.guide.host == start.name]
     return replace(start, inertia=sum(pinned, start.inertia))

@@ -212,7 +212,7 @@ class Linkage:
 
     ``crank`` names the driven link; it is empty where a ``cylinder`` drives.
     ``units`` are those of its file by what they measure, and ``text`` is the file's; all values are in SI all the same.
-    ``scales_mass`` says how designs are made of it: masses go with lengths (``analytic.description.changes``).
+    ``scales_mass`` makes masses of other designs change with lengths (``analytic.description.changes``).
     """
 
     name: str
@@ -246,7 +246,7 @@ class Linkage:
 
     @property
     def driver(self) -> DriverKind:
-        """What the linkage is driven by."""
+        """The crank, slider or cylinder that drives the linkage."""
         if self.cylinder is not None:
             return DriverKind.CYLINDER
         rides = any(slider.link == self.crank and slider.guide.host == GROUND for slider in self.sliders)
@@ -298,7 +298,7 @@ class Linkage:
     def shortest_length(self) -> float:
         """Smallest distance between two named points of one moving link, m: the scale of joint gaps.
 
-        A linkage whose links carry one point each has only its drawing for a scale.
+        If every link carries one point, it is the extent of the drawing.
         """
         lengths = [
             math.dist(a, b) for link in self.links.values() for a, b in itertools.combinations(link.points.values(), 2)

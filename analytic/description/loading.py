@@ -131,7 +131,7 @@ def read(name: str | Path) -> LinkageFile:
 
 
 def load(name: str | Path, variant: str | None = None) -> Linkage:
-    """Read a mechanism by catalogue name or path, in the variant asked for (its first one if None).
+    """Read a mechanism by catalogue name or path, in the given variant (its first one if None).
 
     Raises DescriptionError, with file and line, or UnknownNameError.
     """

@@ -12,7 +12,7 @@ Positive = Annotated[float, Field(gt=0.0, allow_inf_nan=False, strict=True)]
 NotNegative = Annotated[float, Field(ge=0.0, allow_inf_nan=False, strict=True)]
 Pair = tuple[Finite, Finite]
 _T = TypeVar("_T")
-Tables = Annotated[list[_T], FailFast()]  # the first fault is told: the others need not be looked for
+Tables = Annotated[list[_T], FailFast()]  # the first fault is enough for the message
 
 
 class TomlTable(BaseModel):
@@ -47,7 +47,7 @@ class UnitsTable(TomlTable):
 
 
 class SlidesTable(TomlTable):
-    """A prismatic joint: the link keeps ``point`` on a line of ``on`` and does not turn against it."""
+    """A prismatic joint: the link moves with ``point`` on a line of ``on`` and does not rotate relative to ``on``."""
 
     point: str
     on: str = "ground"
@@ -116,7 +116,7 @@ class CylinderTable(TomlTable):
 
 
 class OutputTable(TomlTable):
-    """The point whose S, v and a are wanted, and the direction they are measured along."""
+    """The point of S, v and a, and the direction along which they are measured."""
 
     point: str
     along: Pair | None = None
@@ -140,7 +140,7 @@ class SegmentTable(TomlTable):
 
 
 class RegimeTable(TomlTable):
-    """A regime of the linkage's own.
+    """A regime of the linkage.
 
     Either the crank is released (``torque``, a number or a list over ``angle`` or ``time``; ``start_angle``,
     ``start_speed``, ``duration``), or it follows a motion: ``from`` one angle ``to`` another, ``segments`` one after
@@ -179,7 +179,7 @@ class EyeReference(TomlTable):
 
 
 class ThreadTable(TomlTable):
-    """The thread's way, its stretch, and how its feed is counted."""
+    """The thread's path, its stretch, and the sign and zero of its feed."""
 
     stops: list[StopTable] = Field(min_length=2)
     stretch: NotNegative = 0.0
@@ -188,7 +188,7 @@ class ThreadTable(TomlTable):
 
 
 class Erratum(TomlTable):
-    """A model as printed in a source, to be held against this description in one of the linkage's own regimes.
+    """A model as printed in a source, to be compared with this description in one of the linkage's regimes.
 
     It differs by its model of ½ Jeq' (``half_slope``), by being a variant of the linkage, or by being integrated in
     ``steps`` fixed Runge-Kutta steps.
@@ -223,7 +223,7 @@ class Published(TomlTable):
 
 
 class Document(TomlTable):
-    """A whole linkage file with one variant already laid over it."""
+    """A whole linkage file with the values of one variant."""
 
     title: str
     source: str = ""

@@ -63,7 +63,7 @@ def figure_names(mechanism: Mechanism) -> list[str]:
 
 
 def _signals(mechanism: Mechanism) -> dict[str, str]:
-    """Signals by the names they are asked for: a vector's own name stands for its magnitude."""
+    """Signals by name: a vector's own name stands for its magnitude."""
     names = [name for name in names_with_magnitudes(mechanism) if name not in NOT_OF_A_DESIGN]
     return {name.removesuffix(MAGNITUDE): name for name in names}
 

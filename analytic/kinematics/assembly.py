@@ -1,4 +1,4 @@
-"""Whether a dyad can be put together at every crank angle asked for, and whether it can move there."""
+"""Whether a dyad can be assembled at every given crank angle, and whether it can move there."""
 
 from __future__ import annotations
 

@@ -75,7 +75,7 @@ class Mechanism:
         return tuple(sorted({round(angle, 8): angle for angle in turned}.values()))
 
     def sweep(self, angle: ArrayLike) -> Sweep:
-        """The linkage at every crank angle (rad, any shape); nothing is computed until it is asked for."""
+        """The linkage at every crank angle (rad, any shape); nothing is computed before it is needed."""
         return Sweep(self.linkage, self.structure, np.asarray(angle, dtype=float))
 
     @property

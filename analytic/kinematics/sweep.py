@@ -65,7 +65,7 @@ class Sweep:
     """The linkage at the crank angles ``angle`` (rad, any shape).
 
     Everything is lazy: a pose solves only the dyads its link depends on, rates are computed only where a first
-    derivative is asked for, and so on. All derivatives are over φ (transfer functions), exact, and hold for any motion:
+    derivative is requested, and so on. All derivatives are over φ (transfer functions), exact, and hold for any motion:
     velocity = first · ω, acceleration = second · ω² + first · ε.
 
     Where a group cannot be assembled or moved AssemblyError is raised; with ``faults``, of the angles' shape, they are

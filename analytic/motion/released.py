@@ -1,6 +1,6 @@
 """The motion of a crank that is not prescribed: moved by its torque and the linkage's own loads, damping included.
 
-Article 000, eq (32): Jeq φ̈ + ½ Jeq' φ̇² + b φ̇ = Q + M1. The motion can be asked for at any instant, like the prescribed
+Article 000, eq (32): Jeq φ̈ + ½ Jeq' φ̇² + b φ̇ = Q + M1. The motion can be evaluated at any instant, like the prescribed
 ones of ``analytic.description.crank_motion``, and says how far it can be from the exact solution.
 """
 

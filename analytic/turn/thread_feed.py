@@ -71,7 +71,7 @@ def contour_length(sweep: Sweep, path: ThreadPath) -> Array:
 
 
 def _check_turns(mechanism: Mechanism, what: str, cure: str) -> None:
-    """Raise LinkproofError where no full turn of a crank tells what is asked for."""
+    """Raise LinkproofError if the request needs a full turn and the crank makes none."""
     told = f"thread: {what} of '{mechanism.linkage.name}' needs a full turn of the crank, which"
     if mechanism.linkage.is_linear:
         raise LinkproofError(f"{told} its linear drive does not make; {cure}")

@@ -64,7 +64,7 @@ def tasks(request: CampaignRequest) -> list[Task]:
 
 def _tasks(request: CampaignRequest, case: Case) -> Iterator[Task]:
     quantities = chosen_quantities(case, request.quantities)
-    # A thread whose feed has no value is a row with the reason, unless it is what is asked for.
+    # A thread whose feed has no value is a row with the reason, unless it is requested explicitly.
     check_defined(case, [one for one in quantities if not one.needs_thread or one.name in request.quantities])
     linkage, motion, pickled = case.mechanism.linkage, case.motion, pickle.dumps(case)
     names = tuple(quantity.name for quantity in quantities)
@@ -80,7 +80,7 @@ def _tasks(request: CampaignRequest, case: Case) -> Iterator[Task]:
 
 
 def cases(request: CampaignRequest) -> list[Case]:
-    """Every linkage under every motion asked for, then in those of its own regimes that are asked for.
+    """Every linkage under every requested motion, then in its own requested regimes.
 
     Raises LinkproofError where there is none, AssemblyError where a linkage cannot follow its motion.
     """
@@ -114,7 +114,7 @@ def compare(
     here, unbounded. A ``journal`` is given every finished run to keep, and spares
     those that it has kept already.
 
-    What ``tasks`` raises is raised at once, before the first run is asked for; LinkproofError too, if the journal is
+    What ``tasks`` raises is raised at once, before the first run; LinkproofError too, if the journal is
     another request's.
     """
     todo = tasks(request)

@@ -156,7 +156,7 @@ def compared(cases: Iterable[Case], baseline: Baseline) -> list[KeyFigure]:
 
 def _roundings(recorded: Mapping[str, float], units: Mapping[str, str]) -> dict[str, float]:
     """By unit what is rounding of the largest figure that has it."""
-    found = dict.fromkeys(units.values(), 0.0) | {"rad": SAME_FIGURE}  # a transmission angle that is none is rounding
+    found = dict.fromkeys(units.values(), 0.0) | {"rad": SAME_FIGURE}  # a transmission angle of zero is rounding
     for name, value in recorded.items():
         found[units[name]] = max(found[units[name]], ROUNDINGS * float(np.finfo(float).eps) * abs(value))
     return found

@@ -65,7 +65,7 @@ class PrintedAnswer:
 
 @dataclass(frozen=True)
 class RunAnswers:
-    """The values, SI, that were asked for of one run; None where the engine records too little, or was stopped."""
+    """The requested values, SI, of one run; None where the engine records too little, or was stopped."""
 
     values: tuple[float | None, ...]
     reason: str = ""
@@ -134,7 +134,7 @@ def _task(number: int, trial: Trial, name: str) -> Task:
 
 
 def read_out(pickled: bytes, name: str, asked: tuple[Asked, ...]) -> RunAnswers:
-    """One run of a pickled case, and what its history has of the signals asked for."""
+    """One run of a pickled case, and the requested signals of its history."""
     case = unpickled(pickled)
     model = case.scene(frozenset(Channel))
     run = run_engine(engine(name), model, Setting.TUNED)

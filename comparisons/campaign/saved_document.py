@@ -1,4 +1,4 @@
-"""The form of a campaign's saved document and curves: what is damaged is told by its key when it is read back."""
+"""The form of a campaign's saved document and curves: damage is reported by its key when it is read back."""
 
 from __future__ import annotations
 

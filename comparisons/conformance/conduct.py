@@ -135,7 +135,7 @@ def survives_bad_data(engine: Engine) -> None:
 
 
 def records_what_is_asked(engine: Engine) -> None:
-    """Channels are recorded that are asked for and offered, no others; which these are changes no step."""
+    """Only channels that are requested and offered are recorded; the choice changes no step."""
     whole = finished(engine, PLAIN)
     scene = case(PLAIN).scene(frozenset(Channel))
     assert whole.history is not None

@@ -47,8 +47,8 @@ def _is_seen(engine: Engine, wrong: Engine, sample: str) -> None:
     seen = failing_rows(case(sample), wrong, tuned_run(wrong, sample))
     row = next((name for name in seen if name not in passed_over), None)
     assert row is not None, (
-        f"sample '{sample}': expected a row over its limit, got none{_but(passed_over)}: read more of the engine's, "
-        "compute less"
+        f"sample '{sample}': expected a row over its limit, got none{_but(passed_over)}: read more values "
+        "from the engine and compute fewer"
     )
 
 
@@ -151,8 +151,8 @@ def parametrize_engine_checks(
 ) -> Callable[[Callable[..., object]], Callable[..., object]]:
     """Hand a test function ``check``, to be called, once for every check of an engine.
 
-    ``expected_failures`` names checks that fail, each with its reason; one that starts to pass turns the test red.
-    Raises KeyError for a name that is no check's.
+    ``expected_failures`` names checks that fail, each with its reason; one that passes turns the test red.
+    Raises KeyError for an unknown name.
     """
     import pytest  # noqa: PLC0415 - whoever calls this has it; the wheel does not ask for it
 

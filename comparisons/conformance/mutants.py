@@ -48,7 +48,7 @@ class Misread:
 
 
 def can_be_altered(engine: Engine) -> bool:
-    """Whether a world of the engine can be built from another scene than it is asked for."""
+    """Whether a world of the engine can be built from another scene than the requested one."""
     return hasattr(engine, "altered")
 
 

@@ -37,7 +37,7 @@ MOST_ADDED: Final = 4000  # instants added
 class Instants:
     """A motion seen over time, or over φ where the crank turns at constant speed.
 
-    ``turns`` tells an angle, of which whole turns do not count, from a travel. ``chosen`` are the instants asked for,
+    ``turns`` marks an angle, of which whole turns do not count, not a travel. ``chosen`` are the requested instants,
     s; all of the grid if None.
     """
 

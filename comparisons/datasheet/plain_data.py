@@ -54,7 +54,7 @@ def finite(value: float) -> float | None:
 
 
 def _defined(value: Any) -> Any:  # noqa: ANN401 - plain data
-    """Plain data with nothing in place of a number that is none, as of a joint's force at a change point."""
+    """Plain data with None in place of an undefined number, such as a joint's force at a change point."""
     if isinstance(value, list):
         return [_defined(one) for one in value]
     if isinstance(value, dict):

@@ -97,7 +97,7 @@ def mass_words(linkage: Linkage, names: Iterable[str]) -> str:
 
 
 def speed_unit(linkage: Linkage) -> FileUnit:
-    """The unit in which the driver's speed is said: rpm, or the file's unit of length per second."""
+    """The unit of the driver's speed: rpm, or the file's unit of length per second."""
     return file_unit("m/s", linkage) if linkage.is_linear else FileUnit("rpm", RPM)
 
 

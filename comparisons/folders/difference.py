@@ -14,7 +14,7 @@ from comparisons.judging.baseline import Baseline
 from comparisons.judging.records import Record, Verdict
 from comparisons.judging.verdicts import deciding
 
-# What of an error, and of a peak, is told as moved; and what rounding is.
+# Relative changes of an error and of a peak that are reported; and the size of rounding.
 SHARE: Final = 0.01
 PEAK_SHARE: Final = 1e-3
 ROUNDING: Final = 1e-12

@@ -33,7 +33,7 @@ Array = NDArray[np.float64]
 FEWEST: Final = 2  # samples of a signal that can be judged
 STILL: Final = frozenset(("phi", "S", "Jeq"))  # signals of the linkage at rest: no speed is needed over the angle
 FINE: Final = 2000  # instants by which a curve is looked at between few samples
-SPARSE: Final = 1.0  # of the limit: a peak that the file's samples miss by more is said
+SPARSE: Final = 1.0  # of the limit: a peak that the file's samples miss by more is reported
 
 
 @dataclass(frozen=True)

@@ -1,7 +1,7 @@
 """Result files of a tool that cannot be called, as signals of the linkage.
 
 Nothing is guessed that would change a verdict unseen: a column that may be two things is not judged, a unit that no
-header and no convention tells is asked for, and what was taken for granted is written beside the signal.
+header and no convention gives must come from the mapping; assumptions are written beside the signal.
 """
 
 from __future__ import annotations

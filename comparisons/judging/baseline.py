@@ -168,7 +168,7 @@ def read_baseline(path: Path, places: Mapping[str, Place]) -> Baseline:
 
 
 def _check(entry: Any) -> None:  # noqa: ANN401 - whatever JSON holds
-    """Raise ValueError, TypeError, KeyError or AttributeError for an entry that is none."""
+    """Raise ValueError, TypeError, KeyError or AttributeError for an invalid entry."""
     str.encode(entry["checksum"])
     for regimes in entry["variants"].values():
         for regime in regimes.values():

@@ -128,7 +128,7 @@ def check_named(
 ) -> None:
     """Raise UnknownNameError for a user's row that names a mechanism or regime which is none: it would never apply.
 
-    The names that linkages have are asked for where a row has others than the suite's.
+    The linkages' names are looked up only if a row has others than the suite's.
     """
     for number, row in enumerate(table.rows[: -len(shipped_limits().rows)], start=1):
         for kind, used, ours, known in (

@@ -34,7 +34,7 @@ DENSE = 48  # samples of a turn that can be read between
 
 @dataclass(frozen=True)
 class ObservedMotion:
-    """The history of one run beside the scene that made it; arrays are (samples, ...) on the clock asked for.
+    """The history of one run beside the scene that made it; arrays are (samples, ...) on the given clock.
 
     Bodies are in the scene's order, the ground behind them.
     """

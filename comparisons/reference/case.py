@@ -46,7 +46,7 @@ AT_REST: Final = 1e-9  # of the peak speed
 
 @dataclass(frozen=True)
 class Truth(LinkageInMotion):
-    """The closed form at the instants ``time`` (n,), s, of a motion: each of it computed once, when it is asked for."""
+    """The closed form at the instants ``time`` (n,), s, of a motion: each part computed once, when it is needed."""
 
     mechanism: Mechanism
     motion: Motion
@@ -89,7 +89,7 @@ class Case:
 
     @property
     def is_prescribed(self) -> bool:
-        """Whether the crank's motion is given, so that the torque is what is asked for."""
+        """Whether the crank's motion is given, so that the torque is the unknown."""
         return self.drive is None or isinstance(self.drive, Prescribed)
 
     @property
@@ -248,7 +248,7 @@ def _torque(own: ReleasedRegime, unit: str) -> str:
 
 
 def free_drive(motion: Motion, own: ReleasedRegime) -> Free:
-    """What an engine is told of a released crank: how fast it turns or swings is what its user expects of the machine.
+    """An engine's information on a released crank: how fast it turns or swings is what its user expects of the machine.
 
     Its speed at most, and how fast that changes.
     """

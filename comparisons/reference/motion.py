@@ -13,7 +13,7 @@ INSTANTS: Final = 2001  # at which a motion is looked at as a whole
 
 
 class Spin(Protocol):
-    """A crank motion whose angle and speed can be asked for at any time."""
+    """A crank motion whose angle and speed can be evaluated at any time."""
 
     def angle(self, time: ArrayLike) -> Array:
         """φ(t), rad."""

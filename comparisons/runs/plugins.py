@@ -27,7 +27,7 @@ _KNOWN: Final[dict[tuple[str, ...], Engine]] = {}  # plug-ins that workers have 
 class Plugin:
     """What stands for a plug-in where it is not imported; sent to a worker, it is the adapter itself.
 
-    To run it is to import it here, as is asked for where runs are made without workers.
+    Running it imports it here, as intended for runs without workers.
     """
 
     name: str

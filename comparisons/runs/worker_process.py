@@ -149,7 +149,7 @@ def _deaf_to_interrupts() -> Iterator[None]:
 
 @contextlib.contextmanager
 def _silent() -> Iterator[None]:
-    """The file descriptors 1 and 2 lead nowhere, unless the output is asked for."""
+    """The file descriptors 1 and 2 lead nowhere, unless the output is requested."""
     if os.environ.get(SHOW_OUTPUT):
         yield
         return

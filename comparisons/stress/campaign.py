@@ -77,7 +77,7 @@ def summary(results: Iterable[CellResult]) -> dict[str, dict[str, int]]:
 
 
 def stress(request: StressRequest, announce: Announce = lambda *_: None, journal: Journal | None = None) -> Stressed:
-    """Make every cell asked for, then the runs that narrow the borders down; what the journal has is not made again.
+    """Make every requested cell, then the runs that narrow the borders down; what the journal has is not made again.
 
     ``announce`` hears a label, how many cells are done and how many are known of. Raises LinkproofError where there
     is no cell.

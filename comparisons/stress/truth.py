@@ -1,7 +1,7 @@
 """What of a motion is wrong, by the closed form.
 
 A motion is *wrong* where the position or velocity of any body, the crank's angle among them, the torque of a driven
-crank or the force in a joint is off by more than ``WRONG`` of its scale, or where nothing is told of as much of the
+crank or the force in a joint is off by more than ``WRONG`` of its scale, or where no samples cover as much of the
 motion.
 """
 

@@ -85,7 +85,7 @@ def query_jobs(linkage: Linkage) -> Iterator[tuple[MeasuredCost, Job]]:
 
 
 def _forgotten(work: Callable[[], object]) -> None:
-    """Do the work and let go of what comes of it."""
+    """Do the work and discard its result."""
     work()
 
 

@@ -29,7 +29,7 @@ _WARM: set[str] = set()  # the engines this process has run
 
 @dataclass(frozen=True)
 class Taken:
-    """One measurement of a point: times of its parts, s, what the engine did, and its errors by quantity if asked for.
+    """One measurement of a point: times of its parts, s, what the engine did, and its errors by quantity if requested.
 
     ``runs`` of the engine make its motion, 0 where it gave none. ``calibration`` is what the fixed work took just
     before, s. ``readout`` is the wall time of the call less stepping and set-up. ``left_out`` and ``host`` are as in

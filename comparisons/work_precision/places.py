@@ -1,4 +1,4 @@
-"""What a benchmark says of one mechanism under one regime, engine by engine: worked out when asked for, and once."""
+"""What a benchmark says of one mechanism under one regime, engine by engine: computed once, when needed."""
 
 from __future__ import annotations
 
@@ -66,12 +66,12 @@ class PlaceFacts:
 
     @property
     def quantities(self) -> tuple[str, ...]:
-        """Quantities that were measured here, in the order asked for."""
+        """Quantities that were measured here, in the requested order."""
         return tuple(dict.fromkeys(record.quantity for record in self.records if record.finished))
 
     @property
     def foremost(self) -> str:
-        """The quantity it is judged by; of a place where nothing finished, the first asked for."""
+        """The quantity it is judged by; of a place where nothing finished, the first requested."""
         found = self.quantities or (self.records[0].quantity,)
         return next((name for name in FOREMOST if name in found), found[0])
 

@@ -47,7 +47,7 @@ class PointRecord:
     """One point, as it is saved; ``errors`` by quantity are empty where it did not finish.
 
     ``kind`` tells a setting, whose steps its adapter fixes (``step`` is None), from a method, which takes the ``step``,
-    s, it is asked for. ``runs`` of the engine are extrapolated to make it; 1 is a single run, 0 one that gave no
+    s, it is requested. ``runs`` of the engine are extrapolated to make it; 1 is a single run, 0 one that gave no
     motion. ``is_control``: the engine is the reference's control, never ranked. ``seconds_min`` and ``seconds_median``
     are of ``repeats``, all wall times of the stepping alone, s; ``setup_seconds`` and ``readout_seconds`` are the
     shortest of theirs. ``left_out`` says of quantities, by name, what of them the engine does not tell. ``detail`` says
@@ -128,7 +128,7 @@ class BenchRecord(PointRecord):
 
 
 def by_quantity(points: Iterable[PointRecord], quantities: Sequence[str]) -> tuple[BenchRecord, ...]:
-    """Points in each of their quantities; one that did not finish in all of ``quantities``, those asked for.
+    """Points in each of their quantities; one that did not finish in all requested ``quantities``.
 
     A quantity that the engine does not tell at all is not provided there.
     """
@@ -186,7 +186,7 @@ class MeasuredCost:
     """One reduction of a linkage in one engine, or one query put to the closed form by one path of ``evaluate``.
 
     ``solver`` is the engine, the reference's control where ``is_control``, or the path; ``about`` is what is recorded
-    or asked for. ``seconds`` are of every repeat, s:
+    or requested. ``seconds`` are of every repeat, s:
     whole runs, of which ``stepping`` is the engine's own share, or evaluations at so many crank ``angles``; an engine
     has none of these.
     """
@@ -277,7 +277,7 @@ class Bench:
 
     @cached_property
     def costs(self) -> tuple[MeasuredCost, ...]:
-        """What each output and load costs; empty where that was not asked for."""
+        """What each output and load costs; empty if not requested."""
         return tuple(_from_row(MeasuredCost, row) for row in self.document["costs"])
 
     @cached_property

@@ -32,7 +32,7 @@ class StepReduction:
 
 @dataclass(frozen=True)
 class Query:
-    """Quantities that ``evaluate`` is asked for, at a crank speed, rad/s, and acceleration, rad/s²."""
+    """Quantities for ``evaluate``, at a crank speed, rad/s, and acceleration, rad/s²."""
 
     name: str
     quantities: tuple[str, ...]
@@ -98,4 +98,4 @@ QUERIES: Final = (
     Query("v", ("v",)),
     Query("S", ("S",)),
 )
-"""What the closed form is asked for; the first is all of it."""
+"""The requests to the closed form; the first contains all others."""

@@ -61,7 +61,7 @@ class Measured:
 
 
 def bench(request: BenchRequest, announce: Announce = lambda *_: None, journal: Journal | None = None) -> Measured:
-    """Measure all that was asked for; what the journal has is not measured again.
+    """Measure everything requested; points in the journal are not measured again.
 
     ``announce`` hears a label, how many runs are done and how many are known of. Raises UnknownNameError before any run
     is made.
@@ -97,7 +97,7 @@ def methods_told(request: BenchRequest) -> list[Mapping[str, Any]]:
 
 
 def _methods(request: BenchRequest, case: Case, name: str) -> list[Method]:
-    """The methods of an engine that are asked for; none where it cannot be used here."""
+    """The requested methods of an engine; none if it cannot be used here."""
     adapter = engine(name)
     if why_unavailable(adapter) is not None or not isinstance(adapter, StudiedEngine):
         return []
@@ -132,7 +132,7 @@ def _in_turn(sweeps: Sequence[Track]) -> list[Track]:
 
 
 def _records(request: BenchRequest, sweeps: Sequence[Track], rounds: Rounds) -> list[PointRecord]:
-    """All records, by case and engine as asked for, then as measured."""
+    """All records, by case and engine in the requested order, then as measured."""
     places = {name: place for place, name in enumerate(request.engines)}
     ordered = sorted(sweeps, key=lambda track: (track.points[0].case, places[track.points[0].engine]))
     return [one for track in ordered for one in records(request.cases[track.points[0].case], track, rounds)]

@@ -117,7 +117,7 @@ def _free_acceleration(equations: Equations, lever: Reals, bend: Reals, loads: R
 
 
 def history(time: Array, blocks: list[Solution], joints: Iterable[str], channels: frozenset[Channel]) -> History:
-    """The channels asked for, from consecutive blocks of instants."""
+    """The requested channels, from consecutive blocks of instants."""
     whole = {
         channel: np.concatenate([getattr(block, channel.value) for block in blocks]).astype(np.float64)
         for channel in channels

@@ -264,7 +264,7 @@ class Model:
         """A load as a function of system and time; a prescribed crank's angle is a matter of the time alone."""
         value, drive = law.of_float(), self.scene.drive
         if isinstance(drive, Prescribed):
-            at_time = lru_cache(maxsize=1)(lambda t: value(_crank_angle(drive, t)))  # asked for at every iteration
+            at_time = lru_cache(maxsize=1)(lambda t: value(_crank_angle(drive, t)))  # evaluated at every iteration
             return lambda _mbs, t: at_time(self.begin + t)
         linear = self.linear
         if linear is not None:

@@ -1,4 +1,4 @@
-"""Sensors on an exudyn system and the history they recorded; a channel that is not asked for gets no sensor."""
+"""Sensors on an exudyn system and the history they recorded; a channel that is not requested gets no sensor."""
 
 from __future__ import annotations
 

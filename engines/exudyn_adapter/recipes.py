@@ -1,4 +1,4 @@
-"""What exudyn is told to do: its rules for a time step, the settings, and the methods that can be studied."""
+"""Recipes for exudyn: its rules for a time step, the settings, and the methods that can be studied."""
 
 from __future__ import annotations
 

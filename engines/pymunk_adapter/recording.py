@@ -104,7 +104,7 @@ class Recording:
     forces: Mapping[str, Array]
 
     def history(self) -> History:
-        """What was asked for, for the bodies of the scene that was cut."""
+        """The requested history, for the bodies of the original scene."""
         clock, asked = self.clock, self.channels
         half, loaded = 0.5 if clock.centred else 0.0, clock.times(clock.loaded)
         position = velocity = acceleration = None

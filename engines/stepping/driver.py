@@ -16,11 +16,11 @@ ROUNDING = 1e-6  # of a step: what a whole number of steps may lack of a duratio
 
 
 class DivergedError(Exception):
-    """The engine gave up, or went on with something that is not the scene's motion; the message says which."""
+    """The engine stopped early, or computed another motion than the scene's; the message gives the reason."""
 
 
 class UnsupportedError(Exception):
-    """A scene of which only its building shows that the engine cannot hold it; the message says why."""
+    """The engine does not support the scene, which shows only while it is built; the message gives the reason."""
 
 
 def run_stepping(cost: Cost, history: Callable[[], History]) -> Run:

@@ -87,7 +87,7 @@ R = TypeVar("R", bound=Recipe)
 
 @dataclass(frozen=True)
 class Course(Generic[R]):
-    """One pass that is asked for: the ``parts`` of the motion in ``ratio`` steps to a sample, recording ``channels``.
+    """One requested pass: the ``parts`` of the motion in ``ratio`` steps to a sample, recording ``channels``.
 
     ``cost`` takes what the constraint solver does (``solver_work``) and steps beside the regular ones.
     """
@@ -100,7 +100,7 @@ class Course(Generic[R]):
 
 
 class SteppedEngine(ABC, Generic[World, R]):
-    """The contract met from ``build`` and ``follow``.
+    """An adapter that needs only ``build`` and ``follow``.
 
     ``package`` is what is imported and installed, ``oldest`` its first version that will do; ``settings`` are the
     recipes by drive, ``studied`` what each method is in one sentence and its recipe, the newcomer's first.
@@ -206,7 +206,7 @@ class SteppedEngine(ABC, Generic[World, R]):
         return restored(history, units, scene.driver_kind) if units else history
 
     def planned(self, scene: Scene, recipe: R, cost: Cost) -> tuple[Scene, OwnUnits | None, list[Course[R]]]:
-        """The scene that worlds are built from, its units if these are its own, and the passes that are asked for."""
+        """The scene that worlds are built from, its units if these are its own, and the requested passes."""
         offered = scene.channels & frozenset(self.abilities.readouts)
         channels = offered if isinstance(scene.drive, Prescribed) else offered - {Channel.TORQUE}
         scene = self.altered(scene)

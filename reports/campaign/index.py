@@ -197,7 +197,7 @@ def _run(results: Results, sheets: Sequence[Sheet]) -> tuple[Section, ...]:
     """What was run, limits, read-outs and limitations, behind a line that opens them."""
     readouts = tuple(readout_table(name, told) for name, told in results.document["readouts"].items())
     sources = Section("sources", "Where the engines' figures come from", (Paragraph(sentence("readouts")), *readouts))
-    says = Paragraph("What these figures do not say.")
+    says = Paragraph("Limits of these figures.")
     repeat = (Command(results.document["command"]), Paragraph(sentence("repeat")))
     parts = (
         Facts(_facts(results)),

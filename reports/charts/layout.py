@@ -82,7 +82,7 @@ class ChartLayout:
                 for n, (panel, (_, y)) in enumerate(zip(self.chart.panels, self.scales, strict=True))]  # fmt: skip
 
     def has_key(self, number: int) -> bool:
-        """Whether the curves' names stand above the panel: as asked for, or where there are too many for the end."""
+        """Whether the curves' names stand above the panel: as requested, or where there are too many for the end."""
         panel = self.chart.panels[number]
         names = [labels.wrapped(curve.name) for curve in panel.curves if curve.name]
         tall = self.chart.height / self.rows - 0.4

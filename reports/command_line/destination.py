@@ -70,14 +70,14 @@ class Destination:
             show(*parts)
 
     def print_out(self, printout: Printout) -> None:
-        """Print as much as was asked for."""
+        """Print as much as requested."""
         tables = [] if self.quiet else printout.tables
         self.print(*tables, *(printout.details if self.verbose else ()), *printout.closing)
 
     def write_pages(self, processes: int | None = None) -> None:
         """Renew the pages of the folder from what it holds by now, and say where they are; nothing without a folder.
 
-        What keeps them from being written is told and no more: the results are saved.
+        A reason that they cannot be written is only reported: the results are saved.
         """
         if self.folder is None:
             return
@@ -89,14 +89,14 @@ class Destination:
             show(f"the results are saved in '{self.folder}', but no pages are written: {error}", stderr=True)
 
     def write_json(self, document: Mapping[str, Any]) -> None:
-        """Write JSON where it was asked for; JSON is UTF-8 whatever the character set of stdout."""
+        """Write JSON if requested; JSON is UTF-8 whatever the character set of stdout."""
         if self.json == STDOUT:
             write_out(to_json(document))
         elif self.json is not None:
             write_text(Path(self.json), to_json(document))
 
     def write_junit(self, records: Sequence[Record], figures: Sequence[KeyFigure], departures: Sequence[str]) -> None:
-        """Write records, key figures and departures from a baseline as test cases, where it was asked for."""
+        """Write records, key figures and departures from a baseline as test cases, if requested."""
         if self.junit is not None:
             from reports.campaign.junit import junit  # noqa: PLC0415
 

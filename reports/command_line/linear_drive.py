@@ -1,4 +1,4 @@
-"""Motions asked for of linkages that are driven along a line, in the unit of length of their file.
+"""Motions of linkages that are driven along a line, in the unit of length of their file.
 
 ``--from``, ``--to`` are travels there and ``--speed`` is per second. Without a speed a motion has the mean speed of one
 second; without ends it goes over the range of the drive.
@@ -19,7 +19,7 @@ from reports.command_line.motions import EVERYTHING, SWINGING, motions, offered
 
 
 def prescribed(choice: MotionChoice, linkages: Sequence[Linkage]) -> tuple[tuple[CrankMotion, ...], str]:
-    """The prescribed motions asked for, without those of the linkages' own, and their conditions in words."""
+    """The requested prescribed motions, without the linkages' own, and their conditions in words."""
     linear = [linkage for linkage in linkages if linkage.is_linear]
     if not linear:
         return motions(choice), choice.conditions

@@ -64,7 +64,7 @@ class SteadyCase(NamedTuple):
 
 
 def steady_case(linkage: Linkage, choice: SteadyChoice) -> SteadyCase:
-    """The motion asked for, in the case of a linkage: a turn, the range of a driver that makes none, or --from to --to.
+    """The requested motion, in the case of a linkage: a turn, the range of a driver that makes none, or --from to --to.
 
     Raises LinkproofError for what cannot be.
     """

@@ -64,7 +64,7 @@ class Surface:
     """Values (rows, columns) of cells between edges x (columns + 1,) and y (rows + 1,), ascending, as colours.
 
     ``label`` stands beside the colour bar, whose round numbers have contour lines; nan is left open, so that a hatch
-    below shows. Colours are told apart between the ends of ``span``, if there is one.
+    below shows. Colours differ between the ends of ``span``, if there is one.
     """
 
     x: Array

@@ -64,7 +64,7 @@ def write_assets(folder: Path) -> None:
 
 @dataclass(frozen=True)
 class _Beside:
-    """What a page's template asks for: words as markup, and files, written when they are asked for."""
+    """The functions of a page's template: words as markup, and files, written when they are requested."""
 
     folder: Path
     page: Page

@@ -38,7 +38,7 @@ def document(judgement: ImportedJudgement, blank: Record, command: str, sentence
 def blank_of(judgement: ImportedJudgement, files: str) -> Record:
     """What all records of a judgement share; the files stand in an engine's place."""
     linkage, motion = judgement.model.linkage, judgement.model.motion
-    conditions = f"crank as {judgement.motion_source} says"
+    conditions = f"crank motion from {judgement.motion_source}"
     return Record(linkage.name, linkage.variant, motion.regime, conditions, files, "", SETTING)
 
 

@@ -36,7 +36,7 @@ def printout(judgement: ImportedJudgement, title: str) -> Printout:
     """What ``judge`` prints; ``title`` names linkage and files."""
     parts: list[Printed] = [Paragraph(title, colour="bold"), *_causes_in_short(judgement), ""]
     limit = f"The limit is {share(judgement.limit)} of a signal's peak."
-    parts += [f"The crank moves as {judgement.motion_source} says. {limit}"]
+    parts += [f"The crank's motion is taken from {judgement.motion_source}. {limit}"]
     linkage = judgement.model.linkage
     head = [name.replace("crank", "drive") for name in HEAD] if linkage.is_linear else HEAD
     rows = [_row(verdict, _place(judgement, verdict)) for verdict in judgement.verdicts]
@@ -63,7 +63,7 @@ def sentence(judgement: ImportedJudgement) -> str:
 
 def sentences(judgement: ImportedJudgement) -> list[str]:
     """What stands at the head of a page: the verdict, the causes, what to agree to, what is not judged."""
-    found = [sentence(judgement), *_open(judgement), f"The crank moves as {judgement.motion_source} says."]
+    found = [sentence(judgement), *_open(judgement), f"The crank's motion is taken from {judgement.motion_source}."]
     found += [_cause_in_a_sentence(finding) for finding in judgement.explanation.findings]
     found += [
         f"If this is intended, accept it in the mapping: {name}: {written(correction)}."
@@ -107,7 +107,7 @@ def _causes_in_short(judgement: ImportedJudgement) -> list[Printed]:
     if findings:
         finding = findings[0]
         others = f" (or {len(finding.others)} more that fit as well)" if finding.others else ""
-        aligned = "".join(f", besides {name}: {written(c)}" for name, c in finding.aligned.items())
+        aligned = "".join(f", and {name} needs {written(c)}" for name, c in finding.aligned.items())
         lines.append(f"Likeliest cause: {finding.likeliest.words}{aligned}{others}.")
     elif judgement.explanation.unexplained and over:
         lines.append("No single cause explains the difference.")

@@ -264,7 +264,7 @@ def _link_row(link: Link, sizes: list[float]) -> tuple[str, ...]:
 
 
 def facts(shown: ShownSheet) -> Facts:
-    """What is said of the mechanism whatever its motion: structure, range, output, rest, thread."""
+    """The facts on the mechanism that hold for every motion: structure, range, output, rest, thread."""
     sheet = shown.sheet
     told = {"equilibria": [], **sheet.facts}
     said = [text.partition(": ")[::2] for text in lines("mechanism", facts=told) if not text.startswith("Jeq: ")]

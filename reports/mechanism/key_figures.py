@@ -13,7 +13,7 @@ from reports.mechanism.shown import ShownSheet
 
 SHAKING: Final = "shaking force"
 Row = tuple[str, str, str]
-# Points of the drive, and the signal that each is told by.
+# Points of the drive, and the signal of each.
 DRIVE: Final = {"peak torque": "Mkr", "peak power": "Peq", "peak braking power": "Peq", "RMS torque, means": "Mkr"}
 
 

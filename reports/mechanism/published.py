@@ -15,7 +15,7 @@ from reports.document.templates import worded
 
 Row = Mapping[str, Any]  # the fields of ``PublishedRecord``
 SIGNS: Final = "; ".join(f"{sign.symbol} {sign.word}" for sign in PUBLISHED.values())
-VISIBLE: Final = 5e-4  # a deviation from which on it is told in per cent with one decimal
+VISIBLE: Final = 5e-4  # a deviation from which on it is shown in per cent with one decimal
 
 
 def published_section(rows: Sequence[Row]) -> Section:
@@ -41,7 +41,7 @@ def published_table(rows: Sequence[Row], named: Callable[[str], str] = str) -> T
 def answers_table(rows: Sequence[Row], answers: Sequence[Row]) -> Table:
     """One variant's figures: printed, how far each can be trusted, the closed form and every engine less printed.
 
-    ``answers`` have the fields of ``PrintedAnswer``; a figure that engines are not asked for has a dash.
+    ``answers`` have the fields of ``PrintedAnswer``; a figure that is not requested of engines has a dash.
     """
     engines = list(dict.fromkeys(answer["engine"] for answer in answers))
     told = {(answer["quantity"], answer["published"], answer["engine"]): answer for answer in answers}

@@ -36,7 +36,7 @@ class FileCampaign:
 
     @property
     def runs(self) -> tuple[CampaignRun, ...]:
-        """Every run; none where none of the regimes asked for is the linkage's."""
+        """Every run; none if the linkage has none of the requested regimes."""
         return tuple(CampaignRun(self, task) for task in tasks(self.request)) if self._moves else ()
 
     def figures(self) -> list[KeyFigure]:

@@ -102,7 +102,7 @@ class SetTest(pytest.Item):
 
 
 class RunTests(pytest.Collector):
-    """One run, made when the first of its quantities is asked for."""
+    """One run, made when the first of its quantities is requested."""
 
     def __init__(self, *, parent: pytest.Collector, run: CampaignRun, **words: Any) -> None:  # noqa: ANN401 - pytest's own
         self.run = run

@@ -12,7 +12,7 @@ from reports.command_line.requests import CampaignChoice
 
 
 def failure(record: Record, asked: CampaignChoice, notes: Iterable[str] = ()) -> str:
-    """Why a record of what was asked for failed; ``notes`` say what else is known of the file."""
+    """Why a requested record failed; ``notes`` are further remarks on the file."""
     again = replace(
         asked,
         engines=(record.engine,),
@@ -33,11 +33,11 @@ def _size(record: Record) -> tuple[str, ...]:
 
 
 def changed(figure: KeyFigure, asked: CampaignChoice, notes: Iterable[str] = ()) -> str:
-    """How a key figure of what was asked for has changed, and the command that records it as it is now."""
+    """How a requested key figure has changed, and the command that records it as it is now."""
     again = replace(asked, regimes=(figure.regime,))
     return "\n".join((figure.sentence, *notes, f"repeat it: {again.command}", f"if it is meant: {recording(again)}"))
 
 
 def recording(asked: CampaignChoice) -> str:
-    """The command that records the baseline of what was asked for."""
+    """The command that records the requested baseline."""
     return f"{asked.command} --record-baseline"

@@ -27,10 +27,10 @@ RUN = ("mechanism", "variant", "regime", "engine", "setting")
 
 @dataclass(frozen=True)
 class Comparison:
-    """What came of a comparison: a record of every run's quantities and checks, the key figures beside the recorded.
+    """The result of a comparison: a record per run, quantity and check, and the key figures with their recorded values.
 
-    ``departures`` say which linkages and motions are not those of the baseline, and fail it; ``notes`` say what fails
-    nothing: what has changed since it was recorded, what is allowed to differ.
+    ``departures`` name linkages and motions that differ from the baseline, and fail it; ``notes`` cause no failure:
+    changes since it was recorded, and permitted differences.
     """
 
     records: tuple[Record, ...]
@@ -40,7 +40,7 @@ class Comparison:
 
     @property
     def passed(self) -> bool:
-        """Whether the command would exit with 0; raises LinkproofError where no record says anything of an engine."""
+        """Whether the command would exit with 0; raises LinkproofError if nothing could be judged."""
         return campaign_exit_code(self.records, figures=self.figures, departures=self.departures) == PASSED
 
     @property

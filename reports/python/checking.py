@@ -22,9 +22,9 @@ from reports.python.options import MotionOptions, choice, chosen_linkage
 
 
 def check(linkage: Linkage | str | Path, variant: str | None = None) -> dict[str, Any]:
-    """What ``linkproof check --json`` says of a linkage: mobility, groups, range of the crank, transmission, slips.
+    """The facts of ``linkproof check --json``: mobility, groups, range of the crank, transmission, likely mistakes.
 
-    SI, angles in rad. Under ``fault`` stands the sentence of the first fault, None where there is none. Raises
+    SI, angles in rad. ``fault`` is the sentence of the first error, or None. Raises
     LinkproofError for a file that cannot be read.
     """
     return linkage_facts(chosen_linkage(linkage, variant))[0]
@@ -53,7 +53,7 @@ def judge(
 ) -> ImportedJudgement:
     """Judge the result files of another tool by the closed form, as ``linkproof judge`` does; ``limit`` is of the peak.
 
-    The judgement has ``passed``, and ``verdicts`` of every signal. Raises LinkproofError for what cannot be read; a
+    The judgement has ``passed``, and ``verdicts`` of every signal. Raises LinkproofError for unreadable files; a
     ``MappingNeededError`` among them has the ``mapping_text`` to fill in.
     """
     given = choice(options)

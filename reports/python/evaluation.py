@@ -35,13 +35,13 @@ def evaluate(
     gravity: bool = True,
     designs: Mapping[str, ArrayLike] | None = None,
 ) -> xarray.Dataset:
-    """Quantities of the closed form over crank angles ``phi`` (n,), rad; all that can be told where none are named.
+    """Quantities of the closed form over crank angles ``phi`` (n,), rad; all available ones if none are named.
 
-    They are called and counted as in ``results``; ``Q``, ``half_slope``, ½ dJeq/dφ, and ``damping`` come besides.
-    ``speed``, rpm, and ``acceleration``, rad/s², are a number or (n,); what moves needs a speed. ``designs`` has arrays
-    (k,) of numbers of the linkage, SI, by their names in its file: the Dataset is then over ``design`` and ``phi``,
-    without signals of parts and without S, and NaN where ``assembled`` is False. A drive along a line has m, its file's
-    unit of length per second and m/s² in place of rad, rpm and rad/s². Raises LinkproofError for what cannot be.
+    They have the names and signs of ``results``; ``Q``, ``half_slope``, ½ dJeq/dφ, and ``damping`` are added.
+    ``speed``, rpm, and ``acceleration``, rad/s², are a number or (n,); quantities of motion need a speed. ``designs``
+    has arrays (k,) of numbers of the linkage, SI, by their names in its file: the Dataset is then over ``design`` and
+    ``phi``, without signals of parts and without S, and NaN where ``assembled`` is False. A drive along a line has m,
+    its file's unit of length per second and m/s² in place of rad, rpm and rad/s². Raises LinkproofError for bad input.
     """
     mechanism = Mechanism(chosen_linkage(linkage, variant, gravity=gravity))
     angle = np.atleast_1d(np.asarray(phi, dtype=float))
@@ -62,7 +62,7 @@ def evaluate(
 
 
 def _variables(mechanism: Mechanism) -> dict[str, list[str]]:
-    """Every variable that can be asked for, with the signals that it is made of."""
+    """Every variable that can be requested, with the signals that it is made of."""
     known: dict[str, list[str]] = {}
     for name in signals.table(mechanism):
         if name not in signals.DRIVE:
@@ -73,7 +73,7 @@ def _variables(mechanism: Mechanism) -> dict[str, list[str]]:
 def _chosen(
     mechanism: Mechanism, asked: Sequence[str] | None, known: Mapping[str, Sequence[str]], *, moves: bool
 ) -> list[str]:
-    """The variables asked for, each once; all that the motion allows where none are named."""
+    """The requested variables, each once; all that the motion allows where none are named."""
     table = signals.table(mechanism)
     if asked is None:
         return [name for name, parts in known.items() if moves or all(table[part].is_still for part in parts)]

@@ -34,15 +34,15 @@ def optimise(
     step: str | float | None = None,
     **options: Unpack[MotionOptions],
 ) -> xarray.Dataset:
-    """The best of a linkage's designs, as ``linkproof optimise`` finds it, in the units of its file.
+    """The best design of a linkage, as by ``linkproof optimise``, in the units of its file.
 
-    ``over`` has the bounds of each number by name, (170, 180) or "±10%"; ``keep`` the figures that are kept: at None as
-    the file has them, at a value, or between two, of which None is none. ``everywhere`` is the command's ``--global``,
-    ``step`` its ``--round``; with ``scale_mass`` masses go with lengths.
+    ``over`` has the bounds of each number by name, (170, 180) or "±10%"; ``keep`` the figures to hold: None holds the
+    file's value, a number that value, a pair a range, in which None means unbounded. ``everywhere`` is the
+    command's ``--global``, ``step`` its ``--round``; with ``scale_mass`` masses change with lengths.
 
     Numbers and figures are variables over ``design``, before and after, with their units; the attributes have the
     ``toml`` of the new design's file, the ``method`` and its cost, and the ``residual``, 0 at a local optimum. Raises
-    LinkproofError for bad input and where no design keeps what is to be kept.
+    LinkproofError for bad input, and if no design holds the figures of ``keep``.
     """
     kept = dict.fromkeys(keep) if not isinstance(keep, Mapping) else keep
     how = {"starts": starts, "seed": seed, "everywhere": everywhere, "step": "" if step is None else str(step)}

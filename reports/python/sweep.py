@@ -52,9 +52,9 @@ def sweep(
     ``design``. Values go in and figures come out in the units of the linkage's file, as on the command line;
     ``evaluate`` takes its ``designs`` in SI. ``figures`` are named as ``--quantity`` has them, "Mkr.peak" say.
 
-    Where values are Dask arrays, so are the figures, worked out chunk by chunk when they are asked for. Where a
+    Where values are Dask arrays, so are the figures, computed chunk by chunk when they are requested. Where a
     ``scheduler`` of Dask is named, its address, "local:N" or a client, its workers make figures of other values.
-    Extremes are those of the sampled crank ``angles``, with ``refine`` the true ones; with ``scale_mass`` masses go
+    Extremes are those of the sampled crank ``angles``, with ``refine`` the true ones; with ``scale_mass`` masses change
     with lengths. Raises LinkproofError for what cannot be, but where no design assembles all is nan.
     """
     asked = SteadyChoice(

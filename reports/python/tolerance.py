@@ -30,16 +30,16 @@ def tolerance(
     seed: int = 0,
     **options: Unpack[MotionOptions],
 ) -> xarray.Dataset:
-    """How tolerances of a linkage's numbers move results, over ``result`` and ``parameter``; in the file's units.
+    """The effect of tolerances on a linkage's results, over ``result`` and ``parameter``; in the file's units.
 
     ``tolerances`` are ± by name, as under [tolerances] in a file of ``linkproof tolerance``, or such a file, which also
-    says ``results`` and ``speed`` where they are not given: rpm, or the file's unit of length per second. With
-    ``scale_mass`` masses go with lengths.
+    supplies ``results`` and ``speed`` if they are not given: rpm, or the file's unit of length per second. With
+    ``scale_mass`` masses change with lengths.
 
     ``contribution`` (±), ``share`` (of the variance), ``worst`` (±, all together) and ``linear_deviation`` follow from
-    ``derivative``, whose attribute ``derivatives`` is exact or difference. ``change`` (over ``limit``) is worked out
+    ``derivative``, whose attribute ``derivatives`` is exact or difference. ``change`` (over ``limit``) is computed
     with one number at its limit, ``corner`` (``end``) with all; ``mean``, ``deviation`` and ``quantile`` are of random
-    designs. NaN are derivatives where two tops tie, and what belongs to designs that do not assemble. Raises
+    designs. NaN are derivatives where two local maxima are equal, and values of designs that do not assemble. Raises
     LinkproofError for what cannot be.
     """
     asked = Tolerances((), None, tolerances) if isinstance(tolerances, Mapping) else read_tolerances(Path(tolerances))

@@ -27,7 +27,7 @@ def past_baseline(results: Results) -> tuple[str, ...]:
 
 
 def _limit(record: Record, limits: LimitTable) -> tuple[float, str]:
-    """The limit of a record and its reason; that of another tool's results is what the user asked for."""
+    """The limit of a record and its reason; that of another tool's results is the user's."""
     if record.origin == IMPORTED and record.limit is not None:
         return record.limit, "your --limit, or for a check the rounding of its columns"
     table = limits.limit(record.quantity, record.setting, record.regime, record.mechanism)

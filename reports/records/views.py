@@ -160,7 +160,7 @@ def holds_acceleration(quantity: str) -> bool:
 
 
 def engines(results: Results) -> tuple[str, ...]:
-    """Names of all engines asked for, sorted: an engine keeps its colour within a report."""
+    """Names of all requested engines, sorted: an engine keeps its colour within a report."""
     return tuple(sorted({record.engine for record in results.records}))
 
 

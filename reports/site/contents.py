@@ -30,7 +30,7 @@ BENCH, STRESS = PageLink("Work-precision", "bench.html"), PageLink("Stability", 
 
 @dataclass(frozen=True)
 class Contents:
-    """What ``folder`` holds, read when it is asked for; ``dataset`` is the file of a campaign's curves."""
+    """The contents of ``folder``, read when needed; ``dataset`` is the file of a campaign's curves."""
 
     folder: Path
     dataset: Path

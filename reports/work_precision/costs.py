@@ -14,7 +14,7 @@ from reports.document.templates import sentence
 from reports.work_precision.words import engine_label
 
 RUNS = ("engine", "scene", "least", "median", "of whole", "stepping", "steps")
-ANGLES = ("asked for", "least", "median", "of whole")
+ANGLES = ("requested", "least", "median", "of whole")
 PATHS = {"numpy": "by NumPy", "compiled": "by the compiled path"}
 
 
@@ -70,7 +70,7 @@ def cost_section(costs: Sequence[MeasuredCost]) -> Section:
     if runs := _runs(costs):
         tables.append(_across("scene", sentence("cost_of_runs", first=runs[0]), runs, runs))
     if queries := [cost for cost in costs if cost.angles]:
-        tables.append(_across("asked for", _lead(queries), queries, queries[:1]))
+        tables.append(_across("requested", _lead(queries), queries, queries[:1]))
     return Section("costs", "What each output and load costs", (Paragraph(sentence("bench_costs")), *tables))
 
 

@@ -25,7 +25,7 @@ POINTS = (
 
 
 def printout(bench: Bench, quantities: Sequence[str] = ()) -> Printout:
-    """A block per mechanism, regime and quantity: those asked for, else the one each place is judged by."""
+    """A block per mechanism, regime and quantity: the requested ones, else the one each place is judged by."""
     blocks: list[Printed] = []
     for place in places(bench):
         for name in [name for name in quantities if name in place.quantities] or [place.foremost]:

@@ -83,7 +83,7 @@ def noise_note(bench: Bench) -> str:
 
 
 def engine_label(name: str, is_control: bool) -> str:
-    """An engine's name for a reader, who is told of the reference's control."""
+    """An engine's name for a reader; the reference's control is marked."""
     return f"{name} (control)" if is_control else name
 
 
@@ -93,7 +93,7 @@ def label_of(facts: EngineFacts) -> str:
 
 
 def engine_labels(bench: Bench) -> dict[str, str]:
-    """What a reader is told of all engines of a benchmark, by name, the control last."""
+    """The report on all engines of a benchmark, by name, the control last."""
     controls = {record.engine: record.is_control for record in bench.records}
     return {name: engine_label(name, controls[name]) for name in sorted(controls, key=lambda one: (controls[one], one))}
 

@@ -69,7 +69,7 @@ def _kind(given: Sequence[str]) -> str:
 
 @contextmanager
 def _placed(reader: Reader, where: str) -> Iterator[None]:
-    """What a motion cannot be is said with the place in the file."""
+    """Errors of a motion, with their place in the file."""
     try:
         yield
     except LinkproofError as error:

@@ -163,7 +163,7 @@ def swing(
     back: bool = False,
     regime: str = "",
 ) -> CrankMotion:
-    """From one crank angle to another, rad, by a law, with a ``dwell``, s, there, and ``back`` again if asked for.
+    """From one crank angle to another, rad, by a law, with a ``dwell``, s, there, and optionally ``back`` again.
 
     Either the largest |ω| is given, ``speed``, rad/s, or the ``time`` of one way, s. ``regime`` is the law by default.
     """

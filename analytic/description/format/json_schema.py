@@ -1,6 +1,6 @@
 """The JSON schema of a linkage file, made from the model that reads it; for editors, which complete and check by it.
 
-In Draft 4, the newest that taplo knows (Even Better TOML in VS Code). What a key means is said in the words of the
+In Draft 4, the newest that taplo knows (Even Better TOML in VS Code). Keys are described in the words of the
 messages about it.
 """
 
@@ -33,7 +33,7 @@ def json_schema() -> Schema:
     count = {"type": "integer", "minimum": 1, "maximum": MOST_COPIES, "description": "how many copies: n = 1, 2, ..."}
     definitions[repeated] = definitions[repeated] | {"properties": {"count": count, **parts}, "required": ["count"]}
     document["properties"] |= {
-        "variants": _named(variant, "a table [variants.NAME] with the keys that differ, laid over the file's own"),
+        "variants": _named(variant, "a table [variants.NAME] with the keys that differ from the file's values"),
         "repeat": _named(repeated, "a table [repeat.NAME] with count copies of its parts; {n} is a copy's number"),
     }
     document["oneOf"] = [{"required": ["crank"]}, {"required": ["cylinder"]}]

@@ -27,7 +27,7 @@ INDEPENDENT: Final = 1e-9  # slope, scaled, from which a kept figure depends on 
 
 @dataclass
 class Counter:
-    """What a search has asked for: designs with derivatives, and designs sampled."""
+    """How many designs a search has evaluated: with derivatives, and sampled."""
 
     gradients: int = 0
     sampled: int = 0

@@ -1,4 +1,4 @@
-"""The best design of a linkage as it is asked for, with what else a designer wants to know of it."""
+"""The best design of a linkage for a request, with further results for its designer."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ OF_MANY: Final = (Reduction.PEAK, Reduction.MAX)  # of which the highest of seve
 
 @dataclass(frozen=True)
 class Wish:
-    """What is asked for, as it is typed: a figure, what to vary and what to keep; and how to look for it.
+    """An optimisation as typed: a figure, numbers to vary, figures to hold, and search options.
 
     Lengths are rounded to a ``step``, if there is one.
     """

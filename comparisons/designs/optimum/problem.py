@@ -40,7 +40,7 @@ class KeptFigure(NamedTuple):
 
     @property
     def is_equal(self) -> bool:
-        """Whether one value is asked for."""
+        """Whether the range is a single value."""
         return self.low == self.high
 
     def missed(self, value: Array) -> Array:

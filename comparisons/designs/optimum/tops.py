@@ -26,7 +26,7 @@ from comparisons.designs.steady_motion import SteadyMotion
 Array = NDArray[np.float64]
 
 FEWEST: Final = 360  # crank angles among which tops are looked for
-MOST: Final = 12  # tops of one signal that are told apart; of more the lowest share the window of a neighbour
+MOST: Final = 12  # local maxima of one signal with separate windows; beyond these the lowest share a neighbour's window
 
 
 class Window(NamedTuple):
@@ -50,7 +50,7 @@ def sides(figure: Figure) -> tuple[SignalExtreme, ...]:
     """
     name, how = figure.signal, reduction(figure)
     if (name != "phi" and is_angle(name)) or (name == "S" and how is Reduction.MIN):
-        return ()  # they count from the other angles that are asked for
+        return ()  # they count from the other requested angles
     if name == "S":  # counts from its farthest place, so that its range is the coordinate's
         name = OUTPUT_COORDINATE
     up, down = SignalExtreme(name, 1), SignalExtreme(name, -1)

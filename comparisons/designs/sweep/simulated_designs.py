@@ -32,7 +32,7 @@ class SimulatedDesigns:
 
 @dataclass(frozen=True)
 class TellingNumber:
-    """The number by whose ``value`` failing designs are told apart best: they lie ``below`` it, or at it, or above.
+    """The number by whose ``value`` failing designs are separated best: they lie ``below`` it, or at it, or above.
 
     ``failing`` and ``others`` have how many lie there, and of how many. ``chance`` is the likelihood of it by chance.
     """

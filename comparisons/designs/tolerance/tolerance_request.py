@@ -1,4 +1,4 @@
-"""What is asked of a study of tolerances: results of a linkage whose numbers are off the nominal, under a motion."""
+"""The request of a tolerance study: results of a linkage whose numbers deviate from nominal, under a motion."""
 
 from __future__ import annotations
 
@@ -106,7 +106,7 @@ def tolerance_request(
     seed: int = 0,
     conditions: str = "",
 ) -> ToleranceRequest:
-    """What is asked for, under a motion whose ``conditions`` are words.
+    """The request, under a motion whose ``conditions`` are words.
 
     Of random designs there are 10 000, or 200 of a linkage that goes design by design. Raises LinkproofError for names
     that are not there.

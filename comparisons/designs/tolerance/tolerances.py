@@ -80,9 +80,9 @@ class Tornado:
 
 @dataclass(frozen=True)
 class Tolerances:
-    """What is asked for: results by name, the speed in its file's unit, if one is said, and the table of tolerances.
+    """The request: results by name, the speed in its file's unit, if given, and the table of tolerances.
 
-    ``origin`` begins what is told of a fault: the file's name.
+    ``origin`` begins the message of a fault: the file's name.
     """
 
     results: tuple[str, ...]

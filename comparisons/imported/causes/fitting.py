@@ -31,7 +31,7 @@ class FaultModel:
 
     ``start`` (k,) are the numbers with which nothing is wrong, ``sizes`` what a change of 1 means for each; ``guesses``
     are where fits begin. ``words(numbers)`` says it in one sentence; a number ``special`` to the fault is tried as it
-    is, so that a mass left out is told from one that is 0.001 of itself. ``corrections`` are what a mapping may agree
+    is, so that a missing mass is distinguished from 0.001 of the mass. ``corrections`` are what a mapping may agree
     to; a ``handicap`` makes it less likely, as one more number to fit would. Beside a cause of a kind that it
     ``contains`` it says nothing new.
     """

@@ -1,4 +1,4 @@
-"""What may be wrong with the crank's motion: its direction, start, ramp, speed, or the clock it is told by."""
+"""What may be wrong with the crank's motion: its direction, start, ramp, speed, or clock."""
 
 from __future__ import annotations
 

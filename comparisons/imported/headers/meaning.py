@@ -81,7 +81,7 @@ class Recognition:
         return None, ""
 
     def meaning(self, column: Column) -> Meaning:
-        """What a column means; raises NotJudgedError with the reason, UnknownNameError for a unit that is none."""
+        """What a column means; raises NotJudgedError with the reason, UnknownNameError for an unknown unit."""
         tried = []
         for split in splits(column.header, column.unit):
             try:

@@ -1,6 +1,6 @@
 """A cluster on this machine: scheduler and workers in processes of their own, which end with whoever started them.
 
-``python -m comparisons.runs.cluster.local N`` reads its keys, says its address and serves until its input ends. The
+``python -m comparisons.runs.cluster.local N`` reads its keys, prints its address and serves until its input ends. The
 keys are of this run alone: whoever can connect to a cluster can have any code run, and a port is open to all users.
 """
 

@@ -154,7 +154,7 @@ class ClusterPool:
         found: dict[str, int] = self._answer(self.client.scheduler.ncores)
         return found
 
-    def _answer(self, question: Callable[..., Any], **words: Any) -> Any:  # noqa: ANN401 - whatever was asked for
+    def _answer(self, question: Callable[..., Any], **words: Any) -> Any:  # noqa: ANN401 - any answer
         """What the scheduler says; raises PoolLostError where it, or a worker that it asks, says nothing for long."""
         try:
             return self.client.sync(question, callback_timeout=ANSWER, **words)

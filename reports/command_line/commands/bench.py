@@ -34,7 +34,7 @@ REGIMES, QUICK_REGIMES = ("run-up-quintic", "run-up"), ("run-up-quintic",)
 
 @dataclass(frozen=True)
 class BenchChoice(CampaignChoice):
-    """What was asked for, in the user's words; empty means the default."""
+    """The request, in the user's words; empty means the default."""
 
     quick: bool = False
     costs: bool = False
@@ -62,7 +62,7 @@ class BenchChoice(CampaignChoice):
 
 
 def bench(choice: BenchChoice, destination: Destination, scheduler: str | None = None) -> int:
-    """Measure, write what was asked for, print the tables; returns the exit code.
+    """Measure, write the requested files, print the tables; returns the exit code.
 
     The workers of a ``scheduler`` measure, where there is one, one run at a time on a machine.
     Raises LinkproofError for anything that does not exist or cannot be, before any run is made.

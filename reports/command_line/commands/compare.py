@@ -44,7 +44,7 @@ def compare(
         judged.results, judged.figures, (*judged.notes, *judged.departures)
     ),
 ) -> int:
-    """Run a campaign, write what was asked for, print its tables; returns the exit code.
+    """Run a campaign, write the requested files, print its tables; returns the exit code.
 
     What the words leave open the project says that the linkages belong to. ``words`` print something else.
     """
@@ -97,7 +97,7 @@ def save_campaign(
 
 
 def _errata(wanted: CampaignRequest, running: dict[str, Any]) -> list[ErratumRecord]:
-    """The printed models of the linkages whose own regimes are asked for, put to the engines asked for."""
+    """The printed models of linkages whose own regimes are requested, simulated in the requested engines."""
     asked = wanted.linkages if wanted.own_regimes else ()
     return list(judge_errata(asked, installed(wanted.engines), **running))
 

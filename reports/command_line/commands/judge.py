@@ -56,7 +56,7 @@ class JudgeChoice:
             raise LinkproofError(f"--limit: expected a positive share of the peak, such as 0.01, got {self.limit:g}")
 
     def model(self, linkage: Linkage) -> Linkage:
-        """A linkage under the gravity asked for."""
+        """A linkage under the requested gravity."""
         return linkage if self.motion.gravity else without(linkage, "gravity")
 
     @property
@@ -94,7 +94,7 @@ def judge(choice: JudgeChoice, destination: Destination) -> int:
 
 
 def judgement_of(choice: JudgeChoice, linkage: Linkage, imported: ImportedResults) -> ImportedJudgement:
-    """What comes of a tool's results beside the closed form of a linkage under the motion asked for."""
+    """The judgement of a tool's results against the closed form of a linkage under the requested motion."""
     return judge_results(
         linkage,
         imported,
@@ -125,7 +125,7 @@ def _read(choice: JudgeChoice, linkage: Linkage, destination: Destination) -> Im
 
 
 def _motion(choice: JudgeChoice, linkage: Linkage, imported: ImportedResults) -> Motion | None:
-    """The regime asked for; over the crank angle a constant speed; else None: the file's own columns tell it."""
+    """The requested regime; over the crank angle a constant speed; else None: the file's columns give the motion."""
     asked = choice.motion
     if len(asked.regimes) > 1:
         raise LinkproofError(f"--regime: expected one motion of the crank, got {', '.join(asked.regimes)}; name one")

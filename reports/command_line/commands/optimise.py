@@ -36,7 +36,7 @@ CURVES = "before-after.svg"
 
 @dataclass(frozen=True, kw_only=True)
 class OptimiseChoice(SteadyChoice):
-    """What was asked for, in the user's words; ``simulate`` are engines."""
+    """The request, in the user's words; ``simulate`` are engines."""
 
     wish: Wish
     refine: bool = True
@@ -68,7 +68,7 @@ class OptimiseChoice(SteadyChoice):
 def wish(
     minimise: str | None, maximise: str | None, over: Sequence[str], keep: Sequence[str], how: Mapping[str, Any]
 ) -> Wish:
-    """What is asked for; ``how`` are the rest of a Wish. Raises LinkproofError unless one figure is to be optimised."""
+    """The request; ``how`` are further fields of a Wish. Raises LinkproofError unless one figure is to be optimised."""
     if (minimise is None) == (maximise is None):
         got = "neither" if minimise is None else "both"
         raise LinkproofError(f"expected --minimise FIGURE or --maximise FIGURE, got {got}; give one, such as Mkr.peak")
@@ -84,7 +84,7 @@ def optimum(linkage: Linkage, choice: OptimiseChoice, destination: Destination) 
 
 
 def run(choice: OptimiseChoice, destination: Destination, limits: RunLimits | None = None) -> int:
-    """Look for the best design, write what was asked for, print the tables; returns the exit code."""
+    """Look for the best design, write the requested files, print the tables; returns the exit code."""
     destination.check(JSON)
     choice.check()
     linkage = load(choice.mechanism, choice.variant)

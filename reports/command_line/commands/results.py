@@ -41,7 +41,7 @@ FILES = ("csv", "xlsx", "json", *PICTURES, "gif", "dxf")
 
 @dataclass(frozen=True, kw_only=True)
 class ResultsChoice(MotionChoice):
-    """What was asked for, in the user's words; ``at`` are degrees and ``time`` seconds, with commas between them.
+    """The request, in the user's words; ``at`` are degrees and ``time`` seconds, with commas between them.
 
     ``csv``, ``json``, ``svg`` and ``dxf`` are files, or "-" for stdout, which then holds nothing else; ``xlsx``,
     ``png``, ``pdf`` and ``gif`` are files. ``decimal`` is the point or comma in the numbers of ``csv``, ``figure`` the
@@ -93,7 +93,7 @@ class ResultsChoice(MotionChoice):
 
 
 def results(choice: ResultsChoice, *, quiet: bool = False) -> None:
-    """Print the key figures of a linkage, or its signals at chosen instants, and write the files asked for."""
+    """Print the key figures of a linkage, or its signals at chosen instants, and write the requested files."""
     choice.check()
     linkage = load(choice.mechanism, choice.variant)
     if choice.strict:
@@ -117,7 +117,7 @@ def results(choice: ResultsChoice, *, quiet: bool = False) -> None:
 
 
 def designer_results(linkage: Linkage, choice: ResultsChoice) -> DesignerResults:
-    """The results of a linkage under the motion and at the instants asked for."""
+    """The results of a linkage under the requested motion and at the requested instants."""
     case = chosen_case(Mechanism(linkage if choice.gravity else without(linkage, "gravity")), choice)
     case.check_motion()
     return DesignerResults(case, _instants(case, choice))
@@ -162,7 +162,7 @@ def _content(option: str, found: DesignerResults, choice: ResultsChoice) -> str 
 
 
 def chosen_case(mechanism: Mechanism, choice: MotionChoice) -> Case:
-    """The linkage under the one motion asked for: by default a turn at constant speed, or the range of the crank."""
+    """The linkage under the one requested motion: by default a turn at constant speed, or the range of the crank."""
     linkage = mechanism.linkage
     own = own_regimes(choice, [linkage])
     if len(choice.regimes) > 1 or {EVERYTHING, OWN} & {*choice.regimes}:
@@ -200,7 +200,7 @@ def _usual_case(mechanism: Mechanism, choice: MotionChoice) -> Case:
 
 
 def _instants(case: Case, choice: ResultsChoice) -> Instants:
-    """All of the motion, or the instants asked for."""
+    """The whole motion, or the requested instants."""
     linkage = case.mechanism.linkage
     instants = Instants(case.motion, turns=not linkage.is_linear)
     if choice.at is not None:

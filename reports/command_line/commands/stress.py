@@ -22,7 +22,7 @@ from reports.stress.terminal import cell_details, printout
 
 @dataclass(frozen=True)
 class StressChoice:
-    """What was asked for, in the user's words: axes, or cells by name; empty means the default."""
+    """The request, in the user's words: axes, or cells by name; empty means the default."""
 
     words: tuple[str, ...] = ()
     engines: tuple[str, ...] = ()

@@ -42,7 +42,7 @@ DESIGNS: Final = 24  # that are simulated
 
 @dataclass(frozen=True, kw_only=True)
 class SweepChoice(SteadyChoice):
-    """What was asked for, in the user's words; ``csv``, ``json`` and ``svg`` are files, or "-" for stdout."""
+    """The request, in the user's words; ``csv``, ``json`` and ``svg`` are files, or "-" for stdout."""
 
     vary: tuple[str, ...] = ()
     table: Path | None = None
@@ -92,7 +92,7 @@ class SweepChoice(SteadyChoice):
 
 
 def run(choice: SweepChoice, destination: Destination) -> int:
-    """Work a space through, print its summary and write the files asked for; returns the exit code."""
+    """Work a space through, print its summary and write the requested files; returns the exit code."""
     destination.check(FILE)
     destination.check(PICTURE)
     choice.check()
@@ -148,7 +148,7 @@ def _simulate(choice: SweepChoice, destination: Destination, request: SweepReque
 
 
 def sweep_request(linkage: Linkage, choice: SweepChoice) -> tuple[SweepRequest, str]:
-    """What is asked for, and its conditions in words; raises LinkproofError for anything that is not there."""
+    """The request, and its conditions in words; raises LinkproofError for unknown names."""
     mechanism, motion, conditions = steady_case(linkage, choice)
     figures = named_figures(mechanism, choice.quantities) if choice.quantities else usual_figures(mechanism)
     if not figures:
@@ -221,7 +221,7 @@ def _journal(folder: Path, request: SweepRequest, choice: SweepChoice, *, resume
 
 
 def _write_rows(place: str | None, saved: SavedSweep) -> None:
-    """Write the designs as CSV, where that is asked for."""
+    """Write the designs as CSV, if requested."""
 
     def write(path: Path) -> None:
         with path.open("w", encoding="utf-8", newline="") as stream:
@@ -235,7 +235,7 @@ def _write_rows(place: str | None, saved: SavedSweep) -> None:
 
 
 def _write_pictures(choice: SweepChoice, destination: Destination, saved: SavedSweep, found: SweepSummary) -> None:
-    """Write the picture where it is asked for, and into the folder where not ``quiet``."""
+    """Write the picture if requested, and into the folder if not ``quiet``."""
     places = [] if choice.svg is None else [choice.svg]
     if destination.folder is not None:
         picture = destination.folder / PICTURE

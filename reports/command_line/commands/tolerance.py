@@ -22,7 +22,7 @@ from reports.document.terminal import show
 
 @dataclass(frozen=True, kw_only=True)
 class ToleranceChoice(SteadyChoice):
-    """What was asked for, in the user's words; ``json``, ``csv`` and ``svg`` are files, or "-" for stdout."""
+    """The request, in the user's words; ``json``, ``csv`` and ``svg`` are files, or "-" for stdout."""
 
     tolerances: Path
     refine: bool = True
@@ -41,7 +41,7 @@ class ToleranceChoice(SteadyChoice):
 
 
 def run(choice: ToleranceChoice) -> None:
-    """Work the tolerances through, print the tables and write the files asked for."""
+    """Work the tolerances through, print the tables and write the requested files."""
     choice.check()
     check_files(choice.files, {"the linkage's file": Path(choice.mechanism), "the tolerances": choice.tolerances})
     request = request_of(load(choice.mechanism, choice.variant), read_tolerances(choice.tolerances), choice,
@@ -63,7 +63,7 @@ def run(choice: ToleranceChoice) -> None:
 def request_of(
     linkage: Linkage, asked: Tolerances, choice: SteadyChoice, *, samples: int | None, seed: int
 ) -> ToleranceRequest:
-    """What is asked for, at the speed of the file of tolerances where that has one."""
+    """The request, at the speed of the file of tolerances if it has one."""
     if asked.speed is not None:
         choice = replace(choice, speed=asked.speed)
     mechanism, motion, conditions = steady_case(linkage, choice)

@@ -102,7 +102,7 @@ class DrawnDesigns:
         return ", ".join(filter(None, ("value", self.unit(name))))
 
     def target(self, figure: str) -> tuple[float, str]:
-        """The best value of a figure, and what is said of the design nearest to it."""
+        """The best value of a figure, and the note on the design nearest to it."""
         if figure.startswith("transmission_angle:") and not figure.endswith(".range"):
             return 0.5 * math.pi if self.unit(figure) == "rad" else 90.0, "nearest to 90°"
         return 0.0, "nearest to 0" if figure.endswith(SIGNED) or "@" in figure else "least"

@@ -22,7 +22,7 @@ window.linkproof = (() => {
     if (isReady) startAll();
   }
 
-  /* Data of another file, as a promise; a file is asked for once. */
+  /* Data of another file, as a promise; a file is requested once. */
   function load(element, key) {
     const place = element.closest(".widget"), name = `${place.dataset.name}.${key}`;
     if (arrived.has(name)) return Promise.resolve(arrived.get(name));

@@ -217,9 +217,9 @@ def test_required_against_actual():
 
 def test_a_crank_that_cannot_turn_fully_has_no_turn_to_tell_a_feed_by():
     watt = mechanism("watt-six-bar")
-    with pytest.raises(LinkproofError, match="the extreme height of eye 'E' of 'watt-six-bar' is told by a full turn"):
+    with pytest.raises(LinkproofError, match="the extreme height of eye 'E' of 'watt-six-bar' needs a full turn"):
         eye_travel(watt, "E")
     path = ThreadPath((ThreadGuide("N", (0.0, 0.0, 0.0)), ThreadEye("E")), 0.0, "lengthening", 0.0)
-    with pytest.raises(LinkproofError, match="the contour of 'watt-six-bar' is told by a full turn"):
+    with pytest.raises(LinkproofError, match="the contour of 'watt-six-bar' needs a full turn"):
         feed_diagram(watt, path)
     assert np.all(np.isfinite(feed(watt, path, np.array([-0.05, 0.05]))))

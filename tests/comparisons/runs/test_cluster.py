@@ -138,7 +138,7 @@ def test_timed_jobs_of_one_machine_never_overlap(pool):
 
 def test_timed_jobs_want_machines_alike(pool):
     unlike = ClusterPool(pool.client, alone=True, hosts={"other": "a machine of another kind"})
-    with pytest.raises(LinkproofError, match=r"expected machines alike.*of another kind.*linkproof merge"):
+    with pytest.raises(LinkproofError, match=r"expected machines of one kind.*of another kind.*linkproof merge"):
         unlike.check()
 
 

@@ -44,7 +44,7 @@ def test_without_a_speed_the_mean_is_that_of_a_second_and_without_ends_it_goes_o
 def test_what_turns_a_crank_and_what_moves_several_is_refused():
     with pytest.raises(LinkproofError, match="--regime run-up turns a crank"):
         asked(regimes=("run-up",))
-    with pytest.raises(LinkproofError, match="no other linkage's: name it alone"):
+    with pytest.raises(LinkproofError, match="cannot share a motion with other linkages"):
         prescribed(MotionChoice(), [load("juki-mf7923d"), MOTOR.linkage])
 
 

@@ -155,7 +155,7 @@ def test_out_holds_all_and_the_report_is_rebuilt_from_it(tmp_path):
         (["compare", "juki-mf7923d", "--time-limit", "0"], "expected a positive finite number of s, got 0"),
         (["compare", "juki-mf7923d", "--memory-limit", "inf"], "expected a positive finite number of GiB, got inf"),
         (["compare", "juki-mf7923d", "--jobs", "-1"], "expected a number of processes, or 0 for none, got -1"),
-        (["compare", "juki-mf7923d", "--jobs", "0", "--time-limit", "9"], "--jobs 0 asks for none"),
+        (["compare", "juki-mf7923d", "--jobs", "0", "--time-limit", "9"], "--jobs 0 starts none"),
     ],
 )
 def test_misuse_is_one_sentence_and_exit_code_2(words, sentence):

@@ -76,7 +76,7 @@ def test_a_page_has_scenes_down_and_engines_across_each_with_its_share_of_the_wh
     assert (whole.words, whole.note) == ("50.0 ms", "100 %")
     assert (name, part.words, part.note) == ("Jeq <alone>", "20.0 ms", "40 %")
     assert (failed.words, failed.told) == ("unsupported", "it will not")
-    assert queries.head == ("asked for", "by NumPy", "by the compiled path")
+    assert queries.head == ("requested", "by NumPy", "by the compiled path")
     assert [cell if isinstance(cell, str) else cell.words for cell in queries.rows[1]] == ["S", "50.0 ns", ""]
 
 

@@ -32,7 +32,7 @@ def test_a_script_says_what_it_is_and_what_wrote_it(tmp_path, capsys):
     (_choice(engines=()), None, "expected one --engine"),
     (_choice(), "jump/four-bar/0.1/exudyn/tuned", "not both"),
     (CampaignChoice(), None, "not both"),
-    (CampaignChoice(speed=900.0), "jump/four-bar/0.1/exudyn/tuned", "expected --cell alone"),
+    (CampaignChoice(speed=900.0), "jump/four-bar/0.1/exudyn/tuned", "--cell already defines"),
     (CampaignChoice(), "start/positions/0.01/exudyn/tuned", "cannot be exported: the start state violates joint 'A'"),
 ])  # fmt: skip
 def test_what_cannot_be_exported_is_one_sentence(choice, cell, words, tmp_path):

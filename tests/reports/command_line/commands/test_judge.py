@@ -60,7 +60,7 @@ def test_a_sign_is_named_offered_and_passes_once_the_mapping_agrees(run, tmp_pat
     mapping.write_text("\n".join(agreed))
     code, text = run("--regime", "run-up", "--mapping", "mapping.toml", factor=-1.0)
     assert code == 0
-    assert "Agreed in the mapping and applied: Mkr: sign = -1" in text
+    assert "Accepted in the mapping and applied: Mkr: sign = -1" in text
 
 
 def test_json_on_stdout_is_one_object(run):
@@ -103,7 +103,7 @@ def test_the_page_begins_with_the_verdict_and_its_cause(run, tmp_path):
     assert "Juki MF-7923D needle mechanism" in head
     assert "Not right: 1 of 3 signals over" in head
     assert "Likely cause of the difference in Mkr: Mkr has the other sign" in head
-    assert "agree in the mapping to Mkr: sign = -1" in head
+    assert "accept it in the mapping: Mkr: sign = -1" in head
     assert "not installed" not in page
     summary = (tmp_path / "page" / "RESULTS.md").read_text(encoding="utf-8")
     assert "Mkr has the other sign" in summary

@@ -191,6 +191,6 @@ def test_values_that_grow_without_bounds_are_cut_off_and_the_picture_says_how_fa
     figure = sweep_figure(dataset, OWN)
     told = [" ".join(text.split()) for text in texts(figure)]
     assert any(re.fullmatch(r"Mkr\.peak \(1\.000 to 10000\),.N\*m", text) for text in told)
-    assert any(text.startswith("Where two numbers follow a name") for text in told)
+    assert any(text.startswith("If two numbers follow a name") for text in told)
     assert not any(text in {"5000", "10000"} for text in told)
     assert len(marked(panels(figure)[0], "*", LIMIT_COLOUR)) == (len(counts) < 3)
