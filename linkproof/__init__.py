@@ -1,4 +1,4 @@
-"""How far is a multibody simulation of a planar linkage from the truth? The names that others may rely on.
+"""Torque, power and bearing forces of planar linkages, and the errors of simulations of them: the public names.
 
 Everything else is private and may change with any version. A name is imported when it is first used.
 """

@@ -25,7 +25,7 @@ class Project:
 
     ``linkages`` are the files that its patterns match, ``engines``, ``settings`` and ``regimes`` names as the commands
     take them, ``time_limit`` s and ``memory_limit`` GiB of each run, ``baseline`` the file of what was recorded,
-    ``names_baseline`` whether it is said; ``allow_new`` and ``allow_missing`` let linkages and motions differ from it.
+    ``names_baseline`` whether it is named; ``allow_new`` and ``allow_missing`` let linkages and motions differ from it.
     """
 
     folder: Path

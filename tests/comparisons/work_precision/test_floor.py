@@ -22,7 +22,7 @@ def test_a_sweep_that_still_falls_says_so():
     assert found.cause is Cause.FALLING
     assert found.error == pytest.approx(0.1 / 4**5)
     assert found.step == STEPS[5]
-    assert "a factor 4 off" in found.evidence
+    assert "reduced the error 4 ×" in found.evidence
 
 
 def test_double_precision_is_no_fault_of_the_method():
