@@ -41,8 +41,8 @@ def check(linkage: Linkage | str | Path, variant: str | None = None) -> dict[str
 class EngineFindings(PrintedResult, list[Found]):
     """What comes of every check of an adapter, in a list; printed as the command prints it."""
 
-    def __init__(self, engine: str, found: Sequence[Found]) -> None:
-        super().__init__(found)
+    def __init__(self, engine: str, checks: Sequence[Found]) -> None:
+        super().__init__(checks)
         self.engine = engine
 
     def _printout(self) -> Printout:
@@ -53,7 +53,7 @@ class EngineFindings(PrintedResult, list[Found]):
 
 
 @dataclass(frozen=True, repr=False, kw_only=True)
-class Judgement(PrintedResult, ImportedJudgement):
+class JudgedResults(PrintedResult, ImportedJudgement):
     """What comes of a judgement, printed as the command prints it; ``files`` are those judged."""
 
     files: str
@@ -91,7 +91,7 @@ def judge(
     mapping: str | Path | None = None,
     limit: float = DEFAULT_LIMIT,
     **options: Unpack[MotionOptions],
-) -> Judgement:
+) -> JudgedResults:
     """Judge the result files of another tool by the closed form, as ``linkproof judge`` does; ``limit`` is of the peak.
 
     The judgement has ``passed``, and ``verdicts`` of every signal; ``str`` is what the command prints. Raises
@@ -102,5 +102,5 @@ def judge(
     asked = JudgeChoice(str(linkage), paths, MotionChoice(**given), limit, map_, gravity=options.get("gravity", True))
     asked.check()
     model = asked.model(chosen_linkage(linkage, asked.motion.variant))
-    found = judgement_of(asked, model, read_results(paths, model, map_))
-    return Judgement(**vars(found), files=", ".join(map(str, paths)))
+    judgement = judgement_of(asked, model, read_results(paths, model, map_))
+    return JudgedResults(**vars(judgement), files=", ".join(map(str, paths)))

@@ -27,7 +27,7 @@ from comparisons.runs.cluster.connecting import opened
 from reports.command_line.commands.sweep import DESIGNS, SweepChoice, described
 from reports.command_line.commands.sweep import simulate as run_designs
 from reports.command_line.destination import Destination
-from reports.command_line.steady_choice import SteadyChoice, steady_case
+from reports.command_line.steady_choice import SteadyCase, SteadyChoice, steady_case
 from reports.document.terminal import Printout
 from reports.python.options import MotionOptions, Words, choice, chosen_linkage, words
 
@@ -72,40 +72,49 @@ def sweep(
         mechanism=str(linkage), gravity=options.get("gravity", True), angles=angles, refine=refine,
         scale_mass=scale_mass, **choice(options),
     )  # fmt: skip
-    trials: dict[str, Any] = {"simulate": words(simulate), "designs": designs, "seed": seed}
-    simulated = SweepChoice(**vars(asked), **trials, jobs=cores, scheduler=scheduler)
-    simulated.check_simulation()
-    mechanism, motion, conditions = steady_case(chosen_linkage(linkage, asked.variant), asked)
+    trial = SweepChoice(
+        **vars(asked), simulate=words(simulate), designs=designs, seed=seed, jobs=cores, scheduler=scheduler
+    )
+    trial.check_simulation()
+    case = steady_case(chosen_linkage(linkage, asked.variant), asked)
     if (vary is None) == (table is None):
         raise LinkproofError(f"sweep: expected vary or table, got {'neither' if vary is None else 'both'}: pass one")
     given = table if vary is None else vary
     values = {str(name): _checked(str(name), given[name]) for name in given}
-    parts = tuple(parameter(mechanism.linkage, name) for name in values)
-    named = named_figures(mechanism, words(figures)) if figures else usual_figures(mechanism)
+    return _swept(case, values, words(figures), trial, is_table=vary is None)
+
+
+def _swept(
+    case: SteadyCase, values: Mapping[str, Any], figures: Sequence[str], trial: SweepChoice, *, is_table: bool
+) -> xarray.Dataset:
+    """Figures over the designs that ``values`` list or span, and what engines make of them in a ``trial``."""
+    linkage = case.mechanism.linkage
+    parts = tuple(parameter(linkage, name) for name in values)
+    named = named_figures(case.mechanism, figures) if figures else usual_figures(case.mechanism)
     if not parts or not named:
         raise LinkproofError("sweep: expected parameters and figures, got none; name one of each or more")
     is_lazy = any(map(_is_lazy, values.values()))
-    if is_lazy and simulate:
+    if is_lazy and trial.simulate:
         raise LinkproofError("simulate: expected arrays of numbers, got Dask's, worked out later; pass NumPy arrays")
-    space = _space(parts, [np.zeros(1)] * len(parts) if is_lazy else [*values.values()], is_table=vary is None)
-    request = SweepRequest(mechanism.linkage, space, named, motion, refine, cores)
+    space = _space(parts, [np.zeros(1)] * len(parts) if is_lazy else [*values.values()], is_table=is_table)
+    request = SweepRequest(linkage, space, named, case.motion, trial.refine, trial.jobs)
     own_figures(request)  # complains of what no design can have
-    found = _lazy(request, [*values.values()]) if is_lazy else _found(request.on_one_path(), scheduler)
-    conditions += mass_words(mechanism.linkage, values)
+    rows = _lazy(request, [*values.values()]) if is_lazy else _found(request.on_one_path(), trial.scheduler)
+    conditions = case.conditions + mass_words(linkage, values)
     about = {name: value for name, value in described(request, conditions, "").items() if name != "command"}
-    dataset = labelled(request, values, found, about)
-    return _with_engines(dataset, request.on_one_path(), simulated) if simulate else dataset
+    dataset = labelled(request, values, rows, about)
+    return _with_engines(dataset, request.on_one_path(), trial) if trial.simulate else dataset
 
 
-def _with_engines(dataset: xarray.Dataset, request: SweepRequest, asked: SweepChoice) -> xarray.Dataset:
+def _with_engines(dataset: xarray.Dataset, request: SweepRequest, trial: SweepChoice) -> xarray.Dataset:
     """The same with the shares of their limits that engines take over some of the designs."""
     shares: dict[str, Array] = {}
 
-    def keep(designs: SimulatedDesigns, records: Sequence[Record]) -> Printout:
+    def note(designs: SimulatedDesigns, records: Sequence[Record]) -> Printout:
         shares.update(shares_of_limits(designs, records, request.space.count))
         return Printout((), ())
 
-    run_designs(asked, Destination(quiet=True), request, keep)
+    run_designs(trial, Destination(quiet=True), request, note)
     values = np.array([*shares.values()]).reshape(-1, *request.space.shape)
     over = ("engine", *request.space.dimensions)
     return dataset.assign_coords(engine=[*shares]).assign(share_of_limit=(over, values, {"units": "1"}))

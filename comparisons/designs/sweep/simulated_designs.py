@@ -139,13 +139,13 @@ def share_of_limit(record: Record) -> float:
 def shares_of_limits(designs: SimulatedDesigns, records: Iterable[Record], count: int) -> dict[str, Array]:
     """By engine and setting the largest error over its limit of each of ``count`` designs; nan of one not judged."""
     numbers = dict(zip(designs.files, designs.places, strict=True))
-    found: dict[str, Array] = {}
+    engines: dict[str, Array] = {}
     for record in records:
         if Verdict(record.outcome).judged:
-            shares = found.setdefault(f"{record.engine} {record.setting}", np.full(count, math.nan))
+            shares = engines.setdefault(f"{record.engine} {record.setting}", np.full(count, math.nan))
             number = numbers[record.mechanism]
             shares[number] = np.fmax(shares[number], share_of_limit(record))
-    return found
+    return engines
 
 
 def telling_number(numbers: Mapping[str, Array], fails: NDArray[np.bool_]) -> TellingNumber | None:

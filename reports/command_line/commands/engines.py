@@ -112,11 +112,11 @@ def check(name: str, destination: Destination, processes: int | None = None) -> 
     return FAILED if any(each.finding is Finding.FAILED for each in found) else PASSED
 
 
-def printout(name: str, found: Sequence[Found]) -> Printout:
+def printout(name: str, checks: Sequence[Found]) -> Printout:
     """A line of every check, and how many came to what."""
-    counts = Counter(each.finding for each in found)
+    counts = Counter(each.finding for each in checks)
     closing = f"{name}: " + ", ".join(f"{counts[finding]} {finding}" for finding in Finding if counts[finding])
-    return Printout([Table("", ("check", "", ""), _rows(found), "l")], [closing])
+    return Printout([Table("", ("check", "", ""), _rows(checks), "l")], [closing])
 
 
 def findings(adapter: Engine, processes: int | None = None) -> list[Found]:

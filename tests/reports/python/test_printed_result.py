@@ -14,8 +14,8 @@ NAME = "juki-mf7923d"
 def curves(tmp_path, monkeypatch):
     """The closed form's own torque as a file of another tool, in the working folder."""
     monkeypatch.chdir(tmp_path)
-    found = linkproof.results(NAME, regime="run-up", time=np.linspace(0.0, 0.7, 141))
-    table = np.column_stack([found["time"], found["Mkr"], found["S"]])
+    run = linkproof.results(NAME, regime="run-up", time=np.linspace(0.0, 0.7, 141))
+    table = np.column_stack([run["time"], run["Mkr"], run["S"]])
     np.savetxt("a<b.csv", table, delimiter=",", header="time [s],Mkr [N*m],S [m]", comments="", fmt="%.9g")
     monkeypatch.setattr(conformance, "CHECKS", {"identity": conformance.CHECKS["identity"]})
 
@@ -28,7 +28,7 @@ def curves(tmp_path, monkeypatch):
          "<Comparison: 2 deviations: 2 passed; ", [("Mkr", "passed"), ("S", "passed")]),
         (lambda: linkproof.judge(NAME, "a<b.csv", regime="run-up"),
          ("judge", NAME, "a<b.csv", "--regime", "run-up"),
-         "<Judgement: Right: all 2 signals are within 1.0 % of the closed form's peak.>",
+         "<JudgedResults: Right: all 2 signals are within 1.0 % of the closed form's peak.>",
          [("Mkr", "passed"), ("S", "passed")]),
         (lambda: linkproof.check_engine("direct", 1), ("check-engine", "direct", "--jobs", "1"),
          "<EngineFindings: direct: 1 passed>", [("identity", "passed")]),
@@ -36,22 +36,22 @@ def curves(tmp_path, monkeypatch):
     ids=["compare", "judge", "check_engine"],
 )  # fmt: skip
 def test_a_result_is_printed_as_its_command_prints_it(curves, make, words, line, rows):
-    found, said = make(), command(*words)
-    assert repr(found).startswith(line)
-    assert "\n" not in repr(found)
+    result, done = make(), command(*words)
+    assert repr(result).startswith(line)
+    assert "\n" not in repr(result)
     timeless = [
-        [row for row in text.strip().splitlines() if "seconds" not in row] for text in (str(found), said.stdout)
+        [row for row in text.strip().splitlines() if "seconds" not in row] for text in (str(result), done.stdout)
     ]
     assert timeless[0] == timeless[1]
-    assert found._repr_html_().startswith("<pre>")
-    assert "a<b" not in found._repr_html_()
-    table = found.to_pandas()
+    assert result._repr_html_().startswith("<pre>")
+    assert "a<b" not in result._repr_html_()
+    table = result.to_pandas()
     of, came = ("check", "finding") if "check" in table else ("quantity", "outcome")
     assert list(zip(table[of], table[came], strict=True)) == rows
 
 
 def test_a_judgement_and_findings_are_what_they_were(curves):
     assert [verdict.name for verdict in linkproof.judge(NAME, "a<b.csv", regime="run-up").verdicts] == ["Mkr", "S"]
-    found = linkproof.check_engine("direct", 1)
-    assert isinstance(found, list)
-    assert [one.check for one in found] == ["identity"]
+    checks = linkproof.check_engine("direct", 1)
+    assert isinstance(checks, list)
+    assert [one.check for one in checks] == ["identity"]
