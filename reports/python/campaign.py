@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Unpack
 
@@ -12,11 +13,14 @@ from comparisons.campaign.campaign import compare as run_campaign
 from comparisons.campaign.key_figures import KeyFigure
 from comparisons.campaign.standards import judged_campaign
 from comparisons.judging.records import Record
+from reports.campaign.terminal import printout
 from reports.command_line import PASSED
 from reports.command_line.exit_codes import campaign_exit_code
 from reports.command_line.requests import CampaignChoice, RunLimits, request
 from reports.command_line.standard_choice import StandardChoice, in_project
+from reports.document.terminal import Printout
 from reports.python.options import MotionOptions, Words, choice, words
+from reports.python.printed_result import PrintedResult
 
 if TYPE_CHECKING:
     import xarray
@@ -25,18 +29,26 @@ if TYPE_CHECKING:
 RUN = ("mechanism", "variant", "regime", "engine", "setting")
 
 
-@dataclass(frozen=True)
-class Comparison:
+@dataclass(frozen=True, repr=False)
+class Comparison(PrintedResult):
     """The result of a comparison: a record per run, quantity and check, and the key figures with their recorded values.
 
     ``departures`` name linkages and motions that differ from the baseline, and fail it; ``notes`` cause no failure:
-    changes since it was recorded, and permitted differences.
+    changes since it was recorded, and permitted differences. ``repr`` is a line, ``str`` and a notebook have what the
+    command prints, ``to_pandas`` has a row for each record.
     """
 
     records: tuple[Record, ...]
     figures: tuple[KeyFigure, ...]
     notes: tuple[str, ...]
     departures: tuple[str, ...] = ()
+    printed: Printout = field(default=Printout((), ("nothing was compared",)), compare=False)
+
+    def _printout(self) -> Printout:
+        return self.printed
+
+    def _rows(self) -> Sequence[Record]:
+        return self.records
 
     @property
     def passed(self) -> bool:
@@ -117,7 +129,10 @@ def compare(
     with bounds.pool() as pool:
         results = list(run_campaign(wanted, bounds=bounds.bounds, pool=pool))
     judged = judged_campaign(wanted, results, standard, held.file if held.record else None)
-    return Comparison(tuple(judged.records), tuple(judged.figures), tuple(judged.notes), tuple(judged.departures))
+    printed = printout(judged.results, judged.figures, (*judged.notes, *judged.departures))
+    return Comparison(
+        tuple(judged.records), tuple(judged.figures), tuple(judged.notes), tuple(judged.departures), printed
+    )
 
 
 def _path(given: str | Path | None) -> Path | None:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Unpack
 
@@ -12,13 +14,19 @@ from comparisons.datasheet.linkage_check import check as linkage_facts
 from comparisons.imported.judge import ImportedJudgement
 from comparisons.imported.judging.judgement import DEFAULT_LIMIT
 from comparisons.imported.reading import read_results
+from comparisons.judging.records import Record
 from comparisons.runs.failures import AdapterError
 from comparisons.runs.plugins import engine as registered
 from engines.contract import Engine
-from reports.command_line.commands.engines import findings
+from reports.command_line.commands.engines import findings, printout
 from reports.command_line.commands.judge import JudgeChoice, judgement_of
 from reports.command_line.motion_choice import MotionChoice
+from reports.document.terminal import Printed, Printout
+from reports.imported.document import blank_of, with_cause
+from reports.imported.terminal import printout as judgement_printout
+from reports.imported.terminal import sentence
 from reports.python.options import MotionOptions, choice, chosen_linkage
+from reports.python.printed_result import PrintedResult
 
 
 def check(linkage: Linkage | str | Path, variant: str | None = None) -> dict[str, Any]:
@@ -30,7 +38,39 @@ def check(linkage: Linkage | str | Path, variant: str | None = None) -> dict[str
     return linkage_facts(chosen_linkage(linkage, variant))[0]
 
 
-def check_engine(engine: Engine | str, jobs: int | None = None) -> list[Found]:
+class EngineFindings(PrintedResult, list[Found]):
+    """What comes of every check of an adapter, in a list; printed as the command prints it."""
+
+    def __init__(self, engine: str, checks: Sequence[Found]) -> None:
+        super().__init__(checks)
+        self.engine = engine
+
+    def _printout(self) -> Printout:
+        return printout(self.engine, self)
+
+    def _rows(self) -> Sequence[Found]:
+        return self
+
+
+@dataclass(frozen=True, repr=False, kw_only=True)
+class JudgedResults(PrintedResult, ImportedJudgement):
+    """What comes of a judgement, printed as the command prints it; ``files`` are those judged."""
+
+    files: str
+
+    def _printout(self) -> Printout:
+        linkage = self.model.linkage
+        return judgement_printout(self, f"{linkage.name} ({linkage.variant}) against {self.files}")
+
+    def _rows(self) -> Sequence[Record]:
+        blank = blank_of(self, self.files)
+        return [with_cause(verdict.record(blank), self) for verdict in self.verdicts]
+
+    def _sentence(self) -> Printed:
+        return sentence(self)
+
+
+def check_engine(engine: Engine | str, jobs: int | None = None) -> EngineFindings:
     """What comes of every check of an engine's adapter, by its name or as it is, in ``jobs`` worker processes.
 
     Each has a ``check``, a ``finding`` and a ``detail``. Raises LinkproofError where there is nothing to check, and for
@@ -39,7 +79,8 @@ def check_engine(engine: Engine | str, jobs: int | None = None) -> list[Found]:
     if not isinstance(engine, str) and not hasattr(engine, "run"):
         raise LinkproofError(f"expected the name of an engine, or an adapter, got {shortened(repr(engine))}: give one")
     try:
-        return findings(registered(engine) if isinstance(engine, str) else engine, jobs)
+        adapter = registered(engine) if isinstance(engine, str) else engine
+        return EngineFindings(adapter.name, findings(adapter, jobs))
     except AdapterError as error:
         raise LinkproofError(f"expected an adapter that can be loaded, but {error}; correct it") from error
 
@@ -50,15 +91,16 @@ def judge(
     mapping: str | Path | None = None,
     limit: float = DEFAULT_LIMIT,
     **options: Unpack[MotionOptions],
-) -> ImportedJudgement:
+) -> JudgedResults:
     """Judge the result files of another tool by the closed form, as ``linkproof judge`` does; ``limit`` is of the peak.
 
-    The judgement has ``passed``, and ``verdicts`` of every signal. Raises LinkproofError for unreadable files; a
-    ``MappingNeededError`` among them has the ``mapping_text`` to fill in.
+    The judgement has ``passed``, and ``verdicts`` of every signal; ``str`` is what the command prints. Raises
+    LinkproofError for unreadable files; a ``MappingNeededError`` among them has the ``mapping_text`` to fill in.
     """
     given = choice(options)
     paths, map_ = tuple(map(Path, results)), None if mapping is None else Path(mapping)
     asked = JudgeChoice(str(linkage), paths, MotionChoice(**given), limit, map_)
     asked.check()
     model = asked.model(chosen_linkage(linkage, asked.motion.variant))
-    return judgement_of(asked, model, read_results(paths, model, map_))
+    judgement = judgement_of(asked, model, read_results(paths, model, map_))
+    return JudgedResults(**vars(judgement), files=", ".join(map(str, paths)))

@@ -18,12 +18,17 @@ from comparisons.designs.named_figures import named_figures
 from comparisons.designs.parameters import Parameter, mass_words, parameter
 from comparisons.designs.steady_motion import SAMPLES
 from comparisons.designs.sweep.saved_sweep import labelled
+from comparisons.designs.sweep.simulated_designs import SimulatedDesigns, shares_of_limits
 from comparisons.designs.sweep.space import DesignSpace, Grid, Listed
 from comparisons.designs.sweep.sweep import SweepRequest, own_figures, sweep_block, usual_figures
 from comparisons.designs.sweep.sweep import sweep as sweep_space
+from comparisons.judging.records import Record
 from comparisons.runs.cluster.connecting import opened
-from reports.command_line.commands.sweep import described
-from reports.command_line.steady_choice import SteadyChoice, steady_case
+from reports.command_line.commands.sweep import DESIGNS, SweepChoice, described
+from reports.command_line.commands.sweep import simulate as run_designs
+from reports.command_line.destination import Destination
+from reports.command_line.steady_choice import SteadyCase, SteadyChoice, steady_case
+from reports.document.terminal import Printout
 from reports.python.options import MotionOptions, Words, choice, chosen_linkage, words
 
 if TYPE_CHECKING:
@@ -43,6 +48,9 @@ def sweep(
     scale_mass: bool = False,
     cores: int | None = None,
     scheduler: str | Client | None = None,
+    simulate: Words = (),
+    designs: int = DESIGNS,
+    seed: int = 0,
     **options: Unpack[MotionOptions],
 ) -> xarray.Dataset:
     """Figures of many designs of a linkage, as ``linkproof sweep`` has them: a variable each, nan where none assembles.
@@ -55,29 +63,61 @@ def sweep(
     Where values are Dask arrays, so are the figures, computed chunk by chunk when they are requested. Where a
     ``scheduler`` of Dask is named, its address, "local:N" or a client, its workers make figures of other values.
     Extremes are those of the sampled crank ``angles``, with ``refine`` the true ones; with ``scale_mass`` masses change
-    with lengths. Raises LinkproofError for what cannot be, but where no design assembles all is nan.
+    with lengths. ``simulate`` names engines that run some of the designs, as many as ``designs``, chosen by ``seed``:
+    ``share_of_limit``, over ``engine`` and the designs, is the largest error of a design over its limit, infinite where
+    a run failed and nan where none was made. Raises LinkproofError for what cannot be, but where no design assembles
+    all is nan.
     """
     asked = SteadyChoice(
         mechanism=str(linkage), angles=angles, refine=refine,
         scale_mass=scale_mass, **choice(options),
     )  # fmt: skip
-    mechanism, motion, conditions = steady_case(chosen_linkage(linkage, asked.variant), asked)
+    trial = SweepChoice(
+        **vars(asked), simulate=words(simulate), designs=designs, seed=seed, jobs=cores, scheduler=scheduler
+    )
+    trial.check_simulation()
+    case = steady_case(chosen_linkage(linkage, asked.variant), asked)
     if (vary is None) == (table is None):
         raise LinkproofError(f"sweep: expected vary or table, got {'neither' if vary is None else 'both'}: pass one")
     given = table if vary is None else vary
     values = {str(name): _checked(str(name), given[name]) for name in given}
-    parts = tuple(parameter(mechanism.linkage, name) for name in values)
-    named = named_figures(mechanism, words(figures)) if figures else usual_figures(mechanism)
+    return _swept(case, values, words(figures), trial, is_table=vary is None)
+
+
+def _swept(
+    case: SteadyCase, values: Mapping[str, Any], figures: Sequence[str], trial: SweepChoice, *, is_table: bool
+) -> xarray.Dataset:
+    """Figures over the designs that ``values`` list or span, and what engines make of them in a ``trial``."""
+    linkage = case.mechanism.linkage
+    parts = tuple(parameter(linkage, name) for name in values)
+    named = named_figures(case.mechanism, figures) if figures else usual_figures(case.mechanism)
     if not parts or not named:
         raise LinkproofError("sweep: expected parameters and figures, got none; name one of each or more")
     is_lazy = any(map(_is_lazy, values.values()))
-    space = _space(parts, [np.zeros(1)] * len(parts) if is_lazy else [*values.values()], is_table=vary is None)
-    request = SweepRequest(mechanism.linkage, space, named, motion, refine, cores)
+    if is_lazy and trial.simulate:
+        raise LinkproofError("simulate: expected arrays of numbers, got Dask's, worked out later; pass NumPy arrays")
+    space = _space(parts, [np.zeros(1)] * len(parts) if is_lazy else [*values.values()], is_table=is_table)
+    request = SweepRequest(linkage, space, named, case.motion, trial.refine, trial.jobs)
     own_figures(request)  # complains of what no design can have
-    found = _lazy(request, [*values.values()]) if is_lazy else _found(request.on_one_path(), scheduler)
-    conditions += mass_words(mechanism.linkage, values)
+    rows = _lazy(request, [*values.values()]) if is_lazy else _found(request.on_one_path(), trial.scheduler)
+    conditions = case.conditions + mass_words(linkage, values)
     about = {name: value for name, value in described(request, conditions, "").items() if name != "command"}
-    return labelled(request, values, found, about)
+    dataset = labelled(request, values, rows, about)
+    return _with_engines(dataset, request.on_one_path(), trial) if trial.simulate else dataset
+
+
+def _with_engines(dataset: xarray.Dataset, request: SweepRequest, trial: SweepChoice) -> xarray.Dataset:
+    """The same with the shares of their limits that engines take over some of the designs."""
+    shares: dict[str, Array] = {}
+
+    def note(designs: SimulatedDesigns, records: Sequence[Record]) -> Printout:
+        shares.update(shares_of_limits(designs, records, request.space.count))
+        return Printout((), ())
+
+    run_designs(trial, Destination(quiet=True), request, note)
+    values = np.array([*shares.values()]).reshape(-1, *request.space.shape)
+    over = ("engine", *request.space.dimensions)
+    return dataset.assign_coords(engine=[*shares]).assign(share_of_limit=(over, values, {"units": "1"}))
 
 
 def _is_lazy(values: object) -> bool:

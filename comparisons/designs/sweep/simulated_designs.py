@@ -24,10 +24,14 @@ BY_CHANCE: Final = 0.05  # what is as likely by chance tells nothing
 
 @dataclass(frozen=True)
 class SimulatedDesigns:
-    """``files`` of designs by name, and their ``numbers`` (designs,): parameters and figures, by name with unit."""
+    """``files`` of designs by name, and their ``numbers`` (designs,): parameters and figures, by name with unit.
+
+    ``places`` count each design in its sweep.
+    """
 
     files: Mapping[str, str]
     numbers: Mapping[str, Array]
+    places: tuple[int, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -81,6 +85,7 @@ def simulated_designs(request: SweepRequest, count: int, seed: int) -> Simulated
     cube = LatinHypercube(len(space.shape), rng=seed)
     files: dict[str, str] = {}
     columns: list[Array] = []
+    chosen: list[int] = []
     tried: set[int] = set()
     for _ in range(TRIES):
         places = (cube.random(min(count, space.count)) * space.shape).astype(int)
@@ -97,13 +102,14 @@ def simulated_designs(request: SweepRequest, count: int, seed: int) -> Simulated
             except AssemblyError:
                 continue
             files[f"{request.linkage.name}-d{number}"] = text
+            chosen.append(number)
             columns.append(np.concatenate([space.shown(number, number + 1), figures])[:, 0])
     if not files:
         raise LinkproofError(
             f"--simulate: expected designs that assemble, got none among {len(tried)} drawn; vary less"
         )
     names = [one.shown for one in space.parameters] + [one.shown for one in request.figures]
-    return SimulatedDesigns(files, dict(zip(names, np.array(columns).T, strict=True)))
+    return SimulatedDesigns(files, dict(zip(names, np.array(columns).T, strict=True)), tuple(chosen))
 
 
 def engines_over_designs(designs: SimulatedDesigns, records: Iterable[Record]) -> list[EngineOverDesigns]:
@@ -116,18 +122,30 @@ def engines_over_designs(designs: SimulatedDesigns, records: Iterable[Record]) -
         judged = [record for record in own if Verdict(record.outcome).judged]
         failing = {record.mechanism for record in judged if Verdict(record.outcome).failed}
         silent = tuple(name for name in designs.files if name not in {record.mechanism for record in judged})
-        worst = max(judged, key=_share, default=None)
+        worst = max(judged, key=share_of_limit, default=None)
         telling = telling_number(designs.numbers, np.array([name in failing for name in designs.files]))
         names = tuple(name for name in designs.files if name in failing)
         found.append(EngineOverDesigns(engine, tuple(designs.files), names, silent, worst, telling))
     return found
 
 
-def _share(record: Record) -> float:
-    """The error over its limit; without a result it is beyond all."""
+def share_of_limit(record: Record) -> float:
+    """The error over its limit; of a run that failed without a result infinite."""
     if record.error_max is None or not record.limit:
         return math.inf if Verdict(record.outcome).failed else 0.0
     return record.error_max / record.limit
+
+
+def shares_of_limits(designs: SimulatedDesigns, records: Iterable[Record], count: int) -> dict[str, Array]:
+    """By engine and setting the largest error over its limit of each of ``count`` designs; nan of one not judged."""
+    numbers = dict(zip(designs.files, designs.places, strict=True))
+    engines: dict[str, Array] = {}
+    for record in records:
+        if Verdict(record.outcome).judged:
+            shares = engines.setdefault(f"{record.engine} {record.setting}", np.full(count, math.nan))
+            number = numbers[record.mechanism]
+            shares[number] = np.fmax(shares[number], share_of_limit(record))
+    return engines
 
 
 def telling_number(numbers: Mapping[str, Array], fails: NDArray[np.bool_]) -> TellingNumber | None:

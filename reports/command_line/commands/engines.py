@@ -107,12 +107,16 @@ def check(name: str, destination: Destination, processes: int | None = None) -> 
     """Make every check of an engine, print a line of each; returns the exit code. Raises as ``findings``."""
     adapter = engine(name)
     found = findings(adapter, processes)
-    counts = Counter(each.finding for each in found)
     destination.write_json({"engine": name, "version": adapter.version(), "checks": [asdict(each) for each in found]})
+    destination.print_out(printout(name, found))
+    return FAILED if any(each.finding is Finding.FAILED for each in found) else PASSED
+
+
+def printout(name: str, checks: Sequence[Found]) -> Printout:
+    """A line of every check, and how many came to what."""
+    counts = Counter(each.finding for each in checks)
     closing = f"{name}: " + ", ".join(f"{counts[finding]} {finding}" for finding in Finding if counts[finding])
-    shown = Table("", ("check", "", ""), _rows(found), "l")
-    destination.print_out(Printout([shown], [closing]))
-    return FAILED if counts[Finding.FAILED] else PASSED
+    return Printout([Table("", ("check", "", ""), _rows(checks), "l")], [closing])
 
 
 def findings(adapter: Engine, processes: int | None = None) -> list[Found]:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import hashlib
 import math
 import tempfile
+from collections.abc import Callable, Sequence
 from contextlib import ExitStack
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -18,10 +19,11 @@ from comparisons.datasheet.units import file_unit
 from comparisons.designs.named_figures import named_figures
 from comparisons.designs.parameters import mass_words
 from comparisons.designs.sweep.saved_sweep import FILE, SavedSweep
-from comparisons.designs.sweep.simulated_designs import engines_over_designs, simulated_designs
+from comparisons.designs.sweep.simulated_designs import SimulatedDesigns, engines_over_designs, simulated_designs
 from comparisons.designs.sweep.space import DesignSpace, Grid, steps
 from comparisons.designs.sweep.sweep import Summary, SweepRequest, own_figures, sweep, usual_figures, why_not
 from comparisons.designs.sweep.table import read_table
+from comparisons.judging.records import Record
 from comparisons.runs.cluster.connecting import opened
 from comparisons.runs.files import write_file, write_text
 from comparisons.runs.journal import Journal
@@ -72,14 +74,7 @@ class SweepChoice(SteadyChoice):
     def check(self) -> None:
         """Raise LinkproofError for what cannot be, before anything is worked out."""
         super().check()
-        if self.designs < 1:
-            raise LinkproofError(f"--designs: expected 1 design or more to simulate, got {self.designs}; give more")
-        if self.seed < 0:
-            raise LinkproofError(f"--seed: expected a whole number, 0 or more, got {self.seed}; give another")
-        if not self.simulate and (self.designs, self.seed) != (DESIGNS, 0):
-            option = "--designs" if self.designs != DESIGNS else "--seed"
-            raise LinkproofError(f"{option} is for designs that are simulated: name an engine with --simulate")
-        named(self.simulate)
+        self.check_simulation()
         if bool(self.vary) == (self.table is not None):
             got = "both" if self.vary else "neither"
             raise LinkproofError(f"expected designs by --vary NAME=FIRST:LAST:COUNT or by --table FILE, got {got}: "
@@ -89,6 +84,17 @@ class SweepChoice(SteadyChoice):
         RunLimits(jobs=self.jobs, scheduler=self.scheduler).check()
         read = {"the linkage's file": Path(self.mechanism)}
         check_files(self.files, read if self.table is None else {**read, "the table": self.table})
+
+    def check_simulation(self) -> None:
+        """Raise LinkproofError for designs that cannot be simulated."""
+        if self.designs < 1:
+            raise LinkproofError(f"--designs: expected 1 design or more to simulate, got {self.designs}; give more")
+        if self.seed < 0:
+            raise LinkproofError(f"--seed: expected a whole number, 0 or more, got {self.seed}; give another")
+        if not self.simulate and (self.designs, self.seed) != (DESIGNS, 0):
+            option = "--designs" if self.designs != DESIGNS else "--seed"
+            raise LinkproofError(f"{option} is for designs that are simulated: name an engine with --simulate")
+        named(self.simulate)
 
 
 def run(choice: SweepChoice, destination: Destination) -> int:
@@ -113,14 +119,25 @@ def run(choice: SweepChoice, destination: Destination) -> int:
         there = [destination.folder / name for name in (FILE, PICTURE)] if destination.folder else []
         wrote = [f"wrote {path}" for path in there if path.exists()]
         destination.print_out(Printout([*found.parts, ""], [found.sentence, *wrote] if destination.quiet else wrote))
-    return _simulate(choice, destination, request) if choice.simulate else PASSED
+    if not choice.simulate:
+        return PASSED
+    from reports.designs.sweep.engines_terminal import printout  # noqa: PLC0415
+
+    return simulate(
+        choice, destination, request,
+        lambda designs, records: printout(engines_over_designs(designs, records), choice.seed),
+    )  # fmt: skip
 
 
-def _simulate(choice: SweepChoice, destination: Destination, request: SweepRequest) -> int:
-    """Compare engines on some of the designs, as ``linkproof compare`` does; its exit code."""
+def simulate(
+    choice: SweepChoice,
+    destination: Destination,
+    request: SweepRequest,
+    words: Callable[[SimulatedDesigns, Sequence[Record]], Printout],
+) -> int:
+    """Compare engines on some of the designs, as ``linkproof compare`` does, and print ``words``; its exit code."""
     from reports.command_line.commands.compare import compare  # noqa: PLC0415 - what no other call pays for
     from reports.command_line.requests import CampaignChoice  # noqa: PLC0415
-    from reports.designs.sweep.engines_terminal import printout  # noqa: PLC0415
 
     if any(one.kind == SPEED for one in request.space.parameters):
         raise LinkproofError("--simulate: expected designs of one speed, got several; leave --vary speed out")
@@ -143,7 +160,7 @@ def _simulate(choice: SweepChoice, destination: Destination, request: SweepReque
         )  # fmt: skip
         return compare(
             wanted, below, RunLimits(jobs=choice.jobs, scheduler=choice.scheduler),
-            words=lambda judged: printout(engines_over_designs(designs, judged.records), choice.seed),
+            words=lambda judged: words(designs, judged.records),
         )  # fmt: skip
 
 

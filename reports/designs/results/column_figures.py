@@ -23,13 +23,7 @@ from reports.mechanism.shown import JOINT, MAGNITUDE, ShownSheet
 
 COLUMN: Final = 85.0 / 25.4  # inches
 SINGLE, STACKED = 2.3, 1.2  # inches: heights of a panel, and of one of several over one axis
-SIGNALS: Final[Mapping[str, tuple[str, ...]]] = {
-    "torque": ("Mkr",),
-    "power": ("Peq",),
-    "energy": ("Teq",),
-    "inertia": ("Jeq",),
-    "output": OUTPUT,
-}
+SIGNALS: Final = {"torque": ("Mkr",), "power": ("Peq",), "energy": ("Teq",), "inertia": ("Jeq",), "output": OUTPUT}
 
 
 def _draw_curves(axes: Axes, scheme: KinematicScheme, size: float) -> None:
@@ -44,7 +38,7 @@ FIGURES: Final = (*SCHEMES, *SIGNALS, "forces", "transmission")
 
 
 def column_figure(shown: ShownSheet, name: str) -> Figure:
-    """The figure of a name; raises LinkproofError for a name that is none, or where the linkage has nothing for it."""
+    """The figure of a name; raises LinkproofError for an unknown name, or where the linkage has nothing for it."""
     if name not in FIGURES:
         raise UnknownNameError("figure", name, FIGURES)
     positions = shown.sheet.positions

@@ -35,7 +35,7 @@ def test_every_linkage_that_works_is_without_fault(name, variant):
     assert fault is None
     assert facts["fault"] is None
     assert facts["mobility"]["degrees"] == 1
-    assert facts["warnings"] == []
+    assert [one for one in facts["warnings"] if "has no free length" not in one] == []  # one has none and says so
     assert json.loads(json.dumps(facts)) == facts
 
 

@@ -7,6 +7,7 @@ import xarray
 import linkproof
 from reports.command_line.commands.sweep import SweepChoice, run
 from reports.command_line.destination import Destination
+from tests.comparisons.faults import announce
 
 da = pytest.importorskip("dask.array")
 
@@ -53,6 +54,26 @@ def test_dask_arrays_are_worked_out_when_they_are_asked_for():
     xarray.testing.assert_allclose(found.compute(), grid(), rtol=1e-12)
 
 
+def test_engines_run_some_of_the_designs_of_a_grid_or_a_list(tmp_path, monkeypatch):
+    """Of the engine with a flaw the designs that it fails are those with short rods, as its own source has it."""
+    announce(tmp_path, "flawed", {"short-sighted": "tests.comparisons.designs.engines_with_flaws:ShortSighted"})
+    monkeypatch.syspath_prepend(str(tmp_path))
+    rods = np.linspace(166.0, 178.0, 13)
+    trial = {"figures": "Mkr.peak", "speed": 120, "simulate": ("short-sighted", "direct"), "cores": 1, "angles": 12}
+    found = linkproof.sweep("rimoldi-164", {"rod.B.x": rods, "rod.mass": [0.1]}, designs=13, **trial)
+    share = found["share_of_limit"].isel({"rod.mass": 0})
+    assert share.dims == ("engine", "rod.B.x")
+    assembled = np.isfinite(found["Mkr.peak"].values[:, 0])
+    flawed, exact = (share.sel(engine=f"{name} tuned").values for name in trial["simulate"])
+    assert np.array_equal(np.isnan(flawed), ~assembled)
+    assert np.all(exact[assembled] < 1.0)
+    assert np.all((flawed[assembled] > 1.0) == (rods[assembled] < 172.0))
+    assert np.all(np.isinf(flawed[assembled]) == (rods[assembled] < 168.0))
+    some = linkproof.sweep("rimoldi-164", None, table={"rod.B.x": rods}, designs=3, seed=4, **trial)
+    assert some["share_of_limit"].dims == ("engine", "design")
+    assert np.all(np.sum(np.isfinite(some["share_of_limit"]).sel(engine="direct tuned")) == 3)
+
+
 @pytest.mark.parametrize(
     ("arguments", "words"),
     [
@@ -65,6 +86,12 @@ def test_dask_arrays_are_worked_out_when_they_are_asked_for():
         ({"table": {"rod.B.x": X, "rod.mass": MASS}}, "columns of one length"),
         ({"vary": {"rod.mass": [-1.0]}}, "expected no negative mass"),
         ({"vary": {"rod.B.x": X}, "figures": "Mkr"}, "unknown figure"),
+        ({"vary": {"rod.B.x": X}, "simulate": "exudin"}, "unknown engine 'exudin'"),
+        ({"vary": {"rod.B.x": X}, "designs": 3}, "name an engine with --simulate"),
+        (
+            {"vary": {"rod.B.x": da.from_array(X)}, "simulate": "direct"},
+            "simulate: expected arrays of numbers, got Dask",
+        ),
     ],
 )
 def test_bad_input_is_a_sentence(arguments, words):

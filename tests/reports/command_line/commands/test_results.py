@@ -168,9 +168,9 @@ def test_what_cannot_be_is_said_and_nothing_is_written(engine, tmp_path, monkeyp
 @pytest.mark.parametrize(("option", "package"), [("xlsx", "openpyxl"), ("dxf", "ezdxf")])
 def test_a_package_that_is_missing_is_one_sentence_with_the_cure(engine, tmp_path, monkeypatch, option, package):
     monkeypatch.setattr("reports.command_line.destination.find_spec", lambda name: None if name == package else name)
-    said = refused("results", engine, f"--{option}", f"a.{option}", cwd=tmp_path)
+    error = refused("results", engine, f"--{option}", f"a.{option}", cwd=tmp_path)
     cure = f"install it with: pip install 'linkproof[{option}]'"
-    assert said == f"linkproof: --{option}: expected {package}, got none: {cure}\n"
+    assert error == f"linkproof: --{option}: expected {package}, got none: {cure}\n"
 
 
 def test_a_fault_is_one_sentence_and_exit_code_2(engine, tmp_path):

@@ -31,7 +31,7 @@ def table(results):
 
 def test_json_is_one_object_in_si_whatever_the_units_of_the_file():
     metric, imperial = (json.loads(json_text(piston(*units))) for units in ((), IMPERIAL))
-    assert list(metric) == ["conditions", "axis", "units", "values", "peaks", "figures"]
+    assert list(metric) == ["conditions", "axis", "units", "values", "peaks", "figures", "warnings"]
     assert metric["axis"] == "phi"
     assert set(metric["values"]) == set(metric["units"]) == set(metric["peaks"])
     assert metric["units"] == imperial["units"]
