@@ -247,8 +247,10 @@ def main() -> int:
     for part in parts:
         file = HERE / f"{part}.json.gz"
         records = globals()[part]()
+        text = json.dumps(records, indent=0, sort_keys=True).replace(f"{ROOT}{os.sep}", "")  # wherever the tree lies
+        records = json.loads(text)
         if action == "take":
-            file.write_bytes(gzip.compress(json.dumps(records, indent=0, sort_keys=True).encode(), mtime=0))
+            file.write_bytes(gzip.compress(text.encode(), mtime=0))
             print(f"{part}: {len(records)} records pinned")
             continue
         old = json.loads(gzip.decompress(file.read_bytes()))
