@@ -29,6 +29,7 @@ MOST_WINDOWS: Final = 200_000  # some ten thousand turns
 MOST_ITERATIONS: Final = 30
 DIVERGING: Final = 30.0  # times the least change so far: the window is too long
 SETTLED: Final = 0.001  # of the tolerance, relative to the acceleration: what an iteration may leave
+FINE: Final = 1e-9  # a tolerance from which windows settle to rounding
 SAFETY, MOST_GROWTH, LEAST_GROWTH, MOST_RETRY = 0.85, 1.5, 0.2, 0.7
 ALL_BUT: Final = 0.999  # of the rest of the time: no sliver of a window is left over
 FIRST_ANGLE: Final = 0.3  # rad, the first window's guess
@@ -123,6 +124,7 @@ def integrate(
     next one begins anew. Raises LinkproofError where the motion cannot be followed.
     """
     tolerance, count = max(tolerance, LEAST_TOLERANCE), len(scheme.nodes)
+    unsettled = SETTLED * tolerance if tolerance > FINE else 0.0
     path = _Path(scheme, start, period)
     pushed = _timed(acceleration, push)
     borders = [*sorted(knot for knot in knots if 0.0 < knot < duration), duration]
@@ -132,7 +134,7 @@ def integrate(
         last = length >= ALL_BUT * (borders[0] - path.time)
         end = borders[0] if last else path.time + length
         length = end - path.time
-        accelerations = _solve(pushed, path, length, rounding, SETTLED * tolerance)
+        accelerations = _solve(pushed, path, length, rounding, unsettled)
         error = np.inf if accelerations is None else _error(path, accelerations, length, rounding)
         factor = min(max(SAFETY * (tolerance / max(error, TINY)) ** (1.0 / count), LEAST_GROWTH), MOST_GROWTH)
         if accelerations is not None and error <= tolerance:
@@ -188,7 +190,7 @@ def _solve(acceleration: Timed, path: _Path, length: float, rounding: float, sha
         peak = peak or float(np.abs(following).max())
         latest, least = following, min(least, change)
         # As the changes shrink, what is left to change is less than change²/before.
-        if change * change <= before * (rounding + (4.0 * EPS + share) * peak):
+        if change <= rounding + 4.0 * EPS * peak or change * change <= before * share * peak:
             return latest
         if change >= 0.5 * before and change <= 1e4 * EPS * peak:
             return latest

@@ -49,7 +49,7 @@ def optimise(
     wished = wish(minimise, maximise, [_word(*one) for one in over.items()], [_word(*one) for one in kept.items()], how)
     asked = OptimiseChoice(
         mechanism=str(linkage), wish=wished, angles=angles, scale_mass=scale_mass,
-        gravity=options.get("gravity", True), **choice(options),
+        **choice(options),
     )  # fmt: skip
     chosen = chosen_linkage(linkage, asked.variant)
     found, conditions = optimum(chosen, asked, Destination(quiet=True))

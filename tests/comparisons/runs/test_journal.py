@@ -84,7 +84,7 @@ def test_another_process_is_kept_out_until_the_journal_is_done_with(tmp_path, us
     journal = Journal(tmp_path, REQUEST)
     journal.keep("run", b"payload")
     done = subprocess.run(command, capture_output=True, text=True, check=False)
-    assert "got another command that still writes there" in done.stderr
+    assert "another linkproof command is writing to" in done.stderr
     assert Journal(tmp_path, REQUEST).kept() == {"run": b"payload"}
     journal.clear()
     del journal
