@@ -70,7 +70,9 @@ def _signals(mechanism: Mechanism) -> dict[str, str]:
 
 def _examples(known: Mapping[str, str]) -> list[str]:
     """Every figure, the peaks first."""
-    return [STROKE, *(f"{one}.{word}" for word in REDUCTIONS for one in (*known, *FAMILIES))]
+    families = [kind for kind in FAMILIES if any(one.startswith(f"{kind}:") for one in known)]
+    stroke = [STROKE] if "S" in known else []
+    return [*stroke, *(f"{one}.{word}" for word in REDUCTIONS for one in (*known, *families))]
 
 
 def _members(mechanism: Mechanism, known: Mapping[str, str], signal: str, name: str) -> list[str]:
