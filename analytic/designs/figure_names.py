@@ -110,13 +110,20 @@ def place(linkage: Linkage, text: str) -> tuple[float, str | None]:
 
     Raises LinkproofError for anything else.
     """
-    read = PLACE.fullmatch(text)
-    if read is None or (linkage.is_linear and read["angle"]):
+    found = _place(linkage, text)
+    if found is None:
         where = "a travel of the drive" if linkage.is_linear else "a crank angle"
         raise LinkproofError(
             f"expected {where} or a time with its regime after '@', got '{text}'; write 30, "
             f"{'' if linkage.is_linear else '0.5rad '}or 0.03s:REGIME"
         )
+    return found
+
+
+def _place(linkage: Linkage, text: str) -> tuple[float, str | None] | None:
+    read = PLACE.fullmatch(text)
+    if read is None or (linkage.is_linear and read["angle"]):
+        return None
     number = float(read["number"])
     if read["regime"] is not None or read["angle"] == "rad":
         return number, read["regime"]
@@ -125,8 +132,8 @@ def place(linkage: Linkage, text: str) -> tuple[float, str | None]:
 
 def _angle(linkage: Linkage, name: str, text: str) -> float:
     """The place of the driver behind the @, rad or m."""
-    read = PLACE.fullmatch(text)
-    if read is None or read["regime"] is not None or (linkage.is_linear and read["angle"]):
+    found = _place(linkage, text)
+    if found is None or found[1] is not None:
         unit = linkage.units["length"] if linkage.is_linear else "degrees"
         raise LinkproofError(f"{name}: expected a crank angle in {unit} after '@', got '{text}'; correct it")
-    return place(linkage, text)[0]
+    return found[0]

@@ -145,7 +145,8 @@ def climb(found: Tops, heights: Heights) -> tuple[Array, Array]:
         share = np.where(high - low < 0.4 * was, NEAR, 0.25)
         three = np.clip(best, 1, x.shape[1] - 2)[:, None] + np.array([-1, 0, 1])
         x, y = np.take_along_axis(x, three, 1), np.take_along_axis(y, three, 1)
-        seen, place = np.max(y, axis=1), x[np.arange(len(x)), np.argmax(y, axis=1)]
+        row, peak = np.arange(len(x)), np.argmax(y, axis=1)
+        seen, place = y[row, peak], x[row, peak]
         top = _height(x, y, low, high, seen)
         missed = top - seen > MISSED * np.abs(top)
         wide = high - low > np.where(missed, SHARP * fine, fine)

@@ -111,8 +111,9 @@ def _table(what: str, law: Law) -> Iterator[str]:
             np.max(curve, axis=-1) - np.max(law.values, axis=0), np.min(law.values, axis=0) - np.min(curve, axis=-1)
         ),
     )
-    if np.any(beyond > OVERSHOOT * reach):
-        times = float(np.max(beyond[reach > 0.0] / reach[reach > 0.0]))
+    varies = reach > 0.0
+    times = float(np.max(beyond[varies] / reach[varies], initial=0.0))
+    if times > OVERSHOOT:
         yield f"the {what} goes beyond its values by {times:.2g} times their range between two angles: add values there"
 
 

@@ -8,7 +8,6 @@ All others are those of ``analytic.designs.figure_names``.
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from functools import lru_cache
 
 import numpy as np
@@ -30,18 +29,13 @@ def signal_figure(mechanism: Mechanism, quantity: str, speed: float) -> tuple[st
     names, _, where = quantity.rpartition("@")
     if names:
         truth = _at(mechanism, where, speed)
-        return _difference(names, lambda name: float(signal(truth, name)[0]), mechanism)
-    figure, *others = figures_named(mechanism, quantity).values()
-    if others:
+        first, *others = names.split(" - ")
+        less = sum(float(signal(truth, name)[0]) for name in others)
+        return unit(first, mechanism.linkage), float(signal(truth, first)[0]) - less
+    figure, *more = figures_named(mechanism, quantity).values()
+    if more:
         raise LinkproofError(f"published quantity: expected one figure, got '{quantity}', which is several; name one")
     return unit(figure.signal, mechanism.linkage), float(turn_figures(mechanism, [figure], speed)[0])
-
-
-def _difference(names: str, value: Callable[[str], float], mechanism: Mechanism) -> tuple[str, float]:
-    """The first of the signals less the others, and its unit."""
-    first, *others = names.split(" - ")
-    result = value(first) - sum(map(value, others))
-    return unit(first, mechanism.linkage), result
 
 
 def _at(mechanism: Mechanism, where: str, speed: float) -> Truth:

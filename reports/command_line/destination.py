@@ -111,10 +111,8 @@ class Destination:
 # Endings that name a format: a file of one is not written under the name of another.
 FORMATS: Final = {".svg", ".png", ".pdf", ".gif", ".dxf", ".csv", ".xlsx", ".json", ".html", ".toml", ".nc"}
 BINARY: Final = {"--xlsx", "--png", "--pdf", "--gif"}
-PACKAGES: Final = {
-    "--xlsx": "openpyxl",
-    "--dxf": "ezdxf",
-}  # that write the file of an option, each in an extra of the option's name
+# Packages that write the file of an option, each in an extra of the option's name.
+PACKAGES: Final = {"--xlsx": "openpyxl", "--dxf": "ezdxf"}
 
 
 def check_files(named: Mapping[str, str], read: Mapping[str, Path]) -> None:
@@ -130,8 +128,8 @@ def check_files(named: Mapping[str, str], read: Mapping[str, Path]) -> None:
             place = "stdout" if file == STDOUT else f"'{file}'"
             raise LinkproofError(f"{seen[file]} and {option} cannot both go to {place}: give one of them a file")
         seen[file] = option
-        package = PACKAGES.get(option, "sys")
-        if find_spec(package) is None:
+        package = PACKAGES.get(option)
+        if package is not None and find_spec(package) is None:
             extra = option.removeprefix("--")
             raise LinkproofError(
                 f"{option}: expected {package}, got none: install it with: pip install 'linkproof[{extra}]'"

@@ -83,6 +83,11 @@ class MotionChoice:
         return {one.name: getattr(self, one.name) for one in fields(MotionChoice)}
 
     @property
+    def of_written_file(self) -> dict[str, Any]:
+        """The same for a file that a command has written, which has one variant."""
+        return {**self.motion_options, "variant": None}
+
+    @property
     def words(self) -> dict[str, Sequence[str]]:
         """The options that ask for the same, with their values; ``flags`` stand beside them."""
         return {option: given for option, given in stated(self).items() if given}

@@ -6,7 +6,7 @@ import inspect
 from collections.abc import Callable, Sequence
 from copy import copy
 from dataclasses import Field, fields, is_dataclass
-from functools import wraps
+from functools import cache, wraps
 from pathlib import Path
 from typing import Annotated, Any, TypeVar, get_args, get_origin, get_type_hints
 
@@ -74,7 +74,7 @@ def with_choices(*, without: Sequence[str] = (), hidden: Sequence[str] = ()) -> 
 def stated(choice: Any) -> dict[str, tuple[str, ...]]:  # noqa: ANN401 - a dataclass
     """The options that differ from their defaults, by name, each with its values: none of a flag."""
     found = {}
-    for one, _, info in _options(type(choice)):
+    for one, _, info in _options(choice.__class__):
         value = getattr(choice, one.name)
         if value != one.default:
             several = value if isinstance(value, tuple) else () if isinstance(value, bool) else (value,)
@@ -85,6 +85,7 @@ def stated(choice: Any) -> dict[str, tuple[str, ...]]:  # noqa: ANN401 - a datac
     return found
 
 
+@cache
 def _options(kind: Any) -> list[tuple[Field[Any], Any, OptionInfo]]:  # noqa: ANN401 - a dataclass
     """The fields of a dataclass that are options, each with its type and how it is shown."""
     hints = get_type_hints(kind, include_extras=True)

@@ -108,7 +108,7 @@ def run(choice: OptimiseChoice, destination: Destination, limits: RunLimits | No
     destination.print(*([closing(found)] if destination.quiet else tables), *wrote)
     if not choice.simulate:
         where = str(destination.folder / name) if destination.folder else f"DIR/{name}"
-        moved = MotionChoice(**{**choice.motion_options, "variant": None})
+        moved = MotionChoice(**choice.of_written_file)
         first = "" if destination.folder else "--out DIR writes the new file; "
         destination.say(
             f"To check it in an engine: {first}{command_line('compare', [where], moved.words, moved.flags)}"
@@ -141,5 +141,5 @@ def _simulate(choice: OptimiseChoice, destination: Destination, name: str, text:
         path = (destination.folder or Path(folder)) / name
         if destination.folder is None:
             write_text(path, text)
-        asked = CampaignChoice((str(path),), engines=choice.simulate, **{**choice.motion_options, "variant": None})
+        asked = CampaignChoice((str(path),), engines=choice.simulate, **choice.of_written_file)
         return compare(asked, Destination(quiet=destination.quiet), limits)

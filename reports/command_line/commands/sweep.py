@@ -152,7 +152,7 @@ def simulate(
             write_text(folder / f"{name}.toml", text)
         wanted = CampaignChoice(
             tuple(str(folder / f"{name}.toml") for name in designs.files), engines=choice.simulate,
-            **{**choice.motion_options, "variant": None},
+            **choice.of_written_file,
         )  # fmt: skip
         below = Destination(
             folder=destination.folder and destination.folder / SIMULATED, resume=destination.resume,
