@@ -8,22 +8,6 @@ from __future__ import annotations
 import os.path
 from importlib import import_module
 from importlib.util import find_spec
-from typing import TYPE_CHECKING
-
-if TYPE_CHECKING:
-    from analytic.description.linkage import Linkage
-    from analytic.description.loading import load
-    from analytic.errors import LinkproofError
-    from linkproof import engine
-    from reports.python.campaign import Comparison, compare
-    from reports.python.checking import check, check_engine, judge
-    from reports.python.evaluation import evaluate
-    from reports.python.optimise import optimise
-    from reports.python.results import results
-    from reports.python.sweep import sweep
-    from reports.python.tolerance import tolerance
-
-    __version__: str
 
 __all__ = [
     "Comparison", "Linkage", "LinkproofError", "__version__", "check", "check_engine", "compare", "engine", "evaluate",
@@ -62,18 +46,16 @@ def refuse_strangers() -> None:
             raise ImportError(f"expected linkproof's package '{name}' in '{home}', got {got}: {cure}", name=name)
 
 
-if not TYPE_CHECKING:  # a type checker would take it for any name at all
-
-    def __getattr__(name: str) -> object:
-        if name == "__version__":
-            return import_module("importlib.metadata").version("linkproof")
-        if name == "engine":
-            return import_module("linkproof.engine")
-        refuse_strangers()
-        for module, names in _MODULES.items():
-            if name in names:
-                return getattr(import_module(module), name)
-        raise AttributeError(f"module 'linkproof' has no attribute '{name}': it has {', '.join(__all__)}")
+def __getattr__(name: str) -> object:
+    if name == "__version__":
+        return import_module("importlib.metadata").version("linkproof")
+    if name == "engine":
+        return import_module("linkproof.engine")
+    refuse_strangers()
+    for module, names in _MODULES.items():
+        if name in names:
+            return getattr(import_module(module), name)
+    raise AttributeError(f"module 'linkproof' has no attribute '{name}': it has {', '.join(__all__)}")
 
 
 def __dir__() -> list[str]:

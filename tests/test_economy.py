@@ -15,7 +15,8 @@ from comparisons.campaign.campaign import CampaignRequest, compare
 from comparisons.campaign.results import document, save
 from comparisons.campaign.sheets import sheets
 from engines.registry import engine, engine_names
-from reports.command_line.requests import CampaignChoice, request
+from reports.requests.campaign import request
+from reports.requests.options.campaign import CompareOptions
 
 ROOT = Path(__file__).parents[1]
 ENGINES = ("exudyn", "pymunk")
@@ -82,7 +83,7 @@ def test_an_engine_that_was_not_asked_for_is_not_imported(imported, name):
 
 
 def test_a_report_from_saved_records_imports_no_engine(imported, tmp_path):
-    choice = CampaignChoice(mechanisms=("juki-mf7923d",), engines=("direct",), quantities=("Jeq",))
+    choice = CompareOptions(mechanisms=("juki-mf7923d",), engine=("direct",), quantity=("Jeq",))
     wanted: CampaignRequest = request(choice)
     results = list(compare(wanted))
     save(tmp_path / "saved", results, document(wanted, results, "as tested"), sheets(wanted, processes=0))

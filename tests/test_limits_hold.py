@@ -18,7 +18,7 @@ from comparisons.reference.case import Case
 from comparisons.stress.verdict import SAID as INVARIANTS
 from engines.contract import Setting
 from engines.registry import engine, engine_names
-from reports.command_line.requests import CampaignChoice
+from reports.requests.options.campaign import CompareOptions
 
 FILE = Path(__file__).with_name("baseline.json")
 BASELINE = read_baseline(FILE, places(map(read, catalogue()), FILE.parent))
@@ -26,7 +26,7 @@ CHECKED = [("run-up", Setting.TUNED), ("run-up-quintic", Setting.TUNED), ("run-u
 
 
 def _request(mechanism: str, engine_name: str, regime: str, setting: Setting) -> CampaignRequest:
-    conditions = CampaignChoice().conditions
+    conditions = CompareOptions().conditions
     return CampaignRequest((load(mechanism),), (crank_motion(regime),), conditions, (engine_name,), (setting,))
 
 

@@ -6,14 +6,26 @@ Only typer is imported here: what a command needs is imported when it runs, so t
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 from typer.core import TyperGroup
 
-from reports.command_line import completion, options
-from reports.command_line.motion_choice import MotionChoice
-from reports.command_line.options import flag, valued, with_choices, words
+from reports.command_line.parameters import command
+from reports.requests.options.campaign import (
+    BenchOptions,
+    CompareOptions,
+    ExportOptions,
+    Jobs,
+    RunLimits,
+    Scheduler,
+    StandardOptions,
+    StressOptions,
+)
+from reports.requests.options.declaring import Argument, Option
+from reports.requests.options.linkage import JudgeOptions, ResultsFiles, ResultsOptions
+from reports.requests.options.motion import Variant
+from reports.requests.options.output import OutputOptions
 
 if TYPE_CHECKING:
     from reports.command_line.destination import Destination
@@ -46,18 +58,20 @@ app = typer.Typer(
     context_settings={"help_option_names": ["-h", "--help"]},
 )
 
+Mechanism = Annotated[str, Argument("MECHANISM", "mechanisms")]
+Mechanisms = Annotated[tuple[str, ...], Argument("MECHANISM", "mechanisms")]
+Json = Annotated[str | None, Option("Write JSON to a file; - is stdout.", "FILE|-")]
+Quiet = Annotated[bool, Option("No progress and no tables, only the closing line.", flags=("-q", "--quiet"))]
+Strict = Annotated[bool, Option("Refuse a file with likely mistakes: units, masses, load tables.")]
+Folder = Annotated[Path, Argument("DIR")]
+WITHOUT_FOLDER = ("out", "junit", "resume")
 
-USUAL = MotionChoice()
 
-
-def _names(given: list[str] | None) -> tuple[str, ...]:
-    return tuple(given or ())
-
-
-def _destination(json: str | None, *rest: Any) -> Destination:  # noqa: ANN401
+def destination(output: OutputOptions) -> Destination:
+    """What writes and prints as the options say."""
     from reports.command_line.destination import Destination
 
-    return Destination(json, *rest)
+    return Destination(**vars(output))
 
 
 def _print_version(wanted: bool) -> None:
@@ -77,16 +91,15 @@ def linkproof(
     """Options that stand before a command."""
 
 
-@app.command("list", short_help="List the mechanisms of the catalogue, or the figures or numbers of one.")
+@command(app, "list", summary="List the mechanisms of the catalogue, or the figures or numbers of one.")
 def list_(
     figures: Annotated[
-        str | None,
-        valued("MECHANISM", "List every figure for sweep, optimise and tolerance.", names=completion.mechanisms),
+        str | None, Option("List every figure for sweep, optimise and tolerance.", "MECHANISM", names="mechanisms")
     ] = None,
     numbers: Annotated[
-        str | None, valued("MECHANISM", "List every number that they can vary.", names=completion.mechanisms)
+        str | None, Option("List every number that they can vary.", "MECHANISM", names="mechanisms")
     ] = None,
-    json: options.Json = None,
+    json: Json = None,
 ) -> None:
     """List the mechanisms of the catalogue, their variants and sources; or the figures or the numbers of one.
 
@@ -94,38 +107,38 @@ def list_(
     """
     from reports.command_line.commands import mechanisms
 
-    mechanisms.list_names(figures, numbers, _destination(json))
+    mechanisms.list_names(figures, numbers, destination(OutputOptions(json=json)))
 
 
-@app.command(short_help="Show one mechanism: structure, links, Jeq, stroke.")
-def show(mechanism: options.Mechanism, variant: options.Variant = None, json: options.Json = None) -> None:
+@command(app, summary="Show one mechanism: structure, links, Jeq, stroke.")
+def show(mechanism: Mechanism, variant: Variant = None, json: Json = None) -> None:
     """Show one mechanism: structure, links, Jeq, stroke, accuracy of its closed form.
 
     MECHANISM is a name in the catalogue or the path of a .toml file.
     """
     from reports.command_line.commands import mechanisms
 
-    mechanisms.show(mechanism, variant, _destination(json))
+    mechanisms.show(mechanism, variant, destination(OutputOptions(json=json)))
 
 
-@app.command(short_help="Write a linkage file to fill in.")
-def new(name: Annotated[str, typer.Argument(metavar="NAME", hidden=True)]) -> None:
+@command(app, summary="Write a linkage file to fill in.")
+def new(name: Annotated[str, Argument("NAME")]) -> None:
     """Write NAME.toml, a small linkage with every key explained, as a start for yours; overwrites nothing.
 
     Also writes linkproof.schema.json, so that editors complete and check the file (VS Code: Even Better TOML).
     """
     from reports.command_line.commands import files
 
-    files.new(name, _destination(None))
+    files.new(name, destination(OutputOptions()))
 
 
-@app.command(short_help="Review a linkage file: mobility, groups, range, errors.")
+@command(app, summary="Review a linkage file: mobility, groups, range, errors.")
 def check(
-    mechanism: options.Mechanism,
-    variant: options.Variant = None,
-    svg: Annotated[Path | None, valued("FILE", "Draw the scheme into this file.")] = None,
-    json: options.Json = None,
-    strict: options.Strict = False,
+    mechanism: Mechanism,
+    variant: Variant = None,
+    svg: Annotated[Path | None, Option("Draw the scheme into this file.", "FILE")] = None,
+    json: Json = None,
+    strict: Strict = False,
 ) -> None:
     """Review a linkage file: mobility, groups, range of the crank, transmission angles, toggles, masses, errors.
 
@@ -135,10 +148,10 @@ def check(
     """
     from reports.command_line.commands import files
 
-    files.check(mechanism, variant, svg, _destination(json), strict=strict)
+    files.check(mechanism, variant, svg, destination(OutputOptions(json=json)), strict=strict)
 
 
-@app.command(short_help="Write the JSON schema of linkage files.")
+@command(app, summary="Write the JSON schema of linkage files.")
 def schema() -> None:
     """Write the JSON schema of linkage files to stdout, so that editors complete and check the files.
 
@@ -149,12 +162,12 @@ def schema() -> None:
     typer.echo(files.schema_text(), nl=False)
 
 
-@app.command(short_help="Show a mechanism's thread feed.")
+@command(app, summary="Show a mechanism's thread feed.")
 def thread(
-    mechanism: options.Mechanism,
-    variant: options.Variant = None,
-    required: Annotated[Path | None, valued("CSV", "Required feed: columns phi_deg, feed_mm.")] = None,
-    json: options.Json = None,
+    mechanism: Mechanism,
+    variant: Variant = None,
+    required: Annotated[Path | None, Option("Required feed: columns phi_deg, feed_mm.", "CSV")] = None,
+    json: Json = None,
 ) -> None:
     """Show a mechanism's thread feed, and compare it with a required curve.
 
@@ -162,56 +175,31 @@ def thread(
     """
     from reports.command_line.commands import mechanisms
 
-    mechanisms.thread(mechanism, variant, required, _destination(json))
+    mechanisms.thread(mechanism, variant, required, destination(OutputOptions(json=json)))
 
 
-@app.command(short_help="Compare figures printed in the sources with the closed form.")
+@command(app, summary="Compare figures printed in the sources with the closed form.")
 def published(
-    mechanisms: options.Mechanisms = None,
-    literature: Annotated[
-        bool, flag("Show the linkages of the literature, in every installed engine too.", "--literature")
-    ] = False,
-    json: options.Json = None,
-) -> None:
+    mechanisms: Mechanisms = (),
+    literature: Annotated[bool, Option("Show the linkages of the literature, in every installed engine too.")] = False,
+    json: Json = None,
+) -> int:
     """Compare the figures printed in the sources with the closed form, in every variant.
 
     MECHANISM is a name in the catalogue or the path of a .toml file; default: the whole catalogue.
     """
     from reports.command_line.commands import compare
 
-    raise typer.Exit(compare.published(mechanisms or [], _destination(json), with_literature=literature))
+    return compare.published(mechanisms, destination(OutputOptions(json=json)), with_literature=literature)
 
 
-@app.command(short_help="Peaks, bearing forces and every signal of one linkage, without an engine.")
-@with_choices()
+@command(app, summary="Peaks, bearing forces and every signal of one linkage, without an engine.")
 def results(
-    mechanism: options.Mechanism,
-    motion: MotionChoice = USUAL,
-    at: Annotated[str | None, valued("DEGREES", "Every signal at these crank angles: 0,30,60.")] = None,
-    time: Annotated[str | None, valued("SECONDS", "Every signal at these times: 0.1,0.2.")] = None,
-    csv: Annotated[str | None, valued("FILE|-", "Write every signal as a table, in the file's units.")] = None,
-    decimal: Annotated[str, valued(".|,", "Decimal mark of --csv; with a comma, semicolons between columns.")] = ".",
-    xlsx: Annotated[str | None, valued("FILE", "Write signals and key figures as a workbook.")] = None,
-    json: options.Json = None,
-    svg: Annotated[str | None, valued("FILE|-", "Draw scheme, coupler curves, torque, bearing forces.")] = None,
-    png: Annotated[str | None, valued("FILE", "The same as PNG, 300 dots to the inch.")] = None,
-    pdf: Annotated[str | None, valued("FILE", "The same as PDF.")] = None,
-    gif: Annotated[str | None, valued("FILE", "Draw the linkage in motion.")] = None,
-    dxf: Annotated[
-        str | None, valued("FILE|-", "Draw the scheme for CAD, at the first instant of --at or --time, or as sketched.")
-    ] = None,
-    figure: Annotated[
-        str | None,
-        valued(
-            "NAME",
-            "Draw one figure alone, as wide as a paper's column: scheme, curves, torque, power, energy, inertia, "
-            "output, forces, transmission.",
-        ),
-    ] = None,
-    out: Annotated[Path | None, valued("DIR", "Write a page with the linkage in motion into this folder.")] = None,
-    opens: Annotated[bool, flag("Open the page in the browser.", "--open")] = False,
-    strict: options.Strict = False,
-    quiet: options.Quiet = False,
+    options: ResultsOptions,
+    files: ResultsFiles,
+    opens: Annotated[bool, Option("Open the page in the browser.", flags=("--open",))] = False,
+    strict: Strict = False,
+    quiet: Quiet = False,
 ) -> None:
     """Compute torque, power, bearing forces and positions of one linkage, for its designer; needs no engine.
 
@@ -220,57 +208,20 @@ def results(
     Tables, CSV and SVG are in the units of the file, JSON is in SI with angles in rad.
     """
     from reports.command_line.commands import results
-    from reports.command_line.commands.results import ResultsChoice
 
-    choice = ResultsChoice(
-        mechanism=mechanism, at=at, time=time, csv=csv, decimal=decimal, xlsx=xlsx, json=json, svg=svg, png=png,
-        pdf=pdf, gif=gif, dxf=dxf, figure=figure, out=out, opens=opens, strict=strict, **motion.motion_options,
-    )  # fmt: skip
-    results.results(choice, quiet=quiet)
+    results.results(options, files, opens=opens, strict=strict, quiet=quiet)
 
 
-@app.command(short_help="List the engines, their abilities and the origin of their figures.")
-def engines(
-    names: Annotated[list[str] | None, typer.Argument(metavar="[ENGINE]...")] = None, json: options.Json = None
-) -> None:
+@command(app, summary="List the engines, their abilities and the origin of their figures.")
+def engines(names: Annotated[tuple[str, ...], Argument("ENGINE", "engines")] = (), json: Json = None) -> None:
     """List the engines: supported linkages, available quantities, and the origin of each figure in the engine."""
     from reports.command_line.commands import engines
 
-    engines.list_engines(_names(names), _destination(json))
+    engines.list_engines(names, destination(OutputOptions(json=json)))
 
 
-@app.command(short_help="Simulate mechanisms; compare every error with its limit.")
-@with_choices()
-def compare(
-    mechanisms: options.Mechanisms = None,
-    motion: MotionChoice = USUAL,
-    engine: options.Engines = None,
-    setting: options.Settings = None,
-    quantity: options.Quantities = None,
-    full: Annotated[bool, flag("Run the files' regimes in every setting, not only in tuned.", "--full")] = False,
-    out: options.Out = None,
-    json: options.Json = None,
-    limits: Annotated[Path | None, valued("FILE", "Your limits, which precede the suite's.")] = None,
-    baseline: Annotated[Path | None, valued("FILE", "Errors and key figures recorded earlier.")] = None,
-    record_baseline: Annotated[
-        bool,
-        flag("Record errors and key figures in the file of --baseline or the project.", "--record-baseline"),
-    ] = False,
-    allow_new: Annotated[
-        bool, flag("Allow linkages and motions that the baseline does not contain.", "--allow-new")
-    ] = False,
-    allow_missing: Annotated[
-        bool, flag("Allow linkages and motions of the baseline to be missing.", "--allow-missing")
-    ] = False,
-    junit: Annotated[Path | None, valued("FILE", "Write every verdict as a test case, in JUnit's XML.")] = None,
-    resume: options.Resume = False,
-    quiet: options.Quiet = False,
-    verbose: options.Verbose = False,
-    time_limit: Annotated[float | None, valued("SECONDS", "Wall time that one run may take; default: 600.")] = None,
-    memory_limit: Annotated[float | None, valued("GIB", "Memory that one run may add; default: 4.")] = None,
-    jobs: options.Jobs = None,
-    scheduler: options.Scheduler = None,
-) -> None:
+@command(app, summary="Simulate mechanisms; compare every error with its limit.")
+def compare(options: CompareOptions, output: OutputOptions, standard: StandardOptions, limits: RunLimits) -> int:
     """Simulate mechanisms in engines and compare every error with its limit.
 
     MECHANISM is a name in the catalogue or the path of a .toml file; default: those of the linkproof.toml in the
@@ -284,34 +235,23 @@ def compare(
     """
     from comparisons.runs.worker_process import start_server
 
-    if jobs != 0:
+    if limits.jobs != 0:
         start_server(["comparisons.campaign.campaign"])  # its imports run beside ours
     from reports.command_line.commands import compare
-    from reports.command_line.requests import CampaignChoice, RunLimits
-    from reports.command_line.standard_choice import StandardChoice
 
-    choice = CampaignChoice(
-        _names(mechanisms), _names(engine), _names(setting), _names(quantity), full, **motion.motion_options
-    )
-    destination = _destination(json, out, resume, quiet, verbose, junit)
-    held = StandardChoice(limits, baseline, record_baseline, allow_new, allow_missing)
-    raise typer.Exit(compare.compare(choice, destination, RunLimits(time_limit, memory_limit, jobs, scheduler), held))
+    return compare.compare(options, destination(output), limits, standard)
 
 
-@app.command(short_help="Judge a curve from another tool: right or wrong, and the probable cause.")
-@with_choices()
+@command(
+    app,
+    summary="Judge a curve from another tool: right or wrong, and the probable cause.",
+    without=("junit", "resume"),
+)
 def judge(
-    mechanism: options.Mechanism,
-    results: Annotated[list[Path], typer.Argument(metavar="RESULTS...", hidden=True)],
-    mapping: Annotated[Path | None, valued("FILE", "The meaning of each column, and accepted corrections.")] = None,
-    write_mapping: Annotated[Path | None, valued("FILE", "Write the recognised mapping.")] = None,
-    limit: Annotated[float, valued("SHARE", "Largest error allowed, as a share of the closed form's peak.")] = 0.01,
-    motion: MotionChoice = USUAL,
-    out: options.Out = None,
-    json: options.Json = None,
-    quiet: options.Quiet = False,
-    verbose: options.Verbose = False,
-) -> None:
+    options: JudgeOptions,
+    output: OutputOptions,
+    write_mapping: Annotated[Path | None, Option("Write the recognised mapping.", "FILE")] = None,
+) -> int:
     """Judge results exported from another tool: SolidWorks Motion, Adams, Modelica, any CSV with a header.
 
     MECHANISM is a name in the catalogue or the path of a .toml file, RESULTS are the tool's files.
@@ -323,26 +263,11 @@ def judge(
     """
     from reports.command_line.commands import judge
 
-    choice = judge.JudgeChoice(mechanism, tuple(results), motion, limit, mapping, write_mapping)
-    raise typer.Exit(judge.judge(choice, _destination(json, out, False, quiet, verbose)))
+    return judge.judge(options, destination(output), write_mapping)
 
 
-@app.command(short_help="Measure error against run time, over a sweep of steps.")
-@with_choices()
-def bench(
-    mechanisms: options.Mechanisms = None,
-    motion: MotionChoice = USUAL,
-    engine: options.Engines = None,
-    quantity: options.Quantities = None,
-    quick: Annotated[bool, flag("Run a coarser sweep of one regime, under a minute.", "--quick")] = False,
-    costs: Annotated[bool, flag("Also measure the cost of each output and load.", "--costs")] = False,
-    out: options.Out = None,
-    json: options.Json = None,
-    resume: options.Resume = False,
-    quiet: options.Quiet = False,
-    verbose: options.Verbose = False,
-    scheduler: options.Scheduler = None,
-) -> None:
+@command(app, summary="Measure error against run time, over a sweep of steps.", without=("junit", "setting"))
+def bench(options: BenchOptions, output: OutputOptions, scheduler: Scheduler = None) -> int:
     """Measure error against run time: every engine, setting and method over a sweep of steps.
 
     MECHANISM is a name in the catalogue or the path of a .toml file; default: the whole catalogue.
@@ -354,30 +279,11 @@ def bench(
     start_server(["comparisons.work_precision.measure"])  # its imports run beside ours
     from reports.command_line.commands import bench
 
-    choice = bench.BenchChoice(
-        _names(mechanisms), _names(engine), quantities=_names(quantity), quick=quick, costs=costs,
-        **motion.motion_options,
-    )  # fmt: skip
-    raise typer.Exit(bench.bench(choice, _destination(json, out, resume, quiet, verbose), scheduler))
+    return bench.bench(options, destination(output), scheduler)
 
 
-@app.command(short_help="Find conditions under which each engine fails.")
-def stress(
-    words: options.Cells = None,
-    engine: options.Engines = None,
-    setting: options.Settings = None,
-    quick: Annotated[bool, flag("Fewer cells, coarser borders: about a minute.", "--quick")] = False,
-    out: options.Out = None,
-    json: options.Json = None,
-    resume: options.Resume = False,
-    quiet: options.Quiet = False,
-    verbose: options.Verbose = False,
-    time_limit: Annotated[
-        float | None, valued("SECONDS", "Wall time that one cell may take; default: that of its map.")
-    ] = None,
-    jobs: options.Jobs = None,
-    scheduler: options.Scheduler = None,
-) -> None:
+@command(app, summary="Find conditions under which each engine fails.", without=("junit",))
+def stress(options: StressOptions, output: OutputOptions, jobs: Jobs = None, scheduler: Scheduler = None) -> int:
     """Find conditions under which each engine fails, and whether the checks detect it.
 
     AXIS is a stability map; CELL is one run of a map, AXIS/ROW/VALUE/ENGINE/USAGE; default: every map.
@@ -389,17 +295,16 @@ def stress(
     start_server(["comparisons.stress.cells"])  # its imports run beside ours
     from reports.command_line.commands import stress
 
-    choice = stress.StressChoice(_names(words), _names(engine), _names(setting), quick, time_limit)
-    raise typer.Exit(stress.run(choice, _destination(json, out, resume, quiet, verbose), jobs, scheduler))
+    return stress.run(options, destination(output), jobs, scheduler)
 
 
-@app.command("check-engine", short_help="Test an engine's adapter.")
+@command(app, "check-engine", summary="Test an engine's adapter.")
 def check_engine(
-    engine: Annotated[str, typer.Argument(metavar="ENGINE", hidden=True)],
-    json: options.Json = None,
-    quiet: options.Quiet = False,
-    jobs: Annotated[int | None, valued("N", "Worker processes; default: one per core.")] = None,
-) -> None:
+    engine: Annotated[str, Argument("ENGINE", "engines")],
+    json: Json = None,
+    quiet: Quiet = False,
+    jobs: Annotated[int | None, Option("Worker processes; default: one per core.", "N")] = None,
+) -> int:
     """Test an engine's adapter: signs, frames, units, instants, failures as values, deliberate errors.
 
     ENGINE is the name of an adapter announced under the entry-point group linkproof.engines.
@@ -411,20 +316,13 @@ def check_engine(
     start_server(["comparisons.conformance.conformance"])  # its imports run beside ours
     from reports.command_line.commands import engines
 
-    raise typer.Exit(engines.check(engine, _destination(json, None, False, quiet), jobs))
+    return engines.check(engine, destination(OutputOptions(json=json, quiet=quiet)), jobs)
 
 
-@app.command(short_help="Write an engine's run as a standalone script.")
-@with_choices()
+@command(app, summary="Write an engine's run as a standalone script.")
 def export(
-    mechanism: Annotated[str | None, words("MECHANISM", completion.mechanisms)] = None,
-    motion: MotionChoice = USUAL,
-    engine: Annotated[str | None, valued("NAME", "Engine.", names=completion.engines)] = None,
-    setting: Annotated[str | None, valued("NAME", "naive or tuned; default: tuned.", names=completion.settings)] = None,
-    cell: Annotated[
-        str | None, valued("CELL", "Instead of a mechanism: a run of a stability map, AXIS/ROW/VALUE/ENGINE/USAGE.")
-    ] = None,
-    out: Annotated[Path | None, valued("FILE", "Where to write it; default: stdout.")] = None,
+    options: ExportOptions,
+    out: Annotated[Path | None, Option("Where to write it; default: stdout.", "FILE")] = None,
 ) -> None:
     """Write an engine's run as a script that needs only the engine and numpy, so that its author can repeat it.
 
@@ -433,20 +331,18 @@ def export(
     At its end the script prints the engine's values where they differ most from the closed form, beside the latter.
     """
     from reports.command_line.commands import engines
-    from reports.command_line.requests import CampaignChoice
 
-    mechanisms, named, settings = ((name,) if name else () for name in (mechanism, engine, setting))
-    engines.export(CampaignChoice(mechanisms, named, settings, **motion.motion_options), cell, out)
+    engines.export(options, out)
 
 
-@app.command(short_help="Write the pages of saved results again, or the curves as CSV.")
+@command(app, summary="Write the pages of saved results again, or the curves as CSV.")
 def report(
-    saved: Annotated[Path, typer.Argument(metavar="DIR", hidden=True)],
-    out: Annotated[Path | None, valued("DIR", "Where to write the pages; default: the same folder.")] = None,
-    single_file: Annotated[Path | None, valued("FILE", "Write one page with everything in it, to mail.")] = None,
-    csv: Annotated[Path | None, valued("DIR", "Write only the curves, a CSV file per run.")] = None,
-    png: Annotated[bool, flag("Write every figure as PNG beside its SVG.", "--png")] = False,
-    show: Annotated[bool, flag("Open the report in the browser.", "--open")] = False,
+    saved: Folder,
+    out: Annotated[Path | None, Option("Where to write the pages; default: the same folder.", "DIR")] = None,
+    single_file: Annotated[Path | None, Option("Write one page with everything in it, to mail.", "FILE")] = None,
+    csv: Annotated[Path | None, Option("Write only the curves, a CSV file per run.", "DIR")] = None,
+    png: Annotated[bool, Option("Write every figure as PNG beside its SVG.")] = False,
+    show: Annotated[bool, Option("Open the report in the browser.", flags=("--open",))] = False,
 ) -> None:
     """Write the pages of saved results again; needs no engine.
 
@@ -457,13 +353,13 @@ def report(
     folders.report(saved, out, single_file, csv, opens=show, png=png)
 
 
-@app.command(short_help="Check a results folder from someone else.")
+@command(app, summary="Check a results folder from someone else.")
 def verify(
-    saved: Annotated[Path, typer.Argument(metavar="DIR", hidden=True)],
-    limits: Annotated[Path | None, valued("FILE", "Judge by these limits; default: those saved in DIR.")] = None,
-    json: options.Json = None,
-    quiet: options.Quiet = False,
-) -> None:
+    saved: Folder,
+    limits: Annotated[Path | None, Option("Judge by these limits; default: those saved in DIR.", "FILE")] = None,
+    json: Json = None,
+    quiet: Quiet = False,
+) -> int:
     """Check a results folder: texts, curves and records are compared with each other and the closed form.
 
     DIR is the folder that compare wrote with --out; no engine is needed.
@@ -472,17 +368,11 @@ def verify(
     """
     from reports.command_line.commands import folders
 
-    raise typer.Exit(folders.verify(saved, limits, _destination(json, None, False, quiet)))
+    return folders.verify(saved, limits, destination(OutputOptions(json=json, quiet=quiet)))
 
 
-@app.command(short_help="Show the changes between two results folders.")
-def diff(
-    before: Annotated[Path, typer.Argument(metavar="DIR", hidden=True)],
-    after: Annotated[Path, typer.Argument(metavar="DIR", hidden=True)],
-    json: options.Json = None,
-    quiet: options.Quiet = False,
-    verbose: options.Verbose = False,
-) -> None:
+@command(app, summary="Show the changes between two results folders.", without=WITHOUT_FOLDER)
+def diff(before: Folder, after: Folder, output: OutputOptions) -> int:
     """Show the changes between two results folders: after an engine's upgrade, for two designs or variants.
 
     Each DIR is a folder that compare wrote with --out; name the earlier one first.
@@ -492,13 +382,13 @@ def diff(
     """
     from reports.command_line.commands import folders
 
-    raise typer.Exit(folders.diff(before, after, _destination(json, None, False, quiet, verbose)))
+    return folders.diff(before, after, destination(output))
 
 
-@app.command(short_help="Join folders from several machines into one report.")
+@command(app, summary="Join folders from several machines into one report.")
 def merge(
-    saved: Annotated[list[Path], typer.Argument(metavar="DIR...", hidden=True)],
-    out: Annotated[Path, valued("DIR", "The new folder.")],
+    saved: Annotated[tuple[Path, ...], Argument("DIR", is_required=True)],
+    out: Annotated[Path, Option("The new folder.", "DIR")],
 ) -> None:
     """Join folders from several machines into one report, grouped by hardware; nothing is ranked across machines.
 

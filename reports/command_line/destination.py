@@ -6,16 +6,17 @@ import io
 import sys
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import AbstractContextManager, nullcontext, redirect_stdout
-from dataclasses import dataclass
 from importlib.util import find_spec
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
 from analytic.errors import LinkproofError
 from comparisons.judging.records import to_json
-from comparisons.runs.files import check_writable, write_text
+from comparisons.runs.files import check_writable, write_bytes, write_text
 from reports.command_line.progress import progress
 from reports.document.terminal import Printed, Printout, show, write
+from reports.requests.options.declaring import declared
+from reports.requests.options.output import OutputOptions
 
 if TYPE_CHECKING:
     from comparisons.campaign.key_figures import KeyFigure
@@ -24,28 +25,15 @@ if TYPE_CHECKING:
 STDOUT = "-"
 
 
-@dataclass(frozen=True)
-class Destination:
-    """``json`` is a file, or "-" for stdout, which then holds nothing else; ``folder`` takes all files of a command.
-
-    ``junit`` is a file of test cases, as CI services read them.
-    ``resume`` finishes what an interrupted command left in ``folder``; ``quiet`` prints no progress and no tables,
-    ``verbose`` adds every record's details.
-    """
-
-    json: str | None = None
-    folder: Path | None = None
-    resume: bool = False
-    quiet: bool = False
-    verbose: bool = False
-    junit: Path | None = None
+class Destination(OutputOptions):
+    """Writes and prints what a command's options of output say."""
 
     def check(self, file: str) -> None:
         """Raise LinkproofError now, rather than after the work, where options exclude each other or a file cannot be.
 
         ``file`` is a file that will be written into the folder.
         """
-        if self.resume and self.folder is None:
+        if self.resume and self.out is None:
             raise LinkproofError("--resume needs the folder of the interrupted run: name it with --out")
         if self.quiet and self.verbose:
             raise LinkproofError("--quiet and --verbose exclude each other: leave one of them out")
@@ -53,8 +41,8 @@ class Destination:
             check_writable(Path(self.json))
         if self.junit is not None:
             check_writable(self.junit)
-        if self.folder is not None:
-            check_writable(self.folder / file)
+        if self.out is not None:
+            check_writable(self.out / file)
 
     def progress(self) -> AbstractContextManager[Callable[[str, int, int], None]]:
         """A progress bar, if it is to be seen."""
@@ -79,14 +67,14 @@ class Destination:
 
         A reason that they cannot be written is only reported: the results are saved.
         """
-        if self.folder is None:
+        if self.out is None:
             return
         from reports.site.site import write_site  # noqa: PLC0415  figures cost seconds that a table does not pay
 
         try:
-            self.say(f"report: {write_site(self.folder, processes=processes)}")
+            self.say(f"report: {write_site(self.out, processes=processes)}")
         except LinkproofError as error:
-            show(f"the results are saved in '{self.folder}', but no pages are written: {error}", stderr=True)
+            show(f"the results are saved in '{self.out}', but no pages are written: {error}", stderr=True)
 
     def write_json(self, document: Mapping[str, Any]) -> None:
         """Write JSON if requested; JSON is UTF-8 whatever the character set of stdout."""
@@ -110,6 +98,7 @@ class Destination:
 
 # Endings that name a format: a file of one is not written under the name of another.
 FORMATS: Final = {".svg", ".png", ".pdf", ".gif", ".dxf", ".csv", ".xlsx", ".json", ".html", ".toml", ".nc"}
+FILES: Final = ("csv", "xlsx", "json", "svg", "png", "pdf", "gif", "dxf")  # options that name a file
 BINARY: Final = {"--xlsx", "--png", "--pdf", "--gif"}
 # Packages that write the file of an option, each in an extra of the option's name.
 PACKAGES: Final = {"--xlsx": "openpyxl", "--dxf": "ezdxf"}
@@ -147,6 +136,24 @@ def check_files(named: Mapping[str, str], read: Mapping[str, Path]) -> None:
             raise LinkproofError(
                 f"{option}: expected the name of a {own} file, got '{file}'; {option} writes no {suffix}"
             )
+
+
+def files_of(*options: Any) -> dict[str, str]:  # noqa: ANN401 - dataclasses of options
+    """The files that are to be written, by the option that names each."""
+    declared_files = [(each, one) for each in options for one in declared(type(each)) if one.name in FILES]
+    named = {f"--{one.name}": getattr(each, one.field.name) for each, one in declared_files}
+    return {option: file for option, file in named.items() if file is not None}
+
+
+def write_files(contents: Mapping[str, str | bytes]) -> None:
+    """Write files, by name, once all of them are made; "-" is stdout."""
+    for file, content in contents.items():
+        if isinstance(content, bytes):
+            write_bytes(Path(file), content)
+        elif file != STDOUT:
+            write_text(Path(file), content)
+    if isinstance(on_screen := contents.get(STDOUT), str):
+        write_out(on_screen)
 
 
 def write_out(text: str) -> None:

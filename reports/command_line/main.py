@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import sys
 
-from reports.command_line import BAD_INPUT, FAILED, INTERRUPTED, SUITE_ERROR
+from reports.requests import BAD_INPUT, FAILED, INTERRUPTED, SUITE_ERROR
 
 
 def main() -> None:

@@ -12,10 +12,9 @@ from comparisons.judging.records import Verdict
 from comparisons.judging.verdicts import deciding
 from comparisons.runs.plugins import engine
 from engines.registry import why_unavailable
-from reports.command_line.requests import CampaignChoice
 from reports.pytest_plugin.words import changed, failure
 from reports.python.campaign import Comparison, compare
-from reports.python.options import MotionOptions, choice, words
+from reports.python.keywords import words
 
 
 @dataclass
@@ -37,13 +36,9 @@ class Assertion:
         if key not in self.made:
             self.made[key] = compare(*mechanisms, **{"jobs": 1, **options})
         found = self.made[key]
-        motion: Any = {name: options[name] for name in MotionOptions.__annotations__ if name in options}
-        named = words(options.get("quantity", ()))
-        asked = CampaignChoice(
-            tuple(map(str, mechanisms)), quantities=named, gravity=options.get("gravity", True), **choice(motion)
-        )
-        texts = [failure(record, asked, found.notes) for record in deciding(found.records) if _fails(record.outcome)]
-        texts += [changed(figure, asked, found.notes) for figure in found.figures if figure.changed]
+        wanted = found.options
+        texts = [failure(record, wanted, found.notes) for record in deciding(found.records) if _fails(record.outcome)]
+        texts += [changed(figure, wanted, found.notes) for figure in found.figures if figure.changed]
         texts += found.departures
         if texts:
             pytest.fail("\n\n".join(texts), pytrace=False)

@@ -21,15 +21,17 @@ from comparisons.runs.plugins import engine
 from comparisons.runs.study import Study, Task
 from comparisons.runs.workers import Bounds, LocalPool
 from engines.contract import Setting
-from reports.command_line.requests import CampaignChoice, RunLimits, files, request
-from reports.command_line.standard_choice import StandardChoice, in_project, project_coverage
+from reports.requests.campaign import files, request
+from reports.requests.options.campaign import CompareOptions, RunLimits, StandardOptions
+from reports.requests.running import running
+from reports.requests.standard import chosen_standard, coverage_of, in_project
 
 
 @dataclass(frozen=True)
 class FileCampaign:
-    """What is run of a linkage file and by what standard it is judged; ``asked`` are the words for its commands."""
+    """What is run of a linkage file and by what standard it is judged; ``options`` are those of its commands."""
 
-    asked: CampaignChoice
+    options: CompareOptions
     request: CampaignRequest
     standard: Standard
     bounds: Bounds
@@ -106,8 +108,9 @@ class CampaignRun:
 
 def set_of_files(project: Project) -> tuple[Departure, ...] | None:
     """Linkages that a project has and its baseline has not, or the other way round; None where nothing is recorded."""
-    chosen = CampaignChoice(tuple(map(str, project.linkages)))
-    baseline = standard(files(chosen), project, coverage=project_coverage(project)).baseline
+    chosen = CompareOptions(mechanisms=tuple(map(str, project.linkages)))
+    coverage = coverage_of(CompareOptions(), StandardOptions(), project)
+    baseline = standard(files(chosen), project, coverage=coverage).baseline
     return file_departures(baseline) if baseline.is_recorded else None
 
 
@@ -116,14 +119,15 @@ def file_campaign(path: Path, folder: Path) -> FileCampaign:
 
     Engines need not be installed. Raises LinkproofError for what does not exist or cannot be.
     """
-    words = CampaignChoice((str(path),))
-    choice, limits, held, known = in_project(words, RunLimits(), StandardChoice())
-    wanted = request(replace(choice, engines=()), known)
-    names = tuple(dict.fromkeys(choice.engines)) or wanted.engines
+    words, usual = CompareOptions(mechanisms=(str(path),)), StandardOptions()
+    completed = in_project(words, RunLimits(), usual)
+    wanted = request(replace(completed.options, engine=()), completed.known)
+    names = tuple(dict.fromkeys(completed.options.engine)) or wanted.engines
     for name in names:
         engine(name)
-    asked = replace(words, mechanisms=(_relative(path, folder),))
-    return FileCampaign(asked, replace(wanted, engines=names), held.standard(choice), limits.bounds)
+    options = replace(words, mechanisms=(_relative(path, folder),))
+    bounds = running(completed.limits).bounds
+    return FileCampaign(options, replace(wanted, engines=names), chosen_standard(completed, usual), bounds)
 
 
 def _relative(path: Path, folder: Path) -> str:

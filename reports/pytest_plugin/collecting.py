@@ -140,7 +140,7 @@ class QuantityTest(pytest.Item):
         if verdict.failed and not run.campaign.decides(run.setting):
             pytest.xfail(f"decides nothing beside other settings: {record.detail}")
         if verdict.failed or verdict is Verdict.SUITE_ERROR:
-            pytest.fail(failure(record, run.campaign.asked, run.campaign.notes), pytrace=False)
+            pytest.fail(failure(record, run.campaign.options, run.campaign.notes), pytrace=False)
         pytest.skip(f"{record.outcome}: {record.detail}")
 
     def reportinfo(self) -> tuple[Path, int, str]:
@@ -165,7 +165,7 @@ class FigureTests(pytest.Collector):
     def collect(self) -> Iterator[pytest.Item]:
         """A test for every figure; one that is skipped where none is recorded."""
         if all(figure.recorded is None for figure in self.figures):
-            reason = f"no key figure is recorded: {recording(self.campaign.asked)}"
+            reason = f"no key figure is recorded: {recording(self.campaign.options)}"
             self.add_marker(pytest.mark.skip(reason=reason))
             yield FigureTest.from_parent(self, name="all", figure=self.figures[0])
             return
@@ -186,7 +186,7 @@ class FigureTest(pytest.Item):
         """Fail with the change in words."""
         if self.figure.changed:
             campaign = self.parent.campaign
-            pytest.fail(changed(self.figure, campaign.asked, campaign.notes), pytrace=False)
+            pytest.fail(changed(self.figure, campaign.options, campaign.notes), pytrace=False)
 
     def reportinfo(self) -> tuple[Path, int, str]:
         """Where the test stands in reports."""

@@ -8,21 +8,22 @@ from dataclasses import replace
 from comparisons.campaign.key_figures import KeyFigure
 from comparisons.invariants.checks import NEEDS as INVARIANTS
 from comparisons.judging.records import Record
-from reports.command_line.requests import CampaignChoice
+from reports.requests.options.campaign import CompareOptions
+from reports.requests.options.declaring import command_line
 
 
-def failure(record: Record, asked: CampaignChoice, notes: Iterable[str] = ()) -> str:
+def failure(record: Record, options: CompareOptions, notes: Iterable[str] = ()) -> str:
     """Why a requested record failed; ``notes`` are further remarks on the file."""
     again = replace(
-        asked,
-        engines=(record.engine,),
-        settings=(record.setting,),
-        regimes=(record.regime,),
-        quantities=() if record.quantity in INVARIANTS else (record.quantity,),
+        options,
+        engine=(record.engine,),
+        setting=(record.setting,),
+        regime=(record.regime,),
+        quantity=() if record.quantity in INVARIANTS else (record.quantity,),
     )
     run = (record.regime, f"{record.engine} {record.engine_version}".rstrip(), record.setting)
     place = f"{record.mechanism} ({record.variant}), {', '.join(run)}: {record.quantity}"
-    return "\n".join((place, record.detail, *_size(record), *notes, f"repeat it: {again.command}"))
+    return "\n".join((place, record.detail, *_size(record), *notes, f"repeat it: {command_line('compare', again)}"))
 
 
 def _size(record: Record) -> tuple[str, ...]:
@@ -32,12 +33,14 @@ def _size(record: Record) -> tuple[str, ...]:
     return (f"error {record.error_max:.3e} of the peak, {record.peak:.6g} {record.unit}".rstrip() + at,)
 
 
-def changed(figure: KeyFigure, asked: CampaignChoice, notes: Iterable[str] = ()) -> str:
+def changed(figure: KeyFigure, options: CompareOptions, notes: Iterable[str] = ()) -> str:
     """How a requested key figure has changed, and the command that records it as it is now."""
-    again = replace(asked, regimes=(figure.regime,))
-    return "\n".join((figure.sentence, *notes, f"repeat it: {again.command}", f"if it is meant: {recording(again)}"))
+    again = replace(options, regime=(figure.regime,))
+    return "\n".join(
+        (figure.sentence, *notes, f"repeat it: {command_line('compare', again)}", f"if it is meant: {recording(again)}")
+    )
 
 
-def recording(asked: CampaignChoice) -> str:
+def recording(options: CompareOptions) -> str:
     """The command that records the requested baseline."""
-    return f"{asked.command} --record-baseline"
+    return f"{command_line('compare', options)} --record-baseline"

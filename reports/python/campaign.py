@@ -4,27 +4,24 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Unpack
+from typing import TYPE_CHECKING, Any
 
 from analytic.errors import LinkproofError
-from comparisons.campaign.campaign import compare as run_campaign
 from comparisons.campaign.key_figures import KeyFigure
-from comparisons.campaign.standards import judged_campaign
 from comparisons.judging.records import Record
 from reports.campaign.terminal import printout
-from reports.command_line import PASSED
-from reports.command_line.exit_codes import campaign_exit_code
-from reports.command_line.requests import CampaignChoice, RunLimits, request
-from reports.command_line.standard_choice import StandardChoice, in_project
 from reports.document.terminal import Printout
-from reports.python.options import MotionOptions, Words, choice, words
+from reports.python.keywords import with_keywords
 from reports.python.printed_result import PrintedResult
+from reports.requests import PASSED
+from reports.requests.compare import campaign
+from reports.requests.exit_codes import campaign_exit_code
+from reports.requests.options.campaign import CompareOptions, RunLimits, StandardOptions
 
 if TYPE_CHECKING:
     import xarray
-    from distributed import Client
 
 RUN = ("mechanism", "variant", "regime", "engine", "setting")
 
@@ -34,8 +31,8 @@ class Comparison(PrintedResult):
     """The result of a comparison: a record per run, quantity and check, and the key figures with their recorded values.
 
     ``departures`` name linkages and motions that differ from the baseline, and fail it; ``notes`` cause no failure:
-    changes since it was recorded, and permitted differences. ``repr`` is a line, ``str`` and a notebook have what the
-    command prints, ``to_pandas`` has a row for each record.
+    changes since it was recorded, and permitted differences. ``options`` are the requested ones. ``repr`` is a line,
+    ``str`` and a notebook have what the command prints, ``to_pandas`` has a row for each record.
     """
 
     records: tuple[Record, ...]
@@ -43,6 +40,7 @@ class Comparison(PrintedResult):
     notes: tuple[str, ...]
     departures: tuple[str, ...] = ()
     printed: Printout = field(default=Printout((), ("nothing was compared",)), compare=False)
+    options: CompareOptions = field(default=CompareOptions(), compare=False)
 
     def _printout(self) -> Printout:
         return self.printed
@@ -87,28 +85,15 @@ class Comparison(PrintedResult):
         )
 
 
+@with_keywords()
 def compare(
-    *mechanisms: str | Path,
-    engine: Words = (),
-    setting: Words = (),
-    quantity: Words = (),
-    full: bool = False,
-    limits: str | Path | None = None,
-    baseline: str | Path | None = None,
-    record_baseline: bool = False,
-    allow_new: bool = False,
-    allow_missing: bool = False,
-    time_limit: float | None = None,
-    memory_limit: float | None = None,
-    jobs: int | None = None,
-    scheduler: str | Client | None = None,
-    **options: Unpack[MotionOptions],
+    *mechanisms: str | Path, options: CompareOptions, standard: StandardOptions, limits: RunLimits
 ) -> Comparison:
     """Simulate mechanisms in engines and compare every error with its limit, as ``linkproof compare`` does.
 
-    Mechanisms are names of the catalogue and paths of files; the options are the command's, ``time_limit`` in s and
-    ``memory_limit`` in GiB among them; a client of Dask may stand for its scheduler. A ``linkproof.toml`` above the
-    first file says what they leave open. Raises LinkproofError for bad input; a run that fails is a record.
+    Mechanisms are names of the catalogue and paths of files; ``time_limit`` is in s and ``memory_limit`` in GiB; a
+    client of Dask may stand for its scheduler. A ``linkproof.toml`` above the first file says what they leave open.
+    Raises LinkproofError for bad input; a run that fails is a record.
     """
     for mechanism in mechanisms:
         if not isinstance(mechanism, (str, Path)):
@@ -116,24 +101,16 @@ def compare(
                 f"expected names and paths of linkages, got a {type(mechanism).__name__}: give its file, since "
                 "limits and baselines belong to files"
             )
-    asked = CampaignChoice(
-        tuple(map(str, mechanisms)), words(engine), words(setting), words(quantity),
-        full, **choice(options),
-    )  # fmt: skip
-    bounds = RunLimits(time_limit, memory_limit, jobs, scheduler)
-    bounds.check()
-    held = StandardChoice(_path(limits), _path(baseline), record_baseline, allow_new, allow_missing)
-    asked, bounds, held, known = in_project(asked, bounds, held)
-    held.check()
-    wanted, standard = request(asked, known), held.standard(asked)
-    with bounds.pool() as pool:
-        results = list(run_campaign(wanted, bounds=bounds.bounds, pool=pool))
-    judged = judged_campaign(wanted, results, standard, held.file if held.record else None)
+    options = replace(options, mechanisms=tuple(map(str, mechanisms)))
+    wanted = campaign(options, standard, limits)
+    with wanted.running.pool() as pool:
+        judged = wanted.compared(pool)
     printed = printout(judged.results, judged.figures, (*judged.notes, *judged.departures))
     return Comparison(
-        tuple(judged.records), tuple(judged.figures), tuple(judged.notes), tuple(judged.departures), printed
+        tuple(judged.records),
+        tuple(judged.figures),
+        tuple(judged.notes),
+        tuple(judged.departures),
+        printed,
+        options,
     )
-
-
-def _path(given: str | Path | None) -> Path | None:
-    return None if given is None else Path(given)

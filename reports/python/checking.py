@@ -3,30 +3,29 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any, Unpack
+from typing import Any
 
 from analytic.description.linkage import Linkage
 from analytic.errors import LinkproofError, shortened
 from comparisons.conformance.findings import Found
 from comparisons.datasheet.linkage_check import check as linkage_facts
 from comparisons.imported.judge import ImportedJudgement
-from comparisons.imported.judging.judgement import DEFAULT_LIMIT
-from comparisons.imported.reading import read_results
 from comparisons.judging.records import Record
 from comparisons.runs.failures import AdapterError
 from comparisons.runs.plugins import engine as registered
 from engines.contract import Engine
-from reports.command_line.commands.engines import findings, printout
-from reports.command_line.commands.judge import JudgeChoice, judgement_of
-from reports.command_line.motion_choice import MotionChoice
 from reports.document.terminal import Printed, Printout
 from reports.imported.document import blank_of, with_cause
 from reports.imported.terminal import printout as judgement_printout
 from reports.imported.terminal import sentence
-from reports.python.options import MotionOptions, choice, chosen_linkage
+from reports.python.keywords import chosen_linkage, with_keywords
 from reports.python.printed_result import PrintedResult
+from reports.records.engine_checks import printout
+from reports.requests.engine_checks import engine_findings
+from reports.requests.judge import check_judgement, judgement_of
+from reports.requests.options.linkage import JudgeOptions
 
 
 def check(linkage: Linkage | str | Path, variant: str | None = None) -> dict[str, Any]:
@@ -80,27 +79,20 @@ def check_engine(engine: Engine | str, jobs: int | None = None) -> EngineFinding
         raise LinkproofError(f"expected the name of an engine, or an adapter, got {shortened(repr(engine))}: give one")
     try:
         adapter = registered(engine) if isinstance(engine, str) else engine
-        return EngineFindings(adapter.name, findings(adapter, jobs))
+        return EngineFindings(adapter.name, engine_findings(adapter, jobs))
     except AdapterError as error:
         raise LinkproofError(f"expected an adapter that can be loaded, but {error}; correct it") from error
 
 
-def judge(
-    linkage: Linkage | str | Path,
-    *results: str | Path,
-    mapping: str | Path | None = None,
-    limit: float = DEFAULT_LIMIT,
-    **options: Unpack[MotionOptions],
-) -> JudgedResults:
+@with_keywords()
+def judge(linkage: Linkage | str | Path, *results: str | Path, options: JudgeOptions) -> JudgedResults:
     """Judge the result files of another tool by the closed form, as ``linkproof judge`` does; ``limit`` is of the peak.
 
     The judgement has ``passed``, and ``verdicts`` of every signal; ``str`` is what the command prints. Raises
     LinkproofError for unreadable files; a ``MappingNeededError`` among them has the ``mapping_text`` to fill in.
     """
-    given = choice(options)
-    paths, map_ = tuple(map(Path, results)), None if mapping is None else Path(mapping)
-    asked = JudgeChoice(str(linkage), paths, MotionChoice(**given), limit, map_)
-    asked.check()
-    model = asked.model(chosen_linkage(linkage, asked.motion.variant))
-    judgement = judgement_of(asked, model, read_results(paths, model, map_))
+    paths = tuple(map(Path, results))
+    options = replace(options, mechanism=str(linkage), results=paths)
+    check_judgement(options)
+    judgement = judgement_of(options, chosen_linkage(linkage, options.variant))
     return JudgedResults(**vars(judgement), files=", ".join(map(str, paths)))

@@ -18,8 +18,8 @@ from analytic.designs.values import ASSEMBLED, evaluate_designs
 from analytic.errors import LinkproofError, UnknownNameError
 from analytic.evaluation import evaluate as evaluate_signals
 from analytic.kinematics.mechanism import Mechanism
+from reports.python.keywords import Words, chosen_linkage, words
 from reports.python.labels import label, labelled, unit
-from reports.python.options import Words, chosen_linkage, words
 
 Array = NDArray[np.float64]
 

@@ -3,36 +3,30 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
-from typing import Unpack
 
 import xarray
 
 from analytic.description.linkage import Linkage
 from comparisons.designs.design_file import design_file
-from comparisons.designs.steady_motion import SAMPLES
-from reports.command_line.commands.optimise import OptimiseChoice, optimum, wish
-from reports.command_line.destination import Destination
 from reports.designs.optimum.optimise_terminal import document
-from reports.python.options import MotionOptions, choice, chosen_linkage
+from reports.python.keywords import chosen_linkage, with_keywords
+from reports.requests.optimise import optimum
+from reports.requests.options.declaring import command_line
+from reports.requests.options.designs import OptimiseOptions
 
 Range = str | float | tuple[float | None, float | None] | None
 
 
+@with_keywords(without=("over", "keep", "step", "simulate"))
 def optimise(
     linkage: Linkage | str | Path,
     *,
     over: Mapping[str, Range],
-    minimise: str | None = None,
-    maximise: str | None = None,
     keep: Mapping[str, Range] | Sequence[str] = (),
-    angles: int = SAMPLES,
-    scale_mass: bool = False,
-    starts: int = 1,
-    seed: int = 0,
-    everywhere: bool = False,
     step: str | float | None = None,
-    **options: Unpack[MotionOptions],
+    options: OptimiseOptions,
 ) -> xarray.Dataset:
     """The best design of a linkage, as by ``linkproof optimise``, in the units of its file.
 
@@ -44,16 +38,16 @@ def optimise(
     ``toml`` of the new design's file, the ``method`` and its cost, and the ``residual``, 0 at a local optimum. Raises
     LinkproofError for bad input, and if no design holds the figures of ``keep``.
     """
-    kept = dict.fromkeys(keep) if not isinstance(keep, Mapping) else keep
-    how = {"starts": starts, "seed": seed, "everywhere": everywhere, "step": "" if step is None else str(step)}
-    wished = wish(minimise, maximise, [_word(*one) for one in over.items()], [_word(*one) for one in kept.items()], how)
-    asked = OptimiseChoice(
-        mechanism=str(linkage), wish=wished, angles=angles, scale_mass=scale_mass,
-        **choice(options),
-    )  # fmt: skip
-    chosen = chosen_linkage(linkage, asked.variant)
-    found, conditions = optimum(chosen, asked, Destination(quiet=True))
-    saved = document(found, asked.command, conditions)
+    held = dict.fromkeys(keep) if not isinstance(keep, Mapping) else keep
+    options = replace(
+        options,
+        mechanism=str(linkage),
+        over=tuple(_word(*one) for one in over.items()),  # as the command that repeats the request has them
+        keep=tuple(_word(*one) for one in held.items()),
+        step=None if step is None else str(step),
+    )
+    found, conditions = optimum(chosen_linkage(linkage, options.variant), options)
+    saved = document(found, command_line("optimise", options), conditions)
     numbers = {
         one.parameter.name: (
             "design",

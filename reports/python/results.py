@@ -2,35 +2,28 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
-from typing import Unpack
 
 import xarray
 
 from analytic.description.linkage import Linkage
-from reports.command_line.commands.results import ResultsChoice, designer_results
+from reports.python.keywords import chosen_linkage, with_keywords
 from reports.python.labels import labelled
-from reports.python.options import MotionOptions, choice, chosen_linkage
+from reports.requests.options.linkage import ResultsOptions
+from reports.requests.results import designer_results
 
 
-def results(
-    linkage: Linkage | str | Path,
-    *,
-    at: Sequence[float] | None = None,
-    time: Sequence[float] | None = None,
-    **options: Unpack[MotionOptions],
-) -> xarray.Dataset:
+@with_keywords()
+def results(linkage: Linkage | str | Path, *, options: ResultsOptions) -> xarray.Dataset:
     """Every signal of a linkage over one motion of its crank, as ``linkproof results`` has them, in SI.
 
     The dimension is ``phi``, rad, where the crank turns at one speed, else ``time``, s; the other stands beside it.
     Points, links, joints and groups are dimensions of their own, as are the components x and y of a vector. ``at``, in
     degrees, or ``time``, in s, choose the instants. Raises LinkproofError for what cannot be.
     """
-    chosen = [None if given is None else ",".join(repr(float(one)) for one in given) for given in (at, time)]
-    asked = ResultsChoice(mechanism=str(linkage), at=chosen[0], time=chosen[1], **choice(options))
-    asked.check()
-    found = designer_results(chosen_linkage(linkage, asked.variant), asked)
+    options = replace(options, mechanism=str(linkage))
+    found = designer_results(chosen_linkage(linkage, options.variant), options)
     values = {name: found.curves.of(found.shown, name) for name in found.curves.names}
     about = {"regime": found.case.motion.regime, "conditions": found.conditions}
     return labelled(found.linkage, found.axis, values, about)

@@ -6,7 +6,8 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Unpack
+from tempfile import TemporaryDirectory
+from typing import Any
 
 import numpy as np
 import xarray
@@ -14,44 +15,30 @@ from numpy.typing import NDArray
 
 from analytic.description.linkage import Linkage
 from analytic.errors import LinkproofError
-from comparisons.designs.named_figures import named_figures
-from comparisons.designs.parameters import Parameter, mass_words, parameter
-from comparisons.designs.steady_motion import SAMPLES
-from comparisons.designs.sweep.saved_sweep import labelled
-from comparisons.designs.sweep.simulated_designs import SimulatedDesigns, shares_of_limits
+from comparisons.designs.parameters import Parameter, parameter
+from comparisons.designs.sweep.saved_sweep import described, labelled
+from comparisons.designs.sweep.simulated_designs import shares_of_limits
 from comparisons.designs.sweep.space import DesignSpace, Grid, Listed
-from comparisons.designs.sweep.sweep import SweepRequest, own_figures, sweep_block, usual_figures
+from comparisons.designs.sweep.sweep import SweepRequest, own_figures, sweep_block
 from comparisons.designs.sweep.sweep import sweep as sweep_space
-from comparisons.judging.records import Record
 from comparisons.runs.cluster.connecting import opened
-from reports.command_line.commands.sweep import DESIGNS, SweepChoice, described
-from reports.command_line.commands.sweep import simulate as run_designs
-from reports.command_line.destination import Destination
-from reports.command_line.steady_choice import SteadyCase, SteadyChoice, steady_case
-from reports.document.terminal import Printout
-from reports.python.options import MotionOptions, Words, choice, chosen_linkage, words
-
-if TYPE_CHECKING:
-    from distributed import Client
+from reports.python.keywords import Words, chosen_linkage, with_keywords, words
+from reports.requests.compare import campaign
+from reports.requests.options.designs import SweepOptions
+from reports.requests.steady import steady_case
+from reports.requests.sweep import check_sweep, request_of, simulated_campaign
 
 Array = NDArray[np.float64]
 
 
+@with_keywords(without=("vary", "table", "quantity"))
 def sweep(
     linkage: Linkage | str | Path,
     vary: Mapping[str, Any] | None = None,
     figures: Words = (),
     *,
     table: Any = None,  # noqa: ANN401 - whatever has columns
-    angles: int = SAMPLES,
-    refine: bool = False,
-    scale_mass: bool = False,
-    cores: int | None = None,
-    scheduler: str | Client | None = None,
-    simulate: Words = (),
-    designs: int = DESIGNS,
-    seed: int = 0,
-    **options: Unpack[MotionOptions],
+    options: SweepOptions,
 ) -> xarray.Dataset:
     """Figures of many designs of a linkage, as ``linkproof sweep`` has them: a variable each, nan where none assembles.
 
@@ -68,53 +55,36 @@ def sweep(
     a run failed and nan where none was made. Raises LinkproofError for what cannot be, but where no design assembles
     all is nan.
     """
-    asked = SteadyChoice(
-        mechanism=str(linkage), angles=angles, refine=refine,
-        scale_mass=scale_mass, **choice(options),
-    )  # fmt: skip
-    trial = SweepChoice(
-        **vars(asked), simulate=words(simulate), designs=designs, seed=seed, jobs=cores, scheduler=scheduler
-    )
-    trial.check_simulation()
-    case = steady_case(chosen_linkage(linkage, asked.variant), asked)
+    check_sweep(options)
+    options = replace(options, mechanism=str(linkage), quantity=words(figures))
+    case = steady_case(chosen_linkage(linkage, options.variant), options)
     if (vary is None) == (table is None):
         raise LinkproofError(f"sweep: expected vary or table, got {'neither' if vary is None else 'both'}: pass one")
     given = table if vary is None else vary
     values = {str(name): _checked(str(name), given[name]) for name in given}
-    return _swept(case, values, words(figures), trial, is_table=vary is None)
-
-
-def _swept(
-    case: SteadyCase, values: Mapping[str, Any], figures: Sequence[str], trial: SweepChoice, *, is_table: bool
-) -> xarray.Dataset:
-    """Figures over the designs that ``values`` list or span, and what engines make of them in a ``trial``."""
-    linkage = case.mechanism.linkage
-    parts = tuple(parameter(linkage, name) for name in values)
-    named = named_figures(case.mechanism, figures) if figures else usual_figures(case.mechanism)
-    if not parts or not named:
-        raise LinkproofError("sweep: expected parameters and figures, got none; name one of each or more")
+    parts = tuple(parameter(case.mechanism.linkage, name) for name in values)
+    if not parts:
+        raise LinkproofError("sweep: expected parameters, got none; name one or more")
     is_lazy = any(map(_is_lazy, values.values()))
-    if is_lazy and trial.simulate:
+    if is_lazy and options.simulate:
         raise LinkproofError("simulate: expected arrays of numbers, got Dask's, worked out later; pass NumPy arrays")
-    space = _space(parts, [np.zeros(1)] * len(parts) if is_lazy else [*values.values()], is_table=is_table)
-    request = SweepRequest(linkage, space, named, case.motion, trial.refine, trial.jobs)
+    space = _space(parts, [np.zeros(1)] * len(parts) if is_lazy else [*values.values()], is_table=vary is None)
+    request, conditions = request_of(case, space, options)
     own_figures(request)  # complains of what no design can have
-    rows = _lazy(request, [*values.values()]) if is_lazy else _found(request.on_one_path(), trial.scheduler)
-    conditions = case.conditions + mass_words(linkage, values)
+    rows = _lazy(request, [*values.values()]) if is_lazy else _computed(request.on_one_path(), options.scheduler)
     about = {name: value for name, value in described(request, conditions, "").items() if name != "command"}
     dataset = labelled(request, values, rows, about)
-    return _with_engines(dataset, request.on_one_path(), trial) if trial.simulate else dataset
+    return _with_engines(dataset, request.on_one_path(), options) if options.simulate else dataset
 
 
-def _with_engines(dataset: xarray.Dataset, request: SweepRequest, trial: SweepChoice) -> xarray.Dataset:
+def _with_engines(dataset: xarray.Dataset, request: SweepRequest, options: SweepOptions) -> xarray.Dataset:
     """The same with the shares of their limits that engines take over some of the designs."""
-    shares: dict[str, Array] = {}
-
-    def note(designs: SimulatedDesigns, records: Sequence[Record]) -> Printout:
-        shares.update(shares_of_limits(designs, records, request.space.count))
-        return Printout((), ())
-
-    run_designs(trial, Destination(quiet=True), request, note)
+    with TemporaryDirectory() as folder:
+        designs, wanted, limits = simulated_campaign(request, options, Path(folder))
+        runs = campaign(wanted, limits=limits)
+        with runs.running.pool() as pool:
+            judged = runs.compared(pool)
+    shares = shares_of_limits(designs, judged.records, request.space.count)
     values = np.array([*shares.values()]).reshape(-1, *request.space.shape)
     over = ("engine", *request.space.dimensions)
     return dataset.assign_coords(engine=[*shares]).assign(share_of_limit=(over, values, {"units": "1"}))
@@ -141,7 +111,7 @@ def _space(parts: tuple[Parameter, ...], values: Sequence[Array], *, is_table: b
     return Listed(parts, tuple(values))
 
 
-def _found(request: SweepRequest, scheduler: object) -> Array:
+def _computed(request: SweepRequest, scheduler: object) -> Array:
     """Figures of all designs, (figures, *shape), worked out here or on the workers of a scheduler."""
     found = np.empty((len(request.figures), request.space.count))
 

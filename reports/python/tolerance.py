@@ -5,30 +5,26 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
-from typing import Any, Unpack
+from typing import Any
 
 import numpy as np
 import xarray
 
 from analytic.description.linkage import Linkage
-from comparisons.designs.steady_motion import SAMPLES as PLACES
 from comparisons.designs.tolerance.tolerance_study import SHARES, ToleranceStudy, tolerance_study
 from comparisons.designs.tolerance.tolerances import Tolerances, read_tolerances
-from reports.command_line.commands.tolerance import request_of
-from reports.command_line.steady_choice import SteadyChoice
-from reports.python.options import MotionOptions, Words, choice, chosen_linkage, words
+from reports.python.keywords import Words, chosen_linkage, with_keywords, words
+from reports.requests.options.designs import ToleranceOptions
+from reports.requests.tolerance import tolerance_request_of
 
 
+@with_keywords()
 def tolerance(
     linkage: Linkage | str | Path,
     tolerances: Mapping[str, Any] | str | Path,
     results: Words | None = None,
     *,
-    angles: int = PLACES,
-    scale_mass: bool = False,
-    samples: int | None = None,
-    seed: int = 0,
-    **options: Unpack[MotionOptions],
+    options: ToleranceOptions,
 ) -> xarray.Dataset:
     """The effect of tolerances on a linkage's results, over ``result`` and ``parameter``; in the file's units.
 
@@ -42,16 +38,12 @@ def tolerance(
     designs. NaN are derivatives where two local maxima are equal, and values of designs that do not assemble. Raises
     LinkproofError for what cannot be.
     """
-    asked = Tolerances((), None, tolerances) if isinstance(tolerances, Mapping) else read_tolerances(Path(tolerances))
-    asked = replace(asked, results=asked.results if results is None else words(results))
-    if options.get("speed") is not None:
-        asked = replace(asked, speed=options["speed"])
-    how = SteadyChoice(
-        mechanism=str(linkage), angles=angles, refine=True,
-        scale_mass=scale_mass, **choice(options),
-    )  # fmt: skip
-    chosen = chosen_linkage(linkage, how.variant)
-    return dataset(tolerance_study(request_of(chosen, asked, how, samples=samples, seed=seed)))
+    given = Tolerances((), None, tolerances) if isinstance(tolerances, Mapping) else read_tolerances(Path(tolerances))
+    given = replace(given, results=given.results if results is None else words(results))
+    if options.speed is not None:
+        given = replace(given, speed=options.speed)
+    chosen = chosen_linkage(linkage, options.variant)
+    return dataset(tolerance_study(tolerance_request_of(chosen, given, options)))
 
 
 def dataset(study: ToleranceStudy) -> xarray.Dataset:

@@ -50,6 +50,18 @@ def labelled(
     )
 
 
+def described(request: SweepRequest, conditions: str, command: str) -> dict[str, str | int]:
+    """What a sweep's dataset says of itself."""
+    return {
+        "mechanism": request.linkage.name,
+        "variant": request.linkage.variant,
+        "conditions": conditions,
+        "angles": len(request.motion.places),
+        "refined": int(request.refine),
+        "command": command,
+    }
+
+
 @dataclass
 class SavedSweep:
     """A request in a folder; ``about`` are the attributes of its file."""
@@ -63,11 +75,20 @@ class SavedSweep:
         self._missing = [folder for folder in (self.folder, *self.folder.parents) if not folder.exists()]
         self._shape = (len(self.request.figures), self.request.space.count)
 
-    def check(self, command: str) -> None:
-        """Raise LinkproofError where the folder has unfinished work of another ``command``, or too little room."""
+    @property
+    def command(self) -> str:
+        """The command that repeats the sweep."""
+        return str(self.about["command"])
+
+    def check(self) -> None:
+        """Raise LinkproofError where the folder has unfinished work of another command, or too little room."""
         header = self.folder / FOLDER / HEADER
-        begun = header.read_text(encoding="utf-8", errors="replace").partition("\n")[0] if header.is_file() else command
-        if begun.split()[:2] != command.split()[:2]:
+        begun = (
+            header.read_text(encoding="utf-8", errors="replace").partition("\n")[0]
+            if header.is_file()
+            else self.command
+        )
+        if begun.split()[:2] != self.command.split()[:2]:
             raise LinkproofError(
                 f"expected a folder of its own, got '{self.folder}' with unfinished work of `{begun}`: finish that, or "
                 "give another folder"

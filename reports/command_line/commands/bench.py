@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from dataclasses import asdict, dataclass, replace
+from dataclasses import asdict, replace
 from typing import Any
 
 from analytic.description.linkage import Linkage
@@ -19,80 +19,59 @@ from comparisons.runs.timing import WORK, first_use_seconds
 from comparisons.runs.workers import ONE_BY_ONE, LocalPool
 from comparisons.work_precision import costs
 from comparisons.work_precision.measure import JOINTS, chosen
-from comparisons.work_precision.points import FULL, QUICK, Extent
+from comparisons.work_precision.points import FULL, QUICK
 from comparisons.work_precision.records import FILE, FORMAT, Bench, rows, save
 from comparisons.work_precision.study import QUANTITIES, BenchRequest, Measured, methods_told
 from comparisons.work_precision.study import bench as measure_all
 from reports.command_line.destination import Destination
-from reports.command_line.exit_codes import bench_exit_code
 from reports.command_line.interruption import interruptible, journal
-from reports.command_line.requests import CampaignChoice, installed, request
+from reports.requests.campaign import installed, request
+from reports.requests.exit_codes import bench_exit_code
+from reports.requests.options.campaign import BenchOptions, RunsOptions
+from reports.requests.options.declaring import command_line
 from reports.work_precision.terminal import printout
 
 REGIMES, QUICK_REGIMES = ("run-up-quintic", "run-up"), ("run-up-quintic",)
 
 
-@dataclass(frozen=True)
-class BenchChoice(CampaignChoice):
-    """The request, in the user's words; empty means the default."""
-
-    quick: bool = False
-    costs: bool = False
-
-    @property
-    def campaign(self) -> CampaignChoice:
-        """The same as a campaign's choice."""
-        usual = () if self.swings else QUICK_REGIMES if self.quick else REGIMES
-        return replace(self, regimes=self.regimes or usual, quantities=())
-
-    @property
-    def extent(self) -> Extent:
-        """How far to go."""
-        return QUICK if self.quick else FULL
-
-    @property
-    def command(self) -> str:
-        """The command that asks for the same."""
-        return self.written("bench")
-
-    @property
-    def flags(self) -> dict[str, bool]:
-        """Options without a value."""
-        return {**super().flags, "quick": self.quick, "costs": self.costs}
-
-
-def bench(choice: BenchChoice, destination: Destination, scheduler: str | None = None) -> int:
+def bench(options: BenchOptions, destination: Destination, scheduler: object = None) -> int:
     """Measure, write the requested files, print the tables; returns the exit code.
 
     The workers of a ``scheduler`` measure, where there is one, one run at a time on a machine.
     Raises LinkproofError for anything that does not exist or cannot be, before any run is made.
     """
-    out = destination.folder
+    out, command = destination.out, command_line("bench", options)
     destination.check(FILE)
     check_scheduler(scheduler)
-    if scheduler is not None and choice.costs:
+    if scheduler is not None and options.costs:
         raise LinkproofError("--costs are those of this machine, and --scheduler measures elsewhere: leave one out")
-    asked = request(choice.campaign)
-    wanted = _request(choice, asked)
+    asked = request(_campaign(options))
+    wanted = _request(options, asked)
     with opened(scheduler, ONE_BY_ONE, alone=True) as pool, interruptible(out) as counting:
-        kept = journal(out, choice.command, asked.engines, asked.linkages, resume=destination.resume) if out else None
+        kept = journal(out, command, asked.engines, asked.linkages, resume=destination.resume) if out else None
         wanted = replace(wanted, pool=pool)
         with destination.progress() as announce:
             measured = measure_all(wanted, counting(announce), kept)
-        found = Bench(_document(choice, wanted, measured))
+        found = Bench(_document(options, command, wanted, measured))
         destination.write_json(found.document)
         if out:
             save(out / FILE, found.document)
             destination.write_pages()
         if kept:
             kept.clear()
-    destination.print_out(printout(found, choice.quantities))
+    destination.print_out(printout(found, options.quantity))
     return bench_exit_code(measured.records, wanted.engines)
 
 
-def _request(choice: BenchChoice, asked: CampaignRequest) -> BenchRequest:
+def _campaign(options: BenchOptions) -> RunsOptions:
+    """What is run, in motions of its own where none is named, and of every quantity."""
+    usual = () if options.swings else QUICK_REGIMES if options.quick else REGIMES
+    return replace(options, regime=options.regime or usual, quantity=())
+
+
+def _request(options: BenchOptions, asked: CampaignRequest) -> BenchRequest:
     every = tuple(cases(asked))
-    quantities = tuple(dict.fromkeys(choice.quantities)) or QUANTITIES
+    quantities = tuple(dict.fromkeys(options.quantity)) or QUANTITIES
     for name in quantities:
         if name not in (*COMPARED, JOINTS):
             raise UnknownNameError("quantity", name, (*COMPARED, JOINTS))
@@ -101,7 +80,7 @@ def _request(choice: BenchChoice, asked: CampaignRequest) -> BenchRequest:
         if not found:
             raise LinkproofError(_nothing_to_measure(case, quantities))
         check_defined(case, [quantity for family in found.values() for quantity in family])
-    return BenchRequest(every, asked.engines, quantities, extent=choice.extent)
+    return BenchRequest(every, asked.engines, quantities, extent=QUICK if options.quick else FULL)
 
 
 def _nothing_to_measure(case: Case, quantities: Iterable[str]) -> str:
@@ -111,22 +90,22 @@ def _nothing_to_measure(case: Case, quantities: Iterable[str]) -> str:
     )
 
 
-def _document(choice: BenchChoice, wanted: BenchRequest, measured: Measured) -> dict[str, Any]:
+def _document(options: BenchOptions, command: str, wanted: BenchRequest, measured: Measured) -> dict[str, Any]:
     """Everything of a finished benchmark, ready for JSON."""
     noise = measured.noise
     linkages = {case.mechanism.linkage.name: case.mechanism.linkage for case in wanted.cases}
     extent = {name: value for name, value in asdict(wanted.extent).items() if value != float("inf")}
     return {
         "format": FORMAT,
-        "command": choice.command,
+        "command": command,
         "conditions": "; ".join(dict.fromkeys(case.conditions for case in wanted.cases)),
         "environment": {**environment(wanted.engines), **wanted.pool.place},
         "extent": extent,
         "noise": {"work": WORK, "samples": [round(one, 9) for one in noise.samples]},
-        "first_use": _first_uses(wanted, 1 if choice.quick else 3),
+        "first_use": _first_uses(wanted, 1 if options.quick else 3),
         "mechanisms": [{"name": one.name, "title": one.title, "variant": one.variant} for one in linkages.values()],
         "methods": methods_told(wanted),
-        "costs": _costs(list(linkages.values()), wanted.engines) if choice.costs else [],
+        "costs": _costs(list(linkages.values()), wanted.engines) if options.costs else [],
         "quantities": list(measured.quantities),
         "records": rows(measured.points),
     }

@@ -11,95 +11,78 @@ from typing import Any
 from analytic.description.linkage import Linkage
 from analytic.description.loading import catalogue, literature
 from analytic.errors import LinkproofError
-from comparisons.campaign.campaign import CampaignRequest, tasks
-from comparisons.campaign.campaign import compare as run_campaign
+from comparisons.campaign.campaign import tasks
 from comparisons.campaign.errata import ErratumRecord, judge_errata
 from comparisons.campaign.printed_answers import engine_answers
 from comparisons.campaign.results import document, save
 from comparisons.campaign.sheets import sheets
-from comparisons.campaign.standards import JudgedCampaign, judged_campaign
+from comparisons.campaign.standards import JudgedCampaign
 from comparisons.reference.published import PublishedRecord, all_variants, compare_published
 from comparisons.runs.failures import Failure
 from comparisons.runs.plugins import engines
 from engines.registry import engine_names
 from reports.campaign.terminal import printout
-from reports.command_line import PASSED, SUITE_ERROR
 from reports.command_line.destination import Destination
-from reports.command_line.exit_codes import campaign_exit_code
 from reports.command_line.interruption import interruptible, journal
-from reports.command_line.requests import CampaignChoice, RunLimits, installed, request
-from reports.command_line.standard_choice import StandardChoice, in_project
 from reports.document.terminal import Printout, show
 from reports.mechanism import terminal
+from reports.requests import PASSED, SUITE_ERROR
+from reports.requests.campaign import installed
+from reports.requests.compare import AS_USUAL, UNBOUND, Campaign, campaign
+from reports.requests.exit_codes import campaign_exit_code
+from reports.requests.options.campaign import CompareOptions, RunLimits, StandardOptions
 
 PAGE = "index.html"
 
 
 def compare(
-    choice: CampaignChoice,
+    options: CompareOptions,
     destination: Destination,
-    limits: RunLimits | None = None,
-    held: StandardChoice | None = None,
+    limits: RunLimits = UNBOUND,
+    standard: StandardOptions = AS_USUAL,
     words: Callable[[JudgedCampaign], Printout] = lambda judged: printout(
         judged.results, judged.figures, (*judged.notes, *judged.departures)
     ),
 ) -> int:
-    """Run a campaign, write the requested files, print its tables; returns the exit code.
-
-    What the words leave open the project says that the linkages belong to. ``words`` print something else.
-    """
-    limits, held, out = limits or RunLimits(), held or StandardChoice(), destination.folder
-    limits.check()
+    """Run a campaign, write the requested files, print its tables or other ``words``; returns the exit code."""
     destination.check(PAGE)
-    choice, limits, held, known = in_project(choice, limits, held)
-    held.check()
-    wanted, standard = request(choice, known), held.standard(choice)
+    wanted, out = campaign(options, standard, limits), destination.out
+    request = wanted.request
     if out:
-        tasks(wanted)  # what cannot run is refused before the folder is touched
-    with limits.pool() as pool, interruptible(out) as counting:
-        kept = journal(out, choice.command, wanted.engines, wanted.linkages, resume=destination.resume) if out else None
+        tasks(request)  # what cannot run is refused before the folder is touched
+    with wanted.running.pool() as pool, interruptible(out) as counting:
+        engines, linkages = request.engines, request.linkages
+        kept = journal(out, wanted.command, engines, linkages, resume=destination.resume) if out else None
         with destination.progress() as announce, destination.own_stdout():
-            running: dict[str, Any] = {"bounds": limits.bounds, "pool": pool, "journal": kept}
-            results = list(run_campaign(wanted, counting(announce), **running))
-            errata = _errata(wanted, running) if destination.json or out else []
-        judged = judged_campaign(wanted, results, standard, held.file if held.record else None)
+            judged = wanted.compared(pool, announce=counting(announce), journal=kept)
+            of_errata = linkages if (destination.json or out) and request.own_regimes else ()
+            errata = list(
+                judge_errata(of_errata, installed(engines), bounds=wanted.running.bounds, pool=pool, journal=kept)
+            )
         if destination.json or out:
-            command = choice.command + held.words + limits.words + (" --out DIR" if out else "")
-            saved = campaign_document(wanted, judged, command, errata)
+            saved = _document(wanted, judged, errata, is_saved=out is not None)
             saved["environment"] |= pool.place
             destination.write_json(saved)
-            save_campaign(destination, wanted, judged, saved, limits)
+        if out:
+            running = wanted.running
+            save(out, judged.results, saved, sheets(request, bounds=running.bounds, processes=running.processes))
+            destination.write_pages(running.processes)
         if kept:
             kept.clear()
-    if held.record:
-        destination.say(f"baseline: {held.file}")
+    if wanted.recorded:
+        destination.say(f"baseline: {wanted.recorded}")
     destination.write_junit(judged.records, judged.figures, judged.departures)
     destination.print_out(words(judged))
     return campaign_exit_code(judged.records, errata, judged.figures, judged.departures)
 
 
-def campaign_document(
-    wanted: CampaignRequest, judged: JudgedCampaign, command: str, errata: Sequence[ErratumRecord] = ()
+def _document(
+    wanted: Campaign, judged: JudgedCampaign, errata: Sequence[ErratumRecord], *, is_saved: bool
 ) -> dict[str, Any]:
     """Everything of a judged campaign but its curves, JSON-ready."""
-    readouts = {one.name: one.abilities.told() for one in engines(wanted.engines)}
-    return {**document(wanted, judged.results, command, errata, readouts), **judged.told}
-
-
-def save_campaign(
-    destination: Destination, wanted: CampaignRequest, judged: JudgedCampaign, told: dict[str, Any], limits: RunLimits
-) -> None:
-    """Write a judged campaign and its pages into the folder of the destination, if it has one."""
-    if destination.folder is not None:
-        made = sheets(wanted, bounds=limits.bounds, processes=limits.processes)
-        save(destination.folder, judged.results, told, made)
-        destination.write_pages(limits.processes)
-
-
-def _errata(wanted: CampaignRequest, running: dict[str, Any]) -> list[ErratumRecord]:
-    """The printed models of linkages whose own regimes are requested, simulated in the requested engines."""
-    asked = wanted.linkages if wanted.own_regimes else ()
-    return list(judge_errata(asked, installed(wanted.engines), **running))
+    readouts = {one.name: one.abilities.told() for one in engines(wanted.request.engines)}
+    command = wanted.saved_command + (" --out DIR" if is_saved else "")
+    return {**document(wanted.request, judged.results, command, errata, readouts), **judged.told}
 
 
 def report(saved: Path, out: Path | None, single: Path | None, *, opens: bool = False, png: bool = False) -> None:

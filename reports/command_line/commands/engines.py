@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import asdict
 from pathlib import Path
@@ -10,24 +9,23 @@ from typing import Any
 
 from analytic.errors import LinkproofError
 from comparisons.campaign.campaign import cases
-from comparisons.conformance.conformance import INSTALLED, MUTANT, check_engine
-from comparisons.conformance.findings import Finding, Found
+from comparisons.conformance.findings import Finding
 from comparisons.exported_run import exported, exported_cell
-from comparisons.runs.failures import blamed_on
 from comparisons.runs.files import check_writable, write_text
 from comparisons.runs.plugins import engine, engines
 from comparisons.stress.cells import find_cell
 from engines.contract import Engine, Setting
 from engines.registry import Unusable, engine_names, why_unavailable
-from reports.command_line import FAILED, PASSED
 from reports.command_line.destination import Destination, write_out
-from reports.command_line.requests import CampaignChoice, command_line, request
-from reports.document.parts import Paragraph, Table, TableCell, Words
-from reports.document.terminal import Printed, Printout
+from reports.document.parts import Paragraph
+from reports.document.terminal import Printed
+from reports.records.engine_checks import printout
 from reports.records.readouts import readout_table
-
-UNTESTED = (Finding.NOT_APPLICABLE, Finding.NOT_TESTED)
-STYLES = {Finding.PASSED: "green", Finding.FAILED: "bold red", Finding.EXPECTED: "yellow"}
+from reports.requests import FAILED, PASSED
+from reports.requests.campaign import request
+from reports.requests.engine_checks import engine_findings
+from reports.requests.options.campaign import CompareOptions, ExportOptions
+from reports.requests.options.declaring import command_line
 
 
 def list_engines(names: Sequence[str], destination: Destination) -> None:
@@ -73,81 +71,44 @@ def _shown(told: Mapping[str, Any]) -> list[Printed]:
     ]
 
 
-def export(choice: CampaignChoice, cell: str | None, out: Path | None) -> None:
+def export(options: ExportOptions, out: Path | None) -> None:
     """Write the run of one mechanism, or of one cell, in one engine and setting as a script of the engine's own.
 
     Raises LinkproofError for what does not exist or cannot be exported.
     """
     if out is not None:
         check_writable(out)
-    if (cell is None) != bool(choice.mechanisms):
+    if (options.cell is None) != (options.mechanism is not None):
         raise LinkproofError("expected a mechanism with --engine, or a --cell, and not both: leave one out")
-    if cell is not None:
-        if choice != CampaignChoice():
-            raise LinkproofError("--cell already defines the whole run: leave the other options out")
-        text = exported_cell(find_cell(cell), command_line("export", (), {"cell": [cell]}, {}))
-    else:
-        wanted = request(choice)
-        if len(choice.engines) != 1:
-            raise LinkproofError(f"expected one --engine to export, got {len(choice.engines)}: name one")
-        found = cases(wanted)
-        settings = wanted.settings
-        if len(found) != 1 or len(settings) != 1:
-            raise LinkproofError(
-                f"expected one regime and setting, got {len(found)} and {len(settings)}: name one each"
-            )
-        text = exported(found[0], choice.engines[0], settings[0], choice.written("export"))
+    text = _exported_run(options) if options.cell is None else _exported_cell(options, options.cell)
     if out is None:
         write_out(text)  # Python reads UTF-8
     else:
         write_text(out, text)
 
 
+def _exported_cell(options: ExportOptions, cell: str) -> str:
+    if options != ExportOptions(cell=cell):
+        raise LinkproofError("--cell already defines the whole run: leave the other options out")
+    return exported_cell(find_cell(cell), command_line("export", options))
+
+
+def _exported_run(options: ExportOptions) -> str:
+    named = (options.mechanism, options.engine, options.setting)
+    mechanisms, engine, setting = ((name,) if name else () for name in named)
+    wanted = request(CompareOptions(mechanisms=mechanisms, engine=engine, setting=setting, **vars(options.motion)))
+    if not engine:
+        raise LinkproofError("expected one --engine to export, got 0: name one")
+    found, settings = cases(wanted), wanted.settings
+    if len(found) != 1 or len(settings) != 1:
+        raise LinkproofError(f"expected one regime and setting, got {len(found)} and {len(settings)}: name one each")
+    return exported(found[0], engine[0], settings[0], command_line("export", options))
+
+
 def check(name: str, destination: Destination, processes: int | None = None) -> int:
     """Make every check of an engine, print a line of each; returns the exit code. Raises as ``findings``."""
     adapter = engine(name)
-    found = findings(adapter, processes)
+    found = engine_findings(adapter, processes)
     destination.write_json({"engine": name, "version": adapter.version(), "checks": [asdict(each) for each in found]})
     destination.print_out(printout(name, found))
     return FAILED if any(each.finding is Finding.FAILED for each in found) else PASSED
-
-
-def printout(name: str, checks: Sequence[Found]) -> Printout:
-    """A line of every check, and how many came to what."""
-    counts = Counter(each.finding for each in checks)
-    closing = f"{name}: " + ", ".join(f"{counts[finding]} {finding}" for finding in Finding if counts[finding])
-    return Printout([Table("", ("check", "", ""), _rows(checks), "l")], [closing])
-
-
-def findings(adapter: Engine, processes: int | None = None) -> list[Found]:
-    """What comes of every check of an engine.
-
-    Raises LinkproofError where nothing could be checked, AdapterError for an engine that cannot be loaded.
-    """
-    if isinstance(adapter, Unusable):
-        if adapter.error is None:
-            raise LinkproofError(adapter.reason)
-        with blamed_on(adapter):
-            raise adapter.error
-    found = check_engine(adapter, processes)
-    absent = next((each.detail for each in found if each.check == INSTALLED and each.finding in UNTESTED), None)
-    if absent is not None:
-        raise LinkproofError(f"expected an engine to check, got none: {absent}")
-    return found
-
-
-def _rows(found: Sequence[Found]) -> list[Sequence[TableCell | Words]]:
-    """A line of every check; of mutants that say the same, one line."""
-    groups: dict[tuple[str, Finding, str], int] = {}
-    for each in found:
-        alike = each.check.startswith(MUTANT) and each.finding is not Finding.FAILED
-        key = (MUTANT if alike else each.check, each.finding, each.detail)
-        groups[key] = groups.get(key, 0) + 1
-    return [
-        (
-            f"{count} mutant{'s' if count > 1 else ''}" if name == MUTANT else name,
-            TableCell(finding.value, colour=STYLES.get(finding, "dim")),
-            detail,
-        )
-        for (name, finding, detail), count in groups.items()
-    ]

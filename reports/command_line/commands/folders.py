@@ -12,12 +12,12 @@ from comparisons.folders.difference import difference
 from comparisons.folders.merging import MergedFolder
 from comparisons.folders.tables import write_tables
 from comparisons.folders.verification import verify as verify_folder
-from reports.command_line import FAILED, PASSED
 from reports.command_line.commands.compare import report as report_saved
 from reports.command_line.destination import Destination
 from reports.document.terminal import show
 from reports.records.differences import difference_printout
 from reports.records.findings import verification_printout, verification_told
+from reports.requests import FAILED, PASSED
 
 
 def verify(saved: Path, limits: Path | None, destination: Destination) -> int:

@@ -27,6 +27,7 @@ from reports.command_line.destination import Destination
 from reports.document.numbers import ABSENT, printed
 from reports.document.parts import Paragraph, Table
 from reports.mechanism import terminal
+from reports.requests.options.designs import SteadyOptions
 
 SHELVES: Final = {
     "catalogue": "The catalogue, taken where nothing is named",
@@ -58,9 +59,9 @@ def list_names(figures: str | None, numbers: str | None, destination: Destinatio
 
 
 def _list_figures(name: str, destination: Destination) -> None:
-    from reports.command_line.steady_choice import SteadyChoice, steady_case  # noqa: PLC0415 - for this list alone
+    from reports.requests.steady import steady_case  # noqa: PLC0415 - for this list alone
 
-    mechanism, motion, conditions = steady_case(load(name), SteadyChoice(mechanism=name, refine=True))
+    mechanism, motion, conditions = steady_case(load(name), SteadyOptions())
     every = named_figures(mechanism, figure_names(mechanism))
     values = motion.figures(mechanism, {SPEED: np.array([abs(motion.speed)])}, [one.figure for one in every])[:, 0]
     rows = [(one.name, one.unit, value) for one, value in zip(every, values.tolist(), strict=True)]

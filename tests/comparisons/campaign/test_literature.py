@@ -7,7 +7,8 @@ from analytic.description.loading import literature, load
 from comparisons.campaign.campaign import compare
 from comparisons.judging.records import Verdict
 from comparisons.runs.workers import LocalPool
-from reports.command_line.requests import CampaignChoice, request
+from reports.requests.campaign import request
+from reports.requests.options.campaign import CompareOptions
 from tests.analytic.linkages import FOLDER
 
 # Of peak; the energy balance is left out, an integral over samples.
@@ -17,14 +18,14 @@ THROUGH_CHANGE_POINTS = {"n-four-bar": str(FOLDER / "change-points" / "ten-four-
 VARIANTS = [(name, variant) for name in literature() for variant in load(name).variants]
 
 
-def _choice(name: str, variant: str) -> CampaignChoice:
+def _choice(name: str, variant: str) -> CompareOptions:
     if name in THROUGH_CHANGE_POINTS:  # between two of them
         ten = (THROUGH_CHANGE_POINTS[name],)
-        return CampaignChoice(
-            ten, engines=("direct",), regimes=("cycloidal",), from_angle=90.0, to_angle=30.0, speed=30.0
+        return CompareOptions(
+            mechanisms=ten, engine=("direct",), regime=("cycloidal",), from_angle=90.0, to_angle=30.0, speed=30.0
         )
     regimes = ("own",) if load(name).regimes else ("run-up-quintic",)
-    return CampaignChoice((name,), engines=("direct",), regimes=regimes, variant=variant, speed=100.0)
+    return CompareOptions(mechanisms=(name,), engine=("direct",), regime=regimes, variant=variant, speed=100.0)
 
 
 @pytest.mark.parametrize(("name", "variant"), VARIANTS)

@@ -11,7 +11,8 @@ from comparisons.judging.records import Verdict
 from comparisons.runs.workers import LocalPool
 from engines.contract import Outcome, Setting
 from engines.registry import engine, engine_names, why_unavailable
-from reports.command_line.requests import CampaignChoice, request
+from reports.requests.campaign import request
+from reports.requests.options.campaign import CompareOptions
 from tests.analytic.swinging import double_rocker_text
 
 REGIMES = """
@@ -40,7 +41,7 @@ def rocker(tmp_path):
 
 @pytest.mark.parametrize("name", INSTALLED)
 def test_a_rocker_that_cannot_turn_swings_within_the_limits(rocker, name):
-    choice = CampaignChoice((rocker,), engines=(name,), regimes=("rocking", "servo"))
+    choice = CompareOptions(mechanisms=(rocker,), engine=(name,), regime=("rocking", "servo"))
     results = list(compare(request(choice), pool=LocalPool(0)))
     assert [result.records[0].regime for result in results] == ["rocking", "servo"]
     for result in results:
@@ -53,13 +54,13 @@ def test_a_rocker_that_cannot_turn_swings_within_the_limits(rocker, name):
 
 @pytest.mark.parametrize(("start", "end"), [(30.0, -60.0), (-60.0, 30.0)])
 def test_constant_speed_both_ways_from_the_command_line(rocker, start, end):
-    choice = CampaignChoice((rocker,), engines=("direct",), from_angle=start, to_angle=end, speed=120.0)
+    choice = CompareOptions(mechanisms=(rocker,), engine=("direct",), from_angle=start, to_angle=end, speed=120.0)
     (result,) = compare(request(choice), pool=LocalPool(0))
     assert {record.outcome for record in (*result.records, *result.invariants)} == {Verdict.PASSED}
 
 
 def test_a_swing_beyond_a_toggle_says_where_it_ends_and_what_to_do(rocker):
-    choice = CampaignChoice((rocker,), engines=("direct",), from_angle=0.0, to_angle=80.0)
+    choice = CompareOptions(mechanisms=(rocker,), engine=("direct",), from_angle=0.0, to_angle=80.0)
     with pytest.raises(AssemblyError, match=r"reaches -74.41.* to 74.41.*stretched in one line.; stay within"):
         list(compare(request(choice), pool=LocalPool(0)))
 
@@ -83,7 +84,9 @@ duration = 0.05
 def test_a_torque_over_time_or_angle_moves_every_engine_that_takes_it(tmp_path, name):
     path = tmp_path / "rocker.toml"
     path.write_text(double_rocker_text(regimes=RELEASED))
-    choice = CampaignChoice((str(path),), engines=(name,), regimes=("own",), quantities=("phi", "omega", "S", "a"))
+    choice = CompareOptions(
+        mechanisms=(str(path),), engine=(name,), regime=("own",), quantity=("phi", "omega", "S", "a")
+    )
     for result in compare(request(choice), pool=LocalPool(0)):
         outcomes = {record.outcome for record in result.records}
         if outcomes == {Verdict.UNSUPPORTED}:
@@ -95,7 +98,7 @@ def test_a_torque_over_time_or_angle_moves_every_engine_that_takes_it(tmp_path, 
 def test_a_script_has_no_torque_over_time(tmp_path):
     path = tmp_path / "rocker.toml"
     path.write_text(double_rocker_text(regimes=RELEASED))
-    (case, *_) = cases(request(CampaignChoice((str(path),), regimes=("timed",))))
+    (case, *_) = cases(request(CompareOptions(mechanisms=(str(path),), regime=("timed",))))
     with pytest.raises(LinkproofError, match="got one over time in 'timed'"):
         exported(case, "exudyn", Setting.TUNED, "")
 
@@ -124,13 +127,13 @@ time = 1
 def test_a_cylinder_follows_a_law_in_millimetres_and_a_force_over_time(tmp_path):
     path = tmp_path / "boom.toml"
     path.write_text((LINKAGES / "drives" / "boom.toml").read_text() + LINEAR)
-    choice = CampaignChoice((str(path),), engines=("direct",), regimes=("lift", "push"))
+    choice = CompareOptions(mechanisms=(str(path),), engine=("direct",), regime=("lift", "push"))
     lift, push = compare(request(choice), pool=LocalPool(0))
     assert lift.records[0].conditions.startswith(
         "modified-sine from 260 mm to 500 mm and back, at most 800 mm/s, gravity on"
     )
     for result in (lift, push):
         assert {record.outcome for record in (*result.records, *result.invariants)} == {Verdict.PASSED}
-    too_far = CampaignChoice((str(path),), engines=("direct",), regimes=("too-far",))
+    too_far = CompareOptions(mechanisms=(str(path),), engine=("direct",), regime=("too-far",))
     with pytest.raises(AssemblyError, match="its drive reaches 232 mm to 572 mm"):
         list(compare(request(too_far), pool=LocalPool(0)))

@@ -13,7 +13,8 @@ from comparisons.judging.deviations import deviation
 from comparisons.judging.quantities import chosen_quantities
 from comparisons.reference.case import KEPT, Case
 from engines.scene import Channel
-from reports.command_line.requests import CampaignChoice, request
+from reports.requests.campaign import request
+from reports.requests.options.campaign import CompareOptions
 from tests.analytic.linkages import EVERY, mechanism
 from tests.comparisons.perfect_engine import perfect_motion
 from tests.counting import calls
@@ -62,8 +63,8 @@ def test_jeq_alone_is_judged_without_second_derivatives_forces_or_torques(monkey
 def test_jeq_alone_asks_an_engine_for_velocities_and_for_no_invariant():
     (jeq,) = chosen_quantities(Case(mechanism(SIX_BAR), MOTION), ["Jeq"])
     assert jeq.channels == {Channel.VELOCITY}
-    assert not request(CampaignChoice(quantities=("Jeq",))).with_invariants
-    assert request(CampaignChoice()).with_invariants
+    assert not request(CompareOptions(quantity=("Jeq",))).with_invariants
+    assert request(CompareOptions()).with_invariants
 
 
 def test_the_truth_on_a_clock_is_worked_out_once(monkeypatch):

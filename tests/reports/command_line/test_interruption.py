@@ -7,15 +7,17 @@ import pytest
 
 from analytic.errors import LinkproofError
 from reports.command_line.interruption import interruptible, journal
-from reports.command_line.requests import CampaignChoice, request
+from reports.requests.campaign import request
+from reports.requests.options.campaign import CompareOptions
+from reports.requests.options.declaring import command_line
 
-CHOICE = CampaignChoice(("juki-mf7923d",), engines=("direct",))
+CHOICE = CompareOptions(mechanisms=("juki-mf7923d",), engine=("direct",))
 
 
 def begun(folder, choice=CHOICE, text="the file", *, resume):
     asked = request(choice)
     linkages = tuple(dataclasses.replace(linkage, text=text) for linkage in asked.linkages)
-    return journal(folder, choice.command, asked.engines, linkages, resume=resume)
+    return journal(folder, command_line("compare", choice), asked.engines, linkages, resume=resume)
 
 
 def interrupted(folder, *heard, by=lambda *_: None):
@@ -62,5 +64,5 @@ def test_a_changed_linkage_file_is_another_request(tmp_path):
 def test_another_command_is_another_request(tmp_path):
     begun(tmp_path, resume=False).keep("run", b"result")
     faster = dataclasses.replace(CHOICE, speed=2000.0)
-    with pytest.raises(LinkproofError, match="got `linkproof compare juki-mf7923d --engine direct --speed 2000`"):
+    with pytest.raises(LinkproofError, match="got `linkproof compare juki-mf7923d --speed 2000 --engine direct`"):
         begun(tmp_path, faster, resume=True).kept()

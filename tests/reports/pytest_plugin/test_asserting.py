@@ -38,8 +38,8 @@ def test_one_over_its_limit_fails_with_the_command_that_repeats_it(pytester):
     done.assert_outcomes(failed=1)
     done.stdout.fnmatch_lines([
         "error * of peak is over its limit 1e-30",
-        "repeat it: linkproof compare linkages/bar.toml --regime run-up --engine direct --setting tuned --quantity Mkr "
-        "--speed 500",
+        "repeat it: linkproof compare linkages/bar.toml --regime run-up --speed 500 --engine direct --setting tuned "
+        "--quantity Mkr",
     ])  # fmt: skip
     done.stdout.no_fnmatch_line("*asserting.py*")
 

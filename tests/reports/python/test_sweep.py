@@ -5,8 +5,9 @@ import pytest
 import xarray
 
 import linkproof
-from reports.command_line.commands.sweep import SweepChoice, run
+from reports.command_line.commands.sweep import sweep
 from reports.command_line.destination import Destination
+from reports.requests.options.designs import SweepFiles, SweepOptions
 from tests.comparisons.faults import announce
 
 da = pytest.importorskip("dask.array")
@@ -22,8 +23,8 @@ def grid(**options):
 
 def test_a_grid_is_what_the_command_writes(tmp_path):
     vary = ("rod.B.x=160:180:5", "rod.mass=0.1:0.2:3")
-    choice = SweepChoice(mechanism="rimoldi-164", vary=vary, quantities=FIGURES, angles=12, speed=500.0)
-    run(choice, Destination(None, tmp_path, quiet=True))
+    choice = SweepOptions(mechanism="rimoldi-164", vary=vary, quantity=FIGURES, angles=12, speed=500.0)
+    sweep(choice, SweepFiles(), Destination(out=tmp_path, quiet=True))
     with xarray.open_dataset(tmp_path / "sweep.nc") as saved:
         found = grid()
         xarray.testing.assert_allclose(found, saved, rtol=1e-14)
@@ -59,7 +60,7 @@ def test_engines_run_some_of_the_designs_of_a_grid_or_a_list(tmp_path, monkeypat
     announce(tmp_path, "flawed", {"short-sighted": "tests.comparisons.designs.engines_with_flaws:ShortSighted"})
     monkeypatch.syspath_prepend(str(tmp_path))
     rods = np.linspace(166.0, 178.0, 13)
-    trial = {"figures": "Mkr.peak", "speed": 120, "simulate": ("short-sighted", "direct"), "cores": 1, "angles": 12}
+    trial = {"figures": "Mkr.peak", "speed": 120, "simulate": ("short-sighted", "direct"), "jobs": 1, "angles": 12}
     found = linkproof.sweep("rimoldi-164", {"rod.B.x": rods, "rod.mass": [0.1]}, designs=13, **trial)
     share = found["share_of_limit"].isel({"rod.mass": 0})
     assert share.dims == ("engine", "rod.B.x")

@@ -7,16 +7,20 @@ import pytest
 
 from analytic.errors import LinkproofError, UnknownNameError
 from comparisons.work_precision import costs
-from comparisons.work_precision.points import FULL, QUICK, Extent
+from comparisons.work_precision.points import Extent
 from comparisons.work_precision.records import load
 from reports.command_line.commands import bench as bench_command
-from reports.command_line.commands.bench import BenchChoice, bench
+from reports.command_line.commands.bench import bench
 from reports.command_line.destination import Destination
-from reports.command_line.requests import CampaignChoice
+from reports.requests.options.campaign import BenchOptions, RunsOptions
+from reports.requests.options.declaring import command_line
 from tests.comparisons.faults import PATIENCE
 
 SHORT = Extent((12.0, 24.0, 48.0), budget=PATIENCE, repeats=2, patience=PATIENCE)
-CHOICE = BenchChoice(("juki-mf7923d",), ("direct",), regimes=("run-up-quintic",), quantities=("Mkr",), quick=True)
+CHOICE = BenchOptions(
+    mechanisms=("juki-mf7923d",), engine=("direct",), regime=("run-up-quintic",), quantity=("Mkr",), quick=True
+)
+COMMAND = "linkproof bench juki-mf7923d --regime run-up-quintic --engine direct --quantity Mkr --quick"
 
 
 @pytest.fixture
@@ -24,27 +28,26 @@ def short(monkeypatch):
     """A benchmark of seconds: a short run-up, three steps, no interpreter started to time its imports."""
     monkeypatch.setattr(bench_command, "QUICK", SHORT)
     monkeypatch.setattr(bench_command, "first_use_seconds", lambda name, repeats: (0.1,) * repeats)
-    hurried = CampaignChoice(
-        ("juki-mf7923d",), regimes=("run-up-quintic",), engines=("direct",), ramp_time=0.1, hold_time=0.0
+    hurried = RunsOptions(
+        mechanisms=("juki-mf7923d",), regime=("run-up-quintic",), engine=("direct",), ramp_time=0.1, hold_time=0.0
     )
-    monkeypatch.setattr(BenchChoice, "campaign", property(lambda self: hurried))
+    monkeypatch.setattr(bench_command, "_campaign", lambda options: hurried)
 
 
 def test_defaults_are_both_run_ups_and_a_quick_one_the_smooth_alone():
-    assert BenchChoice().campaign.regimes == ("run-up-quintic", "run-up")
-    assert BenchChoice(quick=True).campaign.regimes == ("run-up-quintic",)
-    assert BenchChoice(regimes=("own",), quick=True).campaign.regimes == ("own",)
-    assert (BenchChoice().extent, BenchChoice(quick=True).extent) == (FULL, QUICK)
+    regimes = bench_command._campaign
+    assert regimes(BenchOptions()).regime == ("run-up-quintic", "run-up")
+    assert regimes(BenchOptions(quick=True)).regime == ("run-up-quintic",)
+    assert regimes(BenchOptions(regime=("own",), quick=True)).regime == ("own",)
 
 
 def test_the_command_asks_for_the_same():
-    words = "linkproof bench juki-mf7923d --regime run-up-quintic --engine direct --quantity Mkr --quick"
-    assert CHOICE.command == words
-    assert BenchChoice().command == "linkproof bench"
+    assert command_line("bench", CHOICE) == COMMAND
+    assert command_line("bench", BenchOptions()) == "linkproof bench"
 
 
 def test_a_benchmark_is_printed_written_and_read_back(short, tmp_path, capsys):
-    assert bench(CHOICE, Destination(str(tmp_path / "r.json"), tmp_path / "out")) == 0
+    assert bench(CHOICE, Destination(json=str(tmp_path / "r.json"), out=tmp_path / "out")) == 0
     text = capsys.readouterr().out
     assert "juki-mf7923d (as-built), run-up-quintic: Mkr" in text
     assert "to get" in text
@@ -58,17 +61,17 @@ def test_a_benchmark_is_printed_written_and_read_back(short, tmp_path, capsys):
 def test_costs_are_measured_where_they_are_asked_for(short, monkeypatch, capsys, tmp_path):
     monkeypatch.setattr(costs, "BUDGET", 0.0)
     asked = replace(CHOICE, costs=True)
-    assert asked.command == f"{CHOICE.command} --costs"
-    assert bench(asked, Destination(str(tmp_path / "r.json"))) == 0
+    assert command_line("bench", asked) == f"{COMMAND} --costs"
+    assert bench(asked, Destination(json=str(tmp_path / "r.json"))) == 0
     measured = load(tmp_path / "r.json").costs
     assert {cost.solver for cost in measured} >= {"direct", "numpy"}
     assert "motion alone" in capsys.readouterr().out
 
 
 def test_json_to_stdout_is_json_and_nothing_else(short, capsys):
-    assert bench(CHOICE, Destination("-")) == 0
+    assert bench(CHOICE, Destination(json="-")) == 0
     found = json.loads(capsys.readouterr().out)
-    assert found["command"] == CHOICE.command
+    assert found["command"] == COMMAND
     assert found["noise"]["samples"]
     assert found["costs"] == []
 
@@ -76,12 +79,12 @@ def test_json_to_stdout_is_json_and_nothing_else(short, capsys):
 @pytest.mark.parametrize(
     ("choice", "kind", "words"),
     [
-        (BenchChoice(("jukki",)), UnknownNameError, "known are .*juki-mf7923d"),
-        (BenchChoice(engines=("exudin",)), UnknownNameError, "exudyn"),
-        (BenchChoice(regimes=("runup",)), UnknownNameError, "run-up"),
-        (BenchChoice(quantities=("torque",)), UnknownNameError, "Mkr"),
+        (BenchOptions(mechanisms=("jukki",)), UnknownNameError, "known are .*juki-mf7923d"),
+        (BenchOptions(engine=("exudin",)), UnknownNameError, "exudyn"),
+        (BenchOptions(regime=("runup",)), UnknownNameError, "run-up"),
+        (BenchOptions(quantity=("torque",)), UnknownNameError, "Mkr"),
         (
-            BenchChoice(("slotted-takeup",), regimes=("own",), quantities=("Mkr",)),
+            BenchOptions(mechanisms=("slotted-takeup",), regime=("own",), quantity=("Mkr",)),
             LinkproofError,
             "none of Mkr is a result",
         ),

@@ -27,7 +27,7 @@ class ExcusedEngine(PrintingEngine):
 def checked(monkeypatch, tmp_path, capsys):
     def check(engine):
         monkeypatch.setattr(engines, "engine", lambda name: engine)
-        code = engines.check("mine", Destination(str(tmp_path / "found.json")), 2)
+        code = engines.check("mine", Destination(json=str(tmp_path / "found.json")), 2)
         return code, capsys.readouterr().out, json.loads((tmp_path / "found.json").read_text())["checks"]
 
     return check

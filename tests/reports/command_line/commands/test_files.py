@@ -27,7 +27,7 @@ def checked(capsys, text, **options):
     Path("mine.toml").write_text(text, encoding="utf-8")
     fault = None
     try:
-        files.check("mine.toml", options.get("variant"), options.get("svg"), Destination(options.get("json")))
+        files.check("mine.toml", options.get("variant"), options.get("svg"), Destination(json=options.get("json")))
     except LinkproofError as error:
         fault = error
     return capsys.readouterr().out, fault

@@ -7,10 +7,12 @@ import numpy as np
 import pytest
 
 from analytic.errors import LinkproofError
-from reports.command_line.commands.results import ResultsChoice, results
+from reports.command_line.commands.results import results
+from reports.requests.options.linkage import ResultsFiles, ResultsOptions
 from tests.analytic.drives import path_of
 from tests.analytic.textbook import DOUBLE_ROCKER
 from tests.commands import linkproof, refused
+from tests.options import shared_out
 from tests.reports.designs.results.samples import piston_text
 
 
@@ -94,7 +96,8 @@ angle = [0, 90, 180, 270]
 torque = [0.4, 0.5, 0.4, 0.3]
 """
     (tmp_path / "rocker.toml").write_text(DOUBLE_ROCKER + released, encoding="utf-8")
-    results(ResultsChoice(mechanism=str(tmp_path / "rocker.toml"), regimes=("push",), json=str(tmp_path / "r.json")))
+    options = ResultsOptions(mechanism=str(tmp_path / "rocker.toml"), regime=("push",))
+    results(options, ResultsFiles(json=str(tmp_path / "r.json")))
     document = json.loads((tmp_path / "r.json").read_text())
     assert document["axis"] == "time"
     assert document["conditions"].startswith("rocker (base): released at 70°")
@@ -123,14 +126,10 @@ def test_without_masses_there_are_no_torques_and_a_line_says_so(tmp_path, engine
 
 
 FAULTS = [
-    ({"at": "0,x"}, "--at: expected finite numbers of degrees"),
-    ({"at": ""}, "--at: expected finite numbers of degrees"),
-    ({"at": "nan"}, "--at: expected finite numbers"),
-    ({"time": "0.01,inf"}, "--time: expected finite numbers of seconds"),
-    ({"time": "0.07"}, "--time: expected instants from 0 to 0.06 s"),
-    ({"time": "-1"}, "--time: expected instants from 0"),
-    ({"at": "5", "from_angle": 30.0, "to_angle": 60.0}, "--at: expected what the motion passes, from 30° to 60°"),
-    ({"at": "0", "time": "0"}, "--at and --time both choose"),
+    ({"time": (0.07,)}, "--time: expected instants from 0 to 0.06 s"),
+    ({"time": (-1.0,)}, "--time: expected instants from 0"),
+    ({"at": (5.0,), "from_angle": 30.0, "to_angle": 60.0}, "--at: expected what the motion passes, from 30° to 60°"),
+    ({"at": (0.0,), "time": (0.0,)}, "--at and --time both choose"),
     ({"csv": "."}, "cannot write '.'"),
     ({"csv": "engine.toml/t.csv"}, "cannot write 'engine.toml/t.csv'"),
     ({"svg": "engine.toml"}, "--svg 'engine.toml' would take the place of the linkage's file"),
@@ -147,8 +146,8 @@ FAULTS = [
     ({"decimal": ","}, "--decimal belongs to the table of --csv"),
     ({"csv": "-", "json": "-"}, "--csv and --json cannot both go to stdout"),
     ({"csv": "a", "svg": "a"}, "--csv and --svg cannot both go to 'a'"),
-    ({"regimes": ("all",)}, "expected one motion"),
-    ({"regimes": ("nothing",)}, "unknown regime 'nothing'"),
+    ({"regime": ("all",)}, "expected one motion"),
+    ({"regime": ("nothing",)}, "unknown regime 'nothing'"),
     ({"ramp_time": 0.1}, "add --regime run-up"),
     ({"speed": 0.0}, "--speed: expected a finite number of rpm other than 0"),
     ({"variant": "none"}, "unknown variant"),
@@ -160,7 +159,7 @@ FAULTS = [
 def test_what_cannot_be_is_said_and_nothing_is_written(engine, tmp_path, monkeypatch, choice, said):
     monkeypatch.chdir(tmp_path)
     with pytest.raises(LinkproofError) as error:
-        results(ResultsChoice(mechanism=str(engine), **choice))
+        results(*shared_out({"mechanism": str(engine), **choice}, ResultsOptions, ResultsFiles))
     assert said in str(error.value)
     assert {path.name for path in tmp_path.iterdir()} == {"engine.toml"}
 
@@ -174,8 +173,9 @@ def test_a_package_that_is_missing_is_one_sentence_with_the_cure(engine, tmp_pat
 
 
 def test_a_fault_is_one_sentence_and_exit_code_2(engine, tmp_path):
-    said = refused("results", engine, "--at", "0,x", "--csv", "t.csv", cwd=tmp_path)
-    assert said.startswith("linkproof: --at: expected finite numbers")
+    for option, text in (("--at", "0,x"), ("--at", ""), ("--at", "nan"), ("--time", "0.01,inf")):
+        error = refused("results", engine, option, text, "--csv", "t.csv", cwd=tmp_path)
+        assert error.startswith(f"linkproof: {option}: expected finite numbers with commas between them")
     assert {path.name for path in tmp_path.iterdir()} == {"engine.toml"}
 
 
@@ -185,9 +185,9 @@ def test_the_page_is_written_into_a_folder_beside_those_of_other_linkages(engine
     other = tmp_path / "other.toml"
     other.write_text(piston_text(), encoding="utf-8")
     out = tmp_path / "pages"
-    results(ResultsChoice(mechanism=str(engine), out=out), quiet=True)
-    results(ResultsChoice(mechanism=str(other), out=out, opens=True, speed=500.0), quiet=True)
-    results(ResultsChoice(mechanism=str(engine), out=out, speed=200.0), quiet=True)
+    results(ResultsOptions(mechanism=str(engine)), ResultsFiles(out=out), quiet=True)
+    results(ResultsOptions(mechanism=str(other), speed=500.0), ResultsFiles(out=out), opens=True, quiet=True)
+    results(ResultsOptions(mechanism=str(engine), speed=200.0), ResultsFiles(out=out), quiet=True)
     pages = {path.name: path.read_text(encoding="utf-8") for path in (out / "mechanisms").iterdir()}
     assert set(pages) == {"engine.base.html", "other.base.html"}
     assert "200 rpm" in pages["engine.base.html"]
@@ -198,4 +198,4 @@ def test_the_page_is_written_into_a_folder_beside_those_of_other_linkages(engine
 
 def test_a_page_that_is_nowhere_cannot_be_opened(engine):
     with pytest.raises(LinkproofError, match="--open shows the page that --out writes"):
-        results(ResultsChoice(mechanism=str(engine), opens=True))
+        results(ResultsOptions(mechanism=str(engine)), ResultsFiles(), opens=True)

@@ -16,19 +16,23 @@ from analytic.errors import LinkproofError
 from comparisons.campaign.results import load as load_campaign
 from comparisons.designs.sweep import sweep as sweeps
 from comparisons.folders.verification import verify
-from reports.command_line.commands.sweep import SweepChoice, run
+from reports.command_line.commands.sweep import sweep
 from reports.command_line.destination import Destination
+from reports.requests.options.designs import SweepFiles, SweepOptions
 from tests.analytic.drives import path_of
 from tests.commands import linkproof
 from tests.comparisons.faults import announce
+from tests.options import shared_out
 from tests.reports.command_line.test_app import completed
 
 VARY = ("rod.B.x=160:18cm:5", "rod.mass=100g:0.2:3")
-PLAIN = {"mechanism": "rimoldi-164", "vary": VARY, "quantities": ("Mkr.peak", "stroke"), "angles": 12}
+PLAIN = {"mechanism": "rimoldi-164", "vary": VARY, "quantity": ("Mkr.peak", "stroke"), "angles": 12}
 
 
-def swept(folder=None, *, resume=False, quiet=True, **options):
-    return run(SweepChoice(**{**PLAIN, **options}), Destination(options.get("json"), folder, resume, quiet))
+def swept(folder=None, *, quiet=True, **options):
+    return sweep(
+        *shared_out({**PLAIN, **options, "out": folder, "quiet": quiet}, SweepOptions, SweepFiles, Destination)
+    )
 
 
 def table(path):
@@ -172,8 +176,8 @@ def test_nothing_is_kept_but_the_summary_without_a_folder(tmp_path, monkeypatch)
         ({"simulate": ("direct",), "designs": 0}, "--designs: expected 1 design or more to simulate, got 0"),
         ({"designs": 8}, "--designs is for designs that are simulated: name an engine with --simulate"),
         ({"simulate": ("direct",), "seed": -1}, "--seed: expected a whole number, 0 or more, got -1"),
-        ({"quantities": ("Mkr",)}, "unknown figure 'Mkr': did you mean"),
-        ({"quantities": ("nothing.peak",)}, "unknown figure 'nothing.peak'"),
+        ({"quantity": ("Mkr",)}, "unknown figure 'Mkr': did you mean"),
+        ({"quantity": ("nothing.peak",)}, "unknown figure 'nothing.peak'"),
         ({"angles": 3}, "--angles: expected 8 crank angles or more, got 3"),
         ({"jobs": 0}, "--jobs: expected 1 or more cores, got 0"),
         ({"speed": 0.0}, "--speed: expected"),
@@ -196,7 +200,7 @@ def test_parameters_and_figures_are_completed():
     assert completed("sweep", "rimoldi-164", "--quantity", "Mkr.p") == ["Mkr.peak"]
 
 
-QUICK = {"vary": ("rod.B.x=166:178:13",), "quantities": ("Mkr.peak",), "speed": 120.0, "jobs": 1}
+QUICK = {"vary": ("rod.B.x=166:178:13",), "quantity": ("Mkr.peak",), "speed": 120.0, "jobs": 1}
 
 
 def test_designs_are_simulated_in_a_campaign_of_their_own(tmp_path, capsys):

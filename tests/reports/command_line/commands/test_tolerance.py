@@ -7,9 +7,11 @@ import pytest
 
 import linkproof as package
 from analytic.errors import LinkproofError
-from reports.command_line.commands.tolerance import ToleranceChoice, run
+from reports.command_line.commands.tolerance import tolerance
+from reports.requests.options.designs import ToleranceFiles, ToleranceOptions
 from tests.analytic.drives import path_of
 from tests.commands import linkproof, refused
+from tests.options import shared_out
 
 TEXT = """results = ["Mkr.peak", "stroke"]
 speed = 900
@@ -59,11 +61,8 @@ def test_it_says_what_moves_what_and_writes_it(tmp_path, file):
 
 
 def test_python_has_the_same_numbers(tmp_path, file):
-    run(
-        ToleranceChoice(
-            mechanism="rimoldi-164", tolerances=file, angles=24, samples=50, json=str(tmp_path / "a.json"), quiet=True
-        )
-    )
+    options = ToleranceOptions(mechanism="rimoldi-164", tolerances=file, angles=24, samples=50)
+    tolerance(options, ToleranceFiles(json=str(tmp_path / "a.json")), quiet=True)
     told = json.loads((tmp_path / "a.json").read_text(encoding="utf-8"))["results"]["Mkr.peak"]
     found = package.tolerance("rimoldi-164", file, angles=24, samples=50).sel(result="Mkr.peak")
     assert found.sizes == {"parameter": 3, "limit": 2, "end": 2, "level": 2}
@@ -102,7 +101,7 @@ def test_a_drive_along_a_line_has_its_own_unit_of_speed(file):
 def test_faults_of_the_file_are_told_with_its_name(file, old, new, words):
     file.write_text(TEXT.replace(old, new), encoding="utf-8")
     with pytest.raises(LinkproofError, match=words) as told:
-        run(ToleranceChoice(mechanism="rimoldi-164", tolerances=file))
+        tolerance(ToleranceOptions(mechanism="rimoldi-164", tolerances=file), ToleranceFiles())
     assert str(told.value).startswith(str(file))
 
 
@@ -116,7 +115,7 @@ def test_other_faults_are_told_before_anything_is_written(tmp_path, file):
         ({"seed": -1}, "--seed: expected a number from 0 on"),
         ({"angles": 3}, "--angles: expected 8 crank angles or more, got 3"),
     ):
-        given = {"json": str(tmp_path / "none.json"), **options}
+        given = {"mechanism": "rimoldi-164", "tolerances": file, "json": str(tmp_path / "none.json"), **options}
         with pytest.raises(LinkproofError, match=words):
-            run(ToleranceChoice(mechanism="rimoldi-164", tolerances=file, **given))
+            tolerance(*shared_out(given, ToleranceOptions, ToleranceFiles))
     assert not (tmp_path / "none.json").exists()

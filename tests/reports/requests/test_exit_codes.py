@@ -14,8 +14,8 @@ from comparisons.judging.run_result import RunResult
 from comparisons.stress.cells import CellResult, find_cell
 from comparisons.stress.verdict import Judgement, StressVerdict
 from reports.campaign.terminal import printout
-from reports.command_line.exit_codes import bench_exit_code, campaign_exit_code, stress_exit_code
 from reports.document.terminal import rendered
+from reports.requests.exit_codes import bench_exit_code, campaign_exit_code, stress_exit_code
 from tests.commands import COMMAND
 from tests.comparisons.bench_rows import row
 

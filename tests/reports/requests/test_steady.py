@@ -9,13 +9,15 @@ import pytest
 import linkproof as package
 from analytic.description.loading import load
 from analytic.errors import LinkproofError
-from reports.command_line.steady_choice import SteadyChoice, steady_case
+from reports.requests.options.declaring import stated
+from reports.requests.options.designs import SweepOptions
+from reports.requests.steady import steady_case
 from tests.analytic.drives import path_of
 from tests.commands import linkproof, refused
 
 
 def steady(name="rimoldi-164", **options):
-    return steady_case(load(name), SteadyChoice(mechanism=name, **options))
+    return steady_case(load(name), SweepOptions(mechanism=name, **options))
 
 
 def test_a_crank_that_turns_is_looked_at_over_a_turn_whichever_way_it_goes():
@@ -43,10 +45,9 @@ def test_a_drive_along_a_line_goes_over_its_range_in_a_second():
 
 
 def test_the_command_that_asks_for_the_same_names_what_is_not_usual():
-    choice = SteadyChoice(mechanism="rimoldi-164", angles=90, refine=True, gravity=False, scale_mass=True)
-    assert choice.words["angles"] == ["90"]
-    assert choice.flags == {"no-gravity": True, "refine": True, "scale-mass": True}
-    assert SteadyChoice(mechanism="rimoldi-164").words["angles"] == []
+    choice = SweepOptions(mechanism="rimoldi-164", angles=90, refine=True, gravity=False, scale_mass=True)
+    assert stated(choice) == {"no-gravity": (), "scale-mass": (), "angles": ("90",), "refine": ()}
+    assert stated(SweepOptions(mechanism="rimoldi-164")) == {}
 
 
 MOTOR = path_of("linear-motor")

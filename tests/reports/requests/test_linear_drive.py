@@ -6,17 +6,18 @@ import pytest
 from analytic.description.loading import load
 from analytic.errors import LinkproofError
 from comparisons.datasheet.building import MARGIN
-from reports.command_line.linear_drive import prescribed
-from reports.command_line.motion_choice import MotionChoice
-from reports.command_line.motions import motions
-from reports.command_line.requests import CampaignChoice, request
+from reports.requests.campaign import request
+from reports.requests.motions import prescribed
+from reports.requests.options.campaign import CompareOptions
+from reports.requests.options.declaring import stated
+from reports.requests.options.motion import MotionOptions
 from tests.analytic.drives import driven, path_of
 
 MOTOR = driven("linear-motor")
 
 
 def asked(**choice):
-    (motion,), conditions = prescribed(MotionChoice(**choice), [MOTOR.linkage])
+    (motion,), conditions = prescribed(MotionOptions(**choice), [MOTOR.linkage])
     return motion, conditions
 
 
@@ -43,16 +44,16 @@ def test_without_a_speed_the_mean_is_that_of_a_second_and_without_ends_it_goes_o
 
 def test_what_turns_a_crank_and_what_moves_several_is_refused():
     with pytest.raises(LinkproofError, match="--regime run-up turns a crank"):
-        asked(regimes=("run-up",))
+        asked(regime=("run-up",))
     with pytest.raises(LinkproofError, match="cannot share a motion with other linkages"):
-        prescribed(MotionChoice(), [load("juki-mf7923d"), MOTOR.linkage])
+        prescribed(MotionOptions(), [load("juki-mf7923d"), MOTOR.linkage])
 
 
 def test_cranks_have_the_motions_they_had_and_a_campaign_takes_both():
-    choice = MotionChoice(regimes=("all",))
-    assert prescribed(choice, [load("juki-mf7923d")]) == (motions(choice), choice.conditions)
+    choice = MotionOptions(regime=("all",))
+    assert prescribed(choice, [load("juki-mf7923d")]) == prescribed(choice, [])
     campaign = request(
-        CampaignChoice(mechanisms=(path_of("linear-motor"),), regimes=("cycloidal",), from_angle=0.0, to_angle=50.0)
+        CompareOptions(mechanisms=(path_of("linear-motor"),), regime=("cycloidal",), from_angle=0.0, to_angle=50.0)
     )
     assert ends(campaign.motions[0]) == pytest.approx([0.0, 0.05])
     assert campaign.conditions.startswith("from 0 mm to 50 mm")
@@ -61,7 +62,7 @@ def test_cranks_have_the_motions_they_had_and_a_campaign_takes_both():
 def test_a_speed_that_is_given_counts_even_if_it_is_the_default_of_a_crank():
     motion, _ = asked(from_angle=10.0, to_angle=60.0, speed=1000.0)
     assert motion.peak_speed == pytest.approx(1.0)
-    assert MotionChoice(speed=1000.0).words == {"speed": ("1000",)}
+    assert stated(MotionOptions(speed=1000.0)) == {"speed": ("1000",)}
 
 
 def test_a_start_angle_is_refused_where_nothing_turns():

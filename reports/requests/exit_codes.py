@@ -16,7 +16,7 @@ from comparisons.stress.verdict import StressVerdict
 from comparisons.work_precision.points import OUT_OF_TIME
 from comparisons.work_precision.records import BenchRecord
 from engines.contract import Outcome
-from reports.command_line import FAILED, PASSED, SUITE_ERROR
+from reports.requests import FAILED, PASSED, SUITE_ERROR
 
 
 def campaign_exit_code(

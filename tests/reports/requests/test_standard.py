@@ -1,14 +1,15 @@
 """A project's words stand where options say nothing; what is recorded goes to a file that a user names."""
 
-from dataclasses import replace
 from pathlib import Path
 
 import pytest
 
 from analytic.description.loading import read
 from analytic.errors import LinkproofError, UnknownNameError
-from reports.command_line.requests import CampaignChoice, RunLimits, files, request
-from reports.command_line.standard_choice import StandardChoice, in_project
+from reports.requests.campaign import files, request
+from reports.requests.options.campaign import CompareOptions, RunLimits, StandardOptions
+from reports.requests.options.declaring import command_line
+from reports.requests.standard import baseline_file, in_project
 
 PROJECT = """
 linkages = ["*/*.toml"]
@@ -34,29 +35,32 @@ def folder(tmp_path, monkeypatch):
 
 
 def _in_project(choice=None, limits=None):
-    return in_project(choice or CampaignChoice(), limits or RunLimits(), StandardChoice())
+    return in_project(choice or CompareOptions(), limits or RunLimits(), StandardOptions())
 
 
 def test_without_words_a_project_says_everything(folder):
-    choice, limits, held, _ = _in_project()
+    choice, limits, project, *_ = _in_project()
     assert choice.mechanisms == ("a/press.toml", "b/press.toml")
-    assert (choice.engines, choice.settings, choice.regimes) == (("direct",), ("best",), ("coast", "run-up"))
+    assert (choice.engine, choice.setting, choice.regime) == (("direct",), ("best",), ("coast", "run-up"))
     assert (limits.time_limit, limits.memory_limit) == (30.0, 2.0)
-    assert held.file == folder / "linkproof-baseline.json"
-    assert "linkproof compare a/press.toml b/press.toml --regime coast" in choice.command
+    assert baseline_file(StandardOptions(), project) == folder / "linkproof-baseline.json"
+    assert "linkproof compare a/press.toml b/press.toml --regime coast" in command_line("compare", choice)
 
 
 def test_words_go_before_the_project(folder):
-    given = CampaignChoice(("b/press.toml",), ("exudyn",), ("tuned",), regimes=("run-up-cubic",))
-    choice, limits, held, known = in_project(given, RunLimits(5.0), StandardChoice(baseline=Path("mine.json")))
+    given = CompareOptions(
+        mechanisms=("b/press.toml",), engine=("exudyn",), setting=("tuned",), regime=("run-up-cubic",)
+    )
+    mine = StandardOptions(baseline=Path("mine.json"))
+    choice, limits, project, _, known = in_project(given, RunLimits(time_limit=5.0), mine)
     assert (choice, known) == (given, ())
     assert (limits.time_limit, limits.memory_limit) == (5.0, 2.0)
-    assert held.file == Path("mine.json")
+    assert baseline_file(mine, project) == Path("mine.json")
 
 
 def test_a_swing_or_no_worker_processes_leave_out_what_would_contradict_them(folder):
-    swing = CampaignChoice(from_angle=10.0, to_angle=40.0)
-    assert _in_project(swing)[0].regimes == ()
+    swing = CompareOptions(from_angle=10.0, to_angle=40.0)
+    assert _in_project(swing)[0].regime == ()
     none = RunLimits(jobs=0)
     assert _in_project(limits=none)[1] == none
 
@@ -64,17 +68,17 @@ def test_a_swing_or_no_worker_processes_leave_out_what_would_contradict_them(fol
 def test_the_project_is_that_of_the_first_file(folder, monkeypatch):
     monkeypatch.chdir("/")
     shipped, own = "juki-mf7923d", str(folder / "b" / "press.toml")
-    assert _in_project(CampaignChoice((shipped,)))[2].project is None
-    assert _in_project(CampaignChoice((shipped, own)))[2].project.folder == folder
-    assert _in_project()[0] == CampaignChoice()
+    assert _in_project(CompareOptions(mechanisms=(shipped,)))[2] is None
+    assert _in_project(CompareOptions(mechanisms=(shipped, own)))[2].folder == folder
+    assert _in_project()[0] == CompareOptions()
 
 
 def test_a_linkage_without_a_regime_of_the_project_is_not_run_in_it(folder):
-    choice, *_, known = _in_project(CampaignChoice(("b/press.toml",)))
+    choice, *_, known = _in_project(CompareOptions(mechanisms=("b/press.toml",)))
     wanted = request(choice, known)
     assert [motion.regime for motion in wanted.motions] == ["run-up"]
     (folder / "linkproof.toml").write_text(PROJECT.replace("coast", "cost"))
-    choice, *_, known = _in_project(CampaignChoice(("b/press.toml",)))
+    choice, *_, known = _in_project(CompareOptions(mechanisms=("b/press.toml",)))
     with pytest.raises(UnknownNameError, match="unknown regime 'cost': did you mean 'coast'"):
         request(choice, known)
 
@@ -82,7 +86,7 @@ def test_a_linkage_without_a_regime_of_the_project_is_not_run_in_it(folder):
 def test_a_variant_takes_those_of_the_project_that_have_it(folder):
     text = (folder / "b" / "press.toml").read_text(encoding="utf-8")
     (folder / "b" / "press.toml").write_text(text + "\n[variants.light.links.needle_bar]\nmass = 0.01\n", "utf-8")
-    assert _in_project(CampaignChoice(variant="light"))[0].mechanisms == ("b/press.toml",)
+    assert _in_project(CompareOptions(variant="light"))[0].mechanisms == ("b/press.toml",)
 
 
 def test_files_of_one_name_have_as_many_folders_before_it_as_tell_them_apart(folder):
@@ -91,20 +95,26 @@ def test_files_of_one_name_have_as_many_folders_before_it_as_tell_them_apart(fol
         path.parent.mkdir()
         path.write_text((folder / "b" / "press.toml").read_text(encoding="utf-8"), encoding="utf-8")
     names = ("a/press.toml", *(str(path.relative_to(folder)) for path in deep))
-    assert [file.name for file in files(CampaignChoice(names))] == ["a-press", "a-parts-press", "b-parts-press"]
+    named = files(CompareOptions(mechanisms=names))
+    assert [file.name for file in named] == [
+        "a-press",
+        "a-parts-press",
+        "b-parts-press",
+    ]
 
 
 def test_recording_needs_a_file_of_the_users_own(folder, tmp_path):
     with pytest.raises(LinkproofError, match=r"--record-baseline: .* --baseline, or put a linkproof.toml"):
-        StandardChoice(record=True).check()
-    replace(_in_project()[2], record=True).check()
+        baseline_file(StandardOptions(record_baseline=True), None)
+    assert baseline_file(StandardOptions(record_baseline=True), _in_project()[2])
     with pytest.raises(LinkproofError, match="cannot write"):
-        StandardChoice(baseline=tmp_path, record=True).check()
+        baseline_file(StandardOptions(baseline=tmp_path, record_baseline=True), None)
 
 
 def test_the_words_ask_for_the_same_standard(tmp_path):
-    held = StandardChoice(Path("my limits.toml"), Path("b.json"), allow_new=True, allow_missing=True)
-    assert held.words == " --limits 'my limits.toml' --baseline b.json --allow-new --allow-missing"
+    mine = StandardOptions(limits=Path("my limits.toml"), baseline=Path("b.json"), allow_new=True, allow_missing=True)
+    words = "linkproof compare --limits 'my limits.toml' --baseline b.json --allow-new --allow-missing"
+    assert command_line("compare", CompareOptions(), mine) == words
 
 
 def test_nothing_is_recorded_among_installed_packages(tmp_path):
@@ -112,11 +122,11 @@ def test_nothing_is_recorded_among_installed_packages(tmp_path):
     with pytest.raises(
         LinkproofError, match=r"expected a file of your own, got .*base\.json' among installed packages"
     ):
-        StandardChoice(baseline=file, record=True).check()
+        baseline_file(StandardOptions(baseline=file, record_baseline=True), None)
 
 
 def test_an_unknown_engine_of_a_project_is_said_with_its_file(folder):
     (folder / "linkproof.toml").write_text(PROJECT.replace('"direct"', '"adams"'))
     with pytest.raises(UnknownNameError, match=r"unknown engine of .*linkproof\.toml 'adams'"):
         _in_project()
-    assert _in_project(CampaignChoice(engines=("direct",)))[0].engines == ("direct",)
+    assert _in_project(CompareOptions(engine=("direct",)))[0].engine == ("direct",)

@@ -1,0 +1,134 @@
+"""Commands of typer, made of functions whose arguments are declared options, one by one or in dataclasses."""
+
+from __future__ import annotations
+
+import inspect
+import math
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import is_dataclass, replace
+from functools import wraps
+from types import MappingProxyType
+from typing import Annotated, Any, get_args, get_origin, get_type_hints
+
+import typer
+
+from analytic.errors import LinkproofError
+from reports.command_line import completion
+from reports.requests.options.declaring import Argument, Declared, Option, declared
+
+REQUIRED = inspect.Parameter.empty
+NOTHING: Mapping[str, str] = MappingProxyType({})
+
+
+def command(
+    app: typer.Typer,
+    name: str | None = None,
+    *,
+    summary: str,
+    without: Sequence[str] = (),
+    hidden: Sequence[str] = (),
+    texts: Mapping[str, str] = NOTHING,
+) -> Callable[[Callable[..., int | None]], Callable[..., int | None]]:
+    """Add a function to the commands of an app; it may give the exit code.
+
+    An argument of a dataclass becomes an option for each of its declared fields, but for those ``without`` one;
+    ``hidden`` ones are not in the help, and ``texts`` are the help of some in this command.
+    """
+
+    def added(function: Callable[..., int | None]) -> Callable[..., int | None]:
+        hints = get_type_hints(function, include_extras=True)
+        bags: dict[str, Any] = {each: kind for each, kind in hints.items() if is_dataclass(kind)}
+        parameters: list[inspect.Parameter] = []
+        for parameter in inspect.signature(function).parameters.values():
+            kind = hints[parameter.name]
+            if parameter.name in bags:
+                own = [one for one in declared(kind) if one.field.name not in without]
+                parameters += [_parameter(one, hidden, texts) for one in own]
+            elif get_origin(kind) is Annotated:
+                value, info = get_args(kind)
+                parameters.append(_typed(parameter.name, value, info, parameter.default))
+
+        @wraps(function)
+        def called(**given: Any) -> None:  # noqa: ANN401 - of all options
+            for each, kind in bags.items():
+                own = {one.field.name: one for one in declared(kind) if one.field.name in given}
+                given[each] = kind(**{name: _value(one, given.pop(name)) for name, one in own.items()})
+            raise typer.Exit(function(**given) or 0)
+
+        called.__signature__ = inspect.Signature(parameters)  # type: ignore[attr-defined]
+        called.__annotations__ = {one.name: one.annotation for one in parameters}
+        del called.__wrapped__  # whose own signature would be read in place of this one
+        app.command(name, short_help=summary)(called)
+        return function
+
+    return added
+
+
+def _parameter(one: Declared, hidden: Sequence[str], texts: Mapping[str, str]) -> inspect.Parameter:
+    """The parameter of a declared field."""
+    info = one.info
+    default = REQUIRED if isinstance(info, Argument) and info.is_required else one.field.default
+    if one.field.name in texts and isinstance(info, Option):
+        info = replace(info, help=texts[one.field.name])
+    return _typed(one.field.name, one.kind, info, default, is_hidden=one.field.name in hidden)
+
+
+def _typed(
+    name: str,
+    kind: Any,  # noqa: ANN401 - a type
+    info: Option | Argument,
+    default: Any,  # noqa: ANN401 - of any option
+    *,
+    is_hidden: bool = False,
+) -> inspect.Parameter:
+    """A parameter as typer reads it: a list stands for a tuple of words, a flag says that what is True is not."""
+    is_flag, item = kind is bool, _item(kind)
+    if item is float or kind is Any:
+        kind = str | None
+    elif item is not None:
+        kind = list[item] if default is REQUIRED else list[item] | None  # type: ignore[valid-type]
+        default = None if default == () else default
+    elif is_flag:
+        default = False
+    names = getattr(completion, info.names) if info.names else None
+    if isinstance(info, Argument):
+        shown: Any = typer.Argument(metavar=info.metavar, autocompletion=names, hidden=True)
+    else:
+        flags = info.flags or (f"--{name.replace('_', '-')}",)
+        metavar = None if is_flag else info.metavar
+        shown = typer.Option(*flags, metavar=metavar, help=info.help, autocompletion=names, hidden=is_hidden)
+    way = inspect.Parameter.KEYWORD_ONLY
+    return inspect.Parameter(name, way, default=default, annotation=Annotated[kind, shown])
+
+
+def _item(kind: Any) -> type | None:  # noqa: ANN401 - a type
+    """The type of the members of a tuple."""
+    kinds = (kind, *get_args(kind))
+    return next((get_args(one)[0] for one in kinds if get_origin(one) is tuple), None)
+
+
+def _value(one: Declared, given: Any) -> Any:  # noqa: ANN401 - of any option
+    """The value of a field, of what typer gives."""
+    item = _item(one.kind)
+    if item is float:
+        return None if given is None else _numbers(one.name, given)
+    if item is not None:
+        return tuple(given or ())
+    return not given if one.field.default is True else given
+
+
+def _numbers(option: str, text: str) -> tuple[float, ...]:
+    """Numbers with commas between them."""
+    numbers = []
+    for word in text.split(","):
+        try:
+            number = float(word)
+        except ValueError:
+            number = math.nan
+        if not math.isfinite(number):
+            raise LinkproofError(
+                f"--{option}: expected finite numbers with commas between them, such as 0,30,60, got "
+                f"'{word.strip()}'; correct it"
+            )
+        numbers.append(number)
+    return tuple(numbers)

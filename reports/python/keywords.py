@@ -1,0 +1,116 @@
+"""The declared options of a request as keywords of a function, each checked by its type."""
+
+from __future__ import annotations
+
+import inspect
+import textwrap
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import is_dataclass
+from functools import wraps
+from numbers import Integral, Real
+from pathlib import Path
+from typing import Any, Final, TypeVar, get_args, get_origin, get_type_hints
+
+import numpy as np
+
+from analytic.description.changes import without as lacking
+from analytic.description.linkage import Linkage
+from analytic.description.loading import in_variant, load
+from analytic.errors import LinkproofError, UnknownNameError, shortened
+from reports.requests.options.declaring import Declared, Option, declared
+
+Result = TypeVar("Result")
+Words = str | Iterable[str]  # a name, or several
+UNITS: Final = {"RPM": " of rpm", "SECONDS": " of s", "DEGREES": " of degrees", "GIB": " of GiB"}
+
+
+def with_keywords(*, without: Sequence[str] = ()) -> Callable[[Callable[..., Result]], Callable[..., Result]]:
+    """A function whose arguments of a dataclass are given by keywords, one for each option that is declared in it.
+
+    Options ``without`` a keyword have their defaults. The function's signature and docstring name every keyword.
+    """
+
+    def decorated(function: Callable[..., Result]) -> Callable[..., Result]:
+        hints = get_type_hints(function)
+        bags: dict[str, Any] = {name: kind for name, kind in hints.items() if is_dataclass(kind)}
+        bags = {name: kind for name, kind in bags.items() if any(isinstance(d.info, Option) for d in declared(kind))}
+        options = {
+            name: {one.field.name: one for one in declared(kind) if _has_keyword(one, without)}
+            for name, kind in bags.items()
+        }
+        every = {name: one for own in options.values() for name, one in own.items()}
+        plain = [one for one in inspect.signature(function).parameters.values() if one.name not in bags]
+
+        @wraps(function)
+        def called(*args: Any, **given: Any) -> Result:  # noqa: ANN401 - of all keywords
+            for name in given:
+                if name not in every and name not in {one.name for one in plain}:
+                    known = [*(one.name for one in plain), *every]
+                    raise TypeError(str(UnknownNameError("argument", name, known)))
+            for bag, own in options.items():
+                values = {name: _value(one, given.pop(name)) for name, one in own.items() if name in given}
+                given[bag] = bags[bag](**values)
+            return function(*args, **given)
+
+        way = inspect.Parameter.KEYWORD_ONLY
+        added = [inspect.Parameter(n, way, default=one.field.default, annotation=one.kind) for n, one in every.items()]
+        called.__signature__ = inspect.signature(function).replace(parameters=[*plain, *added])  # type: ignore[attr-defined]
+        lines = [textwrap.fill(f"{name}: {_help(one)}", 110, subsequent_indent="    ") for name, one in every.items()]
+        called.__doc__ = "\n".join(
+            [inspect.cleandoc(function.__doc__ or ""), "", "Keywords of the command:", "", *lines]
+        )
+        return called
+
+    return decorated
+
+
+def _has_keyword(one: Declared, without: Sequence[str]) -> bool:
+    return isinstance(one.info, Option) and one.field.name not in without
+
+
+def _help(one: Declared) -> str:
+    text = one.info.help if isinstance(one.info, Option) else ""
+    return f"with False: {text}" if one.field.default is True else text
+
+
+def _value(one: Declared, given: Any) -> Any:  # noqa: ANN401 - of any option
+    """The value of a field; raises LinkproofError for one of another type."""
+    name, kinds = one.field.name, (one.kind, *get_args(one.kind))
+    several = next((get_args(kind)[0] for kind in kinds if get_origin(kind) is tuple), None)
+    if given is None and (type(None) in kinds or several is str):
+        return one.field.default
+    if several is float:
+        return tuple(_number(name, each, one) for each in np.atleast_1d(np.asarray(given, dtype=object)).tolist())
+    if several is not None:
+        return words(given)
+    if float in kinds or int in kinds:
+        return _number(name, given, one)
+    if bool in kinds and not isinstance(given, bool | np.bool_):
+        raise LinkproofError(f"{name}: expected True or False, got {shortened(repr(given))}; pass one of them")
+    if Path in kinds:
+        return Path(given)
+    return str(given) if str in kinds else given
+
+
+def _number(name: str, value: Any, one: Declared) -> float:  # noqa: ANN401 - whatever is passed
+    """A number; raises LinkproofError for anything else."""
+    is_whole = int in (one.kind, *get_args(one.kind))
+    if isinstance(value, bool | np.bool_) or not isinstance(value, Integral if is_whole else Real):
+        what = "a whole number" if is_whole else "a number"
+        unit = UNITS.get(one.info.metavar, "")
+        raise LinkproofError(f"{name}: expected {what}{unit}, got {shortened(repr(value))}; pass a number")
+    return value  # type: ignore[return-value]
+
+
+def words(given: Words) -> tuple[str, ...]:
+    """A name, or several, as the command line has them."""
+    return (given,) if isinstance(given, str) else tuple(given)
+
+
+def chosen_linkage(linkage: Linkage | str | Path, variant: str | None = None, *, gravity: bool = True) -> Linkage:
+    """A linkage by its name, its file or as it is, in another variant if one is named."""
+    if not isinstance(linkage, Linkage):
+        found = load(linkage, variant)
+    else:
+        found = linkage if variant is None else in_variant(linkage, variant)
+    return found if gravity else lacking(found, "gravity")

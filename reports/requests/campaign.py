@@ -1,0 +1,115 @@
+"""From options to a campaign's request: linkages, engines, settings, every name checked before anything runs."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Sequence
+from dataclasses import replace
+from pathlib import Path
+
+from analytic.description.changes import without
+from analytic.description.linkage import Linkage
+from analytic.description.loading import LinkageFile, catalogue, load, read
+from analytic.errors import LinkproofError, UnknownNameError, printable
+from comparisons.campaign.campaign import CampaignRequest
+from comparisons.runs.plugins import engines as adapters
+from engines.contract import Setting
+from engines.registry import engine_names, why_unavailable
+from reports.requests.motions import EVERYTHING, check_motion, own_regimes, prescribed
+from reports.requests.options.campaign import CompareOptions, RunsOptions
+
+DEEPEST_FOLDER = 5  # by which files of one name are told apart
+
+
+def files(options: RunsOptions) -> list[LinkageFile]:
+    """The files of the linkages asked for; all of the catalogue that have the variant, where none is named.
+
+    Files of one name from different folders have the names of folders before theirs, as many as tell them apart.
+    """
+    names = tuple(dict.fromkeys(options.mechanisms or having(catalogue(), options.variant)))
+    found = [read(name) for name in names]
+    own = [file.name for file in found]
+    for depth in range(1, DEEPEST_FOLDER + 1):
+        counts = Counter(file.name for file in found)
+        found = [
+            replace(file, name=printable("-".join((*Path(path).resolve().parent.parts[-depth:], name))))
+            if counts[file.name] > 1 and Path(path).suffix
+            else file
+            for path, name, file in zip(names, own, found, strict=True)
+        ]
+    return found
+
+
+def having(names: Sequence[str], variant: str | None) -> tuple[str, ...]:
+    """Of several linkages those that have a variant; all of them where none has."""
+    return tuple(name for name in names if variant is None or variant in load(name).variants) or tuple(names)
+
+
+def linkages(options: RunsOptions) -> tuple[Linkage, ...]:
+    """The linkages of ``files``, in the variant and under the gravity asked for."""
+    chosen = [file.linkage(options.variant) for file in files(options)]
+    _check_names_differ(chosen)
+    return tuple(chosen if options.gravity else [without(linkage, "gravity") for linkage in chosen])
+
+
+def _check_names_differ(chosen: list[Linkage]) -> None:
+    seen: set[str] = set()
+    for linkage in chosen:
+        if linkage.name in seen:
+            raise LinkproofError(f"two linkage files are both called '{linkage.name}': rename one of them")
+        seen.add(linkage.name)
+
+
+def installed(engines: Sequence[str]) -> list[str]:
+    """Those of the engines that are installed."""
+    return [name for name, one in zip(engines, adapters(engines), strict=True) if why_unavailable(one) is None]
+
+
+def named(engines: Sequence[str]) -> tuple[str, ...]:
+    """Engines that are asked for by name, each once; raises LinkproofError for one that cannot be used here."""
+    for adapter in adapters(engines):
+        absent = why_unavailable(adapter)
+        if absent is not None:
+            raise LinkproofError(f"{absent}; or leave it out")
+    return tuple(dict.fromkeys(engines))
+
+
+def _engines(options: RunsOptions) -> tuple[str, ...]:
+    """Engine names; one that is named and cannot be used is an error, one of the default set is a record."""
+    return named(options.engine) or engine_names()
+
+
+def _settings(options: RunsOptions) -> tuple[Setting, ...]:
+    if EVERYTHING in options.setting:
+        return tuple(Setting)
+    for name in options.setting:
+        if name not in list(Setting):
+            raise UnknownNameError("setting", name, [*Setting, EVERYTHING])
+    return tuple(Setting(name) for name in dict.fromkeys(options.setting)) or (Setting.TUNED,)
+
+
+def _own_settings(options: RunsOptions) -> tuple[Setting, ...]:
+    """Settings of the linkages' own regimes: those named; of all, tuned alone unless all of them are asked for."""
+    is_full = isinstance(options, CompareOptions) and options.full
+    return _settings(options) if is_full or EVERYTHING not in options.setting else (Setting.TUNED,)
+
+
+def request(options: RunsOptions, known: Sequence[Linkage] = ()) -> CampaignRequest:
+    """The campaign's request; raises LinkproofError for anything that does not exist or cannot be.
+
+    Regimes that other ``known`` linkages define may be asked for: those that do not define them are not run in them.
+    """
+    check_motion(options)
+    found = linkages(options)
+    motions, conditions = prescribed(options, found)
+    return CampaignRequest(
+        linkages=found,
+        motions=motions,
+        conditions=conditions,
+        engines=_engines(options),
+        settings=_settings(options),
+        quantities=tuple(dict.fromkeys(options.quantity)),
+        own_regimes=own_regimes(options, (*found, *known)),
+        own_settings=_own_settings(options),
+        with_invariants=not options.quantity,
+    )

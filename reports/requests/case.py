@@ -1,0 +1,53 @@
+"""The one motion of a linkage that results, sweep, optimise and tolerance are about."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+
+from analytic.description.crank_motion import RPM, CrankMotion, Segment
+from analytic.description.law import FULL_TURN
+from analytic.errors import LinkproofError
+from analytic.kinematics.mechanism import Mechanism
+from comparisons.datasheet.building import STEADY, range_motion
+from comparisons.reference.case import Case, own_case
+from reports.requests.motions import EVERYTHING, OWN, own_regimes, prescribed
+from reports.requests.options.motion import MotionOptions
+
+
+def requested_case(mechanism: Mechanism, options: MotionOptions) -> Case:
+    """The linkage under the one requested motion: by default a turn at constant speed, or the range of the crank."""
+    linkage = mechanism.linkage
+    own = own_regimes(options, [linkage])
+    if len(options.regime) > 1 or {EVERYTHING, OWN} & {*options.regime}:
+        raise LinkproofError(f"expected one motion, got --regime {', '.join(options.regime)}: choose one of them")
+    if own:
+        case = own_case(mechanism, next(regime for regime in linkage.regimes if regime.name == own[0]))
+        return replace(case, mechanism=mechanism)  # a torque over the angle is the drive's, not a load
+    if linkage.is_linear or options.swings or options.regime not in ((), (STEADY,)) or _is_timed(options):
+        ((motion,), _) = prescribed(options, [linkage])
+        return Case(mechanism, motion)
+    return _usual_case(mechanism, options)
+
+
+def _is_timed(options: MotionOptions) -> bool:
+    """Whether the time of a motion was given."""
+    default = MotionOptions()
+    times = (options.ramp_time, options.hold_time) != (default.ramp_time, default.hold_time)
+    if times and not options.regime:
+        raise LinkproofError(
+            "--ramp-time and --hold-time apply only to a motion over time: add --regime run-up, or "
+            "leave them out for a turn at constant speed"
+        )
+    return times
+
+
+def _usual_case(mechanism: Mechanism, options: MotionOptions) -> Case:
+    """Constant speed over a full turn, or over the range of a crank that makes none, short of its limits."""
+    start = math.radians(options.start_angle)
+    speed, backwards = abs(options.rpm) * RPM, options.turns_back
+    reach = mechanism.crank_range(start if options.start_angle else None)
+    if reach.is_full_turn:
+        motion = CrankMotion(STEADY, (Segment(0.0, FULL_TURN / speed, (start, -speed if backwards else speed)),))
+        return Case(mechanism, motion)
+    return Case(mechanism, range_motion(reach, speed, backwards=backwards))

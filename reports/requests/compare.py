@@ -1,0 +1,59 @@
+"""``compare``: a campaign as it is requested, with the standard of its project, and what came of it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from comparisons.campaign.campaign import CampaignRequest
+from comparisons.campaign.campaign import compare as run_campaign
+from comparisons.campaign.standards import JudgedCampaign, judged_campaign
+from comparisons.judging.verdicts import Standard
+from comparisons.runs.workers import Pool
+from reports.requests.campaign import request
+from reports.requests.options.campaign import CompareOptions, RunLimits, StandardOptions
+from reports.requests.options.declaring import command_line
+from reports.requests.running import Running, running
+from reports.requests.standard import baseline_file, chosen_standard, in_project
+
+AS_USUAL, UNBOUND = StandardOptions(), RunLimits()
+
+
+@dataclass(frozen=True)
+class Campaign:
+    """A campaign that can run: nothing of it is missing or unknown.
+
+    ``command`` repeats it, ``saved_command`` with its standard and limits. ``recorded`` is the file that its errors are
+    recorded in, if they are to be.
+    """
+
+    request: CampaignRequest
+    standard: Standard
+    running: Running
+    command: str
+    saved_command: str
+    recorded: Path | None
+
+    def compared(self, pool: Pool, **how: Any) -> JudgedCampaign:  # noqa: ANN401 - announce and journal of a campaign
+        """Make the runs in a pool and judge them; the errors are recorded as the baseline if they are to be."""
+        results = list(run_campaign(self.request, bounds=self.running.bounds, pool=pool, **how))
+        return judged_campaign(self.request, results, self.standard, self.recorded)
+
+
+def campaign(options: CompareOptions, standard: StandardOptions = AS_USUAL, limits: RunLimits = UNBOUND) -> Campaign:
+    """The campaign of a request; what the options leave open, the project of the linkages says.
+
+    Raises LinkproofError for anything that does not exist or cannot be, before any run is made.
+    """
+    running(limits)
+    completed = in_project(options, limits, standard)
+    file = baseline_file(standard, completed.project)
+    return Campaign(
+        request(completed.options, completed.known),
+        chosen_standard(completed, standard),
+        running(completed.limits),
+        command_line("compare", completed.options),
+        command_line("compare", completed.options, standard, completed.limits),
+        file if standard.record_baseline else None,
+    )

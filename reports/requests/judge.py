@@ -1,0 +1,59 @@
+"""``judge``: another tool's results against the closed form under the requested motion."""
+
+from __future__ import annotations
+
+import math
+
+from analytic.description.changes import without
+from analytic.description.crank_motion import RPM, crank_motion
+from analytic.description.linkage import Linkage
+from analytic.errors import LinkproofError
+from analytic.kinematics.mechanism import Mechanism
+from comparisons.imported.columns import ImportedResults
+from comparisons.imported.judge import ImportedJudgement
+from comparisons.imported.judge import judge as judge_results
+from comparisons.imported.reading import read_results
+from comparisons.reference.case import own_case
+from comparisons.reference.motion import Motion
+from reports.requests.motions import check_motion, own_regimes, prescribed
+from reports.requests.options.linkage import JudgeOptions
+
+
+def check_judgement(options: JudgeOptions) -> None:
+    """Raise LinkproofError for what cannot be, before anything is read."""
+    check_motion(options)
+    if not 0.0 < options.limit < math.inf:
+        raise LinkproofError(f"--limit: expected a positive share of the peak, such as 0.01, got {options.limit:g}")
+
+
+def judgement_of(options: JudgeOptions, linkage: Linkage) -> ImportedJudgement:
+    """The judgement of a tool's results against the closed form of a linkage.
+
+    Raises LinkproofError for files that cannot be read, among them ``MappingNeededError``.
+    """
+    model = linkage if options.gravity else without(linkage, "gravity")
+    imported = read_results(options.results, model, options.mapping)
+    return judge_results(
+        model,
+        imported,
+        _motion(options, model, imported),
+        limit=options.limit,
+        start_angle=math.radians(options.start_angle),
+        gives_speed=options.speed is not None,
+    )
+
+
+def _motion(options: JudgeOptions, linkage: Linkage, imported: ImportedResults) -> Motion | None:
+    """The requested regime; over the crank angle a constant speed; else None: the file's columns give the motion."""
+    if len(options.regime) > 1:
+        raise LinkproofError(f"--regime: expected one motion of the crank, got {', '.join(options.regime)}; name one")
+    own = own_regimes(options, [linkage])
+    if own:
+        regime = next(regime for regime in linkage.regimes if regime.name == own[0])
+        return own_case(Mechanism(linkage), regime).motion
+    if options.regime or options.swings:
+        ((motion, *_), _) = prescribed(options, [linkage])
+        return motion
+    if imported.signals and all(one.axis == "phi" for one in imported.signals):
+        return crank_motion("constant-speed", speed=abs(options.rpm) * RPM, clockwise=options.turns_back)
+    return None

@@ -1,0 +1,166 @@
+"""The motions of ``MotionOptions``, prescribed and of a linkage's own, and what cannot be among them.
+
+Of a drive along a line ``--from``, ``--to`` and ``--speed`` are in the file's unit of length; without a speed its
+motion has the mean speed of one second, without ends it goes over the range of the drive.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+from analytic.description.crank_motion import LARGEST, LAWS, RAMPS, REGIMES, RPM, CrankMotion, crank_motion, swing
+from analytic.description.linkage import Linkage
+from analytic.description.units import factor
+from analytic.errors import LinkproofError, UnknownNameError
+from analytic.kinematics.mechanism import Mechanism
+from comparisons.datasheet.building import within
+from reports.requests.options.motion import TIMED, MotionOptions
+
+EVERYTHING = "all"
+OWN = "own"  # every regime that a linkage defines for itself
+TURNING, SWINGING = "run-up", "constant-speed"  # the regime where none is asked for
+
+
+def offered(options: MotionOptions) -> tuple[str, ...]:
+    """Regimes that every linkage can be given under these words."""
+    return tuple(LAWS) if options.swings else REGIMES
+
+
+def check_motion(options: MotionOptions) -> None:
+    """Raise LinkproofError for a motion that cannot be, in the words and the units it is asked for in."""
+    if options.rpm < 0.0 and options.clockwise:
+        raise LinkproofError(
+            f"--speed {options.rpm:g} turns clockwise already: leave --clockwise out, or give a positive speed"
+        )
+    if not 1.0 / LARGEST <= abs(options.rpm) <= LARGEST / RPM:
+        bound = f" up to {LARGEST / RPM:.3g}" if LARGEST < abs(options.rpm) < math.inf else ""
+        raise LinkproofError(
+            f"--speed: expected a finite number of rpm other than 0{bound}, got {options.rpm:g}; correct it"
+        )
+    _check("--start-angle", options.start_angle, "degrees", -LARGEST)
+    if options.swings:
+        _check_swing(options)
+    else:
+        _check_turning(options)
+
+
+def _check_turning(options: MotionOptions) -> None:
+    for name in options.regime:
+        if name in LAWS and name not in REGIMES:
+            raise LinkproofError(f"--regime {name} goes from one crank angle to another: add --from and --to")
+    ramps = EVERYTHING in options.regime or not options.regime or {*options.regime} & {*RAMPS}
+    _check("--ramp-time", options.ramp_time, "s", 1.0 / LARGEST if ramps else 0.0)
+    _check("--hold-time", options.hold_time, "s", 0.0)
+    if not ramps and "constant-speed" in options.regime and options.ramp_time + options.hold_time <= 0.0:
+        raise LinkproofError("--hold-time: expected a positive number of s without a ramp time, got 0; correct it")
+
+
+def _check_swing(options: MotionOptions) -> None:
+    start, end = options.from_angle, options.to_angle
+    if start is None or end is None:
+        given, lacking = ("--to", "--from") if start is None else ("--from", "--to")
+        raise LinkproofError(f"expected both ends of a swing, got only {given}: add {lacking}")
+    _check("--from", start, "degrees", -LARGEST)
+    _check("--to", end, "degrees", -LARGEST)
+    if start == end:
+        raise LinkproofError(f"expected a swing between two crank angles, got {start:g}° twice: correct --to")
+    if options.turns_back and end > start:
+        option = "--clockwise" if options.clockwise else f"--speed {options.rpm:g}"
+        raise LinkproofError(
+            f"from {start:g}° to {end:g}° is counter-clockwise, and {option} is not: leave it out, or exchange "
+            "--from and --to"
+        )
+    default = MotionOptions()
+    for name in TIMED[::-1]:
+        if getattr(options, name) != getattr(default, name):
+            raise LinkproofError(
+                f"--{name.replace('_', '-')} does not apply to a swing, which --from and --to define: leave it out"
+            )
+    for name in options.regime:
+        if name in RAMPS:
+            raise LinkproofError(
+                f"--regime {name} does not end at an angle, so it cannot take --to: choose "
+                f"{', '.join(LAWS)}, or leave --from and --to out"
+            )
+
+
+def _check(option: str, value: float, unit: str, least: float) -> None:
+    if not least <= value <= LARGEST:  # written so that nan fails too
+        kind = "positive finite" if least > 0.0 else "finite" if least else "finite, not negative"
+        raise LinkproofError(f"{option}: expected a {kind} number of {unit}, got {value:g}; correct it")
+
+
+def _motions(options: MotionOptions) -> tuple[CrankMotion, ...]:
+    """The prescribed crank motions asked for, without those of the linkages' own."""
+    known = offered(options)
+    usual = SWINGING if options.swings else TURNING
+    names = known if EVERYTHING in options.regime else options.regime or (usual,)
+    return tuple(_motion(options, name) for name in dict.fromkeys(names) if name in known)
+
+
+def _motion(options: MotionOptions, name: str) -> CrankMotion:
+    speed = abs(options.rpm) * RPM
+    if options.from_angle is not None and options.to_angle is not None:
+        return swing(name, math.radians(options.from_angle), math.radians(options.to_angle), speed=speed)
+    return crank_motion(
+        name,
+        speed=speed,
+        ramp_time=options.ramp_time,
+        hold_time=options.hold_time,
+        clockwise=options.turns_back,
+        start_angle=math.radians(options.start_angle),
+    )
+
+
+def prescribed(options: MotionOptions, linkages: Sequence[Linkage]) -> tuple[tuple[CrankMotion, ...], str]:
+    """The requested prescribed motions, without the linkages' own, and their conditions in words."""
+    linear = [linkage for linkage in linkages if linkage.is_linear]
+    if not linear:
+        return _motions(options), options.conditions
+    linkage = linear[0]
+    if len(linkages) > 1:
+        raise LinkproofError(
+            f"'{linkage.name}' is driven along a line and cannot share a motion with other linkages: run it separately"
+        )
+    own = {regime.name for regime in linkage.regimes}
+    for name in options.regime:
+        if name in offered(options) and name not in LAWS and name not in own:
+            raise LinkproofError(
+                f"--regime {name} turns a crank, but '{linkage.name}' is driven along a line: choose one of "
+                f"{', '.join(LAWS)} with --from and --to"
+            )
+    if options.start_angle:
+        raise LinkproofError(
+            f"--start-angle turns a crank, but '{linkage.name}' is driven along a line: give --from and --to"
+        )
+    names = LAWS if EVERYTHING in options.regime else options.regime or (SWINGING,)
+    unit = linkage.units.get("length", "m")
+    (first, last), size = _ends(options, linkage), factor("length", unit)
+    speed = abs(last - first) if options.speed is None else abs(options.speed) * size
+    found = tuple(swing(name, first, last, speed=speed) for name in dict.fromkeys(names) if name in LAWS)
+    return found, f"from {linkage.written(first)} to {linkage.written(last)}, at most {speed / size:.4g} {unit}/s"
+
+
+def _ends(options: MotionOptions, linkage: Linkage) -> tuple[float, float]:
+    """Travels at which a motion begins and ends, m."""
+    if options.from_angle is not None and options.to_angle is not None:
+        size = factor("length", linkage.units.get("length", "m"))
+        return options.from_angle * size, options.to_angle * size
+    return within(Mechanism(linkage).crank_range(), backwards=options.turns_back)
+
+
+def own_regimes(options: MotionOptions, linkages: Sequence[Linkage]) -> tuple[str, ...]:
+    """Regimes asked for that the linkages define for themselves; ``own`` and ``all`` ask for every one of them."""
+    own = sorted({regime.name for linkage in linkages for regime in linkage.regimes})
+    known = [*offered(options), *own, OWN, EVERYTHING]
+    for name in options.regime:
+        if name not in known:
+            raise UnknownNameError("regime", name, known)
+        if options.swings and name in (*own, OWN):
+            raise LinkproofError(
+                f"--regime {name} is defined in its file, and --from and --to define another motion: leave one out"
+            )
+    if {OWN, EVERYTHING} & set(options.regime):
+        return tuple(own)
+    return tuple(name for name in own if name in options.regime)

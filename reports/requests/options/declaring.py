@@ -1,0 +1,93 @@
+"""How an option is declared, and the command that repeats a request.
+
+An option is an annotated field of a frozen dataclass: the command line, the keywords of the Python function and the
+command in saved results are all made of it.
+"""
+
+from __future__ import annotations
+
+import shlex
+from collections.abc import Iterable, Sequence
+from dataclasses import Field, dataclass, fields
+from typing import Annotated, Any, NamedTuple, get_args, get_origin, get_type_hints
+
+
+@dataclass(frozen=True)
+class Option:
+    """An option of a command: its ``help``, the ``metavar`` of its value, its ``flags`` if its field has another name.
+
+    ``names`` is the function of ``reports.command_line.completion`` by which a shell completes it. An option that is
+    not ``repeated`` does not affect the results, so a command that repeats the request leaves it out.
+    """
+
+    help: str
+    metavar: str = ""
+    flags: tuple[str, ...] = ()
+    names: str = ""
+    repeated: bool = True
+
+
+@dataclass(frozen=True)
+class Argument:
+    """A word of a command that stands without an option before it; the help of the command explains it."""
+
+    metavar: str
+    names: str = ""
+    is_required: bool = False
+
+
+class Declared(NamedTuple):
+    """A field that is an option or an argument, with the type of its value."""
+
+    field: Field[Any]
+    kind: Any
+    info: Option | Argument
+
+    @property
+    def name(self) -> str:
+        """The option as it is typed, without the dashes."""
+        flags = self.info.flags if isinstance(self.info, Option) else ()
+        return flags[-1].removeprefix("--") if flags else self.field.name.replace("_", "-")
+
+
+def declared(options: Any) -> tuple[Declared, ...]:  # noqa: ANN401 - a dataclass
+    """The options and arguments of a dataclass, in order."""
+    hints = get_type_hints(options, include_extras=True)
+    annotated = [(one, hints[one.name]) for one in fields(options) if get_origin(hints[one.name]) is Annotated]
+    return tuple(Declared(one, *get_args(hint)) for one, hint in annotated)
+
+
+def stated(options: Any) -> dict[str, tuple[str, ...]]:  # noqa: ANN401 - a dataclass
+    """The repeated options that differ from their defaults, by name, each with its values: none of a flag."""
+    found = {}
+    for one in declared(type(options)):
+        value = getattr(options, one.field.name)
+        if isinstance(one.info, Option) and one.info.repeated and value != one.field.default:
+            found[one.name] = () if isinstance(value, bool) else tuple(map(_word, _several(value)))
+    return found
+
+
+def command_line(command: str, *options: Any, **others: Sequence[str]) -> str:  # noqa: ANN401 - dataclasses
+    """The command that repeats a request: its arguments, its options with their values, and its flags; ``others`` last.
+
+    ``others`` are further options by name, each with its values.
+    """
+    arguments = [
+        str(word)
+        for each in options
+        for one in declared(type(each))
+        if isinstance(one.info, Argument)
+        for word in _several(getattr(each, one.field.name))
+    ]
+    given = {name: values for each in options for name, values in stated(each).items()} | others
+    valued = [word for name, values in given.items() for value in values for word in (f"--{name}", str(value))]
+    flags = [f"--{name}" for name, values in given.items() if not values and name not in others]
+    return shlex.join(["linkproof", command, *arguments, *valued, *flags])
+
+
+def _several(value: Any) -> Iterable[Any]:  # noqa: ANN401 - of any option
+    return value if isinstance(value, tuple) else () if value is None else (value,)
+
+
+def _word(value: Any) -> str:  # noqa: ANN401 - of any option
+    return repr(float(value)).removesuffix(".0") if isinstance(value, float | int) else str(value)

@@ -1,0 +1,167 @@
+"""A user's own standard: limits, a baseline, and the project that stands behind the options."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterator
+from contextlib import suppress
+from dataclasses import replace
+from pathlib import Path
+from typing import NamedTuple
+
+from analytic.description.linkage import Linkage
+from analytic.description.loading import LinkageFile, catalogue, installed, literature, load, read
+from analytic.errors import LinkproofError, UnknownNameError
+from comparisons.campaign.project import FILE, Project, find_project
+from comparisons.campaign.standards import standard as standard_of
+from comparisons.judging.baseline import Coverage
+from comparisons.judging.limits import check_named
+from comparisons.judging.verdicts import Standard
+from comparisons.runs.files import check_writable
+from engines.registry import engine_names
+from reports.requests.campaign import files, having
+from reports.requests.motions import EVERYTHING, OWN, offered
+from reports.requests.options.campaign import CompareOptions, RunLimits, StandardOptions
+from reports.requests.options.declaring import stated
+
+INSTALLATIONS = {"site-packages", "dist-packages"}  # what stands there is gone with the next installation
+
+
+class InProject(NamedTuple):
+    """Options with the words of the linkages' ``project`` wherever they say nothing.
+
+    ``known`` are the project's linkages, where one of its regimes may be another linkage's than those that are named.
+    ``coverage`` says what of a baseline is compared.
+    """
+
+    options: CompareOptions
+    limits: RunLimits
+    project: Project | None
+    coverage: Coverage
+    known: tuple[Linkage, ...] = ()
+
+
+def in_project(options: CompareOptions, limits: RunLimits, standard: StandardOptions) -> InProject:
+    """The options as the linkages' project completes them; raises LinkproofError for a project that cannot be read."""
+    project = _project_of(options.mechanisms)
+    coverage = coverage_of(options, standard, project)
+    if project is None:
+        return InProject(options, limits, None, coverage)
+    known = _known_linkages(options, project)
+    return InProject(_completed(options, project), _bounded(limits, project), project, coverage, known)
+
+
+def baseline_file(standard: StandardOptions, project: Project | None) -> Path | None:
+    """The file of the baseline; raises LinkproofError where it is to be recorded and cannot be."""
+    file = standard.baseline or (project.baseline if project else None)
+    if not standard.record_baseline:
+        return file
+    if file is None:
+        raise LinkproofError(
+            "--record-baseline: expected a file to record into, got none: name one with --baseline, or put a "
+            f"{FILE} beside your linkages"
+        )
+    if {*file.resolve().parts} & INSTALLATIONS:
+        raise LinkproofError(
+            f"--record-baseline: expected a file of your own, got '{file}' among installed packages: "
+            "give a place beside your linkages"
+        )
+    check_writable(file)
+    return file
+
+
+def chosen_standard(completed: InProject, standard: StandardOptions) -> Standard:
+    """What results are held against; raises LinkproofError for a limit of what does not exist."""
+    read_files, project = files(completed.options), completed.project
+    chosen = standard_of(
+        read_files, project, standard.limits, standard.baseline,
+        may_lack=standard.record_baseline, coverage=completed.coverage,
+    )  # fmt: skip
+
+    def known() -> list[LinkageFile]:
+        return [*read_files, *_others(read_files, project)]
+
+    recorded = chosen.baseline.linkages  # one that is recorded and missing has a message of its own
+    check_named(
+        chosen.limits,
+        lambda: [*_mechanisms(known()), *(Path(path).stem for path in recorded)],
+        lambda: [*_regimes(known()), *chosen.baseline.regimes],
+    )
+    return chosen
+
+
+def _others(named: list[LinkageFile], project: Project | None) -> Iterator[LinkageFile]:
+    """Linkages that a limit may be for besides those named: the project's, or those beside them."""
+    folders = dict.fromkeys(Path(file.origin).parent for file in named if not file.is_known)
+    paths = project.linkages if project else [path for folder in folders for path in sorted(folder.glob("*.toml"))]
+    yield from files(CompareOptions(mechanisms=tuple(map(str, paths)))) if project and paths else ()
+    for path in paths:
+        with suppress(LinkproofError):  # a file beside a linkage need not be one
+            yield read(path)
+
+
+def _mechanisms(known: list[LinkageFile]) -> list[str]:
+    return [*(file.name for file in known), *catalogue(), *literature(), *installed()]
+
+
+def _regimes(known: list[LinkageFile]) -> list[str]:
+    names = []
+    for file in known:
+        with suppress(LinkproofError):
+            names += [regime.name for regime in file.linkage().regimes]
+    return names
+
+
+def coverage_of(options: CompareOptions, standard: StandardOptions, project: Project | None) -> Coverage:
+    """What of a baseline is compared: linkages and motions that are named are a part of it.
+
+    A motion that is named may be new to the project's baseline, not to one that is named itself.
+    """
+    names_motion = bool(stated(options.motion))
+    return Coverage(
+        every_linkage=not options.mechanisms and options.variant is None,
+        every_motion=project is not None and not names_motion,
+        new_motions=not names_motion or standard.baseline is not None,
+        allow_new=standard.allow_new or (project is not None and project.allow_new),
+        allow_missing=standard.allow_missing or (project is not None and project.allow_missing),
+    )
+
+
+def _project_of(names: tuple[str, ...]) -> Project | None:
+    """The project of the first linkage that is a file of a user's; of the working folder where none is named."""
+    if not names:
+        return find_project(Path())
+    origins = (file.origin for file in map(read, names) if not file.is_known)
+    first = next(origins, None)
+    return None if first is None else find_project(Path(first).resolve().parent)
+
+
+def _completed(options: CompareOptions, project: Project) -> CompareOptions:
+    for name in () if options.engine else project.engines:
+        if name not in engine_names():
+            raise UnknownNameError(f"engine of {project.folder / FILE}", name, engine_names())
+    paths = [os.path.relpath(path) for path in project.linkages]
+    return replace(
+        options,
+        mechanisms=options.mechanisms or (having(paths, options.variant) if paths else ()),
+        engine=options.engine or project.engines,
+        setting=options.setting or project.settings,
+        regime=options.regime or (() if options.swings else project.regimes),
+    )
+
+
+def _known_linkages(options: CompareOptions, project: Project) -> tuple[Linkage, ...]:
+    known = {*offered(options), OWN, EVERYTHING}
+    if options.regime or not options.mechanisms or {*project.regimes} <= known:
+        return ()
+    return tuple(load(str(path)) for path in project.linkages)
+
+
+def _bounded(limits: RunLimits, project: Project) -> RunLimits:
+    if limits.jobs == 0:
+        return limits  # without worker processes nothing is bounded
+    return replace(
+        limits,
+        time_limit=project.time_limit if limits.time_limit is None else limits.time_limit,
+        memory_limit=project.memory_limit if limits.memory_limit is None else limits.memory_limit,
+    )

@@ -1,0 +1,95 @@
+"""``sweep``: a space of designs and their figures, and the campaign of engines that simulate some of them."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+from pathlib import Path
+from typing import NamedTuple
+
+from analytic.description.changes import SPEED
+from analytic.description.linkage import Linkage
+from analytic.errors import LinkproofError
+from comparisons.datasheet.units import file_unit
+from comparisons.designs.named_figures import named_figures
+from comparisons.designs.parameters import mass_words
+from comparisons.designs.sweep.simulated_designs import SimulatedDesigns, simulated_designs
+from comparisons.designs.sweep.space import DesignSpace, Grid, steps
+from comparisons.designs.sweep.sweep import SweepRequest, usual_figures
+from comparisons.designs.sweep.table import read_table
+from comparisons.runs.files import write_text
+from reports.requests.campaign import named
+from reports.requests.options.campaign import CompareOptions, RunLimits
+from reports.requests.options.designs import DESIGNS, SweepOptions
+from reports.requests.running import running
+from reports.requests.steady import SteadyCase, check_steady, steady_case
+
+
+class SimulatedCampaign(NamedTuple):
+    """Some designs of a sweep, and the campaign in which engines run them."""
+
+    designs: SimulatedDesigns
+    options: CompareOptions
+    limits: RunLimits
+
+
+def check_sweep(options: SweepOptions) -> None:
+    """Raise LinkproofError for motions, cores and simulations that cannot be, before anything is worked out."""
+    check_steady(options)
+    if options.designs < 1:
+        raise LinkproofError(f"--designs: expected 1 design or more to simulate, got {options.designs}; give more")
+    if options.seed < 0:
+        raise LinkproofError(f"--seed: expected a whole number, 0 or more, got {options.seed}; give another")
+    if not options.simulate and (options.designs, options.seed) != (DESIGNS, 0):
+        option = "--designs" if options.designs != DESIGNS else "--seed"
+        raise LinkproofError(f"{option} is for designs that are simulated: name an engine with --simulate")
+    named(options.simulate)
+    if options.jobs is not None and options.jobs < 1:
+        raise LinkproofError(f"--jobs: expected 1 or more cores, got {options.jobs}; correct it")
+    running(RunLimits(jobs=options.jobs, scheduler=options.scheduler))
+
+
+def sweep_request(linkage: Linkage, options: SweepOptions) -> tuple[SweepRequest, str]:
+    """The request, and its conditions in words; raises LinkproofError for unknown names."""
+    if bool(options.vary) == (options.table is not None):
+        got = "both" if options.vary else "neither"
+        raise LinkproofError(
+            f"expected designs by --vary NAME=FIRST:LAST:COUNT or by --table FILE, got {got}: give one of the two"
+        )
+    case = steady_case(linkage, options)
+    request, conditions = request_of(case, designs_of(case.mechanism.linkage, options), options)
+    return request.on_one_path(), conditions
+
+
+def request_of(case: SteadyCase, space: DesignSpace, options: SweepOptions) -> tuple[SweepRequest, str]:
+    """The figures of a space of designs, and the conditions in words; raises LinkproofError for unknown names."""
+    linkage = case.mechanism.linkage
+    figures = named_figures(case.mechanism, options.quantity) if options.quantity else usual_figures(case.mechanism)
+    if not figures:
+        raise LinkproofError(f"expected a figure of '{linkage.name}', got none: name one with --quantity")
+    conditions = case.conditions + mass_words(linkage, (one.name for one in space.parameters))
+    return SweepRequest(linkage, space, figures, case.motion, options.refine, options.jobs), conditions
+
+
+def designs_of(linkage: Linkage, options: SweepOptions) -> DesignSpace:
+    """The grid of ``--vary``, or the list of ``--table``."""
+    if options.table is not None:
+        return read_table(options.table, linkage)
+    return Grid(*zip(*(steps(linkage, text) for text in options.vary), strict=True))
+
+
+def simulated_campaign(request: SweepRequest, options: SweepOptions, folder: Path) -> SimulatedCampaign:
+    """The campaign of engines on some of the designs, whose files are written into a folder."""
+    if any(one.kind == SPEED for one in request.space.parameters):
+        raise LinkproofError("--simulate: expected designs of one speed, got several; leave --vary speed out")
+    designs, motion = simulated_designs(request, options.designs, options.seed), request.motion
+    of_files = replace(options.motion, variant=None)  # a written file has one variant
+    if not (motion.is_full_turn or options.swings):
+        unit = file_unit("m", request.linkage).size if request.linkage.is_linear else math.radians(1.0)
+        first, last = (motion.places[[0, -1]] / unit).tolist()
+        of_files = replace(of_files, from_angle=first, to_angle=last)
+    for name, text in designs.files.items():
+        write_text(folder / f"{name}.toml", text)
+    files = tuple(str(folder / f"{name}.toml") for name in designs.files)
+    campaign = CompareOptions(mechanisms=files, engine=options.simulate, **vars(of_files))
+    return SimulatedCampaign(designs, campaign, RunLimits(jobs=options.jobs, scheduler=options.scheduler))
