@@ -14,7 +14,7 @@ import typer
 
 from analytic.errors import LinkproofError
 from reports.command_line import completion
-from reports.requests.options.declaring import Argument, Declared, Option, declared
+from reports.requests.options.declaring import Argument, Declared, Option, declared, item
 
 REQUIRED = inspect.Parameter.empty
 NOTHING: Mapping[str, str] = MappingProxyType({})
@@ -82,11 +82,11 @@ def _typed(
     is_hidden: bool = False,
 ) -> inspect.Parameter:
     """A parameter as typer reads it: a list stands for a tuple of words, a flag says that what is True is not."""
-    is_flag, item = kind is bool, _item(kind)
-    if item is float or kind is Any:
+    is_flag, member = kind is bool, item(kind)
+    if member is float or kind is Any:
         kind = str | None
-    elif item is not None:
-        kind = list[item] if default is REQUIRED else list[item] | None  # type: ignore[valid-type]
+    elif member is not None:
+        kind = list[member] if default is REQUIRED else list[member] | None  # type: ignore[valid-type]
         default = None if default == () else default
     elif is_flag:
         default = False
@@ -101,18 +101,12 @@ def _typed(
     return inspect.Parameter(name, way, default=default, annotation=Annotated[kind, shown])
 
 
-def _item(kind: Any) -> type | None:  # noqa: ANN401 - a type
-    """The type of the members of a tuple."""
-    kinds = (kind, *get_args(kind))
-    return next((get_args(one)[0] for one in kinds if get_origin(one) is tuple), None)
-
-
 def _value(one: Declared, given: Any) -> Any:  # noqa: ANN401 - of any option
     """The value of a field, of what typer gives."""
-    item = _item(one.kind)
-    if item is float:
+    member = item(one.kind)
+    if member is float:
         return None if given is None else _numbers(one.name, given)
-    if item is not None:
+    if member is not None:
         return tuple(given or ())
     return not given if one.field.default is True else given
 

@@ -20,7 +20,7 @@ from reports.document.terminal import Printed, Printout
 from reports.imported.document import blank_of, with_cause
 from reports.imported.terminal import printout as judgement_printout
 from reports.imported.terminal import sentence
-from reports.python.keywords import chosen_linkage, with_keywords
+from reports.python.keywords import chosen_linkage, of_linkage, with_keywords
 from reports.python.printed_result import PrintedResult
 from reports.records.engine_checks import printout
 from reports.requests.engine_checks import engine_findings
@@ -92,7 +92,7 @@ def judge(linkage: Linkage | str | Path, *results: str | Path, options: JudgeOpt
     LinkproofError for unreadable files; a ``MappingNeededError`` among them has the ``mapping_text`` to fill in.
     """
     paths = tuple(map(Path, results))
-    options = replace(options, mechanism=str(linkage), results=paths)
     check_judgement(options)
-    judgement = judgement_of(options, chosen_linkage(linkage, options.variant))
+    chosen, options = of_linkage(linkage, replace(options, results=paths))
+    judgement = judgement_of(options, chosen)
     return JudgedResults(**vars(judgement), files=", ".join(map(str, paths)))

@@ -5,11 +5,11 @@ from __future__ import annotations
 import inspect
 import textwrap
 from collections.abc import Callable, Iterable, Sequence
-from dataclasses import is_dataclass
+from dataclasses import is_dataclass, replace
 from functools import wraps
 from numbers import Integral, Real
 from pathlib import Path
-from typing import Any, Final, TypeVar, get_args, get_origin, get_type_hints
+from typing import Any, Final, TypeVar, get_args, get_type_hints
 
 import numpy as np
 
@@ -17,9 +17,12 @@ from analytic.description.changes import without as lacking
 from analytic.description.linkage import Linkage
 from analytic.description.loading import in_variant, load
 from analytic.errors import LinkproofError, UnknownNameError, shortened
-from reports.requests.options.declaring import Declared, Option, declared
+from reports.requests.options.declaring import Declared, Option, declared, item
+from reports.requests.options.designs import OptimiseOptions, SweepOptions, ToleranceOptions
+from reports.requests.options.linkage import JudgeOptions, ResultsOptions
 
 Result = TypeVar("Result")
+OfLinkage = TypeVar("OfLinkage", JudgeOptions, OptimiseOptions, ResultsOptions, SweepOptions, ToleranceOptions)
 Words = str | Iterable[str]  # a name, or several
 UNITS: Final = {"RPM": " of rpm", "SECONDS": " of s", "DEGREES": " of degrees", "GIB": " of GiB"}
 
@@ -76,7 +79,7 @@ def _help(one: Declared) -> str:
 def _value(one: Declared, given: Any) -> Any:  # noqa: ANN401 - of any option
     """The value of a field; raises LinkproofError for one of another type."""
     name, kinds = one.field.name, (one.kind, *get_args(one.kind))
-    several = next((get_args(kind)[0] for kind in kinds if get_origin(kind) is tuple), None)
+    several = item(one.kind)
     if given is None and (type(None) in kinds or several is str):
         return one.field.default
     if several is float:
@@ -114,3 +117,12 @@ def chosen_linkage(linkage: Linkage | str | Path, variant: str | None = None, *,
     else:
         found = linkage if variant is None else in_variant(linkage, variant)
     return found if gravity else lacking(found, "gravity")
+
+
+def of_linkage(linkage: Linkage | str | Path, options: OfLinkage) -> tuple[Linkage, OfLinkage]:
+    """A linkage in the variant of the options, and the options with its name and variant as the command has them."""
+    chosen = chosen_linkage(linkage, options.variant)
+    if not isinstance(linkage, Linkage):
+        return chosen, replace(options, mechanism=str(linkage))
+    variant = None if chosen.variant == chosen.variants[0] else chosen.variant
+    return chosen, replace(options, mechanism=chosen.name, variant=variant)

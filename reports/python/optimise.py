@@ -11,9 +11,9 @@ import xarray
 from analytic.description.linkage import Linkage
 from comparisons.designs.design_file import design_file
 from reports.designs.optimum.optimise_terminal import document
-from reports.python.keywords import chosen_linkage, with_keywords
+from reports.python.keywords import of_linkage, with_keywords
 from reports.requests.optimise import optimum
-from reports.requests.options.declaring import command_line
+from reports.requests.options.declaring import command_line, word
 from reports.requests.options.designs import OptimiseOptions
 
 Range = str | float | tuple[float | None, float | None] | None
@@ -39,14 +39,14 @@ def optimise(
     LinkproofError for bad input, and if no design holds the figures of ``keep``.
     """
     held = dict.fromkeys(keep) if not isinstance(keep, Mapping) else keep
+    chosen, options = of_linkage(linkage, options)
     options = replace(
         options,
-        mechanism=str(linkage),
         over=tuple(_word(*one) for one in over.items()),  # as the command that repeats the request has them
         keep=tuple(_word(*one) for one in held.items()),
         step=None if step is None else str(step),
     )
-    found, conditions = optimum(chosen_linkage(linkage, options.variant), options)
+    found, conditions = optimum(chosen, options)
     saved = document(found, command_line("optimise", options), conditions)
     numbers = {
         one.parameter.name: (
@@ -72,5 +72,5 @@ def _word(name: str, values: Range) -> str:
     if values is None:
         return name
     if isinstance(values, tuple):
-        return f"{name}={':'.join('' if end is None else repr(float(end)) for end in values)}"
-    return f"{name}={values if isinstance(values, str) else repr(float(values))}"
+        return f"{name}={':'.join('' if end is None else word(float(end)) for end in values)}"
+    return f"{name}={values if isinstance(values, str) else word(float(values))}"

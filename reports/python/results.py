@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from pathlib import Path
 
 import xarray
 
 from analytic.description.linkage import Linkage
-from reports.python.keywords import chosen_linkage, with_keywords
+from reports.python.keywords import of_linkage, with_keywords
 from reports.python.labels import labelled
 from reports.requests.options.linkage import ResultsOptions
 from reports.requests.results import designer_results
@@ -22,8 +21,7 @@ def results(linkage: Linkage | str | Path, *, options: ResultsOptions) -> xarray
     Points, links, joints and groups are dimensions of their own, as are the components x and y of a vector. ``at``, in
     degrees, or ``time``, in s, choose the instants. Raises LinkproofError for what cannot be.
     """
-    options = replace(options, mechanism=str(linkage))
-    found = designer_results(chosen_linkage(linkage, options.variant), options)
+    found = designer_results(*of_linkage(linkage, options))
     values = {name: found.curves.of(found.shown, name) for name in found.curves.names}
     about = {"regime": found.case.motion.regime, "conditions": found.conditions}
     return labelled(found.linkage, found.axis, values, about)

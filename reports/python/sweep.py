@@ -22,7 +22,7 @@ from comparisons.designs.sweep.space import DesignSpace, Grid, Listed
 from comparisons.designs.sweep.sweep import SweepRequest, own_figures, sweep_block
 from comparisons.designs.sweep.sweep import sweep as sweep_space
 from comparisons.runs.cluster.connecting import opened
-from reports.python.keywords import Words, chosen_linkage, with_keywords, words
+from reports.python.keywords import Words, of_linkage, with_keywords, words
 from reports.requests.compare import campaign
 from reports.requests.options.designs import SweepOptions
 from reports.requests.steady import steady_case
@@ -56,8 +56,8 @@ def sweep(
     all is nan.
     """
     check_sweep(options)
-    options = replace(options, mechanism=str(linkage), quantity=words(figures))
-    case = steady_case(chosen_linkage(linkage, options.variant), options)
+    chosen, options = of_linkage(linkage, replace(options, quantity=words(figures)))
+    case = steady_case(chosen, options)
     if (vary is None) == (table is None):
         raise LinkproofError(f"sweep: expected vary or table, got {'neither' if vary is None else 'both'}: pass one")
     given = table if vary is None else vary

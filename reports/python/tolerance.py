@@ -13,7 +13,7 @@ import xarray
 from analytic.description.linkage import Linkage
 from comparisons.designs.tolerance.tolerance_study import SHARES, ToleranceStudy, tolerance_study
 from comparisons.designs.tolerance.tolerances import Tolerances, read_tolerances
-from reports.python.keywords import Words, chosen_linkage, with_keywords, words
+from reports.python.keywords import Words, of_linkage, with_keywords, words
 from reports.requests.options.designs import ToleranceOptions
 from reports.requests.tolerance import tolerance_request_of
 
@@ -42,7 +42,7 @@ def tolerance(
     given = replace(given, results=given.results if results is None else words(results))
     if options.speed is not None:
         given = replace(given, speed=options.speed)
-    chosen = chosen_linkage(linkage, options.variant)
+    chosen, options = of_linkage(linkage, options)
     return dataset(tolerance_study(tolerance_request_of(chosen, given, options)))
 
 

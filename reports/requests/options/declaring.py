@@ -63,7 +63,9 @@ def stated(options: Any) -> dict[str, tuple[str, ...]]:  # noqa: ANN401 - a data
     for one in declared(type(options)):
         value = getattr(options, one.field.name)
         if isinstance(one.info, Option) and one.info.repeated and value != one.field.default:
-            found[one.name] = () if isinstance(value, bool) else tuple(map(_word, _several(value)))
+            found[one.name] = () if isinstance(value, bool) else tuple(map(word, _several(value)))
+            if item(one.kind) is float:
+                found[one.name] = (",".join(found[one.name]),)  # numbers are one word
     return found
 
 
@@ -85,9 +87,16 @@ def command_line(command: str, *options: Any, **others: Sequence[str]) -> str:  
     return shlex.join(["linkproof", command, *arguments, *valued, *flags])
 
 
+def item(kind: Any) -> type | None:  # noqa: ANN401 - a type
+    """The type of the members of a tuple, which may be optional; None of what is no tuple."""
+    kinds = (kind, *get_args(kind))
+    return next((get_args(one)[0] for one in kinds if get_origin(one) is tuple), None)
+
+
 def _several(value: Any) -> Iterable[Any]:  # noqa: ANN401 - of any option
     return value if isinstance(value, tuple) else () if value is None else (value,)
 
 
-def _word(value: Any) -> str:  # noqa: ANN401 - of any option
+def word(value: Any) -> str:  # noqa: ANN401 - of any option
+    """A value as it is typed: every digit of a number, a whole one without a point."""
     return repr(float(value)).removesuffix(".0") if isinstance(value, float | int) else str(value)

@@ -10,7 +10,6 @@ import pytest
 from typer.testing import CliRunner
 
 import linkproof
-from analytic.errors import LinkproofError
 from reports.command_line.app import app
 from reports.python.labels import label
 
@@ -64,14 +63,6 @@ def test_it_is_saved_and_read_as_netcdf(tmp_path):
 def test_what_the_command_refuses_is_an_error():
     with pytest.raises(linkproof.LinkproofError, match="--at and --time both"):
         linkproof.results("juki-mf7923d", at=[0], time=[0])
-    with pytest.raises(TypeError, match="spead"):
-        linkproof.results("juki-mf7923d", spead=3)
-
-
-@pytest.mark.parametrize("speed", ["3000", True, [3000.0]])
-def test_what_is_no_number_is_refused_in_a_sentence(speed):
-    with pytest.raises(LinkproofError, match=r"speed: expected a number of rpm, got .*; pass a number"):
-        linkproof.results("rimoldi-164", speed=speed)
 
 
 def test_no_figure_is_drawn_to_know_results():
