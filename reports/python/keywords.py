@@ -35,14 +35,14 @@ def with_keywords(*, without: Sequence[str] = ()) -> Callable[[Callable[..., Res
 
     def decorated(function: Callable[..., Result]) -> Callable[..., Result]:
         hints = get_type_hints(function)
-        bags: dict[str, Any] = {name: kind for name, kind in hints.items() if is_dataclass(kind)}
-        bags = {name: kind for name, kind in bags.items() if any(isinstance(d.info, Option) for d in declared(kind))}
+        signature = inspect.signature(function)
+        bags: dict[str, Any] = {name: hints[name] for name in signature.parameters if is_dataclass(hints[name])}
         options = {
             name: {one.field.name: one for one in declared(kind) if _has_keyword(one, without)}
             for name, kind in bags.items()
         }
         every = {name: one for own in options.values() for name, one in own.items()}
-        plain = [one for one in inspect.signature(function).parameters.values() if one.name not in bags]
+        plain = [one for one in signature.parameters.values() if one.name not in bags]
 
         @wraps(function)
         def called(*args: Any, **given: Any) -> Result:  # noqa: ANN401 - of all keywords
@@ -57,7 +57,7 @@ def with_keywords(*, without: Sequence[str] = ()) -> Callable[[Callable[..., Res
 
         way = inspect.Parameter.KEYWORD_ONLY
         added = [inspect.Parameter(n, way, default=one.field.default, annotation=one.kind) for n, one in every.items()]
-        called.__signature__ = inspect.signature(function).replace(parameters=[*plain, *added])  # type: ignore[attr-defined]
+        called.__signature__ = signature.replace(parameters=[*plain, *added])  # type: ignore[attr-defined]
         lines = [textwrap.fill(f"{name}: {_help(one)}", 110, subsequent_indent="    ") for name, one in every.items()]
         called.__doc__ = "\n".join(
             [inspect.cleandoc(function.__doc__ or ""), "", "Keywords of the command:", "", *lines]
