@@ -388,10 +388,11 @@ def test_output_to_a_small_character_set_is_readable():
 
 
 @pytest.mark.skipif(not Path("/dev/full").exists(), reason="needs a device that is always full")
-@pytest.mark.parametrize("words", [["list"], ["list", "--json", "-"], ["--help"]])
-def test_a_full_stdout_is_one_sentence(words):
+def test_a_full_stdout_is_one_sentence():
     with open("/dev/full", "w") as full:
-        done = subprocess.run([*COMMAND, *words], stdout=full, stderr=subprocess.PIPE, text=True, check=False)
+        done = subprocess.run(
+            [*COMMAND, "list", "--json", "-"], stdout=full, stderr=subprocess.PIPE, text=True, check=False
+        )
     assert done.returncode == 2
     assert re.fullmatch("linkproof: cannot write to stdout: .*\n", done.stderr)
 
@@ -421,7 +422,7 @@ main()
 """
 
 
-@pytest.mark.parametrize("module", ["typer", "analytic.errors", "numpy", "reports.mechanism.terminal"])
+@pytest.mark.parametrize("module", ["analytic.errors", "numpy"])
 def test_an_interruption_of_any_import_is_one_sentence(module):
     command = [sys.executable, "-c", PRESSED, module, "show", "juki-mf7923d"]
     done = subprocess.run(command, capture_output=True, text=True, check=False)

@@ -16,7 +16,7 @@ from comparisons.stress.verdict import Judgement, StressVerdict
 from reports.campaign.terminal import printout
 from reports.document.terminal import rendered
 from reports.requests.exit_codes import bench_exit_code, campaign_exit_code, stress_exit_code
-from tests.commands import COMMAND
+from tests.commands import COMMAND, linkproof
 from tests.comparisons.bench_rows import row
 
 
@@ -106,25 +106,21 @@ def test_a_working_folder_that_was_deleted_is_one_sentence(tmp_path):
     assert "a working folder" in done.stderr
 
 
-def test_a_fault_of_ours_is_one_sentence_and_exit_code_3():
-    script = (
-        "import sys; sys.argv = ['linkproof', 'list']\n"
-        "from reports.command_line import main\n"
-        "from reports.command_line.commands import mechanisms\n"
-        "def fail(target): raise TypeError('a slip')\n"
-        "mechanisms.list_mechanisms = fail\n"
-        "main.main()"
-    )
-    done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=False)
+def test_a_fault_of_ours_is_one_sentence_and_exit_code_3(monkeypatch):
+    def fail(_):
+        raise TypeError("a slip")
+
+    monkeypatch.setattr("reports.command_line.commands.mechanisms.list_mechanisms", fail)
+    done = linkproof("list")
     assert done.returncode == 3
     assert done.stderr.startswith("linkproof: this is a fault of linkproof: TypeError: a slip (reports/command_line/")
     assert done.stderr.count("\n") == 1
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="pipes differ there")
-@pytest.mark.parametrize("words", [["--out", "o"], ["--json", "-", "--out", "o"]])
-def test_a_reader_that_leaves_costs_no_report(tmp_path, words):
-    command = [*COMMAND, "compare", "juki-mf7923d", "--engine", "direct", "--quantity", "Jeq", *words]
+def test_a_reader_that_leaves_costs_no_report(tmp_path):
+    words = ("--quantity", "Jeq", "--json", "-", "--out", "o")
+    command = [*COMMAND, "compare", "juki-mf7923d", "--engine", "direct", *words]
     environment = {**os.environ, "PYTHONPATH": os.pathsep.join(filter(None, sys.path))}
     reading, writing = os.pipe()
     os.close(reading)

@@ -2,9 +2,7 @@
 
 import json
 import os
-import subprocess
-import sys
-from pathlib import Path
+from unittest.mock import patch
 from xml.etree import ElementTree
 
 import pytest
@@ -12,9 +10,9 @@ import pytest
 from analytic.description.loading import read
 from comparisons.campaign.results import load
 from reports.records import matrix
+from tests.commands import ROOT, linkproof
 from tests.comparisons.faults import announce
 
-ROOT = Path(__file__).parents[4]
 PROJECT = """
 linkages = ["*/press.toml"]
 engines = ["heavy"]
@@ -33,16 +31,18 @@ class HeavyEngine(DirectEngine):
 
     def run(self, scene, setting):
         more = float(os.environ.get("MORE", "0"))
+        print(os.environ.get("WORDS", ""), end="")
         bodies = tuple(replace(body, mass=body.mass * (1.0 + more)) for body in scene.bodies)
         return super().run(replace(scene, bodies=bodies), setting)
 """
 
 
 @pytest.fixture
-def folder(tmp_path):
+def folder(tmp_path, monkeypatch):
     """A stranger's repository: two linkages of one name, limits, and an engine that makes its parts heavier."""
     (tmp_path / "heavy_engine.py").write_text(HEAVY)
     announce(tmp_path, "heavy-engine", {"heavy": "heavy_engine:HeavyEngine"})
+    monkeypatch.syspath_prepend(tmp_path)
     text = read("juki-mf7923d").text
     for name in ("a", "b"):
         (tmp_path / name).mkdir()
@@ -52,11 +52,8 @@ def folder(tmp_path):
 
 
 def _compare(folder, *words, more="0"):
-    command = [sys.executable, "-m", "reports.command_line.main", "compare", *map(str, words), "--jobs", "0"]
-    environment = {**os.environ, "PYTHONPATH": os.pathsep.join([str(folder), str(ROOT)]), "MORE": more}
-    return subprocess.run(
-        command, capture_output=True, text=True, cwd=folder, env=environment, timeout=120, check=False
-    )
+    with patch.dict(os.environ, {"MORE": more}):
+        return linkproof("compare", *words, "--jobs", "0", cwd=folder)
 
 
 def _heavier(path):
@@ -126,11 +123,8 @@ def test_nothing_is_recorded_where_no_file_is_named(tmp_path):
     assert list(tmp_path.iterdir()) == []
 
 
-def test_an_engine_that_prints_leaves_stdout_to_json(folder):
-    engine = folder / "heavy_engine.py"
-    engine.write_text(
-        engine.read_text().replace("        more =", "        print('free for research')\n        more =")
-    )
+def test_an_engine_that_prints_leaves_stdout_to_json(folder, monkeypatch):
+    monkeypatch.setenv("WORDS", "free for research")
     done = _compare(folder, "a/press.toml", "--json", "-")
     assert "free for research" in done.stderr
     assert {record["engine"] for record in json.loads(done.stdout)["records"]} == {"heavy"}
