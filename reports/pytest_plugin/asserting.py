@@ -36,7 +36,7 @@ class Assertion:
         if key not in self.made:
             self.made[key] = compare(*mechanisms, **{"jobs": 1, **options})
         found = self.made[key]
-        wanted = found.options
+        wanted = found.campaign.options
         texts = [failure(record, wanted, found.notes) for record in deciding(found.records) if _fails(record.outcome)]
         texts += [changed(figure, wanted, found.notes) for figure in found.figures if figure.changed]
         texts += found.departures

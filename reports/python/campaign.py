@@ -3,26 +3,30 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
-from dataclasses import dataclass, field, replace
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeVar
 
-from analytic.errors import LinkproofError
+from analytic.errors import LinkproofError, UnknownNameError
 from comparisons.campaign.key_figures import KeyFigure
+from comparisons.campaign.results import Results
+from comparisons.campaign.standards import JudgedCampaign
 from comparisons.judging.records import Record
 from reports.campaign.terminal import printout
 from reports.document.terminal import Printout
 from reports.python.keywords import with_keywords
 from reports.python.printed_result import PrintedResult
 from reports.requests import PASSED
-from reports.requests.compare import campaign
+from reports.requests.compare import Campaign, campaign
 from reports.requests.exit_codes import campaign_exit_code
 from reports.requests.options.campaign import CompareOptions, RunLimits, StandardOptions
 
 if TYPE_CHECKING:
     import xarray
+    from matplotlib.figure import Figure
 
+Named = TypeVar("Named")
 RUN = ("mechanism", "variant", "regime", "engine", "setting")
 
 
@@ -30,20 +34,56 @@ RUN = ("mechanism", "variant", "regime", "engine", "setting")
 class Comparison(PrintedResult):
     """The result of a comparison: a record per run, quantity and check, and the key figures with their recorded values.
 
-    ``departures`` name linkages and motions that differ from the baseline, and fail it; ``notes`` cause no failure:
-    changes since it was recorded, and permitted differences. ``options`` are the requested ones. ``repr`` is a line,
-    ``str`` and a notebook have what the command prints, ``to_pandas`` has a row for each record.
+    ``repr`` is a line, ``str`` and a notebook have what the command prints, ``to_pandas`` has a row for each record.
     """
 
-    records: tuple[Record, ...]
-    figures: tuple[KeyFigure, ...]
-    notes: tuple[str, ...]
-    departures: tuple[str, ...] = ()
-    printed: Printout = field(default=Printout((), ("nothing was compared",)), compare=False)
-    options: CompareOptions = field(default=CompareOptions(), compare=False)
+    judged: JudgedCampaign
+    campaign: Campaign
+
+    @property
+    def records(self) -> tuple[Record, ...]:
+        """Errors beside their limits, and invariants."""
+        return tuple(self.judged.records)
+
+    @property
+    def figures(self) -> tuple[KeyFigure, ...]:
+        """Key figures beside what is recorded of them."""
+        return tuple(self.judged.figures)
+
+    @property
+    def notes(self) -> tuple[str, ...]:
+        """What causes no failure: changes since the baseline was recorded, and permitted differences."""
+        return tuple(self.judged.notes)
+
+    @property
+    def departures(self) -> tuple[str, ...]:
+        """Linkages and motions that differ from the baseline, and fail the comparison."""
+        return tuple(self.judged.departures)
+
+    @property
+    def command(self) -> str:
+        """The command that repeats it."""
+        return self.campaign.saved_command
+
+    def plot(self, mechanism: str | None = None, regime: str | None = None) -> Figure:
+        """Every error and limit of a mechanism under a regime, the first ones by default, as a figure of matplotlib.
+
+        Raises UnknownNameError for one that was not compared.
+        """
+        import xarray  # noqa: PLC0415  seconds that records alone do not pay
+
+        from reports.charts.draw import figure  # noqa: PLC0415
+        from reports.charts.errors import errors_chart  # noqa: PLC0415
+        from reports.records.views import views  # noqa: PLC0415
+
+        seen = {
+            view.linkage.name: view for view in views(Results(self.campaign.document(self.judged), xarray.Dataset()))
+        }
+        view = _named("mechanism", mechanism, seen)
+        return figure(errors_chart(view, _named("regime", regime, {one.name: one for one in view.regimes})))
 
     def _printout(self) -> Printout:
-        return self.printed
+        return printout(self.judged.results, self.figures, (*self.notes, *self.departures))
 
     def _rows(self) -> Sequence[Record]:
         return self.records
@@ -101,16 +141,13 @@ def compare(
                 f"expected names and paths of linkages, got a {type(mechanism).__name__}: give its file, since "
                 "limits and baselines belong to files"
             )
-    options = replace(options, mechanisms=tuple(map(str, mechanisms)))
-    wanted = campaign(options, standard, limits)
+    wanted = campaign(replace(options, mechanisms=tuple(map(str, mechanisms))), standard, limits)
     with wanted.running.pool() as pool:
-        judged = wanted.compared(pool)
-    printed = printout(judged.results, judged.figures, (*judged.notes, *judged.departures))
-    return Comparison(
-        tuple(judged.records),
-        tuple(judged.figures),
-        tuple(judged.notes),
-        tuple(judged.departures),
-        printed,
-        options,
-    )
+        return Comparison(wanted.compared(pool), wanted)
+
+
+def _named(what: str, name: str | None, known: Mapping[str, Named]) -> Named:
+    """What bears a name, or the first where none is given; raises UnknownNameError."""
+    if name is not None and name not in known:
+        raise UnknownNameError(what, name, known)
+    return known[name] if name is not None else next(iter(known.values()))

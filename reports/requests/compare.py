@@ -2,14 +2,18 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 from comparisons.campaign.campaign import CampaignRequest
 from comparisons.campaign.campaign import compare as run_campaign
+from comparisons.campaign.errata import ErratumRecord
+from comparisons.campaign.results import document
 from comparisons.campaign.standards import JudgedCampaign, judged_campaign
 from comparisons.judging.verdicts import Standard
+from comparisons.runs.plugins import engines
 from comparisons.runs.workers import Pool
 from reports.requests.campaign import request
 from reports.requests.options.campaign import CompareOptions, RunLimits, StandardOptions
@@ -25,12 +29,13 @@ class Campaign:
     """A campaign that can run: nothing of it is missing or unknown.
 
     ``command`` repeats it, ``saved_command`` with its standard and limits. ``recorded`` is the file that its errors are
-    recorded in, if they are to be.
+    recorded in, if they are to be. ``options`` are those that were typed.
     """
 
     request: CampaignRequest
     standard: Standard
     running: Running
+    options: CompareOptions
     command: str
     saved_command: str
     recorded: Path | None
@@ -39,6 +44,14 @@ class Campaign:
         """Make the runs in a pool and judge them; the errors are recorded as the baseline if they are to be."""
         results = list(run_campaign(self.request, bounds=self.running.bounds, pool=pool, **how))
         return judged_campaign(self.request, results, self.standard, self.recorded)
+
+    def document(
+        self, judged: JudgedCampaign, errata: Sequence[ErratumRecord] = (), *, is_saved: bool = False
+    ) -> dict[str, Any]:
+        """Everything of the judged campaign but its curves, JSON-ready."""
+        readouts = {one.name: one.abilities.told() for one in engines(self.request.engines)}
+        command = self.saved_command + (" --out DIR" if is_saved else "")
+        return {**document(self.request, judged.results, command, errata, readouts), **judged.told}
 
 
 def campaign(options: CompareOptions, standard: StandardOptions = AS_USUAL, limits: RunLimits = UNBOUND) -> Campaign:
@@ -53,6 +66,7 @@ def campaign(options: CompareOptions, standard: StandardOptions = AS_USUAL, limi
         request(completed.options, completed.known),
         chosen_standard(completed, standard),
         running(completed.limits),
+        options,
         command_line("compare", completed.options),
         command_line("compare", completed.options, standard, completed.limits),
         file if standard.record_baseline else None,

@@ -6,20 +6,18 @@ import webbrowser
 from collections.abc import Callable, Sequence
 from dataclasses import asdict
 from pathlib import Path
-from typing import Any
 
 from analytic.description.linkage import Linkage
 from analytic.description.loading import catalogue, literature
 from analytic.errors import LinkproofError
 from comparisons.campaign.campaign import tasks
-from comparisons.campaign.errata import ErratumRecord, judge_errata
+from comparisons.campaign.errata import judge_errata
 from comparisons.campaign.printed_answers import engine_answers
-from comparisons.campaign.results import document, save
+from comparisons.campaign.results import save
 from comparisons.campaign.sheets import sheets
 from comparisons.campaign.standards import JudgedCampaign
 from comparisons.reference.published import PublishedRecord, all_variants, compare_published
 from comparisons.runs.failures import Failure
-from comparisons.runs.plugins import engines
 from engines.registry import engine_names
 from reports.campaign.terminal import printout
 from reports.command_line.destination import Destination
@@ -28,7 +26,7 @@ from reports.document.terminal import Printout, show
 from reports.mechanism import terminal
 from reports.requests import PASSED, SUITE_ERROR
 from reports.requests.campaign import installed
-from reports.requests.compare import AS_USUAL, UNBOUND, Campaign, campaign
+from reports.requests.compare import AS_USUAL, UNBOUND, campaign
 from reports.requests.exit_codes import campaign_exit_code
 from reports.requests.options.campaign import CompareOptions, RunLimits, StandardOptions
 
@@ -60,7 +58,7 @@ def compare(
                 judge_errata(of_errata, installed(engines), bounds=wanted.running.bounds, pool=pool, journal=kept)
             )
         if destination.json or out:
-            saved = _document(wanted, judged, errata, is_saved=out is not None)
+            saved = wanted.document(judged, errata, is_saved=out is not None)
             saved["environment"] |= pool.place
             destination.write_json(saved)
         if out:
@@ -74,15 +72,6 @@ def compare(
     destination.write_junit(judged.records, judged.figures, judged.departures)
     destination.print_out(words(judged))
     return campaign_exit_code(judged.records, errata, judged.figures, judged.departures)
-
-
-def _document(
-    wanted: Campaign, judged: JudgedCampaign, errata: Sequence[ErratumRecord], *, is_saved: bool
-) -> dict[str, Any]:
-    """Everything of a judged campaign but its curves, JSON-ready."""
-    readouts = {one.name: one.abilities.told() for one in engines(wanted.request.engines)}
-    command = wanted.saved_command + (" --out DIR" if is_saved else "")
-    return {**document(wanted.request, judged.results, command, errata, readouts), **judged.told}
 
 
 def report(saved: Path, out: Path | None, single: Path | None, *, opens: bool = False, png: bool = False) -> None:

@@ -1,11 +1,16 @@
 """The fixture for tests of one's own: green, red with the words of a record, skipped; equal calls compare once."""
 
+from types import SimpleNamespace
+
 import pytest
 
+from comparisons.campaign.standards import JudgedCampaign
 from comparisons.judging.records import Record
+from comparisons.judging.run_result import RunResult
 from engines.pymunk_adapter.adapter import PymunkEngine
 from reports.pytest_plugin import asserting
 from reports.python.campaign import Comparison
+from reports.requests.options.campaign import CompareOptions
 from tests.reports.pytest_plugin.projects import project, run
 
 pytest_plugins = ["pytester"]
@@ -56,7 +61,9 @@ def test_where_nothing_is_judged_the_test_is_skipped(pytester, monkeypatch):
     told = Record(
         "bar", "base", "run-up", "", "direct", "0", "tuned", outcome="unsupported", detail="it has no springs"
     )
-    monkeypatch.setattr(asserting, "compare", lambda *_, **__: Comparison((told,), (), ()))
+    judged = JudgedCampaign(None, [RunResult((told,), ())], (), ())
+    campaign = SimpleNamespace(options=CompareOptions())
+    monkeypatch.setattr(asserting, "compare", lambda *_, **__: Comparison(judged, campaign))
     done = in_test(pytester, CALL)
     done.assert_outcomes(skipped=1)
     done.stdout.fnmatch_lines(["SKIPPED * unsupported: it has no springs"])

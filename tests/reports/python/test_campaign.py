@@ -2,9 +2,11 @@
 
 import numpy as np
 import pytest
+from matplotlib.text import Text
 
 import linkproof
 from analytic.description.loading import read
+from comparisons.campaign.standards import JudgedCampaign
 
 FAST = {"engine": "direct", "jobs": 0}
 
@@ -20,6 +22,11 @@ def press(tmp_path):
 def test_records_are_a_table_by_run_and_quantity():
     found = linkproof.compare("juki-mf7923d", setting=["naive", "tuned"], **FAST)
     assert found.passed
+    assert found.command == "linkproof compare juki-mf7923d --engine direct --setting naive --setting tuned"
+    drawn = {text.get_text() for text in found.plot(regime="run-up").findobj(Text)}
+    assert {"largest |error| / peak", "Mkr"} <= drawn
+    with pytest.raises(linkproof.LinkproofError, match="unknown regime 'runup': did you mean 'run-up'"):
+        found.plot(regime="runup")
     table = found.table
     assert table["setting"].values.tolist() == ["naive", "tuned"]
     for record in found.records:
@@ -55,7 +62,7 @@ def test_the_project_says_what_the_words_leave_open(press):
 
 
 def test_where_nothing_can_be_judged_it_has_neither_passed_nor_failed():
-    found = linkproof.Comparison((), (), ())
+    found = linkproof.Comparison(JudgedCampaign(None, (), (), ()), None)
     with pytest.raises(linkproof.LinkproofError, match="got no run at all"):
         _ = found.passed
 
