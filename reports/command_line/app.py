@@ -270,7 +270,8 @@ def judge(
 def bench(options: BenchOptions, output: OutputOptions, scheduler: Scheduler = None) -> int:
     """Measure error against run time: every engine, setting and method over a sweep of steps.
 
-    MECHANISM is a name in the catalogue or the path of a .toml file; default: the whole catalogue.
+    MECHANISM is a name in the catalogue or the path of a .toml file; default: those of the linkproof.toml in the
+    working folder or above it, or the whole catalogue.
 
     Runs are made one at a time. Do not use the machine for anything else, or the times become wrong.
     """

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from contextlib import suppress
 from dataclasses import replace
 from pathlib import Path
-from typing import NamedTuple
+from typing import Any, NamedTuple, TypeVar
 
 from analytic.description.linkage import Linkage
 from analytic.description.loading import LinkageFile, catalogue, installed, literature, load, read
@@ -21,9 +21,17 @@ from comparisons.runs.files import check_writable
 from engines.registry import engine_names
 from reports.requests.campaign import files, having
 from reports.requests.motions import EVERYTHING, OWN, offered
-from reports.requests.options.campaign import CompareOptions, RunLimits, StandardOptions
+from reports.requests.options.campaign import (
+    BenchOptions,
+    CompareOptions,
+    RunLimits,
+    RunsOptions,
+    StandardOptions,
+    StressOptions,
+)
 from reports.requests.options.declaring import stated
 
+Study = TypeVar("Study", CompareOptions, BenchOptions, StressOptions)
 INSTALLATIONS = {"site-packages", "dist-packages"}  # what stands there is gone with the next installation
 
 
@@ -136,18 +144,27 @@ def _project_of(names: tuple[str, ...]) -> Project | None:
     return None if first is None else find_project(Path(first).resolve().parent)
 
 
-def _completed(options: CompareOptions, project: Project) -> CompareOptions:
+def of_project(options: Study) -> Study:
+    """A study's options with the linkages and engines of the project wherever they name none.
+
+    The project is that of the first linkage that is named, or of the working folder. Raises LinkproofError for one that
+    cannot be read.
+    """
+    project = _project_of(options.mechanisms if isinstance(options, RunsOptions) else ())
+    return options if project is None else _completed(options, project)
+
+
+def _completed(options: Study, project: Project) -> Study:
     for name in () if options.engine else project.engines:
         if name not in engine_names():
             raise UnknownNameError(f"engine of {project.folder / FILE}", name, engine_names())
-    paths = [os.path.relpath(path) for path in project.linkages]
-    return replace(
-        options,
-        mechanisms=options.mechanisms or (having(paths, options.variant) if paths else ()),
-        engine=options.engine or project.engines,
-        setting=options.setting or project.settings,
-        regime=options.regime or (() if options.swings else project.regimes),
-    )
+    more: dict[str, Any] = {"engine": options.engine or project.engines}
+    if isinstance(options, RunsOptions) and not options.mechanisms and project.linkages:
+        more["mechanisms"] = having([os.path.relpath(path) for path in project.linkages], options.variant)
+    if isinstance(options, CompareOptions):
+        more["setting"] = options.setting or project.settings
+        more["regime"] = options.regime or (() if options.swings else project.regimes)
+    return replace(options, **more)
 
 
 def _known_linkages(options: CompareOptions, project: Project) -> tuple[Linkage, ...]:

@@ -29,6 +29,7 @@ from reports.requests.campaign import installed, request
 from reports.requests.exit_codes import bench_exit_code
 from reports.requests.options.campaign import BenchOptions, RunsOptions
 from reports.requests.options.declaring import command_line
+from reports.requests.standard import of_project
 from reports.work_precision.terminal import printout
 
 REGIMES, QUICK_REGIMES = ("run-up-quintic", "run-up"), ("run-up-quintic",)
@@ -37,11 +38,13 @@ REGIMES, QUICK_REGIMES = ("run-up-quintic", "run-up"), ("run-up-quintic",)
 def bench(options: BenchOptions, destination: Destination, scheduler: object = None) -> int:
     """Measure, write the requested files, print the tables; returns the exit code.
 
-    The workers of a ``scheduler`` measure, where there is one, one run at a time on a machine.
+    Where no linkages or engines are named, those of the project are measured. The workers of a ``scheduler`` measure,
+    where there is one, one run at a time on a machine.
     Raises LinkproofError for anything that does not exist or cannot be, before any run is made.
     """
-    out, command = destination.out, command_line("bench", options)
     destination.check(FILE)
+    options = of_project(options)
+    out, command = destination.out, command_line("bench", options)
     check_scheduler(scheduler)
     if scheduler is not None and options.costs:
         raise LinkproofError("--costs are those of this machine, and --scheduler measures elsewhere: leave one out")

@@ -21,15 +21,18 @@ from reports.requests.exit_codes import stress_exit_code
 from reports.requests.options.campaign import RunLimits, StressOptions
 from reports.requests.options.declaring import command_line
 from reports.requests.running import Running, running
+from reports.requests.standard import of_project
 from reports.stress.terminal import cell_details, printout
 
 
 def run(options: StressOptions, destination: Destination, jobs: int | None = None, scheduler: object = None) -> int:
     """Put engines under stress, on the workers of a ``scheduler`` where there is one; returns the exit code.
 
-    Raises LinkproofError for anything that does not exist, before any cell is made.
+    Where no engine is named, those of the project are taken. Raises LinkproofError for anything that does not exist,
+    before any cell is made.
     """
     destination.check(FILE)
+    options = of_project(options)
     if jobs is not None and jobs < 1:
         raise LinkproofError(f"--jobs: expected 1 or more worker processes, got {jobs}; a cell may not run without one")
     if options.time_limit is not None and not 0.0 < options.time_limit < math.inf:

@@ -7,9 +7,9 @@ import pytest
 from analytic.description.loading import read
 from analytic.errors import LinkproofError, UnknownNameError
 from reports.requests.campaign import files, request
-from reports.requests.options.campaign import CompareOptions, RunLimits, StandardOptions
+from reports.requests.options.campaign import BenchOptions, CompareOptions, RunLimits, StandardOptions, StressOptions
 from reports.requests.options.declaring import command_line
-from reports.requests.standard import baseline_file, in_project
+from reports.requests.standard import baseline_file, in_project, of_project
 
 PROJECT = """
 linkages = ["*/*.toml"]
@@ -130,3 +130,12 @@ def test_an_unknown_engine_of_a_project_is_said_with_its_file(folder):
     with pytest.raises(UnknownNameError, match=r"unknown engine of .*linkproof\.toml 'adams'"):
         _in_project()
     assert _in_project(CompareOptions(engine=("direct",)))[0].engine == ("direct",)
+
+
+def test_bench_has_the_linkages_and_engines_of_the_project_and_stress_its_engines(folder):
+    assert of_project(BenchOptions(quick=True)) == BenchOptions(
+        mechanisms=("a/press.toml", "b/press.toml"), engine=("direct",), quick=True
+    )
+    given = BenchOptions(mechanisms=("b/press.toml",), engine=("exudyn",))
+    assert of_project(given) == given
+    assert of_project(StressOptions(words=("mass",))) == StressOptions(words=("mass",), engine=("direct",))
