@@ -1,7 +1,8 @@
 """Work-precision: every engine, method and step measured on every case, round after round, one run at a time.
 
-The first round goes down all sweeps at once, coarse steps first, and takes the errors; the rounds after it repeat every
-point for its time alone. Each round visits all points in turn, so that a slow spell of the machine hits all alike.
+The first round goes down one sweep of every engine on every case at once, coarse steps first, then the next of each,
+and takes the errors; the rounds after it repeat every point for its time alone. Each round visits all points in turn,
+so that a slow spell of the machine hits all alike.
 """
 
 from __future__ import annotations
@@ -69,18 +70,20 @@ def bench(request: BenchRequest, announce: Announce = lambda *_: None, journal: 
     for name in request.engines:
         if name not in engine_names():
             raise UnknownNameError("engine", name, engine_names())
-    sweeps = _in_turn(list(_sweeps(request)))
+    sweeps = list(_sweeps(request))
     rounds = Rounds(
         *(request.cases, request.quantities, request.extent),
         announce=announce,
         journal=journal,
         pool=request.pool,
     )
-    while batch := [(track, point) for track in sweeps if (point := track.next()) is not None]:
-        rounds.run(0, [point for _, point in batch])
-        for track, point in batch:
-            track.take(rounds.taken(0, point))
-    done = [point for track in sweeps for point in track.points[: len(track.taken)]]
+    turns = _turns(sweeps)
+    for turn in turns:
+        while batch := [(track, point) for track in turn if (point := track.next()) is not None]:
+            rounds.run(0, [point for _, point in batch])
+            for track, point in batch:
+                track.take(rounds.taken(0, point))
+    done = [point for turn in turns for track in turn for point in track.points[: len(track.taken)]]
     for number in range(1, request.extent.repeats):
         rounds.run(number, [point for point in done if rounds.is_worth_repeating(point, number)])
     return Measured(judged(_records(request, sweeps, rounds)), request.quantities, Noise(rounds.calibrations))
@@ -123,12 +126,26 @@ def _sweeps(request: BenchRequest) -> Iterator[Track]:
                 yield from tracks(number, name, methods, request.settings, request.extent, efforts=first)
 
 
-def _in_turn(sweeps: Sequence[Track]) -> list[Track]:
-    """The first sweep of every engine on every case, then the second of each: none waits for all of another's."""
+def _turns(sweeps: Sequence[Track]) -> list[list[Track]]:
+    """Sweeps that are measured to their ends one turn after the other: one of every engine on every case at a time.
+
+    Where the time ends first, some sweeps are whole and others have no point, rather than each a single one. So the
+    settings come first and then each engine's most advanced method; extrapolated ones and the best setting, which is
+    mostly one of them, come last.
+    """
     groups: dict[tuple[int, str], list[Track]] = {}
     for track in sweeps:
         groups.setdefault((track.points[0].case, track.points[0].engine), []).append(track)
-    return [track for turn in zip_longest(*groups.values()) for track in turn if track is not None]
+    ordered = [[track for _, track in sorted(enumerate(group), key=_rank)] for group in groups.values()]
+    return [[track for track in turn if track is not None] for turn in zip_longest(*ordered)]
+
+
+def _rank(numbered: tuple[int, Track]) -> tuple[int, int]:
+    number, track = numbered
+    point = track.points[0]
+    if point.method is None:
+        return (3 if point.setting is Setting.BEST else 0), number
+    return (1 if point.method.runs == 1 else 2), -number
 
 
 def _records(request: BenchRequest, sweeps: Sequence[Track], rounds: Rounds) -> list[PointRecord]:

@@ -11,6 +11,7 @@ SECOND = Method("second", "second order down to a floor the solver sets", effort
 FOURTH = Method("fourth", "fourth order until rounding grows", runs=2)
 WRONG = Method("wrong", "a read-out that no step mends")
 BROKEN = Method("broken", "raises")
+METHODS = (FIRST, SECOND, FOURTH, WRONG, BROKEN)
 SIZE = 0.2
 
 
@@ -30,7 +31,7 @@ class KnownEngine:
         return "1.0"
 
     def methods(self, scene):
-        return (FIRST, SECOND, FOURTH, WRONG, BROKEN)
+        return METHODS
 
     def run(self, scene, setting):
         self.runs.append(setting)

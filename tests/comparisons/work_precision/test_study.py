@@ -2,6 +2,7 @@
 
 import dataclasses
 from collections import Counter
+from itertools import groupby
 
 import pytest
 
@@ -21,7 +22,7 @@ from comparisons.work_precision.points import OUT_OF_TIME, Extent
 from comparisons.work_precision.records import METHOD, SETTING
 from comparisons.work_precision.study import BenchRequest, bench, methods_told
 from engines.contract import Outcome, Run, Setting
-from tests.comparisons.bench_engine import KnownEngine
+from tests.comparisons.bench_engine import METHODS, KnownEngine
 from tests.comparisons.faults import PATIENCE
 
 CASE = Case(Mechanism(load("juki-mf7923d")), crank_motion("run-up-quintic", ramp_time=0.15, hold_time=0.0))
@@ -219,3 +220,15 @@ def test_methods_can_be_asked_for_by_name(known):
     only = dataclasses.replace(REQUEST, methods=("first",), settings=())
     assert {one.setting for one in bench(only).records} == {"first"}
     assert [told["name"] for told in methods_told(only)] == ["first"]
+
+
+def test_a_sweep_is_whole_before_the_next_begins_and_the_most_advanced_method_is_the_first(runs):
+    """Where the time ends, there are fronts, not a single point of every method."""
+    begun = list(dict.fromkeys(runs[runs.index(Setting.NAIVE) :]))  # the first round, after what warms up
+    settings = [run for run in begun if isinstance(run, Setting)]
+    assert begun[:2] == settings[:2] == [Setting.NAIVE, Setting.TUNED]
+    sweeps = [key for key, _ in groupby(run[:2] for run in begun if not isinstance(run, Setting))]
+    assert len(sweeps) == len(set(sweeps))
+    single = [method.name for method in METHODS if method.runs == 1]
+    names = list(dict.fromkeys(name for name, _ in sweeps if name in single))
+    assert names == single[::-1]
