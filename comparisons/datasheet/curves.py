@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from analytic import signals
 from analytic.description.law import FULL_TURN
 from analytic.description.linkage import Linkage
+from analytic.kinematics.structure import Revolute
 from analytic.numerics.averages import averages
 from analytic.numerics.refine import highest
 from comparisons.datasheet.instants import Instants, with_near_toggles
@@ -60,6 +61,12 @@ class Curves:
     def unit(self, name: str) -> str:
         """SI unit of a signal."""
         return "s" if name == TIME else signals.unit(name, self.linkage)
+
+    @property
+    def moment_centre(self) -> str:
+        """The point about which the shaking moment is taken: the crank's pivot, else the origin."""
+        pivot = self.case.mechanism.structure.pivot
+        return pivot.point if isinstance(pivot, Revolute) else "the origin"
 
     @cached_property
     def grid(self) -> Array:

@@ -6,7 +6,7 @@ import math
 from dataclasses import dataclass, field
 from functools import cached_property
 from itertools import pairwise
-from typing import Final
+from typing import Final, Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -53,7 +53,7 @@ class Instants:
         return bool(speed[0] and not np.any(self.motion.acceleration(time)) and np.all(speed == speed[0]))
 
     @property
-    def axis(self) -> str:
+    def axis(self) -> Literal["phi", "time"]:
         """Name of the axis: "phi" or "time"."""
         return "phi" if self.is_steady else "time"
 

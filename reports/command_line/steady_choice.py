@@ -13,10 +13,8 @@ from analytic.description.law import FULL_TURN
 from analytic.description.linkage import Linkage
 from analytic.errors import LinkproofError
 from analytic.kinematics.mechanism import Mechanism
-from comparisons.datasheet.building import STEADY
-from comparisons.datasheet.designer_results import DesignerResults
+from comparisons.datasheet.building import STEADY, conditions
 from comparisons.datasheet.figures import NEGLIGIBLE
-from comparisons.datasheet.instants import Instants
 from comparisons.designs.steady_motion import SAMPLES, SteadyMotion, steady_motion
 from reports.command_line.commands.results import chosen_case
 from reports.command_line.motion_choice import MotionChoice
@@ -78,8 +76,7 @@ def steady_case(linkage: Linkage, choice: SteadyChoice) -> SteadyCase:
     turns = not (linkage.is_linear or choice.swings) and abs(last - first) >= FULL_TURN * (1.0 - NEGLIGIBLE)
     start, end = (None, None) if turns else (first, last)
     motion = steady_motion(mechanism, speed, samples=choice.angles, start=start, end=end)
-    told = DesignerResults(case, Instants(case.motion, turns=not linkage.is_linear)).conditions
     how = f"refined between {choice.angles}" if choice.refine else f"sampled at {choice.angles}"
     places = "places" if linkage.is_linear else "crank angles"
     newton = ", a numerical reference: Newton's method solves a group" if mechanism.is_numerical else ""
-    return SteadyCase(mechanism, motion, f"{told}, {how} {places}{newton}")
+    return SteadyCase(mechanism, motion, f"{conditions(case)}, {how} {places}{newton}")

@@ -9,7 +9,8 @@ from typing import Unpack
 import xarray
 
 from analytic.description.linkage import Linkage
-from reports.command_line.commands.results import ResultsChoice, designer_results
+from comparisons.datasheet.building import sheet
+from reports.command_line.commands.results import ResultsChoice, designer_case
 from reports.python.labels import labelled
 from reports.python.options import MotionOptions, choice, chosen_linkage
 
@@ -30,7 +31,7 @@ def results(
     chosen = [None if given is None else ",".join(repr(float(one)) for one in given) for given in (at, time)]
     asked = ResultsChoice(mechanism=str(linkage), at=chosen[0], time=chosen[1], **choice(options))
     asked.check()
-    found = designer_results(chosen_linkage(linkage, asked.variant), asked)
-    values = {name: found.curves.of(found.shown, name) for name in found.curves.names}
-    about = {"regime": found.case.motion.regime, "conditions": found.conditions}
-    return labelled(found.linkage, found.axis, values, about)
+    case, instants = designer_case(chosen_linkage(linkage, asked.variant), asked)
+    found = sheet(case, instants)
+    about = {"regime": case.motion.regime, "conditions": found.conditions}
+    return labelled(found.linkage, found.axis, found.table, about)

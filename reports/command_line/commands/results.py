@@ -17,11 +17,11 @@ from analytic.description.linkage import Linkage
 from analytic.description.loading import load
 from analytic.errors import LinkproofError
 from analytic.kinematics.mechanism import Mechanism
-from comparisons.datasheet.building import STEADY, range_motion, sheet
-from comparisons.datasheet.designer_results import DesignerResults
+from comparisons.datasheet.building import STEADY, page_sheet, range_motion, sheet
 from comparisons.datasheet.instants import Instants
 from comparisons.datasheet.linkage_warnings import check_slips
 from comparisons.datasheet.saved import FILE, load_sheets, save_sheets
+from comparisons.datasheet.sheet import Sheet
 from comparisons.datasheet.units import file_unit
 from comparisons.reference.case import Case, own_case
 from comparisons.runs.files import check_writable, write_bytes, write_text
@@ -98,29 +98,29 @@ def results(choice: ResultsChoice, *, quiet: bool = False) -> None:
     linkage = load(choice.mechanism, choice.variant)
     if choice.strict:
         check_slips(linkage)
-    found = designer_results(linkage, choice)
-    contents = {file: _content(option, found, choice) for option, file in choice.files.items()}
+    case, instants = designer_case(linkage, choice)
+    found = sheet(case, instants)
+    contents = {file: _content(option, found, case, choice) for option, file in choice.files.items()}
     for file, content in contents.items():
         if isinstance(content, bytes):
             write_bytes(Path(file), content)
         elif file != STDOUT:
             write_text(Path(file), content)
     if choice.out is not None:
-        _write_page(choice.out, found.case, opens=choice.opens, quiet=quiet)
+        _write_page(choice.out, case, opens=choice.opens, quiet=quiet)
     on_screen = contents.get(STDOUT)
     if isinstance(on_screen, str):
         write_out(on_screen)
     elif not quiet:
         from reports.designs.results import terminal  # noqa: PLC0415 - JSON and CSV need no tables
 
-        show(*(terminal.key_figures(found) if found.instants.chosen is None else terminal.at_instants(found)))
+        show(*(terminal.key_figures(found) if found.chosen is None else terminal.at_instants(found)))
 
 
-def designer_results(linkage: Linkage, choice: ResultsChoice) -> DesignerResults:
-    """The results of a linkage under the requested motion and at the requested instants."""
+def designer_case(linkage: Linkage, choice: ResultsChoice) -> tuple[Case, Instants]:
+    """A linkage under the requested motion, and the requested instants."""
     case = chosen_case(Mechanism(linkage if choice.gravity else without(linkage, "gravity")), choice)
-    case.check_motion()
-    return DesignerResults(case, _instants(case, choice))
+    return case, _instants(case, choice)
 
 
 def _write_page(out: Path, case: Case, *, opens: bool, quiet: bool) -> None:
@@ -128,7 +128,7 @@ def _write_page(out: Path, case: Case, *, opens: bool, quiet: bool) -> None:
     from reports.site.contents import contents  # noqa: PLC0415 - seconds that nothing else pays for
     from reports.site.site import write_site  # noqa: PLC0415
 
-    own = sheet(case, tuple(case.mechanism.linkage.released))
+    own = page_sheet(case, tuple(case.mechanism.linkage.released))
     sheets = load_sheets(out) if (out / FILE).is_file() else ()
     others = [one for one in sheets if (one.name, one.variant) != (own.name, own.variant)]
     save_sheets(out, [*others, own])
@@ -140,7 +140,7 @@ def _write_page(out: Path, case: Case, *, opens: bool, quiet: bool) -> None:
         webbrowser.open(page.resolve().as_uri())
 
 
-def _content(option: str, found: DesignerResults, choice: ResultsChoice) -> str | bytes:
+def _content(option: str, found: Sheet, case: Case, choice: ResultsChoice) -> str | bytes:
     """What the file of an option holds; what writes it is imported where it is needed: half a second or more."""
     if option == "--xlsx":
         from reports.designs.results.workbook import workbook  # noqa: PLC0415
@@ -157,7 +157,7 @@ def _content(option: str, found: DesignerResults, choice: ResultsChoice) -> str 
     if option.removeprefix("--") in PICTURES:
         from reports.designs.results.drawing import picture  # noqa: PLC0415
 
-        return picture(found, option.removeprefix("--"), choice.figure)
+        return picture(page_sheet(case), option.removeprefix("--"), choice.figure)
     return csv_table(found, choice.decimal) if option == "--csv" else json_text(found)
 
 

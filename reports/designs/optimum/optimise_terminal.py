@@ -10,7 +10,7 @@ import numpy as np
 
 from analytic.designs.derivatives import is_exact
 from analytic.written import change
-from comparisons.datasheet.plain_data import finite
+from comparisons.datasheet.figures import finite
 from comparisons.designs.optimum.optimisation import Optimum
 from comparisons.designs.optimum.problem import KeptFigure
 from comparisons.designs.optimum.searches import Search

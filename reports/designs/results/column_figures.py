@@ -10,7 +10,9 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from analytic.errors import LinkproofError, UnknownNameError
+from analytic.signals import MAGNITUDE
 from comparisons.datasheet.figures import TRANSMISSION
+from comparisons.datasheet.sheet import JOINT, Sheet
 from reports.charts import draw
 from reports.charts.kinematic_scheme import KinematicScheme
 from reports.charts.labels import LINE
@@ -19,7 +21,7 @@ from reports.charts.style import PALETTE
 from reports.document.chart import Chart, Curve
 from reports.document.templates import plain
 from reports.mechanism.designer import MOST_CURVES, OUTPUT
-from reports.mechanism.shown import JOINT, MAGNITUDE, ShownSheet
+from reports.mechanism.shown import chart, panel, stacked
 
 COLUMN: Final = 85.0 / 25.4  # inches
 SINGLE, STACKED = 2.3, 1.2  # inches: heights of a panel, and of one of several over one axis
@@ -37,37 +39,37 @@ SCHEMES: Final[Mapping[str, Draw]] = {"scheme": draw_scheme, "curves": _draw_cur
 FIGURES: Final = (*SCHEMES, *SIGNALS, "forces", "transmission")
 
 
-def column_figure(shown: ShownSheet, name: str) -> Figure:
+def column_figure(sheet: Sheet, name: str) -> Figure:
     """The figure of a name; raises LinkproofError for an unknown name, or where the linkage has nothing for it."""
     if name not in FIGURES:
         raise UnknownNameError("figure", name, FIGURES)
-    positions = shown.sheet.positions
+    positions = sheet.positions
     if positions is not None and name in SCHEMES:
-        scheme = KinematicScheme(shown.sheet.linkage, positions)
+        scheme = KinematicScheme(sheet.linkage, positions)
         return scaled_figure(scheme, scheme.extent, SCHEMES[name], COLUMN)
-    chart = _chart(shown, name) if name not in SCHEMES else Chart(())
-    if not chart.panels:
+    drawn = _chart(sheet, name) if name not in SCHEMES else Chart(())
+    if not drawn.panels:
         raise LinkproofError(
-            f"--figure {name}: expected a linkage that has what it shows, got '{shown.sheet.name}', which does not; "
+            f"--figure {name}: expected a linkage that has what it shows, got '{sheet.name}', which does not; "
             "choose another figure"
         )
-    return draw.figure(chart, COLUMN)
+    return draw.figure(drawn, COLUMN)
 
 
-def _chart(shown: ShownSheet, name: str) -> Chart:
+def _chart(sheet: Sheet, name: str) -> Chart:
     """The panels of a figure, without curves where the linkage has nothing for them."""
     if name in SIGNALS:
-        signals = [signal for signal in SIGNALS[name] if shown.has(signal)]
-        return shown.stacked(signals, SINGLE if len(signals) == 1 else STACKED * len(signals))
+        signals = [signal for signal in SIGNALS[name] if sheet.has(signal)]
+        return stacked(sheet, signals, SINGLE if len(signals) == 1 else STACKED * len(signals))
     if name == "forces":
-        named = {joint: f"{JOINT}{joint}{MAGNITUDE}" for joint in shown.joints()[:MOST_CURVES]}
-        label = f"|F|, {shown.own('N').name}"
+        named = {joint: f"{JOINT}{joint}{MAGNITUDE}" for joint in sheet.joints[:MOST_CURVES]}
+        label = f"|F|, {sheet.own('N').on_page}"
     else:
-        named = {one.removeprefix(TRANSMISSION): one for one in shown.sheet.values if one.startswith(TRANSMISSION)}
-        label = f"transmission angle, {shown.own('rad').name}"
+        named = {one.removeprefix(TRANSMISSION): one for one in sheet.values if one.startswith(TRANSMISSION)}
+        label = f"transmission angle, {sheet.own('rad').on_page}"
     curves = [
-        Curve(shown.x, shown.y(signal), plain(what), n, "-" if n < len(PALETTE) else "--")
+        Curve(sheet.x, sheet.y(signal), plain(what), n, "-" if n < len(PALETTE) else "--")
         for n, (what, signal) in enumerate(named.items())
     ]
-    panels = [replace(shown.panel(curves, label), names="key")] if curves else []
-    return shown.chart(panels, SINGLE + LINE * len(curves))
+    panels = [replace(panel(sheet, curves, label), names="key")] if curves else []
+    return chart(sheet, panels, SINGLE + LINE * len(curves))

@@ -10,7 +10,8 @@ from analytic.description.crank_motion import RPM, crank_motion, swing
 from analytic.description.loading import load
 from analytic.kinematics import frames
 from analytic.kinematics.mechanism import Mechanism
-from comparisons.datasheet.building import needed, usual_case, usual_sheet
+from comparisons.datasheet.building import usual_case, usual_sheet
+from comparisons.datasheet.thinning import needed
 from tests.analytic.linkages import FOLDER, from_text
 from tests.analytic.textbook import DOUBLE_ROCKER, PENDULUM
 
@@ -21,7 +22,8 @@ DRIVEN = ("boom", "cylinder-in-the-loop", "linear-motor")
 @pytest.mark.parametrize("name", [*TURNING, *(str(FOLDER / "drives" / f"{name}.toml") for name in DRIVEN)])
 def test_the_positions_put_every_point_where_the_linkage_has_it(name):
     found, mechanism = usual_sheet(load(name)), Mechanism(load(name))
-    sweep = mechanism.sweep(found.positions.angle)
+    positions = found.positions
+    sweep = mechanism.sweep(np.interp(positions.axis, found.values[positions.over], found.values["phi"]))
     for link in found.linkage.links.values():
         x, y, turned = found.positions.bodies[link.name]
         for point, local in link.points.items():
@@ -36,7 +38,7 @@ def test_straight_lines_between_the_instants_show_every_peak(name):
     for signal, peak in found.peaks.items():
         if not signal.startswith("transmission"):
             largest = np.max(np.abs(found.values[signal]))
-            assert largest == pytest.approx(abs(peak["value"]), rel=1e-9, abs=1e-9), signal
+            assert largest == pytest.approx(abs(peak.value), rel=1e-9, abs=1e-9), signal
 
 
 def test_the_shares_of_the_inertia_add_up_to_it():
@@ -75,7 +77,7 @@ def test_a_rigid_pendulum_needs_its_torque_against_gravity():
     found = usual_sheet(from_text(PENDULUM).linkage)
     assert np.allclose(found.values["Mkr"], 2 * 9.81 * 0.5 * np.cos(found.values["phi"]), atol=1e-9)
     assert found.missing == {}
-    assert (found.thread, found.normalised, found.figures.get("stroke")) == (None, None, None)
+    assert (found.thread, found.normalised, found.figures["output"]) == (None, None, ())
 
 
 def test_a_linkage_without_mass_or_load_has_neither_torque_nor_shares():
@@ -83,7 +85,7 @@ def test_a_linkage_without_mass_or_load_has_neither_torque_nor_shares():
     found = usual_sheet(linkage)
     assert "Mkr" not in found.values
     assert found.shares == {}
-    assert found.figures["drive"] == []
+    assert found.figures["drive"] == ()
 
 
 def test_a_whole_period_is_shown_even_of_several_turns():

@@ -6,7 +6,6 @@ import pytest
 from analytic.description.loading import load
 from comparisons.datasheet.building import usual_sheet
 from reports.mechanism.player import SAMPLES, player_data
-from reports.mechanism.shown import ShownSheet
 from tests.analytic.linkages import FOLDER
 from tests.reports.designs.results.samples import SPEED
 from tests.reports.mechanism.test_shown import shown
@@ -32,5 +31,5 @@ def test_a_crank_that_turns_clockwise_is_played_clockwise(speed, way):
 
 
 def test_poses_of_a_motion_to_and_fro_go_from_its_start_to_its_end():
-    data = player_data(ShownSheet(usual_sheet(load(str(FOLDER / "drives" / "boom.toml")))))
+    data = player_data(usual_sheet(load(str(FOLDER / "drives" / "boom.toml"))))
     assert (data["poses"][0], data["poses"][-1]) == (0.0, 1.0)

@@ -7,12 +7,11 @@ import pytest
 from analytic.description.loading import load
 from comparisons.datasheet.building import usual_sheet
 from reports.mechanism.released_section import released_section, sentences
-from reports.mechanism.shown import ShownSheet
 
 
 @pytest.fixture(scope="module")
 def shown():
-    return ShownSheet(usual_sheet(load("two-crank-takeup"), regimes=("driven",)))
+    return usual_sheet(load("two-crank-takeup"), regimes=("driven",))
 
 
 def test_a_regime_is_told_in_sentences_and_shown_to_its_last_turn(shown):
@@ -24,7 +23,8 @@ def test_a_regime_is_told_in_sentences_and_shown_to_its_last_turn(shown):
 
 
 def test_what_a_motion_lacks_has_no_sentence(shown):
-    one = shown.sheet.released["driven"]
-    bare = replace(one, rests=[], ending=None, settled=None, coarse=None, error_bound=None)
+    one = shown.released["driven"]
+    nothing = {"rests": [], "ending": None, "settled": None, "coarse": None, "error_bound": None}
+    bare = replace(one, facts={**one.facts, **nothing})
     assert [line[-24:] for line in sentences(bare)] == ["the crank can rest at no angle."[-24:]]
-    assert "changes with time" in sentences(replace(bare, over="time"))[0]
+    assert "changes with time" in sentences(replace(bare, facts={**bare.facts, "over": "time"}))[0]
