@@ -14,8 +14,7 @@ from analytic.designs.figure_names import STROKE
 from analytic.signals import COMPONENTS, MAGNITUDE, ONE_OF_ITS_KIND, moving_points, signal, unit
 from analytic.turn.thread_feed import contour_length
 from analytic.written import change
-from comparisons.datasheet.curves import Curves
-from comparisons.datasheet.figures import TRANSMISSION
+from comparisons.datasheet.curves import TRANSMISSION, Curves
 from comparisons.datasheet.instants import Instants
 from comparisons.judging.baseline import SAME_FIGURE, Baseline, regime_key
 from comparisons.judging.records import blank_record
@@ -76,7 +75,7 @@ def key_figures(case: Case) -> dict[str, float]:
     curves = Curves(case, Instants(case.motion, turns=not case.mechanism.linkage.is_linear))
     found = {**_extremes(curves), **_means(curves), **dict(_places(case))}
     least = curves.peaks(name for name in curves.names if name.startswith(TRANSMISSION))
-    found |= {f"{name}.min": peak.value for name, peak in least.items()}
+    found |= {f"{name}.min": peak.value for name, peak in least.items() if peak.value is not None}
     return {name: value for name, value in found.items() if math.isfinite(value)}
 
 

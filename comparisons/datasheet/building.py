@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import replace
 from functools import partial
 from typing import Any, Final, TypeVar
 
@@ -19,7 +19,7 @@ from analytic.kinematics.mechanism import Mechanism
 from analytic.turn.farthest import top_of_turn
 from comparisons.datasheet import page_parts
 from comparisons.datasheet.curves import Curves
-from comparisons.datasheet.figures import KeyFigures
+from comparisons.datasheet.figures import tables
 from comparisons.datasheet.instants import Instants
 from comparisons.datasheet.mechanism_summary import described, portrait
 from comparisons.datasheet.positions import over_motion
@@ -101,9 +101,9 @@ def _curves(case: Case, instants: Instants | None = None) -> Curves:
 
 
 def _sheet(curves: Curves) -> Sheet:
-    figures, chosen = KeyFigures(curves), curves.instants.chosen
+    peaks, chosen = curves.peaks(curves.names), curves.instants.chosen
     at_chosen = None if chosen is None else curves.at(chosen)
-    tables = figures.tables()
+    figures = tables(curves, peaks)
     return Sheet(
         linkage=curves.linkage,
         facts={},
@@ -111,9 +111,9 @@ def _sheet(curves: Curves) -> Sheet:
         axis=curves.instants.axis,
         units={name: curves.unit(name) for name in curves.names},
         values={name: curves.of(curves.on_grid, name) for name in curves.names},
-        peaks=figures.peaks,
-        figures=tables,
-        remarks=tuple(_remarks(curves, any(one.value is None for one in tables["forces"]))),
+        peaks=peaks,
+        figures=figures,
+        remarks=tuple(_remarks(curves, any(one.value is None for one in figures["forces"]))),
         moment_centre=curves.moment_centre,
         chosen=None if at_chosen is None else {name: curves.of(at_chosen, name) for name in curves.names},
         positions=over_motion(curves),
@@ -166,26 +166,28 @@ def page_sheet(case: Case, regimes: Sequence[str] = ()) -> Sheet:
     With what there is to say of those of these regimes in which the crank is released. Raises LinkproofError where the
     linkage cannot make the motion.
     """
-    curves, parts = _curves(case), _Parts()
+    curves, missing = _curves(case), dict[str, str]()
+    part = partial(_part, missing)
     whole, mechanism, linkage = _sheet(curves), case.mechanism, case.mechanism.linkage
     names = [name for name in curves.names if not name.startswith(NOT_ON_PAGES)]
     values = _thinned(curves, names, [whole.peaks[name].time or 0.0 for name in names])
-    own = {name: regime for name, regime in linkage.released.items() if name in regimes}
-    motions = parts.each("released", {name: partial(own_motion, mechanism, one) for name, one in own.items()})
-    told = {name: partial(released, mechanism, own[name], motion) for name, motion in motions.items()}
+    own = {name: one for name, one in linkage.released.items() if name in regimes}
+    tried = {name: part(f"released.{name}", partial(own_motion, mechanism, one), None) for name, one in own.items()}
+    motions = {name: motion for name, motion in tried.items() if motion is not None}
+    told = {n: part(f"released.{n}", partial(released, mechanism, own[n], one), None) for n, one in motions.items()}
     return replace(
         whole,
         units={name: whole.units[name] for name in names},
         values=values,
         peaks={name: whole.peaks[name] for name in names},
-        facts=parts.part("facts", lambda: portrait(linkage), described(linkage)),
-        shares=parts.part("shares", lambda: page_parts.shares(mechanism, values["phi"]), {}),
-        normalised=parts.part("normalised", lambda: page_parts.normalised(case), None),
-        thread=parts.part("thread", lambda: page_parts.thread(mechanism, FEW - 1), None),
-        published=parts.part("published", lambda: _published(linkage), ()),
-        released=parts.each("released", told),
-        printed=parts.part("printed", lambda: printed(linkage, motions), {}),
-        missing=parts.missing,
+        facts=part("facts", lambda: portrait(linkage), described(linkage)),
+        shares=part("shares", lambda: page_parts.shares(mechanism, values["phi"]), {}),
+        normalised=part("normalised", lambda: page_parts.normalised(case), None),
+        thread=part("thread", lambda: page_parts.thread(mechanism, FEW - 1), None),
+        published=part("published", lambda: _published(linkage), ()),
+        released={name: one for name, one in told.items() if one is not None},
+        printed=part("printed", lambda: printed(linkage, motions), {}),
+        missing=missing,
     )
 
 
@@ -209,21 +211,10 @@ def _published(linkage: Linkage) -> tuple[Mapping[str, Any], ...]:
     return tuple(vars(record) for record in compare_published(readings))
 
 
-@dataclass(frozen=True)
-class _Parts:
-    """Parts of a sheet; ``missing`` says of each that cannot be derived why."""
-
-    missing: dict[str, str] = field(default_factory=dict)
-
-    def part(self, name: str, make: Callable[[], T], instead: T) -> T:
-        """A part, or what stands in its place."""
-        try:
-            return make()
-        except LinkproofError as error:
-            self.missing[name] = str(error)
-            return instead
-
-    def each(self, kind: str, made: Mapping[str, Callable[[], T]]) -> dict[str, T]:
-        """Parts of a kind by name, without those that cannot be derived."""
-        found = {name: self.part(f"{kind}.{name}", make, None) for name, make in made.items()}
-        return {name: one for name, one in found.items() if one is not None}
+def _part(missing: dict[str, str], name: str, make: Callable[[], T], instead: T) -> T:
+    """A part of a sheet; of one that cannot be derived why, and what stands in its place."""
+    try:
+        return make()
+    except LinkproofError as error:
+        missing[name] = str(error)
+        return instead

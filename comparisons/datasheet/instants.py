@@ -15,6 +15,7 @@ from analytic.description.crank_motion import CrankMotion
 from analytic.description.law import FULL_TURN
 from analytic.errors import LinkproofError
 from analytic.kinematics.transmission import transmission_angle
+from analytic.numerics.roots import roots
 from comparisons.reference.case import Case
 from comparisons.reference.motion import Motion
 
@@ -141,14 +142,10 @@ class Instants:
         return np.asarray((self.motion.angle(time) - target) / self._period)
 
     def _between(self, target: float, low: float, high: float) -> float:
-        """The instant between two neighbours of the grid at which the crank is at an angle: by bisection."""
-        start = math.floor(float(self._away(np.array([low]), target)[0]))
-        while True:
-            middle = 0.5 * (low + high)
-            if not low < middle < high:
-                return high
-            same = math.floor(float(self._away(np.array([middle]), target)[0])) == start
-            low, high = (middle, high) if same else (low, middle)
+        """The instant between two neighbours of the grid at which the crank is at an angle."""
+        start, end = np.array([low]), np.array([high])
+        level = target + self._period * np.floor(np.maximum(self._away(start, target), self._away(end, target)))
+        return float(roots(lambda time: self.motion.angle(time) - level, start, end, end)[0])
 
 
 def with_near_toggles(case: Case, grid: Array) -> Array:

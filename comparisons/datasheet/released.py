@@ -19,7 +19,7 @@ from analytic.motion.released import FreeMotion
 from analytic.motion.rkfixed import PUBLISHED_STEPS, fixed_step
 from analytic.motion.steady_rotation import Rotation, last_turns, steady_state
 from analytic.numerics.extremes import grid, in_turn, periodic_mean
-from comparisons.datasheet.figures import finite
+from analytic.written import finite
 from comparisons.datasheet.sheet import Released
 from comparisons.datasheet.thinning import extremes
 from comparisons.reference.printed_models import printed_motion

@@ -22,8 +22,8 @@ from analytic.description.loading import parse
 from analytic.errors import LinkproofError
 from analytic.numerics.extremes import in_turn
 from analytic.signals import MAGNITUDE
-from comparisons.datasheet.curves import TIME
-from comparisons.datasheet.figures import NEGLIGIBLE, TABLES, KeyFigure
+from comparisons.datasheet.curves import TIME, KeyFigure
+from comparisons.datasheet.figures import NEGLIGIBLE, TABLES
 from comparisons.datasheet.units import FileUnit, file_unit
 
 DIGITS: Final = 9  # of a number in an array

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from functools import partial
 from typing import Final
 
@@ -28,7 +29,7 @@ from reports.document.parts import (
 )
 from reports.document.templates import lines, plain, sentence
 from reports.mechanism.check import range_lines
-from reports.mechanism.shown import chart, jeq, page_figure, panel, place, stacked, words
+from reports.mechanism.shown import chart, figures_table, jeq, page_figure, panel, stacked, words
 
 Array = NDArray[np.float64]
 
@@ -43,6 +44,7 @@ WORDS: Final = {
 TALL: Final = 3.9  # inches, of panels one under the other
 MOST_CURVES, MOST_HODOGRAPHS, PER_ROW = 10, 12, 4
 CONSTANT: Final = 1e-6  # share of its largest value that a link's Jeq varies by at least, else it is a constant
+ACTS: Final = "A joint's force acts on the link named; directions count from x."
 DOTS, QUARTERS = 30, 90  # degrees of the crank between dots of a hodograph, and between those that are named
 
 
@@ -156,7 +158,9 @@ def _forces(sheet: Sheet) -> Section:
     parts = (
         FigureGroup((page_figure(sheet, "joint-forces", caption, caption, magnitudes), *_on_frame(sheet, unit))),
         _hodographs(sheet, joints, unit),
-        Fold("Largest force of every joint, in figures", (_force_table(sheet),)),
+        Fold(
+            "Largest force of every joint, in figures", (replace(figures_table(sheet, "forces", plain), caption=ACTS),)
+        ),
     )
     return Section("forces", "Forces in the joints and on the frame", parts)
 
@@ -205,17 +209,6 @@ def hodograph(sheet: Sheet, vector: str, ink: int, unit: str) -> Panel:
         quarters = zip(degrees, dots.T, strict=True)
         notes = tuple(Note(float(x), float(y), f"{at}°") for at, (x, y) in quarters if not at % QUARTERS)
     return Panel(tuple(curves), f"Fx, {unit}", f"Fy, {unit}", (), notes, "equal", names="", title=title)
-
-
-def _force_table(sheet: Sheet) -> Table:
-    """Size, direction and place of every joint's largest force."""
-    forces = sheet.figures["forces"]
-    rows = tuple(
-        (plain(one.what), plain(one.on), words(sheet, one), words(sheet, direction), place(sheet, one))
-        for one, direction in zip(forces[::2], forces[1::2], strict=True)
-    )
-    head = ("joint", "on", "force", "direction", f"at {sheet.symbol}")
-    return Table("A joint's force acts on the link named; directions count from x.", head, rows, align="llr")
 
 
 def _links(sheet: Sheet) -> Section:

@@ -5,7 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import replace
 
-from comparisons.datasheet.figures import MEAN, SHAKING, KeyFigure
+from comparisons.datasheet.curves import KeyFigure
+from comparisons.datasheet.figures import MEAN, SHAKING
 from comparisons.datasheet.sheet import Sheet
 from reports.document.parts import Table
 from reports.document.templates import plain

@@ -4,25 +4,34 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
-from typing import TYPE_CHECKING
+from itertools import groupby
+from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
 from analytic.description.law import FULL_TURN
 from analytic.written import fixed
-from comparisons.datasheet.curves import TIME
-from comparisons.datasheet.figures import KeyFigure
+from comparisons.datasheet.curves import TIME, KeyFigure
 from comparisons.datasheet.sheet import Sheet
 from comparisons.datasheet.units import FileUnit
 from reports.document.chart import Chart, Curve, Panel
 from reports.document.numbers import ABSENT, figure, within_turn
-from reports.document.parts import PageFigure
+from reports.document.parts import PageFigure, Table
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure as Drawing
 
 
-def angle(value: float, unit: FileUnit) -> str:
+# Of a table of key figures the heads of what they are, and of the numbers side by side; an output's have a unit each.
+HEADS: Final = {
+    "drive": (("drive",), ("torque", "speed", "power")),
+    "forces": (("joint", "on"), ("force", "direction")),
+    "moment": (("shaking moment",), ("",)),
+    "transmission": (("group",), ("least transmission angle",)),
+}
+
+
+def _angle(value: float, unit: FileUnit) -> str:
     """Degrees to two decimals, radians and lengths to five digits."""
     return fixed(value, 2) if unit.name == "deg" and math.isfinite(value) else figure(value, 5)
 
@@ -30,7 +39,7 @@ def angle(value: float, unit: FileUnit) -> str:
 def number(sheet: Sheet, one: KeyFigure) -> str:
     """A key figure in its unit."""
     value = sheet.shown(one)
-    return angle(value, sheet.unit_of(one)) if one.unit == "rad" else figure(value)
+    return _angle(value, sheet.unit_of(one)) if one.unit == "rad" else figure(value)
 
 
 def words(sheet: Sheet, one: KeyFigure) -> str:
@@ -56,6 +65,36 @@ def place(sheet: Sheet, one: KeyFigure) -> str:
     if sheet.is_turn:
         return within_turn(at / sheet.axis_unit.size)
     return _signed(f"{at / sheet.axis_unit.size:z.4g} {sheet.axis_unit.on_page}")
+
+
+def figures_table(sheet: Sheet, name: str, named: Callable[[str], str] = str) -> Table:
+    """A table of key figures, the numbers of one place side by side; ``named`` makes names those for a reader."""
+    whats, labels = HEADS[name]
+    if sheet.is_linear:
+        labels = tuple(label.replace("torque", "force") for label in labels)
+    groups = [[*part] for _, part in groupby(sheet.figures[name], key=lambda one: (one.what, one.on))]
+    rows = []
+    for group in groups:
+        numbers = [number(sheet, one) for one in group] + [ABSENT] * (len(labels) - len(group))
+        names = map(named, (group[0].what, group[0].on)[: len(whats)])
+        rows.append((*names, *numbers, *place_cells(sheet, group[0])))
+    units = [sheet.unit_of(one).name for one in groups[0]]
+    heads = (f"{label} {unit}".strip() for label, unit in zip(labels, units, strict=True))
+    return Table("", (*whats, *heads, *places(sheet, "at ")), rows, "l" * len(whats) + "r")
+
+
+def places(sheet: Sheet, at: str = "") -> tuple[str, ...]:
+    """Heads of the columns that say where something is."""
+    phi = f"{at}φ {sheet.unit('phi').name}"
+    return (phi,) if sheet.axis == "phi" else (f"{at}t s", phi)
+
+
+def place_cells(sheet: Sheet, one: KeyFigure) -> tuple[str, ...]:
+    """Where a key figure is: the time, s, unless φ is the axis, and φ in the file's unit."""
+    if one.time is None or one.phi is None:
+        return (ABSENT,) * len(places(sheet))
+    phi = _angle(sheet.angle(one.phi), sheet.unit("phi"))
+    return (phi,) if sheet.axis == "phi" else (f"{one.time:#.6g}", phi)
 
 
 def axis_name(sheet: Sheet) -> str:

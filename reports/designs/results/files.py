@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from comparisons.datasheet.figures import plain
+from analytic.written import plain
 from comparisons.datasheet.linkage_warnings import warnings
 from comparisons.datasheet.sheet import Sheet
 

@@ -3,32 +3,23 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from itertools import groupby
 from typing import Final
 
 from analytic.signals import COMPONENTS, MAGNITUDE
 from comparisons.datasheet.curves import TIME
-from comparisons.datasheet.figures import KeyFigure
 from comparisons.datasheet.linkage_warnings import warnings
 from comparisons.datasheet.sheet import Sheet
-from reports.document.numbers import ABSENT, figure
+from reports.document.numbers import figure
 from reports.document.parts import Paragraph, Table
 from reports.document.terminal import Printed
-from reports.mechanism.shown import angle, number
+from reports.mechanism.shown import HEADS, figures_table, number, place_cells, places
 
 CRANK: Final = (("omega", "epsilon", "Mkr", "Peq"), ("Teq", "Jeq", "S", "v", "a"))  # two tables of the crank's instants
-# Of a table of key figures the heads of what they are, and of the numbers side by side; an output's have a unit each.
-HEADS: Final = {
-    "drive": (("drive",), ("torque", "speed", "power")),
-    "forces": (("joint", "on"), ("force", "direction")),
-    "moment": (("shaking moment",), ("",)),
-    "transmission": (("group",), ("least transmission angle",)),
-}
 
 
 def key_figures(sheet: Sheet) -> list[Printed]:
     """Drive, forces, transmission angles and output, each with where its peak is."""
-    tables = (*(_table(sheet, name) for name in HEADS if sheet.figures[name]), *_output(sheet))
+    tables = (*(figures_table(sheet, name) for name in HEADS if sheet.figures[name]), *_output(sheet))
     return [*_head(sheet), *(part for table in tables for part in ("", table)), *_remarks(sheet)]
 
 
@@ -42,42 +33,14 @@ def _remarks(sheet: Sheet) -> list[Printed]:
     return ["", *sheet.remarks, *slips]
 
 
-def _table(sheet: Sheet, name: str) -> Table:
-    """A table of key figures: the numbers of one place side by side."""
-    whats, labels = HEADS[name]
-    if sheet.is_linear:
-        labels = tuple(label.replace("torque", "force") for label in labels)
-    groups = [[*part] for _, part in groupby(sheet.figures[name], key=lambda one: (one.what, one.on))]
-    rows = []
-    for group in groups:
-        numbers = [number(sheet, one) for one in group] + [ABSENT] * (len(labels) - len(group))
-        rows.append((*(group[0].what, group[0].on)[: len(whats)], *numbers, *_place(sheet, group[0])))
-    units = [sheet.unit_of(one).name for one in groups[0]]
-    heads = (f"{label} {unit}".strip() for label, unit in zip(labels, units, strict=True))
-    return Table("", (*whats, *heads, *_places(sheet, "at ")), rows, "l" * len(whats) + "r")
-
-
 def _output(sheet: Sheet) -> Iterator[Table]:
     if sheet.linkage.output is not None:
-        head = (f"output {sheet.linkage.output.point}", "", "", *_places(sheet, "at "))
+        head = (f"output {sheet.linkage.output.point}", "", "", *places(sheet, "at "))
         rows = [
-            (one.what, number(sheet, one), sheet.unit_of(one).name, *_place(sheet, one))
+            (one.what, number(sheet, one), sheet.unit_of(one).name, *place_cells(sheet, one))
             for one in sheet.figures["output"]
         ]
         yield Table("", head, rows, "lrlr")
-
-
-def _places(sheet: Sheet, at: str = "") -> tuple[str, ...]:
-    """Heads of the columns that say where something is."""
-    phi = f"{at}φ {sheet.unit('phi').name}"
-    return (phi,) if sheet.axis == "phi" else (f"{at}t s", phi)
-
-
-def _place(sheet: Sheet, one: KeyFigure) -> tuple[str, ...]:
-    if one.time is None or one.phi is None:
-        return (ABSENT,) * len(_places(sheet))
-    phi = angle(sheet.angle(one.phi), sheet.unit("phi"))
-    return (phi,) if sheet.axis == "phi" else (f"{one.time:#.6g}", phi)
 
 
 def at_instants(sheet: Sheet) -> list[Printed]:
@@ -89,7 +52,7 @@ def at_instants(sheet: Sheet) -> list[Printed]:
 
 
 def _of_crank(sheet: Sheet, names: Sequence[str]) -> Table:
-    head = [*_places(sheet), *(_headed(sheet, name, name) for name in names)]
+    head = [*places(sheet), *(_headed(sheet, name, name) for name in names)]
     columns = [_column(sheet, name) for name in names]
     rows = [(*where, *cells) for where, cells in zip(_instants(sheet), zip(*columns, strict=True), strict=False)]
     return Table("", head, rows, "r")
@@ -109,7 +72,7 @@ def _of_kind(sheet: Sheet, kind: str, title: str) -> Iterator[Table]:
     if parts:
         first = next(iter(parts))
         named = (_headed(sheet, first + one, label) for one, label in zip(components, labels, strict=True))
-        yield Table("", (title, *_places(sheet), *named), rows)
+        yield Table("", (title, *places(sheet), *named), rows)
 
 
 def _headed(sheet: Sheet, name: str, label: str) -> str:

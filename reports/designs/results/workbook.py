@@ -10,7 +10,7 @@ from openpyxl import Workbook
 from openpyxl.cell import WriteOnlyCell
 
 from analytic.errors import printable
-from comparisons.datasheet.figures import finite
+from analytic.written import finite
 from comparisons.datasheet.sheet import Sheet
 from reports.designs.results.files import columns
 

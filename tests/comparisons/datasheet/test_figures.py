@@ -8,7 +8,7 @@ import pytest
 
 from analytic.description.crank_motion import RPM, CrankMotion, Segment, crank_motion, swing
 from analytic.signals import signal
-from comparisons.datasheet.figures import BRAKING, MEAN, KeyFigures
+from comparisons.datasheet.figures import BRAKING, MEAN, drive
 from comparisons.reference.case import Case, own_case
 from reports.command_line.commands.files import TEMPLATE
 from tests.analytic.linkages import EVERY, from_text, mechanism
@@ -34,22 +34,22 @@ def rows(sheet, table):
 
 
 def test_torque_power_rms_and_means_of_a_piston_engine_are_those_of_its_formula():
-    drive = rows(piston(), "drive")
-    peak_power = drive["peak power", "Peq"]
+    found = rows(piston(), "drive")
+    peak_power = found["peak power", "Peq"]
     with mp.workdps(40):
         top = mp.findroot(lambda x: mp.diff(torque, x), peak_power.time * SPEED)
         peak = float(torque(top))
         mean_square = mp.quad(lambda x: torque(x) ** 2, mp.linspace(0, 2 * mp.pi, 9)) / (2 * mp.pi)
         rms = float(mp.sqrt(mean_square))
-    assert drive["peak power", "Mkr"].value == pytest.approx(peak, rel=CLOSE)
+    assert found["peak power", "Mkr"].value == pytest.approx(peak, rel=CLOSE)
     assert peak_power.value == pytest.approx(peak * SPEED, rel=CLOSE)
     assert (peak_power.time * SPEED, peak_power.phi) == pytest.approx((float(top), float(top)), abs=PLACE)
-    assert abs(drive["peak torque", "Mkr"].value) == pytest.approx(peak, rel=CLOSE)
-    assert drive["peak braking power", "Peq"].value == pytest.approx(-peak * SPEED, rel=CLOSE)  # it is symmetric
-    assert (drive["RMS torque", "Mkr"].value, drive["RMS torque", "Mkr"].time) == (pytest.approx(rms, rel=CLOSE), None)
-    assert [drive[MEAN, name].value for name in ("Mkr", "Peq")] == [0.0, 0.0]  # not 1e-8
-    assert drive[MEAN, "omega"].value == pytest.approx(SPEED, rel=CLOSE)
-    assert ("peak speed", "omega") not in drive
+    assert abs(found["peak torque", "Mkr"].value) == pytest.approx(peak, rel=CLOSE)
+    assert found["peak braking power", "Peq"].value == pytest.approx(-peak * SPEED, rel=CLOSE)  # it is symmetric
+    assert (found["RMS torque", "Mkr"].value, found["RMS torque", "Mkr"].time) == (pytest.approx(rms, rel=CLOSE), None)
+    assert [found[MEAN, name].value for name in ("Mkr", "Peq")] == [0.0, 0.0]  # not 1e-8
+    assert found[MEAN, "omega"].value == pytest.approx(SPEED, rel=CLOSE)
+    assert ("peak speed", "omega") not in found
 
 
 @pytest.mark.parametrize("sign", [1.0, -1.0])
@@ -57,11 +57,11 @@ def test_a_mean_has_its_sign(sign):
     """A crank of its own weight on a damper: the mean torque is the damper's, against the motion's sense."""
     text = piston_text() + '[[dampers]]\nbetween = ["crank", "ground"]\ncoefficient = 0.01\n'
     motion = CrankMotion("constant-speed", (Segment(0.0, 2.0 * math.pi / SPEED, (0.0, sign * SPEED)),))
-    drive = rows(results(from_text(text), motion), "drive")
-    assert drive[MEAN, "Mkr"].value == pytest.approx(0.01 * sign * SPEED, rel=1e-9)
-    assert drive[MEAN, "omega"].value == pytest.approx(sign * SPEED)
-    assert drive[MEAN, "Peq"].value == pytest.approx(0.01 * SPEED**2, rel=1e-9)
-    assert drive["RMS torque", "Mkr"].value > 0.01 * SPEED
+    found = rows(results(from_text(text), motion), "drive")
+    assert found[MEAN, "Mkr"].value == pytest.approx(0.01 * sign * SPEED, rel=1e-9)
+    assert found[MEAN, "omega"].value == pytest.approx(sign * SPEED)
+    assert found[MEAN, "Peq"].value == pytest.approx(0.01 * SPEED**2, rel=1e-9)
+    assert found["RMS torque", "Mkr"].value > 0.01 * SPEED
 
 
 def test_bearing_forces_of_a_piston_engine_peak_at_the_dead_centre_along_the_stroke():
@@ -119,11 +119,11 @@ def test_a_peak_at_a_jump_of_the_acceleration_is_that_of_the_higher_side():
 
 def test_peak_speed_comes_with_the_largest_torque_at_that_speed():
     motion = crank_motion("run-up", speed=500 * RPM, ramp_time=0.02, hold_time=0.12)
-    drive = rows(piston(motion=motion), "drive")
-    assert drive["peak speed", "omega"].value == pytest.approx(500 * RPM)
+    found = rows(piston(motion=motion), "drive")
+    assert found["peak speed", "omega"].value == pytest.approx(500 * RPM)
     held = Case(engine(), motion).at(np.append(np.nextafter(0.02, 0.0), np.linspace(0.02, 0.14, 20_001)))
     largest = np.max(np.abs(signal(held, "Mkr")))
-    assert abs(drive["peak speed", "Mkr"].value) == pytest.approx(largest, rel=1e-6)
+    assert abs(found["peak speed", "Mkr"].value) == pytest.approx(largest, rel=1e-6)
 
 
 def test_the_angle_of_a_link_is_unwrapped_along_the_motion_whatever_instants_are_asked_for():
@@ -137,7 +137,7 @@ def test_the_angle_of_a_link_is_unwrapped_along_the_motion_whatever_instants_are
 
 def test_a_drive_that_never_brakes_has_no_braking_power():
     sample = from_text(TEMPLATE.read_text() + "[regimes.free]\ntorque = 0.02\nstart_angle = 60\nduration = 0.5\n")
-    found = KeyFigures(curves(sample, own_case(sample, sample.linkage.regimes[0]).motion)).drive()
-    whats = {one.what for one in found}
+    found = curves(sample, own_case(sample, sample.linkage.regimes[0]).motion)
+    whats = {one.what for one in drive(found, found.peaks(found.names))}
     assert "peak power" in whats
     assert BRAKING not in whats

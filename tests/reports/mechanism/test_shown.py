@@ -8,7 +8,7 @@ import pytest
 from analytic.description.crank_motion import CrankMotion, Segment
 from analytic.description.loading import load
 from comparisons.datasheet.building import page_sheet, usual_sheet
-from comparisons.datasheet.figures import KeyFigure
+from comparisons.datasheet.curves import KeyFigure
 from comparisons.reference.case import Case
 from reports.mechanism.shown import words
 from tests.analytic.linkages import FOLDER, from_text
