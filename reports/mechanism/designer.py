@@ -28,7 +28,6 @@ from reports.document.parts import (
     Table,
 )
 from reports.document.templates import lines, plain, sentence
-from reports.mechanism.check import range_lines
 from reports.mechanism.shown import chart, figures_table, jeq, page_figure, panel, stacked, words
 
 Array = NDArray[np.float64]
@@ -155,12 +154,11 @@ def _forces(sheet: Sheet) -> Section:
     unit = sheet.own("N").on_page
     caption = f"Force{most}, named with its peak."
     magnitudes = chart(sheet, [panel(sheet, curves, f"|F|, {unit}")], 3.2, wide=True)
+    table = figures_table(sheet, "forces", plain)
     parts = (
         FigureGroup((page_figure(sheet, "joint-forces", caption, caption, magnitudes), *_on_frame(sheet, unit))),
         _hodographs(sheet, joints, unit),
-        Fold(
-            "Largest force of every joint, in figures", (replace(figures_table(sheet, "forces", plain), caption=ACTS),)
-        ),
+        Fold("Largest force of every joint, in figures", (replace(table, caption=ACTS),)),
     )
     return Section("forces", "Forces in the joints and on the frame", parts)
 
@@ -256,6 +254,5 @@ def facts(sheet: Sheet) -> Facts:
     """The facts on the mechanism that hold for every motion: structure, range, output, rest, thread."""
     told = {"equilibria": [], **sheet.facts}
     said = [text.partition(": ")[::2] for text in lines("mechanism", facts=told) if not text.startswith("Jeq: ")]
-    reach = range_lines(sheet.facts["range"]) if "range" in sheet.facts else ()
     structure = sheet.facts.get("structure", "").replace("->", "→").replace("_", " ")
-    return Facts((("structure", structure), *reach, *said))
+    return Facts((("structure", structure), *said))

@@ -8,14 +8,13 @@ from collections.abc import Iterator
 from comparisons.campaign.results import Results
 from comparisons.datasheet.sheet import Sheet
 from reports.charts.moving import moving_scheme
-from reports.document.parts import NOTHING, Bullets, Card, Cards, Page, Paragraph, Part, Section
+from reports.document.parts import Bullets, Card, Cards, Page, Paragraph, Part, Section
 from reports.mechanism import designer
 from reports.mechanism.engines import engines_section
-from reports.mechanism.key_figures import key_table
 from reports.mechanism.player import player
 from reports.mechanism.published import published_section
-from reports.mechanism.released_section import released_section
-from reports.mechanism.thread_section import thread_section
+from reports.mechanism.shown import key_table
+from reports.mechanism.special_sections import released_section, thread_section
 from reports.records.views import views
 
 FOLDER = "mechanisms"
@@ -51,10 +50,10 @@ def _verdict(results: Results | None) -> tuple[Part, ...]:
 
 def _first_look(sheet: Sheet) -> Cards:
     """The linkage in motion beside its key figures."""
-    if sheet.axis not in sheet.values:
+    if sheet.positions is None:
         return Cards((Card("The mechanism", (*designer.told(sheet, "values"), designer.facts(sheet))),), wide=True)
-    drawing = moving_scheme(sheet.linkage, sheet.positions, "moving") if sheet.positions else NOTHING
-    motion = Card("In motion", (player(sheet, drawing),))
+    drawing = moving_scheme(sheet.linkage, sheet.positions, "moving")
+    motion = Card("In motion", (player(sheet, sheet.positions, drawing),))
     return Cards((motion, Card("Key figures", (key_table(sheet), designer.facts(sheet)))), wide=True)
 
 
@@ -66,8 +65,8 @@ def _sections(sheet: Sheet, results: Results | None) -> Iterator[Section]:
     is_judged = results is not None and "judgement" in results.document
     yield from engines if is_judged else ()
     yield from designer.sections(sheet)
-    if sheet.thread:
-        yield thread_section(sheet, sheet.thread)
+    if sheet.thread and sheet.positions:
+        yield thread_section(sheet, sheet.thread, sheet.positions)
     if sheet.released:
         yield released_section(sheet)
     if sheet.published:

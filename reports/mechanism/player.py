@@ -10,7 +10,7 @@ from markupsafe import Markup
 from numpy.typing import NDArray
 
 from analytic.description.law import FULL_TURN
-from comparisons.datasheet.sheet import Sheet
+from comparisons.datasheet.sheet import Positions, Sheet
 from reports.document.parts import Widget
 
 Array = NDArray[np.float64]
@@ -20,13 +20,13 @@ READ_OUT: Final = ("S", "v", "a", "Mkr", "Peq", "Jeq")
 DIGITS: Final = 4
 
 
-def player(sheet: Sheet, drawing: Markup) -> Widget:
+def player(sheet: Sheet, positions: Positions, drawing: Markup) -> Widget:
     """The moving drawing, with controls and a read-out."""
     label = f"{sheet.linkage.title} in motion"
-    return Widget("player", "motion", label, player_data(sheet), markup=drawing)
+    return Widget("player", "motion", label, player_data(sheet, positions), markup=drawing)
 
 
-def player_data(sheet: Sheet) -> Mapping[str, Any]:
+def player_data(sheet: Sheet, positions: Positions) -> Mapping[str, Any]:
     """The axis and the signals at ``SAMPLES`` instants, evenly spaced in time.
 
     ``shares`` says where on the axis of a figure each instant is, ``poses`` where in the drawing's motion, from 0 to 1.
@@ -46,16 +46,13 @@ def player_data(sheet: Sheet) -> Mapping[str, Any]:
             "values": values,
             "shares": np.round(shares, 4).tolist(),
         },
-        "poses": np.round(_poses(sheet, along), 5).tolist(),
+        "poses": np.round(_poses(sheet, positions, along), 5).tolist(),
         "rows": [_row(sheet, name, along) for name in READ_OUT if sheet.has(name)],
     }
 
 
-def _poses(sheet: Sheet, along: Array) -> Array:
+def _poses(sheet: Sheet, positions: Positions, along: Array) -> Array:
     """Where in the motion of the sheet's positions the mechanism is at places of its axis."""
-    positions = sheet.positions
-    if positions is None:
-        return np.zeros_like(along)
     reached = np.interp(along, sheet.values[sheet.axis], sheet.values[positions.over])
     start, end = positions.axis[0], positions.axis[-1]
     share = (reached - start) / (end - start)

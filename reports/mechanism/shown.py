@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import replace
 from itertools import groupby
 from typing import TYPE_CHECKING, Final
 
@@ -12,11 +13,13 @@ import numpy as np
 from analytic.description.law import FULL_TURN
 from analytic.written import fixed
 from comparisons.datasheet.curves import TIME, KeyFigure
+from comparisons.datasheet.figures import MEAN, SHAKING
 from comparisons.datasheet.sheet import Sheet
 from comparisons.datasheet.units import FileUnit
 from reports.document.chart import Chart, Curve, Panel
 from reports.document.numbers import ABSENT, figure, within_turn
 from reports.document.parts import PageFigure, Table
+from reports.document.templates import plain
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure as Drawing
@@ -95,6 +98,36 @@ def place_cells(sheet: Sheet, one: KeyFigure) -> tuple[str, ...]:
         return (ABSENT,) * len(places(sheet))
     phi = _angle(sheet.angle(one.phi), sheet.unit("phi"))
     return (phi,) if sheet.axis == "phi" else (f"{one.time:#.6g}", phi)
+
+
+def key_figures(sheet: Sheet) -> tuple[tuple[str, str, str], ...]:
+    """Drive, output, largest forces, worst transmission angle: what, value with unit, where."""
+    drive = [one for one in sheet.figures["drive"] if one.what not in (MEAN, "peak speed")]
+    chosen = [one for one in drive if one.signal == ("Peq" if "power" in one.what else "Mkr")]
+    rows = [(one.what, words(sheet, one), place(sheet, one)) for one in (*chosen, *_besides(sheet))]
+    inertia = [("mean Jeq", jeq(sheet, "mean"), "")] if "Jeq" in sheet.facts else []
+    return (*rows[: len(chosen)], *inertia, *rows[len(chosen) :])
+
+
+def _besides(sheet: Sheet) -> Iterator[KeyFigure]:
+    """What is not of the drive."""
+    yield from (one for one in sheet.figures["output"] if one.signal in "va" or one.what == "stroke")
+    forces = [one for one in sheet.figures["forces"] if one.unit == "N"]
+    joints = [one for one in forces if one.what != SHAKING]
+    for one in sorted(joints, key=lambda one: -(one.value or 0.0))[:1]:
+        yield replace(one, what=f"largest joint force, {plain(one.what)}")
+    yield from (one for one in forces if one.what == SHAKING)
+    yield from (replace(one, what="shaking moment") for one in sheet.figures["moment"])
+    groups = [one for one in sheet.figures["transmission"] if one.value is not None]
+    for one in sorted(groups, key=lambda one: one.value or 0.0)[:1]:
+        yield replace(one, what=f"least transmission angle, {plain(one.what)}")
+
+
+def key_table(sheet: Sheet) -> Table:
+    """The same as a table."""
+    head = ("figure", "value", f"at {sheet.symbol}")
+    conditions = sheet.conditions.partition(": ")[2]
+    return Table(f"{conditions[:1].upper()}{conditions[1:]}.", head, key_figures(sheet), align="lrr", style="key")
 
 
 def axis_name(sheet: Sheet) -> str:

@@ -13,7 +13,6 @@ from analytic.written import fixed, signed
 from reports.document.parts import Paragraph, Table
 from reports.document.templates import lines
 from reports.document.terminal import Printed
-from reports.mechanism.check import range_lines
 from reports.mechanism.published import SIGNS, answers_table, notes, published_table
 
 if TYPE_CHECKING:
@@ -41,11 +40,9 @@ def portrait(facts: Mapping[str, Any]) -> list[Printed]:
     given = {"source": facts["source"], "variants": ", ".join(facts["variants"])}
     if not facts["source"]:
         del given["source"]
-    reach = range_lines(facts["range"]) if "range" in facts else []
     return [
         Paragraph(f"{facts['mechanism']} ({facts['variant']}): {facts['title']}", colour="bold"),
         *map(_labelled, given, given.values()),
-        *(_labelled(*told) for told in reach),
         *_facts("mechanism", facts=facts),
         "",
         Table("", ("link", "mass kg", "inertia kg m²", "mean Jeq kg m²", "points"), list(_links(facts["links"])), "l"),
