@@ -87,22 +87,17 @@ def conditions(case: Case) -> str:
     return f"{name}: {motion.regime}, {speed}, {course}, gravity {'on' if any(linkage.gravity) else 'off'}"
 
 
-def sheet(case: Case, instants: Instants | None = None) -> Sheet:
-    """The sheet of a case; ``instants`` may choose those of its tables and files, by default the whole motion.
+def sheet(case: Case, chosen: Array | None = None) -> Sheet:
+    """The sheet of a case, its tables and files at ``chosen`` instants (n,), s, by default over the whole motion.
 
     Raises LinkproofError where the linkage cannot make the motion.
     """
-    return _sheet(_curves(case, instants))
-
-
-def _curves(case: Case, instants: Instants | None = None) -> Curves:
     case.check_motion()
-    return Curves(case, instants or Instants(case.motion, turns=not case.mechanism.linkage.is_linear))
+    return _sheet(Curves(case), chosen)
 
 
-def _sheet(curves: Curves) -> Sheet:
-    peaks, chosen = curves.peaks(curves.names), curves.instants.chosen
-    at_chosen = None if chosen is None else curves.at(chosen)
+def _sheet(curves: Curves, chosen: Array | None = None) -> Sheet:
+    peaks = curves.peaks(curves.names)
     figures = tables(curves, peaks)
     return Sheet(
         linkage=curves.linkage,
@@ -110,12 +105,11 @@ def _sheet(curves: Curves) -> Sheet:
         conditions=conditions(curves.case),
         axis=curves.instants.axis,
         units={name: curves.unit(name) for name in curves.names},
-        values={name: curves.of(curves.on_grid, name) for name in curves.names},
+        values=curves.table(curves.on_grid),
         peaks=peaks,
         figures=figures,
         remarks=tuple(_remarks(curves, any(one.value is None for one in figures["forces"]))),
-        moment_centre=curves.moment_centre,
-        chosen=None if at_chosen is None else {name: curves.of(at_chosen, name) for name in curves.names},
+        chosen=None if chosen is None else curves.table(curves.at(chosen)),
         positions=over_motion(curves),
     )
 
@@ -123,7 +117,7 @@ def _sheet(curves: Curves) -> Sheet:
 def _remarks(curves: Curves, is_unbounded: bool) -> Iterator[str]:
     """Signs, zeros and gravity; what the file does not give and so has no row."""
     linkage, mechanism = curves.linkage, curves.case.mechanism
-    if curves.has("Mkr"):
+    if "Mkr" in curves.names:
         turning = "along the drive" if linkage.is_linear else "counter-clockwise"
         yield f"Positive is {turning}; a joint's force acts on the link named; directions count from x."
     else:
@@ -166,9 +160,10 @@ def page_sheet(case: Case, regimes: Sequence[str] = ()) -> Sheet:
     With what there is to say of those of these regimes in which the crank is released. Raises LinkproofError where the
     linkage cannot make the motion.
     """
-    curves, missing = _curves(case), dict[str, str]()
-    part = partial(_part, missing)
-    whole, mechanism, linkage = _sheet(curves), case.mechanism, case.mechanism.linkage
+    case.check_motion()
+    curves, mechanism, linkage = Curves(case), case.mechanism, case.mechanism.linkage
+    missing: dict[str, str] = {}
+    whole, part = _sheet(curves), partial(_part, missing)
     names = [name for name in curves.names if not name.startswith(NOT_ON_PAGES)]
     values = _thinned(curves, names, [whole.peaks[name].time or 0.0 for name in names])
     own = {name: one for name, one in linkage.released.items() if name in regimes}
@@ -194,7 +189,7 @@ def page_sheet(case: Case, regimes: Sequence[str] = ()) -> Sheet:
 def _thinned(curves: Curves, names: Sequence[str], peaks: Sequence[float]) -> dict[str, Array]:
     """Signals over the axis, at as many instants as they need, those of their peaks among them."""
     truth = curves.at(np.union1d(curves.grid, peaks))
-    found = {name: curves.of(truth, name) for name in names}
+    found = curves.table(truth, names)
     most = min(MOST, MOST_NUMBERS // len(found))
     few = needed(truth.time, np.array(list(found.values())), min(FEW, most), most)
     kept = np.union1d(few, np.searchsorted(truth.time, peaks))

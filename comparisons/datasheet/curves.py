@@ -13,7 +13,6 @@ from numpy.typing import NDArray
 from analytic import signals
 from analytic.description.law import FULL_TURN
 from analytic.description.linkage import Linkage
-from analytic.kinematics.structure import Revolute
 from analytic.numerics.averages import averages
 from analytic.numerics.refine import highest
 from analytic.written import finite
@@ -55,7 +54,11 @@ class Curves:
     """
 
     case: Case
-    instants: Instants
+
+    @cached_property
+    def instants(self) -> Instants:
+        """The instants at which the motion is looked at."""
+        return Instants(self.case.motion, turns=not self.linkage.is_linear)
 
     @property
     def linkage(self) -> Linkage:
@@ -67,19 +70,9 @@ class Curves:
         """Every name, the time first, a magnitude after the components of its vector."""
         return (TIME, *signals.names_with_magnitudes(self.case.mechanism))
 
-    def has(self, name: str) -> bool:
-        """Whether the case has a signal."""
-        return name in self.names
-
     def unit(self, name: str) -> str:
         """SI unit of a signal."""
         return "s" if name == TIME else signals.unit(name, self.linkage)
-
-    @property
-    def moment_centre(self) -> str:
-        """The point about which the shaking moment is taken: the crank's pivot, else the origin."""
-        pivot = self.case.mechanism.structure.pivot
-        return pivot.point if isinstance(pivot, Revolute) else "the origin"
 
     @cached_property
     def grid(self) -> Array:
@@ -106,6 +99,10 @@ class Curves:
             return truth.time
         found = signals.signal(truth, name)
         return self._unwrapped(name, truth, found) if _is_angle_of_link(name) else found
+
+    def table(self, truth: Truth, names: Iterable[str] = ()) -> dict[str, Array]:
+        """Signals of the closed form at some instants by name, all by default."""
+        return {name: self.of(truth, name) for name in names or self.names}
 
     def _unwrapped(self, name: str, truth: Truth, angle: Array) -> Array:
         """The angle of a link on the branch that it has along the whole motion, whatever the order of the instants."""

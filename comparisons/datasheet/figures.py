@@ -9,6 +9,7 @@ from typing import Final
 
 import numpy as np
 
+from analytic.kinematics.structure import Revolute
 from analytic.signals import MAGNITUDE, signal
 from comparisons.datasheet.curves import DIRECTION, TRANSMISSION, Curves, KeyFigure, Measure
 
@@ -34,7 +35,8 @@ Peaks = Mapping[str, KeyFigure]  # of every signal
 def tables(curves: Curves, peaks: Peaks) -> dict[str, tuple[KeyFigure, ...]]:
     """The key figures of curves, table by table."""
     groups = {name: name.removeprefix(TRANSMISSION) for name in curves.names if name.startswith(TRANSMISSION)}
-    moment = {"shaking_moment": f"about {curves.moment_centre}"}
+    pivot = curves.case.mechanism.structure.pivot
+    moment = {"shaking_moment": f"about {pivot.point if isinstance(pivot, Revolute) else 'the origin'}"}
     rows = (drive(curves, peaks), forces(curves, peaks), _of(peaks, moment), _of(peaks, groups), output(curves, peaks))
     return {name: tuple(table) for name, table in zip(TABLES, rows, strict=True)}
 
@@ -49,7 +51,7 @@ def drive(curves: Curves, peaks: Peaks) -> Iterator[KeyFigure]:
 
     Beside each peak stand the others at its instant. The RMS has no sign, the means have theirs.
     """
-    if not curves.has("Mkr"):
+    if "Mkr" not in peaks:
         return
 
     def load(what: str, values: Iterable[float], time: float | None = None) -> Iterator[KeyFigure]:
@@ -86,7 +88,7 @@ def forces(curves: Curves, peaks: Peaks) -> Iterator[KeyFigure]:
 
 def output(curves: Curves, peaks: Peaks) -> Iterator[KeyFigure]:
     """The output's stroke, the ends of its travel, and its largest speed and acceleration."""
-    if not curves.has("S"):
+    if "S" not in peaks:
         return
     places = curves.places({"least S": lambda at: -signal(at, "S"), "largest S": lambda at: signal(at, "S")})
     ends = {what: curves.values(("S",), time)[0] for what, time in places.items()}

@@ -113,7 +113,8 @@ def _transmission(mechanism: Mechanism, reach: CrankRange) -> Facts:
     low, high = reach.limits
     inset = 0.0 if reach.is_full_turn else INSET * (high - low)
     grid = np.linspace(low + inset, high - inset, POINTS)
-    dyads, found = mechanism.structure.dyads, {}
+    dyads = mechanism.structure.dyads
+    found: Facts = {}
     for first in range(0, len(dyads), TOGETHER):
         found |= _of_dyads(mechanism, reach, dyads[first : first + TOGETHER], grid)
     return found
@@ -131,7 +132,7 @@ def _of_dyads(mechanism: Mechanism, reach: CrankRange, dyads: Sequence[Dyad], gr
     heights, spots = highest(lambda phi: -angles(phi), grid, -sampled)
     good = [[] for _ in dyads] if reach.is_full_turn else _good(angles, grid, sampled)
     place = mechanism.linkage.place if reach.is_full_turn else reach.place
-    found = {}
+    found: Facts = {}
     for dyad, least, at, ends in zip(dyads, (-heights).tolist(), spots.tolist(), good, strict=True):
         words = {"where": place(at), "good_from_to": [place(end) for end in ends]}
         found[dyad.name] = {"least": least, "at": at, "good": ends, "kind": dyad.kind, **words}

@@ -130,8 +130,8 @@ class Sheet:
     ``values`` are the signals by name over the whole motion, not a number where there is none: at every instant of its
     grid (n,), or on a page at as many as a curve needs, φ ascending where that is the axis. ``chosen`` are those at
     chosen instants, not saved. ``peaks`` has of each signal the largest magnitude, of a transmission angle the least,
-    ``figures`` the tables of key figures, ``remarks`` the sentences under them. ``moment_centre`` is the point that the
-    shaking moment is about. ``facts`` are those of ``linkproof show --json``.
+    ``figures`` the tables of key figures, ``remarks`` the sentences under them. ``facts`` are those of
+    ``linkproof show --json``.
 
     The rest is what a page shows besides. ``shares`` has Jeq by Assur group ("groups") and by link ("links") over the
     instants of ``values``, kg m². ``published`` are the printed figures of all variants, ``released`` by regime what
@@ -148,7 +148,6 @@ class Sheet:
     peaks: Mapping[str, KeyFigure] = field(default_factory=dict)
     figures: Mapping[str, tuple[KeyFigure, ...]] = field(default_factory=lambda: dict.fromkeys(TABLES, ()))
     remarks: tuple[str, ...] = ()
-    moment_centre: str = ""
     chosen: ByName | None = None
     positions: Positions | None = None
     shares: Mapping[str, ByName] = field(default_factory=dict)
@@ -178,10 +177,6 @@ class Sheet:
     def table(self) -> Mapping[str, NDArray[np.float64]]:
         """The signals at the instants of tables and files."""
         return self.values if self.chosen is None else self.chosen
-
-    def has(self, name: str) -> bool:
-        """Whether there are values of a signal."""
-        return name in self.values
 
     def unit(self, name: str) -> FileUnit:
         """The file's unit of a signal."""

@@ -28,7 +28,7 @@ from reports.document.parts import (
     Table,
 )
 from reports.document.templates import lines, plain, sentence
-from reports.mechanism.shown import chart, figures_table, jeq, page_figure, panel, stacked, words
+from reports.mechanism.shown import chart, figures_table, jeq, page_figure, panel, stacked, together, words
 
 Array = NDArray[np.float64]
 
@@ -63,14 +63,14 @@ def told(sheet: Sheet, *keys: str) -> tuple[Part, ...]:
 def _motion(sheet: Sheet) -> Section:
     """S, v and a, and the normalised motion against harmonics."""
     figures, normalised = [], sheet.normalised
-    if sheet.has("S"):
+    if "S" in sheet.values:
         caption = "Displacement S, velocity v and acceleration a of the output; dots are peaks."
         chart = stacked(sheet, OUTPUT, TALL, wide=normalised is None)
         figures.append(page_figure(sheet, "output", caption, "S, v and a", chart))
     if normalised:
         figures.append(_normalised(sheet, normalised))
     parts: tuple[Part, ...] = (FigureGroup(tuple(figures)),) if figures else ()
-    if not sheet.has("S"):
+    if "S" not in sheet.values:
         parts += (Paragraph("The file names no output: there is no S, v and a.", "small"),)
     return Section("motion", "Motion of the output", (*parts, *told(sheet, "normalised")))
 
@@ -91,7 +91,7 @@ def _normalised(sheet: Sheet, found: Normalised) -> PageFigure:
 
 def _drive(sheet: Sheet) -> Section:
     """Torque, power and kinetic energy, and where the inertia behind them comes from."""
-    names = [name for name in DRIVE if sheet.has(name)]
+    names = [name for name in DRIVE if name in sheet.values]
     if not names:
         sentence = "No link has mass and there are no loads: there is no torque, power or joint force."
         return Section("drive", "Drive", (Paragraph(sentence, "small"),))
@@ -147,13 +147,11 @@ def _forces(sheet: Sheet) -> Section:
     if not joints:
         return Section("forces", "Forces in the joints and on the frame", told(sheet, "forces"))
     most = f" of the {MOST_CURVES} joints with the largest" if len(joints) > MOST_CURVES else " in every joint"
-    curves = []
-    for number, joint in enumerate(joints[:MOST_CURVES]):
-        signal = f"{JOINT}{joint}:magnitude"
-        curves.append(Curve(sheet.x, sheet.y(signal), f"{plain(joint)}, {words(sheet, sheet.peaks[signal])}", number))
+    shown = {f"{JOINT}{joint}:magnitude": plain(joint) for joint in joints[:MOST_CURVES]}
+    named = {signal: f"{name}, {words(sheet, sheet.peaks[signal])}" for signal, name in shown.items()}
     unit = sheet.own("N").on_page
     caption = f"Force{most}, named with its peak."
-    magnitudes = chart(sheet, [panel(sheet, curves, f"|F|, {unit}")], 3.2, wide=True)
+    magnitudes = chart(sheet, [together(sheet, named, f"|F|, {unit}")], 3.2, wide=True)
     table = figures_table(sheet, "forces", plain)
     parts = (
         FigureGroup((page_figure(sheet, "joint-forces", caption, caption, magnitudes), *_on_frame(sheet, unit))),
@@ -165,13 +163,13 @@ def _forces(sheet: Sheet) -> Section:
 
 def _on_frame(sheet: Sheet, unit: str) -> tuple[PageFigure, ...]:
     """Shaking force and shaking moment."""
-    if not sheet.has("shaking_moment"):
+    if "shaking_moment" not in sheet.values:
         return ()
     tip = Chart((hodograph(sheet, "shaking_force", 0, unit),), 3.2)
     moment = Curve(sheet.x, sheet.y("shaking_moment"), ink=1)
     label = f"shaking moment, {sheet.unit('shaking_moment').on_page}"
     force_caption = f"Shaking force on the frame{_dots(sheet)}."
-    moment_caption = f"Shaking moment on the frame about {sheet.moment_centre}, the drive's reaction included."
+    moment_caption = f"Shaking moment on the frame {sheet.figures['moment'][0].what}, the drive's reaction included."
     over = chart(sheet, [panel(sheet, [moment], label)], 3.2)
     return (
         page_figure(sheet, "shaking-force", force_caption, "hodograph of the shaking force", tip),

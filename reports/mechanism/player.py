@@ -47,7 +47,7 @@ def player_data(sheet: Sheet, positions: Positions) -> Mapping[str, Any]:
             "shares": np.round(shares, 4).tolist(),
         },
         "poses": np.round(_poses(sheet, positions, along), 5).tolist(),
-        "rows": [_row(sheet, name, along) for name in READ_OUT if sheet.has(name)],
+        "rows": [_row(sheet, name, along) for name in READ_OUT if name in sheet.values],
     }
 
 

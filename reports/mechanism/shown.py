@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from itertools import groupby
 from typing import TYPE_CHECKING, Final
@@ -145,6 +145,15 @@ def page_figure(sheet: Sheet, name: str, caption: str, what: str, drawing: Chart
 def panel(sheet: Sheet, curves: Sequence[Curve], y_label: str, *, is_last: bool = True) -> Panel:
     """Curves over the axis."""
     return Panel(tuple(curves), axis_name(sheet) if is_last else "", y_label, turn=sheet.is_turn)
+
+
+def together(sheet: Sheet, signals: Mapping[str, str], y_label: str, solid: float = math.inf) -> Panel:
+    """Signals on one panel, each with the name of its curve; so many lines are solid, all others dashed."""
+    curves = [
+        Curve(sheet.x, sheet.y(signal), name, row, "-" if row < solid else "--")
+        for row, (signal, name) in enumerate(signals.items())
+    ]
+    return panel(sheet, curves, y_label)
 
 
 def chart(sheet: Sheet, panels: Sequence[Panel], height: float, *, wide: bool = False) -> Chart:

@@ -98,8 +98,8 @@ def results(choice: ResultsChoice, *, quiet: bool = False) -> None:
     linkage = load(choice.mechanism, choice.variant)
     if choice.strict:
         check_slips(linkage)
-    case, instants = designer_case(linkage, choice)
-    found = sheet(case, instants)
+    case, chosen = designer_case(linkage, choice)
+    found = sheet(case, chosen)
     contents = {file: _content(option, found, case, choice) for option, file in choice.files.items()}
     for file, content in contents.items():
         if isinstance(content, bytes):
@@ -117,8 +117,8 @@ def results(choice: ResultsChoice, *, quiet: bool = False) -> None:
         show(*(terminal.key_figures(found) if found.chosen is None else terminal.at_instants(found)))
 
 
-def designer_case(linkage: Linkage, choice: ResultsChoice) -> tuple[Case, Instants]:
-    """A linkage under the requested motion, and the requested instants."""
+def designer_case(linkage: Linkage, choice: ResultsChoice) -> tuple[Case, Array | None]:
+    """A linkage under the requested motion, and the requested instants, s; None for the whole motion."""
     case = chosen_case(Mechanism(linkage if choice.gravity else without(linkage, "gravity")), choice)
     return case, _instants(case, choice)
 
@@ -199,8 +199,8 @@ def _usual_case(mechanism: Mechanism, choice: MotionChoice) -> Case:
     return Case(mechanism, range_motion(reach, speed, backwards=backwards))
 
 
-def _instants(case: Case, choice: ResultsChoice) -> Instants:
-    """The whole motion, or the requested instants."""
+def _instants(case: Case, choice: ResultsChoice) -> Array | None:
+    """The requested instants, s; None for the whole motion."""
     linkage = case.mechanism.linkage
     instants = Instants(case.motion, turns=not linkage.is_linear)
     if choice.at is not None:
@@ -211,7 +211,7 @@ def _instants(case: Case, choice: ResultsChoice) -> Instants:
         )
     if choice.time is not None:
         return instants.at_times(_numbers("--time", choice.time, "seconds"))
-    return instants
+    return None
 
 
 def _numbers(option: str, text: str, unit: str) -> Array:

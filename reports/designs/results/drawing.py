@@ -19,10 +19,10 @@ from reports.charts.labels import LINE
 from reports.charts.scheme import Draw, draw_names, draw_paths, draw_position, draw_scheme, scaled_figure
 from reports.charts.scheme import place as place_scheme
 from reports.charts.style import FULL_WIDTH, PALETTE, drawn
-from reports.document.chart import Chart, Curve, Panel
+from reports.document.chart import Chart, Panel
 from reports.document.templates import plain
 from reports.mechanism.designer import MOST_CURVES, OUTPUT, hodograph
-from reports.mechanism.shown import chart, panel, place, stacked, words
+from reports.mechanism.shown import chart, place, stacked, together, words
 
 # Inches: of the title, of the upper row and of its left half, of a hodograph's cell.
 TITLE, UPPER, LEFT, CELL, PER_ROW = 0.4, 4.8, 5.0, 2.75, 4
@@ -47,7 +47,7 @@ def picture(sheet: Sheet, kind: str, name: str | None = None) -> str | bytes:
 def _everything(sheet: Sheet) -> Figure:
     """All panels, in as many rows as there are forces."""
     joints = [name for name in sheet.values if name.startswith(JOINT) and name.endswith(":x")]
-    vectors = [name.removesuffix(":x") for name in (*joints, "shaking_force:x") if sheet.has(name)]
+    vectors = [name.removesuffix(":x") for name in (*joints, "shaking_force:x") if name in sheet.values]
     rows = -(-len(vectors) // PER_ROW)
     height = TITLE + UPPER + rows * CELL
 
@@ -56,7 +56,7 @@ def _everything(sheet: Sheet) -> Figure:
         if sheet.positions is not None:
             scheme = KinematicScheme(sheet.linkage, sheet.positions)
             place_scheme(figure, scheme, (0.0, rows * CELL), (LEFT, UPPER), extent=scheme.extent, draw=draw_scheme)
-        signals = [name for name in CURVES if sheet.has(name)]
+        signals = [name for name in CURVES if name in sheet.values]
         if signals:
             curves = stacked(sheet, signals, UPPER)
             titles = [replace(one, title=_title(sheet, name)) for one, name in zip(curves.panels, signals, strict=True)]
@@ -113,17 +113,14 @@ def _column_figure(sheet: Sheet, name: str) -> Figure:
 def _chart(sheet: Sheet, name: str) -> Chart:
     """The panels of a figure, without curves where the linkage has nothing for them."""
     if name in SIGNALS:
-        signals = [signal for signal in SIGNALS[name] if sheet.has(signal)]
-        return stacked(sheet, signals, SINGLE if len(signals) == 1 else STACKED * len(signals))
+        stack = [signal for signal in SIGNALS[name] if signal in sheet.values]
+        return stacked(sheet, stack, SINGLE if len(stack) == 1 else STACKED * len(stack))
     if name == "forces":
-        named = {joint: f"{JOINT}{joint}{MAGNITUDE}" for joint in sheet.joints[:MOST_CURVES]}
+        signals = {f"{JOINT}{joint}{MAGNITUDE}": plain(joint) for joint in sheet.joints[:MOST_CURVES]}
         label = f"|F|, {sheet.own('N').on_page}"
     else:
-        named = {one.removeprefix(TRANSMISSION): one for one in sheet.values if one.startswith(TRANSMISSION)}
+        groups = [name for name in sheet.values if name.startswith(TRANSMISSION)]
+        signals = {name: plain(name.removeprefix(TRANSMISSION)) for name in groups}
         label = f"transmission angle, {sheet.own('rad').on_page}"
-    curves = [
-        Curve(sheet.x, sheet.y(signal), plain(what), n, "-" if n < len(PALETTE) else "--")
-        for n, (what, signal) in enumerate(named.items())
-    ]
-    panels = [replace(panel(sheet, curves, label), names="key")] if curves else []
-    return chart(sheet, panels, SINGLE + LINE * len(curves))
+    panels = [replace(together(sheet, signals, label, len(PALETTE)), names="key")] if signals else []
+    return chart(sheet, panels, SINGLE + LINE * len(signals))

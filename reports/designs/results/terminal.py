@@ -45,7 +45,7 @@ def _output(sheet: Sheet) -> Iterator[Table]:
 
 def at_instants(sheet: Sheet) -> list[Printed]:
     """Every signal at the chosen instants: crank and output, points, links, joints."""
-    tables = [_of_crank(sheet, [name for name in names if sheet.has(name)]) for names in CRANK]
+    tables = [_of_crank(sheet, [name for name in names if name in sheet.values]) for names in CRANK]
     for kind, head in (("point", "point"), ("link", "link"), ("joint_force", "force in"), ("shaking_force", "force")):
         tables += _of_kind(sheet, kind, head)
     return [*_head(sheet), *(part for table in tables if table.rows for part in ("", table)), *_remarks(sheet)]

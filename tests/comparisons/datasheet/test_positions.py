@@ -6,7 +6,6 @@ from analytic.description.crank_motion import crank_motion
 from analytic.description.loading import load
 from analytic.kinematics.mechanism import Mechanism
 from comparisons.datasheet.curves import Curves
-from comparisons.datasheet.instants import Instants
 from comparisons.datasheet.positions import COUNT, over_motion, over_reach
 from comparisons.reference.case import Case
 from tests.analytic.linkages import FOLDER, from_text
@@ -14,7 +13,7 @@ from tests.analytic.textbook import DOUBLE_ROCKER
 
 
 def over(mechanism, motion):
-    return over_motion(Curves(Case(mechanism, motion), Instants(motion)))
+    return over_motion(Curves(Case(mechanism, motion)))
 
 
 def test_a_turn_ends_as_it_began():

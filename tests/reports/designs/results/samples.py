@@ -5,7 +5,6 @@ import math
 from analytic.description.crank_motion import RPM, CrankMotion, Segment
 from comparisons.datasheet.building import page_sheet, sheet
 from comparisons.datasheet.curves import Curves
-from comparisons.datasheet.instants import Instants
 from comparisons.reference.case import Case
 from tests.analytic.linkages import from_text
 
@@ -42,12 +41,12 @@ def piston_text(length="m", metres=1.0, angle="rad", force="N", torque="N*m"):
     return text
 
 
-def curves(mechanism, motion=TURN, chosen=None):
-    return Curves(Case(mechanism, motion), Instants(motion, not mechanism.linkage.is_linear, chosen))
+def curves(mechanism, motion=TURN):
+    return Curves(Case(mechanism, motion))
 
 
 def results(mechanism, motion=TURN, chosen=None):
-    return sheet(Case(mechanism, motion), Instants(motion, not mechanism.linkage.is_linear, chosen))
+    return sheet(Case(mechanism, motion), chosen)
 
 
 def shown(mechanism, motion=TURN):
