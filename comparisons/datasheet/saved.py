@@ -49,7 +49,7 @@ def load_sheets(folder: Path) -> tuple[Sheet, ...]:
         found = FORM.validate_json(content, strict=True)
     except ValidationError as error:
         if first_fault(error)[0] == "format":
-            raise LinkproofError(f"'{path}' was written by another version of linkproof: {AGAIN}") from error
+            raise LinkproofError(f"'{path}' was written by another version of linkproof: delete it") from error
         raise _damaged(path, *first_fault(error)) from error
     except OSError as error:
         raise LinkproofError(f"cannot read '{path}': {error.strerror}; {AGAIN}") from error

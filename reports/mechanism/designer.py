@@ -35,11 +35,7 @@ Array = NDArray[np.float64]
 OUTPUT: Final = ("S", "v", "a")
 DRIVE: Final = ("Mkr", "Peq", "Teq")
 # Before the reason why a part of a sheet is missing, where the part has its place on the page.
-WORDS: Final = {
-    "normalised": "",
-    "shares": "There is no Jeq by group and by link: ",
-    "values": "There is no motion to show: ",
-}
+WORDS: Final = {"normalised": "", "values": "There is no motion to show: "}
 TALL: Final = 3.9  # inches, of panels one under the other
 MOST_CURVES, MOST_HODOGRAPHS, PER_ROW = 10, 12, 4
 CONSTANT: Final = 1e-6  # share of its largest value that a link's Jeq varies by at least, else it is a constant
@@ -100,7 +96,7 @@ def _drive(sheet: Sheet) -> Section:
     drive = page_figure(sheet, "drive", caption, caption, stacked(sheet, names, TALL))
     words = (Paragraph(_jeq(sheet)),) if "Jeq" in sheet.facts else ()
     figures = FigureGroup((drive, *_inertia(sheet)))
-    return Section("drive", "Torque, power and inertia", (*words, figures, *told(sheet, "shares")))
+    return Section("drive", "Torque, power and inertia", (*words, figures))
 
 
 def _jeq(sheet: Sheet) -> str:
@@ -145,7 +141,7 @@ def _forces(sheet: Sheet) -> Section:
     """In every joint by magnitude and as hodographs, on the frame with its moment."""
     joints = sheet.joints
     if not joints:
-        return Section("forces", "Forces in the joints and on the frame", told(sheet, "forces"))
+        return Section("forces", "Forces in the joints and on the frame", ())
     most = f" of the {MOST_CURVES} joints with the largest" if len(joints) > MOST_CURVES else " in every joint"
     shown = {f"{JOINT}{joint}:magnitude": plain(joint) for joint in joints[:MOST_CURVES]}
     named = {signal: f"{name}, {words(sheet, sheet.peaks[signal])}" for signal, name in shown.items()}

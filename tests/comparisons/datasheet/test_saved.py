@@ -54,7 +54,7 @@ def test_a_file_of_another_version_is_refused_in_one_sentence(sheet, tmp_path):
     save_sheets(tmp_path, [sheet])
     text = (tmp_path / FILE).read_text()
     (tmp_path / FILE).write_text(text.replace('"format":2', '"format":1'))
-    with pytest.raises(LinkproofError, match="was written by another version of linkproof: run compare with --out"):
+    with pytest.raises(LinkproofError, match="was written by another version of linkproof: delete it"):
         load_sheets(tmp_path)
 
 
