@@ -38,7 +38,6 @@ USUAL_SPEED: Final = 1000.0 * RPM
 MARGIN: Final = 0.02  # share of a range left out at either end, where forces grow beyond all bounds
 FEW, MOST = 361, 721  # instants of a page
 MOST_NUMBERS: Final = 40_000  # of all its signals
-NOT_ON_PAGES: Final = ("point:", "link:")  # they follow from the positions
 
 
 def usual_case(mechanism: Mechanism, prescribed: Sequence[CrankMotion] = (), regimes: Sequence[str] = ()) -> Case:
@@ -87,17 +86,21 @@ def conditions(case: Case) -> str:
     return f"{name}: {motion.regime}, {speed}, {course}, gravity {'on' if any(linkage.gravity) else 'off'}"
 
 
-def sheet(case: Case, chosen: Array | None = None) -> Sheet:
+def sheet(case: Case, chosen: Array | None = None, *, every_peak: bool = False) -> Sheet:
     """The sheet of a case, its tables and files at ``chosen`` instants (n,), s, by default over the whole motion.
 
-    Raises LinkproofError where the linkage cannot make the motion.
+    With ``every_peak`` there are those of signals too that no table has, which takes twice as long. Raises
+    LinkproofError where the linkage cannot make the motion.
     """
     case.check_motion()
-    return _sheet(Curves(case), chosen)
+    curves = Curves(case)
+    tabled = [name for name in _besides_parts(curves) if not name.endswith((":x", ":y"))]
+    return _sheet(curves, curves.names if every_peak else tabled, chosen)
 
 
-def _sheet(curves: Curves, chosen: Array | None = None) -> Sheet:
-    peaks = curves.peaks(curves.names)
+def _sheet(curves: Curves, names: Sequence[str], chosen: Array | None = None) -> Sheet:
+    """The sheet with the peaks of these signals."""
+    peaks = curves.peaks(names)
     figures = tables(curves, peaks)
     return Sheet(
         linkage=curves.linkage,
@@ -112,6 +115,11 @@ def _sheet(curves: Curves, chosen: Array | None = None) -> Sheet:
         chosen=None if chosen is None else curves.table(curves.at(chosen)),
         positions=over_motion(curves),
     )
+
+
+def _besides_parts(curves: Curves) -> list[str]:
+    """Signals without those of points and links, which follow from the positions."""
+    return [name for name in curves.names if not name.startswith(("point:", "link:"))]
 
 
 def _remarks(curves: Curves, is_unbounded: bool) -> Iterator[str]:
@@ -163,8 +171,8 @@ def page_sheet(case: Case, regimes: Sequence[str] = ()) -> Sheet:
     case.check_motion()
     curves, mechanism, linkage = Curves(case), case.mechanism, case.mechanism.linkage
     missing: dict[str, str] = {}
-    whole, part = _sheet(curves), partial(_part, missing)
-    names = [name for name in curves.names if not name.startswith(NOT_ON_PAGES)]
+    names = _besides_parts(curves)
+    whole, part = _sheet(curves, names), partial(_part, missing)
     values = _thinned(curves, names, [whole.peaks[name].time or 0.0 for name in names])
     own = {name: one for name, one in linkage.released.items() if name in regimes}
     tried = {name: part(f"released.{name}", partial(own_motion, mechanism, one), None) for name, one in own.items()}
@@ -174,7 +182,6 @@ def page_sheet(case: Case, regimes: Sequence[str] = ()) -> Sheet:
         whole,
         units={name: whole.units[name] for name in names},
         values=values,
-        peaks={name: whole.peaks[name] for name in names},
         facts=part("facts", lambda: portrait(linkage), described(linkage)),
         shares=page_parts.shares(mechanism, values["phi"]),
         normalised=part("normalised", lambda: page_parts.normalised(case), None),

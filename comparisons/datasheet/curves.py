@@ -98,7 +98,7 @@ class Curves:
         if name == TIME:
             return truth.time
         found = signals.signal(truth, name)
-        return self._unwrapped(name, truth, found) if _is_angle_of_link(name) else found
+        return self._unwrapped(name, truth, found) if signals.is_angle(name) and name != "phi" else found
 
     def table(self, truth: Truth, names: Iterable[str] = ()) -> dict[str, Array]:
         """Signals of the closed form at some instants by name, all by default."""
@@ -152,10 +152,6 @@ class Curves:
 
         edges = np.unique(np.concatenate([self.grid[::CELL], jumps, self.grid[-1:]]))
         return [float(mean) for (mean,) in averages(integrands, edges)]
-
-
-def _is_angle_of_link(name: str) -> bool:
-    return name.startswith("link:") and name.endswith(":angle")
 
 
 def _batches(keys: list[str]) -> Iterable[list[str]]:

@@ -99,7 +99,7 @@ def results(choice: ResultsChoice, *, quiet: bool = False) -> None:
     if choice.strict:
         check_slips(linkage)
     case, chosen = designer_case(linkage, choice)
-    found = sheet(case, chosen)
+    found = sheet(case, chosen, every_peak=choice.json is not None)
     contents = {file: _content(option, found, case, choice) for option, file in choice.files.items()}
     for file, content in contents.items():
         if isinstance(content, bytes):

@@ -65,10 +65,9 @@ def _layers(parts: list[str]) -> dict[str, str]:
     layers: dict[str, str] = {}
     taken = {"0", "defpoints", JOINTS, NAMES}
     for part in parts:
-        name = layer = FORBIDDEN.sub("_", printable(part))[:200].strip() or "_"
-        number = 2
+        layer = FORBIDDEN.sub("_", printable(part))[:200].strip() or "_"
         while layer.casefold() in taken:
-            layer, number = f"{name}_{number}", number + 1
+            layer += "_"
         taken.add(layer.casefold())
         layers[part] = layer
     return layers

@@ -46,7 +46,7 @@ def curves(mechanism, motion=TURN):
 
 
 def results(mechanism, motion=TURN, chosen=None):
-    return sheet(Case(mechanism, motion), chosen)
+    return sheet(Case(mechanism, motion), chosen, every_peak=True)
 
 
 def shown(mechanism, motion=TURN):
