@@ -37,12 +37,9 @@ def _shelf(linkages: Iterable[Linkage]) -> Table:
 
 def portrait(facts: Mapping[str, Any]) -> list[Printed]:
     """A mechanism's source, variants and figures; what it is made of is ``linkproof check``'s to say."""
-    given = {"source": facts["source"], "variants": ", ".join(facts["variants"])}
-    if not facts["source"]:
-        del given["source"]
     return [
         Paragraph(f"{facts['mechanism']} ({facts['variant']}): {facts['title']}", colour="bold"),
-        *map(_labelled, given, given.values()),
+        *_facts("origin", facts=facts),
         *_facts("mechanism", facts=facts),
         "",
         Table("", ("link", "mass kg", "inertia kg m²", "mean Jeq kg m²", "points"), list(_links(facts["links"])), "l"),
@@ -52,11 +49,7 @@ def portrait(facts: Mapping[str, Any]) -> list[Printed]:
 
 def _facts(macro: str, **values: object) -> list[Printed]:
     """The lines of a macro of ``sentences.txt``, each with a name before its first colon."""
-    return [_labelled(name, fact) for name, _, fact in (told.partition(": ") for told in lines(macro, **values))]
-
-
-def _labelled(name: str, fact: str) -> str:
-    return f"{name:<10} {fact}"
+    return [f"{name:<10} {fact}" for name, _, fact in (told.partition(": ") for told in lines(macro, **values))]
 
 
 def _links(links: Mapping[str, Mapping[str, Any]]) -> Iterator[tuple[str, ...]]:

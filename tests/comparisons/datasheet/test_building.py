@@ -1,6 +1,7 @@
 """Data sheets hold what the closed form says, of every kind of linkage."""
 
 import math
+import re
 from dataclasses import replace
 
 import numpy as np
@@ -12,8 +13,9 @@ from analytic.kinematics import frames
 from analytic.kinematics.mechanism import Mechanism
 from comparisons.datasheet.building import usual_case, usual_sheet
 from comparisons.datasheet.thinning import needed
-from tests.analytic.linkages import FOLDER, from_text
+from tests.analytic.linkages import FOLDER, from_text, mechanism
 from tests.analytic.textbook import DOUBLE_ROCKER, PENDULUM
+from tests.reports.designs.results.samples import results
 
 TURNING = ("juki-mf7923d", "slotted-takeup", "rimoldi-164", str(FOLDER / "scotch-yoke.toml"))
 DRIVEN = ("boom", "cylinder-in-the-loop", "linear-motor")
@@ -71,6 +73,17 @@ def test_a_motion_that_is_asked_for_takes_the_place_of_the_range():
     middle = 0.5 * sum(usual_case(mechanism).reach)
     asked = swing("cycloidal", middle - 0.1, middle + 0.1, speed=1.0)
     assert usual_case(mechanism, (asked,)).motion is asked
+
+
+@pytest.mark.parametrize(("name", "gravity"), [("juki-mf7923d", 9.81), ("spring-and-damper", math.hypot(1.2, 9.7))])
+def test_remarks_tell_how_large_gravity_is_and_along_which_way_s_grows(name, gravity):
+    found = results(mechanism(name))
+    remarks = " ".join(found.remarks)
+    assert float(re.search(r"Gravity is ([\d.]+) m/s", remarks)[1]) == pytest.approx(gravity, rel=1e-5)
+    along = math.radians(float(re.search(r"positive along ([-\d.]+)°", remarks)[1]))
+    output = found.linkage.output.point
+    x, y = (found.values[f"point:{output}:{axis}"] for axis in "xy")
+    assert np.diff(found.values["S"]) == pytest.approx(np.diff(x * np.cos(along) + y * np.sin(along)), abs=1e-6)
 
 
 def test_a_rigid_pendulum_needs_its_torque_against_gravity():
