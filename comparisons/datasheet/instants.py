@@ -15,7 +15,7 @@ from analytic.description.crank_motion import CrankMotion
 from analytic.description.law import FULL_TURN
 from analytic.errors import LinkproofError
 from analytic.kinematics.transmission import transmission_angle
-from analytic.numerics.roots import roots
+from analytic.numerics.roots import root
 from comparisons.reference.case import Case
 from comparisons.reference.motion import Motion
 
@@ -136,9 +136,12 @@ class Instants:
 
     def _between(self, target: float, low: float, high: float) -> float:
         """The instant between two neighbours of the grid at which the crank is at an angle."""
-        start, end = np.array([low]), np.array([high])
-        level = target + self._period * np.floor(np.maximum(self._away(start, target), self._away(end, target)))
-        return float(roots(lambda time: self.motion.angle(time) - level, start, end, end)[0])
+        turns = float(np.max(np.floor(self._away(np.array([low, high]), target))))
+
+        def beyond(time: float) -> float:
+            return float(self.motion.angle(np.array([time]))[0]) - target - turns * self._period
+
+        return root(beyond, low, high) if beyond(low) * beyond(high) < 0.0 else high
 
 
 def with_near_toggles(case: Case, grid: Array) -> Array:
