@@ -15,7 +15,6 @@ from analytic.description.crank_motion import CrankMotion
 from analytic.description.law import FULL_TURN
 from analytic.errors import LinkproofError
 from analytic.kinematics.transmission import transmission_angle
-from analytic.numerics.roots import root
 from comparisons.reference.case import Case
 from comparisons.reference.motion import Motion
 
@@ -135,13 +134,14 @@ class Instants:
         return np.asarray((self.motion.angle(time) - target) / self._period)
 
     def _between(self, target: float, low: float, high: float) -> float:
-        """The instant between two neighbours of the grid at which the crank is at an angle."""
-        turns = float(np.max(np.floor(self._away(np.array([low, high]), target))))
-
-        def beyond(time: float) -> float:
-            return float(self.motion.angle(np.array([time]))[0]) - target - turns * self._period
-
-        return root(beyond, low, high) if beyond(low) * beyond(high) < 0.0 else high
+        """The instant between two neighbours of the grid at which the crank is at an angle: by bisection."""
+        start = math.floor(float(self._away(np.array([low]), target)[0]))
+        while True:
+            middle = 0.5 * (low + high)
+            if not low < middle < high:
+                return high
+            same = math.floor(float(self._away(np.array([middle]), target)[0])) == start
+            low, high = (middle, high) if same else (low, middle)
 
 
 def with_near_toggles(case: Case, grid: Array) -> Array:
