@@ -2,6 +2,21 @@
 
 from __future__ import annotations
 
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+
+def finite(value: float) -> float | None:
+    """A number, or nothing."""
+    return value if math.isfinite(value) else None
+
+
+def plain(values: NDArray[np.float64]) -> list[float | None]:
+    """Numbers as a list, nothing in place of what is not finite."""
+    return [finite(value) for value in values.tolist()]
+
 
 def fixed(value: float, digits: int) -> str:
     """A number to so many decimals."""

@@ -233,7 +233,9 @@ class _Design:
         found = {}  # behind the figures are the determinants
         for one, first in zip(figures, range(0, len(means), count + 1), strict=False):
             value, slopes = one.of_mean(means[first]), np.array(means[first + 1 : first + 1 + count])
-            found[one] = value, 0.5 * slopes / value if one.reduction is Reduction.RMS else slopes
+            if one.reduction is Reduction.RMS:  # none is below zero, where it is level or has a kink
+                slopes = 0.5 * slopes / value if value else np.zeros(count)
+            found[one] = value, slopes
         return found
 
     def _tops(

@@ -14,9 +14,7 @@ from analytic.designs.figure_names import STROKE
 from analytic.signals import COMPONENTS, MAGNITUDE, ONE_OF_ITS_KIND, moving_points, signal, unit
 from analytic.turn.thread_feed import contour_length
 from analytic.written import change
-from comparisons.datasheet.curves import Curves
-from comparisons.datasheet.figures import transmission
-from comparisons.datasheet.instants import Instants
+from comparisons.datasheet.curves import TRANSMISSION, Curves
 from comparisons.judging.baseline import SAME_FIGURE, Baseline, regime_key
 from comparisons.judging.records import blank_record
 from comparisons.reference.case import Case
@@ -73,9 +71,10 @@ def key_figures(case: Case) -> dict[str, float]:
     thread's length there. Which point is the output, and its direction (``output:point:x.first``,
     ``output:direction:x``).
     """
-    curves = Curves(case, Instants(case.motion, turns=not case.mechanism.linkage.is_linear))
+    curves = Curves(case)
     found = {**_extremes(curves), **_means(curves), **dict(_places(case))}
-    found |= {f"{one.signal}.min": one.value for one in transmission(curves)}
+    least = curves.peaks(name for name in curves.names if name.startswith(TRANSMISSION))
+    found |= {f"{name}.min": peak.value for name, peak in least.items() if peak.value is not None}
     return {name: value for name, value in found.items() if math.isfinite(value)}
 
 
@@ -83,18 +82,18 @@ def _extremes(curves: Curves) -> dict[str, float]:
     """Peaks of the loads, both ends of the output's motion."""
     peaks = [name for name in curves.names if name in ("Mkr", "Peq") or _is_joint_force(name)]
     measures = {name.removesuffix(MAGNITUDE) + ".peak": (lambda at, of=name: abs(curves.of(at, of))) for name in peaks}
-    for name in filter(curves.has, ("S", "v", "a")):
+    for name in (name for name in ("S", "v", "a") if name in curves.names):
         measures[f"{name}.min"] = lambda at, of=name: -signal(at, of)
         measures[f"{name}.max"] = lambda at, of=name: signal(at, of)
     places = curves.places(measures)
     truth = curves.at(np.array([*places.values()]))
     heights = {name: float(measures[name](truth)[row]) for row, name in enumerate(places)}
     found = {name: -height if name.endswith(".min") else height for name, height in heights.items()}
-    return found | ({STROKE: found["S.max"] - found["S.min"]} if curves.has("S") else {})
+    return found | ({STROKE: found["S.max"] - found["S.min"]} if "S" in curves.names else {})
 
 
 def _means(curves: Curves) -> dict[str, float]:
-    if not curves.has("Jeq"):
+    if "Jeq" not in curves.names:
         return {}
     inertia, square = curves.means(lambda at: signal(at, "Jeq"), lambda at: np.square(signal(at, "Mkr")))
     return {"Jeq.mean": inertia, "Mkr.rms": math.sqrt(square)}

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Final, NamedTuple
+from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,6 +15,7 @@ from analytic.description.law import FULL_TURN
 from analytic.description.linkage import Linkage
 from analytic.numerics.averages import averages
 from analytic.numerics.refine import highest
+from analytic.written import finite
 from comparisons.datasheet.instants import Instants, with_near_toggles
 from comparisons.reference.case import Case, Truth
 
@@ -22,15 +23,27 @@ Array = NDArray[np.float64]
 Measure = Callable[[Truth], Array]
 
 TIME: Final = "time"
+TRANSMISSION: Final = "transmission_angle:"
+DIRECTION: Final = ":direction"  # of a force in place of its magnitude
 BATCH: Final = 48  # curves whose peaks are refined together: more would compute much that none of them needs
 CELL: Final = 16  # steps of the grid to a cell of a mean
 
 
-class Peak(NamedTuple):
-    """A value, SI and signed, and the instant of it, s."""
+@dataclass(frozen=True)
+class KeyFigure:
+    """A number of a designer: ``what`` it is, of a force the link it acts ``on``, its signal, value and SI unit.
 
-    value: float
-    time: float
+    ``time``, s, and ``phi``, rad, of a drive along a line m, say where; None of a mean. A value that is not finite, as
+    a joint's force at a change point, is None. ``joint_force:A:direction``, rad, is no signal of the closed form.
+    """
+
+    what: str
+    signal: str
+    value: float | None
+    unit: str
+    on: str = ""
+    time: float | None = None
+    phi: float | None = None
 
 
 @dataclass(frozen=True)
@@ -41,7 +54,11 @@ class Curves:
     """
 
     case: Case
-    instants: Instants
+
+    @cached_property
+    def instants(self) -> Instants:
+        """The instants at which the motion is looked at."""
+        return Instants(self.case.motion, turns=not self.linkage.is_linear)
 
     @property
     def linkage(self) -> Linkage:
@@ -52,10 +69,6 @@ class Curves:
     def names(self) -> tuple[str, ...]:
         """Every name, the time first, a magnitude after the components of its vector."""
         return (TIME, *signals.names_with_magnitudes(self.case.mechanism))
-
-    def has(self, name: str) -> bool:
-        """Whether the case has a signal."""
-        return name in self.names
 
     def unit(self, name: str) -> str:
         """SI unit of a signal."""
@@ -85,22 +98,32 @@ class Curves:
         if name == TIME:
             return truth.time
         found = signals.signal(truth, name)
-        return self._unwrapped(name, truth, found) if _is_angle_of_link(name) else found
+        return self._unwrapped(name, truth, found) if signals.is_angle(name) and name != "phi" else found
+
+    def table(self, truth: Truth, names: Iterable[str] = ()) -> dict[str, Array]:
+        """Signals of the closed form at some instants by name, all by default."""
+        return {name: self.of(truth, name) for name in names or self.names}
 
     def _unwrapped(self, name: str, truth: Truth, angle: Array) -> Array:
         """The angle of a link on the branch that it has along the whole motion, whatever the order of the instants."""
         near = np.interp(truth.time, self.grid, signals.signal(self.on_grid, name))
         return np.asarray(angle + FULL_TURN * np.round((near - angle) / FULL_TURN))
 
-    def peaks(self, names: Iterable[str]) -> dict[str, Peak]:
+    def figure(self, what: str, name: str, value: float, time: float | None = None, on: str = "") -> KeyFigure:
+        """A key figure of a signal, or the direction of a force, at an instant."""
+        phi = None if time is None else float(self.case.motion.angle(np.array([time]))[0])
+        unit = "rad" if name.endswith(DIRECTION) else self.unit(name)
+        return KeyFigure(what, name, finite(value), unit, on, time, phi)
+
+    def peaks(self, names: Iterable[str]) -> dict[str, KeyFigure]:
         """Of each signal the value of the largest magnitude; of a transmission angle the least."""
-        asked = list(names)
-        places = self.places({name: self._severity(name) for name in asked})
-        truth = self.at(np.array([places[name] for name in asked]))
-        return {name: Peak(float(self.of(truth, name)[row]), places[name]) for row, name in enumerate(asked)}
+        places = self.places({name: self._severity(name) for name in names})
+        truth = self.at(np.array([*places.values()]))
+        values = [float(self.of(truth, name)[row]) for row, name in enumerate(places)]
+        return {n: self.figure("peak", n, value, places[n]) for n, value in zip(places, values, strict=True)}
 
     def _severity(self, name: str) -> Measure:
-        if name.startswith("transmission_angle:"):
+        if name.startswith(TRANSMISSION):
             return lambda at: -self.of(at, name)
         return lambda at: np.abs(self.of(at, name))
 
@@ -129,10 +152,6 @@ class Curves:
 
         edges = np.unique(np.concatenate([self.grid[::CELL], jumps, self.grid[-1:]]))
         return [float(mean) for (mean,) in averages(integrands, edges)]
-
-
-def _is_angle_of_link(name: str) -> bool:
-    return name.startswith("link:") and name.endswith(":angle")
 
 
 def _batches(keys: list[str]) -> Iterable[list[str]]:

@@ -1,76 +1,100 @@
-"""The figures a designer chooses motor, bearings and lengths by, from the curves of a case; SI."""
+"""The figures a designer chooses motor, bearings and lengths by, a row for each number, from curves of a case; SI."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
-from typing import NamedTuple
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import replace
+from typing import Final
 
 import numpy as np
 
+from analytic.kinematics.structure import Revolute
 from analytic.signals import MAGNITUDE, signal
-from comparisons.datasheet.curves import Curves, Measure
+from comparisons.datasheet.curves import DIRECTION, TRANSMISSION, Curves, KeyFigure, Measure
 
-TRANSMISSION = "transmission_angle:"
-SAME_SPEED = 1e-9  # share of the largest speed within which an instant counts as one of the largest speed
-NEGLIGIBLE = 1e-12  # share of the largest torque or power below which a figure is zero but for rounding
-FEWEST = 4  # instants of the grid at that speed that make it more than a moment
-BRAKING = "peak braking power"
-DRIVE: Mapping[str, Measure] = {
+SHAKING: Final = "shaking force"
+SAME_SPEED: Final = 1e-9  # share of the largest speed within which an instant counts as one of the largest speed
+NEGLIGIBLE: Final = 1e-12  # share of the largest value of a kind below which a value is zero but for rounding
+NEGLIGIBLE_MEAN: Final = 1e-9  # of its signal's peak: the integral of a mean is this near to the truth
+FEWEST: Final = 4  # instants of the grid at that speed that make it more than a moment
+BRAKING: Final = "peak braking power"
+MEAN: Final = "signed mean"
+DRIVE: Final[Mapping[str, Measure]] = {
     "peak torque": lambda at: np.abs(at.torque),
     "peak power": lambda at: at.torque * at.speed,
     BRAKING: lambda at: -at.torque * at.speed,
 }
+TABLES: Final = ("drive", "forces", "moment", "transmission", "output")
+LOAD: Final = ("Mkr", "omega", "Peq")  # of the drive, side by side
 
 
-class DrivePoint(NamedTuple):
-    """A point of the drive's torque over its speed, N m, rad/s and W, and its instant, s; none of a mean."""
-
-    what: str
-    torque: float
-    speed: float
-    power: float
-    time: float | None
+Peaks = Mapping[str, KeyFigure]  # of every signal
 
 
-class ForcePeak(NamedTuple):
-    """Largest force, N, of a joint on a link or of the linkage on its ground; direction, rad; instant, s."""
-
-    joint: str
-    link: str
-    force: float
-    direction: float
-    time: float
-
-
-class Extreme(NamedTuple):
-    """A named value, SI, and its instant, s."""
-
-    what: str
-    signal: str
-    value: float
-    time: float
+def tables(curves: Curves, peaks: Peaks) -> dict[str, tuple[KeyFigure, ...]]:
+    """The key figures of curves, table by table."""
+    groups = {name: name.removeprefix(TRANSMISSION) for name in curves.names if name.startswith(TRANSMISSION)}
+    pivot = curves.case.mechanism.structure.pivot
+    moment = {"shaking_moment": f"about {pivot.point if isinstance(pivot, Revolute) else 'the origin'}"}
+    rows = (drive(curves, peaks), forces(curves, peaks), _of(peaks, moment), _of(peaks, groups), output(curves, peaks))
+    return {name: tuple(table) for name, table in zip(TABLES, rows, strict=True)}
 
 
-def drive_points(curves: Curves) -> list[DrivePoint]:
-    """What chooses a motor: peaks of torque, power and speed, and the mean load; nothing where nothing has mass."""
-    if not curves.has("Mkr"):
-        return []
+def _of(peaks: Peaks, signals: Mapping[str, str]) -> Iterator[KeyFigure]:
+    """Peaks of signals, each by what it is."""
+    return (replace(peaks[name], what=what) for name, what in signals.items() if name in peaks)
+
+
+def drive(curves: Curves, peaks: Peaks) -> Iterator[KeyFigure]:
+    """What chooses a motor: peaks of torque, power and speed, RMS and means; nothing where nothing has mass.
+
+    Beside each peak stand the others at its instant. The RMS has no sign, the means have theirs.
+    """
+    if "Mkr" not in peaks:
+        return
+
+    def load(what: str, values: Iterable[float], time: float | None = None) -> Iterator[KeyFigure]:
+        return (curves.figure(what, name, value, time) for name, value in zip(LOAD, values, strict=True))
+
+    force = "force" if curves.linkage.is_linear else "torque"
     places = curves.places(DRIVE)
     if not curves.instants.is_steady:
         places["peak speed"] = _fastest(curves)
-    points = [_drive_point(curves, what, time) for what, time in places.items()]
-    least = NEGLIGIBLE * max(abs(point.power) for point in points)
-    points = [point for point in points if point.what != BRAKING or point.power < -least]
-    square, speed, power = curves.means(
-        lambda at: np.square(at.torque), lambda at: np.abs(at.speed), lambda at: at.torque * at.speed
+    points = {what: curves.values(LOAD, time) for what, time in places.items()}
+    least = NEGLIGIBLE * max(abs(power) for *_, power in points.values())
+    for what, point in points.items():
+        if what != BRAKING or point[-1] < -least:
+            yield from load(what.replace("torque", force), point, places[what])
+    square, *means = curves.means(
+        lambda at: np.square(at.torque), lambda at: at.torque, lambda at: at.speed, lambda at: at.torque * at.speed
     )
-    return [*points, DrivePoint("RMS torque, means", math.sqrt(square), speed, power, None)]
+    yield curves.figure(f"RMS {force}", "Mkr", math.sqrt(square))
+    sizes = [NEGLIGIBLE_MEAN * abs(peaks[name].value or 0.0) for name in LOAD]
+    yield from load(MEAN, [mean if abs(mean) > size else 0.0 for mean, size in zip(means, sizes, strict=True)])
 
 
-def _drive_point(curves: Curves, what: str, time: float) -> DrivePoint:
-    torque, speed, power = curves.values(("Mkr", "omega", "Peq"), time)
-    return DrivePoint(what, torque, speed, power, time)
+def forces(curves: Curves, peaks: Peaks) -> Iterator[KeyFigure]:
+    """Largest force of every joint, and of the linkage on its frame, each with its direction."""
+    joints = {f"joint_force:{joint}": (joint, link) for joint, link in _loaded_links(curves).items()}
+    every = {**joints, "shaking_force": (SHAKING, "ground")}
+    vectors = {vector: words for vector, words in every.items() if vector + MAGNITUDE in peaks}
+    truth = curves.at(np.array([peaks[vector + MAGNITUDE].time for vector in vectors]))
+    for row, (vector, (what, link)) in enumerate(vectors.items()):
+        peak = replace(peaks[vector + MAGNITUDE], what=what, on=link)
+        x, y = (float(curves.of(truth, f"{vector}:{component}")[row]) for component in "xy")
+        yield from (peak, curves.figure(what, vector + DIRECTION, math.atan2(y + 0.0, x + 0.0), peak.time, link))
+
+
+def output(curves: Curves, peaks: Peaks) -> Iterator[KeyFigure]:
+    """The output's stroke, the ends of its travel, and its largest speed and acceleration."""
+    if "S" not in peaks:
+        return
+    places = curves.places({"least S": lambda at: -signal(at, "S"), "largest S": lambda at: signal(at, "S")})
+    ends = {what: curves.values(("S",), time)[0] for what, time in places.items()}
+    yield curves.figure("stroke", "S", ends["largest S"] - ends["least S"])
+    yield from (curves.figure(what, "S", value, places[what]) for what, value in ends.items())
+    yield from _of(peaks, {"v": "peak v", "a": "peak a"})
 
 
 def _fastest(curves: Curves) -> float:
@@ -83,46 +107,9 @@ def _fastest(curves: Curves) -> float:
     return torque["torque"]
 
 
-def force_peaks(curves: Curves) -> list[ForcePeak]:
-    """Largest force of every joint, and of the linkage on its frame."""
-    joints = {f"joint_force:{joint}": (joint, link) for joint, link in _loaded_links(curves).items()}
-    vectors = {**joints, "shaking_force": ("shaking force", "ground")}
-    vectors = {vector: words for vector, words in vectors.items() if curves.has(vector + MAGNITUDE)}
-    peaks = curves.peaks(vector + MAGNITUDE for vector in vectors)
-    truth = curves.at(np.array([peak.time for peak in peaks.values()]))
-    found = []
-    for row, (vector, (joint, link)) in enumerate(vectors.items()):
-        size, time = peaks[vector + MAGNITUDE]
-        x, y = (float(curves.of(truth, f"{vector}:{component}")[row]) for component in "xy")
-        found.append(ForcePeak(joint, link, size, math.atan2(y + 0.0, x + 0.0), time))
-    return found
-
-
 def _loaded_links(curves: Curves) -> dict[str, str]:
     """Of every joint the link on which its force acts."""
     linkage, sweep = curves.linkage, curves.case.start()
     pins = {joint: link for pin in linkage.pins for joint, link in pin.joints.items()}
     sliders = {slider.name: slider.link for slider in linkage.sliders}
     return {**pins, **sliders, **{slot.name: sweep.carrier(slot.point) for slot in linkage.slots}}
-
-
-def transmission(curves: Curves) -> list[Extreme]:
-    """Of every group of two links its least transmission angle, rad."""
-    peaks = curves.peaks(name for name in curves.names if name.startswith(TRANSMISSION))
-    return [Extreme(name.removeprefix(TRANSMISSION), name, *peak) for name, peak in peaks.items()]
-
-
-def output_extremes(curves: Curves) -> list[Extreme]:
-    """Ends of the output's travel, its stroke, and its largest speed and acceleration."""
-    if not curves.has("S"):
-        return []
-    places = curves.places({"least S": lambda at: -signal(at, "S"), "largest S": lambda at: signal(at, "S")})
-    ends = [Extreme(what, "S", curves.values(("S",), time)[0], time) for what, time in places.items()]
-    peaks = curves.peaks(("v", "a"))
-    return [*ends, *(Extreme(f"peak {name}", name, *peak) for name, peak in peaks.items())]
-
-
-def stroke(ends: list[Extreme]) -> float:
-    """Distance between the ends of the output's travel, m."""
-    travel = [end.value for end in ends if end.signal == "S"]
-    return max(travel) - min(travel)

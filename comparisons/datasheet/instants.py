@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from functools import cached_property
 from itertools import pairwise
-from typing import Final
+from typing import Final, Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -37,13 +37,11 @@ MOST_ADDED: Final = 4000  # instants added
 class Instants:
     """A motion seen over time, or over φ where the crank turns at constant speed.
 
-    ``turns`` marks an angle, of which whole turns do not count, not a travel. ``chosen`` are the requested instants,
-    s; all of the grid if None.
+    ``turns`` marks an angle, of which whole turns do not count, not a travel.
     """
 
     motion: Motion
     turns: bool = True
-    chosen: Array | None = field(default=None, compare=False)
 
     @cached_property
     def is_steady(self) -> bool:
@@ -53,7 +51,7 @@ class Instants:
         return bool(speed[0] and not np.any(self.motion.acceleration(time)) and np.all(speed == speed[0]))
 
     @property
-    def axis(self) -> str:
+    def axis(self) -> Literal["phi", "time"]:
         """Name of the axis: "phi" or "time"."""
         return "phi" if self.is_steady else "time"
 
@@ -86,27 +84,22 @@ class Instants:
         scale = max(1.0, FEWEST / total) * min(1.0, MOST / total)
         return [max(math.ceil(count * scale * (1.0 - ROUNDING)), 2) for count in counts]
 
-    @property
-    def shown(self) -> Array:
-        """The instants of tables and files, s: those chosen, else the grid."""
-        return self.grid if self.chosen is None else self.chosen
-
-    def at_times(self, times: Array) -> Instants:
-        """The same with these instants chosen; raises LinkproofError for one that the motion does not have."""
+    def at_times(self, times: Array) -> Array:
+        """These instants; raises LinkproofError for one that the motion does not have."""
         duration = self.motion.duration
         for time in times:
             if not -ROUNDING * duration <= time <= duration * (1.0 + ROUNDING):
                 raise LinkproofError(
                     f"--time: expected instants from 0 to {duration:g} s, the motion's, got {time:g}; choose others"
                 )
-        return Instants(self.motion, self.turns, np.clip(times, 0.0, duration))
+        return np.clip(times, 0.0, duration)
 
-    def at_angles(self, angles: Array, unit: str, size: float) -> Instants:
-        """The same with the instants chosen at which the crank first passes these angles, in ``unit`` of ``size``.
+    def at_angles(self, angles: Array, unit: str, size: float) -> Array:
+        """The instants at which the crank first passes these angles, in ``unit`` of ``size``.
 
         Raises LinkproofError for an angle that it does not pass.
         """
-        return Instants(self.motion, self.turns, np.array([self._passing(float(a), unit, size) for a in angles]))
+        return np.array([self._passing(float(angle), unit, size) for angle in angles])
 
     def _passing(self, angle: float, unit: str, size: float) -> float:
         """The first instant at which the crank is at an angle, whole turns aside."""

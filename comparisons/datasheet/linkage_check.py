@@ -113,32 +113,33 @@ def _transmission(mechanism: Mechanism, reach: CrankRange) -> Facts:
     low, high = reach.limits
     inset = 0.0 if reach.is_full_turn else INSET * (high - low)
     grid = np.linspace(low + inset, high - inset, POINTS)
-    place = mechanism.linkage.place if reach.is_full_turn else reach.place
-    dyads, sweep, found = mechanism.structure.dyads, mechanism.sweep(grid), {}
+    dyads = mechanism.structure.dyads
+    found: Facts = {}
     for first in range(0, len(dyads), TOGETHER):
-        some = dyads[first : first + TOGETHER]
-        angles = np.stack([transmission_angle(sweep, dyad) for dyad in some])
-
-        def each(phi: Array, some: Sequence[Dyad] = some) -> Array:
-            """The angle of each dyad at its own values of φ, (dyads, ...)."""
-            near = mechanism.sweep(np.clip(phi, grid[0], grid[-1]))
-            return np.stack([transmission_angle(near, dyad)[row] for row, dyad in enumerate(some)])
-
-        def negative(phi: Array, some: Sequence[Dyad] = some) -> Array:
-            near = mechanism.sweep(phi)
-            return np.stack([-transmission_angle(near, dyad) for dyad in some])
-
-        heights, spots = highest(negative, grid, -angles)
-        good = [] if reach.is_full_turn else _good(each, grid, angles)
-        for number, dyad in enumerate(some):
-            ends = good[number] if good else []
-            at = float(spots[number])
-            words = {"where": place(at), "good_from_to": [place(end) for end in ends]}
-            found[dyad.name] = {"least": -float(heights[number]), "at": at, "good": ends, "kind": dyad.kind, **words}
+        found |= _of_dyads(mechanism, reach, dyads[first : first + TOGETHER], grid)
     return found
 
 
-def _good(each: Callable[[Array], Array], grid: Array, angles: Array) -> list[list[float]]:
+def _of_dyads(mechanism: Mechanism, reach: CrankRange, dyads: Sequence[Dyad], grid: Array) -> Facts:
+    """The same of some groups."""
+
+    def angles(phi: Array) -> Array:
+        """Of each dyad, (dyads, n)."""
+        sweep = mechanism.sweep(np.clip(phi, grid[0], grid[-1]))
+        return np.stack([transmission_angle(sweep, dyad) for dyad in dyads])
+
+    sampled = angles(grid)
+    heights, spots = highest(lambda phi: -angles(phi), grid, -sampled)
+    good = [[] for _ in dyads] if reach.is_full_turn else _good(angles, grid, sampled)
+    place = mechanism.linkage.place if reach.is_full_turn else reach.place
+    found: Facts = {}
+    for dyad, least, at, ends in zip(dyads, (-heights).tolist(), spots.tolist(), good, strict=True):
+        words = {"where": place(at), "good_from_to": [place(end) for end in ends]}
+        found[dyad.name] = {"least": least, "at": at, "good": ends, "kind": dyad.kind, **words}
+    return found
+
+
+def _good(function: Callable[[Array], Array], grid: Array, angles: Array) -> list[list[float]]:
     """Of each dyad the ends of the stretch around its best angle in which it is no less than BINDS; none if nowhere."""
     brackets = np.zeros((2, 2, len(angles)))  # the last place where it is enough and the first where it is not
     for number, angle in enumerate(angles):
@@ -147,6 +148,8 @@ def _good(each: Callable[[Array], Array], grid: Array, angles: Array) -> list[li
             short = np.flatnonzero(~enough[best::direction])
             last = best + direction * (int(short[0]) - 1) if len(short) else (-1 if direction > 0 else 0)
             brackets[side, :, number] = grid[last], grid[last + direction] if len(short) else grid[last]
-    ends = [roots(lambda phi: each(phi) - BINDS, inside, inside, outside) for inside, outside in brackets]
+    ends = [
+        roots(lambda phi: np.diagonal(function(phi)) - BINDS, inside, inside, outside) for inside, outside in brackets
+    ]
     is_good = [bool(np.max(angle) >= BINDS) for angle in angles]
     return [[float(low), float(high)] if good else [] for low, high, good in zip(*ends, is_good, strict=True)]

@@ -105,14 +105,10 @@ def _table(what: str, law: Law) -> Iterator[str]:
             "its angles, or add values"
         )
     curve = law(np.linspace(0.0, FULL_TURN, 2000))
-    reach, beyond = (
-        np.ptp(law.values, axis=0),
-        np.maximum(
-            np.max(curve, axis=-1) - np.max(law.values, axis=0), np.min(law.values, axis=0) - np.min(curve, axis=-1)
-        ),
-    )
-    varies = reach > 0.0
-    times = float(np.max(beyond[varies] / reach[varies], initial=0.0))
+    low, high = np.min(law.values, axis=0), np.max(law.values, axis=0)
+    beyond = np.maximum(np.max(curve, axis=-1) - high, low - np.min(curve, axis=-1))
+    varies = high > low
+    times = float(np.max(beyond[varies] / (high - low)[varies], initial=0.0))
     if times > OVERSHOOT:
         yield f"the {what} goes beyond its values by {times:.2g} times their range between two angles: add values there"
 

@@ -73,15 +73,13 @@ def _turn(mechanism: Mechanism, links: dict[str, dict[str, Any]]) -> dict[str, A
 def thread_facts(mechanism: Mechanism, path: ThreadPath) -> dict[str, Any]:
     """Contour and feed of the thread over a turn, m and degrees."""
     diagram = feed_diagram(mechanism, path)
-    eyes = {stop.point: eye_travel(mechanism, stop.point) for stop in path.eyes}
+    travels = {stop.point: eye_travel(mechanism, stop.point) for stop in path.eyes}
+    ends = {eye: {"top": travel.top_angle, "bottom": travel.bottom_angle} for eye, travel in travels.items()}
     return {
         "contour": {"min": diagram.length_extremes.minimum, "max": diagram.length_extremes.maximum},
         "feed": {"min": float(np.min(diagram.feed)), "max": float(np.max(diagram.feed)), "total": diagram.total_feed},
         "reference_angle": math.degrees(diagram.reference_angle),
-        "eyes": {
-            eye: {"top": math.degrees(travel.top_angle), "bottom": math.degrees(travel.bottom_angle)}
-            for eye, travel in eyes.items()
-        },
+        "eyes": {eye: {end: math.degrees(angle) for end, angle in two.items()} for eye, two in ends.items()},
     }
 
 

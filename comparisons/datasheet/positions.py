@@ -47,4 +47,4 @@ def at(mechanism: Mechanism, angle: NDArray[np.float64], *, closed: bool) -> Pos
     sweep, linkage = mechanism.sweep(angle), mechanism.linkage
     bodies = {name: np.array(np.broadcast_arrays(*sweep.poses(name)[:2], sweep.angles(name))) for name in linkage.links}
     carriers = {slot.point: sweep.carrier(slot.point) for slot in linkage.slots}
-    return Positions("phi", angle, angle, bodies, carriers, closed)
+    return Positions("phi", angle, bodies, carriers, closed)

@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from itertools import pairwise
-from typing import Final, TypeVar
+from typing import Any, Final, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,8 +19,9 @@ from analytic.motion.released import FreeMotion
 from analytic.motion.rkfixed import PUBLISHED_STEPS, fixed_step
 from analytic.motion.steady_rotation import Rotation, last_turns, steady_state
 from analytic.numerics.extremes import grid, in_turn, periodic_mean
-from comparisons.datasheet.plain_data import finite
-from comparisons.datasheet.sheet import Coarse, Printed, Released, Speeds
+from analytic.written import finite
+from comparisons.datasheet.sheet import Released
+from comparisons.datasheet.thinning import extremes
 from comparisons.reference.printed_models import printed_motion
 
 Array = NDArray[np.float64]
@@ -34,28 +34,34 @@ LAST_TURN: Final = 361
 
 
 def released(mechanism: Mechanism, own: ReleasedRegime, motion: FreeMotion) -> Released:
-    """What there is to say of a regime of a linkage's own in which the crank is released, and of its motion."""
+    """What there is to say of a regime of a linkage's own in which the crank is released, and of its motion.
+
+    The facts are its ``torque``, N m, which besides changes ``over`` the "angle" or the "time", or does not (""); the
+    angles, rad, at which it can rest; the mean reduced ``damping``, N m s/rad; the ``error_bound`` of φ, rad, and
+    ``balance`` of energy of the closed form; speeds, rad/s, and coefficient of fluctuation of its last whole turn
+    (``ending``) and of the rotation that would repeat itself (``settled``), where there are such; the largest errors of
+    the articles' integrator (``coarse``), None where it broke down or was not used; φ at the ``end`` within a turn.
+    """
     ending = _attempt(lambda: last_turns(motion)) if own.torque else None
     settled = _attempt(lambda: steady_state(mechanism, own.torque)) if own.torque else None
+    facts: dict[str, Any] = {
+        "torque": own.torque,
+        "over": "angle" if own.over_angle is not None else "time" if own.over_time is not None else "",
+        "rests": [{"angle": rest.angle, "stable": bool(rest.stable)} for rest in equilibria(mechanism, own.torque)],
+        "damping": periodic_mean(reduced.damping_coefficient(mechanism.sweep(grid()))),
+        "error_bound": finite(motion.error_bound),
+        "balance": finite(energy_imbalance(motion)),
+        "ending": _speeds(ending),
+        "settled": _speeds(settled),
+        "coarse": _coarse(mechanism, own, motion),
+        "end": float(in_turn(float(motion.angle(motion.duration)))),
+    }
     time = _instants(motion)
-    curves = np.array([time, motion.angle(time), motion.speed(time), motion.acceleration(time)])
-    return Released(
-        torque=own.torque,
-        over="angle" if own.over_angle is not None else "time" if own.over_time is not None else "",
-        rests=[{"angle": rest.angle, "stable": bool(rest.stable)} for rest in equilibria(mechanism, own.torque)],
-        damping=periodic_mean(reduced.damping_coefficient(mechanism.sweep(grid()))),
-        error_bound=finite(motion.error_bound),
-        balance=finite(energy_imbalance(motion)),
-        ending=_speeds(ending),
-        settled=_speeds(settled),
-        coarse=_coarse(mechanism, own, motion),
-        end=float(in_turn(float(motion.angle(motion.duration)))),
-        motion=dict(zip(("time", "phi", "omega", "epsilon"), curves[:, shown(curves[1:])], strict=True)),
-        last_turn=_last_turn(motion, ending) if ending else {},
-    )
+    curves = (time, motion.angle(time), motion.speed(time), motion.acceleration(time))
+    return Released(facts, _thinned(("time", "phi", "omega", "epsilon"), curves), _last_turn(motion, ending))
 
 
-def printed(linkage: Linkage, motions: Mapping[str, FreeMotion]) -> dict[str, Printed]:
+def printed(linkage: Linkage, motions: Mapping[str, FreeMotion]) -> dict[str, dict[str, Array]]:
     """The motions of models as printed, by erratum, of those that ``motions``, by regime, show to be wrong.
 
     They hold for the file's own values alone.
@@ -65,21 +71,16 @@ def printed(linkage: Linkage, motions: Mapping[str, FreeMotion]) -> dict[str, Pr
     for erratum in (one for one in errata if one.regime in motions):
         motion, theirs = motions[erratum.regime], printed_motion(linkage, erratum)
         time = _instants(motion)
-        corrected, as_printed = motion.speed(time), theirs.speed(time)
-        kept = shown(np.stack([corrected, as_printed, np.abs(as_printed - corrected)]))
-        found[erratum.name] = Printed(time[kept], corrected[kept], as_printed[kept])
+        curves = (time, motion.speed(time), theirs.speed(time))
+        found[erratum.name] = _thinned(("time", "corrected", "printed"), curves)
     return found
 
 
-def shown(curves: Array) -> NDArray[np.intp]:
-    """Which samples show long curves (k, n): the extremes of each stretch of each, others evenly, both ends."""
-    count = curves.shape[1]
-    edges = np.unique(np.linspace(0, count, min(STRETCHES, count) + 1).astype(int))
-    kept = [np.linspace(0, count - 1, min(EVEN, count)).astype(int)]
-    for curve in np.nan_to_num(curves):
-        for low, high in pairwise(edges):
-            kept.append(low + np.array([np.argmin(curve[low:high]), np.argmax(curve[low:high])]))
-    return np.unique(np.concatenate(kept))
+def _thinned(names: tuple[str, ...], curves: tuple[Array, ...]) -> dict[str, Array]:
+    """Curves (n,) by name, the first their axis, at the instants that show them: extremes, and others evenly."""
+    even = np.linspace(0, len(curves[0]) - 1, EVEN).astype(int)
+    kept = np.unique(np.concatenate([even, *(extremes(np.nan_to_num(one), STRETCHES) for one in curves[1:])]))
+    return {name: curve[kept] for name, curve in zip(names, curves, strict=True)}
 
 
 def _attempt(make: Callable[[], T]) -> T | None:
@@ -90,12 +91,9 @@ def _attempt(make: Callable[[], T]) -> T | None:
         return None
 
 
-def _speeds(found: Rotation | None) -> Speeds | None:
-    if found is None:
-        return None
-    return Speeds(
-        mean_speed=found.mean_speed, mean_speed_over_angle=found.mean_speed_over_angle, fluctuation=found.fluctuation
-    )
+def _speeds(found: Rotation | None) -> dict[str, float] | None:
+    names = ("mean_speed", "mean_speed_over_angle", "fluctuation")
+    return None if found is None else {name: getattr(found, name) for name in names}
 
 
 def _instants(motion: FreeMotion) -> Array:
@@ -104,8 +102,10 @@ def _instants(motion: FreeMotion) -> Array:
     return np.linspace(0.0, motion.duration, int(np.clip(PER_TURN * turns, FEWEST, MOST)))
 
 
-def _last_turn(motion: FreeMotion, ending: Rotation) -> dict[str, Array]:
-    """Speed and acceleration over the last turn, φ ascending within a turn."""
+def _last_turn(motion: FreeMotion, ending: Rotation | None) -> dict[str, Array]:
+    """Speed and acceleration over the last whole turn, φ ascending within a turn."""
+    if ending is None:
+        return {}
     start = motion.duration - FULL_TURN / abs(ending.mean_speed)
     time = np.linspace(start, motion.duration, LAST_TURN)[1:]
     angle = motion.angle(time) % FULL_TURN
@@ -114,26 +114,14 @@ def _last_turn(motion: FreeMotion, ending: Rotation) -> dict[str, Array]:
     return {name: curve[order] for name, curve in zip(("phi", "omega", "epsilon"), curves, strict=True)}
 
 
-def _coarse(mechanism: Mechanism, own: ReleasedRegime, motion: FreeMotion) -> Coarse | None:
+def _coarse(mechanism: Mechanism, own: ReleasedRegime, motion: FreeMotion) -> dict[str, float | None] | None:
     """How far the articles' integrator is off; None under a torque that they have not."""
     if own.over_angle is not None or own.over_time is not None:
         return None
-    found = _attempt(
-        lambda: fixed_step(
-            mechanism,
-            torque=own.torque,
-            start_angle=own.start_angle,
-            start_speed=own.start_speed,
-            duration=own.duration,
-        )
-    )
+    begins = {"torque": own.torque, "start_angle": own.start_angle, "start_speed": own.start_speed}
+    found = _attempt(lambda: fixed_step(mechanism, duration=own.duration, **begins))  # type: ignore[arg-type]
     if found is None:
-        return Coarse(steps=PUBLISHED_STEPS, phi=None, omega=None, errors={})
-    errors = {
-        "phi": np.abs(found.angle - motion.angle(found.time)),
-        "omega": np.abs(found.speed - motion.speed(found.time)),
-    }
-    kept = shown(np.array(list(errors.values())))
-    curves = {"time": found.time[kept], **{name: error[kept] for name, error in errors.items()}}
-    phi, omega = (float(np.max(error)) for error in errors.values())
-    return Coarse(steps=PUBLISHED_STEPS, phi=phi, omega=omega, errors=curves)
+        return {"steps": PUBLISHED_STEPS, "phi": None, "omega": None}
+    errors = (found.angle - motion.angle(found.time), found.speed - motion.speed(found.time))
+    phi, omega = (float(np.max(np.abs(error))) for error in errors)
+    return {"steps": PUBLISHED_STEPS, "phi": phi, "omega": omega}

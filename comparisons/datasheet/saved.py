@@ -23,7 +23,7 @@ AGAIN: Final = "run compare with --out again"
 class Saved:
     """What the file holds: the sheets, and before them a digest of all that stands after it."""
 
-    format: Literal[1]
+    format: Literal[2]
     digest: str
     sheets: tuple[Sheet, ...]
 
@@ -34,8 +34,8 @@ BODY: Final = b'"sheets":'
 
 def save_sheets(folder: Path, sheets: Sequence[Sheet]) -> None:
     """Write the sheets into a folder, in one step."""
-    _, mark, body = FORM.dump_json(Saved(1, "", tuple(sheets))).partition(BODY)
-    text = f'{{"format":1,"digest":"{_digest(body)}",{(mark + body).decode()}'
+    _, mark, body = FORM.dump_json(Saved(2, "", tuple(sheets))).partition(BODY)
+    text = f'{{"format":2,"digest":"{_digest(body)}",{(mark + body).decode()}'
     write_text(folder / FILE, text)
 
 
@@ -48,6 +48,8 @@ def load_sheets(folder: Path) -> tuple[Sheet, ...]:
         content = path.read_bytes()
         found = FORM.validate_json(content, strict=True)
     except ValidationError as error:
+        if first_fault(error)[0] == "format":
+            raise LinkproofError(f"'{path}' was written by another version of linkproof: delete it") from error
         raise _damaged(path, *first_fault(error)) from error
     except OSError as error:
         raise LinkproofError(f"cannot read '{path}': {error.strerror}; {AGAIN}") from error

@@ -1,21 +1,34 @@
-"""The data sheet as plain data: written beside a campaign's curves, read back without the closed form."""
+"""The sheet of a designer's results as plain data: what terminal, pages, pictures and files show, saved as it is.
+
+Values are in SI; what a reader sees of them, the unit of the file, the axis, the place on it and what is zero but for
+rounding, is answered here alone.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import Annotated, Any, Literal, NotRequired
+from typing import Annotated, Any, Final, Literal
 
 import numpy as np
 from numpy.typing import NDArray
 from pydantic import PlainSerializer, PlainValidator
-from typing_extensions import TypedDict
 
-from analytic.description.linkage import Linkage, Vector
+from analytic.description.crank_motion import RPM
+from analytic.description.law import FULL_TURN
+from analytic.description.linkage import Linkage
 from analytic.description.loading import parse
+from analytic.errors import LinkproofError
+from analytic.numerics.extremes import in_turn
+from analytic.signals import MAGNITUDE
+from comparisons.datasheet.curves import TIME, KeyFigure
+from comparisons.datasheet.figures import NEGLIGIBLE, TABLES
+from comparisons.datasheet.units import FileUnit, file_unit
 
-DIGITS = 9  # of a number in an array
+DIGITS: Final = 9  # of a number in an array
+ROUNDING: Final = 1e-6  # of a turn: what the digits of a saved sheet leave of it
+JOINT: Final = "joint_force:"
 
 
 def _array(value: Any) -> NDArray[np.float64]:  # noqa: ANN401 - what a file holds
@@ -35,88 +48,43 @@ def _listed(values: NDArray[np.float64]) -> list[Any]:
     return [float(f"{value:.{DIGITS}g}") if np.isfinite(value) else None for value in values.tolist()]
 
 
+def _read(told: Any) -> Linkage:  # noqa: ANN401 - what a file holds
+    try:
+        own = parse(told["text"], told["name"], told["name"], told["variant"])
+        return replace(own, gravity=tuple(told["gravity"]))
+    except (LinkproofError, LookupError, TypeError, AttributeError) as error:
+        raise ValueError(f"expected the text of a linkage ({error})") from error
+
+
+def _described(linkage: Linkage) -> dict[str, Any]:
+    return {"name": linkage.name, "variant": linkage.variant, "gravity": linkage.gravity, "text": linkage.text}
+
+
 Array = Annotated[NDArray[np.float64], PlainValidator(_array), PlainSerializer(_listed)]
-
-
-class SheetPeak(TypedDict):
-    """A value and its place on the sheet's axis."""
-
-    value: float | None
-    at: float | None
-
-
-class DriveFigure(TypedDict):
-    """A point of the drive: torque, N m, speed, rad/s, power, W (of a linear drive N and m/s); the instant, s."""
-
-    what: str
-    torque: float | None
-    speed: float | None
-    power: float | None
-    time: float | None
-    at: float | None
-
-
-class ForceFigure(TypedDict):
-    """The largest force, N, of a joint on a link, or of the linkage on its ground; its direction, rad."""
-
-    joint: str
-    link: str
-    force: float | None
-    direction: float | None
-    time: float | None
-    at: float | None
-
-
-class ExtremeFigure(TypedDict):
-    """A named value of a signal."""
-
-    what: str
-    signal: str
-    value: float | None
-    time: float | None
-    at: float | None
-
-
-class SheetFigures(TypedDict):
-    """What the table of ``linkproof results`` says; ``stroke``, m, where there is an output."""
-
-    drive: list[DriveFigure]
-    forces: list[ForceFigure]
-    transmission: list[ExtremeFigure]
-    output: list[ExtremeFigure]
-    stroke: NotRequired[float | None]
+ByName = Mapping[str, Array]  # by name
 
 
 @dataclass(frozen=True)
 class Positions:
     """Where the bodies are at n instants, evenly spaced over one turn of φ or, where there is none, over the motion.
 
-    ``over`` says which of the two ``axis`` is: "phi", rad, or "time", s, (n,); ``angle`` is φ or the travel, (n,).
-    ``bodies`` has of each link, by name, the origin of its frame x, y, m, and its angle, rad, unwrapped, (3, n).
-    ``carriers`` names the link that carries each point of a slot. ``closed``: the last instant is the first again.
+    ``over`` says which of the two ``axis`` is: "phi", rad, or "time", s, (n,). ``bodies`` has of each link, by name,
+    the origin of its frame x, y, m, and its angle, rad, unwrapped, (3, n). ``carriers`` names the link that carries
+    each point of a slot. ``closed``: the last instant is the first again.
     """
 
     over: str
     axis: Array
-    angle: Array
-    bodies: Mapping[str, Array]
+    bodies: ByName
     carriers: Mapping[str, str]
     closed: bool
-
-
-class Eye(TypedDict):
-    """Path of an eye, m, (3, n), and where it is highest and lowest, rad; None of one that does not go up and down."""
-
-    path: Array
-    top_angle: float | None
-    bottom_angle: float | None
 
 
 @dataclass(frozen=True)
 class ThreadSheet:
     """The thread over a turn: φ, rad, feed and contour length, m, (n,); contour (stops, 3) at the reference angle, m.
 
-    ``stops`` names the guides and eyes along the contour. ``figures`` are ``mechanism_summary``'s of the thread.
+    ``stops`` names the guides and eyes along the contour; ``eyes`` has of each the ``path``, m, (3, n).
     """
 
     angle: Array
@@ -124,9 +92,8 @@ class ThreadSheet:
     length: Array
     contour: Array
     stops: tuple[str, ...]
-    eyes: Mapping[str, Eye]
+    eyes: Mapping[str, ByName]
     reference_angle: float
-    figures: Mapping[str, Any]
 
 
 @dataclass(frozen=True)
@@ -138,129 +105,168 @@ class Normalised:
     """
 
     phase: Array
-    functions: Mapping[str, Array]
-    harmonics: Mapping[str, Array]
+    functions: ByName
+    harmonics: ByName
     means: Mapping[str, float]
-
-
-class PublishedFigure(TypedDict):
-    """A printed figure beside ours: the fields of ``PublishedRecord``."""
-
-    mechanism: str
-    variant: str
-    quantity: str
-    unit: str
-    published: float
-    half_digit: float
-    ours: float | None
-    deviation: float | None
-    verdict: str
-    source: str
-    note: str
-
-
-class Rest(TypedDict):
-    """An angle, rad, at which a crank can rest."""
-
-    angle: float
-    stable: bool
-
-
-class Speeds(TypedDict):
-    """A crank over whole turns: mean speed over time and over φ, rad/s, and coefficient of fluctuation."""
-
-    mean_speed: float
-    mean_speed_over_angle: float
-    fluctuation: float
-
-
-class Coarse(TypedDict):
-    """The articles' integrator in ``steps``: its largest errors of φ, rad, and ω, rad/s; None where it broke down.
-
-    ``errors`` are its errors by "phi" and "omega" over "time", s, (n,).
-    """
-
-    steps: int
-    phi: float | None
-    omega: float | None
-    errors: Mapping[str, Array]
 
 
 @dataclass(frozen=True)
 class Released:
-    """A released crank: ``torque``, N m, which besides changes ``over`` the "angle" or the "time", or does not ("").
+    """A released crank: ``facts``, which the macro ``released_sheet`` puts in words, and its motion.
 
-    ``rests`` are the angles at which it could rest, ``damping`` is the mean reduced coefficient, N m s/rad;
-    ``error_bound`` of φ, rad, and ``balance`` of energy are the closed form's own. ``ending`` is its last whole turn,
-    ``settled`` the rotation that would repeat itself, where there are such; ``end`` φ at the end within a turn, rad.
-    ``motion`` has "time", s, "phi", "omega", "epsilon" (n,), ``last_turn`` the last three over the last whole turn.
-    The macro ``released_sheet`` puts it in words.
+    ``motion`` has "time", s, "phi", "omega", "epsilon" (n,), ``last_turn`` the last three over the last whole turn,
+    nothing where there is none.
     """
 
-    torque: float
-    over: Literal["", "angle", "time"]
-    rests: list[Rest]
-    damping: float
-    error_bound: float | None
-    balance: float | None
-    ending: Speeds | None
-    settled: Speeds | None
-    coarse: Coarse | None
-    end: float
-    motion: Mapping[str, Array]
-    last_turn: Mapping[str, Array]
-
-    @property
-    def is_steady(self) -> bool:
-        """Whether the torque is constant, as the articles' and that of an angle of rest is."""
-        return not self.over
-
-
-@dataclass(frozen=True)
-class Printed:
-    """Crank speed by a model as printed and by the corrected one, rad/s, over ``time``, s, (n,)."""
-
-    time: Array
-    corrected: Array
-    printed: Array
+    facts: Mapping[str, Any]
+    motion: ByName
+    last_turn: ByName
 
 
 @dataclass(frozen=True)
 class Sheet:
-    """All that a mechanism's page shows of the closed form, SI, angles in rad.
+    """All that is told of a linkage under one motion, SI, angles in rad.
 
-    ``conditions``, ``axis``, ``units``, ``values``, ``peaks`` and ``figures`` are what ``linkproof results --json``
-    writes; ``values``, without those of points and links, at as many of its instants as a curve needs (n,), φ
-    ascending where that is the axis, not a number where there is none. ``shares`` has Jeq by Assur group ("groups") and
-    by link ("links") over the same instants, kg m². ``moment_centre`` is the point that the shaking moment is about.
-    ``facts`` are those of ``linkproof show --json``. ``published`` are the printed figures of all variants,
-    ``released`` by regime what there is to say of a released crank, ``printed`` by erratum the motions of models as
-    printed, of regimes that a campaign ran. ``missing`` says of a part why it cannot be derived.
+    ``values`` are the signals by name over the whole motion, not a number where there is none: at every instant of its
+    grid (n,), or on a page at as many as a curve needs, φ ascending where that is the axis. ``chosen`` are those at
+    chosen instants, not saved. ``peaks`` has of each signal the largest magnitude, of a transmission angle the least,
+    ``figures`` the tables of key figures, ``remarks`` the sentences under them. ``facts`` are those of
+    ``linkproof show --json``.
+
+    The rest is what a page shows besides. ``shares`` has Jeq by Assur group ("groups") and by link ("links") over the
+    instants of ``values``, kg m². ``published`` are the printed figures of all variants, ``released`` by regime what
+    there is to say of a released crank, ``printed`` by erratum the crank's speed, rad/s, over the "time", s, by the
+    model as "printed" and as "corrected". ``missing`` says of a part why it cannot be derived.
     """
 
-    name: str
-    variant: str
-    text: str
-    gravity: Vector
-    formula: str
-    conditions: str
-    axis: str
-    units: Mapping[str, str]
-    values: Mapping[str, Array]
-    peaks: Mapping[str, SheetPeak]
-    figures: SheetFigures
+    linkage: Annotated[Linkage, PlainValidator(_read), PlainSerializer(_described)]
     facts: Mapping[str, Any]
-    moment_centre: str = ""
+    conditions: str = ""
+    axis: Literal["phi", "time"] = "phi"
+    units: Mapping[str, str] = field(default_factory=dict)
+    values: ByName = field(default_factory=dict)
+    peaks: Mapping[str, KeyFigure] = field(default_factory=dict)
+    figures: Mapping[str, tuple[KeyFigure, ...]] = field(default_factory=lambda: dict.fromkeys(TABLES, ()))
+    remarks: tuple[str, ...] = ()
+    chosen: ByName | None = None
     positions: Positions | None = None
-    shares: Mapping[str, Mapping[str, Array]] = field(default_factory=dict)
+    shares: Mapping[str, ByName] = field(default_factory=dict)
     normalised: Normalised | None = None
     thread: ThreadSheet | None = None
-    published: tuple[PublishedFigure, ...] = ()
+    published: tuple[Mapping[str, Any], ...] = ()
     released: Mapping[str, Released] = field(default_factory=dict)
-    printed: Mapping[str, Printed] = field(default_factory=dict)
+    printed: Mapping[str, ByName] = field(default_factory=dict)
     missing: Mapping[str, str] = field(default_factory=dict)
 
+    @property
+    def name(self) -> str:
+        """The linkage's name."""
+        return self.linkage.name
+
+    @property
+    def variant(self) -> str:
+        """The linkage's variant."""
+        return self.linkage.variant
+
+    @property
+    def is_linear(self) -> bool:
+        """Whether the drive moves along a line."""
+        return self.linkage.is_linear
+
+    @property
+    def table(self) -> Mapping[str, NDArray[np.float64]]:
+        """The signals at the instants of tables and files."""
+        return self.values if self.chosen is None else self.chosen
+
+    def unit(self, name: str) -> FileUnit:
+        """The file's unit of a signal."""
+        return self.own(self.units[name])
+
+    def own(self, si: str) -> FileUnit:
+        """The file's unit for an SI unit."""
+        return file_unit(si, self.linkage)
+
+    def unit_of(self, one: KeyFigure) -> FileUnit:
+        """The unit of a key figure: the file's, and rpm of a crank's speed."""
+        return FileUnit("rpm", RPM) if one.signal == "omega" and not self.is_linear else self.own(one.unit)
+
+    def shown(self, one: KeyFigure) -> float:
+        """A key figure in that unit, not a number where it has no bound."""
+        value = np.nan if one.value is None else one.value
+        return self.rounded(one.signal, value) / self.unit_of(one).size
+
+    def rounded(self, name: str, value: float) -> float:
+        """A value of a signal, zero where it is no more than rounding beside the others of its kind and unit."""
+        return 0.0 if abs(value) <= NEGLIGIBLE * self.scale(name) else value
+
+    def scale(self, name: str) -> float:
+        """The largest magnitude over the motion of all signals of the kind and unit of one; 0 for no signal."""
+        return self._scales.get((name.partition(":")[0], self.units.get(name, "")), 0.0)
+
     @cached_property
-    def linkage(self) -> Linkage:
-        """The linkage as it was described."""
-        return replace(parse(self.text, self.name, self.name, self.variant), gravity=self.gravity)
+    def _scales(self) -> dict[tuple[str, str], float]:
+        scales: dict[tuple[str, str], float] = {}
+        for name, values in self.values.items():
+            size = float(np.max(np.abs(values), where=np.isfinite(values), initial=0.0))
+            kind = (name.partition(":")[0], self.units[name])
+            scales[kind] = max(size, scales.get(kind, 0.0))
+        return scales
+
+    def at(self, one: KeyFigure) -> float | None:
+        """The place of a key figure on the axis: φ, rad, or the time, s."""
+        return one.time if self.axis == TIME else one.phi
+
+    @property
+    def joints(self) -> list[str]:
+        """Joints by name, that of the largest force first."""
+        signals = [name for name in self.values if name.startswith(JOINT) and name.endswith(MAGNITUDE)]
+        signals.sort(key=lambda name: -(self.peaks[name].value or 0.0))
+        return [name.removeprefix(JOINT).removesuffix(MAGNITUDE) for name in signals]
+
+    @cached_property
+    def _way(self) -> float:
+        return 0.0 if self.is_linear else float(np.ptp(self.values["phi"]))
+
+    @property
+    def is_turn(self) -> bool:
+        """Whether the axis is the crank angle of one turn, which is shown from 0° to 360°."""
+        return self.axis == "phi" and abs(self._way - FULL_TURN) <= ROUNDING * FULL_TURN
+
+    def angle(self, phi: float) -> float:
+        """φ in the file's unit, within a turn where the motion is that long."""
+        is_long = self._way >= FULL_TURN * (1.0 - NEGLIGIBLE)
+        return float(in_turn(phi) if is_long else phi) / self.unit("phi").size
+
+    @property
+    def axis_unit(self) -> FileUnit:
+        """The unit of the axis: degrees of a turn, else the file's."""
+        return FileUnit("°", FULL_TURN / 360.0) if self.is_turn else self.unit(self.axis)
+
+    @property
+    def symbol(self) -> str:
+        """The axis in a word: t, φ, or the travel of a drive along a line."""
+        return "t" if self.axis == TIME else "travel" if self.is_linear else "φ"
+
+    @cached_property
+    def _order(self) -> NDArray[np.intp]:
+        """The samples by the axis; of a turn without the last, which is the first again."""
+        along = self.values[self.axis]
+        return np.argsort(along[:-1] % FULL_TURN if self.is_turn else along, kind="stable")
+
+    def along(self, values: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Samples (n,) by the axis, ascending."""
+        ordered = values[self._order]
+        return np.append(ordered, ordered[0]) if self.is_turn else ordered
+
+    @cached_property
+    def x(self) -> NDArray[np.float64]:
+        """The axis, (n,), in its unit."""
+        axis = self.values[self.axis]
+        if not self.is_turn:
+            return axis[self._order] / self.axis_unit.size
+        ordered = (axis[:-1] % FULL_TURN)[self._order]
+        return np.append(ordered, ordered[0] + FULL_TURN) / self.axis_unit.size
+
+    def y(self, name: str) -> NDArray[np.float64]:
+        """A signal along the axis, in its unit."""
+        return self.along(self.values[name]) / self.unit(name).size

@@ -29,6 +29,11 @@ class FileUnit(NamedTuple):
     name: str
     size: float
 
+    @property
+    def on_page(self) -> str:
+        """As a page prints it: "N mm", "mm/s²"."""
+        return self.name.replace("*", " ").replace("^2", "²")
+
 
 def file_unit(si: str, linkage: Linkage) -> FileUnit:
     """The file's unit for an SI unit; s, J and W stay what they are."""

@@ -9,8 +9,8 @@ from comparisons.datasheet.sheet import Sheet
 from reports.campaign.verdict import Trust, ratio, share
 from reports.charts.moving import moving_scheme
 from reports.document.parts import Card, Drawn, Facts, PageLink, Part
-from reports.mechanism.key_figures import key_figures
 from reports.mechanism.page import file_of
+from reports.mechanism.shown import key_figures
 from reports.records.views import family_title
 
 SIZE: Final = (156, 112)  # of a scheme, points

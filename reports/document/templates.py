@@ -11,6 +11,7 @@ from typing import Any
 import jinja2
 from markupsafe import Markup
 
+from analytic.errors import listed
 from reports.document import numbers
 
 FOLDER = Path(__file__).parents[1] / "templates"
@@ -46,7 +47,7 @@ def _environment(*, escaped: bool) -> jinja2.Environment:
         keep_trailing_newline=True,
     )
     own = (numbers.figure, numbers.bound, numbers.decade, numbers.printed, numbers.error,
-           numbers.seconds, numbers.within_turn, plain, worded, math.degrees)  # fmt: skip
+           numbers.seconds, numbers.within_turn, plain, worded, listed, math.degrees)  # fmt: skip
     environment.filters.update({one.__name__: one for one in own})
     return environment
 

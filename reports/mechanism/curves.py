@@ -10,6 +10,7 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
+from comparisons.datasheet.thinning import extremes, highest
 from comparisons.judging.quantities import JOINT_FORCE
 from reports.records.views import Regime, Trace, View, setting_rank, short_title
 from reports.records.views import engines as all_engines
@@ -124,24 +125,7 @@ def _steps(values: Array, low: float, high: float) -> NDArray[np.uint16]:
     return np.where(np.isnan(share), NOT_A_NUMBER, np.round(share * STEPS)).astype("<u2")
 
 
-def extremes(values: Array, stretches: int) -> NDArray[np.intp]:
-    """Indices of the lowest and the highest sample of every stretch, and of both ends; all where there are few."""
-    if len(values) <= 2 * stretches:
-        return np.arange(len(values))
-    ends = np.array([0, len(values) - 1])
-    return np.unique(np.concatenate([ends, _highest(values, stretches), _highest(-values, stretches)]))
-
-
 def worst_samples(errors: Array, stretches: int) -> NDArray[np.intp]:
     """Indices of the sample with the largest error in every stretch; samples that were not compared are left out."""
     compared = np.flatnonzero(~np.isnan(errors))
-    return compared[_highest(errors[compared], stretches)]
-
-
-def _highest(values: Array, stretches: int) -> NDArray[np.intp]:
-    """Index of the highest sample of every stretch, all equally long but the last."""
-    size = -(-len(values) // stretches) or 1
-    starts = np.arange(0, len(values), size)
-    padded = np.full(len(starts) * size, -np.inf)
-    padded[: len(values)] = values
-    return np.asarray(starts + np.argmax(padded.reshape(-1, size), axis=1), dtype=np.intp)
+    return compared[highest(errors[compared], stretches)]

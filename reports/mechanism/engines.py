@@ -7,7 +7,8 @@ from itertools import groupby
 from types import MappingProxyType
 from typing import Any, Final
 
-from comparisons.datasheet.sheet import Printed
+from comparisons.datasheet.sheet import ByName
+from comparisons.datasheet.thinning import extremes
 from comparisons.judging.records import Record, Verdict
 from reports.charts.errors import errors_chart
 from reports.document import numbers
@@ -15,7 +16,7 @@ from reports.document.chart import Chart, Curve, Panel
 from reports.document.parts import Bullets, Fold, PageFigure, Part, Section, Table, TableCell, Widget
 from reports.document.signs import RUNS
 from reports.document.templates import plain, sentence
-from reports.mechanism.curves import chart_data, curves, extremes
+from reports.mechanism.curves import chart_data, curves
 from reports.records.origins import exceptions, origin_words
 from reports.records.views import Regime, View, anchor, engines, setting_rank
 
@@ -23,7 +24,7 @@ KEY: Final = "engines"
 SHOWN: Final = 300  # stretches of a curve, of which the extremes are drawn
 
 
-def engines_section(view: View, printed: Mapping[str, Printed] = MappingProxyType({})) -> Section:
+def engines_section(view: View, printed: Mapping[str, ByName] = MappingProxyType({})) -> Section:
     """The half of a mechanism's page that shows what was simulated, or what another tool's file says.
 
     ``printed`` are the motions of models as printed, by erratum.
@@ -118,7 +119,7 @@ def _reasons(runs: Sequence[Sequence[Record]]) -> tuple[str, ...]:
     return tuple(f"{engine} {'; '.join(who)} – {reason}." for (engine, reason), who in told.items())
 
 
-def _printed_models(view: View, printed: Mapping[str, Printed]) -> list[Part]:
+def _printed_models(view: View, printed: Mapping[str, ByName]) -> list[Part]:
     """What the engines say of the models that the source prints, which are held against the file's own values."""
     if view.linkage.variant != view.linkage.variants[0]:
         return []
@@ -131,17 +132,17 @@ def _printed_models(view: View, printed: Mapping[str, Printed]) -> list[Part]:
     return [Fold("Printed models put to the engines", tuple(parts))] if parts else []
 
 
-def _printed_figure(view: View, regime: str, name: str, motion: Printed) -> PageFigure:
+def _printed_figure(view: View, regime: str, name: str, motion: ByName) -> PageFigure:
     """The crank's speed by both models and by the engines."""
     at = next((one for one in view.regimes if one.name == regime), None)
     traces = [trace for trace in view.traces(at, "omega") if trace.record.setting == view.standing(at)] if at else []
     names = engines(view.results)
-    curves = [Curve(motion.time, motion.corrected, "corrected", "reference", width=3.4)]
+    curves = [Curve(motion["time"], motion["corrected"], "corrected", "reference", width=3.4)]
     for trace in traces:
         few = extremes(trace.observed, SHOWN)
         ink = names.index(trace.record.engine)
         curves.append(Curve(trace.time[few], trace.observed[few], trace.record.engine, ink, "--", 1.0))
-    curves.append(Curve(motion.time, motion.printed, "as printed", "limit"))
+    curves.append(Curve(motion["time"], motion["printed"], "as printed", "limit"))
     panel = Panel(tuple(curves), "time, s", "ω, rad/s", names="key")
     caption = f"Crank speed by the corrected model, by the engines and as printed: {name}."
     return PageFigure(anchor("printed", name), caption, caption, Chart((panel,), height=2.8, wide=True), wide=True)

@@ -8,15 +8,13 @@ from collections.abc import Iterator
 from comparisons.campaign.results import Results
 from comparisons.datasheet.sheet import Sheet
 from reports.charts.moving import moving_scheme
-from reports.document.parts import NOTHING, Bullets, Card, Cards, Page, Paragraph, Part, Section
+from reports.document.parts import Bullets, Card, Cards, Page, Paragraph, Part, Section
 from reports.mechanism import designer
 from reports.mechanism.engines import engines_section
-from reports.mechanism.key_figures import key_table
 from reports.mechanism.player import player
 from reports.mechanism.published import published_section
-from reports.mechanism.released_section import released_section
-from reports.mechanism.shown import ShownSheet
-from reports.mechanism.thread_section import thread_section
+from reports.mechanism.shown import key_table
+from reports.mechanism.special_sections import released_section, thread_section
 from reports.records.views import views
 
 FOLDER = "mechanisms"
@@ -30,7 +28,6 @@ def file_of(sheet: Sheet) -> str:
 
 def page(sheet: Sheet, results: Results | None = None) -> Page:
     """The page; ``results`` are those of the campaign that its engines ran in, or of a file that was judged."""
-    shown = ShownSheet(sheet)
     linkage = sheet.linkage
     of = f" (of {', '.join(linkage.variants)})" if len(linkage.variants) > 1 else ""
     source = f" Source: {linkage.source}." if linkage.source else ""
@@ -39,8 +36,8 @@ def page(sheet: Sheet, results: Results | None = None) -> Page:
         title=f"{sheet.name} ({sheet.variant})" if len(linkage.variants) > 1 else sheet.name,
         heading=linkage.title or sheet.name,
         subtitle=f"{sheet.name}, variant {sheet.variant}{of}.{source}",
-        parts=(*_verdict(results), _first_look(shown)),
-        sections=tuple(_sections(shown, results)),
+        parts=(*_verdict(results), _first_look(sheet)),
+        sections=tuple(_sections(sheet, results)),
         charts=results is not None,
     )
 
@@ -51,29 +48,27 @@ def _verdict(results: Results | None) -> tuple[Part, ...]:
     return (Paragraph(told[0], "verdict"), Bullets(tuple(told[1:]))) if told else ()
 
 
-def _first_look(shown: ShownSheet) -> Cards:
+def _first_look(sheet: Sheet) -> Cards:
     """The linkage in motion beside its key figures."""
-    sheet = shown.sheet
-    if sheet.axis not in sheet.values:
-        return Cards((Card("The mechanism", (*designer.told(shown, "values"), designer.facts(shown))),), wide=True)
-    drawing = moving_scheme(sheet.linkage, sheet.positions, "moving") if sheet.positions else NOTHING
-    motion = Card("In motion", (player(shown, drawing),))
-    return Cards((motion, Card("Key figures", (key_table(sheet), designer.facts(shown)))), wide=True)
+    if sheet.positions is None:
+        return Cards((Card("The mechanism", (*designer.told(sheet, "values"), designer.facts(sheet))),), wide=True)
+    drawing = moving_scheme(sheet.linkage, sheet.positions, "moving")
+    motion = Card("In motion", (player(sheet, sheet.positions, drawing),))
+    return Cards((motion, Card("Key figures", (key_table(sheet), designer.facts(sheet)))), wide=True)
 
 
-def _sections(shown: ShownSheet, results: Results | None) -> Iterator[Section]:
+def _sections(sheet: Sheet, results: Results | None) -> Iterator[Section]:
     """The designer's, then the engines'; of a file that was judged its errors first."""
-    sheet = shown.sheet
     mine = sheet.name, sheet.variant
     ran = [view for view in views(results) if (view.linkage.name, view.linkage.variant) == mine] if results else []
     engines = [engines_section(view, sheet.printed) for view in ran[:1]]
     is_judged = results is not None and "judgement" in results.document
     yield from engines if is_judged else ()
-    yield from designer.sections(shown)
-    if sheet.thread:
-        yield thread_section(shown, sheet.thread)
+    yield from designer.sections(sheet)
+    if sheet.thread and sheet.positions:
+        yield thread_section(sheet, sheet.thread, sheet.positions)
     if sheet.released:
-        yield released_section(shown)
+        yield released_section(sheet)
     if sheet.published:
         yield published_section(sheet.published)
     yield from () if is_judged else engines

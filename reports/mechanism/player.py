@@ -9,9 +9,9 @@ import numpy as np
 from markupsafe import Markup
 from numpy.typing import NDArray
 
-from comparisons.datasheet.sheet import Sheet
+from analytic.description.law import FULL_TURN
+from comparisons.datasheet.sheet import Positions, Sheet
 from reports.document.parts import Widget
-from reports.mechanism.shown import TURN, ShownSheet
 
 Array = NDArray[np.float64]
 
@@ -20,57 +20,53 @@ READ_OUT: Final = ("S", "v", "a", "Mkr", "Peq", "Jeq")
 DIGITS: Final = 4
 
 
-def player(shown: ShownSheet, drawing: Markup) -> Widget:
+def player(sheet: Sheet, positions: Positions, drawing: Markup) -> Widget:
     """The moving drawing, with controls and a read-out."""
-    label = f"{shown.sheet.linkage.title} in motion"
-    return Widget("player", "motion", label, player_data(shown), markup=drawing)
+    label = f"{sheet.linkage.title} in motion"
+    return Widget("player", "motion", label, player_data(sheet, positions), markup=drawing)
 
 
-def player_data(shown: ShownSheet) -> Mapping[str, Any]:
+def player_data(sheet: Sheet, positions: Positions) -> Mapping[str, Any]:
     """The axis and the signals at ``SAMPLES`` instants, evenly spaced in time.
 
     ``shares`` says where on the axis of a figure each instant is, ``poses`` where in the drawing's motion, from 0 to 1.
     """
-    sheet = shown.sheet
     axis = sheet.values[sheet.axis]
     along = np.linspace(axis[0], axis[-1], SAMPLES)
     if sheet.axis == "phi" and np.nanmean(sheet.values["omega"]) < 0.0:
         along = along[::-1]
-    turned = along % TURN if shown.is_turn else along
-    shares = turned / TURN if shown.is_turn else (along - axis[0]) / (axis[-1] - axis[0])
-    values = [f"{value:z.1f}" if shown.is_turn else f"{value:z.4g}" for value in turned / shown.axis.size]
+    turned = along % FULL_TURN if sheet.is_turn else along
+    shares = turned / FULL_TURN if sheet.is_turn else (along - axis[0]) / (axis[-1] - axis[0])
+    values = [f"{value:z.1f}" if sheet.is_turn else f"{value:z.4g}" for value in turned / sheet.axis_unit.size]
     return {
         "axis": {
-            "kind": "time" if sheet.axis == "time" else "phi",
-            "name": shown.symbol,
-            "unit": shown.axis.name,
+            "kind": sheet.axis,
+            "name": sheet.symbol,
+            "unit": sheet.axis_unit.on_page,
             "values": values,
             "shares": np.round(shares, 4).tolist(),
         },
-        "poses": np.round(_poses(sheet, along), 5).tolist(),
-        "rows": [_row(shown, name, along) for name in READ_OUT if shown.has(name)],
+        "poses": np.round(_poses(sheet, positions, along), 5).tolist(),
+        "rows": [_row(sheet, name, along) for name in READ_OUT if name in sheet.values],
     }
 
 
-def _poses(sheet: Sheet, along: Array) -> Array:
+def _poses(sheet: Sheet, positions: Positions, along: Array) -> Array:
     """Where in the motion of the sheet's positions the mechanism is at places of its axis."""
-    positions = sheet.positions
-    if positions is None:
-        return np.zeros_like(along)
     reached = np.interp(along, sheet.values[sheet.axis], sheet.values[positions.over])
     start, end = positions.axis[0], positions.axis[-1]
     share = (reached - start) / (end - start)
     return np.asarray(share % 1.0 if positions.closed else np.clip(share, 0.0, 1.0))
 
 
-def _row(shown: ShownSheet, name: str, along: Array) -> dict[str, Any]:
+def _row(sheet: Sheet, name: str, along: Array) -> dict[str, Any]:
     """A signal at places of the axis, in the file's unit, to ``DIGITS`` digits of its largest value."""
-    unit, sheet = shown.unit(name), shown.sheet
+    unit = sheet.unit(name)
     values = np.interp(along, sheet.values[sheet.axis], sheet.values[name]) / unit.size
     return {
         "name": name,
-        "unit": unit.name,
-        "values": [_short(value, shown.scale(name) / unit.size) for value in values],
+        "unit": unit.on_page,
+        "values": [_short(value, sheet.scale(name) / unit.size) for value in values],
     }
 
 

@@ -1,172 +1,181 @@
-"""A data sheet as its page shows it: in the units of its file, over the crank angle of a turn, a travel or the time."""
+"""A sheet in words and charts, as terminal, pages and pictures show it."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass
-from functools import cached_property
+import math
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import replace
+from itertools import groupby
 from typing import TYPE_CHECKING, Final
 
 import numpy as np
-from numpy.typing import NDArray
 
+from analytic.description.law import FULL_TURN
+from analytic.written import fixed
+from comparisons.datasheet.curves import TIME, KeyFigure
+from comparisons.datasheet.figures import MEAN, SHAKING
 from comparisons.datasheet.sheet import Sheet
-from comparisons.datasheet.units import FileUnit, file_unit
+from comparisons.datasheet.units import FileUnit
 from reports.document.chart import Chart, Curve, Panel
 from reports.document.numbers import ABSENT, figure, within_turn
-from reports.document.parts import PageFigure
+from reports.document.parts import PageFigure, Table
+from reports.document.templates import plain
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure as Drawing
 
-Array = NDArray[np.float64]
 
-TURN: Final = 2.0 * np.pi
-ROUNDING: Final = 1e-6  # of a turn: what a sheet's digits leave of it
-JOINT, MAGNITUDE = "joint_force:", ":magnitude"
-NEGLIGIBLE: Final = 1e-9  # share of the largest value of a kind below which a value is zero but for a sheet's digits
+# Of a table of key figures the heads of what they are, and of the numbers side by side; an output's have a unit each.
+HEADS: Final = {
+    "drive": (("drive",), ("torque", "speed", "power")),
+    "forces": (("joint", "on"), ("force", "direction")),
+    "moment": (("shaking moment",), ("",)),
+    "transmission": (("group",), ("least transmission angle",)),
+}
 
 
-@dataclass(frozen=True)
-class ShownSheet:
-    """Values (n,) in the file's units, in ascending order of the axis."""
+def _angle(value: float, unit: FileUnit) -> str:
+    """Degrees to two decimals, radians and lengths to five digits."""
+    return fixed(value, 2) if unit.name == "deg" and math.isfinite(value) else figure(value, 5)
 
-    sheet: Sheet
 
-    def figure(self, name: str, caption: str, what: str, drawing: Chart | Callable[[], Drawing]) -> PageFigure:
-        """A figure of the mechanism; ``what`` it is stands for it where there are no pictures."""
-        is_wide = isinstance(drawing, Chart) and drawing.wide
-        return PageFigure(
-            name, caption, f"{self.sheet.linkage.title} ({self.sheet.variant}): {what}", drawing, wide=is_wide
-        )
+def number(sheet: Sheet, one: KeyFigure) -> str:
+    """A key figure in its unit."""
+    value = sheet.shown(one)
+    return _angle(value, sheet.unit_of(one)) if one.unit == "rad" else figure(value)
 
-    def has(self, name: str) -> bool:
-        """Whether the sheet has values of a signal."""
-        return name in self.sheet.values
 
-    def unit(self, name: str) -> FileUnit:
-        """The file's unit of a signal."""
-        return self.own(self.sheet.units[name])
+def words(sheet: Sheet, one: KeyFigure) -> str:
+    """A key figure with its unit, as a page prints it."""
+    text, unit = number(sheet, one), sheet.unit_of(one).on_page
+    return text if text == ABSENT else _signed(f"{text}°" if unit == "deg" else f"{text} {unit}")
 
-    def own(self, si: str) -> FileUnit:
-        """The file's unit for an SI unit, as it is printed: "N mm", "mm/s²"."""
-        name, size = file_unit(si, self.sheet.linkage)
-        return FileUnit(name.replace("*", " ").replace("^2", "²"), size)
 
-    @cached_property
-    def is_turn(self) -> bool:
-        """Whether the axis is the crank angle of one turn, which is shown from 0° to 360°."""
-        if self.sheet.axis != "phi" or self.sheet.linkage.is_linear:
-            return False
-        return abs(float(np.ptp(self.sheet.values["phi"])) - TURN) <= ROUNDING * TURN
+def _signed(text: str) -> str:
+    return f"−{text[1:]}" if text.startswith("-") else text
 
-    @property
-    def axis(self) -> FileUnit:
-        """The unit of the axis: degrees of a turn, else the file's."""
-        return FileUnit("°", TURN / 360.0) if self.is_turn else self.unit(self.sheet.axis)
 
-    @property
-    def symbol(self) -> str:
-        """The axis in a word: t, φ, or the travel of a drive along a line."""
-        return "t" if self.sheet.axis == "time" else "travel" if self.sheet.linkage.is_linear else "φ"
+def jeq(sheet: Sheet, end: str) -> str:
+    """The mean, least or largest inertia reduced to the crank of a whole turn, with its unit."""
+    return words(sheet, KeyFigure(end, "Jeq", sheet.facts["Jeq"][end], sheet.units["Jeq"]))
 
-    @property
-    def where(self) -> str:
-        """Head of a column of places on the axis."""
-        return f"at {self.symbol}"
 
-    @property
-    def axis_name(self) -> str:
-        """The axis in words."""
-        if self.sheet.axis == "time":
-            return f"time, {self.axis.name}"
-        return f"{'travel' if self.sheet.linkage.is_linear else 'crank angle φ'}, {self.axis.name}"
+def place(sheet: Sheet, one: KeyFigure) -> str:
+    """Where on the axis a key figure is, as a page prints it."""
+    at = sheet.at(one)
+    if at is None:
+        return ""
+    if sheet.is_turn:
+        return within_turn(at / sheet.axis_unit.size)
+    return _signed(f"{at / sheet.axis_unit.size:z.4g} {sheet.axis_unit.on_page}")
 
-    @cached_property
-    def _order(self) -> NDArray[np.intp]:
-        """The samples by the axis; of a turn without the last, which is the first again."""
-        along = self.sheet.values[self.sheet.axis]
-        return np.argsort(along[:-1] % TURN if self.is_turn else along, kind="stable")
 
-    def _in_order(self, values: Array) -> Array:
-        ordered = values[self._order]
-        return np.append(ordered, ordered[0]) if self.is_turn else ordered
+def figures_table(sheet: Sheet, name: str, named: Callable[[str], str] = str) -> Table:
+    """A table of key figures, the numbers of one place side by side; ``named`` makes names those for a reader."""
+    whats, labels = HEADS[name]
+    if sheet.is_linear:
+        labels = tuple(label.replace("torque", "force") for label in labels)
+    groups = [[*part] for _, part in groupby(sheet.figures[name], key=lambda one: (one.what, one.on))]
+    rows = []
+    for group in groups:
+        numbers = [number(sheet, one) for one in group] + [ABSENT] * (len(labels) - len(group))
+        names = map(named, (group[0].what, group[0].on)[: len(whats)])
+        rows.append((*names, *numbers, *place_cells(sheet, group[0])))
+    units = [sheet.unit_of(one).name for one in groups[0]]
+    heads = (f"{label} {unit}".strip() for label, unit in zip(labels, units, strict=True))
+    return Table("", (*whats, *heads, *places(sheet, "at ")), rows, "l" * len(whats) + "r")
 
-    @cached_property
-    def x(self) -> Array:
-        """The axis, (n,), in its unit."""
-        along = self.sheet.values[self.sheet.axis]
-        if not self.is_turn:
-            return along[self._order] / self.axis.size
-        ordered = (along[:-1] % TURN)[self._order]
-        return np.append(ordered, ordered[0] + TURN) / self.axis.size
 
-    def y(self, name: str) -> Array:
-        """A signal along the axis, in its unit."""
-        return self._in_order(self.sheet.values[name]) / self.unit(name).size
+def places(sheet: Sheet, at: str = "") -> tuple[str, ...]:
+    """Heads of the columns that say where something is."""
+    phi = f"{at}φ {sheet.unit('phi').name}"
+    return (phi,) if sheet.axis == "phi" else (f"{at}t s", phi)
 
-    def shares(self, kind: str) -> dict[str, Array]:
-        """The parts of Jeq by name, along the axis, in the file's unit; ``kind`` is "groups" or "links"."""
-        size = self.unit("Jeq").size
-        return {name: self._in_order(values) / size for name, values in self.sheet.shares.get(kind, {}).items()}
 
-    def vector(self, name: str) -> Array:
-        """A force, (2, n), in its unit."""
-        return np.stack([self.y(f"{name}:x"), self.y(f"{name}:y")])
+def place_cells(sheet: Sheet, one: KeyFigure) -> tuple[str, ...]:
+    """Where a key figure is: the time, s, unless φ is the axis, and φ in the file's unit."""
+    if one.time is None or one.phi is None:
+        return (ABSENT,) * len(places(sheet))
+    phi = _angle(sheet.angle(one.phi), sheet.unit("phi"))
+    return (phi,) if sheet.axis == "phi" else (f"{one.time:#.6g}", phi)
 
-    def joints(self) -> list[str]:
-        """Joints by name, that of the largest force first."""
-        peaks = self.sheet.peaks
-        signals = [name for name in self.sheet.values if name.startswith(JOINT) and name.endswith(MAGNITUDE)]
-        signals.sort(key=lambda name: -abs(peaks[name]["value"] or 0.0))
-        return [name.removeprefix(JOINT).removesuffix(MAGNITUDE) for name in signals]
 
-    def value(self, name: str, value: float | None) -> str:
-        """A value of a signal, SI, with the file's unit."""
-        if value is None:
-            return ABSENT
-        unit = self.unit(name)
-        told = figure(0.0 if abs(value) <= NEGLIGIBLE * self.scale(name) else value / unit.size)
-        return f"{told} {unit.name}".replace("-", "−", 1) if value < 0.0 else f"{told} {unit.name}"
+def key_figures(sheet: Sheet) -> tuple[tuple[str, str, str], ...]:
+    """Drive, output, largest forces, worst transmission angle: what, value with unit, where."""
+    drive = [one for one in sheet.figures["drive"] if one.what not in (MEAN, "peak speed")]
+    chosen = [one for one in drive if one.signal == ("Peq" if "power" in one.what else "Mkr")]
+    rows = [(one.what, words(sheet, one), place(sheet, one)) for one in (*chosen, *_besides(sheet))]
+    inertia = [("mean Jeq", jeq(sheet, "mean"), "")] if "Jeq" in sheet.facts else []
+    return (*rows[: len(chosen)], *inertia, *rows[len(chosen) :])
 
-    def scale(self, name: str) -> float:
-        """The largest magnitude of a signal, SI."""
-        return float(np.nanmax(np.abs(self.sheet.values[name]), initial=0.0))
 
-    def place(self, at: float | None) -> str:
-        """Where on the axis: φ, rad, or the time, s."""
-        if at is None:
-            return ""
-        if self.is_turn:
-            return within_turn(at / self.axis.size)
-        return f"{at / self.axis.size:z.4g} {self.axis.name}".replace("-", "−", 1)
+def _besides(sheet: Sheet) -> Iterator[KeyFigure]:
+    """What is not of the drive."""
+    yield from (one for one in sheet.figures["output"] if one.signal in "va" or one.what == "stroke")
+    forces = [one for one in sheet.figures["forces"] if one.unit == "N"]
+    joints = [one for one in forces if one.what != SHAKING]
+    for one in sorted(joints, key=lambda one: -(one.value or 0.0))[:1]:
+        yield replace(one, what=f"largest joint force, {plain(one.what)}")
+    yield from (one for one in forces if one.what == SHAKING)
+    yield from (replace(one, what="shaking moment") for one in sheet.figures["moment"])
+    groups = [one for one in sheet.figures["transmission"] if one.value is not None]
+    for one in sorted(groups, key=lambda one: one.value or 0.0)[:1]:
+        yield replace(one, what=f"least transmission angle, {plain(one.what)}")
 
-    def peak(self, name: str) -> str:
-        """The value of the largest magnitude of a signal, with its unit."""
-        return self.value(name, self.sheet.peaks[name]["value"])
 
-    def panel(self, curves: Sequence[Curve], y_label: str, *, is_last: bool = True) -> Panel:
-        """Curves over the axis."""
-        return Panel(tuple(curves), self.axis_name if is_last else "", y_label, turn=self.is_turn)
+def key_table(sheet: Sheet) -> Table:
+    """The same as a table."""
+    head = ("figure", "value", f"at {sheet.symbol}")
+    conditions = sheet.conditions.partition(": ")[2]
+    return Table(f"{conditions[:1].upper()}{conditions[1:]}.", head, key_figures(sheet), align="lrr", style="key")
 
-    def stacked(self, names: Sequence[str], height: float, *, wide: bool = False) -> Chart:
-        """Signals one under the other over the axis, each with its peak marked."""
-        panels = []
-        for number, name in enumerate(names):
-            curves = (Curve(self.x, self.y(name), ink=number), *self._dot(name, number))
-            label = f"{'force' if name == 'Mkr' and self.sheet.linkage.is_linear else name}, {self.unit(name).name}"
-            panels.append(self.panel(curves, label, is_last=number == len(names) - 1))
-        return self.chart(panels, height, wide=wide)
 
-    def _dot(self, name: str, ink: int) -> tuple[Curve, ...]:
-        """A mark at the value of the largest magnitude of a signal."""
-        peak = self.sheet.peaks[name]
-        if peak["value"] is None or peak["at"] is None:
-            return ()
-        at = peak["at"] % TURN if self.is_turn else peak["at"]
-        place, value = np.array([at / self.axis.size]), np.array([peak["value"] / self.unit(name).size])
-        return (Curve(place, value, ink=ink, line="", marker="o"),)
+def axis_name(sheet: Sheet) -> str:
+    """The axis in words."""
+    name = "time" if sheet.axis == TIME else "travel" if sheet.is_linear else "crank angle φ"
+    return f"{name}, {sheet.axis_unit.on_page}"
 
-    def chart(self, panels: Sequence[Panel], height: float, *, wide: bool = False) -> Chart:
-        """Panels one under the other over the sheet's axis, on which a page shows where its mechanism is."""
-        return Chart(tuple(panels), height, wide=wide, axis="time" if self.sheet.axis == "time" else "phi")
+
+def page_figure(sheet: Sheet, name: str, caption: str, what: str, drawing: Chart | Callable[[], Drawing]) -> PageFigure:
+    """A figure of the mechanism; ``what`` it is stands for it where there are no pictures."""
+    is_wide = isinstance(drawing, Chart) and drawing.wide
+    return PageFigure(name, caption, f"{sheet.linkage.title} ({sheet.variant}): {what}", drawing, wide=is_wide)
+
+
+def panel(sheet: Sheet, curves: Sequence[Curve], y_label: str, *, is_last: bool = True) -> Panel:
+    """Curves over the axis."""
+    return Panel(tuple(curves), axis_name(sheet) if is_last else "", y_label, turn=sheet.is_turn)
+
+
+def together(sheet: Sheet, signals: Mapping[str, str], y_label: str, solid: float = math.inf) -> Panel:
+    """Signals on one panel, each with the name of its curve; so many lines are solid, all others dashed."""
+    curves = [
+        Curve(sheet.x, sheet.y(signal), name, row, "-" if row < solid else "--")
+        for row, (signal, name) in enumerate(signals.items())
+    ]
+    return panel(sheet, curves, y_label)
+
+
+def chart(sheet: Sheet, panels: Sequence[Panel], height: float, *, wide: bool = False) -> Chart:
+    """Panels one under the other over the sheet's axis, on which a page shows where its mechanism is."""
+    return Chart(tuple(panels), height, wide=wide, axis=sheet.axis)
+
+
+def stacked(sheet: Sheet, names: Sequence[str], height: float, *, wide: bool = False) -> Chart:
+    """Signals one under the other over the axis, each with its peak marked."""
+    panels = []
+    for row, name in enumerate(names):
+        curves = (Curve(sheet.x, sheet.y(name), ink=row), *_dot(sheet, name, row))
+        label = f"{'force' if name == 'Mkr' and sheet.is_linear else name}, {sheet.unit(name).on_page}"
+        panels.append(panel(sheet, curves, label, is_last=row == len(names) - 1))
+    return chart(sheet, panels, height, wide=wide)
+
+
+def _dot(sheet: Sheet, name: str, ink: int) -> tuple[Curve, ...]:
+    """A mark at the value of the largest magnitude of a signal."""
+    peak = sheet.peaks[name]
+    at = sheet.at(peak)
+    if peak.value is None or at is None:
+        return ()
+    along = (at % FULL_TURN if sheet.is_turn else at) / sheet.axis_unit.size
+    return (Curve(np.array([along]), np.array([peak.value / sheet.unit(name).size]), ink=ink, line="", marker="o"),)

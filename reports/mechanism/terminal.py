@@ -13,7 +13,6 @@ from analytic.written import fixed, signed
 from reports.document.parts import Paragraph, Table
 from reports.document.templates import lines
 from reports.document.terminal import Printed
-from reports.mechanism.check import range_lines
 from reports.mechanism.published import SIGNS, answers_table, notes, published_table
 
 if TYPE_CHECKING:
@@ -38,14 +37,9 @@ def _shelf(linkages: Iterable[Linkage]) -> Table:
 
 def portrait(facts: Mapping[str, Any]) -> list[Printed]:
     """A mechanism's source, variants and figures; what it is made of is ``linkproof check``'s to say."""
-    given = {"source": facts["source"], "variants": ", ".join(facts["variants"])}
-    if not facts["source"]:
-        del given["source"]
-    reach = range_lines(facts["range"]) if "range" in facts else []
     return [
         Paragraph(f"{facts['mechanism']} ({facts['variant']}): {facts['title']}", colour="bold"),
-        *map(_labelled, given, given.values()),
-        *(_labelled(*told) for told in reach),
+        *_facts("origin", facts=facts),
         *_facts("mechanism", facts=facts),
         "",
         Table("", ("link", "mass kg", "inertia kg m²", "mean Jeq kg m²", "points"), list(_links(facts["links"])), "l"),
@@ -55,11 +49,7 @@ def portrait(facts: Mapping[str, Any]) -> list[Printed]:
 
 def _facts(macro: str, **values: object) -> list[Printed]:
     """The lines of a macro of ``sentences.txt``, each with a name before its first colon."""
-    return [_labelled(name, fact) for name, _, fact in (told.partition(": ") for told in lines(macro, **values))]
-
-
-def _labelled(name: str, fact: str) -> str:
-    return f"{name:<10} {fact}"
+    return [f"{name:<10} {fact}" for name, _, fact in (told.partition(": ") for told in lines(macro, **values))]
 
 
 def _links(links: Mapping[str, Mapping[str, Any]]) -> Iterator[tuple[str, ...]]:

@@ -7,10 +7,11 @@ from pathlib import Path
 import xarray
 
 from analytic.description.linkage import Linkage
+from comparisons.datasheet.building import sheet
 from reports.python.keywords import of_linkage, with_keywords
 from reports.python.labels import labelled
 from reports.requests.options.linkage import ResultsOptions
-from reports.requests.results import designer_results
+from reports.requests.results import requested_results
 
 
 @with_keywords()
@@ -21,7 +22,7 @@ def results(linkage: Linkage | str | Path, *, options: ResultsOptions) -> xarray
     Points, links, joints and groups are dimensions of their own, as are the components x and y of a vector. ``at``, in
     degrees, or ``time``, in s, choose the instants. Raises LinkproofError for what cannot be.
     """
-    found = designer_results(*of_linkage(linkage, options))
-    values = {name: found.curves.of(found.shown, name) for name in found.curves.names}
-    about = {"regime": found.case.motion.regime, "conditions": found.conditions}
-    return labelled(found.linkage, found.axis, values, about)
+    case, chosen = requested_results(*of_linkage(linkage, options))
+    found = sheet(case, chosen)
+    about = {"regime": case.motion.regime, "conditions": found.conditions}
+    return labelled(found.linkage, found.axis, found.table, about)

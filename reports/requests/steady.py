@@ -12,10 +12,8 @@ from analytic.description.law import FULL_TURN
 from analytic.description.linkage import Linkage
 from analytic.errors import LinkproofError
 from analytic.kinematics.mechanism import Mechanism
-from comparisons.datasheet.building import STEADY
-from comparisons.datasheet.designer_results import DesignerResults
+from comparisons.datasheet.building import STEADY, conditions
 from comparisons.datasheet.figures import NEGLIGIBLE
-from comparisons.datasheet.instants import Instants
 from comparisons.designs.steady_motion import SteadyMotion, steady_motion
 from reports.requests.case import requested_case
 from reports.requests.motions import check_motion
@@ -56,8 +54,7 @@ def steady_case(linkage: Linkage, options: SteadyOptions) -> SteadyCase:
     turns = not (linkage.is_linear or options.swings) and abs(last - first) >= FULL_TURN * (1.0 - NEGLIGIBLE)
     start, end = (None, None) if turns else (first, last)
     motion = steady_motion(mechanism, speed, samples=options.angles, start=start, end=end)
-    words = DesignerResults(case, Instants(case.motion, turns=not linkage.is_linear)).conditions
     how = f"refined between {options.angles}" if options.refine else f"sampled at {options.angles}"
     places = "places" if linkage.is_linear else "crank angles"
     newton = ", a numerical reference: Newton's method solves a group" if mechanism.is_numerical else ""
-    return SteadyCase(mechanism, motion, f"{words}, {how} {places}{newton}")
+    return SteadyCase(mechanism, motion, f"{conditions(case)}, {how} {places}{newton}")

@@ -17,9 +17,9 @@ from analytic.designs.figure_names import figure_names
 from analytic.errors import LinkproofError, printable
 from analytic.kinematics.mechanism import Mechanism
 from analytic.turn.required_feed import compare_feed, read_required_feed
+from analytic.written import finite
 from comparisons.campaign.project import FILE, find_project
 from comparisons.datasheet.mechanism_summary import portrait, thread_facts
-from comparisons.datasheet.plain_data import finite
 from comparisons.datasheet.units import FileUnit
 from comparisons.designs.named_figures import named_figures
 from comparisons.designs.parameters import parameters, speed_unit

@@ -7,10 +7,10 @@ from pathlib import Path
 
 from analytic.description.loading import load
 from analytic.errors import LinkproofError
-from comparisons.datasheet.building import sheet
-from comparisons.datasheet.designer_results import DesignerResults
+from comparisons.datasheet.building import page_sheet, sheet
 from comparisons.datasheet.linkage_warnings import check_slips
 from comparisons.datasheet.saved import FILE, load_sheets, save_sheets
+from comparisons.datasheet.sheet import Sheet
 from comparisons.reference.case import Case
 from comparisons.runs.files import check_writable
 from reports.command_line.destination import STDOUT, check_files, files_of, write_files
@@ -18,7 +18,7 @@ from reports.designs.results.files import csv_table, json_text
 from reports.document.terminal import show
 from reports.requests.motions import check_motion
 from reports.requests.options.linkage import ResultsFiles, ResultsOptions
-from reports.requests.results import designer_results
+from reports.requests.results import requested_results
 
 PAGE = "index.html"
 PICTURES = ("--svg", "--png", "--pdf")
@@ -38,14 +38,18 @@ def results(
     linkage = load(options.mechanism, options.variant)
     if strict:
         check_slips(linkage)
-    found = designer_results(linkage, options)
-    write_files({file: _content(option, found, files) for option, file in named.items()})
+    case, chosen = requested_results(linkage, options)
+    found = sheet(case, chosen, every_peak=files.json is not None)
+    drawn = page_sheet(case) if {*PICTURES} & {*named} else found
+    write_files(
+        {file: _content(option, drawn if option in PICTURES else found, files) for option, file in named.items()}
+    )
     if files.out is not None:
-        _write_page(files.out, found.case, opens=opens, quiet=quiet)
+        _write_page(files.out, case, opens=opens, quiet=quiet)
     if STDOUT not in named.values() and not quiet:
         from reports.designs.results import terminal  # noqa: PLC0415 - JSON and CSV need no tables
 
-        show(*(terminal.key_figures(found) if found.instants.chosen is None else terminal.at_instants(found)))
+        show(*(terminal.key_figures(found) if found.chosen is None else terminal.at_instants(found)))
 
 
 def _check(files: ResultsFiles, named: dict[str, str], *, opens: bool) -> None:
@@ -67,7 +71,7 @@ def _write_page(out: Path, case: Case, *, opens: bool, quiet: bool) -> None:
     from reports.site.contents import contents  # noqa: PLC0415 - seconds that nothing else pays for
     from reports.site.site import write_site  # noqa: PLC0415
 
-    own = sheet(case, tuple(case.mechanism.linkage.released))
+    own = page_sheet(case, tuple(case.mechanism.linkage.released))
     sheets = load_sheets(out) if (out / FILE).is_file() else ()
     others = [one for one in sheets if (one.name, one.variant) != (own.name, own.variant)]
     save_sheets(out, [*others, own])
@@ -79,7 +83,7 @@ def _write_page(out: Path, case: Case, *, opens: bool, quiet: bool) -> None:
         webbrowser.open(page.resolve().as_uri())
 
 
-def _content(option: str, found: DesignerResults, files: ResultsFiles) -> str | bytes:
+def _content(option: str, found: Sheet, files: ResultsFiles) -> str | bytes:
     """What the file of an option holds; what writes it is imported where it is needed: half a second or more."""
     if option == "--xlsx":
         from reports.designs.results.workbook import workbook  # noqa: PLC0415

@@ -9,8 +9,7 @@ from typing import Any, Final
 import numpy as np
 
 from analytic.designs.derivatives import is_exact
-from analytic.written import change
-from comparisons.datasheet.plain_data import finite
+from analytic.written import change, finite
 from comparisons.designs.optimum.optimisation import Optimum
 from comparisons.designs.optimum.problem import KeptFigure
 from comparisons.designs.optimum.searches import Search

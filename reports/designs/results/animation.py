@@ -9,8 +9,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from PIL import Image
 
-from comparisons.datasheet.designer_results import DesignerResults
-from comparisons.datasheet.positions import over_motion
+from comparisons.datasheet.sheet import Sheet
 from reports.charts import draw
 from reports.charts.kinematic_scheme import KinematicScheme
 from reports.charts.moving import SECONDS
@@ -20,16 +19,17 @@ FRAMES: Final = 60
 DOTS, COLOURS = 100, 64  # to the inch, and of a frame
 
 
-def gif(results: DesignerResults) -> bytes:
+def gif(sheet: Sheet) -> bytes:
     """The bytes of a GIF that repeats for ever: a turn the way the crank turns, or the motion forth and back."""
-    positions = over_motion(results.curves)
-    axis, angle = positions.axis, results.case.motion.angle(np.array([0.0, results.case.motion.duration]))
+    positions, angle = sheet.positions, sheet.values["phi"]
+    assert positions is not None
+    axis = positions.axis
     if positions.closed:
-        places = np.linspace(axis[0], axis[-1], FRAMES, endpoint=False)[:: -1 if angle[1] < angle[0] else 1]
+        places = np.linspace(axis[0], axis[-1], FRAMES, endpoint=False)[:: -1 if angle[-1] < angle[0] else 1]
     else:
         places = np.linspace(axis[0], axis[-1], FRAMES // 2 + 1)
         places = np.concatenate([places, places[-2:0:-1]])
-    schemes = [KinematicScheme(results.linkage, positions, float(place)) for place in places]
+    schemes = [KinematicScheme(sheet.linkage, positions, float(place)) for place in places]
     pictures = (draw.png(scaled_figure(scheme, scheme.extent, _draw_frame), DOTS) for scheme in schemes)
     frames = [Image.open(BytesIO(picture)).convert("RGB") for picture in pictures]
     first, *rest = (frame.quantize(COLOURS, Image.Quantize.MAXCOVERAGE) for frame in frames)

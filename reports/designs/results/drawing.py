@@ -1,69 +1,126 @@
-"""Results as a drawing: scheme with coupler curves, torque, power and output over the axis, hodographs of forces."""
+"""Results as pictures: all in one drawing, or one figure by its name in the width of a paper's column."""
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import replace
 from typing import Final
 
+from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from analytic.errors import printable
-from comparisons.datasheet.building import sheet
-from comparisons.datasheet.designer_results import DesignerResults
+from analytic.errors import LinkproofError, UnknownNameError, printable
+from analytic.signals import MAGNITUDE
+from comparisons.datasheet.curves import TRANSMISSION
+from comparisons.datasheet.sheet import JOINT, Sheet
 from reports.charts import draw
 from reports.charts.kinematic_scheme import KinematicScheme
-from reports.charts.scheme import draw_scheme, place
-from reports.charts.style import FULL_WIDTH, drawn
-from reports.designs.results.column_figures import column_figure
+from reports.charts.labels import LINE
+from reports.charts.scheme import Draw, draw_names, draw_paths, draw_position, draw_scheme, scaled_figure
+from reports.charts.scheme import place as place_scheme
+from reports.charts.style import FULL_WIDTH, PALETTE, drawn
 from reports.document.chart import Chart, Panel
-from reports.mechanism.designer import hodograph
-from reports.mechanism.shown import ShownSheet
+from reports.document.templates import plain
+from reports.mechanism.designer import MOST_CURVES, OUTPUT, hodograph
+from reports.mechanism.shown import chart, place, stacked, together, words
 
 # Inches: of the title, of the upper row and of its left half, of a hodograph's cell.
 TITLE, UPPER, LEFT, CELL, PER_ROW = 0.4, 4.8, 5.0, 2.75, 4
 PAPER_DOTS: Final = 300  # to the inch
 CURVES: Final = {"Mkr": "torque", "Peq": "power", "S": "S"}
+COLUMN: Final = 85.0 / 25.4  # inches
+SINGLE, STACKED = 2.3, 1.2  # inches: heights of a panel, and of one of several over one axis
+SIGNALS: Final = {"torque": ("Mkr",), "power": ("Peq",), "energy": ("Teq",), "inertia": ("Jeq",), "output": OUTPUT}
 
 
-def picture(results: DesignerResults, kind: str, name: str | None = None) -> str | bytes:
-    """The drawing, or one figure of it by name for a paper's column, on white; ``kind`` is svg, png or pdf."""
-    shown = ShownSheet(sheet(results.case))
-    figure = results_figure(shown) if name is None else column_figure(shown, name)
+def picture(sheet: Sheet, kind: str, name: str | None = None) -> str | bytes:
+    """The drawing, or one figure of it by name for a paper's column, on white; ``kind`` is svg, png or pdf.
+
+    The sheet is that of a page.
+    """
+    figure = _everything(sheet) if name is None else _column_figure(sheet, name)
     if kind == "svg":
         return draw.svg(figure, page="white")
     return draw.pdf(figure) if kind == "pdf" else draw.png(figure, PAPER_DOTS)
 
 
-def results_figure(shown: ShownSheet) -> Figure:
+def _everything(sheet: Sheet) -> Figure:
     """All panels, in as many rows as there are forces."""
-    joints = [name for name in shown.sheet.values if name.startswith("joint_force:") and name.endswith(":x")]
-    vectors = [name.removesuffix(":x") for name in (*joints, "shaking_force:x") if shown.has(name)]
+    joints = [name for name in sheet.values if name.startswith(JOINT) and name.endswith(":x")]
+    vectors = [name.removesuffix(":x") for name in (*joints, "shaking_force:x") if name in sheet.values]
     rows = -(-len(vectors) // PER_ROW)
     height = TITLE + UPPER + rows * CELL
 
     def draw_all(figure: Figure) -> None:
-        figure.text(0.15 / FULL_WIDTH, 1.0 - 0.25 / height, printable(shown.sheet.conditions))
-        if shown.sheet.positions is not None:
-            scheme = KinematicScheme(shown.sheet.linkage, shown.sheet.positions)
-            place(figure, scheme, (0.0, rows * CELL), (LEFT, UPPER), extent=scheme.extent, draw=draw_scheme)
-        curves = shown.stacked([name for name in CURVES if shown.has(name)], UPPER)
-        named = [replace(panel, title=_title(shown, name)) for panel, name in zip(curves.panels, CURVES, strict=False)]
-        if named:
-            draw.place(figure, replace(curves, panels=tuple(named)), (LEFT, rows * CELL), (FULL_WIDTH - LEFT, UPPER))
+        figure.text(0.15 / FULL_WIDTH, 1.0 - 0.25 / height, printable(sheet.conditions))
+        if sheet.positions is not None:
+            scheme = KinematicScheme(sheet.linkage, sheet.positions)
+            place_scheme(figure, scheme, (0.0, rows * CELL), (LEFT, UPPER), extent=scheme.extent, draw=draw_scheme)
+        signals = [name for name in CURVES if name in sheet.values]
+        if signals:
+            curves = stacked(sheet, signals, UPPER)
+            titles = [replace(one, title=_title(sheet, name)) for one, name in zip(curves.panels, signals, strict=True)]
+            draw.place(figure, replace(curves, panels=tuple(titles)), (LEFT, rows * CELL), (FULL_WIDTH - LEFT, UPPER))
         if vectors:
-            hodographs = Chart(tuple(_hodograph(shown, name) for name in vectors), columns=PER_ROW)
+            hodographs = Chart(tuple(_hodograph(sheet, name) for name in vectors), columns=PER_ROW)
             draw.place(figure, hodographs, (0.0, 0.0), (FULL_WIDTH, rows * CELL))
 
     return drawn(FULL_WIDTH, height, draw_all)
 
 
-def _title(shown: ShownSheet, name: str) -> str:
+def _title(sheet: Sheet, name: str) -> str:
     """What a curve is, its peak, and where."""
-    what = "force" if name == "Mkr" and shown.sheet.linkage.is_linear else CURVES[name]
-    return f"{what}: peak {shown.peak(name)} at {shown.place(shown.sheet.peaks[name]['at'])}"
+    peak = sheet.peaks[name]
+    what = "force" if name == "Mkr" and sheet.is_linear else CURVES[name]
+    return f"{what}: peak {words(sheet, peak)} at {place(sheet, peak)}"
 
 
-def _hodograph(shown: ShownSheet, vector: str) -> Panel:
+def _hodograph(sheet: Sheet, vector: str) -> Panel:
     """The tip of a force, named with its peak."""
-    panel = hodograph(shown, vector, 0, shown.unit(f"{vector}:x").name)
-    return replace(panel, title=f"{printable(panel.title or 'shaking force')}, {shown.peak(f'{vector}:magnitude')}")
+    panel = hodograph(sheet, vector, 0, sheet.unit(f"{vector}:x").on_page)
+    name, peak = printable(panel.title or "shaking force"), sheet.peaks[vector + MAGNITUDE]
+    return replace(panel, title=f"{name}, {words(sheet, peak)}")
+
+
+def _draw_curves(axes: Axes, scheme: KinematicScheme, size: float) -> None:
+    """The curves of all points, and the linkage in one position."""
+    draw_paths(axes, scheme)
+    draw_position(axes, scheme, size, masses=False)
+    draw_names(axes, scheme, size)
+
+
+SCHEMES: Final[Mapping[str, Draw]] = {"scheme": draw_scheme, "curves": _draw_curves}
+FIGURES: Final = (*SCHEMES, *SIGNALS, "forces", "transmission")
+
+
+def _column_figure(sheet: Sheet, name: str) -> Figure:
+    """The figure of a name; raises LinkproofError for an unknown name, or where the linkage has nothing for it."""
+    if name not in FIGURES:
+        raise UnknownNameError("figure", name, FIGURES)
+    positions = sheet.positions
+    if positions is not None and name in SCHEMES:
+        scheme = KinematicScheme(sheet.linkage, positions)
+        return scaled_figure(scheme, scheme.extent, SCHEMES[name], COLUMN)
+    found = _chart(sheet, name) if name not in SCHEMES else Chart(())
+    if not found.panels:
+        raise LinkproofError(
+            f"--figure {name}: expected a linkage that has what it shows, got '{sheet.name}', which does not; "
+            "choose another figure"
+        )
+    return draw.figure(found, COLUMN)
+
+
+def _chart(sheet: Sheet, name: str) -> Chart:
+    """The panels of a figure, without curves where the linkage has nothing for them."""
+    if name in SIGNALS:
+        stack = [signal for signal in SIGNALS[name] if signal in sheet.values]
+        return stacked(sheet, stack, SINGLE if len(stack) == 1 else STACKED * len(stack))
+    if name == "forces":
+        signals = {f"{JOINT}{joint}{MAGNITUDE}": plain(joint) for joint in sheet.joints[:MOST_CURVES]}
+        label = f"|F|, {sheet.own('N').on_page}"
+    else:
+        groups = [name for name in sheet.values if name.startswith(TRANSMISSION)]
+        signals = {name: plain(name.removeprefix(TRANSMISSION)) for name in groups}
+        label = f"transmission angle, {sheet.own('rad').on_page}"
+    panels = [replace(together(sheet, signals, label, len(PALETTE)), names="key")] if signals else []
+    return chart(sheet, panels, SINGLE + LINE * len(signals))

@@ -13,9 +13,9 @@ from ezdxf import units
 
 from analytic.description.linkage import GROUND
 from analytic.errors import printable
-from comparisons.datasheet.designer_results import DesignerResults
-from comparisons.datasheet.positions import at, over_motion
-from comparisons.datasheet.units import file_unit
+from analytic.kinematics.mechanism import Mechanism
+from comparisons.datasheet.positions import at
+from comparisons.datasheet.sheet import Sheet
 from reports.charts import symbols
 from reports.charts.kinematic_scheme import KinematicScheme
 
@@ -26,24 +26,25 @@ JOINTS, NAMES = "joints", "names"
 PIN: Final = 0.012  # of the linkage's size: radius of a joint
 
 
-def dxf(results: DesignerResults) -> str:
+def dxf(sheet: Sheet) -> str:
     """The text of a DXF file: at the first instant chosen, else at the sketch's angle.
 
     Links are lines, guides lines as long as their sliders' travel, joints circles and points.
     """
-    mechanism, chosen = results.case.mechanism, results.instants.chosen
-    angle = np.array([results.linkage.sketch_angle]) if chosen is None else results.case.motion.angle(chosen[:1])
-    scheme = KinematicScheme(results.linkage, at(mechanism, angle, closed=False), float(angle[0]))
-    whole = KinematicScheme(results.linkage, over_motion(results.curves))
-    document = ezdxf.new("R2010", units=UNITS[file_unit("m", results.linkage).name])
+    linkage = sheet.linkage
+    assert sheet.positions is not None
+    angle = np.array([linkage.sketch_angle]) if sheet.chosen is None else sheet.chosen["phi"][:1]
+    scheme = KinematicScheme(linkage, at(Mechanism(linkage), angle, closed=False), float(angle[0]))
+    whole = KinematicScheme(linkage, sheet.positions)
+    document = ezdxf.new("R2010", units=UNITS[sheet.own("m").name])
     space, radius = document.modelspace(), PIN * float(np.max(np.ptp(np.array(whole.extent), axis=0)))
-    layers = _layers([GROUND, *results.linkage.links, *scheme.stretches])
+    layers = _layers([GROUND, *linkage.links, *scheme.stretches])
     for number, layer in enumerate((JOINTS, NAMES, *layers.values())):
         document.layers.add(layer, color=1 + number % 6)
     for run in whole.runs:
         host = run[0].host
         space.add_line(*scheme.shown(host, whole.reach(*run)), {"layer": layers[host]})
-    bars = {name: scheme.shown(name, link.points.values()) for name, link in results.linkage.links.items()}
+    bars = {name: scheme.shown(name, link.points.values()) for name, link in linkage.links.items()}
     for name, spots in (bars | {name: scheme.at(ends) for name, ends in scheme.stretches.items()}).items():
         corners = symbols.outline(spots)
         for start, end in pairwise([*corners, *corners[: len(corners) > 2]]):
@@ -64,10 +65,9 @@ def _layers(parts: list[str]) -> dict[str, str]:
     layers: dict[str, str] = {}
     taken = {"0", "defpoints", JOINTS, NAMES}
     for part in parts:
-        name = layer = FORBIDDEN.sub("_", printable(part))[:200].strip() or "_"
-        number = 2
+        layer = FORBIDDEN.sub("_", printable(part))[:200].strip() or "_"
         while layer.casefold() in taken:
-            layer, number = f"{name}_{number}", number + 1
+            layer += "_"
         taken.add(layer.casefold())
         layers[part] = layer
     return layers

@@ -10,7 +10,7 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from comparisons.datasheet.plain_data import finite
+from analytic.written import finite
 from comparisons.designs.sweep.space import Grid
 from comparisons.designs.sweep.sweep import NONE, RankedDesign, Summary, SweepRequest
 from reports.document.numbers import figure, printed

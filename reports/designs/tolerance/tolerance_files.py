@@ -6,7 +6,7 @@ import csv
 import io
 from typing import Any, Final
 
-from comparisons.datasheet.plain_data import finite, plain
+from analytic.written import finite, plain
 from comparisons.designs.tolerance.tolerance_study import ToleranceStudy
 
 HEAD: Final = (

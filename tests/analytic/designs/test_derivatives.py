@@ -285,3 +285,10 @@ def test_wrong_names_and_designs_that_cannot_be_assembled_are_told():
         signal_gradients(sample, {"rod.B.X": 0.2}, ["Mkr"], [0.0], speed=SPEED)
     with pytest.raises(AssemblyError, match="cannot be assembled"):
         signal_gradients(sample, {"rod.B.x": 0.05}, ["Mkr"], [0.0], speed=SPEED)
+
+
+def test_the_rms_of_what_stays_zero_has_no_slope():
+    wanted = [Figure("epsilon", Reduction.RMS)]  # at constant speed
+    angle = np.linspace(0.0, 6.0, 20)
+    values, slopes = figure_gradients(mechanism("juki-mf7923d"), {"crank.mass": 1.0}, wanted, angle, speed=9.0)
+    assert (values.tolist(), slopes.tolist()) == ([0.0], [[0.0]])

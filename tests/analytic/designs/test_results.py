@@ -21,7 +21,6 @@ from analytic.kinematics.sweep import Sweep
 from analytic.machine_code import compiling
 from analytic.moving import MovingSweep
 from comparisons.datasheet.curves import Curves
-from comparisons.datasheet.instants import Instants
 from comparisons.reference.case import Case
 from tests.analytic.drives import driven
 from tests.analytic.linkages import FOLDER, four_bars, from_text, mechanism, slider_cranks
@@ -165,7 +164,7 @@ def test_true_peaks_are_those_that_results_prints(case):
     angle, is_turn = places(sample, 180)
     start, end = angle[0], angle[0] + FULL_TURN if is_turn else angle[-1]
     motion = CrankMotion("test", (Segment(0.0, (end - start) / SPEED, (start, SPEED)),))
-    curves = Curves(Case(sample, motion), Instants(motion))
+    curves = Curves(Case(sample, motion))
     names = [name for name in curves.names if name not in ("time", "phi", "omega", "epsilon", "S")]
     crank = sample.linkage.crank
     own = {f"{crank}.mass": [sample.linkage.links[crank].mass]}

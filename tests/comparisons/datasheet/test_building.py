@@ -1,6 +1,7 @@
 """Data sheets hold what the closed form says, of every kind of linkage."""
 
 import math
+import re
 from dataclasses import replace
 
 import numpy as np
@@ -10,9 +11,11 @@ from analytic.description.crank_motion import RPM, crank_motion, swing
 from analytic.description.loading import load
 from analytic.kinematics import frames
 from analytic.kinematics.mechanism import Mechanism
-from comparisons.datasheet.building import needed, usual_case, usual_sheet
-from tests.analytic.linkages import FOLDER, from_text
+from comparisons.datasheet.building import usual_case, usual_sheet
+from comparisons.datasheet.thinning import needed
+from tests.analytic.linkages import FOLDER, from_text, mechanism
 from tests.analytic.textbook import DOUBLE_ROCKER, PENDULUM
+from tests.reports.designs.results.samples import results
 
 TURNING = ("juki-mf7923d", "slotted-takeup", "rimoldi-164", str(FOLDER / "scotch-yoke.toml"))
 DRIVEN = ("boom", "cylinder-in-the-loop", "linear-motor")
@@ -21,7 +24,8 @@ DRIVEN = ("boom", "cylinder-in-the-loop", "linear-motor")
 @pytest.mark.parametrize("name", [*TURNING, *(str(FOLDER / "drives" / f"{name}.toml") for name in DRIVEN)])
 def test_the_positions_put_every_point_where_the_linkage_has_it(name):
     found, mechanism = usual_sheet(load(name)), Mechanism(load(name))
-    sweep = mechanism.sweep(found.positions.angle)
+    positions = found.positions
+    sweep = mechanism.sweep(np.interp(positions.axis, found.values[positions.over], found.values["phi"]))
     for link in found.linkage.links.values():
         x, y, turned = found.positions.bodies[link.name]
         for point, local in link.points.items():
@@ -36,7 +40,7 @@ def test_straight_lines_between_the_instants_show_every_peak(name):
     for signal, peak in found.peaks.items():
         if not signal.startswith("transmission"):
             largest = np.max(np.abs(found.values[signal]))
-            assert largest == pytest.approx(abs(peak["value"]), rel=1e-9, abs=1e-9), signal
+            assert largest == pytest.approx(abs(peak.value), rel=1e-9, abs=1e-9), signal
 
 
 def test_the_shares_of_the_inertia_add_up_to_it():
@@ -71,11 +75,22 @@ def test_a_motion_that_is_asked_for_takes_the_place_of_the_range():
     assert usual_case(mechanism, (asked,)).motion is asked
 
 
+@pytest.mark.parametrize(("name", "gravity"), [("juki-mf7923d", 9.81), ("spring-and-damper", math.hypot(1.2, 9.7))])
+def test_remarks_tell_how_large_gravity_is_and_along_which_way_s_grows(name, gravity):
+    found = results(mechanism(name))
+    remarks = " ".join(found.remarks)
+    assert float(re.search(r"Gravity is ([\d.]+) m/s", remarks)[1]) == pytest.approx(gravity, rel=1e-5)
+    along = math.radians(float(re.search(r"positive along ([-\d.]+)°", remarks)[1]))
+    output = found.linkage.output.point
+    x, y = (found.values[f"point:{output}:{axis}"] for axis in "xy")
+    assert np.diff(found.values["S"]) == pytest.approx(np.diff(x * np.cos(along) + y * np.sin(along)), abs=1e-6)
+
+
 def test_a_rigid_pendulum_needs_its_torque_against_gravity():
     found = usual_sheet(from_text(PENDULUM).linkage)
     assert np.allclose(found.values["Mkr"], 2 * 9.81 * 0.5 * np.cos(found.values["phi"]), atol=1e-9)
     assert found.missing == {}
-    assert (found.thread, found.normalised, found.figures.get("stroke")) == (None, None, None)
+    assert (found.thread, found.normalised, found.figures["output"]) == (None, None, ())
 
 
 def test_a_linkage_without_mass_or_load_has_neither_torque_nor_shares():
@@ -83,7 +98,7 @@ def test_a_linkage_without_mass_or_load_has_neither_torque_nor_shares():
     found = usual_sheet(linkage)
     assert "Mkr" not in found.values
     assert found.shares == {}
-    assert found.figures["drive"] == []
+    assert found.figures["drive"] == ()
 
 
 def test_a_whole_period_is_shown_even_of_several_turns():

@@ -6,7 +6,6 @@ from analytic.description.crank_motion import crank_motion
 from analytic.description.loading import load
 from analytic.kinematics.mechanism import Mechanism
 from comparisons.datasheet.curves import Curves
-from comparisons.datasheet.instants import Instants
 from comparisons.datasheet.positions import COUNT, over_motion, over_reach
 from comparisons.reference.case import Case
 from tests.analytic.linkages import FOLDER, from_text
@@ -14,7 +13,7 @@ from tests.analytic.textbook import DOUBLE_ROCKER
 
 
 def over(mechanism, motion):
-    return over_motion(Curves(Case(mechanism, motion), Instants(motion)))
+    return over_motion(Curves(Case(mechanism, motion)))
 
 
 def test_a_turn_ends_as_it_began():
@@ -29,9 +28,9 @@ def test_a_turn_ends_as_it_began():
 def test_a_range_is_shown_to_its_very_ends():
     mechanism = from_text(DOUBLE_ROCKER)
     found = over_reach(mechanism)
-    mechanism.sweep(found.angle).poses("rocker")
+    mechanism.sweep(found.axis).poses("rocker")
     assert not found.closed
-    assert len(found.angle) == COUNT
+    assert len(found.axis) == COUNT
 
 
 def test_a_run_up_of_many_turns_is_shown_over_one():
@@ -44,8 +43,7 @@ def test_less_than_a_turn_is_shown_over_its_time():
     motion = crank_motion("run-up", speed=2.0, ramp_time=1.0, hold_time=0.5)
     found = over(Mechanism(load("juki-mf7923d")), motion)
     assert (found.over, found.closed) == ("time", False)
-    assert np.allclose(found.angle, motion.angle(found.axis))
-    assert np.allclose(found.bodies["crank"][2], found.angle)
+    assert np.allclose(found.bodies["crank"][2], motion.angle(found.axis))
 
 
 def test_the_carrier_of_a_slots_point_is_named():

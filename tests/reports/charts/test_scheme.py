@@ -38,7 +38,7 @@ def test_every_linkage_can_be_drawn_to_scale(name):
 def test_places_are_those_of_the_closed_form_in_the_files_unit():
     mechanism = Mechanism(load("slotted-takeup"))
     scheme = scheme_of("slotted-takeup")
-    sweep = mechanism.sweep(scheme.positions.angle)
+    sweep = mechanism.sweep(scheme.positions.axis)
     for point, path in scheme.paths.items():
         for ours, theirs in zip(path, sweep.point(point), strict=True):
             np.testing.assert_allclose(ours, 1e3 * np.broadcast_to(theirs, sweep.angle.shape), atol=1e-9)

@@ -6,9 +6,10 @@ import json
 import numpy as np
 import pytest
 
+from comparisons.datasheet.thinning import extremes
 from comparisons.judging.records import Verdict
 from engines.contract import Setting
-from reports.mechanism.curves import STRETCHES, chart_data, curves, extremes, pack, worst_samples
+from reports.mechanism.curves import STRETCHES, chart_data, curves, pack, worst_samples
 from reports.records.views import views
 from tests.reports.made_up_results import made_up_results
 

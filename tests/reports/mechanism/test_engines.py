@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 
 from comparisons.campaign.results import Results
-from comparisons.datasheet.sheet import Printed
 from comparisons.judging.records import Verdict
 from engines.contract import Setting
 from reports.charts import draw
@@ -102,7 +101,7 @@ def test_printed_models_have_a_table_each_with_the_reason_of_an_engine_without_a
         "reason": "takes no such drive",
     }
     (view,) = views(Results({**results.document, "errata": [row, none]}, results.curves))
-    motion = Printed(np.array([0.0, 1.0]), np.array([9.0, 9.0]), np.array([9.0, 4.0]))
+    motion = {"time": np.array([0.0, 1.0]), "corrected": np.array([9.0, 9.0]), "printed": np.array([9.0, 4.0])}
     (fold,) = (
         p
         for p in engines_section(view, {"sign of k2": motion}).parts

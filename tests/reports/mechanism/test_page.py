@@ -5,7 +5,7 @@ from dataclasses import replace
 import pytest
 
 from analytic.description.loading import catalogue, load
-from comparisons.datasheet.building import sheet, usual_sheet
+from comparisons.datasheet.building import page_sheet, usual_sheet
 from comparisons.reference.case import Case
 from reports.document import html
 from reports.document.parts import Facts, FigureGroup, Fold, PageFigure, Paragraph, Table
@@ -41,7 +41,7 @@ def key_rows(found):
 
 
 def test_key_figures_are_those_of_the_formulas_in_the_units_of_the_file():
-    rows = key_rows(page(sheet(Case(from_text(piston_text("mm", 1e-3)), TURN))))
+    rows = key_rows(page(page_sheet(Case(from_text(piston_text("mm", 1e-3)), TURN))))
     assert rows["stroke"][0] == "100.0 mm"
     assert rows["RMS torque"][1] == ""  # a mean has no place
     assert rows["peak torque"][0].endswith(" N m")
@@ -60,14 +60,14 @@ def test_every_linkage_has_a_page_whose_figures_have_files_of_their_own(name):
 
 def test_without_masses_a_sentence_stands_for_torque_and_forces():
     text = piston_text().replace(f"mass = {MASS}", "mass = 0").replace("inertia = 1e-3", "inertia = 0")
-    found = page(sheet(Case(from_text(text), TURN)))
+    found = page(page_sheet(Case(from_text(text), TURN)))
     assert "no torque" in section(found, "drive").parts[0].words
     assert not section(found, "forces")
     assert section(found, "motion")
 
 
 def test_without_an_output_a_sentence_says_so():
-    found = page(sheet(Case(from_text(piston_text().replace('output = { point = "B" }\n', "")), TURN)))
+    found = page(page_sheet(Case(from_text(piston_text().replace('output = { point = "B" }\n', "")), TURN)))
     assert "names no output" in section(found, "motion").parts[-1].words
     assert "stroke" not in key_rows(found)
 
@@ -95,7 +95,8 @@ def test_the_page_is_written_with_its_figures_beside_it(tmp_path):
 
 
 def test_its_file_needs_no_quoting_whatever_a_variant_is_called():
-    found = replace(usual_sheet(mechanism("scotch-yoke").linkage), name="my yoke", variant='50% "#1"')
+    sheet = usual_sheet(mechanism("scotch-yoke").linkage)
+    found = replace(sheet, linkage=replace(sheet.linkage, name="my yoke", variant='50% "#1"'))
     assert file_of(found) == "mechanisms/my-yoke.50-1-.html"
 
 

@@ -6,7 +6,6 @@ import pytest
 from analytic.description.loading import load
 from comparisons.datasheet.building import usual_sheet
 from reports.mechanism.player import SAMPLES, player_data
-from reports.mechanism.shown import ShownSheet
 from tests.analytic.linkages import FOLDER
 from tests.reports.designs.results.samples import SPEED
 from tests.reports.mechanism.test_shown import shown
@@ -15,7 +14,7 @@ from tests.reports.mechanism.test_shown import shown
 @pytest.mark.parametrize("speed", [SPEED, -SPEED])
 def test_signals_are_those_of_the_place_on_the_axis(speed):
     found = shown(speed)
-    data = player_data(found)
+    data = player_data(found, found.positions)
     shares = np.array(data["axis"]["shares"])
     rows = {row["name"]: row for row in data["rows"]}
     expected = np.interp(360.0 * shares, found.x, found.y("v"))
@@ -26,11 +25,13 @@ def test_signals_are_those_of_the_place_on_the_axis(speed):
 
 @pytest.mark.parametrize(("speed", "way"), [(SPEED, 1.0), (-SPEED, -1.0)])
 def test_a_crank_that_turns_clockwise_is_played_clockwise(speed, way):
-    data = player_data(shown(speed))
+    found = shown(speed)
+    data = player_data(found, found.positions)
     for key in (data["axis"]["shares"], data["poses"]):
         assert np.sign(np.median(np.diff(key))) == way
 
 
 def test_poses_of_a_motion_to_and_fro_go_from_its_start_to_its_end():
-    data = player_data(ShownSheet(usual_sheet(load(str(FOLDER / "drives" / "boom.toml")))))
+    found = usual_sheet(load(str(FOLDER / "drives" / "boom.toml")))
+    data = player_data(found, found.positions)
     assert (data["poses"][0], data["poses"][-1]) == (0.0, 1.0)

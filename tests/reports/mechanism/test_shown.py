@@ -7,16 +7,17 @@ import pytest
 
 from analytic.description.crank_motion import CrankMotion, Segment
 from analytic.description.loading import load
-from comparisons.datasheet.building import sheet, usual_sheet
+from comparisons.datasheet.building import page_sheet, usual_sheet
+from comparisons.datasheet.curves import KeyFigure
 from comparisons.reference.case import Case
-from reports.mechanism.shown import ShownSheet
+from reports.mechanism.shown import words
 from tests.analytic.linkages import FOLDER, from_text
 from tests.reports.designs.results.samples import CRANK, ROD, SPEED, piston_text
 
 
 def shown(speed=SPEED, start=0.0, length="mm", metres=1e-3):
     motion = CrankMotion("constant-speed", (Segment(0.0, 2.0 * math.pi / abs(speed), (start, speed)),))
-    return ShownSheet(sheet(Case(from_text(piston_text(length, metres)), motion)))
+    return page_sheet(Case(from_text(piston_text(length, metres)), motion))
 
 
 @pytest.mark.parametrize(("speed", "start"), [(SPEED, 0.0), (-SPEED, 0.0), (SPEED, 2.0), (-SPEED, 1.0)])
@@ -31,18 +32,21 @@ def test_a_turn_is_shown_from_0_to_360_degrees_however_it_is_made(speed, start):
     assert found.y("S") == pytest.approx(travel, abs=1e-3)
 
 
-def test_values_stand_in_the_units_of_the_file():
-    assert shown().value("S", 0.1) == "100.0 mm"
-    assert shown(length="m", metres=1.0).value("S", 0.1) == "0.1000 m"
-    assert shown().value("a", -2.0) == "−2000 mm/s²"
-
-
-def test_a_value_that_is_rounding_beside_its_signal_is_zero():
-    found = shown()
-    assert found.value("v", 1e-12 * found.scale("v")) == "0 mm/s"
+@pytest.mark.parametrize(
+    ("length", "metres", "one", "text"),
+    [
+        ("mm", 1e-3, KeyFigure("stroke", "S", 0.1, "m"), "100.0 mm"),
+        ("m", 1.0, KeyFigure("stroke", "S", 0.1, "m"), "0.1000 m"),
+        ("mm", 1e-3, KeyFigure("peak a", "a", -2.0, "m/s²"), "−2000 mm/s²"),
+        ("mm", 1e-3, KeyFigure("peak v", "v", 1e-13, "m/s"), "0 mm/s"),  # rounding beside its signal
+        ("mm", 1e-3, KeyFigure("A", "joint_force:A:magnitude", None, "N"), "–"),
+    ],
+)
+def test_a_figure_stands_in_the_units_of_the_file(length, metres, one, text):
+    assert words(shown(length=length, metres=metres), one) == text
 
 
 def test_a_range_is_shown_in_the_units_of_its_file_and_is_no_turn():
-    found = ShownSheet(usual_sheet(load(str(FOLDER / "drives" / "boom.toml"))))
+    found = usual_sheet(load(str(FOLDER / "drives" / "boom.toml")))
     assert not found.is_turn
     assert np.all(np.diff(found.x) > 0.0)

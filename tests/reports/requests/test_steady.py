@@ -66,9 +66,9 @@ MOTOR = path_of("linear-motor")
 def test_swings_and_drives_along_a_line_have_the_figures_of_results(name, motion):
     words = [word for key, value in motion.items() for word in (f"--{key.removesuffix('_angle')}", str(value))]
     told = json.loads(linkproof("results", name, *words, "--json", "-").stdout)["figures"]
-    force = next(one for one in told["forces"] if one["joint"] == "A")["force"]
+    force = next(one for one in told["forces"] if one["what"] == "A")["value"]
     peaks, number = ["Mkr.peak", "joint_force:A.peak"], f"{next(iter(load(name).links))}.mass"
-    expected = pytest.approx([abs(told["drive"][0]["torque"]), force], rel=1e-9)
+    expected = pytest.approx([abs(told["drive"][0]["value"]), force], rel=1e-9)
     mass = load(name).links[number.partition(".")[0]].mass
     found = package.tolerance(name, {number: 1e-6 * mass}, peaks, samples=2, **motion)
     assert found["nominal"].values.tolist() == expected

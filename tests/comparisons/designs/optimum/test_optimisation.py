@@ -11,9 +11,7 @@ from analytic.description.loading import load, parse
 from analytic.designs.figures import Figure, Reduction
 from analytic.designs.results import design_figures
 from analytic.kinematics.mechanism import Mechanism
-from comparisons.datasheet.building import usual_case
-from comparisons.datasheet.designer_results import DesignerResults
-from comparisons.datasheet.instants import Instants
+from comparisons.datasheet.building import sheet, usual_case
 from comparisons.designs.optimum.optimisation import Wish, optimise
 from comparisons.designs.optimum.searches import AGREEING
 from comparisons.designs.steady_motion import steady_motion
@@ -73,7 +71,7 @@ def test_the_least_transmission_angle_is_that_of_results_on_either_side_of_a_rig
     assert found.values[1, 0] == pytest.approx(least(found.after["coupler.B.x"]), rel=1e-12)
     assert found.search.residual < 1e-7
     case = usual_case(moved("coupler.B.x", found.after["coupler.B.x"]))
-    (shown,) = DesignerResults(case, Instants(case.motion)).transmission
+    (shown,) = sheet(case).figures["transmission"]
     assert shown.value == pytest.approx(found.values[1, 0], rel=1e-9)
 
 

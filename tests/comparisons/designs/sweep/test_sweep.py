@@ -8,9 +8,7 @@ import pytest
 from analytic.description.crank_motion import RPM
 from analytic.designs.results import design_figures
 from analytic.kinematics.mechanism import Mechanism
-from comparisons.datasheet.building import usual_case
-from comparisons.datasheet.designer_results import DesignerResults
-from comparisons.datasheet.instants import Instants
+from comparisons.datasheet.building import sheet, usual_case
 from comparisons.designs.named_figures import named_figures
 from comparisons.designs.steady_motion import steady_motion
 from comparisons.designs.sweep import sweep as sweeps
@@ -85,9 +83,8 @@ def test_the_rms_torque_is_that_of_results_beside_a_dead_position_too(refine):
     motion = steady_motion(mechanism, 1000.0 * RPM)
     space = Grid(*zip(steps(mechanism.linkage, "crank.mass=0.3:0.4:2"), strict=True))
     asked = SweepRequest(mechanism.linkage, space, named_figures(mechanism, ["Mkr.rms"]), motion, refine=refine)
-    case = usual_case(mechanism)
-    (shown,) = (one for one in DesignerResults(case, Instants(case.motion)).drive if one.time is None)
-    assert own_figures(asked)[0] == pytest.approx(shown.torque, rel=1e-9)
+    (shown,) = (one for one in sheet(usual_case(mechanism)).figures["drive"] if one.what == "RMS torque")
+    assert own_figures(asked)[0] == pytest.approx(shown.value, rel=1e-9)
 
 
 def test_a_design_that_does_not_assemble_says_where():

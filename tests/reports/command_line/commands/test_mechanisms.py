@@ -18,7 +18,7 @@ def test_every_figure_has_the_value_that_results_and_a_refined_sweep_have():
     conditions, figures = _listed("--figures", "juki-mf7923d")
     assert "constant-speed, 1000 rpm counter-clockwise" in conditions
     drive, *_ = json.loads(linkproof("results", "juki-mf7923d", "--json", "-").stdout)["figures"]["drive"]
-    assert figures["Mkr.peak"] == (pytest.approx(abs(drive["torque"]), rel=1e-9), "N*m")
+    assert figures["Mkr.peak"] == (pytest.approx(abs(drive["value"]), rel=1e-9), "N*m")
     wanted = ("stroke", "joint_force:A.rms", "link:coupler:omega.range", "Jeq.mean")
     words = [word for name in wanted for word in ("--quantity", name)]
     vary = ("--vary", "crank.A.x=15.5:15.5:1", "--refine", "--json", "-")

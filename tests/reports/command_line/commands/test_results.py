@@ -27,7 +27,7 @@ def test_without_options_it_says_what_a_designer_needs_in_80_columns(engine):
     assert done.returncode == 0, done.stderr
     for words in (
         "engine (base): constant-speed, 1000 rpm counter-clockwise, φ from 0° to 360° in 0.06 s, gravity off",
-        "peak torque", "peak power", "peak braking power", "RMS torque, means", "piston on ground",
+        "peak torque", "peak power", "peak braking power", "RMS torque", "signed mean", "piston on ground",
         "shaking force", "shaking moment", "least transmission angle", "stroke", "at φ deg",
     ):  # fmt: skip
         assert words in done.stdout

@@ -3,8 +3,8 @@
 import math
 
 from analytic.description.crank_motion import RPM, CrankMotion, Segment
-from comparisons.datasheet.designer_results import DesignerResults
-from comparisons.datasheet.instants import Instants
+from comparisons.datasheet.building import page_sheet, sheet
+from comparisons.datasheet.curves import Curves
 from comparisons.reference.case import Case
 from tests.analytic.linkages import from_text
 
@@ -41,9 +41,22 @@ def piston_text(length="m", metres=1.0, angle="rad", force="N", torque="N*m"):
     return text
 
 
+def curves(mechanism, motion=TURN):
+    return Curves(Case(mechanism, motion))
+
+
 def results(mechanism, motion=TURN, chosen=None):
-    return DesignerResults(Case(mechanism, motion), Instants(motion, not mechanism.linkage.is_linear, chosen))
+    return sheet(Case(mechanism, motion), chosen, every_peak=True)
+
+
+def shown(mechanism, motion=TURN):
+    """As a page and pictures have it."""
+    return page_sheet(Case(mechanism, motion))
+
+
+def engine(*units):
+    return from_text(piston_text(*units))
 
 
 def piston(*units, motion=TURN, chosen=None):
-    return results(from_text(piston_text(*units)), motion, chosen)
+    return results(engine(*units), motion, chosen)

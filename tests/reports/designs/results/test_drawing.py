@@ -15,16 +15,16 @@ from reports.designs.results.terminal import key_figures
 from tests.analytic.drives import driven
 from tests.analytic.linkages import from_text, mechanism
 from tests.analytic.textbook import DOUBLE_ROCKER
-from tests.reports.designs.results.samples import IMPERIAL, piston, piston_text, results
+from tests.reports.designs.results.samples import IMPERIAL, engine, piston_text, shown
 
 
-def words(results, figure=None):
-    root = ET.fromstring(picture(results, "svg", figure))
+def words(sheet, figure=None):
+    root = ET.fromstring(picture(sheet, "svg", figure))
     return " ".join("".join(text.itertext()) for text in root.iter("{http://www.w3.org/2000/svg}text"))
 
 
 def test_it_names_every_force_with_its_peak_and_is_in_the_files_units():
-    found = words(piston("in", 0.0254, "deg", "kN"))
+    found = words(shown(engine("in", 0.0254, "deg", "kN")))
     for part in (
         "x, in",
         "Fx, kN",
@@ -39,22 +39,29 @@ def test_it_names_every_force_with_its_peak_and_is_in_the_files_units():
 
 @pytest.mark.parametrize("name", ["moving-guides", "three-on-one-pin"])
 def test_linkages_with_slides_and_pins_of_three_links_are_drawn(name):
-    assert "Mkr" in words(results(mechanism(name)))
+    assert "Mkr" in words(shown(mechanism(name)))
 
 
 def test_a_swing_is_drawn_within_its_range_and_without_an_output():
-    found = words(results(from_text(DOUBLE_ROCKER), swing("cycloidal", *np.radians([50, 90]), speed=2.0)))
+    found = words(shown(from_text(DOUBLE_ROCKER), swing("cycloidal", *np.radians([50, 90]), speed=2.0)))
     assert "time, s" in found
     assert "S," not in found
 
 
 @pytest.mark.parametrize(("name", "ends"), [("linear-motor", (0.0, 0.1)), ("cylinder-in-the-loop", (0.05, 0.1))])
 def test_a_drive_along_a_line_is_drawn(name, ends):
-    assert "force, N" in words(results(driven(name), swing("cycloidal", *ends, speed=0.1)))
+    assert "force, N" in words(shown(driven(name), swing("cycloidal", *ends, speed=0.1)))
+
+
+def test_without_masses_the_output_alone_is_drawn():
+    light = "\n".join(line for line in piston_text().splitlines() if not line.startswith(("mass", "inertia")))
+    found = words(shown(from_text(light)))
+    assert "S: peak 0.1000 m" in found
+    assert "torque" not in found
 
 
 def test_forces_through_a_change_point_are_drawn_where_they_have_a_bound():
-    found = results(mechanism("parallelogram"))
+    found = shown(mechanism("parallelogram"))
     assert "shaking force" in words(found)
     screen = Console(width=120, file=StringIO())
     screen.print(key_figures(found))
@@ -78,7 +85,7 @@ def test_forces_through_a_change_point_are_drawn_where_they_have_a_bound():
     ],
 )
 def test_one_figure_has_the_width_of_a_papers_column_and_units_on_its_axes(name, expected):
-    found = piston(*IMPERIAL)
+    found = shown(engine(*IMPERIAL))
     root = ET.fromstring(picture(found, "svg", name))
     assert float(root.get("width").removesuffix("pt")) == pytest.approx(85.0 / 25.4 * 72.0, abs=0.01)
     assert expected in words(found, name)
@@ -87,7 +94,7 @@ def test_one_figure_has_the_width_of_a_papers_column_and_units_on_its_axes(name,
 
 
 def test_pictures_of_every_kind_are_the_same_each_time():
-    found = piston()
+    found = shown(engine())
     for kind, start in (("png", b"\x89PNG"), ("pdf", b"%PDF")):
         first, second = (picture(found, kind, "torque") for _ in range(2))
         assert first == second
@@ -108,5 +115,5 @@ def test_pictures_of_every_kind_are_the_same_each_time():
 def test_a_figure_that_there_is_not_is_one_sentence(name, sentence):
     light = "\n".join(line for line in piston_text().splitlines() if not line.startswith(("mass", "inertia", "output")))
     with pytest.raises(LinkproofError) as error:
-        picture(results(from_text(light)), "png", name)
+        picture(shown(from_text(light)), "png", name)
     assert str(error.value).startswith(sentence)

@@ -76,7 +76,7 @@ def test_joints_are_where_the_table_at_this_angle_has_them(own, motion, degrees)
     moving = {name for link in own.linkage.links.values() for name in link.points} - set(own.linkage.ground)
     assert moving <= set(points)
     for point in moving:
-        table = [found.curves.of(found.shown, f"point:{point}:{axis}")[0] / found.unit("S").size for axis in "xy"]
+        table = [found.table[f"point:{point}:{axis}"][0] / found.unit("S").size for axis in "xy"]
         assert points[point] == pytest.approx(table, abs=1e-9), point
     spots = np.array([*points.values()])
     assert circles
