@@ -13,7 +13,7 @@ from comparisons.datasheet.designer_results import DesignerResults
 from reports.charts import draw
 from reports.charts.kinematic_scheme import KinematicScheme
 from reports.charts.scheme import draw_scheme, place
-from reports.charts.style import FULL_WIDTH, drawn
+from reports.charts.style import FULL_WIDTH
 from reports.designs.results.column_figures import column_figure
 from reports.document.chart import Chart, Panel
 from reports.mechanism.designer import hodograph
@@ -39,22 +39,22 @@ def results_figure(shown: ShownSheet) -> Figure:
     joints = [name for name in shown.sheet.values if name.startswith("joint_force:") and name.endswith(":x")]
     vectors = [name.removesuffix(":x") for name in (*joints, "shaking_force:x") if shown.has(name)]
     rows = -(-len(vectors) // PER_ROW)
-    height = TITLE + UPPER + rows * CELL
 
     def draw_all(figure: Figure) -> None:
-        figure.text(0.15 / FULL_WIDTH, 1.0 - 0.25 / height, printable(shown.sheet.conditions))
+        heights = (UPPER, *(rows * CELL,) * (rows > 0))
+        whole = draw.head(figure, [printable(shown.sheet.conditions)])
+        upper, *lower = whole.subfigures(len(heights), height_ratios=heights, squeeze=False)[:, 0]
+        left, right = upper.subfigures(1, 2, width_ratios=(LEFT, FULL_WIDTH - LEFT))
         if shown.sheet.positions is not None:
             scheme = KinematicScheme(shown.sheet.linkage, shown.sheet.positions)
-            place(figure, scheme, (0.0, rows * CELL), (LEFT, UPPER), extent=scheme.extent, draw=draw_scheme)
+            place(left, scheme, scheme.extent, draw_scheme)
         curves = shown.stacked([name for name in CURVES if shown.has(name)], UPPER)
         named = [replace(panel, title=_title(shown, name)) for panel, name in zip(curves.panels, CURVES, strict=False)]
-        if named:
-            draw.place(figure, replace(curves, panels=tuple(named)), (LEFT, rows * CELL), (FULL_WIDTH - LEFT, UPPER))
+        draw.place(right, replace(curves, panels=tuple(named)))
         if vectors:
-            hodographs = Chart(tuple(_hodograph(shown, name) for name in vectors), columns=PER_ROW)
-            draw.place(figure, hodographs, (0.0, 0.0), (FULL_WIDTH, rows * CELL))
+            draw.place(lower[0], Chart(tuple(_hodograph(shown, name) for name in vectors), columns=PER_ROW))
 
-    return drawn(FULL_WIDTH, height, draw_all)
+    return draw.drawn(FULL_WIDTH, TITLE + UPPER + rows * CELL, draw_all)
 
 
 def _title(shown: ShownSheet, name: str) -> str:
