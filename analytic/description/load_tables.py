@@ -123,7 +123,8 @@ def _spring(reader: Reader, table: doc.SpringTable, where: str) -> Spring:
     stiffness = reader.number(table.stiffness, "stiffness", f"{where}.stiffness")
     length = reader.number(table.length, "length", f"{where}.length")
     damping = reader.number(table.damping, "damping", f"{where}.damping")
-    return Spring(table.between, (first, second), stiffness, length, damping)
+    given = "length" in table.model_fields_set
+    return Spring(table.between, (first, second), stiffness, length, damping, given)
 
 
 def dampers(reader: Reader) -> tuple[RotaryDamper, ...]:

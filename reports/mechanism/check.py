@@ -108,7 +108,7 @@ def _warnings(facts: Facts, written: Written) -> Iterator[str]:
     sketch = facts.get("sketch", {"off": {}, "extent": 0.0})
     for name, off in sketch["off"].items():
         if off > FAR * sketch["extent"]:
-            yield f"sketch.points.{name} is {written(off)} off: correct it, or the sketch's angle"
+            yield f"sketch.points.{name} is {written(off)} off: correct it, or sketch.angle"
     if "transmission" in facts and facts["range"]["is_full_turn"] and not facts["range"]["change_points"]:
         for name, found in facts["transmission"].items():
             least = math.degrees(found["least"])
