@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from reports.charts import labels, scales, surfaces
 from reports.charts.style import DARK, DOTS_PER_INCH, FULL_WIDTH, MUTED, WIDTH, house_style, ink
-from reports.document.chart import Chart, Curve, Hatch, Panel
+from reports.document.chart import Chart, Curve, Hatch, Ink, Panel
 
 Array = NDArray[np.float64]
 Host = Figure | SubFigure
@@ -72,6 +72,7 @@ def place(host: Host, chart: Chart) -> None:
         _draw_panel(axes, panel, size)
     for number, (axes, panel) in enumerate(zip(grid, chart.panels, strict=False)):
         _set_scales(axes, panel, size)
+        _write_names(axes, panel, size)
         last = not shared or number + columns >= len(chart.panels)
         axes.tick_params(labelbottom=last)
         axes.xaxis.label.set_visible(last)
@@ -140,7 +141,7 @@ def _dark(text: str) -> str:
         f'[style*="{what}: {light}"],[{what}="{light}"]{{{what}:{dark}!important}}'
         for light, dark in DARK.items()
         for what in ("fill", "stroke")
-        if f"{what}: {light}" in text
+        if re.search(f'{what}(: |="){light}', text)
     )
 
 
@@ -152,16 +153,26 @@ def _draw_panel(axes: Axes, panel: Panel, size: Array) -> None:
         surfaces.hatch(axes, low, high)
     if panel.surface:
         surfaces.draw_surface(axes, panel.surface)
+    _draw_curves(axes, panel)
+
+
+def _write_names(axes: Axes, panel: Panel, size: Array) -> None:
+    """Names of curves at their ends or in a key, of marks and notes, the title; the limits of the axes are known."""
     key, title = _named(panel, size[1]), labels.fitting(panel.title, size[0])
-    _draw_curves(axes, panel, ends=panel.names == "ends" and not key)
-    _draw_marks(axes, panel)
+    ends = [(mark.place, mark.name, mark.ink) for mark in panel.marks if mark.along == "y"]
+    ends += _ends(panel) if panel.names == "ends" and not key else []
+    low, high = sorted(axes.get_ylim())
+    for height, name, colour in ends:
+        labels.write(axes, (1.0, min(max(height, low), high)), name, labels.END, ink(colour))
+    uprights = [mark for mark in panel.marks if mark.along == "x" and mark.name]
+    for mark in uprights:
+        labels.write(axes, (mark.place, 1.0), mark.name, labels.UPRIGHT, ink(mark.ink))
     for note in panel.notes:
         labels.write(axes, (note.x, note.y), note.text, labels.NOTE)
     if key:
         axes.legend(**_key(key, size[0]), loc="lower left", bbox_to_anchor=(0.0, 1.0), title=title or None)
     else:
-        named = any(mark.name for mark in panel.marks if mark.along == "x")
-        axes.set_title(title, weight="bold", pad=labels.GAP + 72.0 * labels.LINE * named)
+        axes.set_title(title, weight="bold", pad=labels.GAP + 72.0 * labels.LINE * bool(uprights))
 
 
 def _set_scales(axes: Axes, panel: Panel, size: Array) -> None:
@@ -171,7 +182,6 @@ def _set_scales(axes: Axes, panel: Panel, size: Array) -> None:
     ticks = np.maximum(size / ((EQUAL, EQUAL) if equal else (ACROSS, UPWARD)), 2.0).astype(int)
     scales.write_scale(axes.xaxis, panel.x_label, ticks[0])
     scales.write_scale(axes.yaxis, panel.y_label, ticks[1])
-    labels.reach(axes)
     if panel.turn:
         axes.xaxis.set_major_locator(MultipleLocator(60.0 if size[0] > TURN else 120.0))
     if panel.rows:
@@ -183,24 +193,31 @@ def _set_scales(axes: Axes, panel: Panel, size: Array) -> None:
         axes.set_aspect("equal", adjustable="datalim")
 
 
-def _draw_curves(axes: Axes, panel: Panel, *, ends: bool) -> None:
-    """Curves, each on the one before it where they are stacked, and their names at their ends."""
+def _draw_curves(axes: Axes, panel: Panel) -> None:
+    """Curves, each on the one before it where they are stacked, and lines across the panel."""
     below: Array = np.zeros(1)
     for curve in panel.curves:
-        middle = _last(curve.y)
         if curve.stacked:
             axes.fill_between(curve.x, below, curve.y, color=ink(curve.ink), alpha=0.75, linewidth=0.0)
-            middle, below = 0.5 * (middle + _last(below)), curve.y
+            below = curve.y
         axes.add_line(_line(curve))
-        if ends and curve.name:
-            labels.write(axes, (1.0, middle), curve.name, labels.END, ink(curve.ink))
+    for mark in panel.marks:
+        line = axes.axvline if mark.along == "x" else axes.axhline
+        style: Any = "-" if mark.ink == "faint" else (0, (5, 2))
+        line(mark.place, color=ink(mark.ink), linewidth=0.9, linestyle=style, zorder=2.0)
     y = scales.NOTED if panel.notes else scales.MARGIN
     axes.margins(0.5 * y if panel.scale == "equal" else 0.0 if any(one.line for one in panel.curves) else y, y)
     axes.autoscale_view()
 
 
-def _last(values: Array) -> float:
-    return float(next((value for value in values[::-1] if np.isfinite(value)), 0.0))
+def _ends(panel: Panel) -> list[tuple[float, str, Ink]]:
+    """Where curves end with their names and colours; of a stacked one half-way down to the one below."""
+    found, below = [], 0.0
+    for curve in panel.curves:
+        end = float(next((value for value in curve.y[::-1] if np.isfinite(value)), 0.0))
+        found.append((0.5 * (end + below) if curve.stacked else end, curve.name, curve.ink))
+        below = end
+    return found
 
 
 def _line(curve: Curve) -> Line2D:
@@ -209,18 +226,6 @@ def _line(curve: Curve) -> Line2D:
                   marker=curve.marker or "none", markersize=curve.size, clip_on=not curve.marker,
                   solid_capstyle="butt" if curve.width >= BAR else "projecting",
                   zorder=2.0 if curve.ink == "reference" else 3.0)  # fmt: skip
-
-
-def _draw_marks(axes: Axes, panel: Panel) -> None:
-    """Lines across the panel; the names of uprights stand above it, those of levels at the right."""
-    for mark in panel.marks:
-        upright = mark.along == "x"
-        style: Any = "-" if mark.ink == "faint" else (0, (5, 2))
-        line = axes.axvline if upright else axes.axhline
-        line(mark.place, color=ink(mark.ink), linewidth=0.9, linestyle=style, zorder=2.0)
-        place, kind = ((mark.place, 1.0), labels.UPRIGHT) if upright else ((1.0, mark.place), labels.END)
-        if mark.name:
-            labels.write(axes, place, mark.name, kind, ink(mark.ink))
 
 
 def _named(panel: Panel, tall: float) -> list[Curve]:

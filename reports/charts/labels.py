@@ -11,7 +11,6 @@ from typing import Any
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.font_manager import FontProperties
-from matplotlib.text import Annotation
 from matplotlib.textpath import text_to_path
 from matplotlib.transforms import Bbox
 from numpy.typing import NDArray
@@ -62,18 +61,12 @@ def spread(places: Sequence[float], sizes: Sequence[float], room: float) -> Arra
 
 def write(axes: Axes, place: tuple[float, float], name: str, kind: str, colour: str = INK) -> None:
     """Words at the right of a height (``END``), above a place of the x axis (``UPRIGHT``) or at a point (``NOTE``)."""
+    if not name:
+        return
     coordinates = {END: axes.get_yaxis_transform(), UPRIGHT: axes.get_xaxis_transform(), NOTE: axes.transData}[kind]
     beside, across, up = ((GAP, 0.0), "left", "center") if kind == END else ((0.0, GAP), "center", "bottom")
     axes.annotate(fitting(name), place, beside, coordinates, "offset points", color=colour, annotation_clip=False,
                   label=kind, ha=across, va="center" if kind == NOTE else up)  # fmt: skip
-
-
-def reach(axes: Axes) -> None:
-    """Bring names at heights beyond the limits of axes to their end."""
-    low, high = sorted(axes.get_ylim())
-    for name in axes.texts:
-        if isinstance(name, Annotation) and name.get_label() == END:
-            name.xy = (1.0, min(max(name.xy[1], low), high))
 
 
 def settle(axes: Axes) -> None:

@@ -8,7 +8,7 @@ from matplotlib.patches import Rectangle
 
 from analytic.errors import LinkproofError
 from reports.charts import draw
-from reports.charts.style import INK, LIMIT_COLOUR, MUTED
+from reports.charts.style import DARK, INK, LIMIT_COLOUR, MUTED, PLATE
 from reports.designs.sweep.sweep_picture import sweep_figure, sweep_svg
 from tests.reports.designs.made_up_sweep import CONDITIONS, sweep
 from tests.reports.drawn_words import check_words, texts
@@ -159,6 +159,7 @@ def test_a_file_is_the_same_every_time_and_stands_on_white():
     assert "prefers-color-scheme" not in text
     assert "<pattern" in text
     assert "fill: #ffffff" in text
+    assert f'[fill="{PLATE}"]{{fill:{DARK[PLATE]}' in draw.svg(sweep_figure(sweep(9, fails=0.3)))
 
 
 def test_nothing_to_draw_is_refused():
