@@ -37,15 +37,16 @@ def set_limits(axes: Axes, panel: Panel) -> None:
     elif axes.get_yscale() == "log":
         axes.set_ylim(_decades(_above_dips(panel), axes.dataLim.y1))
     elif panel.scale != "equal" and not panel.surface:
-        axes.set_ylim(panel.span or _steady(*axes.dataLim.intervaly) or axes.get_ylim())
+        low, high = axes.dataLim.intervaly
+        axes.set_ylim(panel.span or _linear(low, high, axes.get_ylim()))
 
 
-def _steady(low: float, high: float) -> tuple[float, float] | None:
-    """Limits about a flat curve, in whose middle it stands, or above zero for one of magnitudes."""
+def _linear(low: float, high: float, limits: tuple[float, float]) -> tuple[float, float]:
+    """Limits with room about what is drawn: a flat curve stands in their middle, magnitudes above zero."""
     size = max(abs(low), abs(high))
     if 0.0 < high - low <= STEADY * size:
         return low - 0.1 * size, high + 0.1 * size
-    return (0.0, high + MARGIN * (high - low)) if 0.0 <= low < FROM_ZERO * high else None
+    return (0.0, limits[1]) if 0.0 <= low < FROM_ZERO * high else limits
 
 
 def _above_dips(panel: Panel) -> float:
